@@ -1,0 +1,1 @@
+//! Which bodies' boxes overlap, kept from frame to frame.

@@ -1,0 +1,1 @@
+//! One plugin per effect; the one composer of worlds, physics, recordings and pictures.

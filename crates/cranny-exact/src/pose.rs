@@ -1,0 +1,291 @@
+//! Where bodies are, and the one function that poses a vertex.
+
+use glam::{DMat3, DQuat, DVec3};
+use thiserror::Error;
+
+use crate::domain::{DomainError, check_point};
+
+/// Matrix entries closer than this to −1, 0 or 1 are taken to be −1, 0 or 1.
+///
+/// A unit quaternion cannot hold a quarter turn exactly (√½ is irrational); its matrix would miss
+/// by up to 2 ulps and a box standing on a box would hover or sink by 1e-16. Four ulps cover every
+/// such case; larger, and real rotations below 1e-15 radians would be lost; smaller, and
+/// `quarter_turns_are_exact` fails. It also keeps the smallest nonzero entry above 2^-51, on which
+/// the [`domain`](crate::domain) relies.
+const SNAP: f64 = 4.0 * f64::EPSILON;
+
+/// By how much the squared length of a rotation quaternion may differ from 1 before
+/// [`Pose::checked`] refuses it. Larger, and a scaled body passes for a rigid one; smaller, and
+/// quaternions written with nine digits are refused.
+const UNIT_SLACK: f64 = 1e-6;
+
+/// A rotation that is not one, or a translation outside the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PoseError {
+    /// The quaternion's length is not 1.
+    #[error(
+        "rotation quaternion has length {length}: it must be 1 (to within one part in a million)"
+    )]
+    NotUnit {
+        /// Length found.
+        length: f64,
+    },
+    /// The matrix does not preserve lengths, or mirrors.
+    #[error(
+        "matrix is not a rigid motion: it deviates from a rotation by {deviation:e} (at most {limit:e} is accepted); scale the mesh itself instead"
+    )]
+    NotRigid {
+        /// Largest entry of `RᵀR − 1`; or 2 where the matrix mirrors.
+        deviation: f64,
+        /// The largest accepted deviation.
+        limit: f64,
+    },
+    /// The translation lies outside the domain.
+    #[error("translation: {0}")]
+    Domain(#[from] DomainError),
+}
+
+/// Position and orientation of a body: `world_from_body`, a rotation followed by a translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Unit quaternion (x, y, z, w).
+    pub rotation: DQuat,
+    /// Of the body's origin, in world coordinates.
+    pub translation: DVec3,
+}
+
+impl Pose {
+    /// The body's frame is the world's.
+    pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
+
+    /// A pose without rotation.
+    #[must_use]
+    pub fn at(translation: DVec3) -> Self {
+        Self { rotation: DQuat::IDENTITY, translation }
+    }
+
+    /// A validated pose. The quaternion is normalised.
+    ///
+    /// # Errors
+    ///
+    /// [`PoseError`] where the quaternion's length is not 1 or the translation is out of domain.
+    pub fn checked(rotation: DQuat, translation: DVec3) -> Result<Self, PoseError> {
+        check_point(translation)?;
+        let length = rotation.length();
+        if (rotation.length_squared() - 1.0).abs() <= UNIT_SLACK {
+            Ok(Self { rotation: rotation * (1.0 / length), translation })
+        } else {
+            Err(PoseError::NotUnit { length })
+        }
+    }
+
+    /// From a row-major 4 x 4 matrix `world_from_body` whose last row is (0, 0, 0, 1).
+    ///
+    /// # Errors
+    ///
+    /// [`PoseError::NotRigid`] where it is not a rotation and a translation, to within 1e-6;
+    /// [`PoseError::Domain`] where the translation is out of domain.
+    pub fn from_row_major(m: &[f64; 16]) -> Result<Self, PoseError> {
+        let linear =
+            DMat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
+        let translation = DVec3::new(m[3], m[7], m[11]);
+        check_point(translation)?;
+        let gram = linear.transpose() * linear - DMat3::IDENTITY;
+        let last_row = [m[12], m[13], m[14], m[15] - 1.0];
+        let mut deviation =
+            gram.to_cols_array().into_iter().chain(last_row).fold(0.0f64, |worst, x| {
+                if x.is_nan() { f64::INFINITY } else { worst.max(x.abs()) }
+            });
+        if linear.determinant() < 0.0 {
+            deviation = deviation.max(2.0);
+        }
+        if deviation > UNIT_SLACK {
+            return Err(PoseError::NotRigid { deviation, limit: UNIT_SLACK });
+        }
+        let rotation = DQuat::from_mat3(&linear);
+        Ok(Self { rotation: rotation * (1.0 / rotation.length()), translation })
+    }
+
+    /// Twelve numbers and a last row, row-major: the inverse of [`from_row_major`](Self::from_row_major).
+    #[must_use]
+    pub fn to_row_major(&self) -> [f64; 16] {
+        let m = self.world_from_body();
+        let (l, t) = (m.linear, m.translation);
+        [
+            l.x_axis.x, l.y_axis.x, l.z_axis.x, t.x, l.x_axis.y, l.y_axis.y, l.z_axis.y, t.y,
+            l.x_axis.z, l.y_axis.z, l.z_axis.z, t.z, 0.0, 0.0, 0.0, 1.0,
+        ]
+    }
+
+    /// The map from body to world coordinates.
+    #[must_use]
+    pub fn world_from_body(&self) -> RigidMap {
+        RigidMap { linear: snapped(DMat3::from_quat(self.rotation)), translation: self.translation }
+    }
+
+    /// The pose of a body that is fixed in another: `world_from_inner = world_from_self · self_from_inner`.
+    #[must_use]
+    pub fn compose(&self, inner: &Self) -> Self {
+        let rotation = self.rotation * inner.rotation;
+        Self {
+            rotation: rotation * (1.0 / rotation.length()),
+            translation: self.world_from_body().apply(inner.translation),
+        }
+    }
+
+    /// The seven numbers that define the pose, as bits: a total order for canonical pairs and hashes.
+    #[must_use]
+    pub fn bits(&self) -> [u64; 7] {
+        let (q, t) = (self.rotation, self.translation);
+        // `+ 0.0` makes −0 and 0, which mean the same pose, the same bits.
+        [q.x, q.y, q.z, q.w, t.x, t.y, t.z].map(|x| (x + 0.0).to_bits())
+    }
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+/// A rigid motion between two frames, ready to be applied: `p_in_a = linear · p_in_b + translation`.
+///
+/// `linear` is a rotation to rounding. [`apply`](Self::apply) is *the* posing function: the exact
+/// contract of Cranny reads the points that it returns, rounded as they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidMap {
+    /// Rotation.
+    pub linear: DMat3,
+    /// Translation, applied after the rotation.
+    pub translation: DVec3,
+}
+
+impl RigidMap {
+    /// Leaves every point where it is.
+    pub const IDENTITY: Self = Self { linear: DMat3::IDENTITY, translation: DVec3::ZERO };
+
+    /// `a_from_b`: takes coordinates in body B's frame to coordinates in body A's.
+    #[must_use]
+    pub fn between(a: &Pose, b: &Pose) -> Self {
+        let (world_from_a, world_from_b) = (a.world_from_body(), b.world_from_body());
+        let a_from_world = world_from_a.linear.transpose();
+        Self {
+            linear: snapped(a_from_world * world_from_b.linear),
+            translation: a_from_world * (world_from_b.translation - world_from_a.translation),
+        }
+    }
+
+    /// Poses a point: the one function that does.
+    #[must_use]
+    pub fn apply(&self, p: DVec3) -> DVec3 {
+        self.linear * p + self.translation
+    }
+
+    /// Turns a direction.
+    #[must_use]
+    pub fn apply_vector(&self, v: DVec3) -> DVec3 {
+        self.linear * v
+    }
+
+    /// The inverse motion (to rounding).
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        let linear = self.linear.transpose();
+        Self { linear, translation: -(linear * self.translation) }
+    }
+
+    /// An upper bound of the distance between [`apply`](Self::apply)'s rounded result and the exact
+    /// image, for points at most `radius` from the origin.
+    ///
+    /// A coordinate takes three products and three sums. Each partial result is at most
+    /// `√3·radius + |t|`, each operation adds half an ulp of it; six operations, three coordinates.
+    #[must_use]
+    pub fn posing_error(&self, radius: f64) -> f64 {
+        let t = self.translation.abs().max_element();
+        8.0 * f64::EPSILON * (2.0 * radius + t)
+    }
+}
+
+fn snapped(m: DMat3) -> DMat3 {
+    DMat3::from_cols_array(&m.to_cols_array().map(|x| {
+        let nearest = x.round();
+        if (x - nearest).abs() <= SNAP { nearest + 0.0 } else { x }
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The 24 rotations that take the axes to the axes.
+    fn cube_rotations() -> Vec<DMat3> {
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
+        let mut all = Vec::new();
+        for x in axes {
+            for y in axes.into_iter().filter(|y| y.dot(x) == 0.0) {
+                all.push(DMat3::from_cols(x, y, x.cross(y)));
+            }
+        }
+        all
+    }
+
+    fn row_major(r: DMat3, t: DVec3) -> [f64; 16] {
+        [
+            r.x_axis.x, r.y_axis.x, r.z_axis.x, t.x, r.x_axis.y, r.y_axis.y, r.z_axis.y, t.y,
+            r.x_axis.z, r.y_axis.z, r.z_axis.z, t.z, 0.0, 0.0, 0.0, 1.0,
+        ]
+    }
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        let p = DVec3::new(0.375, -1.5, 1024.0625);
+        let rotations = cube_rotations();
+        assert_eq!(rotations.len(), 24);
+        for &ra in &rotations {
+            for &rb in &rotations {
+                let (ta, tb) = (DVec3::new(1.0, -2.5, 0.125), DVec3::new(-3.0, 0.75, 8.0));
+                let a = Pose::from_row_major(&row_major(ra, ta)).unwrap();
+                let b = Pose::from_row_major(&row_major(rb, tb)).unwrap();
+                assert_eq!(a.world_from_body().apply(p), ra * p + ta);
+                let expected = ra.transpose() * (rb * p + tb - ta);
+                assert_eq!(RigidMap::between(&a, &b).apply(p), expected);
+                assert_eq!(a.to_row_major(), row_major(ra, ta));
+            }
+        }
+    }
+
+    #[test]
+    fn matrices_that_scale_mirror_or_shear_are_refused() {
+        let refused = |m: DMat3| Pose::from_row_major(&row_major(m, DVec3::ZERO)).is_err();
+        assert!(refused(DMat3::from_diagonal(DVec3::splat(2.0))));
+        assert!(refused(DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0))));
+        assert!(refused(DMat3::from_cols(DVec3::X, DVec3::new(0.1, 1.0, 0.0), DVec3::Z)));
+        assert!(refused(DMat3::from_diagonal(DVec3::splat(f64::NAN))));
+        assert!(!refused(DMat3::IDENTITY));
+        let mut projective = row_major(DMat3::IDENTITY, DVec3::ZERO);
+        projective[13] = 0.5;
+        assert!(Pose::from_row_major(&projective).is_err());
+    }
+
+    #[test]
+    fn the_posing_error_bounds_what_rounding_does() {
+        let rotation = DQuat::from_xyzw(0.1, -0.7, 0.3, 0.64).normalize();
+        let map = Pose { rotation, translation: DVec3::new(1e3, 0.1, -7.0) }.world_from_body();
+        let p = DVec3::new(0.3, -0.9, 0.2);
+        // Splitting the point in two halves gives the same image up to rounding.
+        let halves = map.linear * (0.5 * p) + (map.linear * (0.5 * p) + map.translation);
+        assert!((map.apply(p) - halves).length() <= 2.0 * map.posing_error(p.length()));
+        assert!(map.posing_error(1.0) < 1e-11);
+    }
+
+    #[test]
+    fn composition_follows_the_frames() {
+        let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5f64.sqrt(), 0.5f64.sqrt());
+        let outer = Pose { rotation: quarter, translation: DVec3::X };
+        let inner = Pose { rotation: quarter, translation: DVec3::Y };
+        let both = outer.compose(&inner).world_from_body();
+        assert_eq!(both.apply(DVec3::X), DVec3::new(-1.0, 0.0, 0.0));
+        assert_eq!(outer.world_from_body().inverse().apply(DVec3::X), DVec3::ZERO);
+    }
+}

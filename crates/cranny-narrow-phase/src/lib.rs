@@ -1,0 +1,1 @@
+//! The exact pair query: verdicts, distances, contact curves and regions.

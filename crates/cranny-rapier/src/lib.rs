@@ -1,0 +1,1 @@
+//! Cranny's detector as rapier's narrow phase.

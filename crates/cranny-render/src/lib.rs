@@ -1,0 +1,1 @@
+//! Draw lists to images, headless.

@@ -1,0 +1,1 @@
+//! Scene files, mesh files, robots and generated worlds.

@@ -1,0 +1,1 @@
+//! Generators of closed, oriented solids.

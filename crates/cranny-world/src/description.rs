@@ -1,0 +1,226 @@
+//! Neutral descriptions of scenes: what a scene file or a program says, before anything runs.
+//!
+//! Lengths are in the scene's unit, times in seconds, angles in radians, masses density x volume.
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::Mesh;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A whole scene.
+#[derive(Clone, Debug)]
+pub struct SceneDescription {
+    /// Title, usually the file's stem.
+    pub name: String,
+    /// Acceleration of every dynamic body.
+    pub gravity: DVec3,
+    /// Duration of a step, seconds, > 0.
+    pub step: f64,
+    /// Simulated seconds, >= 0.
+    pub duration: f64,
+    /// For generated worlds and anything random.
+    pub seed: u64,
+    /// In file order; the position is the body's stable id.
+    pub bodies: Vec<BodyDescription>,
+    /// Joints between bodies.
+    pub joints: Vec<JointDescription>,
+    /// Effects that hold for all bodies.
+    pub effects: Vec<Effect>,
+    /// Effects of single pairs.
+    pub pairs: Vec<PairDescription>,
+    /// Cameras for rendering.
+    pub cameras: Vec<CameraDescription>,
+    /// What a recording holds.
+    pub record: RecordDescription,
+}
+
+/// How a body moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BodyKind {
+    /// Never moves.
+    Fixed,
+    /// Moves as told (its velocity), pushed by nothing.
+    Kinematic,
+    /// Moves as physics says.
+    Dynamic,
+}
+
+/// One body.
+#[derive(Clone, Debug)]
+pub struct BodyDescription {
+    /// Unique; the frame id of recordings.
+    pub name: String,
+    /// Collision geometry in the body's frame, shared between bodies that use the same file.
+    pub collision: Arc<Mesh>,
+    /// Geometry to draw where it differs.
+    pub visual: Option<Arc<Mesh>>,
+    /// How it moves.
+    pub kind: BodyKind,
+    /// Where it starts.
+    pub pose: Pose,
+    /// Metres (units) a second.
+    pub linear_velocity: DVec3,
+    /// Radians a second.
+    pub angular_velocity: DVec3,
+    /// What it is made of.
+    pub material: Material,
+    /// Bodies meet only where they share a layer.
+    pub layers: Vec<String>,
+    /// Effects of this body beyond the scene's.
+    pub effects: Vec<Effect>,
+}
+
+/// Physical constants of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Mass per volume.
+    pub density: f64,
+    /// Coulomb coefficient.
+    pub friction: f64,
+    /// 0: no bounce; 1: full bounce.
+    pub restitution: f64,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self { density: 1.0, friction: 0.5, restitution: 0.0 }
+    }
+}
+
+/// What a scene asks for; nothing else is computed, allocated or scheduled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Effect {
+    /// Overlap began and ended: yes or no.
+    Trigger,
+    /// Contact points, curves and regions up to `margin` apart.
+    Contacts {
+        /// Separation up to which near contacts are reported, >= 0.
+        margin: f64,
+    },
+    /// Rigid bodies through rapier.
+    Response,
+}
+
+impl Effect {
+    /// Its name in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Trigger => "Trigger",
+            Self::Contacts { .. } => "Contacts",
+            Self::Response => "Response",
+        }
+    }
+}
+
+/// Effects of one pair of bodies.
+#[derive(Clone, Debug)]
+pub struct PairDescription {
+    /// Name of a body.
+    pub a: String,
+    /// Name of another.
+    pub b: String,
+    /// What holds for the pair beyond the scene's and the bodies' effects.
+    pub effects: Vec<Effect>,
+}
+
+/// A joint between two bodies.
+#[derive(Clone, Debug)]
+pub struct JointDescription {
+    /// Unique.
+    pub name: String,
+    /// Index into [`SceneDescription::bodies`].
+    pub parent: usize,
+    /// Index into [`SceneDescription::bodies`].
+    pub child: usize,
+    /// `parent_from_joint`.
+    pub parent_anchor: Pose,
+    /// `child_from_joint`.
+    pub child_anchor: Pose,
+    /// Which motions are free.
+    pub kind: JointKind,
+    /// Motion of the joint in step with another: position = multiplier * other + offset.
+    pub mimic: Option<Mimic>,
+    /// Position (radians or units) at which the joint is held by a motor, if it is.
+    pub target: Option<f64>,
+}
+
+/// Which motions a joint leaves free; axes are unit vectors in the joint's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointKind {
+    /// None.
+    Fixed,
+    /// Rotation about an axis, within limits (radians).
+    Revolute {
+        /// Unit axis.
+        axis: DVec3,
+        /// Least and greatest angle; `None`: unbounded.
+        limits: Option<[f64; 2]>,
+    },
+    /// Translation along an axis, within limits.
+    Prismatic {
+        /// Unit axis.
+        axis: DVec3,
+        /// Least and greatest position; `None`: unbounded.
+        limits: Option<[f64; 2]>,
+    },
+}
+
+/// One joint follows another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mimic {
+    /// Name of the joint that leads.
+    pub joint: String,
+    /// Factor.
+    pub multiplier: f64,
+    /// Offset.
+    pub offset: f64,
+}
+
+/// Joint positions by name.
+pub type JointPositions = BTreeMap<String, f64>;
+
+/// From where a scene is seen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDescription {
+    /// Unique; part of the recording's topic.
+    pub name: String,
+    /// View direction, or an explicit place.
+    pub view: CameraView,
+}
+
+/// A preset fitted to the scene's bounds, or a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CameraView {
+    /// From (1, −1, 0.8): three sides seen.
+    Isometric,
+    /// Along +y.
+    Front,
+    /// Along −x.
+    Side,
+    /// Along −z.
+    Top,
+    /// From a point towards another, world z up.
+    LookAt {
+        /// Where the camera stands.
+        eye: DVec3,
+        /// What it looks at.
+        target: DVec3,
+        /// Vertical field of view, radians.
+        field_of_view: f64,
+    },
+}
+
+/// What a recording holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordDescription {
+    /// Every so many steps a frame, >= 1.
+    pub every: u32,
+}
+
+impl Default for RecordDescription {
+    fn default() -> Self {
+        Self { every: 1 }
+    }
+}

@@ -1,0 +1,3 @@
+//! Bodies, pairs, demands and events; neutral descriptions of scenes.
+
+pub mod description;
