@@ -37,4 +37,7 @@ pub use interval::Interval;
 pub use pose::{Pose, PoseError, RigidMap};
 pub use sign::{Sign, orient2d, orient3d};
 pub use tolerance::Tolerance;
-pub use triangle::{Meeting, classify_segment_triangle, classify_triangles};
+pub use triangle::{
+    Meeting, Piercing, SegmentFeature, TriangleFeature, classify_segment_triangle,
+    classify_triangles, locate_piercing,
+};

@@ -1,6 +1,19 @@
 //! Do two triangles meet, and how: exact in every case, degenerate ones included.
+//!
+//! Everything here is decided by signs of [`orient3d`](crate::orient3d) and
+//! [`orient2d`](crate::orient2d) and by comparing coordinates. No point is constructed and no
+//! epsilon is read, so the answers do not depend on the order of the arguments or of their corners,
+//! nor on the unit of length. Coordinates must lie inside the [`domain`](crate::domain).
 
-use glam::DVec3;
+mod pair;
+mod piercing;
+mod planar;
+mod plane;
+
+pub use pair::classify_triangles;
+pub use piercing::{
+    Piercing, SegmentFeature, TriangleFeature, classify_segment_triangle, locate_piercing,
+};
 
 /// How two sets of points meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -13,14 +26,10 @@ pub enum Meeting {
     Cross,
 }
 
-/// How two closed triangles meet.
-#[must_use]
-pub fn classify_triangles(_a: &[DVec3; 3], _b: &[DVec3; 3]) -> Meeting {
-    Meeting::None
-}
-
-/// How a closed segment meets a closed triangle.
-#[must_use]
-pub fn classify_segment_triangle(_segment: &[DVec3; 2], _triangle: &[DVec3; 3]) -> Meeting {
-    Meeting::None
+impl Meeting {
+    /// Whether they share a point at all.
+    #[must_use]
+    pub fn meets(self) -> bool {
+        self != Self::None
+    }
 }
