@@ -1,7 +1,44 @@
-//! Meshes, hulls, trees and the prepared `Model` of Cranny.
+//! Meshes, hulls, trees and the prepared [`Model`]: all that is known of a body before it moves.
+//!
+//! # Promises
+//!
+//! - Any triangle mesh with finite coordinates is accepted, open and non-manifold ones included;
+//!   the [`Report`] names every defect that limits answers.
+//! - Preparation never moves a vertex: coincident ones are welded, unreferenced ones dropped.
+//! - The hull is exactly convex, and the tree's boxes hold their faces exactly.
+//! - No input or output, no clock, no globals, no graphics.
+//!
+//! # Non-promises
+//!
+//! Self-intersecting meshes are accepted unseen for now; T-vertices are reported as open edges.
+//!
+//! ```
+//! use cranny_exact::DVec3;
+//! use cranny_geometry::{BuildOptions, Mesh, Model};
+//!
+//! let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+//! let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let (model, report) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
+//! assert!(model.is_closed() && report.findings.is_empty());
+//! assert!((model.mass_properties().unwrap().volume - 1.0 / 6.0).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+// pub mod hull;
 mod ids;
+mod mass;
 mod mesh;
+// mod model;
+mod report;
+mod topology;
+mod tree;
+mod weld;
 
+// pub use hull::ConvexHull;
 pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, VertexId};
+pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
+// pub use model::{BuildError, BuildOptions, Model, Stage};
+pub use report::{Finding, FindingKind, Repair, Report};
+pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
+pub use tree::{Content, FaceTree, Node};

@@ -85,6 +85,20 @@ impl Mesh {
         Ok(Self { vertices, faces })
     }
 
+    /// From parts that are known to keep the promises.
+    pub(crate) fn from_trusted(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Self {
+        debug_assert!(faces.iter().flatten().all(|&i| (i as usize) < vertices.len()));
+        Self { vertices, faces }
+    }
+
+    /// Turns every face around.
+    pub(crate) fn turned_inside_out(mut self) -> Self {
+        for face in &mut self.faces {
+            face.swap(1, 2);
+        }
+        self
+    }
+
     /// Vertex positions in the body's frame.
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {

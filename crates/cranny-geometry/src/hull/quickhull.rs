@@ -1,0 +1,177 @@
+//! The exact triangulated hull: quickhull (Barber, Dobkin and Huhdanpaa 1996) on exact signs.
+//!
+//! Every point that lies strictly above some triangle waits in the conflict list of one such
+//! triangle. A step takes the highest point of a list, removes the triangles that it sees and closes
+//! the hole with a fan. Heights are `f64` and only choose *which* point comes next.
+//!
+//! # Coplanar points
+//!
+//! A point *sees* a triangle when it lies **strictly** above its plane. A point in the plane of a
+//! facet and outside it does not see that facet, but it strictly sees the neighbour across each edge
+//! that it lies beyond, so it waits in a list all the same; its fan then extends the facet in its own
+//! plane, across a flat edge. What is seen is what a point moved a little towards the interior would
+//! see in general position: a disk, bounded by one simple cycle, the horizon; and no new triangle is
+//! degenerate, for its apex lies strictly above a plane through its base.
+//!
+//! A waiting point `q` that is above a removed triangle and still outside afterwards is above a new
+//! one: what `q` sees is connected across edges, so it reaches the outside over a horizon edge, and
+//! the new plane through that edge is a non-negative combination of the two old ones, above both of
+//! which `q` lies. So no list but those of the removed triangles need be looked at, and the result
+//! holds every point, inside or on it.
+//!
+//! # Only extreme points
+//!
+//! A vertex may come to lie inside an edge or a facet of the final hull. Such vertices are found from
+//! the exact convexity of the edges, and the hull is built once more from the others.
+
+use cranny_exact::{Aabb, DVec3, Sign};
+
+use super::side::Side;
+
+const NONE: u32 = u32::MAX;
+
+/// A closed triangulated surface. Half-edge `3 f + i` runs from corner `i` of triangle `f` to the
+/// next.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Surface {
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) twins: Vec<u32>,
+}
+
+/// The hull of points that are not coplanar: a surface over their indices, whose vertices are exactly
+/// the extreme points (the lowest index of each).
+pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
+    let mut surface = Builder::new(points, simplex).run();
+    let flat = flat_vertices(points, &surface);
+    if flat.is_empty() {
+        return surface;
+    }
+    let mut extreme: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
+    extreme.sort_unstable();
+    extreme.dedup();
+    extreme.retain(|v| flat.binary_search(v).is_err());
+    let subset: Vec<DVec3> = extreme.iter().map(|&v| points[v as usize]).collect();
+    if let super::span::Span::Space(simplex) = super::span::span_of(&subset) {
+        surface = Builder::new(&subset, simplex).run();
+        for corner in surface.triangles.iter_mut().flatten() {
+            *corner = extreme[*corner as usize];
+        }
+    }
+    surface
+}
+
+/// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
+/// convex; inside an edge of the hull two are, inside a facet none.
+fn flat_vertices(points: &[DVec3], surface: &Surface) -> Vec<u32> {
+    let mut convex_edges = vec![0u32; points.len()];
+    for half_edge in 0..surface.twins.len() as u32 {
+        if half_edge < surface.twins[half_edge as usize]
+            && edge_sign(points, surface, half_edge) != Sign::Zero
+        {
+            for v in surface.ends(half_edge) {
+                convex_edges[v as usize] += 1;
+            }
+        }
+    }
+    let mut flat: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
+    flat.retain(|&v| convex_edges[v as usize] < 3);
+    flat.sort_unstable();
+    flat.dedup();
+    flat
+}
+
+/// On which side of a triangle the apex of its neighbour lies: `Negative` where the edge is convex,
+/// `Zero` where it is flat.
+pub(super) fn edge_sign(points: &[DVec3], surface: &Surface, half_edge: u32) -> Sign {
+    let [a, b, c] = surface.triangles[half_edge as usize / 3].map(|v| points[v as usize]);
+    let apex = surface.origin(previous(surface.twins[half_edge as usize]));
+    cranny_exact::orient3d(a, b, c, points[apex as usize])
+}
+
+/// The next half-edge of the same triangle.
+pub(super) fn next(half_edge: u32) -> u32 {
+    if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
+}
+
+/// The previous half-edge of the same triangle.
+pub(super) fn previous(half_edge: u32) -> u32 {
+    if half_edge % 3 == 0 { half_edge + 2 } else { half_edge - 1 }
+}
+
+impl Surface {
+    /// The vertex that a half-edge starts from.
+    pub(super) fn origin(&self, half_edge: u32) -> u32 {
+        self.triangles[half_edge as usize / 3][half_edge as usize % 3]
+    }
+
+    /// Start and end of a half-edge.
+    pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
+        [self.origin(half_edge), self.origin(next(half_edge))]
+    }
+}
+
+struct Face {
+    vertices: [u32; 3],
+    twins: [u32; 3],
+    side: Side,
+    /// Highest waiting point, or `NONE`; the others hang in a list.
+    apex: u32,
+    apex_height: f64,
+    list: u32,
+    /// The step that last looked at the face, and what it saw.
+    step: u32,
+    visible: bool,
+    alive: bool,
+}
+
+struct Builder<'a> {
+    points: &'a [DVec3],
+    extent: DVec3,
+    faces: Vec<Face>,
+    free: Vec<u32>,
+    /// Successor of a point in its conflict list.
+    successor: Vec<u32>,
+    pending: Vec<u32>,
+    step: u32,
+    /// `(vertex, lower index of a point in the same place)`.
+    duplicates: Vec<(u32, u32)>,
+    /// New face whose base starts at a vertex; read only for vertices of the present horizon.
+    fan_start: Vec<u32>,
+    // Scratch space of a step.
+    stack: Vec<u32>,
+    removed: Vec<u32>,
+    horizon: Vec<(u32, u32, u32)>,
+    orphans: Vec<u32>,
+    fan: Vec<u32>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
+        let bounds = Aabb::of_points(points.iter().copied());
+        let mut builder = Self {
+            points,
+            extent: bounds.max - bounds.min,
+            faces: Vec::new(),
+            free: Vec::new(),
+            successor: vec![NONE; points.len()],
+            pending: Vec::new(),
+            step: 0,
+            duplicates: Vec::new(),
+            fan_start: vec![NONE; points.len()],
+            stack: Vec::new(),
+            removed: Vec::new(),
+            horizon: Vec::new(),
+            orphans: Vec::new(),
+            fan: Vec::new(),
+        };
+        // `d` lies above (a, b, c), so that triangle looks away from it when turned over.
+        for vertices in [[a, c, b], [a, b, d], [b, c, d], [c, a, d]] {
+            let face = builder.add_face(vertices);
+            builder.fan.push(face);
+        }
+        builder.link_by_ends();
+        builder.orphans = (0..points.len() as u32).filter(|i| ![a, b, c, d].contains(i)).collect();
+        builder.assign_orphans(&[a, b, c, d]);
+        builder
+    }
+}

@@ -1,0 +1,189 @@
+//! Which dimension a point set has, exactly, and the planar and linear hulls.
+
+use std::cmp::Ordering;
+
+use cranny_exact::{DVec2, DVec3, Sign, orient2d, orient3d};
+
+/// Affinely independent points that span the set; indices into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Span {
+    /// No point.
+    Empty,
+    /// All points coincide.
+    Point(u32),
+    /// All points lie on a line; the two are its extremes.
+    Line([u32; 2]),
+    /// All points lie in a plane.
+    Plane([u32; 3]),
+    /// Four points that are not coplanar; the last lies above the first three.
+    Space([u32; 4]),
+}
+
+/// Finds the span. Sizes steer the search, exact signs decide it.
+pub(super) fn span_of(points: &[DVec3]) -> Span {
+    let indices = || 0..points.len() as u32;
+    let at = |i: u32| points[i as usize];
+    let Some(first) = indices().reduce(|m, i| if lexicographic(at(i), at(m)).is_lt() { i } else { m })
+    else {
+        return Span::Empty;
+    };
+    let last = indices().fold(first, |m, i| if lexicographic(at(i), at(m)).is_gt() { i } else { m });
+    if at(first) == at(last) {
+        return Span::Point(first);
+    }
+    let axis = at(last) - at(first);
+    let off_line = |i: u32| !collinear(at(first), at(last), at(i));
+    let Some(third) = farthest(points, |p| axis.cross(p - at(first)).length_squared())
+        .filter(|&i| off_line(i))
+        .or_else(|| indices().find(|&i| off_line(i)))
+    else {
+        return Span::Line([first, last]);
+    };
+    let normal = axis.cross(at(third) - at(first));
+    let side = |i: u32| orient3d(at(first), at(last), at(third), at(i));
+    let Some(fourth) = farthest(points, |p| normal.dot(p - at(first)).abs())
+        .filter(|&i| !side(i).is_zero())
+        .or_else(|| indices().find(|&i| !side(i).is_zero()))
+    else {
+        return Span::Plane([first, last, third]);
+    };
+    match side(fourth) {
+        Sign::Positive => Span::Space([first, last, third, fourth]),
+        _ => Span::Space([last, first, third, fourth]),
+    }
+}
+
+/// The index of the largest measure; the lowest index among equals.
+fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> Option<u32> {
+    let mut best: Option<(u32, f64)> = None;
+    for (i, &p) in points.iter().enumerate() {
+        let m = measure(p);
+        if best.is_none_or(|(_, most)| m > most) {
+            best = Some((i as u32, m));
+        }
+    }
+    best.map(|(i, _)| i)
+}
+
+/// Order by x, then y, then z. Total for finite coordinates (−0 equals 0).
+fn lexicographic(a: DVec3, b: DVec3) -> Ordering {
+    let by = |x: f64, y: f64| x.partial_cmp(&y).unwrap_or(Ordering::Equal);
+    by(a.x, b.x).then(by(a.y, b.y)).then(by(a.z, b.z))
+}
+
+/// Whether three points lie on a line: exact, since the three projected areas are the components of
+/// the cross product.
+pub(super) fn collinear(a: DVec3, b: DVec3, c: DVec3) -> bool {
+    Projection::ALL.iter().all(|drop| drop.turn(a, b, c).is_zero())
+}
+
+/// A projection along a coordinate axis; it keeps the handedness of the other two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Projection {
+    /// Onto (y, z).
+    AlongX,
+    /// Onto (z, x).
+    AlongY,
+    /// Onto (x, y).
+    AlongZ,
+}
+
+impl Projection {
+    const ALL: [Self; 3] = [Self::AlongX, Self::AlongY, Self::AlongZ];
+
+    /// A projection under which the triangle keeps an area, and so under which its plane maps one to
+    /// one: the axis nearest the normal if it will do. `None` where the points are collinear.
+    pub(super) fn of_plane([a, b, c]: [DVec3; 3]) -> Option<Self> {
+        let n = (b - a).cross(c - a).abs();
+        let preferred = if n.x >= n.y.max(n.z) {
+            Self::AlongX
+        } else if n.y >= n.z {
+            Self::AlongY
+        } else {
+            Self::AlongZ
+        };
+        [preferred].into_iter().chain(Self::ALL).find(|drop| !drop.turn(a, b, c).is_zero())
+    }
+
+    fn apply(self, p: DVec3) -> DVec2 {
+        match self {
+            Self::AlongX => DVec2::new(p.y, p.z),
+            Self::AlongY => DVec2::new(p.z, p.x),
+            Self::AlongZ => DVec2::new(p.x, p.y),
+        }
+    }
+
+    /// Which way the projected points turn: exact.
+    pub(super) fn turn(self, a: DVec3, b: DVec3, c: DVec3) -> Sign {
+        orient2d(self.apply(a), self.apply(b), self.apply(c))
+    }
+}
+
+/// The extreme points of a coplanar set, counter-clockwise under `projection`: Andrew's monotone
+/// chain (1979) on exact turns. Strict corners only; of coincident points the lowest index.
+pub(super) fn planar_hull(points: &[DVec3], projection: Projection) -> Vec<u32> {
+    let flat = |i: u32| projection.apply(points[i as usize]);
+    let by = |x: f64, y: f64| x.partial_cmp(&y).unwrap_or(Ordering::Equal);
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    order.sort_by(|&i, &j| {
+        let (p, q) = (flat(i), flat(j));
+        by(p.x, q.x).then(by(p.y, q.y)).then(i.cmp(&j))
+    });
+    order.dedup_by(|later, kept| flat(*later) == flat(*kept));
+    let turn = |a: u32, b: u32, c: u32| {
+        projection.turn(points[a as usize], points[b as usize], points[c as usize])
+    };
+    let chain = |indices: &mut dyn Iterator<Item = u32>| {
+        let mut chain: Vec<u32> = Vec::new();
+        for i in indices {
+            while let [.., a, b] = chain[..] {
+                if turn(a, b, i) == Sign::Positive {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(i);
+        }
+        chain.pop(); // the first of the other chain
+        chain
+    };
+    let mut outline = chain(&mut order.iter().copied());
+    outline.extend(chain(&mut order.iter().rev().copied()));
+    outline
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_dimension_is_told_exactly() {
+        let p = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        assert_eq!(span_of(&[]), Span::Empty);
+        assert_eq!(span_of(&[DVec3::ONE; 3]), Span::Point(0));
+        assert_eq!(
+            span_of(&[DVec3::ONE, DVec3::ZERO, 2.0 * DVec3::ONE, DVec3::ZERO]),
+            Span::Line([1, 2])
+        );
+        let mut flat = vec![p(0.1, 0.1, 0.1), p(0.7, 0.2, 0.2), p(0.3, 0.9, 0.9), p(0.4, 0.4, 0.4)];
+        assert!(matches!(span_of(&flat), Span::Plane(_)));
+        flat[3].z = flat[3].z.next_up();
+        assert!(matches!(span_of(&flat), Span::Space(_)));
+    }
+
+    #[test]
+    fn a_planar_hull_keeps_strict_corners_of_the_lowest_index() {
+        let mut points = Vec::new();
+        for _ in 0..2 {
+            for y in 0..4 {
+                for x in 0..4 {
+                    points.push(DVec3::new(f64::from(x), f64::from(y), f64::from(x + y)));
+                }
+            }
+        }
+        let drop = Projection::of_plane([points[0], points[3], points[12]]).unwrap();
+        let mut outline = planar_hull(&points, drop);
+        outline.sort_unstable();
+        assert_eq!(outline, [0, 3, 12, 15]);
+    }
+}

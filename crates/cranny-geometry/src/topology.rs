@@ -1,0 +1,415 @@
+//! Which faces hang together: half-edges, edges, components, closedness.
+//!
+//! Half-edge `3f + c` runs from corner `c` of face `f` to the next corner. Topology knows vertex
+//! numbers only, never positions.
+//!
+//! An edge is *balanced* when as many half-edges run one way along it as the other. A component
+//! all of whose edges are balanced is an oriented cycle: it has no boundary, and every point off it
+//! has a winding number. That is what *closed* means here; it holds for two boxes that share an edge
+//! (four faces around it), which a test for 'exactly two faces' would refuse.
+
+use crate::ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, VertexId};
+use crate::mesh::Mesh;
+
+/// An undirected edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// Lesser end.
+    pub from: VertexId,
+    /// Greater end.
+    pub to: VertexId,
+    /// How the faces meet there.
+    pub kind: EdgeKind,
+    first: u32,
+    count: u32,
+}
+
+/// How faces meet along an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EdgeKind {
+    /// Two faces, in opposite directions.
+    Manifold,
+    /// One face.
+    Open,
+    /// Two faces in the same direction: their orientations contradict.
+    Contradictory,
+    /// More than two faces, as many in one direction as in the other.
+    Balanced,
+    /// More than two faces, otherwise.
+    Tangled,
+}
+
+impl EdgeKind {
+    /// Whether the edge is part of no boundary.
+    #[must_use]
+    pub fn is_balanced(self) -> bool {
+        matches!(self, Self::Manifold | Self::Balanced)
+    }
+}
+
+/// Faces that hang together over edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// Its least face.
+    pub first_face: FaceId,
+    /// Number of faces.
+    pub faces: u32,
+    /// Every edge is balanced: the component bounds a region of space.
+    pub closed: bool,
+}
+
+/// Adjacency of a mesh.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    edges: Vec<Edge>,
+    /// Half-edges sorted by edge.
+    around: Vec<HalfEdgeId>,
+    edge_of: Vec<EdgeId>,
+    /// Twin of each half-edge; `u32::MAX` off manifold edges.
+    twins: Vec<u32>,
+    vertex_starts: Vec<u32>,
+    vertex_faces: Vec<FaceId>,
+    component_of: Vec<ComponentId>,
+    components: Vec<Component>,
+}
+
+impl HalfEdgeId {
+    /// The half-edge of a face that starts at a corner (0, 1 or 2).
+    #[must_use]
+    pub fn of(face: FaceId, corner: usize) -> Self {
+        Self(3 * face.0 + corner as u32)
+    }
+
+    /// Its face.
+    #[must_use]
+    pub fn face(self) -> FaceId {
+        FaceId(self.0 / 3)
+    }
+
+    /// The corner at which it starts: 0, 1 or 2.
+    #[must_use]
+    pub fn corner(self) -> usize {
+        (self.0 % 3) as usize
+    }
+
+    /// The next one around the face.
+    #[must_use]
+    pub fn next(self) -> Self {
+        Self(self.0 - self.0 % 3 + (self.0 + 1) % 3)
+    }
+}
+
+impl Topology {
+    /// Builds the adjacency of a mesh in O(n log n).
+    #[must_use]
+    pub fn of(mesh: &Mesh) -> Self {
+        let faces = mesh.faces();
+        let ends = |h: HalfEdgeId| {
+            let f = faces[h.face().index()];
+            (f[h.corner()], f[(h.corner() + 1) % 3])
+        };
+        let mut around: Vec<HalfEdgeId> = (0..3 * faces.len() as u32).map(HalfEdgeId).collect();
+        around.sort_unstable_by_key(|&h| {
+            let (a, b) = ends(h);
+            (a.min(b), a.max(b), h.0)
+        });
+
+        let mut edges = Vec::with_capacity(around.len() / 2);
+        let mut edge_of = vec![EdgeId(0); around.len()];
+        let mut twins = vec![u32::MAX; around.len()];
+        let undirected = |h: HalfEdgeId| {
+            let (a, b) = ends(h);
+            (a.min(b), a.max(b))
+        };
+        let mut first = 0;
+        for group in around.chunk_by(|&g, &h| undirected(g) == undirected(h)) {
+            let (from, to) = undirected(group[0]);
+            let forward = group.iter().filter(|&&h| ends(h).0 == from).count();
+            // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
+            let balanced = from == to || 2 * forward == group.len();
+            let kind = match (group.len(), balanced) {
+                (1, false) => EdgeKind::Open,
+                (2, true) => EdgeKind::Manifold,
+                (2, false) => EdgeKind::Contradictory,
+                (_, true) => EdgeKind::Balanced,
+                (_, false) => EdgeKind::Tangled,
+            };
+            if kind == EdgeKind::Manifold && from != to {
+                twins[group[0].index()] = group[1].0;
+                twins[group[1].index()] = group[0].0;
+            }
+            for h in group {
+                edge_of[h.index()] = EdgeId(edges.len() as u32);
+            }
+            let count = group.len() as u32;
+            edges.push(Edge { from: VertexId(from), to: VertexId(to), kind, first, count });
+            first += count;
+        }
+
+        let (vertex_starts, vertex_faces) = faces_of_vertices(mesh);
+        let (component_of, components) = components(faces.len(), &edges, &around);
+        Self {
+            edges,
+            around,
+            edge_of,
+            twins,
+            vertex_starts,
+            vertex_faces,
+            component_of,
+            components,
+        }
+    }
+
+    /// All edges, sorted by their ends.
+    #[must_use]
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// The edge of a half-edge.
+    #[must_use]
+    pub fn edge_of(&self, half_edge: HalfEdgeId) -> EdgeId {
+        self.edge_of[half_edge.index()]
+    }
+
+    /// The half-edges along an edge, by ascending id.
+    #[must_use]
+    pub fn half_edges(&self, edge: EdgeId) -> &[HalfEdgeId] {
+        let e = &self.edges[edge.index()];
+        &self.around[e.first as usize..(e.first + e.count) as usize]
+    }
+
+    /// The half-edge along the same manifold edge, in the other direction.
+    #[must_use]
+    pub fn twin(&self, half_edge: HalfEdgeId) -> Option<HalfEdgeId> {
+        let twin = self.twins[half_edge.index()];
+        (twin != u32::MAX).then_some(HalfEdgeId(twin))
+    }
+
+    /// The faces at a vertex, by ascending id.
+    #[must_use]
+    pub fn faces_at(&self, vertex: VertexId) -> &[FaceId] {
+        let v = vertex.index();
+        &self.vertex_faces[self.vertex_starts[v] as usize..self.vertex_starts[v + 1] as usize]
+    }
+
+    /// Components, by ascending first face.
+    #[must_use]
+    pub fn components(&self) -> &[Component] {
+        &self.components
+    }
+
+    /// The component of a face.
+    #[must_use]
+    pub fn component_of(&self, face: FaceId) -> ComponentId {
+        self.component_of[face.index()]
+    }
+
+    /// Whether a face belongs to a closed component.
+    #[must_use]
+    pub fn in_closed_component(&self, face: FaceId) -> bool {
+        self.components[self.component_of(face).index()].closed
+    }
+
+    /// Whether every component is closed.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.components.iter().all(|c| c.closed)
+    }
+
+    /// Whether no two faces contradict each other's orientation.
+    #[must_use]
+    pub fn is_oriented(&self) -> bool {
+        self.edges.iter().all(|e| !matches!(e.kind, EdgeKind::Contradictory | EdgeKind::Tangled))
+    }
+
+    /// Checks the invariants; for tests and debugging.
+    ///
+    /// # Errors
+    ///
+    /// The first broken invariant, in words.
+    pub fn validate(&self, mesh: &Mesh) -> Result<(), String> {
+        let half_edges = 3 * mesh.faces().len();
+        if self.twins.len() != half_edges || self.around.len() != half_edges {
+            return Err(format!("{half_edges} half-edges, but {} twins", self.twins.len()));
+        }
+        for h in (0..half_edges as u32).map(HalfEdgeId) {
+            let edge = self.edges[self.edge_of(h).index()];
+            let f = mesh.faces()[h.face().index()];
+            let (a, b) = (f[h.corner()], f[(h.corner() + 1) % 3]);
+            if (edge.from.0, edge.to.0) != (a.min(b), a.max(b)) {
+                return Err(format!("half-edge {} is filed under a foreign edge", h.0));
+            }
+            if !self.half_edges(self.edge_of(h)).contains(&h) {
+                return Err(format!("edge of half-edge {} does not list it", h.0));
+            }
+            if let Some(twin) = self.twin(h) {
+                let g = mesh.faces()[twin.face().index()];
+                if self.twin(twin) != Some(h) || g[twin.corner()] != b {
+                    return Err(format!("half-edges {} and {} are no twins", h.0, twin.0));
+                }
+                if self.component_of(h.face()) != self.component_of(twin.face()) {
+                    return Err(format!("twins {} and {} lie in two components", h.0, twin.0));
+                }
+            }
+        }
+        let total: u32 = self.components.iter().map(|c| c.faces).sum();
+        if total as usize != mesh.faces().len() {
+            return Err(format!("components hold {total} of {} faces", mesh.faces().len()));
+        }
+        Ok(())
+    }
+}
+
+fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
+    let mut starts = vec![0u32; mesh.vertices().len() + 1];
+    for &i in mesh.faces().iter().flatten() {
+        starts[i as usize + 1] += 1;
+    }
+    for v in 1..starts.len() {
+        starts[v] += starts[v - 1];
+    }
+    let mut cursor = starts.clone();
+    let mut faces = vec![FaceId(0); 3 * mesh.faces().len()];
+    for (f, corners) in mesh.faces().iter().enumerate() {
+        for &i in corners {
+            faces[cursor[i as usize] as usize] = FaceId(f as u32);
+            cursor[i as usize] += 1;
+        }
+    }
+    (starts, faces)
+}
+
+fn components(
+    faces: usize,
+    edges: &[Edge],
+    around: &[HalfEdgeId],
+) -> (Vec<ComponentId>, Vec<Component>) {
+    let mut sets = DisjointSets::new(faces);
+    let group = |e: &Edge| &around[e.first as usize..(e.first + e.count) as usize];
+    for edge in edges {
+        for pair in group(edge).windows(2) {
+            sets.union(pair[0].face().index(), pair[1].face().index());
+        }
+    }
+    let mut components: Vec<Component> = Vec::new();
+    let mut id_of_root = vec![u32::MAX; faces];
+    let component_of: Vec<ComponentId> = (0..faces)
+        .map(|f| {
+            let root = sets.find(f);
+            if id_of_root[root] == u32::MAX {
+                id_of_root[root] = components.len() as u32;
+                components.push(Component { first_face: FaceId(f as u32), faces: 0, closed: true });
+            }
+            components[id_of_root[root] as usize].faces += 1;
+            ComponentId(id_of_root[root])
+        })
+        .collect();
+    for edge in edges.iter().filter(|e| !e.kind.is_balanced()) {
+        let component = component_of[group(edge)[0].face().index()];
+        components[component.index()].closed = false;
+    }
+    (component_of, components)
+}
+
+/// Union–find with path halving; the representative of a set is its least member.
+#[derive(Clone, Debug)]
+pub struct DisjointSets(Vec<u32>);
+
+impl DisjointSets {
+    /// `count` sets of one member each.
+    #[must_use]
+    pub fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    /// The least member of the set of `i < count`.
+    pub fn find(&mut self, mut i: usize) -> usize {
+        while self.0[i] as usize != i {
+            let parent = self.0[i] as usize;
+            self.0[i] = self.0[parent];
+            i = self.0[i] as usize;
+        }
+        i
+    }
+
+    /// Makes one set of the sets of `i` and `j`.
+    pub fn union(&mut self, i: usize, j: usize) {
+        let (i, j) = (self.find(i), self.find(j));
+        self.0[i.max(j)] = i.min(j) as u32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::DVec3;
+
+    fn tetrahedron(offset: u32) -> Vec<[u32; 3]> {
+        [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].iter().map(|f| f.map(|i| i + offset)).collect()
+    }
+
+    fn points(count: usize) -> Vec<DVec3> {
+        (0..count)
+            .map(|i| {
+                let t = i as f64;
+                DVec3::new(t, t * t, t * t * t)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_tetrahedron_is_closed_and_every_half_edge_has_a_twin() {
+        let mesh = Mesh::new(points(4), tetrahedron(0)).unwrap();
+        let topology = Topology::of(&mesh);
+        topology.validate(&mesh).unwrap();
+        assert!(topology.is_closed() && topology.is_oriented());
+        assert_eq!(topology.edges().len(), 6);
+        assert!((0..12).all(|h| topology.twin(HalfEdgeId(h)).is_some()));
+        assert_eq!(topology.faces_at(VertexId(0)), [FaceId(0), FaceId(1), FaceId(3)]);
+    }
+
+    #[test]
+    fn a_missing_face_opens_three_edges() {
+        let mut faces = tetrahedron(0);
+        faces.pop();
+        let mesh = Mesh::new(points(4), faces).unwrap();
+        let topology = Topology::of(&mesh);
+        topology.validate(&mesh).unwrap();
+        assert!(!topology.is_closed() && topology.is_oriented());
+        let open = topology.edges().iter().filter(|e| e.kind == EdgeKind::Open).count();
+        assert_eq!(open, 3);
+    }
+
+    #[test]
+    fn a_turned_face_contradicts_its_neighbours() {
+        let mut faces = tetrahedron(0);
+        faces[0].swap(0, 1);
+        let topology = Topology::of(&Mesh::new(points(4), faces).unwrap());
+        assert!(!topology.is_oriented() && !topology.is_closed());
+    }
+
+    #[test]
+    fn two_solids_that_share_an_edge_are_one_closed_component() {
+        let mut faces = tetrahedron(0);
+        // Second tetrahedron on vertices 0, 1, 4, 5.
+        faces.extend(tetrahedron(0).iter().map(|f| f.map(|i| if i > 1 { i + 2 } else { i })));
+        let mesh = Mesh::new(points(6), faces).unwrap();
+        let topology = Topology::of(&mesh);
+        topology.validate(&mesh).unwrap();
+        assert!(topology.is_closed());
+        assert_eq!(topology.components().len(), 1);
+        let balanced = topology.edges().iter().filter(|e| e.kind == EdgeKind::Balanced).count();
+        assert_eq!(balanced, 1);
+    }
+
+    #[test]
+    fn two_separate_solids_are_two_components() {
+        let mut faces = tetrahedron(0);
+        faces.extend(tetrahedron(4));
+        let topology = Topology::of(&Mesh::new(points(8), faces).unwrap());
+        assert_eq!(topology.components().len(), 2);
+        assert_eq!(topology.components()[1].first_face, FaceId(4));
+        assert_eq!(topology.component_of(FaceId(7)), ComponentId(1));
+    }
+}
