@@ -1,1 +1,40 @@
-//! Oracles in exact rationals, generators of hard cases, and a corpus of scenes for tests.
+//! Judges for tests: oracles in exact rationals, slow brute force, and generators of hard cases.
+//!
+//! # Promises
+//!
+//! - The rational oracles share no method with the code that they judge: they *construct* what two
+//!   things have in common, in exact rational arithmetic, and look at the result. The product
+//!   constructs nothing and asks for signs only.
+//! - Generators are seeded: the same seed gives the same cases on every machine.
+//!
+//! # Non-promises
+//!
+//! Nothing here is fast (tens of microseconds a triangle pair), and nothing but tests and benches
+//! may depend on it. Solids must be embedded: closed meshes may have several shells, but no shell
+//! may pass through itself or another.
+//!
+//! ```
+//! use cranny_exact::{DVec3, Meeting, classify_triangles};
+//! use cranny_testkit::{Family, Rng, rational_meeting};
+//!
+//! let mut rng = Rng::new(1);
+//! let (a, b) = Family::VertexOnFace.pair(&mut rng);
+//! assert_eq!(classify_triangles(&a, &b), rational_meeting(&a, &b));
+//! ```
+
+mod brute_force;
+mod convex;
+mod generate;
+mod locate;
+mod rational;
+mod solid;
+mod surface;
+mod triangle;
+
+pub use brute_force::brute_force_meeting;
+pub use generate::{Family, Rng};
+pub use locate::{Location, PosedMesh};
+pub use rational::{Q, Q3};
+pub use solid::{Contained, OracleVerdict, rational_verdict};
+pub use surface::{brute_force_surface, rational_surface};
+pub use triangle::{rational_contact, rational_meeting, rational_piercing};
