@@ -1,1 +1,3 @@
 //! Scene files, mesh files, robots and generated worlds.
+
+pub mod mesh_file;

@@ -1,0 +1,191 @@
+//! Mesh files: seven formats, one result.
+//!
+//! Coordinates written as text are read at the full precision of `f64`, whatever the format calls
+//! their type, since every exact decision later reads these numbers. Positions are kept as filed;
+//! only formats that carry a scene (glTF, COLLADA) apply its node transforms, and COLLADA its unit
+//! and up-axis. Polygons are split into fans from their first corner. Indexing is kept as filed,
+//! except for STL, which has none: there, equal positions become one vertex.
+
+mod builder;
+mod collada;
+mod gltf;
+mod obj;
+mod off;
+mod ply;
+mod problem;
+mod stl;
+mod text;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use cranny_geometry::Mesh;
+use thiserror::Error;
+
+pub use collada::UpAxis;
+pub use obj::encode_obj;
+pub use problem::{DecodeError, Place, Problem};
+
+/// A mesh format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// Stereolithography, ASCII or binary (told apart by content).
+    Stl,
+    /// Polygon file format, ASCII or binary of either byte order.
+    Ply,
+    /// Object file format of Geomview, ASCII.
+    Off,
+    /// glTF 2.0, JSON or GLB (told apart by content).
+    Gltf,
+    /// COLLADA 1.4 and 1.5.
+    Collada,
+}
+
+impl MeshFormat {
+    /// Every accepted extension with its format.
+    pub const EXTENSIONS: [(&'static str, Self); 7] = [
+        ("obj", Self::Obj),
+        ("stl", Self::Stl),
+        ("ply", Self::Ply),
+        ("off", Self::Off),
+        ("gltf", Self::Gltf),
+        ("glb", Self::Gltf),
+        ("dae", Self::Collada),
+    ];
+
+    /// The format that a file name's extension stands for, in upper or lower case.
+    #[must_use]
+    pub fn of_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Self::EXTENSIONS.iter().find(|(known, _)| *known == extension).map(|&(_, format)| format)
+    }
+
+    /// Its usual name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "OBJ",
+            Self::Stl => "STL",
+            Self::Ply => "PLY",
+            Self::Off => "OFF",
+            Self::Gltf => "glTF",
+            Self::Collada => "COLLADA",
+        }
+    }
+}
+
+/// A mesh as read, with what the reader left out or changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// Vertices and triangles, in the file's coordinates.
+    pub mesh: Mesh,
+    /// The format it was read as.
+    pub format: MeshFormat,
+    /// One sentence each: polygons split, lines skipped, solids joined, units applied.
+    pub notes: Vec<String>,
+}
+
+/// Why a mesh file was not read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum MeshFileError {
+    /// The file cannot be opened or read.
+    #[error("mesh file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
+    Unreadable {
+        /// Path asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The extension names no known format.
+    #[error(
+        "mesh file {}: its extension {extension:?} names no mesh format known here. Known extensions are .obj, .stl, .ply, .off, .gltf, .glb and .dae; convert the file, or rename it where its content is one of these.",
+        path.display()
+    )]
+    UnknownExtension {
+        /// Path asked for.
+        path: PathBuf,
+        /// Its extension; empty where it has none.
+        extension: String,
+    },
+    /// The content is not a mesh of its format.
+    #[error("mesh file {}: {source}", path.display())]
+    Decode {
+        /// Path asked for.
+        path: PathBuf,
+        /// Where and what.
+        source: DecodeError,
+    },
+}
+
+/// Reads a mesh file; its extension names the format.
+///
+/// COLLADA files are turned so that z is up. A `.gltf` may name buffer files beside it.
+///
+/// # Errors
+///
+/// [`MeshFileError`]: missing or unreadable file, unknown extension, or content that is no mesh,
+/// with the line, byte or element at fault.
+pub fn read_mesh(path: &Path) -> Result<MeshFile, MeshFileError> {
+    read_mesh_with(path, UpAxis::Z)
+}
+
+/// [`read_mesh`] with a choice of how COLLADA's up-axis is treated; other formats ignore it.
+///
+/// # Errors
+///
+/// As [`read_mesh`].
+pub fn read_mesh_with(path: &Path, up_axis: UpAxis) -> Result<MeshFile, MeshFileError> {
+    let format = MeshFormat::of_path(path).ok_or_else(|| MeshFileError::UnknownExtension {
+        path: path.to_owned(),
+        extension: path.extension().unwrap_or_default().to_string_lossy().into_owned(),
+    })?;
+    let bytes = fs::read(path)
+        .map_err(|source| MeshFileError::Unreadable { path: path.to_owned(), source })?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let fetch = |name: &str| fs::read(beside.join(name));
+    decode(&bytes, format, up_axis, &fetch)
+        .map_err(|source| MeshFileError::Decode { path: path.to_owned(), source })
+}
+
+/// Decodes a mesh from the bytes of a file. COLLADA is turned so that z is up.
+///
+/// # Errors
+///
+/// [`DecodeError`]: where in the content, and what is wrong. A glTF file whose buffers lie in
+/// other files cannot be decoded alone; [`read_mesh`] finds them.
+pub fn decode_mesh(bytes: &[u8], format: MeshFormat) -> Result<MeshFile, DecodeError> {
+    let fetch = |_: &str| {
+        Err(io::Error::new(
+            io::ErrorKind::NotFound,
+            "the content was handed over without a folder to look in",
+        ))
+    };
+    decode(bytes, format, UpAxis::Z, &fetch)
+}
+
+/// Fetches a file named by another, by its relative path.
+type Fetch<'a> = &'a dyn Fn(&str) -> io::Result<Vec<u8>>;
+
+fn decode(
+    bytes: &[u8],
+    format: MeshFormat,
+    up_axis: UpAxis,
+    fetch: Fetch<'_>,
+) -> Result<MeshFile, DecodeError> {
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        return Err(DecodeError { format, place: Place::Whole, problem: Problem::Empty });
+    }
+    match format {
+        MeshFormat::Obj => obj::decode(bytes),
+        MeshFormat::Stl => stl::decode(bytes),
+        MeshFormat::Ply => ply::decode(bytes),
+        MeshFormat::Off => off::decode(bytes),
+        MeshFormat::Gltf => gltf::decode(bytes, fetch),
+        MeshFormat::Collada => collada::decode(bytes, up_axis),
+    }
+}

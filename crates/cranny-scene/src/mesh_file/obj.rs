@@ -1,0 +1,142 @@
+//! Wavefront OBJ: vertices and polygonal faces. Normals, texture coordinates, groups and materials
+//! say nothing about where the surface is and are passed over.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use cranny_geometry::Mesh;
+
+use super::builder::Builder;
+use super::problem::{DecodeError, Place, Problem, excerpt};
+use super::text::Words;
+use super::{MeshFile, MeshFormat};
+
+/// Keywords without bearing on the surface.
+const PASSED_OVER: [&str; 13] = [
+    "vn",
+    "vt",
+    "vp",
+    "g",
+    "o",
+    "s",
+    "mg",
+    "usemtl",
+    "mtllib",
+    "usemap",
+    "maplib",
+    "lod",
+    "shadow_obj",
+];
+
+pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut builder = Builder::new(MeshFormat::Obj);
+    let mut polygons: Vec<(usize, Vec<i64>)> = Vec::new();
+    let mut skipped: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+    for (line, content) in logical_lines(&text) {
+        let content = content.split('#').next().unwrap_or_default();
+        let mut words = Words::new(MeshFormat::Obj, line, content);
+        match words.next_word() {
+            None => {}
+            Some("v") => {
+                let position = words.position()?;
+                builder.vertex(position, || Place::Line(line))?;
+            }
+            Some("f") => {
+                let corners = corners(&mut words, builder.vertex_count())?;
+                polygons.push((line, corners));
+            }
+            Some(keyword) if PASSED_OVER.contains(&keyword) => {}
+            Some(keyword) => {
+                skipped.entry(excerpt(keyword)).or_insert((0, line)).0 += 1;
+            }
+        }
+    }
+    for (keyword, (count, first)) in &skipped {
+        builder.note(format!(
+            "{count} lines beginning with {keyword} were skipped, the first is line {first}"
+        ));
+        builder.remark(format!("line {first} begins with {keyword}, which is no OBJ surface"));
+    }
+    add_faces(&mut builder, &polygons)?;
+    builder.finish()
+}
+
+/// Lines with their number; a backslash at the end of a line continues it.
+fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
+    let mut lines: Vec<(usize, std::borrow::Cow<'_, str>)> = Vec::new();
+    let mut continued = false;
+    for (number, line) in text.lines().enumerate() {
+        let (body, more) = match line.trim_end().strip_suffix('\\') {
+            Some(body) => (body, true),
+            None => (line, false),
+        };
+        match lines.last_mut() {
+            Some((_, whole)) if continued => {
+                let whole = whole.to_mut();
+                whole.push(' ');
+                whole.push_str(body);
+            }
+            _ => lines.push((number + 1, body.into())),
+        }
+        continued = more;
+    }
+    lines
+}
+
+/// Corners of a face as indices from 0; negative numbers count back from the last vertex.
+fn corners(words: &mut Words<'_>, vertices: usize) -> Result<Vec<i64>, DecodeError> {
+    const EXPECTED: &str = "a vertex number (v, v/vt, v//vn or v/vt/vn)";
+    let mut corners = Vec::with_capacity(3);
+    while let Some(word) = words.next_word() {
+        let number = word.split('/').next().unwrap_or_default();
+        let index: i64 = number.parse().map_err(|_| words.not_a_number(word, EXPECTED))?;
+        let from_zero = match index {
+            1.. => index - 1,
+            0 => return Err(words.error(Problem::Index { index, vertices, first: 1 })),
+            _ => index.saturating_add(vertices as i64),
+        };
+        if from_zero < 0 {
+            return Err(words.error(Problem::Index { index, vertices, first: 1 }));
+        }
+        corners.push(from_zero);
+    }
+    if corners.len() < 3 {
+        let found = format!("a face with {} corners", corners.len());
+        return Err(words.malformed(found, "at least three"));
+    }
+    Ok(corners)
+}
+
+/// Faces may come before their vertices, so the range is known only now.
+fn add_faces(builder: &mut Builder, polygons: &[(usize, Vec<i64>)]) -> Result<(), DecodeError> {
+    let vertices = builder.vertex_count();
+    let mut checked = Vec::new();
+    for (line, corners) in polygons {
+        checked.clear();
+        for &index in corners {
+            let in_range = u32::try_from(index).ok().filter(|&i| (i as usize) < vertices);
+            checked.push(in_range.ok_or_else(|| {
+                let problem = Problem::Index { index: index.saturating_add(1), vertices, first: 1 };
+                builder.error(Place::Line(*line), problem)
+            })?);
+        }
+        builder.polygon(&checked);
+    }
+    Ok(())
+}
+
+/// A mesh as OBJ text that [`decode_mesh`](super::decode_mesh) reads back to the bit: every
+/// coordinate in the fewest digits that name it uniquely, faces numbered from 1.
+#[must_use]
+pub fn encode_obj(mesh: &Mesh) -> String {
+    let mut text = String::with_capacity(48 * (mesh.vertices().len() + mesh.faces().len()));
+    for p in mesh.vertices() {
+        // Writing to a `String` cannot fail.
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for [a, b, c] in mesh.faces() {
+        let _ = writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1);
+    }
+    text
+}
