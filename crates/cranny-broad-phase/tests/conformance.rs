@@ -221,12 +221,12 @@ fn small_random_motion_over_many_frames() {
     let mut random = Lcg(1);
     let mut twins = populated(&mut random);
     let mut events = 0;
-    for frame in 0..60 {
+    for frame in 0..150 {
         let everyone = frame % 2 == 0;
         let ids: Vec<_> = twins.oracle.boxes.iter().map(|(&id, &(aabb, _))| (id, aabb)).collect();
         for (id, aabb) in ids {
             if everyone || random.unit() < 0.05 {
-                let by = random.point(0.2) - DVec3::splat(0.1);
+                let by = random.point(0.04) - DVec3::splat(0.02);
                 twins.set_box(id.0, shifted(aabb, by));
             }
         }
