@@ -24,6 +24,9 @@ pub struct SceneDescription {
     pub bodies: Vec<BodyDescription>,
     /// Joints between bodies.
     pub joints: Vec<JointDescription>,
+    /// Pairs of bodies (indices into [`bodies`](Self::bodies), the smaller first) that never meet:
+    /// links joined by a joint overlap by design.
+    pub excluded_pairs: Vec<(usize, usize)>,
     /// Effects that hold for all bodies.
     pub effects: Vec<Effect>,
     /// Effects of single pairs.
