@@ -1,0 +1,360 @@
+//! A draw list as the numbers that the shaders read: everything relative to the eye, in units of
+//! the distance between eye and target, so that `f32` is precise wherever the scene lies and
+//! whatever its unit of length.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use cranny_exact::DVec3;
+
+use crate::camera::Camera;
+use crate::draw_list::{DrawList, Ground, Instance, box_corners};
+use crate::error::RenderError;
+use crate::image::ImageSize;
+use crate::mesh::DrawMesh;
+
+/// The uniform block; `scene.wgsl` has its twin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Globals {
+    /// Column-major; the eye is the origin.
+    clip_from_scene: [[f32; 4]; 4],
+    /// Unit vector towards the key light; the last number is the near plane's distance.
+    key_near: [f32; 4],
+    /// Unit vector towards the fill light.
+    fill: [f32; 4],
+    /// Width and height of the picture in pixels.
+    viewport: [f32; 4],
+    /// Linear colours of the background.
+    backdrop_top: [f32; 4],
+    backdrop_bottom: [f32; 4],
+    /// Centre of the ground, and its radius.
+    ground_center: [f32; 4],
+    /// A point (x, y) where two strong grid lines cross, the spacing, and 0.
+    ground_grid: [f32; 4],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct InstanceData {
+    /// Columns of the map from mesh units; the fourth number is the translation's.
+    pub(crate) rows: [[f32; 4]; 3],
+    /// Linear.
+    pub(crate) color: [f32; 4],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LineData {
+    from: [f32; 3],
+    from_width: f32,
+    to: [f32; 3],
+    to_width: f32,
+    color: [f32; 4],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PointData {
+    position: [f32; 3],
+    radius: f32,
+    color: [f32; 4],
+}
+
+/// Instances of one mesh that are drawn together: a range of [`Frame::instances`].
+#[derive(Clone, Debug)]
+pub(crate) struct Batch<'a> {
+    pub(crate) mesh: &'a Arc<DrawMesh>,
+    pub(crate) instances: Range<u32>,
+}
+
+/// A draw list, seen from a camera, ready to be uploaded.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame<'a> {
+    pub(crate) globals: Globals,
+    pub(crate) instances: Vec<InstanceData>,
+    /// By mesh, in the order in which the list first names each.
+    pub(crate) opaque: Vec<Batch<'a>>,
+    /// One instance each, far to near.
+    pub(crate) translucent: Vec<Batch<'a>>,
+    /// Those that may be hidden first.
+    pub(crate) lines: Vec<LineData>,
+    pub(crate) lines_hidden: u32,
+    /// Those that may be hidden first.
+    pub(crate) points: Vec<PointData>,
+    pub(crate) points_hidden: u32,
+    pub(crate) ground: bool,
+    pub(crate) shadows: bool,
+}
+
+/// The near plane lies at half the distance to the nearest thing, but within these bounds (in units
+/// of the distance to the target). Nearer, and depths of the scene crowd into few values; farther,
+/// and the ground in front of the scene is cut off.
+const NEAR: [f64; 2] = [1e-4, 0.05];
+
+/// Direction towards the key light in the camera's axes (right, up, backward): from the upper left,
+/// so that the faces of a box seen from a corner differ.
+const KEY_LIGHT: DVec3 = DVec3::new(-0.6, 0.6, 0.65);
+
+/// Direction towards the weaker fill light, in the camera's axes.
+const FILL_LIGHT: DVec3 = DVec3::new(0.85, 0.1, 0.45);
+
+impl<'a> Frame<'a> {
+    /// Prepares a picture.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::NotFinite`] naming the first entry whose numbers are not finite, or which is
+    /// too far away for `f32`.
+    pub(crate) fn new(
+        list: &'a DrawList,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<Self, RenderError> {
+        let space = Space { eye: camera.eye(), unit: camera.distance() };
+        let globals = globals(list, camera, size, &space);
+        let mut frame = Frame {
+            globals,
+            instances: Vec::with_capacity(list.instances.len()),
+            opaque: Vec::new(),
+            translucent: Vec::new(),
+            lines: Vec::with_capacity(list.lines.len()),
+            lines_hidden: 0,
+            points: Vec::with_capacity(list.points.len()),
+            points_hidden: 0,
+            ground: list.ground.is_some(),
+            shadows: list.ground.is_some_and(|g| g.shadows && g.height < camera.eye().z),
+        };
+        if bytemuck::cast_slice::<_, f32>(&[globals]).iter().any(|x| !x.is_finite()) {
+            return Err(RenderError::NotFinite { what: "ground", index: 0 });
+        }
+        frame.add_instances(&list.instances, &space)?;
+        frame.add_lines(list, &space)?;
+        frame.add_points(list, &space)?;
+        Ok(frame)
+    }
+
+    fn add_instances(&mut self, all: &'a [Instance], space: &Space) -> Result<(), RenderError> {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        let mut group_of: HashMap<*const DrawMesh, usize> = HashMap::new();
+        let mut translucent: Vec<(f64, usize)> = Vec::new();
+        for (i, instance) in all.iter().enumerate() {
+            if instance.mesh.triangle_count() == 0 {
+                continue;
+            }
+            if instance.color.is_opaque() {
+                let group = *group_of.entry(Arc::as_ptr(&instance.mesh)).or_insert(groups.len());
+                groups.resize_with(groups.len().max(group + 1), Vec::new);
+                groups[group].push(i);
+            } else {
+                let center = instance.pose.world_from_body().apply(instance.mesh.center());
+                translucent.push(((center - space.eye).length_squared(), i));
+            }
+        }
+        for group in groups {
+            let batch = self.add_batch(all, &group, space)?;
+            self.opaque.push(batch);
+        }
+        translucent.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, i) in translucent {
+            let batch = self.add_batch(all, &[i], space)?;
+            self.translucent.push(batch);
+        }
+        Ok(())
+    }
+
+    /// `group` is not empty, and all its instances have one mesh.
+    fn add_batch(
+        &mut self,
+        all: &'a [Instance],
+        group: &[usize],
+        space: &Space,
+    ) -> Result<Batch<'a>, RenderError> {
+        let start = self.instances.len() as u32;
+        for &i in group {
+            let data = instance_data(&all[i], space);
+            self.instances.push(finite(data, "instance", i)?);
+        }
+        Ok(Batch { mesh: &all[group[0]].mesh, instances: start..self.instances.len() as u32 })
+    }
+
+    fn add_lines(&mut self, list: &DrawList, space: &Space) -> Result<(), RenderError> {
+        for on_top in [false, true] {
+            for (i, line) in list.lines.iter().enumerate().filter(|(_, l)| l.on_top == on_top) {
+                let data = LineData {
+                    from: space.place(line.from),
+                    from_width: line.width[0],
+                    to: space.place(line.to),
+                    to_width: line.width[1],
+                    color: line.color.to_linear(),
+                };
+                self.lines.push(finite(data, "line", i)?);
+                self.lines_hidden += u32::from(!on_top);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_points(&mut self, list: &DrawList, space: &Space) -> Result<(), RenderError> {
+        for on_top in [false, true] {
+            for (i, point) in list.points.iter().enumerate().filter(|(_, p)| p.on_top == on_top) {
+                let data = PointData {
+                    position: space.place(point.position),
+                    radius: point.radius,
+                    color: point.color.to_linear(),
+                };
+                self.points.push(finite(data, "point", i)?);
+                self.points_hidden += u32::from(!on_top);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The frame of the shaders: the eye is the origin, the axes are the world's.
+struct Space {
+    eye: DVec3,
+    unit: f64,
+}
+
+impl Space {
+    fn place(&self, p: DVec3) -> [f32; 3] {
+        ((p - self.eye) / self.unit).as_vec3().to_array()
+    }
+}
+
+fn finite<T: Pod>(data: T, what: &'static str, index: usize) -> Result<T, RenderError> {
+    let numbers: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&data));
+    if numbers.iter().all(|x| x.is_finite()) {
+        Ok(data)
+    } else {
+        Err(RenderError::NotFinite { what, index })
+    }
+}
+
+fn instance_data(instance: &Instance, space: &Space) -> InstanceData {
+    let world_from_body = instance.pose.world_from_body();
+    let at = space.place(world_from_body.apply(instance.mesh.center()));
+    let linear = world_from_body.linear * (instance.mesh.radius() / space.unit);
+    let row = |i: usize| {
+        let [x, y, z] = linear.row(i).as_vec3().to_array();
+        [x, y, z, at[i]]
+    };
+    InstanceData { rows: [row(0), row(1), row(2)], color: instance.color.to_linear() }
+}
+
+fn globals(list: &DrawList, camera: &Camera, size: ImageSize, space: &Space) -> Globals {
+    let [right, up, backward] = camera.axes();
+    let in_world = |v: DVec3| (v.x * right + v.y * up + v.z * backward).normalize().as_vec3();
+    let depth = |p: DVec3| (space.eye - p).dot(backward) / space.unit;
+    let nearest = box_corners(&list.bounds()).map(depth).fold(1.0, f64::min);
+    let near = (0.5 * nearest).clamp(NEAR[0], NEAR[1]) as f32;
+    let [top, bottom] = list.backdrop.map(|c| c.to_linear());
+    let (center, grid) = list.ground.map_or_else(Default::default, |g| ground(&g, space));
+    Globals {
+        clip_from_scene: clip_from_scene(camera, size, near),
+        key_near: in_world(KEY_LIGHT).extend(near).to_array(),
+        fill: in_world(FILL_LIGHT).extend(0.0).to_array(),
+        viewport: [size.width() as f32, size.height() as f32, 0.0, 0.0],
+        backdrop_top: top,
+        backdrop_bottom: bottom,
+        ground_center: center,
+        ground_grid: grid,
+    }
+}
+
+/// Perspective with reversed, infinite depth: 1 at the near plane, 0 at infinity, which spreads the
+/// precision of `f32` evenly over the distances.
+fn clip_from_scene(camera: &Camera, size: ImageSize, near: f32) -> [[f32; 4]; 4] {
+    let [right, up, backward] = camera.axes();
+    let focal = 1.0 / (0.5 * camera.field_of_view()).tan();
+    let x = (right * (focal / size.aspect())).as_vec3();
+    let y = (up * focal).as_vec3();
+    let w = (-backward).as_vec3();
+    [[x.x, y.x, 0.0, w.x], [x.y, y.y, 0.0, w.y], [x.z, y.z, 0.0, w.z], [0.0, 0.0, near, 0.0]]
+}
+
+fn ground(ground: &Ground, space: &Space) -> ([f32; 4], [f32; 4]) {
+    let center = space.place(ground.center.extend(ground.height));
+    let strong = 10.0 * ground.spacing;
+    let crossing = (ground.center / strong).round() * strong;
+    let crossing = space.place(crossing.extend(ground.height));
+    let [radius, spacing] = [ground.radius, ground.spacing].map(|x| (x / space.unit) as f32);
+    ([center[0], center[1], center[2], radius], [crossing[0], crossing[1], spacing, 0.0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Color;
+    use crate::draw_list::Line;
+    use cranny_exact::Pose;
+
+    fn triangle() -> Arc<DrawMesh> {
+        Arc::new(DrawMesh::new(&[DVec3::ZERO, DVec3::X, DVec3::Y], &[[0, 1, 2]]).unwrap())
+    }
+
+    fn at(mesh: &Arc<DrawMesh>, x: f64, color: Color) -> Instance {
+        Instance { mesh: mesh.clone(), pose: Pose::at(DVec3::new(x, 0.0, 0.0)), color }
+    }
+
+    fn prepare(list: &DrawList) -> Result<Frame<'_>, RenderError> {
+        let camera = Camera::look_at(DVec3::new(10.0, 0.0, 0.0), DVec3::ZERO).unwrap();
+        Frame::new(list, &camera, ImageSize::new(16, 9).unwrap())
+    }
+
+    #[test]
+    fn instances_are_batched_by_mesh_and_overlays_sorted_far_to_near() {
+        let (a, b) = (triangle(), triangle());
+        let glass = Color::WHITE.with_alpha(100);
+        let mut list = DrawList::new();
+        list.instances = vec![
+            at(&a, 1.0, Color::WHITE),
+            at(&a, 5.0, glass),
+            at(&b, 2.0, Color::WHITE),
+            at(&b, -5.0, glass),
+            at(&a, 3.0, Color::WHITE),
+        ];
+        let frame = prepare(&list).unwrap();
+        let opaque: Vec<_> = frame.opaque.iter().map(|b| b.instances.clone()).collect();
+        assert_eq!(opaque, [0..2, 2..3]);
+        assert!(Arc::ptr_eq(frame.opaque[1].mesh, &b));
+        let first = &frame.translucent[0];
+        assert!(Arc::ptr_eq(first.mesh, &b), "the far one is drawn first");
+        // The eye is at x = 10, the unit is 10, and the mesh's centre at 0.5 of its body.
+        let data = &frame.instances[first.instances.start as usize];
+        assert!((data.rows[0][3] - (-5.0 + 0.5 - 10.0) / 10.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_on_top_comes_last() {
+        let line = |on_top| Line {
+            from: DVec3::ZERO,
+            to: DVec3::X,
+            color: Color::BLACK,
+            width: [if on_top { 2.0 } else { 1.0 }; 2],
+            on_top,
+        };
+        let mut list = DrawList::new();
+        list.lines = vec![line(true), line(false), line(true)];
+        let frame = prepare(&list).unwrap();
+        assert_eq!(frame.lines_hidden, 1);
+        let widths: Vec<f32> = frame.lines.iter().map(|l| l.from_width).collect();
+        assert_eq!(widths, [1.0, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn entries_that_are_not_finite_are_named() {
+        let mut list = DrawList::new();
+        list.push_line(DVec3::ZERO, DVec3::X, Color::BLACK, 1.0);
+        list.push_line(DVec3::ZERO, DVec3::NAN, Color::BLACK, 1.0);
+        let error = prepare(&list).unwrap_err();
+        assert!(matches!(error, RenderError::NotFinite { what: "line", index: 1 }), "{error}");
+        let mut list = DrawList::new();
+        list.instances.push(at(&triangle(), 1e200, Color::WHITE));
+        let error = prepare(&list).unwrap_err();
+        assert!(matches!(error, RenderError::NotFinite { what: "instance", index: 0 }), "{error}");
+    }
+}

@@ -1,0 +1,250 @@
+//! Draw list in, picture out.
+
+use std::collections::HashMap;
+use std::mem::size_of;
+use std::sync::{Arc, Weak};
+
+use bytemuck::Pod;
+
+use crate::camera::Camera;
+use crate::device::{Gpu, RendererOptions};
+use crate::draw_list::DrawList;
+use crate::error::RenderError;
+use crate::frame::{Batch, Frame, Globals};
+use crate::image::{Image, ImageSize};
+use crate::mesh::DrawMesh;
+use crate::pipelines::Pipelines;
+use crate::target::Target;
+
+/// Draws pictures on a graphics adapter, without a window.
+///
+/// Meshes stay on the adapter from frame to frame, for as long as someone holds their handle. One
+/// renderer draws one picture at a time; it can be moved to another thread.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    pipelines: Pipelines,
+    globals: wgpu::Buffer,
+    globals_group: wgpu::BindGroup,
+    instances: Stream,
+    lines: Stream,
+    points: Stream,
+    meshes: HashMap<*const DrawMesh, Uploaded>,
+    target: Option<Target>,
+}
+
+/// A mesh on the adapter. The weak handle keeps its address from being given to another mesh.
+#[derive(Debug)]
+struct Uploaded {
+    handle: Weak<DrawMesh>,
+    vertices: wgpu::Buffer,
+}
+
+/// A buffer that is filled anew for each picture, and grows when it must.
+#[derive(Debug)]
+struct Stream {
+    what: &'static str,
+    buffer: Option<wgpu::Buffer>,
+}
+
+impl Renderer {
+    /// Opens an adapter: a graphics card before a software one. Nothing global is changed, and no
+    /// window system is needed. (Mesa's drivers print a line on standard error where the environment variable
+    /// `XDG_RUNTIME_DIR` names no folder; pictures come out all the same.)
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::NoAdapter`] where there is none, saying which package brings one;
+    /// [`RenderError::UnknownBackend`] where the options or the environment name none that exists;
+    /// [`RenderError::Device`] where it cannot do what is needed.
+    pub fn new(options: &RendererOptions) -> Result<Self, RenderError> {
+        let gpu = Gpu::open(options)?;
+        let pipelines = Pipelines::new(&gpu.device);
+        let globals = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("globals"),
+            size: size_of::<Globals>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let globals_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("globals"),
+            layout: &pipelines.globals_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: globals.as_entire_binding() }],
+        });
+        if let Some(reason) = gpu.take_error() {
+            return Err(RenderError::Device { adapter: gpu.name, reason });
+        }
+        Ok(Self {
+            gpu,
+            pipelines,
+            globals,
+            globals_group,
+            instances: Stream { what: "the instances", buffer: None },
+            lines: Stream { what: "the lines", buffer: None },
+            points: Stream { what: "the points", buffer: None },
+            meshes: HashMap::new(),
+            target: None,
+        })
+    }
+
+    /// The adapter's name and interface, for a log or a summary.
+    #[must_use]
+    pub fn adapter_name(&self) -> &str {
+        &self.gpu.name
+    }
+
+    /// Whether the adapter is a program rather than a graphics card: slower, but as good.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.gpu.software
+    }
+
+    /// Number of meshes that are kept on the adapter.
+    #[must_use]
+    pub fn cached_meshes(&self) -> usize {
+        self.meshes.len()
+    }
+
+    /// Draws a picture. Edges are smoothed by four samples a pixel; the picture is opaque.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::NotFinite`] where an entry of the list cannot be placed,
+    /// [`RenderError::ImageTooLarge`] and [`RenderError::TooMuch`] where the adapter has not the
+    /// room, [`RenderError::Failed`] where it fails. The renderer stays usable.
+    pub fn render(
+        &mut self,
+        list: &DrawList,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<Image, RenderError> {
+        let frame = Frame::new(list, camera, size)?;
+        self.upload(&frame)?;
+        let target = match self.target.take() {
+            Some(target) if target.size == size => target,
+            _ => Target::new(&self.gpu, size)?,
+        };
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        self.draw(&frame, &mut target.begin(&mut encoder));
+        let image = target.finish(&self.gpu, encoder);
+        if image.is_ok() {
+            self.target = Some(target);
+        }
+        image
+    }
+
+    fn upload(&mut self, frame: &Frame<'_>) -> Result<(), RenderError> {
+        self.meshes.retain(|_, uploaded| uploaded.handle.strong_count() > 0);
+        for batch in frame.opaque.iter().chain(&frame.translucent) {
+            let key = Arc::as_ptr(batch.mesh);
+            if !self.meshes.contains_key(&key) {
+                let usage = wgpu::BufferUsages::VERTEX;
+                let bytes: &[u8] = bytemuck::cast_slice(batch.mesh.vertices());
+                let vertices = new_buffer(&self.gpu, "a mesh's triangles", bytes.len(), usage)?;
+                self.gpu.queue.write_buffer(&vertices, 0, bytes);
+                let handle = Arc::downgrade(batch.mesh);
+                self.meshes.insert(key, Uploaded { handle, vertices });
+            }
+        }
+        self.gpu.queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&frame.globals));
+        self.instances.fill(&self.gpu, &frame.instances)?;
+        self.lines.fill(&self.gpu, &frame.lines)?;
+        self.points.fill(&self.gpu, &frame.points)
+    }
+
+    /// In the order that [`DrawList`] promises.
+    fn draw(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.globals_group, &[]);
+        pass.set_pipeline(&self.pipelines.backdrop);
+        pass.draw(0..3, 0..1);
+        if frame.shadows {
+            self.draw_batches(pass, &self.pipelines.shadow, &frame.opaque);
+        }
+        self.draw_batches(pass, &self.pipelines.opaque, &frame.opaque);
+        if frame.ground {
+            pass.set_pipeline(&self.pipelines.grid);
+            pass.draw(0..4, 0..1);
+        }
+        for batch in frame.translucent.chunks(1) {
+            for side in &self.pipelines.overlay {
+                self.draw_batches(pass, side, batch);
+            }
+        }
+        let (lines, points) = (frame.lines.len() as u32, frame.points.len() as u32);
+        let layers = [
+            (0..frame.lines_hidden, 0..frame.points_hidden),
+            (frame.lines_hidden..lines, frame.points_hidden..points),
+        ];
+        for (layer, (lines, points)) in layers.into_iter().enumerate() {
+            draw_quads(pass, &self.pipelines.lines[layer], &self.lines, lines);
+            draw_quads(pass, &self.pipelines.points[layer], &self.points, points);
+        }
+    }
+
+    fn draw_batches(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        batches: &[Batch<'_>],
+    ) {
+        let Some(instances) = &self.instances.buffer else { return };
+        pass.set_pipeline(pipeline);
+        pass.set_vertex_buffer(1, instances.slice(..));
+        for batch in batches {
+            if let Some(uploaded) = self.meshes.get(&Arc::as_ptr(batch.mesh)) {
+                pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
+                let vertices = batch.mesh.vertices().len() as u32;
+                pass.draw(0..vertices, batch.instances.clone());
+            }
+        }
+    }
+}
+
+fn draw_quads(
+    pass: &mut wgpu::RenderPass<'_>,
+    pipeline: &wgpu::RenderPipeline,
+    stream: &Stream,
+    range: std::ops::Range<u32>,
+) {
+    if let Some(buffer) = &stream.buffer
+        && !range.is_empty()
+    {
+        pass.set_pipeline(pipeline);
+        pass.set_vertex_buffer(0, buffer.slice(..));
+        pass.draw(0..4, range);
+    }
+}
+
+impl Stream {
+    fn fill<T: Pod>(&mut self, gpu: &Gpu, data: &[T]) -> Result<(), RenderError> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let buffer = match self.buffer.take() {
+            Some(buffer) if buffer.size() >= bytes.len() as u64 => buffer,
+            _ => new_buffer(gpu, self.what, bytes.len(), wgpu::BufferUsages::VERTEX)?,
+        };
+        gpu.queue.write_buffer(&buffer, 0, bytes);
+        self.buffer = Some(buffer);
+        Ok(())
+    }
+}
+
+fn new_buffer(
+    gpu: &Gpu,
+    what: &'static str,
+    bytes: usize,
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, RenderError> {
+    let (bytes, limit) = (bytes as u64, gpu.device.limits().max_buffer_size);
+    if bytes > limit {
+        return Err(RenderError::TooMuch { what, bytes, limit });
+    }
+    Ok(gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(what),
+        size: bytes,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    }))
+}

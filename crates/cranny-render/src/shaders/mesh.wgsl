@@ -1,0 +1,92 @@
+// Bodies, and the shadows that they cast on the ground.
+
+struct MeshVertex {
+    @location(0) position: vec3<f32>,
+    @location(1) normal: vec4<f32>,
+    @location(2) color: vec4<f32>,      // sRGB
+    @location(3) row_x: vec4<f32>,
+    @location(4) row_y: vec4<f32>,
+    @location(5) row_z: vec4<f32>,
+    @location(6) tint: vec4<f32>,
+}
+
+struct MeshFragment {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) @interpolate(flat) normal: vec3<f32>,
+    @location(2) @interpolate(flat) color: vec4<f32>,
+}
+
+fn placed(v: MeshVertex) -> vec3<f32> {
+    let p = vec4(v.position, 1.0);
+    return vec3(dot(v.row_x, p), dot(v.row_y, p), dot(v.row_z, p));
+}
+
+fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
+    return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
+}
+
+@vertex
+fn mesh_vertex(v: MeshVertex) -> MeshFragment {
+    let position = placed(v);
+    let n = v.normal.xyz;
+    let normal = vec3(dot(v.row_x.xyz, n), dot(v.row_y.xyz, n), dot(v.row_z.xyz, n));
+    let color = vec4(linear_from_srgb(v.color.rgb) * v.tint.rgb, v.color.a * v.tint.a);
+    return MeshFragment(to_clip(position), position, normalize(normal), color);
+}
+
+// Light from the sky and the ground, a key light, a fill light, a highlight and a rim.
+fn lit(albedo: vec3<f32>, normal: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
+    let sky = vec3(0.50, 0.53, 0.58);
+    let earth = vec3(0.23, 0.22, 0.21);
+    let key = globals.key_near.xyz;
+    let diffuse = mix(earth, sky, 0.5 + 0.5 * normal.z)
+        + vec3(0.62, 0.60, 0.57) * max(dot(normal, key), 0.0)
+        + vec3(0.10, 0.11, 0.13) * max(dot(normal, globals.fill.xyz), 0.0);
+    let highlight = 0.10 * pow(max(dot(normal, normalize(key + to_eye)), 0.0), 40.0);
+    let rim = 0.12 * pow(1.0 - max(dot(normal, to_eye), 0.0), 3.0);
+    return albedo * diffuse + vec3(highlight) + rim * sky;
+}
+
+fn shaded(f: MeshFragment, front: bool) -> vec3<f32> {
+    let to_eye = normalize(-f.position);
+    if front {
+        return lit(f.color.rgb, f.normal, to_eye);
+    }
+    // The inside of an open surface.
+    return 0.5 * lit(f.color.rgb, -f.normal, to_eye);
+}
+
+@fragment
+fn opaque_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    return vec4(shaded(f, front), 1.0);
+}
+
+// Denser where it is seen at a grazing angle, as glass is, so that outlines can be read.
+@fragment
+fn overlay_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    let facing = abs(dot(f.normal, normalize(-f.position)));
+    let density = mix(1.0, 1.8, pow(1.0 - facing, 3.0)) * select(0.6, 1.0, front);
+    return vec4(shaded(f, front), min(f.color.a * density, 1.0));
+}
+
+struct ShadowFragment {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+}
+
+// Flattens the body onto the ground along the light. What is below the ground casts none.
+@vertex
+fn shadow_vertex(v: MeshVertex) -> ShadowFragment {
+    let p = placed(v);
+    let height = max(p.z - globals.ground_center.z, 0.0);
+    let position = vec3(p.xy + vec2(0.22, 0.12) * height, globals.ground_center.z);
+    return ShadowFragment(to_clip(position), position);
+}
+
+// Drawn with the blend operation 'minimum' on the bare backdrop: where shadows overlap, the result
+// is that of one.
+@fragment
+fn shadow_fragment(f: ShadowFragment) -> @location(0) vec4<f32> {
+    return vec4(backdrop_at(f.clip.xy) * (1.0 - 0.24 * ground_fade(f.position)), 1.0);
+}
