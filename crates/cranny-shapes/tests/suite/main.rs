@@ -1,0 +1,6 @@
+//! Integration tests of the generators, in one binary.
+
+mod closed_shell;
+mod mating;
+mod parameters;
+mod solids;
