@@ -7,6 +7,7 @@
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::sync::Arc;
 
 use cranny_exact::{DQuat, DVec3, Pose};
@@ -15,7 +16,17 @@ use cranny_render::{
     Preset, Renderer, RendererOptions, contact_sheet, palette,
 };
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            println!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<(), Box<dyn Error>> {
     let mut paths = std::env::args_os().skip(1).map(PathBuf::from);
     let picture = paths.next().unwrap_or_else(|| PathBuf::from("primitives.png"));
 

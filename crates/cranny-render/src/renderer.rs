@@ -29,7 +29,8 @@ pub struct Renderer {
     instances: Stream,
     lines: Stream,
     points: Stream,
-    meshes: HashMap<*const DrawMesh, Uploaded>,
+    /// By the address of the mesh.
+    meshes: HashMap<usize, Uploaded>,
     target: Option<Target>,
 }
 
@@ -136,7 +137,7 @@ impl Renderer {
     fn upload(&mut self, frame: &Frame<'_>) -> Result<(), RenderError> {
         self.meshes.retain(|_, uploaded| uploaded.handle.strong_count() > 0);
         for batch in frame.opaque.iter().chain(&frame.translucent) {
-            let key = Arc::as_ptr(batch.mesh);
+            let key = address(batch.mesh);
             if !self.meshes.contains_key(&key) {
                 let usage = wgpu::BufferUsages::VERTEX;
                 let bytes: &[u8] = bytemuck::cast_slice(batch.mesh.vertices());
@@ -191,13 +192,17 @@ impl Renderer {
         pass.set_pipeline(pipeline);
         pass.set_vertex_buffer(1, instances.slice(..));
         for batch in batches {
-            if let Some(uploaded) = self.meshes.get(&Arc::as_ptr(batch.mesh)) {
+            if let Some(uploaded) = self.meshes.get(&address(batch.mesh)) {
                 pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
                 let vertices = batch.mesh.vertices().len() as u32;
                 pass.draw(0..vertices, batch.instances.clone());
             }
         }
     }
+}
+
+fn address(mesh: &Arc<DrawMesh>) -> usize {
+    Arc::as_ptr(mesh).addr()
 }
 
 fn draw_quads(
@@ -247,4 +252,13 @@ fn new_buffer(
         usage: usage | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn a_renderer_can_be_kept_by_another_thread() {
+        fn assert_send_and_sync<T: Send + Sync>() {}
+        assert_send_and_sync::<super::Renderer>();
+    }
 }
