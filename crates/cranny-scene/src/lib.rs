@@ -1,3 +1,4 @@
 //! Scene files, mesh files, robots and generated worlds.
 
 pub mod mesh_file;
+pub mod robot;

@@ -1,0 +1,102 @@
+//! Robots from URDF files: links with their meshes, joints, and where the links are for given
+//! joint positions.
+//!
+//! Lengths are metres and angles radians, as URDF says. Collision geometry must be there and
+//! readable; drawing geometry that is missing is noted and left out.
+
+mod cylinder;
+mod kinematics;
+mod package;
+mod problem;
+mod urdf;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use cranny_exact::Pose;
+use cranny_geometry::Mesh;
+use cranny_world::description::{JointKind, Mimic};
+
+pub use kinematics::PositionError;
+pub use problem::RobotError;
+pub use urdf::read_robot;
+
+/// A tree of links joined by joints.
+#[derive(Clone, Debug)]
+pub struct Robot {
+    /// Its name in the URDF file.
+    pub name: String,
+    /// In file order.
+    pub links: Vec<RobotLink>,
+    /// In file order.
+    pub joints: Vec<RobotJoint>,
+    /// The one link without parent: index into [`links`](Self::links).
+    pub root: usize,
+    /// One sentence each: drawing meshes that were left out, elements that say nothing here.
+    pub notes: Vec<String>,
+    /// The URDF file and every mesh file read, in order.
+    pub files: Vec<PathBuf>,
+    /// Joints such that parents come before children: indices into [`joints`](Self::joints).
+    order: Vec<usize>,
+}
+
+/// A rigid part of a robot.
+#[derive(Clone, Debug)]
+pub struct RobotLink {
+    /// Unique in the robot.
+    pub name: String,
+    /// All its collision elements joined, in the link's frame; `None` where it has none.
+    pub collision: Option<Arc<Mesh>>,
+    /// All its visual elements joined, in the link's frame; `None` where none could be read.
+    pub visual: Option<Arc<Mesh>>,
+    /// Mass, where the file states one above 0.
+    pub mass: Option<f64>,
+}
+
+/// A joint between two links of a robot.
+#[derive(Clone, Debug)]
+pub struct RobotJoint {
+    /// Unique in the robot.
+    pub name: String,
+    /// Index into [`Robot::links`].
+    pub parent: usize,
+    /// Index into [`Robot::links`]. At position 0 the child's frame is the joint's.
+    pub child: usize,
+    /// Where the joint is in the parent's frame.
+    pub parent_from_joint: Pose,
+    /// What it leaves free, with axes in the joint's frame.
+    pub kind: JointKind,
+    /// The joint that it follows, if it does.
+    pub mimic: Option<Mimic>,
+}
+
+impl Robot {
+    /// The link of a name.
+    #[must_use]
+    pub fn link(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link.name == name)
+    }
+
+    /// The joint of a name.
+    #[must_use]
+    pub fn joint(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// Pairs of links that a joint joins, the smaller index first, sorted. They overlap by design
+    /// and are not checked against each other.
+    #[must_use]
+    pub fn adjacent_links(&self) -> Vec<(usize, usize)> {
+        let ordered = |j: &RobotJoint| (j.parent.min(j.child), j.parent.max(j.child));
+        let mut pairs: Vec<_> = self.joints.iter().map(ordered).collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Indices of [`joints`](Self::joints) such that every link is reached as a child before it is
+    /// a parent.
+    #[must_use]
+    pub fn joints_from_root(&self) -> &[usize] {
+        &self.order
+    }
+}

@@ -1,0 +1,98 @@
+//! Why a robot was not read.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::mesh_file::MeshFileError;
+
+/// Why a URDF file is no robot.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RobotError {
+    /// The file cannot be opened or read.
+    #[error("robot file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
+    Unreadable {
+        /// Path asked for.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// It is not well-formed XML.
+    #[error("robot file {}, line {line}, column {column}: {problem}", path.display())]
+    Xml {
+        /// Path asked for.
+        path: PathBuf,
+        /// From 1.
+        line: u32,
+        /// From 1.
+        column: u32,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// It is XML, but not URDF.
+    #[error("robot file {}: not a URDF robot ({message}). Correct the element or export the robot again.", path.display())]
+    Urdf {
+        /// Path asked for.
+        path: PathBuf,
+        /// What the reader said.
+        message: String,
+    },
+    /// A link or joint says something that cannot be.
+    #[error("robot file {}, {element} {name:?}: {problem}", path.display())]
+    Element {
+        /// Path asked for.
+        path: PathBuf,
+        /// "link" or "joint".
+        element: &'static str,
+        /// Its name.
+        name: String,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// The links do not form one tree.
+    #[error("robot file {}: {problem}", path.display())]
+    Tree {
+        /// Path asked for.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        problem: String,
+    },
+    /// A collision mesh cannot be found.
+    #[error(
+        "robot file {}, link {link:?}: the collision mesh {uri:?} was not found. Looked for {}. Put the mesh there, or correct the path.",
+        path.display(), list(tried)
+    )]
+    MeshNotFound {
+        /// Path asked for.
+        path: PathBuf,
+        /// Link that wants it.
+        link: String,
+        /// As written.
+        uri: String,
+        /// Every place looked at.
+        tried: Vec<PathBuf>,
+    },
+    /// A collision mesh cannot be read.
+    #[error("robot file {}, link {link:?}: {source}", path.display())]
+    Mesh {
+        /// Path asked for.
+        path: PathBuf,
+        /// Link that wants it.
+        link: String,
+        /// What is wrong with the mesh file.
+        source: MeshFileError,
+    },
+}
+
+fn list(paths: &[PathBuf]) -> String {
+    /// Deep folders give dozens of candidates; the nearest ones tell the story.
+    const NAMED: usize = 4;
+    let mut names: Vec<_> =
+        paths.iter().take(NAMED).map(|path| path.display().to_string()).collect();
+    if paths.len() > NAMED {
+        names.push(format!("{} more places", paths.len() - NAMED));
+    }
+    if names.is_empty() { "no place: the address names none".to_owned() } else { names.join(", ") }
+}

@@ -1,0 +1,387 @@
+//! From URDF to a [`Robot`].
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::Mesh;
+use cranny_shapes::{Cuboid, Sphere};
+use cranny_world::description::{JointKind, Mimic};
+use urdf_rs::{Geometry, Joint, JointType, Link};
+
+use super::cylinder::{SEGMENTS, capsule, cylinder};
+use super::kinematics::roll_pitch_yaw;
+use super::{Robot, RobotError, RobotJoint, RobotLink, package};
+use crate::mesh_file::{UpAxis, read_mesh_with};
+
+/// XML elements nest at most so deep; URDF needs five. Deeper, and the recursive readers beneath
+/// could exhaust the stack.
+const MAX_DEPTH: usize = 64;
+
+/// Reads a robot from a URDF file.
+///
+/// `package://` addresses are looked for going up from the file; COLLADA meshes keep their axes as
+/// filed, as other robot tools do; boxes, cylinders, spheres and capsules become inscribed meshes of
+/// 32 sides. Meshes scaled by a negative factor are turned, so that outside stays outside.
+///
+/// # Errors
+///
+/// [`RobotError`]: the file or one of its collision meshes is missing or broken; links that do not
+/// form a tree; joints that are floating, planar or spherical.
+pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
+    let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
+    let text = fs::read_to_string(path).map_err(unreadable)?;
+    check_xml(path, &text)?;
+    let urdf = urdf_rs::read_from_string(&text).map_err(|error| {
+        let message = error.to_string();
+        RobotError::Urdf { path: path.to_owned(), message }
+    })?;
+    // Packages lie above the file, wherever the working directory is.
+    let absolute = fs::canonicalize(path).map_err(unreadable)?;
+    let mut reader = Reader {
+        path: path.to_owned(),
+        absolute,
+        meshes: BTreeMap::new(),
+        notes: Vec::new(),
+        files: vec![path.to_owned()],
+    };
+    let links = urdf.links.iter().map(|link| reader.link(link)).collect::<Result<Vec<_>, _>>()?;
+    let index_of = reader.unique("link", links.iter().map(|link| link.name.as_str()))?;
+    reader.unique("joint", urdf.joints.iter().map(|joint| joint.name.as_str()))?;
+    let joints = urdf
+        .joints
+        .iter()
+        .map(|joint| reader.joint(joint, &index_of))
+        .collect::<Result<Vec<_>, _>>()?;
+    reader.check_mimics(&joints)?;
+    let (root, order) = reader.tree(&links, &joints)?;
+    let Reader { notes, files, .. } = reader;
+    Ok(Robot { name: urdf.name, links, joints, root, notes, files, order })
+}
+
+/// Well-formed XML of sane depth: the URDF reader names no place, this check does.
+fn check_xml(path: &Path, text: &str) -> Result<(), RobotError> {
+    let document = roxmltree::Document::parse(text).map_err(|error| {
+        let advice = match &error {
+            roxmltree::Error::UnknownNamespace(prefix, _) => format!(
+                "the prefix {prefix:?} is used but never bound to a namespace. Add xmlns:{prefix}=\"…\" to the element 'robot', or remove the attributes and elements with this prefix."
+            ),
+            other => format!("not well-formed XML ({other}). Correct it or export the robot again."),
+        };
+        let at = error.pos();
+        RobotError::Xml { path: path.to_owned(), line: at.row, column: at.col, problem: advice }
+    })?;
+    for node in document.descendants() {
+        if node.ancestors().take(MAX_DEPTH + 1).count() > MAX_DEPTH {
+            let at = document.text_pos_at(node.range().start);
+            let problem =
+                format!("elements are nested deeper than {MAX_DEPTH}: this is no URDF robot.");
+            return Err(RobotError::Xml {
+                path: path.to_owned(),
+                line: at.row,
+                column: at.col,
+                problem,
+            });
+        }
+    }
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        let at = document.text_pos_at(root.range().start);
+        let problem = format!(
+            "found the element {:?}, expected 'robot': this is no URDF file.",
+            root.tag_name().name()
+        );
+        return Err(RobotError::Xml {
+            path: path.to_owned(),
+            line: at.row,
+            column: at.col,
+            problem,
+        });
+    }
+    Ok(())
+}
+
+struct Reader {
+    path: PathBuf,
+    absolute: PathBuf,
+    /// Mesh files read, by path.
+    meshes: BTreeMap<PathBuf, Arc<Mesh>>,
+    notes: Vec<String>,
+    files: Vec<PathBuf>,
+}
+
+impl Reader {
+    fn error(&self, element: &'static str, name: &str, problem: String) -> RobotError {
+        RobotError::Element { path: self.path.clone(), element, name: name.to_owned(), problem }
+    }
+
+    fn unique<'a>(
+        &self,
+        element: &'static str,
+        names: impl Iterator<Item = &'a str>,
+    ) -> Result<BTreeMap<String, usize>, RobotError> {
+        let mut index_of = BTreeMap::new();
+        for (index, name) in names.enumerate() {
+            if index_of.insert(name.to_owned(), index).is_some() {
+                let problem = "two of them have this name. Rename one.".to_owned();
+                return Err(self.error(element, name, problem));
+            }
+        }
+        Ok(index_of)
+    }
+
+    fn link(&mut self, link: &Link) -> Result<RobotLink, RobotError> {
+        let mut collision = None;
+        for element in &link.collision {
+            let mesh = self.geometry(&link.name, &element.geometry)?;
+            collision = Some(self.placed(link, &element.origin, mesh, collision)?);
+        }
+        let mut visual = None;
+        for element in &link.visual {
+            let drawn = self
+                .geometry(&link.name, &element.geometry)
+                .and_then(|mesh| self.placed(link, &element.origin, mesh, visual.clone()));
+            match drawn {
+                Ok(mesh) => visual = Some(mesh),
+                Err(error) => self.notes.push(format!("a visual element was left out: {error}")),
+            }
+        }
+        let mass = link.inertial.mass.value;
+        let mass = (mass.is_finite() && mass > 0.0).then_some(mass);
+        Ok(RobotLink { name: link.name.clone(), collision, visual, mass })
+    }
+
+    /// An element's mesh in the link's frame, joined to those before it.
+    fn placed(
+        &self,
+        link: &Link,
+        origin: &urdf_rs::Pose,
+        mesh: Arc<Mesh>,
+        before: Option<Arc<Mesh>>,
+    ) -> Result<Arc<Mesh>, RobotError> {
+        let refuse = |problem: String| self.error("link", &link.name, problem);
+        let pose = pose(origin).map_err(|problem| refuse(format!("its origin {problem}")))?;
+        let posed = if pose == Pose::IDENTITY {
+            mesh
+        } else {
+            let link_from_mesh = pose.world_from_body();
+            let vertices = mesh.vertices().iter().map(|&p| link_from_mesh.apply(p)).collect();
+            let posed = Mesh::new(vertices, mesh.faces().to_vec());
+            Arc::new(posed.map_err(|error| refuse(format!("posed by its origin: {error}")))?)
+        };
+        Ok(match before {
+            Some(before) => Arc::new(Mesh::clone(&before).joined(&posed)),
+            None => posed,
+        })
+    }
+
+    fn geometry(&mut self, link: &str, geometry: &Geometry) -> Result<Arc<Mesh>, RobotError> {
+        let built = match geometry {
+            Geometry::Mesh { filename, scale } => {
+                let scale = scale.map_or(DVec3::ONE, |s| DVec3::from_array(s.0));
+                return self.mesh(link, filename, scale);
+            }
+            Geometry::Box { size } => Cuboid { size: size.0 }.build().map_err(|e| e.to_string()),
+            Geometry::Sphere { radius } => {
+                let sphere = Sphere { radius: *radius, segments: SEGMENTS, rings: SEGMENTS / 2 };
+                sphere.build().map_err(|e| e.to_string())
+            }
+            Geometry::Cylinder { radius, length } => round(*radius, *length, cylinder),
+            Geometry::Capsule { radius, length } => round(*radius, *length, capsule),
+        };
+        built.map(Arc::new).map_err(|problem| self.error("link", link, problem))
+    }
+
+    fn mesh(&mut self, link: &str, uri: &str, scale: DVec3) -> Result<Arc<Mesh>, RobotError> {
+        let path =
+            package::find(&self.absolute, uri).map_err(|tried| RobotError::MeshNotFound {
+                path: self.path.clone(),
+                link: link.to_owned(),
+                uri: uri.to_owned(),
+                tried,
+            })?;
+        let filed = match self.meshes.get(&path) {
+            Some(mesh) => Arc::clone(mesh),
+            None => {
+                let read = read_mesh_with(&path, UpAxis::AsFiled).map_err(|source| {
+                    RobotError::Mesh { path: self.path.clone(), link: link.to_owned(), source }
+                })?;
+                let mesh = Arc::new(read.mesh);
+                self.files.push(path.clone());
+                self.meshes.insert(path, Arc::clone(&mesh));
+                mesh
+            }
+        };
+        if scale == DVec3::ONE {
+            return Ok(filed);
+        }
+        if scale.x * scale.y * scale.z == 0.0 || !scale.is_finite() {
+            let problem =
+                format!("the scale {scale} of mesh {uri:?} flattens it. Use factors other than 0.");
+            return Err(self.error("link", link, problem));
+        }
+        let scaled = filed.scaled(scale);
+        scaled
+            .map(Arc::new)
+            .map_err(|error| self.error("link", link, format!("mesh {uri:?}, scaled: {error}")))
+    }
+
+    fn joint(
+        &self,
+        joint: &Joint,
+        index_of: &BTreeMap<String, usize>,
+    ) -> Result<RobotJoint, RobotError> {
+        let refuse = |problem: String| self.error("joint", &joint.name, problem);
+        let link = |name: &str| {
+            let index = index_of.get(name).copied();
+            index.ok_or_else(|| {
+                refuse(format!("it names the link {name:?}, which is not in the file."))
+            })
+        };
+        let parent_from_joint =
+            pose(&joint.origin).map_err(|problem| refuse(format!("its origin {problem}")))?;
+        let axis = || {
+            let axis = DVec3::from_array(joint.axis.xyz.0);
+            let unit = axis.is_finite().then(|| axis.try_normalize()).flatten();
+            unit.ok_or_else(|| refuse(format!("its axis {axis} has no direction.")))
+        };
+        let limits = || {
+            let [lower, upper] = [joint.limit.lower, joint.limit.upper];
+            if lower <= upper {
+                // Infinite limits are how URDF 1.2 says 'none'.
+                Ok((lower.is_finite() || upper.is_finite()).then_some([lower, upper]))
+            } else {
+                Err(refuse(format!(
+                    "its lower limit {lower} is not below its upper limit {upper}."
+                )))
+            }
+        };
+        let kind = match joint.joint_type {
+            JointType::Fixed => JointKind::Fixed,
+            JointType::Continuous => JointKind::Revolute { axis: axis()?, limits: None },
+            JointType::Revolute => JointKind::Revolute { axis: axis()?, limits: limits()? },
+            JointType::Prismatic => JointKind::Prismatic { axis: axis()?, limits: limits()? },
+            JointType::Floating | JointType::Planar | JointType::Spherical => {
+                return Err(refuse(format!(
+                    "its type {:?} is not supported. Use fixed, revolute, continuous or prismatic joints; let a floating robot's base be free in the scene instead.",
+                    joint.joint_type
+                )));
+            }
+        };
+        let mimic = joint.mimic.as_ref().map(|mimic| Mimic {
+            joint: mimic.joint.clone(),
+            multiplier: mimic.multiplier.unwrap_or(1.0),
+            offset: mimic.offset.unwrap_or(0.0),
+        });
+        Ok(RobotJoint {
+            name: joint.name.clone(),
+            parent: link(&joint.parent.link)?,
+            child: link(&joint.child.link)?,
+            parent_from_joint,
+            kind,
+            mimic,
+        })
+    }
+
+    /// A leader exists, moves, and follows nobody.
+    fn check_mimics(&self, joints: &[RobotJoint]) -> Result<(), RobotError> {
+        for joint in joints {
+            let Some(mimic) = &joint.mimic else { continue };
+            let leader = joints.iter().find(|other| other.name == mimic.joint);
+            let problem = match leader {
+                None => "which is not in the file",
+                Some(leader) if leader.mimic.is_some() => "which follows another joint itself",
+                Some(leader) if leader.kind == JointKind::Fixed => "which is fixed",
+                Some(_) if !(mimic.multiplier.is_finite() && mimic.offset.is_finite()) => {
+                    "but its multiplier or offset is not a finite number"
+                }
+                Some(_) => continue,
+            };
+            let problem = format!(
+                "it follows joint {:?}, {problem}. Correct its element 'mimic'.",
+                mimic.joint
+            );
+            return Err(self.error("joint", &joint.name, problem));
+        }
+        Ok(())
+    }
+
+    /// The root, and the joints in an order that goes down from it.
+    fn tree(
+        &self,
+        links: &[RobotLink],
+        joints: &[RobotJoint],
+    ) -> Result<(usize, Vec<usize>), RobotError> {
+        let tree = |problem: String| RobotError::Tree { path: self.path.clone(), problem };
+        let mut parent_joint = vec![None; links.len()];
+        for joint in joints {
+            if let Some(other) = parent_joint[joint.child].replace(joint.name.as_str()) {
+                let problem = format!(
+                    "it is the child of joint {other:?} and of joint {:?}. Links must form a tree: remove one of them.",
+                    joint.name
+                );
+                return Err(self.error("link", &links[joint.child].name, problem));
+            }
+        }
+        let roots: Vec<usize> = (0..links.len()).filter(|&i| parent_joint[i].is_none()).collect();
+        let root = match roots[..] {
+            [root] => root,
+            [] if links.is_empty() => return Err(tree("it has no links.".to_owned())),
+            [] => return Err(tree("every link is a child: its joints form a cycle.".to_owned())),
+            _ => {
+                let names: Vec<_> = roots.iter().map(|&i| links[i].name.as_str()).collect();
+                return Err(tree(format!(
+                    "it has {} links without parent ({}); there must be one. Join the others to it.",
+                    roots.len(),
+                    names.join(", ")
+                )));
+            }
+        };
+        let mut reached = BTreeSet::from([root]);
+        let mut order = Vec::with_capacity(joints.len());
+        let mut queue = std::collections::VecDeque::from([root]);
+        while let Some(link) = queue.pop_front() {
+            for (index, joint) in joints.iter().enumerate().filter(|(_, j)| j.parent == link) {
+                order.push(index);
+                if reached.insert(joint.child) {
+                    queue.push_back(joint.child);
+                }
+            }
+        }
+        match (0..links.len()).find(|link| !reached.contains(link)) {
+            Some(lost) => {
+                let problem =
+                    "it is not reached from the root: its joints form a cycle.".to_owned();
+                Err(self.error("link", &links[lost].name, problem))
+            }
+            None => Ok((root, order)),
+        }
+    }
+}
+
+fn round(
+    radius: f64,
+    length: f64,
+    build: fn(f64, f64) -> Result<Mesh, cranny_geometry::MeshError>,
+) -> Result<Mesh, String> {
+    if radius > 0.0 && length > 0.0 {
+        return build(radius, length).map_err(|error| error.to_string());
+    }
+    Err(format!(
+        "a round body of radius {radius} and length {length}: both must be greater than 0."
+    ))
+}
+
+/// The pose that an `<origin>` says; where it says none, what is wrong with it.
+fn pose(origin: &urdf_rs::Pose) -> Result<Pose, String> {
+    let rpy = origin.rpy.0;
+    if rpy.iter().any(|angle| !angle.is_finite()) {
+        return Err(format!("has the rotation {rpy:?}, which is not finite. Correct it."));
+    }
+    // An untouched rotation stays the identity to the bit.
+    let rotation = if rpy == [0.0; 3] { Pose::IDENTITY.rotation } else { roll_pitch_yaw(rpy) };
+    Pose::checked(rotation, DVec3::from_array(origin.xyz.0))
+        .map_err(|error| format!("is no pose: {error}. Correct it."))
+}
