@@ -1,0 +1,149 @@
+//! What is answered about a pair.
+
+use cranny_exact::{DVec3, Interval, Meeting};
+use cranny_geometry::{EdgeId, FaceId, VertexId};
+
+/// How the two triangle surfaces meet: exact.
+///
+/// [`Meeting::Cross`]: some triangle pair shares a point interior to both; [`Meeting::Touch`]: they
+/// share other points only, co-planar overlap included.
+pub type Surface = Meeting;
+
+/// Everything that was asked about a pair, in world coordinates and in the caller's order.
+///
+/// Every field but [`counters`](Self::counters) is a pure function of models, poses and query.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// How the surfaces meet.
+    pub surface: Surface,
+    /// Whether the bodies share interior points; a surface (a component that is not closed) counts
+    /// where it enters a closed solid or crosses another surface.
+    pub solid: bool,
+    /// One wholly inside the other.
+    pub contained: Option<Containment>,
+    /// Least distance between the surfaces: 0 where they meet, also >= 0 when contained. `None` if
+    /// not asked for; [`f64::INFINITY`] if it is no less than the asked bound.
+    pub distance: Option<f64>,
+    /// Where the distance is known to lie: the rounding error of `distance` taken outward.
+    pub separation: Interval,
+    /// Points at that distance: on A, on B.
+    pub witnesses: Option<[Witness; 2]>,
+    /// Contacts for a solver, each with its own normal.
+    pub contacts: Vec<Contact>,
+    /// Connected regions of contact, overlapping ones first.
+    pub regions: Vec<Region>,
+    /// Triangle pairs that meet.
+    pub triangle_pairs: u32,
+    /// What it cost.
+    pub counters: Counters,
+}
+
+/// One closed solid wholly inside another body's closed solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Containment {
+    /// A lies inside B.
+    AInB,
+    /// B lies inside A.
+    BInA,
+}
+
+impl Containment {
+    /// With the bodies' names exchanged.
+    #[must_use]
+    pub fn swapped(self) -> Self {
+        match self {
+            Self::AInB => Self::BInA,
+            Self::BInA => Self::AInB,
+        }
+    }
+}
+
+/// A point of a body's surface and the feature that holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Witness {
+    /// World coordinates.
+    pub point: DVec3,
+    /// Least feature that holds it.
+    pub feature: Feature,
+}
+
+/// A vertex, edge or face of a model's mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Feature {
+    /// A vertex.
+    Vertex(VertexId),
+    /// An edge, its ends left out.
+    Edge(EdgeId),
+    /// A face, its edges left out.
+    Face(FaceId),
+}
+
+/// A pair of points where the bodies meet or nearly do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The features that make it, on A and on B: stable from frame to frame.
+    pub id: (Feature, Feature),
+    /// On A's surface, world coordinates.
+    pub point_a: DVec3,
+    /// On B's surface.
+    pub point_b: DVec3,
+    /// Unit, from A to B, at this very point.
+    pub normal: DVec3,
+    /// Along the normal: > 0 apart, < 0 overlapping.
+    pub separation: f64,
+}
+
+impl Contact {
+    /// With the bodies' names exchanged.
+    #[must_use]
+    pub fn swapped(self) -> Self {
+        Self {
+            id: (self.id.1, self.id.0),
+            point_a: self.point_b,
+            point_b: self.point_a,
+            normal: -self.normal,
+            separation: self.separation,
+        }
+    }
+}
+
+/// A connected region of contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// The contact of least separation.
+    pub deepest: Contact,
+    /// Unit, from A to B: direction of the area that the region's curves enclose, or of the deepest
+    /// contact where there are none. It describes the region; contacts have normals of their own.
+    pub normal: DVec3,
+    /// The least translation along `normal` that parts the two surface pieces that the curves cut
+    /// out: 0 where they only touch, `None` where the bodies are apart or a surface is open.
+    pub depth: Option<f64>,
+    /// Area enclosed by the curves, projected onto the plane of `normal`; `None` as for `depth`.
+    pub area: Option<f64>,
+    /// Contacts that represent the region's extent, deepest first.
+    pub points: Vec<Contact>,
+    /// Where the surfaces intersect.
+    pub curves: Vec<Curve>,
+    /// Triangle pairs that meet in this region.
+    pub triangle_pairs: u32,
+}
+
+/// A polyline in which the surfaces intersect.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// In order, world coordinates; the first point is not repeated at the end.
+    pub points: Vec<DVec3>,
+    /// The last point is joined to the first.
+    pub closed: bool,
+}
+
+/// Work done for an answer. No hash includes them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Pairs of tree nodes compared.
+    pub node_tests: u64,
+    /// Pairs of triangles classified exactly or measured.
+    pub triangle_tests: u64,
+    /// Points classified against a solid.
+    pub inside_tests: u64,
+}

@@ -1,0 +1,107 @@
+//! What is asked about a pair.
+
+use cranny_exact::{Pose, Tolerance};
+use cranny_geometry::Model;
+
+/// A model at a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'a> {
+    /// What.
+    pub model: &'a Model,
+    /// Where: world_from_body.
+    pub pose: Pose,
+}
+
+/// How much is asked. Each demand does only its own work.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Demand {
+    /// Nothing.
+    #[default]
+    None,
+    /// Do they meet: surface verdict, solidity and containment.
+    Intersects,
+    /// The above, and the least distance between the surfaces with witness points.
+    Distance {
+        /// If given, distances of this much or more need not be found (the answer then says
+        /// 'at least this').
+        below: Option<f64>,
+    },
+    /// The above, and contacts for a solver, each with the normal of its own point.
+    Contacts {
+        /// Surfaces up to this far apart yield contacts, >= 0.
+        margin: f64,
+    },
+    /// Everything: triangle pairs, curves and regions as well.
+    Regions {
+        /// Surfaces up to this far apart yield regions of positive separation, >= 0.
+        margin: f64,
+    },
+}
+
+impl Demand {
+    /// The least demand that answers both: the union of their work, at the larger margin.
+    #[must_use]
+    pub fn join(self, other: Self) -> Self {
+        use Demand::{Contacts, Distance, Intersects, None, Regions};
+        match (self, other) {
+            (None, x) | (x, None) => x,
+            (Intersects, x) | (x, Intersects) => x,
+            (Distance { below: a }, Distance { below: b }) => {
+                Distance { below: a.zip(b).map(|(a, b)| a.max(b)) }
+            }
+            (Distance { .. }, x) | (x, Distance { .. }) => x,
+            (Contacts { margin: a }, Contacts { margin: b }) => Contacts { margin: a.max(b) },
+            (
+                Regions { margin: a } | Contacts { margin: a },
+                Regions { margin: b } | Contacts { margin: b },
+            ) => Regions { margin: a.max(b) },
+        }
+    }
+
+    /// The margin up to which contacts are asked for, if they are.
+    #[must_use]
+    pub fn margin(&self) -> Option<f64> {
+        match *self {
+            Self::Contacts { margin } | Self::Regions { margin } => Some(margin),
+            _ => None,
+        }
+    }
+}
+
+/// A question about a pair of placed models.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Query {
+    /// How much is asked.
+    pub demand: Demand,
+    /// What the user means by 'the same place'.
+    pub tolerance: Tolerance,
+}
+
+impl Query {
+    /// A query with default tolerance.
+    #[must_use]
+    pub fn of(demand: Demand) -> Self {
+        Self { demand, tolerance: Tolerance::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joining_takes_the_larger_demand_and_margin() {
+        let contacts = Demand::Contacts { margin: 0.1 };
+        assert_eq!(Demand::None.join(Demand::Intersects), Demand::Intersects);
+        assert_eq!(contacts.join(Demand::Distance { below: None }), contacts);
+        assert_eq!(
+            contacts.join(Demand::Regions { margin: 0.05 }),
+            Demand::Regions { margin: 0.1 }
+        );
+        assert_eq!(contacts.join(Demand::Contacts { margin: 0.2 }).margin(), Some(0.2));
+        assert_eq!(
+            Demand::Distance { below: Some(1.0) }.join(Demand::Distance { below: None }),
+            Demand::Distance { below: None }
+        );
+    }
+}
