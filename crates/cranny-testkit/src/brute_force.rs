@@ -18,14 +18,22 @@ pub fn brute_force_meeting(a: &[DVec3; 3], b: &[DVec3; 3]) -> Meeting {
     }
 }
 
+/// A triangle without area is co-planar with every point.
+fn has_area(t: &[DVec3; 3]) -> bool {
+    CORNERS.into_iter().any(|o| !orient3d(t[0], t[1], t[2], o).is_zero())
+}
+
 fn edges(t: &[DVec3; 3]) -> [[DVec3; 2]; 3] {
     [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
 }
 
 /// The common segment of two triangles in crossing planes has both ends on edges. It runs inside a
 /// triangle unless one edge of that triangle holds both ends. Different pairs of features hold
-/// different points, since features are disjoint.
+/// different points, since the features of a triangle with area are disjoint.
 fn crosses(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
+    if !has_area(a) || !has_area(b) {
+        return false;
+    }
     let mut contacts = contacts_of_edges(a, b);
     contacts.extend(contacts_of_edges(b, a).into_iter().map(|(on_b, on_a)| (on_a, on_b)));
     contacts.sort();
