@@ -83,8 +83,12 @@ fn corners(polygon: &[u32], k: usize) -> [u32; 3] {
 fn is_ear(points: &[DVec2], polygon: &[u32], k: usize) -> bool {
     let ids = corners(polygon, k);
     let [a, b, c] = ids.map(|i| points[i as usize]);
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let inside = |p: DVec2| {
-        [(a, b), (b, c), (c, a)].iter().all(|&(s, t)| orient2d(s, t, p) != Sign::Negative)
+        // The box first, by comparisons, which are exact and cheap.
+        low.cmple(p).all()
+            && p.cmple(high).all()
+            && [(a, b), (b, c), (c, a)].iter().all(|&(s, t)| orient2d(s, t, p) != Sign::Negative)
     };
     orient2d(a, b, c) == Sign::Positive
         && !polygon.iter().any(|i| !ids.contains(i) && inside(points[*i as usize]))

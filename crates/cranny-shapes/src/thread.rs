@@ -289,7 +289,8 @@ pub(crate) fn collar(builder: &mut MeshBuilder, hole: &[u32], hexagon: &[u32], u
 
 /// Least width of a hexagon across flats, in diameters of the round hole. At 1.2 the corner is 1.39
 /// radii away and sees 43 degrees of the circle on either side: the 30 that it needs, and 13 more for
-/// the slope of the thread (at most 7 degrees for `pitch = diameter / 4`).
+/// the slope of the thread (at most 7 degrees for `pitch = diameter / 4`). Narrower, and faces of the
+/// collar fold over; the test `threads_of_any_accepted_parameters_are_solids` tries the narrowest.
 pub(crate) const MIN_FLATS: f64 = 1.2;
 
 /// The tip of a bolt: a disc around the axis, facing +z.

@@ -119,17 +119,19 @@ pub(crate) fn meeting_pair(
     })
 }
 
-/// Sweeps the boxes along z and asks about each pair that overlaps.
+/// Sweeps the boxes along the longest axis and asks about each pair that overlaps.
 fn first_overlapping_pair(
     triangles: &[Triangle],
     meet: impl Fn(usize, usize) -> bool,
 ) -> Option<(usize, usize)> {
     let boxes: Vec<Aabb> = triangles.iter().map(|t| Aabb::of_points(*t)).collect();
+    let all = boxes.iter().fold(Aabb::EMPTY, |union, b| union.union(b));
+    let axis = (all.max - all.min).max_position();
     let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&i, &j| boxes[i].min.z.total_cmp(&boxes[j].min.z));
+    order.sort_by(|&i, &j| boxes[i].min[axis].total_cmp(&boxes[j].min[axis]));
     let mut active: Vec<usize> = Vec::new();
     for &i in &order {
-        active.retain(|&j| boxes[j].max.z >= boxes[i].min.z);
+        active.retain(|&j| boxes[j].max[axis] >= boxes[i].min[axis]);
         if let Some(&j) = active.iter().find(|&&j| boxes[i].overlaps(&boxes[j]) && meet(i, j)) {
             return Some((i.min(j), i.max(j)));
         }

@@ -1,5 +1,6 @@
 //! Integration tests of the generators, in one binary.
 
+mod any_parameters;
 mod closed_shell;
 mod mating;
 mod parameters;
