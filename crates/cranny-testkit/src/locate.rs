@@ -149,3 +149,45 @@ fn is_closed(mesh: &Mesh) -> bool {
     }
     balance.iter().all(|(edge, &count)| count == 0 || edge[0] == edge[1])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron() -> Mesh {
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        Mesh::new(vertices, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap()
+    }
+
+    fn located(mesh: &Mesh, p: [f64; 3]) -> Location {
+        PosedMesh::new(mesh, &Pose::IDENTITY).locate(&Q3::exactly(DVec3::from_array(p)))
+    }
+
+    #[test]
+    fn points_beside_a_slanted_face_are_told_apart_by_an_ulp() {
+        let mesh = tetrahedron();
+        assert_eq!(located(&mesh, [0.25, 0.25, 0.5]), Location::On);
+        assert_eq!(located(&mesh, [0.25, 0.25, 0.5f64.next_down()]), Location::Inside);
+        assert_eq!(located(&mesh, [0.25, 0.25, 0.5f64.next_up()]), Location::Outside);
+        assert_eq!(located(&mesh, [0.0, 0.0, 0.5]), Location::On); // on an edge
+        assert_eq!(located(&mesh, [-1.0, 0.0, 0.0]), Location::Outside); // +x runs along an edge
+        assert_eq!(located(&mesh, [9.0, 0.0, 0.0]), Location::Outside);
+    }
+
+    #[test]
+    fn an_open_mesh_has_no_inside() {
+        let faces = tetrahedron().faces()[..3].to_vec();
+        let open = Mesh::new(tetrahedron().vertices().to_vec(), faces).unwrap();
+        assert!(!PosedMesh::new(&open, &Pose::IDENTITY).is_closed());
+        assert_eq!(located(&open, [0.125; 3]), Location::Outside);
+    }
+
+    #[test]
+    fn a_mesh_whose_faces_share_no_vertices_is_closed_by_position() {
+        let solid = tetrahedron();
+        let soup = (0..4).flat_map(|f| solid.triangle(cranny_geometry::FaceId(f))).collect();
+        let faces = (0..4).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let mesh = Mesh::new(soup, faces).unwrap();
+        assert_eq!(located(&mesh, [0.125; 3]), Location::Inside);
+    }
+}

@@ -347,7 +347,7 @@ mod tests {
             Mesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap()
         };
         let outer = cuboid([-1.0; 3], [4.0; 3]);
-        assert_eq!(verdict(&sheet(0.0, 1.0), &outer).1, true);
+        assert!(verdict(&sheet(0.0, 1.0), &outer).1);
         assert_eq!(
             verdict(&sheet(4.0, 1.0), &outer),
             (Meeting::Touch, false, Some(Contained::AInB))

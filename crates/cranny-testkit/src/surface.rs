@@ -62,3 +62,44 @@ pub(crate) fn overlapping_pairs(a: &[[DVec3; 3]], b: &[[DVec3; 3]]) -> Vec<(usiz
     }
     pairs
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Rng;
+    use cranny_exact::DQuat;
+
+    /// Triangles on a small lattice, so that posed by quarter turns they touch and cross exactly.
+    fn soup(rng: &mut Rng) -> Mesh {
+        let mut whole = || f64::from(rng.between(0, 4));
+        let vertices = (0..6).map(|_| DVec3::new(whole(), whole(), whole())).collect();
+        Mesh::new(vertices, vec![[0, 1, 2], [2, 3, 4], [4, 5, 0]]).unwrap()
+    }
+
+    #[test]
+    fn both_oracles_agree_where_posing_is_exact() {
+        let mut rng = Rng::new(5);
+        let half = 0.5f64.sqrt();
+        let turns = [
+            DQuat::IDENTITY,
+            DQuat::from_xyzw(half, 0.0, 0.0, half),
+            DQuat::from_xyzw(0.0, -half, 0.0, half),
+            DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+        ];
+        let mut found = [0; 3];
+        for _ in 0..2_000 {
+            let (a, b) = (soup(&mut rng), soup(&mut rng));
+            let mut pose = || {
+                let rotation = turns[rng.below(4)];
+                let mut step = || f64::from(rng.between(-2, 2));
+                Pose { rotation, translation: DVec3::new(step(), step(), step()) }
+            };
+            let (pose_a, pose_b) = (pose(), pose());
+            let meeting = rational_surface(&a, &pose_a, &b, &pose_b);
+            assert_eq!(brute_force_surface(&a, &pose_a, &b, &pose_b), meeting);
+            assert_eq!(rational_surface(&b, &pose_b, &a, &pose_a), meeting);
+            found[meeting as usize] += 1;
+        }
+        assert!(found.iter().all(|&count| count >= 100), "{found:?}");
+    }
+}
