@@ -1,0 +1,379 @@
+//! From what a file says to a description: meshes read, names resolved, everything checked that
+//! only shows when the whole is known.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_exact::{Aabb, DVec3};
+use cranny_geometry::Mesh;
+use cranny_world::description::{
+    BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
+    PairDescription, RecordDescription, SceneDescription,
+};
+
+use super::problem::{SceneError, SceneProblem, located};
+use super::syntax::{
+    BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PresetFile,
+    SceneFile, ShapeFile, effects,
+};
+use super::values::Finite;
+use super::{LoadOptions, locate, pile, place_robot};
+use crate::mesh_file::{MeshFormat, read_mesh};
+
+type Assembled = (SceneDescription, Vec<PathBuf>, Vec<String>);
+
+pub(super) fn assemble(
+    scene: SceneFile,
+    text: &str,
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<Assembled, SceneError> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let description = SceneDescription {
+        name: scene.name.unwrap_or(stem),
+        gravity: scene.gravity.0,
+        step: scene.step.0,
+        duration: scene.duration.0,
+        seed: options.seed.unwrap_or(scene.seed),
+        bodies: Vec::with_capacity(scene.bodies.len()),
+        joints: Vec::new(),
+        excluded_pairs: Vec::new(),
+        effects: effects(&scene.effects),
+        pairs: Vec::new(),
+        cameras: Vec::new(),
+        record: RecordDescription { every: scene.record.every.0 },
+    };
+    let source = Source { text, path };
+    let mut assembly =
+        Assembly { source, description, shapes: Vec::new(), files: Vec::new(), notes: Vec::new() };
+    for body in &scene.bodies {
+        assembly.body(body)?;
+    }
+    for (index, group) in scene.groups.iter().enumerate() {
+        let GroupFile::Pile(pile) = group;
+        assembly.pile(pile, index as u64)?;
+    }
+    for robot in &scene.robots {
+        place_robot::place(&mut assembly, robot)?;
+    }
+    assembly.check_body_names()?;
+    for joint in &scene.joints {
+        assembly.joint(joint)?;
+    }
+    assembly.check_joint_names()?;
+    for pair in &scene.pairs {
+        assembly.pair(pair)?;
+    }
+    for camera in &scene.cameras {
+        assembly.camera(camera)?;
+    }
+    assembly.description.excluded_pairs.sort_unstable();
+    assembly.description.excluded_pairs.dedup();
+    Ok((assembly.description, assembly.files, assembly.notes))
+}
+
+/// The text that is being assembled, for places.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    text: &'a str,
+    pub(super) path: &'a Path,
+}
+
+impl Source<'_> {
+    pub(super) fn error(&self, place: Option<Range<usize>>, problem: SceneProblem) -> SceneError {
+        located(self.path, self.text, place, problem)
+    }
+
+    /// Where `field: "value"` stands first.
+    pub(super) fn find(&self, field: &str, value: &str) -> Option<Range<usize>> {
+        locate::find(self.text, field, value, 0)
+    }
+
+    /// A path of the file, which is relative to it.
+    pub(super) fn resolve(&self, relative: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(relative)
+    }
+}
+
+pub(super) struct Assembly<'a> {
+    pub(super) source: Source<'a>,
+    pub(super) description: SceneDescription,
+    /// Meshes built so far: bodies of one shape share one mesh.
+    shapes: Vec<(ShapeFile, Arc<Mesh>)>,
+    files: Vec<PathBuf>,
+    pub(super) notes: Vec<String>,
+}
+
+impl Assembly<'_> {
+    fn body(&mut self, body: &BodyFile) -> Result<(), SceneError> {
+        let kind = BodyKind::from(body.kind);
+        let velocity = [body.velocity.linear.0, body.velocity.angular.0];
+        if kind == BodyKind::Fixed && velocity != [DVec3::ZERO; 2] {
+            let what = format!(
+                "body {:?} is Fixed but has a velocity. Make it Kinematic, or leave the velocity out",
+                body.name
+            );
+            let place = self.source.find("name", &body.name);
+            return Err(self.source.error(place, SceneProblem::Contradiction(what)));
+        }
+        let description = BodyDescription {
+            name: body.name.clone(),
+            collision: self.shape(&body.name, &body.shape)?,
+            visual: body
+                .visual
+                .as_ref()
+                .map(|visual| self.shape(&body.name, visual))
+                .transpose()?,
+            kind,
+            pose: body.pose.into(),
+            linear_velocity: velocity[0],
+            angular_velocity: velocity[1],
+            material: body.material.into(),
+            layers: body.layers.clone(),
+            effects: effects(&body.effects),
+        };
+        self.description.bodies.push(description);
+        Ok(())
+    }
+
+    fn pile(&mut self, group: &PileFile, index: u64) -> Result<(), SceneError> {
+        let refuse = |source: &Source<'_>, problem: String| {
+            let place = source.find("name", &group.name);
+            let problem = SceneProblem::Contradiction(format!("pile {:?}: {problem}", group.name));
+            source.error(place, problem)
+        };
+        let region = Aabb { min: group.region.min.0, max: group.region.max.0 };
+        if !region.min.cmplt(region.max).all() {
+            let problem = "its region's min must lie below its max in x, y and z".to_owned();
+            return Err(refuse(&self.source, problem));
+        }
+        if group.shapes.is_empty() {
+            return Err(refuse(&self.source, "it names no shapes".to_owned()));
+        }
+        let shapes = group
+            .shapes
+            .iter()
+            .map(|shape| self.shape(&group.name, shape))
+            .collect::<Result<Vec<_>, _>>()?;
+        let seed = group.seed.unwrap_or_else(|| self.description.seed.wrapping_add(index));
+        let pieces = pile::place(group.count as usize, seed, &region, group.gap.0, &shapes)
+            .map_err(|problem| refuse(&self.source, problem))?;
+        let body = |(i, piece): (usize, pile::Piece)| BodyDescription {
+            name: format!("{}_{i}", group.name),
+            collision: Arc::clone(&shapes[piece.shape]),
+            visual: None,
+            kind: group.kind.into(),
+            pose: piece.pose,
+            linear_velocity: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
+            material: group.material.into(),
+            layers: group.layers.clone(),
+            effects: effects(&group.effects),
+        };
+        self.description.bodies.extend(pieces.into_iter().enumerate().map(body));
+        Ok(())
+    }
+
+    /// The mesh of a shape, built once.
+    fn shape(&mut self, body: &str, shape: &ShapeFile) -> Result<Arc<Mesh>, SceneError> {
+        if let Some((_, mesh)) = self.shapes.iter().find(|(known, _)| known == shape) {
+            return Ok(Arc::clone(mesh));
+        }
+        let mesh = Arc::new(match shape {
+            ShapeFile::Mesh { path, scale } => self.mesh_file(body, path, scale.0)?,
+            ShapeFile::Generator(shape) => shape.build().map_err(|source| {
+                let place = self.source.find("name", body);
+                self.source.error(place, SceneProblem::Shape { body: body.to_owned(), source })
+            })?,
+        });
+        self.shapes.push((shape.clone(), Arc::clone(&mesh)));
+        Ok(mesh)
+    }
+
+    fn mesh_file(&mut self, body: &str, name: &str, scale: DVec3) -> Result<Mesh, SceneError> {
+        let place = || self.source.find("path", name);
+        let path = self.source.resolve(name);
+        let read = read_mesh(&path).map_err(|source| {
+            self.source.error(place(), SceneProblem::Mesh { body: body.to_owned(), source })
+        })?;
+        let contradiction = |what| self.source.error(place(), SceneProblem::Contradiction(what));
+        if scale.x * scale.y * scale.z == 0.0 {
+            let what = format!(
+                "body {body:?}: the scale {scale} flattens its mesh. Use factors other than 0"
+            );
+            return Err(contradiction(what));
+        }
+        let mesh = if scale == DVec3::ONE {
+            read.mesh
+        } else {
+            let scaled = read.mesh.scaled(scale);
+            scaled.map_err(|error| contradiction(format!("body {body:?}: {error}")))?
+        };
+        self.notes.extend(read.notes.into_iter().map(|note| format!("{}: {note}", path.display())));
+        self.add_file(path);
+        Ok(mesh)
+    }
+
+    pub(super) fn add_file(&mut self, path: PathBuf) {
+        if !self.files.contains(&path) {
+            self.files.push(path);
+        }
+    }
+
+    fn check_body_names(&self) -> Result<(), SceneError> {
+        let mut names = BTreeSet::new();
+        for body in &self.description.bodies {
+            let name = &body.name;
+            let reason = match name.as_str() {
+                "" => Some("is empty"),
+                "world" => Some("is that of the frame in which all bodies are recorded"),
+                _ if name.chars().any(char::is_control) => Some("holds control characters"),
+                _ => None,
+            };
+            if let Some(reason) = reason {
+                let problem = SceneProblem::Name { name: name.clone(), reason };
+                return Err(self.source.error(self.source.find("name", name), problem));
+            }
+            if !names.insert(name) {
+                return Err(self.duplicate("bodies", name));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_joint_names(&self) -> Result<(), SceneError> {
+        let mut names = BTreeSet::new();
+        let duplicate = self.description.joints.iter().find(|joint| !names.insert(&joint.name));
+        duplicate.map_or(Ok(()), |joint| Err(self.duplicate("joints", &joint.name)))
+    }
+
+    /// Points at the second place of the name, else at the first.
+    pub(super) fn duplicate(&self, kind: &'static str, name: &str) -> SceneError {
+        let second = locate::find(self.source.text, "name", name, 1);
+        let place = second.or_else(|| self.source.find("name", name));
+        self.source.error(place, SceneProblem::DuplicateName { kind, name: name.to_owned() })
+    }
+
+    fn index_of(&self, field: &str, name: &str) -> Result<usize, SceneError> {
+        let bodies = &self.description.bodies;
+        bodies.iter().position(|body| body.name == name).ok_or_else(|| {
+            /// Enough to see a typing error.
+            const NAMED: usize = 8;
+            let names: Vec<_> =
+                bodies.iter().take(NAMED).map(|body| format!("{:?}", body.name)).collect();
+            let known = match bodies.len() {
+                0 => "no bodies".to_owned(),
+                n if n > NAMED => format!("{} and {} more", names.join(", "), n - NAMED),
+                _ => names.join(", "),
+            };
+            let problem = SceneProblem::UnknownBody { name: name.to_owned(), known };
+            self.source.error(self.source.find(field, name), problem)
+        })
+    }
+
+    fn joint(&mut self, joint: &JointFile) -> Result<(), SceneError> {
+        let parent = self.index_of("parent", &joint.parent)?;
+        let child = self.index_of("child", &joint.child)?;
+        let refuse = |problem: &str| {
+            let what = format!("joint {:?}: {problem}", joint.name);
+            self.source
+                .error(self.source.find("name", &joint.name), SceneProblem::Contradiction(what))
+        };
+        if parent == child {
+            return Err(refuse("it joins a body to itself"));
+        }
+        let ordered = |limits: Option<[Finite; 2]>| {
+            let limits = limits.map(|[low, high]| [low.0, high.0]);
+            match limits {
+                Some([low, high]) if low > high => {
+                    Err(refuse("its lower limit is above its upper one"))
+                }
+                _ => Ok(limits),
+            }
+        };
+        let kind = match joint.kind {
+            JointKindFile::Fixed {} => JointKind::Fixed,
+            JointKindFile::Revolute { axis, limits } => {
+                JointKind::Revolute { axis: axis.0, limits: ordered(limits)? }
+            }
+            JointKindFile::Prismatic { axis, limits } => {
+                JointKind::Prismatic { axis: axis.0, limits: ordered(limits)? }
+            }
+        };
+        if !joint.collide {
+            self.description.excluded_pairs.push((parent.min(child), parent.max(child)));
+        }
+        self.description.joints.push(JointDescription {
+            name: joint.name.clone(),
+            parent,
+            child,
+            parent_anchor: joint.parent_anchor.into(),
+            child_anchor: joint.child_anchor.into(),
+            kind,
+            mimic: None,
+            target: joint.target.map(|target| target.0),
+        });
+        Ok(())
+    }
+
+    fn pair(&mut self, pair: &PairFile) -> Result<(), SceneError> {
+        let a = self.index_of("a", &pair.a)?;
+        let b = self.index_of("b", &pair.b)?;
+        if a == b {
+            let what = format!("a pair names {:?} twice: a body does not meet itself", pair.a);
+            let place = self.source.find("b", &pair.b);
+            return Err(self.source.error(place, SceneProblem::Contradiction(what)));
+        }
+        self.description.pairs.push(PairDescription {
+            a: pair.a.clone(),
+            b: pair.b.clone(),
+            effects: effects(&pair.effects),
+        });
+        Ok(())
+    }
+
+    fn camera(&mut self, camera: &CameraFile) -> Result<(), SceneError> {
+        let name = &camera.name;
+        let place = || self.source.find("name", name);
+        if name.is_empty() || name.chars().any(|c| c == '/' || c.is_whitespace() || c.is_control())
+        {
+            let reason = "is no topic name: it must have letters, and no blanks or slashes";
+            return Err(self
+                .source
+                .error(place(), SceneProblem::Name { name: name.clone(), reason }));
+        }
+        if self.description.cameras.iter().any(|other| other.name == *name) {
+            return Err(self.duplicate("cameras", name));
+        }
+        let refuse = |problem: &str| {
+            let what = format!("camera {name:?}: {problem}");
+            self.source.error(place(), SceneProblem::Contradiction(what))
+        };
+        let view = match (camera.preset, camera.look_at) {
+            (Some(_), Some(_)) => return Err(refuse("it has both a preset and look_at; keep one")),
+            (None | Some(PresetFile::Isometric), None) => CameraView::Isometric,
+            (Some(PresetFile::Front), None) => CameraView::Front,
+            (Some(PresetFile::Side), None) => CameraView::Side,
+            (Some(PresetFile::Top), None) => CameraView::Top,
+            (None, Some(look)) => {
+                let (eye, target) = (look.eye.0, look.target.0);
+                if eye == target {
+                    return Err(refuse("its eye is its target"));
+                }
+                if look.field_of_view.0 >= std::f64::consts::PI {
+                    return Err(refuse("its field of view must be below pi radians"));
+                }
+                CameraView::LookAt { eye, target, field_of_view: look.field_of_view.0 }
+            }
+        };
+        self.description.cameras.push(CameraDescription { name: name.clone(), view });
+        Ok(())
+    }
+}
+
+/// Whether a file name's extension is that of a mesh, for messages that guess what was meant.
+pub(super) fn is_mesh(path: &Path) -> bool {
+    MeshFormat::of_path(path).is_some()
+}

@@ -1,0 +1,121 @@
+//! Where in the text a field has a value: for problems that only show when the whole is known.
+
+use std::ops::Range;
+
+/// The `nth` place (from 0) where `field: "value"` stands in RON text, as the range of the value with
+/// its quotes. Comments and longer strings that contain it do not count.
+pub(super) fn find(text: &str, field: &str, value: &str, nth: usize) -> Option<Range<usize>> {
+    let tokens = tokens(text);
+    let mut matches = tokens.windows(3).filter_map(|window| {
+        let fits = text.get(window[0].range.clone()) == Some(field)
+            && text.get(window[1].range.clone()) == Some(":")
+            && window[2].string.as_deref() == Some(value);
+        fits.then(|| window[2].range.clone())
+    });
+    matches.nth(nth)
+}
+
+struct Token {
+    range: Range<usize>,
+    /// Content of a string literal.
+    string: Option<String>,
+}
+
+fn tokens(text: &str) -> Vec<Token> {
+    let mut tokens = Vec::new();
+    let mut at = 0;
+    while let Some(c) = text[at..].chars().next() {
+        let rest = &text[at..];
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            block_comment(rest)
+        } else if c.is_whitespace() {
+            c.len_utf8()
+        } else {
+            let (length, string) = token(rest, c);
+            tokens.push(Token { range: at..at + length, string });
+            length
+        };
+        at += length;
+    }
+    tokens
+}
+
+/// Length of a word, a string or a single character.
+fn token(rest: &str, first: char) -> (usize, Option<String>) {
+    if first == '"' {
+        return string(rest);
+    }
+    let word = |c: char| c.is_alphanumeric() || c == '_';
+    if word(first) {
+        return (rest.find(|c| !word(c)).unwrap_or(rest.len()), None);
+    }
+    (first.len_utf8(), None)
+}
+
+/// A quoted string; escapes other than of quotes and backslashes are kept as written.
+fn string(rest: &str) -> (usize, Option<String>) {
+    let mut content = String::new();
+    let mut characters = rest.char_indices().skip(1);
+    while let Some((at, c)) = characters.next() {
+        match c {
+            '"' => return (at + 1, Some(content)),
+            '\\' => match characters.next() {
+                Some((_, escaped @ ('"' | '\\'))) => content.push(escaped),
+                Some((_, other)) => content.extend(['\\', other]),
+                None => break,
+            },
+            _ => content.push(c),
+        }
+    }
+    (rest.len(), None)
+}
+
+/// Comments of this kind nest.
+fn block_comment(rest: &str) -> usize {
+    let mut depth = 0usize;
+    let mut at = 0;
+    while at < rest.len() {
+        let here = &rest[at..];
+        if here.starts_with("/*") {
+            depth += 1;
+            at += 2;
+        } else if here.starts_with("*/") {
+            depth -= 1;
+            at += 2;
+            if depth == 0 {
+                return at;
+            }
+        } else {
+            at += here.chars().next().map_or(1, char::len_utf8);
+        }
+    }
+    rest.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn comments_strings_and_order_are_respected() {
+        let text = r#"// name: "a"
+            /* name: "a" /* name: "a" */ */
+            (title: "name: \"a\"", name : "a", other: "a", /* ü */ name: "a")"#;
+        let first = find(text, "name", "a", 0).unwrap();
+        let second = find(text, "name", "a", 1).unwrap();
+        assert_eq!(&text[first.clone()], "\"a\"");
+        assert!(text[..first.start].ends_with("name : "));
+        assert!(text[..second.start].ends_with("/* ü */ name: "));
+        assert_eq!(find(text, "name", "a", 2), None);
+        assert!(find(text, "title", "name: \"a\"", 0).is_some());
+    }
+
+    #[test]
+    fn unfinished_text_ends() {
+        for text in ["name: \"a", "/* name", "\"\\", "é\"ü\\"] {
+            assert_eq!(find(text, "name", "a", 0), None);
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Scene files: RON text that names bodies, robots, effects and what to record.
+//!
+//! ```ron
+//! (
+//!     version: 1, gravity: (0, 0, -9.81), step: 0.004, duration: 5.0, seed: 0,
+//!     bodies: [
+//!         (name: "ring", shape: Generator(Torus(major_radius: 1)), pose: (at: (0, 0, 3))),
+//!         (name: "mug", shape: Mesh(path: "mug.obj", scale: (1, 1, 1)), kind: Fixed),
+//!     ],
+//!     groups: [Pile(name: "piece", count: 50, region: (min: (-2, -2, 1), max: (2, 2, 9)),
+//!                   shapes: [Generator(LPrism())])],
+//!     robots: [(path: "arm.urdf", positions: {"elbow": 0.5})],
+//!     effects: [Response(), Contacts(margin: 0.05)],
+//!     pairs: [(a: "ring", b: "mug", effects: [Trigger()])],
+//!     cameras: [(name: "main", preset: Isometric)], record: (every: 1),
+//! )
+//! ```
+//!
+//! Everything but `bodies`' names and shapes has a default; unknown fields are refused. Paths are
+//! relative to the scene file. Loading is deterministic: the same text, files and seed give the same
+//! description to the bit (on one platform: generators use its sine and cosine).
+
+mod assemble;
+mod effect;
+mod locate;
+mod pile;
+mod place_robot;
+mod problem;
+mod random;
+mod syntax;
+mod values;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cranny_world::description::SceneDescription;
+
+pub use problem::{Located, SceneError, SceneProblem};
+
+/// What a program may decide in place of the scene file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Replaces the scene's `seed`.
+    pub seed: Option<u64>,
+}
+
+/// A scene, ready to be built, with what it came from.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// Bodies, joints, effects.
+    pub description: SceneDescription,
+    /// The file's text as read, for recordings and hashes.
+    pub source_text: String,
+    /// Path asked for.
+    pub path: PathBuf,
+    /// Every further file read: meshes, robots and their meshes; each once, in order.
+    pub files: Vec<PathBuf>,
+    /// One sentence each, from mesh and robot readers: what was left out or changed.
+    pub notes: Vec<String>,
+}
+
+/// Loads a scene file and every mesh and robot that it names.
+///
+/// # Errors
+///
+/// [`SceneError`]: the file cannot be read, or something in it is wrong, with line and column.
+pub fn load_scene(path: &Path) -> Result<LoadedScene, SceneError> {
+    load_scene_with(path, &LoadOptions::default())
+}
+
+/// [`load_scene`] with decisions of the program in place of the file's.
+///
+/// # Errors
+///
+/// As [`load_scene`].
+pub fn load_scene_with(path: &Path, options: &LoadOptions) -> Result<LoadedScene, SceneError> {
+    let text = fs::read_to_string(path)
+        .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    parse_scene(text, path, options)
+}
+
+/// Loads a scene from its text; `path` is where it would be, for messages and relative paths.
+///
+/// # Errors
+///
+/// As [`load_scene`].
+pub fn parse_scene(
+    text: String,
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<LoadedScene, SceneError> {
+    let scene = syntax::parse(&text, path)?;
+    let (description, files, notes) = assemble::assemble(scene, &text, path, options)?;
+    Ok(LoadedScene { description, source_text: text, path: path.to_owned(), files, notes })
+}

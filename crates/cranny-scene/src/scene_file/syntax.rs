@@ -1,0 +1,407 @@
+//! What a scene file may say, as it says it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_shapes::Shape;
+use cranny_world::description::{BodyKind, Effect, Material, RecordDescription};
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+use super::effect::EffectFile;
+use super::problem::{SceneError, SceneProblem, located};
+use super::values::{Axis, Finite, Fraction, NotNegative, Positive, Rotation, Vector};
+
+/// A whole file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Scene")]
+pub(super) struct SceneFile {
+    #[serde(default, rename = "version")]
+    _version: Version,
+    #[serde(default)]
+    pub(super) name: Option<String>,
+    #[serde(default = "earth")]
+    pub(super) gravity: Vector,
+    #[serde(default = "default_step")]
+    pub(super) step: Positive,
+    #[serde(default = "default_duration")]
+    pub(super) duration: NotNegative,
+    #[serde(default)]
+    pub(super) seed: u64,
+    #[serde(default)]
+    pub(super) bodies: Vec<BodyFile>,
+    #[serde(default)]
+    pub(super) groups: Vec<GroupFile>,
+    #[serde(default)]
+    pub(super) robots: Vec<RobotFile>,
+    #[serde(default)]
+    pub(super) joints: Vec<JointFile>,
+    #[serde(default)]
+    pub(super) effects: Vec<EffectFile>,
+    #[serde(default)]
+    pub(super) pairs: Vec<PairFile>,
+    #[serde(default)]
+    pub(super) cameras: Vec<CameraFile>,
+    #[serde(default)]
+    pub(super) record: RecordFile,
+}
+
+/// The one version of the format that there is.
+#[derive(Debug, Default, Deserialize)]
+#[serde(try_from = "u32")]
+struct Version;
+
+impl TryFrom<u32> for Version {
+    type Error = String;
+
+    fn try_from(version: u32) -> Result<Self, String> {
+        if version == 1 {
+            Ok(Self)
+        } else {
+            Err(format!("expected version 1, found version {version}"))
+        }
+    }
+}
+
+fn earth() -> Vector {
+    Vector(DVec3::new(0.0, 0.0, -9.81))
+}
+
+fn default_step() -> Positive {
+    Positive(1.0 / 240.0)
+}
+
+fn default_duration() -> NotNegative {
+    NotNegative(5.0)
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Body")]
+pub(super) struct BodyFile {
+    pub(super) name: String,
+    pub(super) shape: ShapeFile,
+    #[serde(default)]
+    pub(super) visual: Option<ShapeFile>,
+    #[serde(default)]
+    pub(super) kind: KindFile,
+    #[serde(default)]
+    pub(super) pose: PoseFile,
+    #[serde(default)]
+    pub(super) velocity: VelocityFile,
+    #[serde(default)]
+    pub(super) material: MaterialFile,
+    #[serde(default = "all_layers")]
+    pub(super) layers: Vec<String>,
+    #[serde(default)]
+    pub(super) effects: Vec<EffectFile>,
+}
+
+pub(super) fn all_layers() -> Vec<String> {
+    vec!["all".to_owned()]
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Shape")]
+pub(super) enum ShapeFile {
+    /// Relative to the scene file; factors along the axes, negative ones mirror.
+    Mesh {
+        path: String,
+        #[serde(default = "unscaled")]
+        scale: Vector,
+    },
+    Generator(Shape),
+}
+
+fn unscaled() -> Vector {
+    Vector(DVec3::ONE)
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "Kind")]
+pub(super) enum KindFile {
+    Fixed,
+    Kinematic,
+    #[default]
+    Dynamic,
+}
+
+impl From<KindFile> for BodyKind {
+    fn from(kind: KindFile) -> Self {
+        match kind {
+            KindFile::Fixed => Self::Fixed,
+            KindFile::Kinematic => Self::Kinematic,
+            KindFile::Dynamic => Self::Dynamic,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Pose")]
+pub(super) struct PoseFile {
+    at: Vector,
+    rotation: Rotation,
+}
+
+impl Default for PoseFile {
+    fn default() -> Self {
+        Self { at: Vector(DVec3::ZERO), rotation: Rotation(DQuat::IDENTITY) }
+    }
+}
+
+impl From<PoseFile> for Pose {
+    fn from(pose: PoseFile) -> Self {
+        Self { rotation: pose.rotation.0, translation: pose.at.0 }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Velocity")]
+pub(super) struct VelocityFile {
+    pub(super) linear: Vector,
+    pub(super) angular: Vector,
+}
+
+impl Default for VelocityFile {
+    fn default() -> Self {
+        Self { linear: Vector(DVec3::ZERO), angular: Vector(DVec3::ZERO) }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Material")]
+pub(super) struct MaterialFile {
+    density: Positive,
+    friction: NotNegative,
+    restitution: Fraction,
+}
+
+impl Default for MaterialFile {
+    fn default() -> Self {
+        let Material { density, friction, restitution } = Material::default();
+        Self {
+            density: Positive(density),
+            friction: NotNegative(friction),
+            restitution: Fraction(restitution),
+        }
+    }
+}
+
+impl From<MaterialFile> for Material {
+    fn from(material: MaterialFile) -> Self {
+        Self {
+            density: material.density.0,
+            friction: material.friction.0,
+            restitution: material.restitution.0,
+        }
+    }
+}
+
+/// Bodies made by rule.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Group")]
+pub(super) enum GroupFile {
+    Pile(PileFile),
+}
+
+/// Bodies `<name>_0` … in a region, apart from each other, in random order and orientation.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Pile")]
+pub(super) struct PileFile {
+    #[serde(default = "pile_name")]
+    pub(super) name: String,
+    pub(super) count: u32,
+    /// Instead of the scene's.
+    #[serde(default)]
+    pub(super) seed: Option<u64>,
+    pub(super) region: RegionFile,
+    /// Least distance between bounding spheres, as a fraction of the largest one's diameter.
+    #[serde(default = "pile_gap")]
+    pub(super) gap: NotNegative,
+    pub(super) shapes: Vec<ShapeFile>,
+    #[serde(default)]
+    pub(super) kind: KindFile,
+    #[serde(default)]
+    pub(super) material: MaterialFile,
+    #[serde(default = "all_layers")]
+    pub(super) layers: Vec<String>,
+    #[serde(default)]
+    pub(super) effects: Vec<EffectFile>,
+}
+
+fn pile_name() -> String {
+    "piece".to_owned()
+}
+
+fn pile_gap() -> NotNegative {
+    NotNegative(0.02)
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Region")]
+pub(super) struct RegionFile {
+    pub(super) min: Vector,
+    pub(super) max: Vector,
+}
+
+/// A robot: bodies `<name>/<link>`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Robot")]
+pub(super) struct RobotFile {
+    /// Of a URDF file, relative to the scene file.
+    pub(super) path: String,
+    /// Default: the URDF's own.
+    #[serde(default)]
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) pose: PoseFile,
+    #[serde(default = "yes")]
+    pub(super) fixed_base: bool,
+    /// Radians or metres by joint name; 0 for the others.
+    #[serde(default)]
+    pub(super) positions: BTreeMap<String, Finite>,
+    /// Where motors hold the joints; default: where they start.
+    #[serde(default)]
+    pub(super) targets: BTreeMap<String, Finite>,
+    /// Whether motors hold the joints not named in `targets`.
+    #[serde(default = "yes")]
+    pub(super) hold: bool,
+    /// Its density is for links whose URDF states no mass.
+    #[serde(default)]
+    pub(super) material: MaterialFile,
+    #[serde(default = "all_layers")]
+    pub(super) layers: Vec<String>,
+    #[serde(default)]
+    pub(super) effects: Vec<EffectFile>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Joint")]
+pub(super) struct JointFile {
+    pub(super) name: String,
+    pub(super) parent: String,
+    pub(super) child: String,
+    #[serde(default)]
+    pub(super) parent_anchor: PoseFile,
+    #[serde(default)]
+    pub(super) child_anchor: PoseFile,
+    pub(super) kind: JointKindFile,
+    #[serde(default)]
+    pub(super) target: Option<Finite>,
+    /// Whether the two bodies may meet.
+    #[serde(default)]
+    pub(super) collide: bool,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "JointKind")]
+pub(super) enum JointKindFile {
+    Fixed {},
+    Revolute {
+        axis: Axis,
+        #[serde(default)]
+        limits: Option<[Finite; 2]>,
+    },
+    Prismatic {
+        axis: Axis,
+        #[serde(default)]
+        limits: Option<[Finite; 2]>,
+    },
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Pair")]
+pub(super) struct PairFile {
+    pub(super) a: String,
+    pub(super) b: String,
+    pub(super) effects: Vec<EffectFile>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Camera")]
+pub(super) struct CameraFile {
+    pub(super) name: String,
+    #[serde(default)]
+    pub(super) preset: Option<PresetFile>,
+    #[serde(default)]
+    pub(super) look_at: Option<LookAtFile>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename = "Preset")]
+pub(super) enum PresetFile {
+    Isometric,
+    Front,
+    Side,
+    Top,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "LookAt")]
+pub(super) struct LookAtFile {
+    pub(super) eye: Vector,
+    pub(super) target: Vector,
+    /// Vertical, radians.
+    #[serde(default = "field_of_view")]
+    pub(super) field_of_view: Positive,
+}
+
+fn field_of_view() -> Positive {
+    Positive(0.8)
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Record")]
+pub(super) struct RecordFile {
+    pub(super) every: Every,
+}
+
+impl Default for RecordFile {
+    fn default() -> Self {
+        Self { every: Every(RecordDescription::default().every) }
+    }
+}
+
+/// At least 1.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "u32")]
+pub(super) struct Every(pub(super) u32);
+
+impl TryFrom<u32> for Every {
+    type Error = String;
+
+    fn try_from(every: u32) -> Result<Self, String> {
+        if every == 0 {
+            Err("expected a number of steps of at least 1, found 0".to_owned())
+        } else {
+            Ok(Self(every))
+        }
+    }
+}
+
+pub(super) fn effects(files: &[EffectFile]) -> Vec<Effect> {
+    files.iter().map(|file| file.0).collect()
+}
+
+/// Reads the text as RON.
+pub(super) fn parse(text: &str, path: &Path) -> Result<SceneFile, SceneError> {
+    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
+    let options = ron::Options::default().with_default_extension(extensions);
+    options.from_str(text).map_err(|error| {
+        let start = offset(text, error.span.start.line, error.span.start.col);
+        let end = offset(text, error.span.end.line, error.span.end.col);
+        let problem = SceneProblem::Syntax(error.code.to_string());
+        located(path, text, Some(start..end.max(start)), problem)
+    })
+}
+
+/// The byte at a line and column (characters), both from 1.
+fn offset(text: &str, line: usize, column: usize) -> usize {
+    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let rest = text.get(start..).unwrap_or_default();
+    start + rest.chars().take(column.saturating_sub(1)).map(char::len_utf8).sum::<usize>()
+}
