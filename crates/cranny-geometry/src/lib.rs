@@ -24,7 +24,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// pub mod hull;
+pub mod hull;
 mod ids;
 mod mass;
 mod mesh;

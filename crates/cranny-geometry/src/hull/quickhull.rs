@@ -62,7 +62,7 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
 
 /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
 /// convex; inside an edge of the hull two are, inside a facet none.
-fn flat_vertices(points: &[DVec3], surface: &Surface) -> Vec<u32> {
+pub(super) fn flat_vertices(points: &[DVec3], surface: &Surface) -> Vec<u32> {
     let mut convex_edges = vec![0u32; points.len()];
     for half_edge in 0..surface.twins.len() as u32 {
         if half_edge < surface.twins[half_edge as usize]
@@ -95,7 +95,7 @@ pub(super) fn next(half_edge: u32) -> u32 {
 
 /// The previous half-edge of the same triangle.
 pub(super) fn previous(half_edge: u32) -> u32 {
-    if half_edge % 3 == 0 { half_edge + 2 } else { half_edge - 1 }
+    if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
 }
 
 impl Surface {
@@ -164,14 +164,191 @@ impl<'a> Builder<'a> {
             orphans: Vec::new(),
             fan: Vec::new(),
         };
-        // `d` lies above (a, b, c), so that triangle looks away from it when turned over.
-        for vertices in [[a, c, b], [a, b, d], [b, c, d], [c, a, d]] {
-            let face = builder.add_face(vertices);
-            builder.fan.push(face);
-        }
-        builder.link_by_ends();
+        // `d` lies above (a, b, c): the base looks away from it, and `d` closes the hole above.
+        let base = builder.add_face([a, c, b]);
+        builder.horizon = vec![(a, b, 3 * base + 2), (b, c, 3 * base + 1), (c, a, 3 * base)];
+        builder.close_hole(d);
+        builder.fan.push(base);
         builder.orphans = (0..points.len() as u32).filter(|i| ![a, b, c, d].contains(i)).collect();
         builder.assign_orphans(&[a, b, c, d]);
         builder
+    }
+
+    fn run(mut self) -> Surface {
+        while let Some(face) = self.pending.pop() {
+            let apex = self.faces[face as usize].apex;
+            if self.faces[face as usize].alive && apex != NONE {
+                self.insert(face, apex);
+            }
+        }
+        self.into_surface()
+    }
+
+    /// Makes `apex`, which waits above `face`, a vertex of the hull.
+    fn insert(&mut self, face: u32, apex: u32) {
+        self.faces[face as usize].apex = NONE;
+        self.find_horizon(face, apex);
+        for i in 0..self.removed.len() {
+            self.release(self.removed[i]);
+        }
+        self.close_hole(apex);
+        self.assign_orphans(&[apex]);
+    }
+
+    /// Collects the triangles that `apex` sees, from one of them, and the edges around them.
+    fn find_horizon(&mut self, seen: u32, apex: u32) {
+        self.step += 1;
+        self.removed.clear();
+        self.horizon.clear();
+        self.mark(seen, true);
+        self.stack.push(seen);
+        while let Some(f) = self.stack.pop() {
+            self.removed.push(f);
+            let (vertices, twins) = (self.faces[f as usize].vertices, self.faces[f as usize].twins);
+            for i in 0..3 {
+                let neighbour = twins[i] / 3;
+                if self.faces[neighbour as usize].step != self.step {
+                    let (sign, _) = self.look(neighbour, apex);
+                    self.mark(neighbour, sign == Sign::Positive);
+                    if sign == Sign::Positive {
+                        self.stack.push(neighbour);
+                    }
+                }
+                if !self.faces[neighbour as usize].visible {
+                    self.horizon.push((vertices[i], vertices[(i + 1) % 3], twins[i]));
+                }
+            }
+        }
+    }
+
+    fn mark(&mut self, face: u32, visible: bool) {
+        let face = &mut self.faces[face as usize];
+        face.step = self.step;
+        face.visible = visible;
+    }
+
+    /// Exact side of a point and its rounded height over a face.
+    #[inline]
+    fn look(&self, face: u32, point: u32) -> (Sign, f64) {
+        let face = &self.faces[face as usize];
+        let p = self.points[point as usize];
+        let height = face.side.height(p);
+        (face.side.sign(height, p, || face.vertices.map(|v| self.points[v as usize])), height)
+    }
+
+    /// Takes a face out of the surface; the points that waited above it become orphans.
+    fn release(&mut self, index: u32) {
+        let face = &mut self.faces[index as usize];
+        face.alive = false;
+        if face.apex != NONE {
+            self.orphans.push(face.apex);
+        }
+        let mut waiting = face.list;
+        while waiting != NONE {
+            self.orphans.push(waiting);
+            waiting = self.successor[waiting as usize];
+        }
+        self.free.push(index);
+    }
+
+    /// Joins every horizon edge to `apex` and links the new faces. The horizon is a simple cycle, so
+    /// each of its vertices starts one edge.
+    fn close_hole(&mut self, apex: u32) {
+        self.fan.clear();
+        for i in 0..self.horizon.len() {
+            let (from, to, outer) = self.horizon[i];
+            let face = self.add_face([from, to, apex]);
+            self.faces[face as usize].twins[0] = outer;
+            self.faces[outer as usize / 3].twins[outer as usize % 3] = 3 * face;
+            self.fan_start[from as usize] = face;
+            self.fan.push(face);
+        }
+        for i in 0..self.fan.len() {
+            let face = self.fan[i];
+            let to = self.faces[face as usize].vertices[1];
+            let neighbour = self.fan_start[to as usize];
+            self.faces[face as usize].twins[1] = 3 * neighbour + 2;
+            self.faces[neighbour as usize].twins[2] = 3 * face + 1;
+        }
+    }
+
+    fn add_face(&mut self, vertices: [u32; 3]) -> u32 {
+        let face = Face {
+            vertices,
+            twins: [NONE; 3],
+            side: Side::new(vertices.map(|v| self.points[v as usize]), self.extent),
+            apex: NONE,
+            apex_height: 0.0,
+            list: NONE,
+            step: 0,
+            visible: false,
+            alive: true,
+        };
+        match self.free.pop() {
+            Some(index) => {
+                self.faces[index as usize] = face;
+                index
+            }
+            None => {
+                self.faces.push(face);
+                self.faces.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Hands every orphan to the first new face that it lies above. One that lies above none is inside
+    /// or on the hull and leaves, remembered only where it coincides with a new vertex: equal points
+    /// always wait in the same list, so they leave when the first of them becomes a vertex.
+    fn assign_orphans(&mut self, vertices: &[u32]) {
+        let orphans = std::mem::take(&mut self.orphans);
+        for &point in &orphans {
+            let above = self.fan.iter().find_map(|&face| match self.look(face, point) {
+                (Sign::Positive, height) => Some((face, height)),
+                _ => None,
+            });
+            match above {
+                Some((face, height)) => self.wait(face, point, height),
+                None => {
+                    let place = self.points[point as usize];
+                    let same = vertices.iter().find(|&&v| self.points[v as usize] == place);
+                    self.duplicates.extend(same.filter(|&&v| point < v).map(|&v| (v, point)));
+                }
+            }
+        }
+        self.orphans = orphans;
+        self.orphans.clear();
+        self.pending.extend(self.fan.iter().filter(|&&f| self.faces[f as usize].apex != NONE));
+    }
+
+    fn wait(&mut self, face: u32, point: u32, height: f64) {
+        let face = &mut self.faces[face as usize];
+        let mut waiting = point;
+        if face.apex == NONE || height > face.apex_height {
+            waiting = std::mem::replace(&mut face.apex, point);
+            face.apex_height = height;
+        }
+        if waiting != NONE {
+            self.successor[waiting as usize] = face.list;
+            face.list = waiting;
+        }
+    }
+
+    fn into_surface(self) -> Surface {
+        let mut lowest = std::collections::BTreeMap::new();
+        for &(vertex, duplicate) in &self.duplicates {
+            let least = lowest.entry(vertex).or_insert(duplicate);
+            *least = duplicate.min(*least);
+        }
+        let mut new_index = vec![NONE; self.faces.len()];
+        let alive = (0..self.faces.len()).filter(|&index| self.faces[index].alive);
+        for (count, index) in alive.enumerate() {
+            new_index[index] = count as u32;
+        }
+        let mut surface = Surface::default();
+        for face in self.faces.iter().filter(|face| face.alive) {
+            surface.triangles.push(face.vertices.map(|v| *lowest.get(&v).unwrap_or(&v)));
+            surface.twins.extend(face.twins.map(|t| 3 * new_index[t as usize / 3] + t % 3));
+        }
+        surface
     }
 }

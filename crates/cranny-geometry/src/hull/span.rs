@@ -23,11 +23,13 @@ pub(super) enum Span {
 pub(super) fn span_of(points: &[DVec3]) -> Span {
     let indices = || 0..points.len() as u32;
     let at = |i: u32| points[i as usize];
-    let Some(first) = indices().reduce(|m, i| if lexicographic(at(i), at(m)).is_lt() { i } else { m })
+    let Some(first) =
+        indices().reduce(|m, i| if lexicographic(at(i), at(m)).is_lt() { i } else { m })
     else {
         return Span::Empty;
     };
-    let last = indices().fold(first, |m, i| if lexicographic(at(i), at(m)).is_gt() { i } else { m });
+    let last =
+        indices().fold(first, |m, i| if lexicographic(at(i), at(m)).is_gt() { i } else { m });
     if at(first) == at(last) {
         return Span::Point(first);
     }

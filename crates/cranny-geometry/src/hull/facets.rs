@@ -1,0 +1,369 @@
+//! The merged layer: nearly coplanar triangles become polygonal facets with a measured thickness.
+//!
+//! Facets grow from the largest triangle not yet taken, over shared edges, as long as a triangle's
+//! corners lie within the tolerance below the facet's supporting plane. Then the plane is fitted again
+//! (area vector of what was gathered) and the growth repeated, for a small seed has a crooked normal.
+//!
+//! A triangle joins only where the facet stays a disk. Nothing is lost by that, in any order of
+//! joining: the part of a convex surface above a plane is a disk, and every disk can be completed
+//! triangle by triangle from any start (Danaraj and Klee 1978).
+//!
+//! A *needle*, not wider than the tolerance, has a normal made of rounding; it may join any facet
+//! whose plane it is near, whatever its own normal says.
+
+use std::ops::Range;
+
+use cranny_exact::DVec3;
+
+use super::outline::Outlines;
+use super::quickhull::{Surface, next};
+use super::support::SupportGraph;
+use super::{HullKind, HullVertexId};
+
+/// The default tolerance of merging, relative to the largest coordinate magnitude, with which rounding
+/// scales. Smaller, and a cube turned and rounded to `f64` has more than six facets; larger, and real
+/// features of the shape melt into their neighbours
+/// (`a_turned_and_rounded_subdivided_cube_has_six_facets`, `real_creases_are_not_merged`).
+pub const FLATNESS: f64 = 64.0 * f64::EPSILON;
+
+/// How often a facet's plane is fitted anew before growth stops. Each round but the last enlarges the
+/// facet, nearly all of it in the first; smaller, and facets seeded by slim triangles stay incomplete.
+const REFITS: usize = 4;
+
+pub(super) const UNASSIGNED: u32 = u32::MAX;
+
+/// A facet of the merged layer, numbered from 0 by descending area of the triangle it grew from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FacetId(pub u32);
+
+impl FacetId {
+    /// As an index.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A polygon of nearly coplanar triangles: a disk with one outline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet<'a> {
+    /// Outward, of length 1 to rounding.
+    pub normal: DVec3,
+    /// Every point `p` of the hull has `normal · p <= offset`, in real arithmetic: rounded outward.
+    pub offset: f64,
+    /// Every vertex `v` of the facet's triangles has `normal · v >= offset - thickness`, in real
+    /// arithmetic. A few roundings where the facet is exactly planar.
+    pub thickness: f64,
+    /// Outline, counter-clockwise seen from outside, at least three. Vertices within the hull's
+    /// [`flatness`](super::ConvexHull::flatness) of the line between their neighbours are left out, on
+    /// both sides of an edge alike.
+    pub corners: &'a [HullVertexId],
+    /// The facet across the edge from `corners[i]` to the next corner.
+    pub neighbours: &'a [FacetId],
+    /// The triangles merged into it, ascending.
+    pub triangles: &'a [u32],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Plane {
+    pub(super) normal: DVec3,
+    pub(super) offset: f64,
+    pub(super) thickness: f64,
+}
+
+/// All facets of a hull.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FacetLayer {
+    pub(super) tolerance: f64,
+    planes: Vec<Plane>,
+    facet_of: Vec<u32>,
+    triangle_starts: Vec<u32>,
+    triangles: Vec<u32>,
+    outlines: Outlines,
+}
+
+impl FacetLayer {
+    pub(super) fn new(
+        kind: HullKind,
+        positions: &[DVec3],
+        surface: &Surface,
+        graph: &SupportGraph,
+        flatness: f64,
+    ) -> Self {
+        let largest = positions.iter().fold(0.0f64, |m, p| m.max(p.abs().max_element()));
+        let tolerance = flatness.max(0.0) * largest;
+        let mut growth = Growth::new(positions, surface, graph, tolerance);
+        if kind == HullKind::Polygon {
+            growth.take_both_sides();
+        } else {
+            growth.run();
+        }
+        let Growth { facet_of, planes, .. } = growth;
+        let (triangle_starts, triangles) = rows(&facet_of, planes.len());
+        let outlines = Outlines::new(positions, surface, &facet_of, planes.len(), tolerance);
+        Self { tolerance, planes, facet_of, triangle_starts, triangles, outlines }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.planes.len()
+    }
+
+    pub(super) fn of_triangle(&self, triangle: usize) -> FacetId {
+        FacetId(self.facet_of[triangle])
+    }
+
+    pub(super) fn facet(&self, facet: FacetId) -> Facet<'_> {
+        let Plane { normal, offset, thickness } = self.planes[facet.index()];
+        let starts = &self.triangle_starts[facet.index()..];
+        let row: Range<usize> = starts[0] as usize..starts[1] as usize;
+        let (corners, neighbours) = self.outlines.of(facet);
+        Facet { normal, offset, thickness, corners, neighbours, triangles: &self.triangles[row] }
+    }
+}
+
+/// Triangles grouped by facet, in compressed rows.
+fn rows(facet_of: &[u32], facets: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; facets + 1];
+    for &f in facet_of {
+        starts[f as usize + 1] += 1;
+    }
+    for i in 0..facets {
+        starts[i + 1] += starts[i];
+    }
+    let mut fill = starts.clone();
+    let mut triangles = vec![0; facet_of.len()];
+    for (t, &f) in facet_of.iter().enumerate() {
+        triangles[fill[f as usize] as usize] = t as u32;
+        fill[f as usize] += 1;
+    }
+    (starts, triangles)
+}
+
+struct Growth<'a> {
+    positions: &'a [DVec3],
+    surface: &'a Surface,
+    graph: &'a SupportGraph,
+    tolerance: f64,
+    /// Twice the area vector of each triangle.
+    area_vectors: Vec<DVec3>,
+    facet_of: Vec<u32>,
+    planes: Vec<Plane>,
+    round: u32,
+    face_round: Vec<u32>,
+    vertex_round: Vec<u32>,
+}
+
+impl<'a> Growth<'a> {
+    fn new(
+        positions: &'a [DVec3],
+        surface: &'a Surface,
+        graph: &'a SupportGraph,
+        tolerance: f64,
+    ) -> Self {
+        let area_vectors = surface
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| positions[v as usize]);
+                (b - a).cross(c - a)
+            })
+            .collect();
+        Self {
+            positions,
+            surface,
+            graph,
+            tolerance,
+            area_vectors,
+            facet_of: vec![UNASSIGNED; surface.triangles.len()],
+            planes: Vec::new(),
+            round: 0,
+            face_round: vec![0; surface.triangles.len()],
+            vertex_round: vec![0; positions.len()],
+        }
+    }
+
+    /// A plate: its front and its back.
+    fn take_both_sides(&mut self) {
+        let half = self.surface.triangles.len() as u32 / 2;
+        for side in [0..half, half..2 * half] {
+            let side: Vec<u32> = side.collect();
+            let largest =
+                side.iter().copied().max_by(|&a, &b| self.area(a).total_cmp(&self.area(b)));
+            if let Some(largest) = largest {
+                let fitted =
+                    unit(self.sum_of_areas(&side)).unwrap_or_else(|| self.normal_of(largest));
+                let plane = self.supporting_plane(fitted, &side);
+                self.take(&side, plane);
+            }
+        }
+    }
+
+    fn run(&mut self) {
+        let mut seeds: Vec<(f64, u32)> =
+            (0..self.surface.triangles.len() as u32).map(|t| (self.area(t), t)).collect();
+        seeds.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        for (_, seed) in seeds {
+            if self.facet_of[seed as usize] == UNASSIGNED {
+                let (region, plane) = self.facet_from(seed);
+                self.take(&region, plane);
+            }
+        }
+    }
+
+    fn take(&mut self, region: &[u32], plane: Plane) {
+        let facet = self.planes.len() as u32;
+        for &t in region {
+            self.facet_of[t as usize] = facet;
+        }
+        self.planes.push(plane);
+    }
+
+    /// The best facet that contains the seed, of the triangles that are left.
+    fn facet_from(&mut self, seed: u32) -> (Vec<u32>, Plane) {
+        let normal = self.normal_of(seed);
+        let mut region = vec![seed];
+        let mut plane = self.supporting_plane(normal, &region);
+        if self.is_alone(seed, &plane) {
+            return (region, plane);
+        }
+        for _ in 0..REFITS {
+            let grown = self.grow(seed, &plane);
+            let larger = grown.len() > region.len();
+            if larger {
+                region = grown;
+            }
+            let own = self.supporting_plane(plane.normal, &region);
+            plane = own;
+            let refitted = unit(self.sum_of_areas(&region)).filter(|n| n.dot(normal) > 0.0);
+            if let Some(n) = refitted {
+                let fitted = self.supporting_plane(n, &region);
+                if fitted.thickness < own.thickness {
+                    plane = fitted;
+                }
+            }
+            if !larger || plane == own {
+                break;
+            }
+        }
+        (region, plane)
+    }
+
+    /// Whether no neighbour of the seed can join it; spares most triangles of a smooth hull the growth.
+    fn is_alone(&self, seed: u32, plane: &Plane) -> bool {
+        (3 * seed..3 * seed + 3).all(|h| {
+            let neighbour = self.surface.twins[h as usize] / 3;
+            self.facet_of[neighbour as usize] != UNASSIGNED || !self.lies_near(neighbour, plane)
+        })
+    }
+
+    /// The triangles around `seed` that lie within the tolerance below the plane, gathered so that
+    /// they form a disk at every moment.
+    fn grow(&mut self, seed: u32, plane: &Plane) -> Vec<u32> {
+        self.round += 1;
+        let strict = self.is_needle(seed);
+        let mut region = Vec::new();
+        let mut queue = std::collections::VecDeque::from([seed]);
+        while let Some(t) = queue.pop_front() {
+            let fits = t == seed
+                || (self.facet_of[t as usize] == UNASSIGNED
+                    && self.face_round[t as usize] != self.round
+                    && self.lies_near(t, plane)
+                    && self.faces_along(t, plane, strict)
+                    && self.keeps_a_disk(t));
+            if !fits || self.face_round[t as usize] == self.round {
+                continue;
+            }
+            self.face_round[t as usize] = self.round;
+            for v in self.surface.triangles[t as usize] {
+                self.vertex_round[v as usize] = self.round;
+            }
+            region.push(t);
+            queue.extend((3 * t..3 * t + 3).map(|h| self.surface.twins[h as usize] / 3));
+        }
+        region
+    }
+
+    fn lies_near(&self, t: u32, plane: &Plane) -> bool {
+        let floor = plane.offset - self.tolerance;
+        self.surface.triangles[t as usize]
+            .iter()
+            .all(|&v| plane.normal.dot(self.positions[v as usize]) >= floor)
+    }
+
+    fn faces_along(&self, t: u32, plane: &Plane, strict: bool) -> bool {
+        self.area_vectors[t as usize].dot(plane.normal) > 0.0 || (!strict && self.is_needle(t))
+    }
+
+    /// Whether a disk stays one when `t` joins: over one edge with a new vertex, or over two edges.
+    fn keeps_a_disk(&self, t: u32) -> bool {
+        let joined =
+            |h: u32| self.face_round[self.surface.twins[h as usize] as usize / 3] == self.round;
+        let edges: Vec<u32> = (3 * t..3 * t + 3).filter(|&h| joined(h)).collect();
+        match edges[..] {
+            [h] => {
+                let apex = self.surface.origin(next(next(h)));
+                self.vertex_round[apex as usize] != self.round
+            }
+            [_, _] => true,
+            _ => false,
+        }
+    }
+
+    fn area(&self, t: u32) -> f64 {
+        self.area_vectors[t as usize].length()
+    }
+
+    /// Whether the least height of the triangle is at most the tolerance.
+    fn is_needle(&self, t: u32) -> bool {
+        self.area(t) <= self.tolerance * self.longest_edge(t).length()
+    }
+
+    fn longest_edge(&self, t: u32) -> DVec3 {
+        let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.positions[v as usize]);
+        let longer = |e: DVec3, f: DVec3| if f.length() > e.length() { f } else { e };
+        longer(longer(b - a, c - b), a - c)
+    }
+
+    fn sum_of_areas(&self, region: &[u32]) -> DVec3 {
+        region.iter().map(|&t| self.area_vectors[t as usize]).sum()
+    }
+
+    /// A unit normal of the triangle. One so thin that its area vanishes in `f64` leans as its
+    /// neighbours do; if they vanish as well, it takes any direction across its longest edge.
+    fn normal_of(&self, t: u32) -> DVec3 {
+        let around = || {
+            (3 * t..3 * t + 3)
+                .map(|h| self.area_vectors[self.surface.twins[h as usize] as usize / 3])
+        };
+        unit(self.area_vectors[t as usize])
+            .or_else(|| unit(around().sum()))
+            .or_else(|| {
+                let edge = self.longest_edge(t);
+                [DVec3::X, DVec3::Y, DVec3::Z].into_iter().find_map(|axis| unit(edge.cross(axis)))
+            })
+            .unwrap_or(DVec3::Z)
+    }
+
+    /// The supporting plane of the hull in a direction, and how far `region` reaches below it. All
+    /// rounded outward by the proven rounding of the heights.
+    fn supporting_plane(&self, normal: DVec3, region: &[u32]) -> Plane {
+        let height = |v: u32| normal.dot(self.positions[v as usize]);
+        let start = region.first().map(|&t| HullVertexId(self.surface.triangles[t as usize][0]));
+        let top = self.graph.support(self.positions, normal, start).map_or(0, |v| v.0);
+        let rounding = self.graph.rounding(normal);
+        let offset = (height(top) + rounding).next_up();
+        let lowest = region
+            .iter()
+            .flat_map(|&t| self.surface.triangles[t as usize])
+            .fold(f64::INFINITY, |low, v| low.min(height(v)));
+        let thickness = (offset - (lowest - rounding).next_down()).next_up();
+        Plane { normal, offset, thickness }
+    }
+}
+
+/// The vector at length 1; `None` where it has none to speak of.
+fn unit(v: DVec3) -> Option<DVec3> {
+    let largest = v.abs().max_element();
+    let scaled = v / largest;
+    (largest > 0.0 && scaled.is_finite()).then(|| scaled / scaled.length())
+}

@@ -1,0 +1,218 @@
+//! Support points by hill climbing on the vertex graph of a hull.
+//!
+//! # Why the answer is the maximum, rounding and all
+//!
+//! Let `e` bound the rounding of `direction · v` over all vertices `v`, and let the ascent end at `w`,
+//! none of whose neighbours is computed to be higher. The vertices of a convex polytope that lie above
+//! any plane hang together over its edges (the simplex method's argument). Take the plane through the
+//! lower of `w` and the vertex `x` whose *computed* height is greatest: since `x` is computed to be at
+//! least as high as `w`, its true height is at least that of `w` less `2 e`, so there is a path from
+//! `w` to `x` whose vertices are truly at least that high, and computed at most `4 e` below `w`.
+//! Searching all that hang together with `w` within `4 e` of it therefore finds `x`, and with it
+//! every vertex that ties with it. In general position no neighbour is that near and the search ends
+//! at once.
+
+use cranny_exact::DVec3;
+
+use super::HullVertexId;
+use super::quickhull::Surface;
+
+/// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
+/// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus quadratic,
+/// a smaller one allocates a bit set for quads seen face-on.
+const SHORT_PLATEAU: usize = 16;
+
+/// The vertex graph in compressed rows, and what starts and bounds an ascent.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SupportGraph {
+    starts: Vec<u32>,
+    neighbours: Vec<HullVertexId>,
+    /// Extreme vertices along −x, x, −y, y, −z, z.
+    seeds: [HullVertexId; 6],
+    /// Largest magnitude of each coordinate.
+    reach: DVec3,
+}
+
+impl SupportGraph {
+    pub(super) fn new(positions: &[DVec3], surface: &Surface) -> Self {
+        let mut degree = vec![0u32; positions.len()];
+        for &v in surface.triangles.iter().flatten() {
+            degree[v as usize] += 1;
+        }
+        let segment = positions.len() == 2;
+        let mut starts = vec![0u32];
+        let mut neighbours = Vec::new();
+        if segment {
+            starts.extend([1, 2]);
+            neighbours.extend([HullVertexId(1), HullVertexId(0)]);
+        } else {
+            for d in degree {
+                starts.push(starts[starts.len() - 1] + d);
+            }
+            neighbours.resize(3 * surface.triangles.len(), HullVertexId(0));
+            let mut fill: Vec<u32> = starts.clone();
+            for h in 0..surface.twins.len() as u32 {
+                let [from, to] = surface.ends(h);
+                neighbours[fill[from as usize] as usize] = HullVertexId(to);
+                fill[from as usize] += 1;
+            }
+            sort_rows(&mut starts, &mut neighbours);
+        }
+        let reach = positions.iter().fold(DVec3::ZERO, |m, p| m.max(p.abs()));
+        let extreme = |height: &dyn Fn(&DVec3) -> f64| {
+            let best = positions
+                .iter()
+                .enumerate()
+                .reduce(|best, next| if height(next.1) > height(best.1) { next } else { best });
+            HullVertexId(best.map_or(0, |(i, _)| i as u32))
+        };
+        let seeds = [
+            extreme(&|p| -p.x),
+            extreme(&|p| p.x),
+            extreme(&|p| -p.y),
+            extreme(&|p| p.y),
+            extreme(&|p| -p.z),
+            extreme(&|p| p.z),
+        ];
+        Self { starts, neighbours, seeds, reach }
+    }
+
+    pub(super) fn neighbours(&self, vertex: HullVertexId) -> &[HullVertexId] {
+        let row = self.starts[vertex.index()] as usize..self.starts[vertex.index() + 1] as usize;
+        &self.neighbours[row]
+    }
+
+    /// Bounds the rounding of `direction · v` over all vertices: three products and two sums, at most
+    /// three roundings a term, so `γ₃ Σ |dᵢ| reachᵢ` (Higham 2002, lemma 3.1); 4 u covers computing the
+    /// bound as well. The last term covers underflow.
+    pub(super) fn rounding(&self, direction: DVec3) -> f64 {
+        2.0 * f64::EPSILON * direction.abs().dot(self.reach) + 4.0 * f64::from_bits(1)
+    }
+
+    /// See [`ConvexHull::support`](super::ConvexHull::support).
+    pub(super) fn support(
+        &self,
+        positions: &[DVec3],
+        direction: DVec3,
+        start: Option<HullVertexId>,
+    ) -> Option<HullVertexId> {
+        if positions.is_empty() {
+            return None;
+        }
+        let height = |v: HullVertexId| direction.dot(positions[v.index()]);
+        let near = 4.0 * self.rounding(direction);
+        let mut top = start.unwrap_or_else(|| self.seed(direction));
+        let mut top_height = height(top);
+        loop {
+            let here = top;
+            let mut runner_up = f64::NEG_INFINITY;
+            for &v in self.neighbours(here) {
+                let h = height(v);
+                if h > top_height {
+                    (top, top_height) = (v, h);
+                } else {
+                    runner_up = runner_up.max(h);
+                }
+            }
+            if top == here {
+                if runner_up < top_height - near {
+                    return Some(top);
+                }
+                let best = self.best_of_plateau(here, top_height - near, height);
+                if height(best) > top_height {
+                    (top, top_height) = (best, height(best));
+                } else {
+                    return Some(best);
+                }
+            }
+        }
+    }
+
+    fn seed(&self, direction: DVec3) -> HullVertexId {
+        let d = direction.abs();
+        let axis = if d.x >= d.y.max(d.z) {
+            0
+        } else if d.y >= d.z {
+            1
+        } else {
+            2
+        };
+        self.seeds[2 * axis + usize::from(direction[axis] > 0.0)]
+    }
+
+    /// The highest vertex among those that hang together with `from` at or above `floor`, the lowest
+    /// id of equals.
+    fn best_of_plateau(
+        &self,
+        from: HullVertexId,
+        floor: f64,
+        height: impl Fn(HullVertexId) -> f64,
+    ) -> HullVertexId {
+        let mut best = (height(from), from);
+        let mut visited = Visited::default();
+        visited.insert(from, self.starts.len());
+        let mut next = 0;
+        while let Some(&v) = visited.order.get(next) {
+            next += 1;
+            for &w in self.neighbours(v) {
+                let h = height(w);
+                let is_new = h >= floor && visited.insert(w, self.starts.len());
+                if is_new && (h > best.0 || (h == best.0 && w < best.1)) {
+                    best = (h, w);
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// Sorts every row and closes the gaps that repeated entries leave (a plate has each diagonal twice).
+fn sort_rows(starts: &mut [u32], neighbours: &mut Vec<HullVertexId>) {
+    let (mut from, mut kept) = (0, 0);
+    for end in &mut starts[1..] {
+        let to = *end as usize;
+        neighbours[from..to].sort_unstable();
+        let row = kept;
+        for i in from..to {
+            if kept == row || neighbours[kept - 1] != neighbours[i] {
+                neighbours[kept] = neighbours[i];
+                kept += 1;
+            }
+        }
+        from = to;
+        *end = kept as u32;
+    }
+    neighbours.truncate(kept);
+}
+
+/// The vertices seen so far, in order.
+#[derive(Default)]
+struct Visited {
+    order: Vec<HullVertexId>,
+    bits: Vec<u64>,
+}
+
+impl Visited {
+    /// Whether `vertex` was new. `count` is the number of vertices, at least.
+    fn insert(&mut self, vertex: HullVertexId, count: usize) -> bool {
+        if self.order.len() < SHORT_PLATEAU {
+            if self.order.contains(&vertex) {
+                return false;
+            }
+        } else {
+            if self.bits.is_empty() {
+                self.bits = vec![0; count / 64 + 1];
+                for v in &self.order {
+                    self.bits[v.index() / 64] |= 1 << (v.index() % 64);
+                }
+            }
+            let (word, bit) = (&mut self.bits[vertex.index() / 64], 1 << (vertex.index() % 64));
+            if *word & bit != 0 {
+                return false;
+            }
+            *word |= bit;
+        }
+        self.order.push(vertex);
+        true
+    }
+}
