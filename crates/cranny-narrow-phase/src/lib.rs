@@ -1,7 +1,67 @@
 //! The exact pair query: verdicts, distances, contact curves and regions.
+//!
+//! # Promises
+//!
+//! - The verdict on the surfaces, solidity and containment are exact for the vertices as stored and
+//!   the poses as given: no epsilon decides them, and exchanging A and B exchanges the answer.
+//! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
+//!   largest length of the pair.
+//! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer.
+//! - No input or output, no clock, no globals, no graphics.
+//!
+//! # Non-promises
+//!
+//! Depth and area of *special* positions (faces flush, edges meeting edges) are read from a position
+//! 2^-30 of the pair's size beside them. Self-intersecting meshes are taken as they are.
+//!
+//! # The story, file by file
+//!
+//! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
+//! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside` and
+//! `containment` decide about solids; `closest` measures gaps. `intersection` chains the segments of
+//! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
+//! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
+//! matters. `brute_force` is the slow, obviously right version of the verdict and the distance.
+//!
+//! ```
+//! use cranny_exact::{DVec3, Pose};
+//! use cranny_geometry::{BuildOptions, Mesh, Model};
+//! use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+//!
+//! let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+//! let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+//! let (model, _) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
+//! let a = Placed { model: &model, pose: Pose::IDENTITY };
+//! let b = Placed { model: &model, pose: Pose::at(DVec3::new(3.0, 0.0, 0.0)) };
+//! let answer = query(a, b, &Query::of(Demand::Distance { below: None }), &mut PairMemory::default())?;
+//! assert_eq!(answer.distance, Some(2.0));
+//! assert!(!answer.solid);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod answer;
+pub mod brute_force;
+mod closest;
+mod containment;
+mod depth;
+mod descent;
+mod evaluate;
+mod inside;
+mod intersection;
+mod memory;
+mod near;
+mod pair;
+mod pieces;
 mod query;
+mod reduce;
+mod regions;
+mod surface;
+mod touch;
+mod triangle_distance;
 
-pub use answer::{Answer, Contact, Containment, Counters, Curve, Feature, Region, Surface, Witness};
+pub use answer::{
+    Answer, Contact, Containment, Counters, Curve, Feature, Region, Surface, Witness,
+};
+pub use evaluate::{QueryError, query, world_bounds};
+pub use memory::PairMemory;
 pub use query::{Demand, Placed, Query};

@@ -1,0 +1,241 @@
+//! How deep a region is along a direction: the least translation that parts its two pieces.
+//!
+//! Moving the second body by t along n parts the pieces as soon as no line along n meets the first
+//! piece more than t ahead of the second. The largest such lead is attained over a vertex of one
+//! piece and a face of the other, or over two edges that cross when seen along n. Curve points lead
+//! by nothing, but they bound faces that reach beyond the piece: an answer off the piece is refused.
+
+use std::collections::HashMap;
+
+use cranny_exact::DVec3;
+use cranny_geometry::{EdgeId, FaceId};
+
+use crate::answer::{Contact, Feature};
+use crate::intersection::Intersection;
+use crate::pair::{Pair, Side};
+use crate::pieces::{Cut, Piece};
+use crate::triangle_distance::closest_on_triangle;
+
+/// Which pairs of edges at most are measured for contacts; the deepest one is always found.
+const MAX_EDGE_PAIRS_KEPT: usize = 4096;
+
+/// The leads of a region's first piece over its second along a direction.
+pub(crate) struct Leads {
+    /// The largest, if the pieces overlap along the direction at all.
+    pub(crate) deepest: Option<Contact>,
+    /// One for every vertex of the pieces that leads, and for crossing edges while they are few.
+    pub(crate) all: Vec<Contact>,
+}
+
+/// Measures a region along `normal` (unit, from first to second, pair's frame).
+pub(crate) fn leads(pair: &Pair, intersection: &Intersection, cut: &Cut, normal: DVec3) -> Leads {
+    let view = View { pair, normal, borders: Borders::of(intersection, cut) };
+    let mut leads = Leads { deepest: None, all: Vec::new() };
+    for side in Side::BOTH {
+        view.vertices_over_faces(side, cut, &mut leads);
+    }
+    view.edges_over_edges(intersection, cut, &mut leads);
+    leads
+}
+
+struct View<'a, 'b> {
+    pair: &'a Pair<'b>,
+    normal: DVec3,
+    borders: Borders,
+}
+
+/// A face or edge with the range of its heights.
+struct Ranged<T> {
+    what: T,
+    low: f64,
+    high: f64,
+}
+
+impl<T> Ranged<T> {
+    fn new(what: T, heights: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = heights
+            .into_iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        Self { what, low, high }
+    }
+}
+
+impl Leads {
+    fn offer(&mut self, contact: Contact, keep: bool) {
+        if contact.separation > 0.0 {
+            return;
+        }
+        if self.deepest.is_none_or(|d| (contact.separation, contact.id) < (d.separation, d.id)) {
+            self.deepest = Some(contact);
+        }
+        if keep {
+            self.all.push(contact);
+        }
+    }
+
+    fn best(&self) -> f64 {
+        self.deepest.map_or(0.0, |d| -d.separation)
+    }
+}
+
+impl View<'_, '_> {
+    fn height(&self, p: DVec3) -> f64 {
+        self.normal.dot(p)
+    }
+
+    /// For each vertex of `side`'s piece the face of the other that it leads most.
+    fn vertices_over_faces(&self, side: Side, cut: &Cut, leads: &mut Leads) {
+        let other = side.other();
+        // How far ahead of the second body the first is: a vertex of the first wants low faces.
+        let sign = if side == Side::First { 1.0 } else { -1.0 };
+        let mut faces: Vec<Ranged<FaceId>> = cut.pieces[other.index()]
+            .faces
+            .iter()
+            .map(|&f| Ranged::new(f, self.pair.triangle(other, f).map(|p| sign * self.height(p))))
+            .collect();
+        faces.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.cmp(&y.what)));
+        for &v in &cut.pieces[side.index()].vertices {
+            let p = self.pair.position(side, v);
+            let height = sign * self.height(p);
+            let mut best: Option<(f64, FaceId, DVec3)> = None;
+            for face in &faces {
+                if height - face.low <= best.map_or(0.0, |b| b.0) {
+                    break;
+                }
+                let Some(foot) = self.foot(p, &self.pair.triangle(other, face.what)) else {
+                    continue;
+                };
+                let lead = height - sign * self.height(foot);
+                if lead > best.map_or(0.0, |b| b.0)
+                    && self.borders.on_piece(self.pair, other, face.what, foot)
+                {
+                    best = Some((lead, face.what, foot));
+                }
+            }
+            if let Some((lead, face, foot)) = best {
+                let (own, its) = (Feature::Vertex(v), Feature::Face(face));
+                leads.offer(self.contact(side, own, its, p, foot, lead), true);
+            }
+        }
+    }
+
+    fn edges_over_edges(&self, intersection: &Intersection, cut: &Cut, leads: &mut Leads) {
+        let ranged = |side: Side| -> Vec<Ranged<(Feature, [DVec3; 2])>> {
+            self.edges(side, &cut.pieces[side.index()], intersection, cut)
+                .into_iter()
+                .map(|(feature, ends)| Ranged::new((feature, ends), ends.map(|p| self.height(p))))
+                .collect()
+        };
+        let (mut first, mut second) = (ranged(Side::First), ranged(Side::Second));
+        first.sort_by(|x, y| y.high.total_cmp(&x.high).then(x.what.0.cmp(&y.what.0)));
+        second.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
+        let keep = first.len().saturating_mul(second.len()) <= MAX_EDGE_PAIRS_KEPT;
+        for e in &first {
+            for g in &second {
+                let floor = if keep { 0.0 } else { leads.best() };
+                if e.high - g.low <= floor {
+                    break;
+                }
+                let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
+                let lead = self.height(p) - self.height(q);
+                if lead > 0.0 {
+                    let contact = self.contact(Side::First, e.what.0, g.what.0, p, q, lead);
+                    leads.offer(contact, keep);
+                }
+            }
+        }
+    }
+
+    /// Edges of a piece and the curve segments that bound it.
+    fn edges(
+        &self,
+        side: Side,
+        piece: &Piece,
+        intersection: &Intersection,
+        cut: &Cut,
+    ) -> Vec<(Feature, [DVec3; 2])> {
+        let edge = |&(e, ends): &(EdgeId, [DVec3; 2])| (Feature::Edge(e), ends);
+        let mut edges: Vec<_> = piece.edges.iter().map(edge).collect();
+        edges.extend(cut.segments.iter().map(|&s| {
+            let s = &intersection.segments[s];
+            let ends = s.nodes.map(|n| intersection.nodes[n].point);
+            (Feature::Face(s.faces[side.index()]), ends)
+        }));
+        edges
+    }
+
+    fn contact(
+        &self,
+        side: Side,
+        own: Feature,
+        its: Feature,
+        p: DVec3,
+        q: DVec3,
+        lead: f64,
+    ) -> Contact {
+        let contact = Contact {
+            id: (own, its),
+            point_a: p,
+            point_b: q,
+            normal: self.normal,
+            separation: -lead,
+        };
+        match side {
+            Side::First => contact,
+            Side::Second => Contact { id: (its, own), point_a: q, point_b: p, ..contact },
+        }
+    }
+
+    /// Where the line through `p` along the normal meets a triangle.
+    fn foot(&self, p: DVec3, [a, b, c]: &[DVec3; 3]) -> Option<DVec3> {
+        let area = |u: DVec3, v: DVec3| self.normal.dot((u - p).cross(v - p));
+        let (wa, wb, wc) = (area(*b, *c), area(*c, *a), area(*a, *b));
+        let inside = (wa >= 0.0 && wb >= 0.0 && wc >= 0.0) || (wa <= 0.0 && wb <= 0.0 && wc <= 0.0);
+        let sum = wa + wb + wc;
+        // A face seen edge-on has no foot; its edges are measured.
+        (inside && sum != 0.0).then(|| (*a * wa + *b * wb + *c * wc) / sum)
+    }
+
+    /// Where two segments cross when seen along the normal.
+    fn crossing(&self, e: &[DVec3; 2], g: &[DVec3; 2]) -> Option<(DVec3, DVec3)> {
+        let (d, f, r) = (e[1] - e[0], g[1] - g[0], g[0] - e[0]);
+        let denominator = self.normal.dot(d.cross(f));
+        if denominator == 0.0 {
+            return None;
+        }
+        let s = self.normal.dot(r.cross(f)) / denominator;
+        let t = self.normal.dot(r.cross(d)) / denominator;
+        let within = |x: f64| (0.0..=1.0).contains(&x);
+        (within(s) && within(t)).then(|| (e[0] + d * s, g[0] + f * t))
+    }
+}
+
+/// Where the curves run through each face, so that a point of the face can be told on or off the
+/// piece: it is on the side of the nearest curve segment that the piece lies on.
+struct Borders(HashMap<(usize, FaceId), Vec<[DVec3; 2]>>);
+
+impl Borders {
+    fn of(intersection: &Intersection, cut: &Cut) -> Self {
+        let mut borders: HashMap<(usize, FaceId), Vec<[DVec3; 2]>> = HashMap::new();
+        for &s in &cut.segments {
+            let s = &intersection.segments[s];
+            let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);
+            // Seen against its own normal, the first's piece is left of the segment; the second's right.
+            borders.entry((0, s.faces[0])).or_default().push([p, q]);
+            borders.entry((1, s.faces[1])).or_default().push([q, p]);
+        }
+        Self(borders)
+    }
+
+    fn on_piece(&self, pair: &Pair, side: Side, face: FaceId, p: DVec3) -> bool {
+        let Some(segments) = self.0.get(&(side.index(), face)) else { return true };
+        let normal = pair.area_vector(side, face);
+        let nearest = segments.iter().min_by(|x, y| {
+            let d = |s: &[DVec3; 2]| {
+                (p - closest_on_triangle(p, &[s[0], s[1], s[1]]).0).length_squared()
+            };
+            d(x).total_cmp(&d(y))
+        });
+        nearest.is_none_or(|[a, b]| normal.dot((*b - *a).cross(p - *a)) >= 0.0)
+    }
+}

@@ -1,0 +1,241 @@
+//! The one entry: from a question about a pair to its answer.
+
+use cranny_exact::{Aabb, DVec3, DomainError, Interval, Meeting, check_point};
+use thiserror::Error;
+
+use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
+use crate::closest::closest;
+use crate::containment::{Solidity, solidity};
+use crate::memory::PairMemory;
+use crate::near::near_regions;
+use crate::pair::{Pair, Side};
+use crate::query::{Demand, Placed, Query};
+use crate::reduce::reduce;
+use crate::regions::meeting_regions;
+use crate::surface::{FacePair, meeting_pairs, strongest, surface_verdict};
+use crate::triangle_distance::triangle_distance;
+
+/// A question that cannot be answered.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum QueryError {
+    /// A pose outside the coordinate domain.
+    #[error("pose of body {body}: translation: {source}")]
+    Pose {
+        /// `'A'` or `'B'`.
+        body: char,
+        /// What is wrong with it.
+        source: DomainError,
+    },
+    /// A rotation that is not a unit quaternion.
+    #[error("pose of body {body}: rotation quaternion has length {length}; normalise it")]
+    Rotation {
+        /// `'A'` or `'B'`.
+        body: char,
+        /// Length found.
+        length: f64,
+    },
+    /// A negative or infinite margin or bound.
+    #[error("{what} is {value}: it must be a finite number, 0 or more")]
+    Length {
+        /// "margin" or "below".
+        what: &'static str,
+        /// The value found.
+        value: f64,
+    },
+}
+
+/// Deviation of a quaternion's squared length from 1 that is accepted. The same as
+/// [`Pose::checked`](cranny_exact::Pose::checked) accepts would let a scaled body pass; simulation
+/// engines keep theirs within f32 rounding.
+const UNIT_SLACK: f64 = 1e-5;
+
+/// Answers a question about two placed models.
+///
+/// The answer does not depend on what `memory` holds; exchanging A and B exchanges the answer.
+///
+/// # Errors
+///
+/// [`QueryError`] where a pose or a length of the query is no such thing.
+pub fn query(
+    a: Placed,
+    b: Placed,
+    query: &Query,
+    memory: &mut PairMemory,
+) -> Result<Answer, QueryError> {
+    check(a, 'A')?;
+    check(b, 'B')?;
+    check_lengths(&query.demand)?;
+    let mut pair = Pair::new(a, b, &mut memory.posed);
+    Ok(answer(&mut pair, &query.demand))
+}
+
+fn check(placed: Placed, body: char) -> Result<(), QueryError> {
+    check_point(placed.pose.translation).map_err(|source| QueryError::Pose { body, source })?;
+    let q = placed.pose.rotation;
+    // Written so that NaN fails.
+    if (q.length_squared() - 1.0).abs() <= UNIT_SLACK {
+        Ok(())
+    } else {
+        Err(QueryError::Rotation { body, length: q.length() })
+    }
+}
+
+fn check_lengths(demand: &Demand) -> Result<(), QueryError> {
+    let (what, value) = match *demand {
+        Demand::Distance { below: Some(value) } => ("below", value),
+        Demand::Contacts { margin } | Demand::Regions { margin } => ("margin", margin),
+        _ => return Ok(()),
+    };
+    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(QueryError::Length { what, value }) }
+}
+
+/// An answer that says nothing yet.
+fn blank() -> Answer {
+    Answer {
+        surface: Meeting::None,
+        solid: false,
+        contained: None,
+        distance: None,
+        separation: Interval::WHOLE,
+        witnesses: None,
+        contacts: Vec::new(),
+        regions: Vec::new(),
+        triangle_pairs: 0,
+        counters: Counters::default(),
+    }
+}
+
+fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
+    let mut out = blank();
+    if *demand == Demand::None {
+        return out;
+    }
+    let mut counters = Counters::default();
+    let wants_regions = demand.margin().is_some();
+    // Pairs are enumerated only for contacts; a verdict ends at the first crossing.
+    let pairs = if wants_regions {
+        let pairs = meeting_pairs(pair, &mut counters);
+        out.surface = strongest(&pairs);
+        pairs
+    } else {
+        let (surface, touching) = surface_verdict(pair, &mut counters);
+        out.surface = surface;
+        touching
+    };
+    let Solidity { solid, contained } = solidity(pair, out.surface, &pairs, &mut counters);
+    out.solid = solid;
+    out.contained = contained.map(|c| pair.ordered_containment(c));
+    if *demand != Demand::Intersects {
+        measure(pair, demand, &pairs, &mut out, &mut counters);
+    }
+    if let Some(margin) = demand.margin() {
+        out.triangle_pairs = pairs.len() as u32;
+        out.regions = meeting_regions(pair, &pairs, solid, &mut counters);
+        if margin > 0.0 {
+            out.regions.extend(gaps(pair, margin, &mut counters));
+        }
+        out.regions.sort_by(|x, y| {
+            x.deepest
+                .separation
+                .total_cmp(&y.deepest.separation)
+                .then(x.deepest.id.cmp(&y.deepest.id))
+        });
+        out.contacts = out.regions.iter().flat_map(|r| r.points.iter().copied()).collect();
+        if let Some(depth) = out.regions.iter().filter_map(|r| r.depth).reduce(f64::max)
+            && depth > 0.0
+        {
+            out.separation = Interval::around(-depth, pair.length_error());
+        }
+        if matches!(demand, Demand::Contacts { .. }) {
+            out.regions.clear();
+        }
+    }
+    out.counters = counters;
+    out
+}
+
+/// Distance and witnesses.
+fn measure(
+    pair: &Pair,
+    demand: &Demand,
+    pairs: &[FacePair],
+    out: &mut Answer,
+    counters: &mut Counters,
+) {
+    if out.surface != Surface::None {
+        out.distance = Some(0.0);
+        out.separation = Interval::point(0.0);
+        out.witnesses = pairs.first().map(|p| meeting_witnesses(pair, p));
+        if out.witnesses.is_none() {
+            // The verdict ended at a crossing; the least pair that meets is the witness.
+            out.witnesses =
+                meeting_pairs(pair, counters).first().map(|p| meeting_witnesses(pair, p));
+        }
+        return;
+    }
+    let below = match demand {
+        Demand::Distance { below: Some(below) } => *below,
+        _ => f64::INFINITY,
+    };
+    match closest(pair, below, counters) {
+        Some(found) => {
+            out.distance = Some(found.distance);
+            out.separation = Interval::around(found.distance, pair.length_error());
+            out.separation.lo = out.separation.lo.max(0.0);
+            let [p, q] = found.points;
+            let [f, g] = found.features;
+            out.witnesses = Some(pair.ordered(pair.world_witness(p, f), pair.world_witness(q, g)));
+        }
+        None => {
+            out.distance = Some(f64::INFINITY);
+            out.separation = Interval { lo: below, hi: f64::INFINITY };
+        }
+    }
+}
+
+/// A common point of two faces that meet: an end of their intersection, or a corner of their overlap.
+fn meeting_witnesses(pair: &Pair, p: &FacePair) -> [Witness; 2] {
+    let intersection = crate::intersection::intersect(pair, std::slice::from_ref(p));
+    let (point, features) = match intersection.nodes.first() {
+        Some(node) => (node.point, node.features),
+        None => {
+            let nearest = triangle_distance(
+                &pair.triangle(Side::First, p.first),
+                &pair.triangle(Side::Second, p.second),
+            );
+            (nearest.points[0], (Feature::Face(p.first), Feature::Face(p.second)))
+        }
+    };
+    pair.ordered(pair.world_witness(point, features.0), pair.world_witness(point, features.1))
+}
+
+/// Regions of positive separation.
+fn gaps(pair: &Pair, margin: f64, counters: &mut Counters) -> Vec<Region> {
+    let region = |contacts: Vec<Contact>| {
+        let points: Vec<Contact> =
+            reduce(contacts).into_iter().map(|c| pair.world_contact(c)).collect();
+        Region {
+            deepest: points[0],
+            normal: points[0].normal,
+            depth: None,
+            area: None,
+            points,
+            curves: Vec::new(),
+            triangle_pairs: 0,
+        }
+    };
+    near_regions(pair, margin, counters).into_iter().map(region).collect()
+}
+
+/// The box of a placed model in world coordinates, rounded outward; for broad phases.
+#[must_use]
+pub fn world_bounds(placed: Placed) -> Aabb {
+    let map = placed.pose.world_from_body();
+    let local = placed.model.bounds();
+    let (h, m) = (local.half_extents(), map.linear);
+    let half: DVec3 = m.x_axis.abs() * h.x + m.y_axis.abs() * h.y + m.z_axis.abs() * h.z;
+    let center = map.apply(local.center());
+    Aabb { min: center - half, max: center + half }
+        .grown(2.0 * map.posing_error(placed.model.radius()))
+}

@@ -1,0 +1,208 @@
+//! Contacts across a gap: pairs of features that face each other within a margin.
+//!
+//! A vertex in front of the inside of a face, and two convex edges whose nearest points lie between
+//! their ends, are what two polyhedra can touch with next. Each yields a contact whose normal is
+//! exact at its own point: the face's, or the line between the two points. Pairs of faces that share
+//! such a contact belong to one region.
+
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+
+use cranny_exact::DVec3;
+use cranny_geometry::{DisjointSets, EdgeId, FaceId, VertexId};
+
+use crate::answer::{Contact, Counters, Feature};
+use crate::descent::for_each_near_pair;
+use crate::pair::{Pair, Side};
+use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
+
+/// Squared sine of the angle below which two edges count as parallel: their nearest points are not
+/// unique, and vertices stand for them. Larger: crossed edges at small angles are missed; smaller:
+/// the contact's normal is lost in rounding.
+const PARALLEL: f64 = 1e-6;
+
+/// How far outside the wedge of an edge's two faces a direction may lie and still count as within,
+/// as a sine. Zero would drop contacts of smooth meshes by rounding.
+const WEDGE_SLACK: f64 = 1e-9;
+
+/// All contacts between surfaces that are apart by more than 0 and at most `margin`, grouped into
+/// regions, in the pair's frame.
+pub(crate) fn near_regions(pair: &Pair, margin: f64, counters: &mut Counters) -> Vec<Vec<Contact>> {
+    let mut finder = Finder::new(pair, margin);
+    for_each_near_pair(pair, margin, counters, |first, second, counters| {
+        counters.triangle_tests += 1;
+        finder.add(first, second);
+        ControlFlow::Continue(())
+    });
+    finder.regions()
+}
+
+struct Finder<'a, 'b> {
+    pair: &'a Pair<'b>,
+    margin: f64,
+    by_id: HashMap<(Feature, Feature), Option<usize>>,
+    contacts: Vec<Contact>,
+    joins: Vec<(usize, usize)>,
+}
+
+impl<'a, 'b> Finder<'a, 'b> {
+    fn new(pair: &'a Pair<'b>, margin: f64) -> Self {
+        Self { pair, margin, by_id: HashMap::new(), contacts: Vec::new(), joins: Vec::new() }
+    }
+
+    fn add(&mut self, first: FaceId, second: FaceId) {
+        let (a, b) =
+            (self.pair.triangle(Side::First, first), self.pair.triangle(Side::Second, second));
+        let mut here: Option<usize> = None;
+        let mut join = |found: Option<usize>, joins: &mut Vec<(usize, usize)>| {
+            if let Some(index) = found {
+                if let Some(previous) = here {
+                    joins.push((previous, index));
+                }
+                here = Some(index);
+            }
+        };
+        for i in 0..3 {
+            let v = self.pair.corner(Side::First, first, i);
+            join(self.vertex_face(Side::First, v, a[i], second, &b), &mut self.joins);
+            let v = self.pair.corner(Side::Second, second, i);
+            join(self.vertex_face(Side::Second, v, b[i], first, &a), &mut self.joins);
+        }
+        for i in 0..3 {
+            for j in 0..3 {
+                let (e, g) = (
+                    self.pair.edge(Side::First, first, i),
+                    self.pair.edge(Side::Second, second, j),
+                );
+                let segments = [[a[i], a[(i + 1) % 3]], [b[j], b[(j + 1) % 3]]];
+                join(self.edge_edge(e, g, segments), &mut self.joins);
+            }
+        }
+    }
+
+    /// Finds or makes the contact of two features; `make` is asked once.
+    fn once(
+        &mut self,
+        id: (Feature, Feature),
+        make: impl FnOnce(&Self) -> Option<Contact>,
+    ) -> Option<usize> {
+        if let Some(&known) = self.by_id.get(&id) {
+            return known;
+        }
+        let index = make(self).map(|contact| {
+            self.contacts.push(contact);
+            self.contacts.len() - 1
+        });
+        self.by_id.insert(id, index);
+        index
+    }
+
+    /// A vertex of `side` in front of the inside of a face of the other body.
+    fn vertex_face(
+        &mut self,
+        side: Side,
+        vertex: VertexId,
+        p: DVec3,
+        face: FaceId,
+        triangle: &[DVec3; 3],
+    ) -> Option<usize> {
+        // Cheap refusal before the table is asked: too far from the face's plane, or behind it.
+        let raw = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+        let height = raw.dot(p - triangle[0]);
+        if height <= 0.0 || height * height > self.margin * self.margin * raw.length_squared() {
+            return None;
+        }
+        let id = match side {
+            Side::First => (Feature::Vertex(vertex), Feature::Face(face)),
+            Side::Second => (Feature::Face(face), Feature::Vertex(vertex)),
+        };
+        self.once(id, |finder| {
+            let (foot, part) = closest_on_triangle(p, triangle);
+            let outward = raw.normalize_or_zero();
+            if part != Part::Inside || !finder.faces_towards(side, vertex, -outward) {
+                return None;
+            }
+            let separation = (p - foot).length();
+            Some(match side {
+                Side::First => {
+                    Contact { id, point_a: p, point_b: foot, normal: -outward, separation }
+                }
+                Side::Second => {
+                    Contact { id, point_a: foot, point_b: p, normal: outward, separation }
+                }
+            })
+        })
+    }
+
+    /// Whether some face at a vertex looks along `direction`: the back of a thin part does not touch.
+    fn faces_towards(&self, side: Side, vertex: VertexId, direction: DVec3) -> bool {
+        self.pair
+            .topology(side)
+            .faces_at(vertex)
+            .iter()
+            .any(|&f| self.pair.area_vector(side, f).dot(direction) > 0.0)
+    }
+
+    fn edge_edge(&mut self, e: EdgeId, g: EdgeId, [p, q]: [[DVec3; 2]; 2]) -> Option<usize> {
+        let (d1, d2) = (p[1] - p[0], q[1] - q[0]);
+        let cross = d1.cross(d2);
+        let squared = cross.length_squared();
+        if squared <= PARALLEL * d1.length_squared() * d2.length_squared() {
+            return None;
+        }
+        let lift = cross.dot(q[0] - p[0]);
+        if lift * lift > self.margin * self.margin * squared {
+            return None;
+        }
+        let id = (Feature::Edge(e), Feature::Edge(g));
+        self.once(id, |finder| {
+            let (s, t) = closest_on_segments(&p, &q);
+            let open = |x: f64| x > 0.0 && x < 1.0;
+            if !open(s) || !open(t) {
+                return None;
+            }
+            let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
+            let gap = point_b - point_a;
+            let separation = gap.length();
+            if separation > finder.margin || separation <= finder.pair.length_error() {
+                return None;
+            }
+            let normal = gap / separation;
+            let faces_it = finder.in_wedge(Side::First, e, normal)
+                && finder.in_wedge(Side::Second, g, -normal);
+            faces_it.then_some(Contact { id, point_a, point_b, normal, separation })
+        })
+    }
+
+    /// Whether a direction lies between the normals of an edge's faces: both faces fall away from it.
+    fn in_wedge(&self, side: Side, edge: EdgeId, direction: DVec3) -> bool {
+        let around = self.pair.topology(side).half_edges(edge);
+        around.iter().all(|&h| {
+            let [a, b, c] = self.pair.triangle(side, h.face());
+            let corners = [a, b, c];
+            let start = corners[h.corner()];
+            let end = corners[(h.corner() + 1) % 3];
+            let apex = corners[(h.corner() + 2) % 3];
+            let along = (end - start).normalize_or_zero();
+            let into = (apex - start) - along * along.dot(apex - start);
+            direction.dot(into) <= WEDGE_SLACK * into.length()
+        })
+    }
+
+    fn regions(self) -> Vec<Vec<Contact>> {
+        let mut sets = DisjointSets::new(self.contacts.len());
+        for (i, j) in self.joins {
+            sets.union(i, j);
+        }
+        let mut regions: Vec<Vec<Contact>> = Vec::new();
+        let mut region_of_root = HashMap::new();
+        for (index, contact) in self.contacts.into_iter().enumerate() {
+            let region = *region_of_root.entry(sets.find(index)).or_insert(regions.len());
+            if region == regions.len() {
+                regions.push(Vec::new());
+            }
+            regions[region].push(contact);
+        }
+        regions
+    }
+}

@@ -1,0 +1,240 @@
+//! A pair of placed models in canonical order, and the frame in which everything is decided.
+//!
+//! The order is that of model digest, then pose bits, not the caller's; the second model's vertices
+//! are posed into the first one's frame by [`RigidMap::apply`], when first needed, and rounded. All
+//! decisions read those rounded positions, so exchanging A and B cannot change an answer.
+
+use std::cell::Cell;
+
+use cranny_exact::{Aabb, DVec3, RigidMap};
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId};
+
+use crate::answer::{Contact, Containment, Feature, Witness};
+use crate::query::Placed;
+
+/// One of the two bodies of a [`Pair`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Side {
+    /// The first in canonical order, in whose frame the pair is decided.
+    First,
+    /// The second, whose vertices are posed.
+    Second,
+}
+
+impl Side {
+    pub(crate) const BOTH: [Self; 2] = [Self::First, Self::Second];
+
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::First => Self::Second,
+            Self::Second => Self::First,
+        }
+    }
+
+    pub(crate) fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Posed vertices of the second model; a slot counts only if it carries the present epoch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PosedVertices {
+    slots: Vec<Cell<(u32, DVec3)>>,
+    epoch: u32,
+}
+
+impl PosedVertices {
+    /// Forgets all positions and makes room for `count` vertices.
+    fn restart(&mut self, count: usize) {
+        if self.slots.len() != count || self.epoch == u32::MAX {
+            self.slots.clear();
+            self.slots.resize(count, Cell::new((0, DVec3::ZERO)));
+            self.epoch = 0;
+        }
+        self.epoch += 1;
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.slots.capacity() * size_of::<Cell<(u32, DVec3)>>()
+    }
+}
+
+/// Two placed models in canonical order.
+pub(crate) struct Pair<'a> {
+    models: [&'a Model; 2],
+    pub(crate) first_from_second: RigidMap,
+    world_from_first: RigidMap,
+    /// The first in canonical order is the caller's B.
+    swapped: bool,
+    posed: &'a mut PosedVertices,
+}
+
+impl<'a> Pair<'a> {
+    pub(crate) fn new(a: Placed<'a>, b: Placed<'a>, posed: &'a mut PosedVertices) -> Self {
+        let key = |p: &Placed| (p.model.digest(), p.pose.bits());
+        let swapped = key(&b) < key(&a);
+        let (first, second) = if swapped { (b, a) } else { (a, b) };
+        posed.restart(second.model.mesh().vertices().len());
+        Self {
+            models: [first.model, second.model],
+            first_from_second: RigidMap::between(&first.pose, &second.pose),
+            world_from_first: first.pose.world_from_body(),
+            swapped,
+            posed,
+        }
+    }
+
+    /// The same pair with the second body moved by `offset` (first's frame).
+    pub(crate) fn shifted(&mut self, offset: DVec3) -> Pair<'_> {
+        self.posed.restart(self.models[1].mesh().vertices().len());
+        let mut first_from_second = self.first_from_second;
+        first_from_second.translation += offset;
+        Pair {
+            models: self.models,
+            first_from_second,
+            world_from_first: self.world_from_first,
+            swapped: self.swapped,
+            posed: self.posed,
+        }
+    }
+
+    /// Forgets posed vertices, as after a shift.
+    pub(crate) fn repose(&mut self) {
+        self.posed.restart(self.models[1].mesh().vertices().len());
+    }
+
+    pub(crate) fn model(&self, side: Side) -> &'a Model {
+        self.models[side.index()]
+    }
+
+    pub(crate) fn mesh(&self, side: Side) -> &'a Mesh {
+        self.models[side.index()].mesh()
+    }
+
+    pub(crate) fn topology(&self, side: Side) -> &'a Topology {
+        self.models[side.index()].topology()
+    }
+
+    /// Position of a vertex in the pair's frame.
+    pub(crate) fn position(&self, side: Side, vertex: VertexId) -> DVec3 {
+        let p = self.mesh(side).position(vertex);
+        match side {
+            Side::First => p,
+            Side::Second => {
+                let slot = &self.posed.slots[vertex.index()];
+                let (epoch, posed) = slot.get();
+                if epoch == self.posed.epoch {
+                    return posed;
+                }
+                let posed = self.first_from_second.apply(p);
+                slot.set((self.posed.epoch, posed));
+                posed
+            }
+        }
+    }
+
+    /// Corners of a face in the pair's frame.
+    pub(crate) fn triangle(&self, side: Side, face: FaceId) -> [DVec3; 3] {
+        self.mesh(side).corners(face).map(|v| self.position(side, v))
+    }
+
+    /// Ends of an edge, in the direction from its lesser to its greater vertex.
+    pub(crate) fn segment(&self, side: Side, edge: EdgeId) -> [DVec3; 2] {
+        let e = self.topology(side).edges()[edge.index()];
+        [self.position(side, e.from), self.position(side, e.to)]
+    }
+
+    /// Area vector of a face in the pair's frame.
+    pub(crate) fn area_vector(&self, side: Side, face: FaceId) -> DVec3 {
+        let [a, b, c] = self.triangle(side, face);
+        0.5 * (b - a).cross(c - a)
+    }
+
+    /// Unit normal of a face in the pair's frame; zero for a degenerate face.
+    pub(crate) fn normal(&self, side: Side, face: FaceId) -> DVec3 {
+        self.area_vector(side, face).normalize_or_zero()
+    }
+
+    /// The mesh's name for corner or side `i` of a face.
+    pub(crate) fn corner(&self, side: Side, face: FaceId, i: usize) -> VertexId {
+        self.mesh(side).corners(face)[i]
+    }
+
+    pub(crate) fn edge(&self, side: Side, face: FaceId, i: usize) -> EdgeId {
+        self.topology(side).edge_of(HalfEdgeId::of(face, i))
+    }
+
+    /// The largest length that occurs in the pair's arithmetic; rounding is measured by it.
+    pub(crate) fn scale(&self) -> f64 {
+        self.models[0].radius()
+            + self.models[1].radius()
+            + self.first_from_second.translation.length()
+    }
+
+    /// An upper bound of the error of a constructed length: a distance, a depth, a coordinate of a
+    /// witness. Posing rounds about 8 times, a closest point about 30 times, each by at most half an
+    /// ulp of [`scale`](Self::scale).
+    pub(crate) fn length_error(&self) -> f64 {
+        64.0 * f64::EPSILON * self.scale()
+    }
+
+    /// The box of a whole body in the pair's frame, rounded outward.
+    pub(crate) fn bounds(&self, side: Side) -> Aabb {
+        let local = self.model(side).bounds();
+        match side {
+            Side::First => local,
+            Side::Second => posed_box(&self.first_from_second, &local)
+                .grown(self.first_from_second.posing_error(self.models[1].radius())),
+        }
+    }
+
+    /// Into world coordinates.
+    pub(crate) fn world_point(&self, p: DVec3) -> DVec3 {
+        self.world_from_first.apply(p)
+    }
+
+    pub(crate) fn world_vector(&self, v: DVec3) -> DVec3 {
+        self.world_from_first.apply_vector(v)
+    }
+
+    /// From (first, second) to the caller's (A, B).
+    pub(crate) fn ordered<T>(&self, first: T, second: T) -> [T; 2] {
+        if self.swapped { [second, first] } else { [first, second] }
+    }
+
+    /// A containment told as if first were A.
+    pub(crate) fn ordered_containment(&self, containment: Containment) -> Containment {
+        if self.swapped { containment.swapped() } else { containment }
+    }
+
+    /// A contact told in the pair's frame and order, as the caller wants it.
+    pub(crate) fn world_contact(&self, contact: Contact) -> Contact {
+        let c = if self.swapped { contact.swapped() } else { contact };
+        Contact {
+            id: c.id,
+            point_a: self.world_point(c.point_a),
+            point_b: self.world_point(c.point_b),
+            normal: self.world_vector(c.normal),
+            separation: c.separation,
+        }
+    }
+
+    pub(crate) fn world_witness(&self, point: DVec3, feature: Feature) -> Witness {
+        Witness { point: self.world_point(point), feature }
+    }
+
+    /// From first to second, in the caller's words: from A to B.
+    pub(crate) fn world_normal(&self, normal: DVec3) -> DVec3 {
+        let n = self.world_vector(normal);
+        if self.swapped { -n } else { n }
+    }
+}
+
+/// The box of a box's image; rounding is not accounted for.
+fn posed_box(map: &RigidMap, b: &Aabb) -> Aabb {
+    let center = map.apply(b.center());
+    let m = map.linear;
+    let h = b.half_extents();
+    let half = m.x_axis.abs() * h.x + m.y_axis.abs() * h.y + m.z_axis.abs() * h.z;
+    Aabb { min: center - half, max: center + half }
+}

@@ -1,0 +1,316 @@
+//! Contact regions of surfaces that intersect: normal, depth, area, points and curves.
+
+use std::collections::HashMap;
+
+use cranny_exact::DVec3;
+use cranny_geometry::DisjointSets;
+
+use crate::answer::{Contact, Counters, Curve, Feature, Region};
+use crate::depth::leads;
+use crate::intersection::{Intersection, intersect};
+use crate::pair::{Pair, Side};
+use crate::pieces::{Cut, cut};
+use crate::reduce::reduce;
+use crate::surface::{FacePair, meeting_pairs};
+use crate::touch::touch_regions;
+use crate::triangle_distance::{Part, closest_on_triangle};
+
+/// How far the second body is moved to read the regions of a special position (faces flush, edges
+/// crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as much,
+/// times the number of directions. Smaller: rounding decides what is inside; larger: figures suffer.
+const NUDGE: f64 = 9.313_225_746_154_785e-10;
+
+/// Directions of the nudge: generic, so that no plane of a modelled part holds them.
+const NUDGES: [DVec3; 3] = [
+    DVec3::new(0.537, 0.681, 0.498),
+    DVec3::new(-0.613, 0.441, -0.656),
+    DVec3::new(0.701, -0.529, 0.478),
+];
+
+/// Below this ratio of enclosed area to perimeter squared, curves enclose nothing (a peg through a
+/// plate: the two rims cancel).
+const ENCLOSES_NOTHING: f64 = 1e-6;
+
+/// A region whose curves enclose at least this share of the area that they would if they were flat
+/// has one normal; others are read direction by direction.
+const FLAT: f64 = 0.9;
+
+/// Vertices of a curved region that are measured at most; more are sampled evenly.
+const MAX_SAMPLES: usize = 256;
+
+/// Regions of all pairs that meet, in world coordinates and the caller's order.
+pub(crate) fn meeting_regions(
+    pair: &mut Pair,
+    pairs: &[FacePair],
+    solid: bool,
+    counters: &mut Counters,
+) -> Vec<Region> {
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let closed = Side::BOTH.iter().all(|&s| pair.model(s).is_closed());
+    if !solid {
+        return outer_touch(pair, pairs);
+    }
+    let here = intersect(pair, pairs);
+    if !closed {
+        return open_regions(pair, &here, pairs);
+    }
+    if here.generic {
+        return closed_regions(pair, &here);
+    }
+    // A special position. Its figures are those of a general one beside it.
+    let step = NUDGE * pair.scale();
+    let mut regions = None;
+    for direction in NUDGES {
+        let shifted = pair.shifted(direction * step);
+        let pairs = meeting_pairs(&shifted, counters);
+        let beside = intersect(&shifted, &pairs);
+        if beside.generic && !beside.segments.is_empty() {
+            regions = Some(closed_regions(&shifted, &beside));
+            break;
+        }
+    }
+    pair.repose();
+    // Flush from inside, say: the nudge parted the surfaces. They touch, and that is all.
+    regions.unwrap_or_else(|| outer_touch(pair, pairs))
+}
+
+fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
+    let regions = touch_regions(pair, pairs).into_iter().map(|t| {
+        let points = reduce(t.contacts);
+        finish(pair, t.normal, Some(0.0), Some(t.area), points, Vec::new(), t.triangle_pairs)
+    });
+    regions.collect()
+}
+
+/// Into world coordinates and the caller's order.
+fn finish(
+    pair: &Pair,
+    normal: DVec3,
+    depth: Option<f64>,
+    area: Option<f64>,
+    points: Vec<Contact>,
+    curves: Vec<Curve>,
+    triangle_pairs: u32,
+) -> Region {
+    let points: Vec<Contact> = points.into_iter().map(|c| pair.world_contact(c)).collect();
+    Region {
+        deepest: points[0],
+        normal: pair.world_normal(normal),
+        depth,
+        area,
+        points,
+        curves,
+        triangle_pairs,
+    }
+}
+
+fn curves(pair: &Pair, intersection: &Intersection, segments: &[usize]) -> Vec<Curve> {
+    let curve = |(nodes, closed): (Vec<usize>, bool)| Curve {
+        points: nodes.iter().map(|&n| pair.world_point(intersection.nodes[n].point)).collect(),
+        closed,
+    };
+    intersection.chains(segments).into_iter().map(curve).collect()
+}
+
+fn closed_regions(pair: &Pair, intersection: &Intersection) -> Vec<Region> {
+    cut(pair, intersection).iter().map(|c| closed_region(pair, intersection, c)).collect()
+}
+
+fn closed_region(pair: &Pair, intersection: &Intersection, cut: &Cut) -> Region {
+    let shape = Shape::of(intersection, &cut.segments);
+    let normal = match shape.normal() {
+        Some(normal) => normal,
+        None => least_deep_direction(pair, intersection, cut),
+    };
+    let measured = leads(pair, intersection, cut, normal);
+    let rim = |n: usize| Contact {
+        id: intersection.nodes[n].features,
+        point_a: intersection.nodes[n].point,
+        point_b: intersection.nodes[n].point,
+        normal,
+        separation: 0.0,
+    };
+    let deepest =
+        measured.deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
+    let mut contacts = if shape.is_flat() || shape.normal().is_none() {
+        measured.all
+    } else {
+        nearest_ways_out(pair, cut)
+    };
+    contacts.push(deepest);
+    let mut points = reduce(contacts);
+    if points[0].id != deepest.id || points[0].separation > deepest.separation {
+        points.insert(0, deepest);
+    }
+    let triangle_pairs = cut.segments.len() as u32;
+    finish(
+        pair,
+        normal,
+        Some(-deepest.separation),
+        Some(shape.area_vector.dot(normal).abs()),
+        points,
+        curves(pair, intersection, &cut.segments),
+        triangle_pairs,
+    )
+}
+
+/// What closed curves enclose.
+struct Shape {
+    area_vector: DVec3,
+    /// Sum of the areas of the triangles from a middle point to the segments, whatever their side.
+    fan_area: f64,
+    perimeter: f64,
+}
+
+impl Shape {
+    /// By Stokes, the area vector of the first body's piece is that of its border; the piece's
+    /// outward normals point from the first body into the second.
+    fn of(intersection: &Intersection, segments: &[usize]) -> Self {
+        let ends = |&s: &usize| intersection.segments[s].nodes.map(|n| intersection.nodes[n].point);
+        let middle = segments.iter().map(|s| ends(s)[0]).sum::<DVec3>() / segments.len() as f64;
+        let mut shape = Self { area_vector: DVec3::ZERO, fan_area: 0.0, perimeter: 0.0 };
+        for s in segments {
+            let [p, q] = ends(s);
+            let part = 0.5 * (p - middle).cross(q - middle);
+            shape.area_vector += part;
+            shape.fan_area += part.length();
+            shape.perimeter += (q - p).length();
+        }
+        shape
+    }
+
+    fn normal(&self) -> Option<DVec3> {
+        let area = self.area_vector.length();
+        (area > ENCLOSES_NOTHING * self.perimeter * self.perimeter).then(|| self.area_vector / area)
+    }
+
+    fn is_flat(&self) -> bool {
+        self.area_vector.length() >= FLAT * self.fan_area
+    }
+}
+
+/// Where the curves name no direction: of the pieces' own face normals, and the line between the
+/// bodies, the one along which the least translation parts them.
+fn least_deep_direction(pair: &Pair, intersection: &Intersection, cut: &Cut) -> DVec3 {
+    let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
+    let mut candidates: Vec<DVec3> = vec![centers.try_normalize().unwrap_or(DVec3::Z)];
+    for side in Side::BOTH {
+        let sign = if side == Side::First { 1.0 } else { -1.0 };
+        let faces = &cut.pieces[side.index()].faces;
+        let stride = faces.len().div_ceil(MAX_SAMPLES / 4).max(1);
+        for &f in faces.iter().step_by(stride) {
+            let n = sign * pair.normal(side, f);
+            if n != DVec3::ZERO && candidates.iter().all(|c| c.dot(n) < FLAT) {
+                candidates.push(n);
+            }
+        }
+    }
+    let depth = |n: DVec3| -> f64 {
+        leads(pair, intersection, cut, n).deepest.map_or(f64::INFINITY, |d| -d.separation)
+    };
+    let mut best = (depth(candidates[0]), candidates[0]);
+    for &n in &candidates[1..] {
+        let d = depth(n);
+        if d < best.0 {
+            best = (d, n);
+        }
+    }
+    best.1
+}
+
+/// For each vertex inside the other body the nearest point of the other's piece: the way out.
+fn nearest_ways_out(pair: &Pair, cut: &Cut) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for side in Side::BOTH {
+        let vertices = &cut.pieces[side.index()].vertices;
+        let faces = &cut.pieces[side.other().index()].faces;
+        let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
+        for &v in vertices.iter().step_by(stride) {
+            let p = pair.position(side, v);
+            let nearest = faces
+                .iter()
+                .map(|&f| (f, closest_on_triangle(p, &pair.triangle(side.other(), f))))
+                .filter(|(_, (_, part))| *part == Part::Inside)
+                .min_by(|x, y| {
+                    (x.1.0 - p).length_squared().total_cmp(&(y.1.0 - p).length_squared())
+                });
+            let Some((face, (q, _))) = nearest else { continue };
+            let outward = pair.normal(side.other(), face);
+            let depth = (q - p).length();
+            let (own, its) = (Feature::Vertex(v), Feature::Face(face));
+            contacts.push(match side {
+                Side::First => Contact {
+                    id: (own, its),
+                    point_a: p,
+                    point_b: q,
+                    normal: -outward,
+                    separation: -depth,
+                },
+                Side::Second => Contact {
+                    id: (its, own),
+                    point_a: q,
+                    point_b: p,
+                    normal: outward,
+                    separation: -depth,
+                },
+            });
+        }
+    }
+    contacts
+}
+
+/// Where a surface is open: connected curves, without depth or area.
+fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) -> Vec<Region> {
+    let mut sets = DisjointSets::new(intersection.nodes.len());
+    for s in &intersection.segments {
+        sets.union(s.nodes[0], s.nodes[1]);
+    }
+    let mut order: Vec<Vec<usize>> = Vec::new();
+    let mut region_of_root = HashMap::new();
+    for (index, s) in intersection.segments.iter().enumerate() {
+        let region = *region_of_root.entry(sets.find(s.nodes[0])).or_insert(order.len());
+        if region == order.len() {
+            order.push(Vec::new());
+        }
+        order[region].push(index);
+    }
+    if order.is_empty() {
+        let mut regions = outer_touch(pair, pairs);
+        for r in &mut regions {
+            (r.depth, r.area) = (None, None);
+        }
+        return regions;
+    }
+    order
+        .into_iter()
+        .map(|segments| {
+            // No inside, no depth: the normal is the balance of the faces that meet.
+            let sum: DVec3 = segments
+                .iter()
+                .map(|&s| {
+                    let [f, g] = intersection.segments[s].faces;
+                    pair.area_vector(Side::First, f) - pair.area_vector(Side::Second, g)
+                })
+                .sum();
+            let normal = sum.try_normalize().unwrap_or(DVec3::Z);
+            let points = segments
+                .iter()
+                .map(|&s| {
+                    let node = &intersection.nodes[intersection.segments[s].nodes[0]];
+                    Contact {
+                        id: node.features,
+                        point_a: node.point,
+                        point_b: node.point,
+                        normal,
+                        separation: 0.0,
+                    }
+                })
+                .collect();
+            let curves = curves(pair, intersection, &segments);
+            let count = segments.len() as u32;
+            finish(pair, normal, None, None, reduce(points), curves, count)
+        })
+        .collect()
+}
