@@ -1,1 +1,85 @@
-fn main() {}
+//! Chores of the repository.
+//!
+//! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
+//! which, and that the crates which compute do nothing but compute.
+
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
+
+mod bans;
+mod directions;
+mod literals;
+mod report;
+mod sources;
+mod strip;
+mod tokens;
+
+use report::Violation;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "usage: cargo run -p xtask -- check-deps";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments != ["check-deps"] {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    }
+    match check_deps() {
+        Ok((files, violations)) if violations.is_empty() => {
+            println!("check-deps: crate directions hold, {files} source files are clean");
+            ExitCode::SUCCESS
+        }
+        Ok((_, violations)) => {
+            for violation in &violations {
+                println!("{violation}");
+            }
+            println!("check-deps: {} violations", violations.len());
+            ExitCode::FAILURE
+        }
+        Err(message) => {
+            eprintln!("check-deps: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Returns the number of source files read, and everything that is wrong.
+fn check_deps() -> Result<(usize, Vec<Violation>), String> {
+    let metadata = cargo_metadata()?;
+    let graph = directions::Graph::from_metadata(&metadata)?;
+    let mut violations = graph.check();
+    let root = Path::new(graph.workspace_root());
+    let mut files = 0;
+    for package in graph.members().filter(|package| package.name != "xtask") {
+        let is_pure = directions::PURE_CRATES.contains(&package.name.as_str());
+        for file in sources::of_crate(Path::new(&package.folder))? {
+            files += 1;
+            let shown = file.path.strip_prefix(root).unwrap_or(&file.path).display().to_string();
+            let tokens = tokens::of(&file.stripped.text);
+            if is_pure {
+                violations.extend(bans::check(&shown, &tokens));
+            }
+            if package.name != "cranny-exact" {
+                violations.extend(literals::check(&shown, &tokens));
+            }
+        }
+    }
+    Ok((files, violations))
+}
+
+fn cargo_metadata() -> Result<serde_json::Value, String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(["metadata", "--format-version", "1"]);
+    // Set by `cargo run`; without it the current folder decides.
+    if let Ok(folder) = std::env::var("CARGO_MANIFEST_DIR") {
+        command.arg("--manifest-path").arg(PathBuf::from(folder).join("Cargo.toml"));
+    }
+    let output = command.output().map_err(|e| format!("cannot run cargo metadata: {e}"))?;
+    if !output.status.success() {
+        let why = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("cargo metadata failed: {}", why.trim()));
+    }
+    serde_json::from_slice(&output.stdout).map_err(|e| format!("cargo metadata: {e}"))
+}

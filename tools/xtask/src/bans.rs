@@ -1,0 +1,225 @@
+//! What the crates that compute must not name.
+
+use crate::report::Violation;
+use crate::tokens::{PathAt, Token, paths};
+
+/// A ban and its reason.
+struct Ban {
+    rule: &'static str,
+    reason: &'static str,
+    applies: fn(&PathAt) -> bool,
+}
+
+const BANS: &[Ban] = &[
+    Ban {
+        rule: "no-files",
+        reason: "the crates that compute do no input or output: take bytes in and hand bytes out; files are \
+                 opened by cranny-scene, cranny-record and the command",
+        applies: |path| {
+            starts(path, &["std", "fs"])
+                || starts(path, &["std", "net"])
+                || ["stdin", "stdout", "stderr"]
+                    .iter()
+                    .any(|name| starts(path, &["std", "io", name]))
+        },
+    },
+    Ban {
+        rule: "no-process",
+        reason: "the crates that compute depend on their arguments alone: settings are passed in",
+        applies: |path| starts(path, &["std", "process"]) || starts(path, &["std", "env"]),
+    },
+    Ban {
+        rule: "no-clock",
+        reason: "answers must not depend on time: a time budget takes a clock that is passed in",
+        applies: |path| {
+            path.segments.iter().any(|word| word == "Instant" || word == "SystemTime")
+                || starts(path, &["std", "time", "*"])
+        },
+    },
+    Ban {
+        rule: "no-gpu",
+        reason: "only cranny-render touches a GPU: the others must run, and agree, on every machine",
+        applies: |path| !path.is_member && path.segments[0] == "wgpu",
+    },
+    Ban {
+        rule: "no-printing",
+        reason: "a library returns what it has to say: as a value, a report, or an error",
+        applies: |path| {
+            path.followed_by == "!"
+                && ["println", "eprintln", "print", "eprint", "dbg"].contains(&last(path))
+        },
+    },
+    Ban {
+        rule: "no-globals",
+        reason: "state lives with its owner, so that two worlds in one process cannot meet: make it a field, \
+                 or an argument",
+        applies: |path| {
+            path.segments.iter().any(|word| ["OnceLock", "LazyLock"].contains(&word.as_str()))
+                || last(path) == "thread_local" && path.followed_by == "!"
+                || path.segments == ["static"] && path.followed_by == "mut"
+        },
+    },
+    Ban {
+        rule: "f64-only",
+        reason: "coordinates are f64 (glam's D-types) from file to answer: one f32 on the way would make \
+                 'exact' untrue",
+        applies: |path| F32_TYPES.contains(&last(path)) || path.segments.iter().any(|w| is_f32(w)),
+    },
+    Ban {
+        rule: "no-transcendentals",
+        reason: "sines, logarithms and the like differ between machines, and rapier's enhanced-determinism \
+                 swaps them for the whole workspace: poses come as unit quaternions, and +, -, *, / and sqrt are \
+                 the same everywhere",
+        applies: |path| {
+            let is_function =
+                path.segments.len() > 1 || (path.is_member && path.followed_by == "(");
+            is_function && TRANSCENDENTAL.contains(&last(path))
+        },
+    },
+];
+
+const F32_TYPES: &[&str] = &[
+    "Vec2", "Vec3", "Vec3A", "Vec4", "Quat", "Mat2", "Mat3", "Mat3A", "Mat4", "Affine2", "Affine3A",
+];
+
+const TRANSCENDENTAL: &[&str] = &[
+    "sin",
+    "cos",
+    "tan",
+    "sin_cos",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "asinh",
+    "acosh",
+    "atanh",
+    "exp",
+    "exp2",
+    "exp_m1",
+    "ln",
+    "ln_1p",
+    "log",
+    "log2",
+    "log10",
+    "powf",
+    "cbrt",
+    "hypot",
+    "from_axis_angle",
+    "to_axis_angle",
+    "from_scaled_axis",
+    "to_scaled_axis",
+    "from_rotation_x",
+    "from_rotation_y",
+    "from_rotation_z",
+    "from_euler",
+    "to_euler",
+    "from_angle",
+    "to_angle",
+    "angle_between",
+    "angle_to",
+    "rotate_towards",
+    "rotate_axis",
+    "rotate_x",
+    "rotate_y",
+    "rotate_z",
+    "slerp",
+];
+
+fn starts(path: &PathAt, with: &[&str]) -> bool {
+    !path.is_member
+        && path.segments.iter().map(String::as_str).take(with.len()).eq(with.iter().copied())
+}
+
+fn last(path: &PathAt) -> &str {
+    path.segments.last().map_or("", String::as_str)
+}
+
+fn is_f32(word: &str) -> bool {
+    F32_TYPES.contains(&word)
+}
+
+/// Every ban that a file breaks, in order of lines.
+pub(crate) fn check(file: &str, tokens: &[Token]) -> Vec<Violation> {
+    let mut violations = Vec::new();
+    for path in paths(tokens) {
+        for ban in BANS.iter().filter(|ban| (ban.applies)(&path)) {
+            violations.push(Violation {
+                place: format!("{file}:{}", path.line),
+                rule: ban.rule,
+                found: format!("`{}`", path.segments.join("::")),
+                reason: ban.reason,
+            });
+        }
+    }
+    violations
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{strip, tokens};
+
+    fn rules(source: &str) -> Vec<&'static str> {
+        let found = check("x.rs", &tokens::of(&strip::strip(source).text));
+        found.into_iter().map(|violation| violation.rule).collect()
+    }
+
+    #[test]
+    fn each_ban_bites() {
+        for (source, rule) in [
+            ("use std::fs;", "no-files"),
+            ("use std::{io, fs::File};", "no-files"),
+            ("let a = std::net::TcpStream::connect(b);", "no-files"),
+            ("std::io::stdout()", "no-files"),
+            ("std::process::exit(1)", "no-process"),
+            ("std::env::var(x)", "no-process"),
+            ("use std::time::{Duration, Instant};", "no-clock"),
+            ("use std::time; fn f() { time::SystemTime::now() }", "no-clock"),
+            ("use wgpu::Device;", "no-gpu"),
+            ("println!(x)", "no-printing"),
+            ("std::eprintln!(x)", "no-printing"),
+            ("static mut N: u32 = 0;", "no-globals"),
+            ("static N: OnceLock<u32> = OnceLock::new();", "no-globals"),
+            ("thread_local! { }", "no-globals"),
+            ("fn f(v: glam::Vec3) {}", "f64-only"),
+            ("use glam::{DVec3, Quat};", "f64-only"),
+            ("let q = Quat::IDENTITY;", "f64-only"),
+            ("x.sin()", "no-transcendentals"),
+            ("x.map(f64::acos)", "no-transcendentals"),
+            ("DQuat::from_rotation_x(a)", "no-transcendentals"),
+            ("x\n    .powf(2.0)", "no-transcendentals"),
+        ] {
+            assert!(rules(source).contains(&rule), "{source}: {:?}", rules(source));
+        }
+    }
+
+    #[test]
+    fn what_only_looks_alike_passes() {
+        for source in [
+            "use std::time::Duration;",
+            "use glam::{DVec3, DQuat, DMat3};",
+            "let s: &'static str = \"std::fs println! x.sin()\"; // std::env",
+            "/// Never call `std::fs`.\nfn f() {}",
+            "#[cfg(test)]\nmod tests { use std::fs; fn f() { println!(x); 1.0.sin() } }",
+            "let exp = a.exp; x.sqrt() + x.mul_add(y, z)",
+            "static TABLE: [u8; 2] = [0, 1]; use std::fmt; self.process.env",
+            "enum Op { Print } fn print() {}",
+        ] {
+            assert_eq!(rules(source), [""; 0], "{source}");
+        }
+    }
+
+    #[test]
+    fn the_message_names_the_place_the_rule_and_the_reason() {
+        let found = check("a/b.rs", &tokens::of("\n\nuse std::fs::File;"));
+        let text = found[0].to_string();
+        assert!(
+            text.starts_with("a/b.rs:3: [no-files] `std::fs::File`\n    the crates that"),
+            "{text}"
+        );
+    }
+}
