@@ -229,6 +229,24 @@ fn real_creases_are_not_merged() {
     assert!(hull.facet_count() >= 2);
 }
 
+/// Two apexes over a ring of `n`: fans whose triangles share vertices of degree `n`.
+fn bipyramid(n: usize) -> Vec<DVec3> {
+    let ring = circle(n).map(|(s, c)| DVec3::new(c, s, 0.0));
+    [DVec3::Z, -DVec3::Z].into_iter().chain(ring).collect()
+}
+
+#[test]
+fn wide_fans_take_no_quadratic_time() {
+    // Planes of crowded triangles are bounded, not measured: validated like the others.
+    for points in [bipyramid(700), turned(&bipyramid(700))] {
+        let hull = assert_valid("bipyramid", &points);
+        assert_eq!((hull.vertex_count(), hull.facet_count()), (702, 1400));
+        assert!(hull.thickness_max() < 1e-13);
+    }
+    // Measured, 50,000 neighbours for each of 100,000 triangles would take the better part of a minute.
+    assert_eq!(ConvexHull::of_points(&bipyramid(50_000)).triangle_count(), 100_000);
+}
+
 #[test]
 fn facets_of_prisms_are_polygons() {
     let hull = assert_valid("prism", &turned(&cylinder(7, 3)));

@@ -1,7 +1,7 @@
 //! The merged layer: nearly coplanar triangles become polygonal facets with a measured thickness.
 //!
-//! Facets grow from the largest triangle not yet taken, over shared edges, as long as a triangle's
-//! corners lie within the tolerance below the facet's supporting plane. Then the plane is fitted again
+//! A triangle that clearly bends away from all its neighbours is a facet. The other facets grow from
+//! the largest triangle not yet taken, over shared edges, as long as a triangle's corners lie within the tolerance below the facet's supporting plane. Then the plane is fitted again
 //! (area vector of what was gathered) and the growth repeated, for a small seed has a crooked normal.
 //!
 //! A triangle joins only where the facet stays a disk. Nothing is lost by that, in any order of
@@ -13,10 +13,11 @@
 
 use std::ops::Range;
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use super::outline::Outlines;
-use super::quickhull::{Surface, next};
+use super::quickhull::{Surface, previous};
+use super::side::Side;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
 
@@ -30,9 +31,14 @@ pub const FLATNESS: f64 = 64.0 * f64::EPSILON;
 /// facet, nearly all of it in the first; smaller, and facets seeded by slim triangles stay incomplete.
 const REFITS: usize = 4;
 
+/// Neighbours of a triangle's corners, together, above which its plane is bounded instead of measured.
+/// Smaller, and thicknesses are overestimated tenfold where they need not be; larger, and fans take
+/// quadratic time (`wide_fans_take_no_quadratic_time`).
+const CROWDED: usize = 256;
+
 pub(super) const UNASSIGNED: u32 = u32::MAX;
 
-/// A facet of the merged layer, numbered from 0 by descending area of the triangle it grew from.
+/// A facet of the merged layer, numbered from 0 in no order that means anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FacetId(pub u32);
 
@@ -144,6 +150,7 @@ struct Growth<'a> {
     surface: &'a Surface,
     graph: &'a SupportGraph,
     tolerance: f64,
+    extent: DVec3,
     /// Twice the area vector of each triangle.
     area_vectors: Vec<DVec3>,
     facet_of: Vec<u32>,
@@ -160,6 +167,7 @@ impl<'a> Growth<'a> {
         graph: &'a SupportGraph,
         tolerance: f64,
     ) -> Self {
+        let bounds = Aabb::of_points(positions.iter().copied());
         let area_vectors = surface
             .triangles
             .iter()
@@ -173,6 +181,7 @@ impl<'a> Growth<'a> {
             surface,
             graph,
             tolerance,
+            extent: bounds.max - bounds.min,
             area_vectors,
             facet_of: vec![UNASSIGNED; surface.triangles.len()],
             planes: Vec::new(),
@@ -199,15 +208,43 @@ impl<'a> Growth<'a> {
     }
 
     fn run(&mut self) {
-        let mut seeds: Vec<(f64, u32)> =
-            (0..self.surface.triangles.len() as u32).map(|t| (self.area(t), t)).collect();
-        seeds.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut seeds = Vec::new();
+        for t in 0..self.surface.triangles.len() as u32 {
+            if self.is_apart(t) {
+                let plane = self.plane_of_one(t, self.normal_of(t));
+                self.take(&[t], plane);
+            } else {
+                seeds.push((self.area(t), t));
+            }
+        }
+        seeds.sort_unstable_by(|a: &(f64, u32), b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, seed) in seeds {
             if self.facet_of[seed as usize] == UNASSIGNED {
                 let (region, plane) = self.facet_from(seed);
                 self.take(&region, plane);
             }
         }
+    }
+
+    /// Whether the triangle bends away from its neighbours so clearly, seen from either side of each
+    /// edge, and is itself so far from a needle, as they are, that it is a facet of its own. This
+    /// spares most triangles of a smooth hull the growth.
+    fn is_apart(&self, t: u32) -> bool {
+        !self.is_needle(t)
+            && (3 * t..3 * t + 3).all(|h| {
+                let twin = self.surface.twins[h as usize];
+                !self.is_needle(twin / 3)
+                    && self.depth(t, self.surface.origin(previous(twin))) > self.tolerance
+                    && self.depth(twin / 3, self.surface.origin(previous(h))) > self.tolerance
+            })
+    }
+
+    /// How deep a vertex lies below the plane of a triangle (rounded).
+    fn depth(&self, t: u32, vertex: u32) -> f64 {
+        let area_vector = self.area_vectors[t as usize];
+        let below = self.positions[self.surface.triangles[t as usize][0] as usize]
+            - self.positions[vertex as usize];
+        area_vector.dot(below) / area_vector.length()
     }
 
     fn take(&mut self, region: &[u32], plane: Plane) {
@@ -223,9 +260,6 @@ impl<'a> Growth<'a> {
         let normal = self.normal_of(seed);
         let mut region = vec![seed];
         let mut plane = self.supporting_plane(normal, &region);
-        if self.is_alone(seed, &plane) {
-            return (region, plane);
-        }
         for _ in 0..REFITS {
             let grown = self.grow(seed, &plane);
             let larger = grown.len() > region.len();
@@ -246,14 +280,6 @@ impl<'a> Growth<'a> {
             }
         }
         (region, plane)
-    }
-
-    /// Whether no neighbour of the seed can join it; spares most triangles of a smooth hull the growth.
-    fn is_alone(&self, seed: u32, plane: &Plane) -> bool {
-        (3 * seed..3 * seed + 3).all(|h| {
-            let neighbour = self.surface.twins[h as usize] / 3;
-            self.facet_of[neighbour as usize] != UNASSIGNED || !self.lies_near(neighbour, plane)
-        })
     }
 
     /// The triangles around `seed` that lie within the tolerance below the plane, gathered so that
@@ -298,13 +324,13 @@ impl<'a> Growth<'a> {
     fn keeps_a_disk(&self, t: u32) -> bool {
         let joined =
             |h: u32| self.face_round[self.surface.twins[h as usize] as usize / 3] == self.round;
-        let edges: Vec<u32> = (3 * t..3 * t + 3).filter(|&h| joined(h)).collect();
-        match edges[..] {
-            [h] => {
-                let apex = self.surface.origin(next(next(h)));
+        let mut edges = (3 * t..3 * t + 3).filter(|&h| joined(h));
+        match (edges.next(), edges.count()) {
+            (Some(h), 0) => {
+                let apex = self.surface.origin(previous(h));
                 self.vertex_round[apex as usize] != self.round
             }
-            [_, _] => true,
+            (Some(_), 1) => true,
             _ => false,
         }
     }
@@ -344,6 +370,35 @@ impl<'a> Growth<'a> {
             .unwrap_or(DVec3::Z)
     }
 
+    /// The supporting plane of a facet of one triangle: the supporting plane of the hull along its
+    /// normal, or where a corner has very many neighbours, to look at all of which for every triangle
+    /// of a fan takes quadratic time, a bound of it.
+    ///
+    /// The bound: every point `p` is exactly below the exact plane, and the rounded cross product `n`
+    /// gives `n · (p − a) <= margin` in real arithmetic (see [`Side`]). Bringing `n` to length 1 scales
+    /// that by `1 / |n|` and adds two roundings a component, less than an eighth of the margin.
+    fn plane_of_one(&self, t: u32, normal: DVec3) -> Plane {
+        let mut corners = self.surface.triangles[t as usize];
+        let degree: usize =
+            corners.iter().map(|&v| self.graph.neighbours(HullVertexId(v)).len()).sum();
+        if degree <= CROWDED {
+            return self.supporting_plane(normal, &[t]);
+        }
+        // The margin is least about the corner across from the longest edge.
+        let at = |v: u32| self.positions[v as usize];
+        let across = |k: usize| (at(corners[(k + 2) % 3]) - at(corners[(k + 1) % 3])).length();
+        let anchor = (0..3).fold(0, |best, k| if across(k) > across(best) { k } else { best });
+        corners.rotate_left(anchor);
+        let side = Side::new(corners.map(at), self.extent);
+        let margin = 1.25 * side.margin() / side.normal.length();
+        let Some(normal) = unit(side.normal).filter(|_| margin.is_finite()) else {
+            return self.supporting_plane(normal, &[t]);
+        };
+        let anchored = normal.dot(at(corners[0]));
+        let offset = (anchored + 3.0 * self.graph.rounding(normal) + margin).next_up();
+        Plane { normal, offset, thickness: self.thickness(normal, offset, &[t]) }
+    }
+
     /// The supporting plane of the hull in a direction, and how far `region` reaches below it. All
     /// rounded outward by the proven rounding of the heights.
     fn supporting_plane(&self, normal: DVec3, region: &[u32]) -> Plane {
@@ -352,12 +407,16 @@ impl<'a> Growth<'a> {
         let top = self.graph.support(self.positions, normal, start).map_or(0, |v| v.0);
         let rounding = self.graph.rounding(normal);
         let offset = (height(top) + rounding).next_up();
+        Plane { normal, offset, thickness: self.thickness(normal, offset, region) }
+    }
+
+    /// How far `region` reaches below a plane, rounded up.
+    fn thickness(&self, normal: DVec3, offset: f64, region: &[u32]) -> f64 {
         let lowest = region
             .iter()
             .flat_map(|&t| self.surface.triangles[t as usize])
-            .fold(f64::INFINITY, |low, v| low.min(height(v)));
-        let thickness = (offset - (lowest - rounding).next_down()).next_up();
-        Plane { normal, offset, thickness }
+            .fold(f64::INFINITY, |low, v| low.min(normal.dot(self.positions[v as usize])));
+        (offset - (lowest - self.graph.rounding(normal)).next_down()).next_up()
     }
 }
 

@@ -120,6 +120,9 @@ impl<'a> Loops<'a> {
         is_corner: &mut [bool],
     ) {
         let outline = self.of(facet);
+        if outline.iter().all(|&h| is_corner[surface.origin(h) as usize]) {
+            return;
+        }
         let vertices: Vec<u32> = outline.iter().map(|&h| surface.origin(h)).collect();
         let mut anchors: Vec<usize> =
             (0..vertices.len()).filter(|&i| is_corner[vertices[i] as usize]).collect();

@@ -44,6 +44,12 @@ impl Side {
         Self { normal: d.cross(e), anchor: a, bound: FILTER * magnitudes.dot(extent) }
     }
 
+    /// How far above zero `normal · (p − anchor)` can be, in real arithmetic too, for a point `p` of the
+    /// box that is not above the exact plane.
+    pub(super) fn margin(&self) -> f64 {
+        self.bound
+    }
+
     /// The rounded determinant: proportional to the height of `p` above the plane. A heuristic.
     pub(super) fn height(&self, p: DVec3) -> f64 {
         self.normal.dot(p - self.anchor)

@@ -149,10 +149,10 @@ impl SupportGraph {
         height: impl Fn(HullVertexId) -> f64,
     ) -> HullVertexId {
         let mut best = (height(from), from);
-        let mut visited = Visited::default();
+        let mut visited = Visited::new();
         visited.insert(from, self.starts.len());
         let mut next = 0;
-        while let Some(&v) = visited.order.get(next) {
+        while let Some(v) = visited.get(next) {
             next += 1;
             for &w in self.neighbours(v) {
                 let h = height(w);
@@ -186,33 +186,54 @@ fn sort_rows(starts: &mut [u32], neighbours: &mut Vec<HullVertexId>) {
 }
 
 /// The vertices seen so far, in order.
-#[derive(Default)]
 struct Visited {
-    order: Vec<HullVertexId>,
+    short: [HullVertexId; SHORT_PLATEAU],
+    count: usize,
+    /// Continues `short`.
+    long: Vec<HullVertexId>,
     bits: Vec<u64>,
 }
 
 impl Visited {
-    /// Whether `vertex` was new. `count` is the number of vertices, at least.
-    fn insert(&mut self, vertex: HullVertexId, count: usize) -> bool {
-        if self.order.len() < SHORT_PLATEAU {
-            if self.order.contains(&vertex) {
-                return false;
-            }
-        } else {
-            if self.bits.is_empty() {
-                self.bits = vec![0; count / 64 + 1];
-                for v in &self.order {
-                    self.bits[v.index() / 64] |= 1 << (v.index() % 64);
-                }
-            }
-            let (word, bit) = (&mut self.bits[vertex.index() / 64], 1 << (vertex.index() % 64));
-            if *word & bit != 0 {
-                return false;
-            }
-            *word |= bit;
+    fn new() -> Self {
+        Self {
+            short: [HullVertexId(0); SHORT_PLATEAU],
+            count: 0,
+            long: Vec::new(),
+            bits: Vec::new(),
         }
-        self.order.push(vertex);
-        true
+    }
+
+    fn get(&self, i: usize) -> Option<HullVertexId> {
+        if i < SHORT_PLATEAU {
+            self.short[..self.count].get(i).copied()
+        } else {
+            self.long.get(i - SHORT_PLATEAU).copied()
+        }
+    }
+
+    /// Whether `vertex` was new. `vertices` is the number of vertices, at least.
+    fn insert(&mut self, vertex: HullVertexId, vertices: usize) -> bool {
+        if self.bits.is_empty() {
+            if self.short[..self.count].contains(&vertex) {
+                return false;
+            }
+            if self.count < SHORT_PLATEAU {
+                self.short[self.count] = vertex;
+                self.count += 1;
+                return true;
+            }
+            self.bits = vec![0; vertices / 64 + 1];
+            for v in self.short {
+                self.bits[v.index() / 64] |= 1 << (v.index() % 64);
+            }
+        }
+        let (word, bit) = (&mut self.bits[vertex.index() / 64], 1 << (vertex.index() % 64));
+        let is_new = *word & bit == 0;
+        *word |= bit;
+        if is_new {
+            self.long.push(vertex);
+        }
+        is_new
     }
 }
