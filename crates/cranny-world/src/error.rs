@@ -1,0 +1,84 @@
+//! What can be wrong with a call, and what can be wrong with the structure.
+
+use cranny_broad_phase::BroadPhaseError;
+use cranny_exact::PoseError;
+use cranny_narrow_phase::QueryError;
+use thiserror::Error;
+
+use crate::body::BodyId;
+
+/// A call that was refused; the world is as it was before.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum WorldError {
+    /// No body of this id is present.
+    #[error("there is no body {body}: it was removed, or comes from another world")]
+    UnknownBody {
+        /// The id asked for.
+        body: BodyId,
+    },
+    /// A body of this name is present already.
+    #[error("there is a body named '{name}' already ({body}): names must be unique")]
+    DuplicateName {
+        /// The name asked for.
+        name: String,
+        /// Who has it.
+        body: BodyId,
+    },
+    /// Both bodies of a pair are the same one.
+    #[error("a pair of body {body} with itself was asked for: a pair has two different bodies")]
+    SameBody {
+        /// The body.
+        body: BodyId,
+    },
+    /// All 2^32 ids were given away.
+    #[error("no id is left for body '{name}': a world numbers at most 2^32 bodies in its life")]
+    NoIdLeft {
+        /// The body that did not fit.
+        name: String,
+    },
+    /// A contact margin that is no length.
+    #[error(
+        "the contact margin of {owner} is {margin}: it must be a finite length of at least zero"
+    )]
+    Margin {
+        /// Whose effect it is.
+        owner: String,
+        /// The value found.
+        margin: f64,
+    },
+    /// A pose outside the domain, or a rotation that is none.
+    #[error("the pose of body '{name}' is refused: {source}")]
+    Pose {
+        /// The body.
+        name: String,
+        /// What is wrong with it.
+        source: PoseError,
+    },
+    /// The broad phase refused the body's box.
+    #[error("body '{name}' does not fit the broad phase: {source}")]
+    BroadPhase {
+        /// The body.
+        name: String,
+        /// Why.
+        source: BroadPhaseError,
+    },
+    /// The narrow phase refused a pair.
+    #[error("the pair '{a}' and '{b}' cannot be queried: {source}")]
+    Query {
+        /// The first body's name.
+        a: String,
+        /// The second body's name.
+        b: String,
+        /// Why.
+        source: QueryError,
+    },
+}
+
+/// A broken invariant, found by [`World::validate`](crate::World::validate): a bug of this crate.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("world invariant broken: {what}")]
+pub struct WorldInvariantError {
+    /// Which invariant, and where.
+    pub what: String,
+}

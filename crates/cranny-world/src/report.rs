@@ -1,0 +1,131 @@
+//! What a step tells.
+
+use cranny_broad_phase::BroadPhaseCounters;
+use cranny_narrow_phase::{Answer, Counters, Surface};
+
+use crate::body::BodyId;
+
+/// Everything that one step found. Answers and events are sorted by body ids.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepReport {
+    /// Counts from 0: the first call of [`World::step`](crate::World::step).
+    pub step: u64,
+    /// One a pair that was queried or supplied.
+    pub answers: Vec<PairAnswer>,
+    /// Which pairs began or ended to touch, among those that have a demand.
+    pub events: Vec<PairEvent>,
+    /// Counts and sums.
+    pub stats: StepStats,
+}
+
+/// The answer about a pair; the lower id first, and the answer in that order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairAnswer {
+    /// The body with the lower id: A of the answer.
+    pub a: BodyId,
+    /// The other: B.
+    pub b: BodyId,
+    /// What was found.
+    pub answer: Answer,
+}
+
+/// Something happened between two bodies; the lower id first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PairEvent {
+    /// The body with the lower id.
+    pub a: BodyId,
+    /// The other.
+    pub b: BodyId,
+    /// What happened.
+    pub kind: PairEventKind,
+}
+
+/// Kinds of events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum PairEventKind {
+    /// The bodies touch or overlap, and did not (or were not asked about) at the step before.
+    Began,
+    /// They touched or overlapped at the step before and do not now, or one was removed, or nothing
+    /// is asked about the pair any more.
+    Ended,
+}
+
+impl PairEventKind {
+    /// Its name in recordings.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Began => "began",
+            Self::Ended => "ended",
+        }
+    }
+}
+
+/// What a step cost and found, in numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepStats {
+    /// Bodies in the world, each with one box.
+    pub boxes: usize,
+    /// Pairs of boxes that overlap.
+    pub candidate_pairs: usize,
+    /// Pairs that the narrow phase was asked about.
+    pub queried_pairs: usize,
+    /// Pairs whose answer was supplied.
+    pub supplied_pairs: usize,
+    /// Pairs that touch or overlap, by their answers.
+    pub touching_pairs: usize,
+    /// Contacts, summed over the answers: each region's points, and contacts outside regions.
+    pub contacts: usize,
+    /// Regions, summed over the answers.
+    pub regions: usize,
+    /// What the narrow phase did, summed. Not part of any hash.
+    pub counters: Counters,
+    /// What the broad phase did. Not part of any hash.
+    pub broad_phase: BroadPhaseCounters,
+    /// The deepest overlap among the answers that tell depths.
+    pub deepest: Option<Deepest>,
+}
+
+/// The deepest overlap of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deepest {
+    /// > 0, in units of length.
+    pub depth: f64,
+    /// The body with the lower id.
+    pub a: BodyId,
+    /// The other.
+    pub b: BodyId,
+}
+
+impl StepStats {
+    /// Adds what an answer found; whether it was queried or supplied is the caller's to count.
+    pub(crate) fn add(&mut self, pair: &PairAnswer) {
+        let answer = &pair.answer;
+        self.touching_pairs += usize::from(touches(answer));
+        let in_regions: usize = answer.regions.iter().map(|r| r.points.len()).sum();
+        // Where regions are told, the answer's contacts are their points, told again.
+        self.contacts += if in_regions > 0 { in_regions } else { answer.contacts.len() };
+        self.regions += answer.regions.len();
+        let Counters { node_tests, triangle_tests, inside_tests } = answer.counters;
+        self.counters.node_tests += node_tests;
+        self.counters.triangle_tests += triangle_tests;
+        self.counters.inside_tests += inside_tests;
+        let depth = depth(answer);
+        if depth > self.deepest.map_or(0.0, |d| d.depth) {
+            self.deepest = Some(Deepest { depth, a: pair.a, b: pair.b });
+        }
+    }
+}
+
+/// Whether the bodies share a point, or one lies inside the other.
+pub(crate) fn touches(answer: &Answer) -> bool {
+    answer.solid || answer.surface != Surface::None
+}
+
+/// The greatest depth that an answer tells; 0 where it tells none.
+fn depth(answer: &Answer) -> f64 {
+    let of_regions = answer.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));
+    let of_contacts = answer.contacts.iter().map(|c| -c.separation);
+    of_regions.chain(of_contacts).fold(0.0, f64::max)
+}

@@ -1,0 +1,428 @@
+//! The world: bodies by id, pairs by their boxes, and the step that answers what is asked.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use cranny_broad_phase::{BroadPhase, Motion, OverlapEvent, ProxyId, SweepAndPrune};
+use cranny_exact::Pose;
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query, query};
+
+use crate::body::{Body, BodyId, BodySpec};
+use crate::bounds::{accepted_pose, world_box};
+use crate::demand::Wish;
+use crate::description::{BodyKind, Effect};
+use crate::error::{WorldError, WorldInvariantError};
+use crate::report::{PairAnswer, PairEvent, PairEventKind, StepReport, StepStats, touches};
+use crate::supply::swapped;
+
+/// Two bodies, the lower id first.
+type Pair = (BodyId, BodyId);
+
+/// Bodies at poses, and what is asked about their pairs.
+///
+/// Calls between two steps take effect at the next [`step`](Self::step); their order is irrelevant
+/// (but for the ids that insertion gives).
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    bodies: BTreeMap<BodyId, Body>,
+    by_name: BTreeMap<String, BodyId>,
+    inserted: u32,
+    scene: Wish,
+    pair_wishes: BTreeMap<Pair, Wish>,
+    excluded: BTreeSet<Pair>,
+    broad_phase: SweepAndPrune,
+    /// Of pairs whose boxes overlapped at the last step and about which something is asked.
+    memories: BTreeMap<Pair, PairMemory>,
+    supplied: BTreeMap<Pair, Answer>,
+    /// Pairs with a demand that touched at the last step.
+    touching: BTreeSet<Pair>,
+    /// Names of bodies that were removed since the last step, and before it.
+    leaving: BTreeMap<BodyId, String>,
+    left: BTreeMap<BodyId, String>,
+    steps: u64,
+}
+
+/// Bodies.
+impl World {
+    /// An empty world without effects.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Puts a body in.
+    ///
+    /// # Errors
+    ///
+    /// A [name](WorldError::DuplicateName) that is taken, a [margin](WorldError::Margin) that is no
+    /// length, a [pose](WorldError::Pose) that is refused, or no [id](WorldError::NoIdLeft) or
+    /// [room](WorldError::BroadPhase) left.
+    pub fn insert(&mut self, spec: BodySpec) -> Result<BodyId, WorldError> {
+        let BodySpec { name, model, pose, kind, layers, effects } = spec;
+        if let Some(&body) = self.by_name.get(&name) {
+            return Err(WorldError::DuplicateName { name, body });
+        }
+        let wish = Wish::of(&effects, || format!("body '{name}'"))?;
+        let pose = accepted_pose(pose)
+            .map_err(|source| WorldError::Pose { name: name.clone(), source })?;
+        let id = BodyId(self.inserted);
+        let Some(inserted) = self.inserted.checked_add(1) else {
+            return Err(WorldError::NoIdLeft { name });
+        };
+        let layers = layers.into_iter().collect();
+        let body = Body { name, model, pose, kind, layers, effects, wish };
+        let around = world_box(&body.model, &body.pose, self.growth(id, &body));
+        self.broad_phase
+            .insert(ProxyId(id.0), around, motion_of(kind))
+            .map_err(|source| WorldError::BroadPhase { name: body.name.clone(), source })?;
+        self.inserted = inserted;
+        self.by_name.insert(body.name.clone(), id);
+        self.bodies.insert(id, body);
+        Ok(id)
+    }
+
+    /// Takes a body out, with all that was said about its pairs. What it touched is told to have
+    /// ended at the next step.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`].
+    pub fn remove(&mut self, body: BodyId) -> Result<Body, WorldError> {
+        let name = self.known(body)?.name.clone();
+        self.broad_phase
+            .remove(ProxyId(body.0))
+            .map_err(|source| WorldError::BroadPhase { name: name.clone(), source })?;
+        let removed = self.bodies.remove(&body).ok_or(WorldError::UnknownBody { body })?;
+        self.by_name.remove(&name);
+        self.leaving.insert(body, name);
+        let others = |pair: &Pair| pair.0 != body && pair.1 != body;
+        self.excluded.retain(others);
+        self.supplied.retain(|pair, _| others(pair));
+        let freed: Vec<Pair> = self.pair_wishes.keys().copied().filter(|p| !others(p)).collect();
+        for (a, b) in freed {
+            self.pair_wishes.remove(&(a, b));
+            self.refresh_box(if a == body { b } else { a })?;
+        }
+        Ok(removed)
+    }
+
+    /// A body, if it is present.
+    #[must_use]
+    pub fn body(&self, body: BodyId) -> Option<&Body> {
+        self.bodies.get(&body)
+    }
+
+    /// All bodies, by id.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = (BodyId, &Body)> {
+        self.bodies.iter().map(|(&id, body)| (id, body))
+    }
+
+    /// Whose name it is.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<BodyId> {
+        self.by_name.get(name).copied()
+    }
+
+    /// A body's name. Bodies that were removed keep theirs until the step after the one that tells
+    /// their pairs' end, so that every event can be told by names.
+    #[must_use]
+    pub fn name(&self, body: BodyId) -> Option<&str> {
+        let present = self.bodies.get(&body).map(|b| &b.name);
+        let name = present.or_else(|| self.leaving.get(&body)).or_else(|| self.left.get(&body));
+        name.map(String::as_str)
+    }
+
+    /// Moves a body. A quaternion of unit length to rounding is kept to the bit, others are
+    /// normalised: [`Body::pose`] tells what queries read.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], or a [pose](WorldError::Pose) that is refused.
+    pub fn set_pose(&mut self, body: BodyId, pose: Pose) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        known.pose = accepted_pose(pose)
+            .map_err(|source| WorldError::Pose { name: known.name.clone(), source })?;
+        self.refresh_box(body)
+    }
+
+    fn known(&self, body: BodyId) -> Result<&Body, WorldError> {
+        self.bodies.get(&body).ok_or(WorldError::UnknownBody { body })
+    }
+
+    /// The pair in order of ids.
+    fn known_pair(&self, a: BodyId, b: BodyId) -> Result<Pair, WorldError> {
+        self.known(a)?;
+        self.known(b)?;
+        match a.cmp(&b) {
+            std::cmp::Ordering::Less => Ok((a, b)),
+            std::cmp::Ordering::Greater => Ok((b, a)),
+            std::cmp::Ordering::Equal => Err(WorldError::SameBody { body: a }),
+        }
+    }
+}
+
+/// Effects and demands.
+impl World {
+    /// Says what is asked about all bodies, in place of what was asked before.
+    ///
+    /// # Errors
+    ///
+    /// A [margin](WorldError::Margin) that is no length.
+    pub fn set_scene_effects(&mut self, effects: &[Effect]) -> Result<(), WorldError> {
+        self.scene = Wish::of(effects, || "the scene".to_owned())?;
+        let ids: Vec<BodyId> = self.bodies.keys().copied().collect();
+        ids.into_iter().try_for_each(|id| self.refresh_box(id))
+    }
+
+    /// Says what is asked about one body, in place of what was asked before.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], or a [margin](WorldError::Margin) that is no length.
+    pub fn set_effects(&mut self, body: BodyId, effects: &[Effect]) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        known.wish = Wish::of(effects, || format!("body '{}'", known.name))?;
+        known.effects = effects.to_vec();
+        self.refresh_box(body)
+    }
+
+    /// Says what is asked about one pair, in place of what was asked before.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`], or a [margin](WorldError::Margin) that
+    /// is no length.
+    pub fn set_pair_effects(
+        &mut self,
+        a: BodyId,
+        b: BodyId,
+        effects: &[Effect],
+    ) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        let names = (self.known(a)?.name(), self.known(b)?.name());
+        let wish = Wish::of(effects, || format!("the pair '{}' and '{}'", names.0, names.1))?;
+        self.pair_wishes.insert(pair, wish);
+        self.refresh_box(a)?;
+        self.refresh_box(b)
+    }
+
+    /// Says that a pair never meets, whatever is asked: links joined by a joint overlap by design.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn exclude_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        self.excluded.insert(pair);
+        Ok(())
+    }
+
+    /// Whether a pair may meet at all: its bodies share a layer, are not both fixed, and it is not
+    /// [excluded](Self::exclude_pair).
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn may_meet(&self, a: BodyId, b: BodyId) -> Result<bool, WorldError> {
+        let pair = self.known_pair(a, b)?;
+        Ok(!self.excluded.contains(&pair) && self.known(a)?.may_meet(self.known(b)?))
+    }
+
+    /// What is asked of the narrow phase about a pair: the join over the scene's, both bodies' and
+    /// the pair's effects; [`Demand::None`] where the pair [may not meet](Self::may_meet).
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn demand_of(&self, a: BodyId, b: BodyId) -> Result<Demand, WorldError> {
+        let pair = self.known_pair(a, b)?;
+        Ok(self.demand(pair, self.known(pair.0)?, self.known(pair.1)?))
+    }
+
+    fn demand(&self, pair: Pair, a: &Body, b: &Body) -> Demand {
+        if self.excluded.contains(&pair) || !a.may_meet(b) {
+            return Demand::None;
+        }
+        let of_pair = self.pair_wishes.get(&pair).map_or(Demand::None, |w| w.demand);
+        self.scene.demand.join(a.wish.demand).join(b.wish.demand).join(of_pair)
+    }
+
+    /// By how much a body's box is grown, so that boxes overlap wherever surfaces are no farther
+    /// apart than the pair's margin. What both bodies know of (the scene's margin, the pair's) they
+    /// share half and half; the body's own margin its partner does not know.
+    fn growth(&self, id: BodyId, body: &Body) -> f64 {
+        let of_pairs = self.pair_wishes.iter().filter(|((a, b), _)| *a == id || *b == id);
+        let shared = of_pairs.fold(self.scene.margin(), |m, (_, wish)| m.max(wish.margin()));
+        body.wish.margin().max(0.5 * shared)
+    }
+
+    fn refresh_box(&mut self, id: BodyId) -> Result<(), WorldError> {
+        let body = self.known(id)?;
+        let around = world_box(&body.model, &body.pose, self.growth(id, body));
+        let refused = self.broad_phase.set_box(ProxyId(id.0), around).err();
+        refused.map_or(Ok(()), |source| {
+            let name = self.name(id).unwrap_or_default().to_owned();
+            Err(WorldError::BroadPhase { name, source })
+        })
+    }
+}
+
+/// Steps.
+impl World {
+    /// Hands in an answer that somebody else found at the present poses (the solver's step, for
+    /// pairs with `Response`): the next step reports it and does not query the pair. `answer` tells
+    /// `a` as A and `b` as B. A second call for the same pair replaces the first.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn supply(&mut self, a: BodyId, b: BodyId, answer: Answer) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        let answer = if pair == (a, b) { answer } else { swapped(answer) };
+        self.supplied.insert(pair, answer);
+        Ok(())
+    }
+
+    /// Brings boxes and pairs up to date and answers, in the order of ids, every pair that has a
+    /// demand and whose boxes overlap.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::Query`] where the narrow phase refuses a pair. The step has then not happened:
+    /// the next one tells the difference to the last that did, and supplied answers are kept.
+    pub fn step(&mut self) -> Result<StepReport, WorldError> {
+        self.update_pairs();
+        let mut stats = StepStats {
+            boxes: self.bodies.len(),
+            candidate_pairs: self.broad_phase.pairs().len(),
+            supplied_pairs: self.supplied.len(),
+            broad_phase: self.broad_phase.counters(),
+            ..StepStats::default()
+        };
+        let mut answers = self.query_candidates()?;
+        stats.queried_pairs = answers.len();
+        let supplied = std::mem::take(&mut self.supplied);
+        answers.extend(supplied.into_iter().map(|((a, b), answer)| PairAnswer { a, b, answer }));
+        answers.sort_by_key(|pair| (pair.a, pair.b));
+        answers.iter().for_each(|pair| stats.add(pair));
+        let events = self.update_touching(&answers);
+        self.left = std::mem::take(&mut self.leaving);
+        let step = self.steps;
+        self.steps += 1;
+        Ok(StepReport { step, answers, events, stats })
+    }
+
+    /// How many steps were made: the number that the next one will carry.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The memory that is kept of pairs, as a count of pairs.
+    #[must_use]
+    pub fn remembered_pairs(&self) -> usize {
+        self.memories.len()
+    }
+
+    /// Updates the broad phase and forgets pairs whose boxes have parted.
+    fn update_pairs(&mut self) {
+        for event in self.broad_phase.update() {
+            if let OverlapEvent::Ended(a, b) = *event {
+                self.memories.remove(&(BodyId(a.0), BodyId(b.0)));
+            }
+        }
+    }
+
+    fn query_candidates(&mut self) -> Result<Vec<PairAnswer>, WorldError> {
+        let mut memories = std::mem::take(&mut self.memories);
+        let answers = self.query_with(&mut memories);
+        self.memories = memories;
+        answers
+    }
+
+    fn query_with(
+        &self,
+        memories: &mut BTreeMap<Pair, PairMemory>,
+    ) -> Result<Vec<PairAnswer>, WorldError> {
+        let mut answers = Vec::new();
+        for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
+            let pair @ (a, b) = (BodyId(a), BodyId(b));
+            let (body_a, body_b) = (self.known(a)?, self.known(b)?);
+            let demand = self.demand(pair, body_a, body_b);
+            if demand == Demand::None {
+                memories.remove(&pair);
+                continue;
+            }
+            if self.supplied.contains_key(&pair) {
+                continue;
+            }
+            let memory = memories.entry(pair).or_default();
+            let answer = query(body_a.placed(), body_b.placed(), &Query::of(demand), memory)
+                .map_err(|source| WorldError::Query {
+                    a: body_a.name.clone(),
+                    b: body_b.name.clone(),
+                    source,
+                })?;
+            answers.push(PairAnswer { a, b, answer });
+        }
+        Ok(answers)
+    }
+
+    /// Replaces the set of touching pairs and tells the difference.
+    fn update_touching(&mut self, answers: &[PairAnswer]) -> Vec<PairEvent> {
+        let asked = |a: &BodyId, b: &BodyId| match (self.bodies.get(a), self.bodies.get(b)) {
+            (Some(body_a), Some(body_b)) => self.demand((*a, *b), body_a, body_b) != Demand::None,
+            _ => false,
+        };
+        let touching: BTreeSet<Pair> = answers
+            .iter()
+            .filter(|pair| touches(&pair.answer) && asked(&pair.a, &pair.b))
+            .map(|pair| (pair.a, pair.b))
+            .collect();
+        let events = self
+            .touching
+            .symmetric_difference(&touching)
+            .map(|&(a, b)| {
+                let began = touching.contains(&(a, b));
+                let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };
+                PairEvent { a, b, kind }
+            })
+            .collect();
+        self.touching = touching;
+        events
+    }
+
+    /// Checks every invariant of the structure, those of the broad phase included. Quadratic in the
+    /// number of bodies: for tests.
+    ///
+    /// # Errors
+    ///
+    /// The first invariant that is broken. It would be a bug of this crate.
+    pub fn validate(&self) -> Result<(), WorldInvariantError> {
+        let unless = |holds: bool, what: &str| {
+            if holds { Ok(()) } else { Err(WorldInvariantError { what: what.to_owned() }) }
+        };
+        self.broad_phase
+            .validate()
+            .map_err(|error| WorldInvariantError { what: error.to_string() })?;
+        unless(self.broad_phase.len() == self.bodies.len(), "one box a body")?;
+        unless(self.by_name.len() == self.bodies.len(), "one name a body")?;
+        for (&id, body) in &self.bodies {
+            unless(id.0 < self.inserted, "ids count up")?;
+            unless(self.by_name.get(&body.name) == Some(&id), "names lead to their bodies")?;
+            let around = world_box(&body.model, &body.pose, self.growth(id, body));
+            unless(self.broad_phase.aabb(ProxyId(id.0)) == Some(around), "boxes follow poses")?;
+        }
+        let present =
+            |(a, b): &Pair| a < b && self.bodies.contains_key(a) && self.bodies.contains_key(b);
+        unless(self.pair_wishes.keys().all(present), "pair effects are of bodies present")?;
+        unless(self.excluded.iter().all(present), "excluded pairs are of bodies present")?;
+        unless(self.supplied.keys().all(present), "supplied answers are of bodies present")
+    }
+}
+
+fn motion_of(kind: BodyKind) -> Motion {
+    match kind {
+        BodyKind::Fixed => Motion::Stationary,
+        BodyKind::Kinematic | BodyKind::Dynamic => Motion::Moving,
+    }
+}

@@ -1,0 +1,358 @@
+//! What a world promises, seen from outside: lifetime, demands, events, order.
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, Surface, query};
+use cranny_shapes::{Cuboid, Torus};
+use cranny_world::description::{BodyKind, Effect};
+use cranny_world::{BodyId, BodySpec, PairEvent, PairEventKind, StepReport, World, WorldError};
+use proptest::prelude::*;
+
+fn model(mesh: Mesh) -> Model {
+    Model::build(mesh, &BuildOptions::default()).unwrap().0
+}
+
+fn unit_cube() -> Model {
+    model(Cuboid::default().build().unwrap())
+}
+
+fn at(x: f64) -> Pose {
+    Pose::at(DVec3::new(x, 0.0, 0.0))
+}
+
+fn cube(name: &str, x: f64) -> BodySpec {
+    BodySpec { pose: at(x), ..BodySpec::new(name, unit_cube()) }
+}
+
+/// A world of unit cubes named "0", "1", ... along x, under the scene's effects.
+fn row(effects: &[Effect], places: &[f64]) -> (World, Vec<BodyId>) {
+    let mut world = World::new();
+    world.set_scene_effects(effects).unwrap();
+    let ids = places
+        .iter()
+        .enumerate()
+        .map(|(i, &x)| world.insert(cube(&i.to_string(), x)).unwrap())
+        .collect();
+    (world, ids)
+}
+
+fn step(world: &mut World) -> StepReport {
+    let report = world.step().unwrap();
+    world.validate().unwrap();
+    report
+}
+
+fn began(a: BodyId, b: BodyId) -> PairEvent {
+    PairEvent { a, b, kind: PairEventKind::Began }
+}
+
+fn ended(a: BodyId, b: BodyId) -> PairEvent {
+    PairEvent { a, b, kind: PairEventKind::Ended }
+}
+
+fn answered(report: &StepReport) -> Vec<(u32, u32)> {
+    report.answers.iter().map(|p| (p.a.0, p.b.0)).collect()
+}
+
+#[test]
+fn a_pair_begins_rests_and_ends() {
+    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 5.0]);
+    let first = step(&mut world);
+    assert_eq!((first.step, first.events.len(), first.stats.candidate_pairs), (0, 0, 0));
+
+    world.set_pose(ids[1], at(1.0)).unwrap(); // face on face
+    let touch = step(&mut world);
+    assert_eq!(touch.events, [began(ids[0], ids[1])]);
+    assert_eq!(touch.answers[0].answer.surface, Surface::Touch);
+    assert!(!touch.answers[0].answer.solid);
+    assert_eq!(touch.stats.touching_pairs, 1);
+    assert_eq!(world.remembered_pairs(), 1);
+
+    world.set_pose(ids[1], at(0.5)).unwrap();
+    let rest = step(&mut world);
+    assert!(rest.events.is_empty() && rest.answers[0].answer.solid);
+
+    world.set_pose(ids[1], at(5.0)).unwrap();
+    let gone = step(&mut world);
+    assert_eq!(gone.events, [ended(ids[0], ids[1])]);
+    assert_eq!((gone.step, world.remembered_pairs(), gone.answers.len()), (3, 0, 0));
+}
+
+#[test]
+fn boxes_that_overlap_are_not_yet_bodies_that_touch() {
+    // Two tori side by side, one turned so that it stands in the other's hole without touching.
+    let ring = model(Torus::default().build().unwrap());
+    let small = model(Torus::default().build().unwrap().scaled(DVec3::splat(0.25)).unwrap());
+    let mut world = World::new();
+    world.set_scene_effects(&[Effect::Trigger]).unwrap();
+    world.insert(BodySpec::new("ring", ring)).unwrap();
+    world.insert(BodySpec::new("small", small)).unwrap();
+    let report = step(&mut world);
+    assert_eq!((report.stats.candidate_pairs, report.stats.queried_pairs), (1, 1));
+    assert!(report.events.is_empty());
+    assert_eq!(report.answers[0].answer.surface, Surface::None);
+    assert!(report.stats.counters.node_tests > 0);
+}
+
+#[test]
+fn removing_a_body_ends_what_it_touched_and_frees_its_name_only() {
+    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 0.75, 1.5]);
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1]), began(ids[1], ids[2])]);
+    world.set_pair_effects(ids[1], ids[2], &[Effect::Contacts { margin: 1.0 }]).unwrap();
+    world.exclude_pair(ids[0], ids[1]).unwrap();
+    let removed = world.remove(ids[1]).unwrap();
+    assert_eq!(removed.name(), "1");
+    assert_eq!(world.name(ids[1]), Some("1"), "told until its end was told");
+    let again = world.insert(cube("1", 0.75)).unwrap();
+    assert!(again > ids[2], "ids are never used again");
+    let report = step(&mut world);
+    let (first, last) = (ids[0], ids[2]);
+    assert_eq!(
+        report.events,
+        [ended(first, ids[1]), began(first, again), ended(ids[1], last), began(last, again)]
+    );
+    assert_eq!(world.name(ids[1]), Some("1"));
+    step(&mut world);
+    assert_eq!(world.name(ids[1]), None);
+    assert!(matches!(world.remove(ids[1]), Err(WorldError::UnknownBody { .. })));
+}
+
+#[test]
+fn demands_are_joined_over_scene_bodies_and_pair() {
+    let (mut world, ids) = row(&[], &[0.0, 1.0, 2.0]);
+    let demand = |w: &World, a: usize, b: usize| w.demand_of(ids[a], ids[b]).unwrap();
+    assert_eq!(demand(&world, 0, 1), Demand::None);
+    world.set_scene_effects(&[Effect::Trigger, Effect::Response]).unwrap();
+    assert_eq!(demand(&world, 0, 1), Demand::Intersects);
+    world.set_effects(ids[0], &[Effect::Contacts { margin: 0.1 }]).unwrap();
+    world.set_pair_effects(ids[2], ids[0], &[Effect::Contacts { margin: 0.3 }]).unwrap();
+    assert_eq!(demand(&world, 1, 0), Demand::Regions { margin: 0.1 });
+    assert_eq!(demand(&world, 0, 2), Demand::Regions { margin: 0.3 });
+    assert_eq!(demand(&world, 1, 2), Demand::Intersects);
+    world.exclude_pair(ids[2], ids[0]).unwrap();
+    assert_eq!(demand(&world, 0, 2), Demand::None);
+    world.set_effects(ids[0], &[]).unwrap();
+    world.set_scene_effects(&[Effect::Response]).unwrap();
+    assert_eq!(demand(&world, 0, 1), Demand::None, "the solver's step detects these");
+}
+
+#[test]
+fn a_pair_without_demand_is_never_looked_at() {
+    let (mut world, ids) = row(&[Effect::Response], &[0.0, 0.5]);
+    let report = step(&mut world);
+    assert_eq!((report.stats.candidate_pairs, report.stats.queried_pairs), (1, 0));
+    assert!(report.answers.is_empty() && report.events.is_empty());
+    assert_eq!(world.remembered_pairs(), 0);
+
+    world.set_effects(ids[0], &[Effect::Trigger]).unwrap();
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
+    world.set_effects(ids[0], &[]).unwrap();
+    let report = step(&mut world);
+    assert_eq!(report.events, [ended(ids[0], ids[1])], "began and ended alternate");
+    assert_eq!(world.remembered_pairs(), 0);
+}
+
+#[test]
+fn layers_kinds_and_exclusions_keep_bodies_apart() {
+    let mut world = World::new();
+    world.set_scene_effects(&[Effect::Trigger]).unwrap();
+    let mut put = |name: &str, kind, layers: &[&str]| {
+        let layers = layers.iter().map(|&l| l.to_owned()).collect();
+        world.insert(BodySpec { kind, layers, ..cube(name, 0.0) }).unwrap()
+    };
+    let floor = put("floor", BodyKind::Fixed, &["all", "ground"]);
+    let wall = put("wall", BodyKind::Fixed, &["all"]);
+    let ghost = put("ghost", BodyKind::Dynamic, &["ghosts", "ground"]);
+    let spirit = put("spirit", BodyKind::Kinematic, &["ghosts"]);
+    let nothing = put("nothing", BodyKind::Dynamic, &[]);
+    let ball = put("ball", BodyKind::Dynamic, &["all"]);
+    world.exclude_pair(ball, wall).unwrap();
+    assert!(!world.may_meet(floor, wall).unwrap() && !world.may_meet(nothing, ball).unwrap());
+    assert_eq!(
+        answered(&step(&mut world)),
+        [(floor.0, ghost.0), (floor.0, ball.0), (ghost.0, spirit.0)]
+    );
+}
+
+#[test]
+fn margins_reach_across_gaps_whoever_asks() {
+    let margin = 0.5;
+    let near = [Effect::Contacts { margin }];
+    type Ask<'a> = &'a dyn Fn(&mut World, &[BodyId]);
+    let ask: [Ask; 4] = [
+        &|w, _| w.set_scene_effects(&near).unwrap(),
+        &|w, ids| w.set_effects(ids[0], &near).unwrap(),
+        &|w, ids| w.set_effects(ids[1], &near).unwrap(),
+        &|w, ids| w.set_pair_effects(ids[1], ids[0], &near).unwrap(),
+    ];
+    for asking in ask {
+        // The gap is the margin, exactly: 1.5 - 1 = 0.5.
+        let (mut world, ids) = row(&[], &[0.0, 1.5]);
+        asking(&mut world, &ids);
+        let report = step(&mut world);
+        assert_eq!(report.stats.queried_pairs, 1);
+        assert!(report.events.is_empty(), "near is not touching");
+        world.set_pose(ids[1], at(1.25)).unwrap();
+        let report = step(&mut world);
+        let region = &report.answers[0].answer.regions[0];
+        assert!((region.deepest.separation - 0.25).abs() < 1e-12);
+        assert!(report.stats.contacts > 0 && report.stats.deepest.is_none());
+        world.set_pose(ids[1], at(2.5)).unwrap();
+        assert_eq!(step(&mut world).stats.candidate_pairs, 0);
+    }
+}
+
+#[test]
+fn the_deepest_overlap_is_told_with_its_pair() {
+    // Pegs of half the size, stuck into the +x face of a cube by 1/8 and by 1/4.
+    let peg = model(Cuboid { size: [0.5; 3] }.build().unwrap());
+    let (mut world, ids) = row(&[Effect::Contacts { margin: 0.0 }], &[0.0, 10.0]);
+    for (name, x) in [("shallow", 0.625), ("deep", 10.5)] {
+        world.insert(BodySpec { pose: at(x), ..BodySpec::new(name, peg.clone()) }).unwrap();
+    }
+    let report = step(&mut world);
+    let deepest = report.stats.deepest.unwrap();
+    assert_eq!((deepest.a, world.name(deepest.b)), (ids[1], Some("deep")));
+    // How exact a depth is belongs to the narrow phase; here only one of two must be picked.
+    assert!((deepest.depth - 0.25).abs() < 1e-6, "depth {}", deepest.depth);
+    assert_eq!((report.stats.touching_pairs, report.stats.boxes), (2, 4));
+}
+
+fn fresh(a: Pose, b: Pose, demand: Demand) -> Answer {
+    let cube = unit_cube();
+    let (a, b) = (Placed { model: &cube, pose: a }, Placed { model: &cube, pose: b });
+    query(a, b, &Query::of(demand), &mut PairMemory::default()).unwrap()
+}
+
+#[test]
+fn a_supplied_answer_is_told_once_and_not_queried() {
+    let (mut world, ids) = row(&[Effect::Response, Effect::Trigger], &[0.0, 0.75]);
+    let demand = Demand::Regions { margin: 0.0 };
+    // Told by the solver in its own order: the second body as A.
+    let answer = fresh(at(0.75), at(0.0), demand);
+    world.supply(ids[1], ids[0], answer.clone()).unwrap();
+    let report = step(&mut world);
+    assert_eq!((report.stats.supplied_pairs, report.stats.queried_pairs), (1, 0));
+    assert_eq!(report.events, [began(ids[0], ids[1])]);
+    let told = &report.answers[0];
+    assert_eq!((told.a, told.b), (ids[0], ids[1]));
+    let (own, theirs) = (&told.answer.regions[0], &answer.regions[0]);
+    assert_eq!(own.normal, -theirs.normal);
+    assert_eq!(own.deepest.point_a, theirs.deepest.point_b);
+    assert_eq!(own.deepest.id, (theirs.deepest.id.1, theirs.deepest.id.0));
+
+    // Not supplied this time: the demand is answered afresh.
+    let report = step(&mut world);
+    assert_eq!((report.stats.supplied_pairs, report.stats.queried_pairs), (0, 1));
+    assert!(report.events.is_empty());
+}
+
+#[test]
+fn a_response_alone_reports_answers_but_no_events() {
+    let (mut world, ids) = row(&[Effect::Response], &[0.0, 0.75]);
+    world
+        .supply(ids[0], ids[1], fresh(at(0.0), at(0.75), Demand::Regions { margin: 0.0 }))
+        .unwrap();
+    let report = step(&mut world);
+    assert_eq!(answered(&report), [(0, 1)]);
+    assert!(report.events.is_empty() && report.stats.contacts > 0);
+}
+
+#[test]
+fn bad_calls_are_named_and_change_nothing() {
+    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 0.5]);
+    let before = step(&mut world);
+    assert!(matches!(world.insert(cube("1", 9.0)), Err(WorldError::DuplicateName { .. })));
+    let bad_pose = BodySpec { pose: at(f64::NAN), ..cube("bad", 0.0) };
+    let message = world.insert(bad_pose).unwrap_err().to_string();
+    assert!(message.contains("'bad'") && message.contains("NaN"), "{message}");
+    assert!(matches!(world.set_pose(ids[0], at(f64::INFINITY)), Err(WorldError::Pose { .. })));
+    let zero = Pose { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), translation: DVec3::ZERO };
+    assert!(matches!(world.set_pose(ids[0], zero), Err(WorldError::Pose { .. })));
+    let negative = [Effect::Contacts { margin: -1.0 }];
+    assert!(matches!(world.set_effects(ids[0], &negative), Err(WorldError::Margin { .. })));
+    assert!(matches!(world.set_scene_effects(&negative), Err(WorldError::Margin { .. })));
+    assert!(matches!(
+        world.set_pair_effects(ids[0], ids[1], &negative),
+        Err(WorldError::Margin { .. })
+    ));
+    assert!(matches!(world.exclude_pair(ids[0], ids[0]), Err(WorldError::SameBody { .. })));
+    let stranger = BodyId(77);
+    assert!(matches!(world.demand_of(ids[0], stranger), Err(WorldError::UnknownBody { .. })));
+    assert!(matches!(world.set_pose(stranger, at(0.0)), Err(WorldError::UnknownBody { .. })));
+    let after = step(&mut world);
+    assert_eq!(after.answers, before.answers);
+    assert!(after.events.is_empty());
+}
+
+#[test]
+fn touching_bodies_are_found_far_from_the_origin() {
+    let turn = DQuat::from_xyzw(0.0, 0.0, 0.5f64.sqrt(), 0.5f64.sqrt());
+    for (k, exponent) in (0..40).map(|k| (k, 1.0 + f64::from(k))) {
+        // Powers of two: the gap of the origins, 1, is exact as far as 2^40.
+        let far = DVec3::new(-exponent.exp2(), 1.0, exponent.exp2());
+        let mut world = World::new();
+        world.set_scene_effects(&[Effect::Trigger]).unwrap();
+        for (name, offset) in [("a", 0.0), ("b", 1.0)] {
+            let pose = Pose { rotation: turn, translation: far + offset * DVec3::X };
+            world.insert(BodySpec { pose, ..cube(name, 0.0) }).unwrap();
+        }
+        assert_eq!(step(&mut world).events.len(), 1, "at 2^{k}");
+    }
+}
+
+/// Poses on a coarse grid: bodies touch, overlap and part often.
+fn scenes() -> impl Strategy<Value = Vec<Vec<(i32, i32)>>> {
+    prop::collection::vec(prop::collection::vec((-6..6i32, -6..6i32), 6), 1..6)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// The order of calls between steps is irrelevant, every pair is found, and events are the
+    /// difference of what touches.
+    #[test]
+    fn reports_are_a_function_of_poses(frames in scenes()) {
+        let effects = [Effect::Contacts { margin: 0.25 }];
+        let (mut forward, ids) = row(&effects, &[0.0; 6]);
+        let (mut backward, _) = row(&effects, &[0.0; 6]);
+        let mut touching = std::collections::BTreeSet::new();
+        for frame in frames {
+            let pose = |i: usize| {
+                let (x, y) = frame[i];
+                Pose::at(0.5 * DVec3::new(f64::from(x), f64::from(y), 0.0))
+            };
+            for &id in &ids {
+                forward.set_pose(id, pose(id.0 as usize)).unwrap();
+            }
+            for &id in ids.iter().rev() {
+                backward.set_pose(id, at(100.0)).unwrap();
+                backward.set_pose(id, pose(id.0 as usize)).unwrap();
+            }
+            let report = step(&mut forward);
+            let mut other = step(&mut backward);
+            other.stats.counters = report.stats.counters;
+            other.stats.broad_phase = report.stats.broad_phase;
+            for (x, y) in other.answers.iter_mut().zip(&report.answers) {
+                x.answer.counters = y.answer.counters;
+            }
+            prop_assert_eq!(&report, &other);
+
+            let mut now = std::collections::BTreeSet::new();
+            for (i, &a) in ids.iter().enumerate() {
+                for &b in &ids[i + 1..] {
+                    let alone = fresh(pose(a.0 as usize), pose(b.0 as usize), Demand::Intersects);
+                    if alone.solid || alone.surface.meets() {
+                        now.insert((a, b));
+                    }
+                }
+            }
+            let expected: Vec<PairEvent> = touching
+                .symmetric_difference(&now)
+                .map(|&(a, b)| if now.contains(&(a, b)) { began(a, b) } else { ended(a, b) })
+                .collect();
+            prop_assert_eq!(report.events, expected);
+            touching = now;
+        }
+    }
+}
