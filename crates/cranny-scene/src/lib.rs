@@ -29,6 +29,7 @@
 pub mod mesh_file;
 pub mod robot;
 pub mod scene_file;
+mod xml;
 
 pub use mesh_file::{
     DecodeError, MeshFile, MeshFileError, MeshFormat, decode_mesh, encode_obj, read_mesh,

@@ -432,6 +432,8 @@ fn collada_applies_unit_axis_and_nodes() {
         .unwrap()
         .replace("<node>", "<node id=\"n\">");
     assert!(refused(cycle.as_bytes(), MeshFormat::Collada).to_string().contains("nested deeper"));
+    let deep = format!("<COLLADA>{}", "<node>".repeat(100_000));
+    assert!(refused(deep.as_bytes(), MeshFormat::Collada).to_string().contains("nested deeper"));
     let error = refused(b"<COLLADA>\n<asset>\n<oops>\n</asset></COLLADA>", MeshFormat::Collada);
     assert_eq!(error.place, Place::Line(4), "{error}");
 }

@@ -14,6 +14,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::builder::Builder;
 use super::problem::{DecodeError, Place, Problem, excerpt};
 use super::{MeshFile, MeshFormat};
+use crate::xml::nested_beyond;
 use geometry::Geometry;
 use transform::Affine;
 
@@ -22,6 +23,9 @@ const FORMAT: MeshFormat = MeshFormat::Collada;
 /// Nodes nest at most so deep. Deeper, and a file whose nodes instance each other would never end;
 /// shallower, and exporters' bone chains are refused.
 const MAX_DEPTH: usize = 256;
+
+/// XML elements nest at most so deep: nodes, and what is in and around them.
+const MAX_NESTING: usize = MAX_DEPTH + 16;
 
 /// A file may show at most so many geometries. More, and instances of instances (a file of a few
 /// lines) would fill the memory; fewer, and large assemblies are refused.
@@ -44,6 +48,13 @@ pub(super) fn decode(bytes: &[u8], up_axis: UpAxis) -> Result<MeshFile, DecodeEr
         let problem = Problem::Malformed { found, expected: "XML in UTF-8".to_owned() };
         DecodeError { format: FORMAT, place: Place::Byte(at), problem }
     })?;
+    if let Some(at) = nested_beyond(text, MAX_NESTING) {
+        let problem = Problem::Malformed {
+            found: format!("elements nested deeper than {MAX_NESTING}"),
+            expected: "a flatter document".to_owned(),
+        };
+        return Err(DecodeError { format: FORMAT, place: Place::Byte(at), problem });
+    }
     let options = ParsingOptions { allow_dtd: false, nodes_limit: 1 << 26 };
     let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options)
         .map_err(|error| {

@@ -82,7 +82,7 @@ pub enum RobotError {
         /// Link that wants it.
         link: String,
         /// What is wrong with the mesh file.
-        source: MeshFileError,
+        source: Box<MeshFileError>,
     },
 }
 

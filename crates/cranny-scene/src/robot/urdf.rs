@@ -15,6 +15,7 @@ use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
 use super::{Robot, RobotError, RobotJoint, RobotLink, package};
 use crate::mesh_file::{UpAxis, read_mesh_with};
+use crate::xml::nested_beyond;
 
 /// XML elements nest at most so deep; URDF needs five. Deeper, and the recursive readers beneath
 /// could exhaust the stack.
@@ -63,6 +64,14 @@ pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
 
 /// Well-formed XML of sane depth: the URDF reader names no place, this check does.
 fn check_xml(path: &Path, text: &str) -> Result<(), RobotError> {
+    if let Some(at) = nested_beyond(text, MAX_DEPTH) {
+        let before = &text[..at];
+        let line = 1 + before.matches('\n').count() as u32;
+        let column = 1 + before.rsplit('\n').next().unwrap_or_default().chars().count() as u32;
+        let problem =
+            format!("elements are nested deeper than {MAX_DEPTH}: this is no URDF robot.");
+        return Err(RobotError::Xml { path: path.to_owned(), line, column, problem });
+    }
     let document = roxmltree::Document::parse(text).map_err(|error| {
         let advice = match &error {
             roxmltree::Error::UnknownNamespace(prefix, _) => format!(
@@ -73,19 +82,6 @@ fn check_xml(path: &Path, text: &str) -> Result<(), RobotError> {
         let at = error.pos();
         RobotError::Xml { path: path.to_owned(), line: at.row, column: at.col, problem: advice }
     })?;
-    for node in document.descendants() {
-        if node.ancestors().take(MAX_DEPTH + 1).count() > MAX_DEPTH {
-            let at = document.text_pos_at(node.range().start);
-            let problem =
-                format!("elements are nested deeper than {MAX_DEPTH}: this is no URDF robot.");
-            return Err(RobotError::Xml {
-                path: path.to_owned(),
-                line: at.row,
-                column: at.col,
-                problem,
-            });
-        }
-    }
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
         let at = document.text_pos_at(root.range().start);
@@ -205,9 +201,12 @@ impl Reader {
         let filed = match self.meshes.get(&path) {
             Some(mesh) => Arc::clone(mesh),
             None => {
-                let read = read_mesh_with(&path, UpAxis::AsFiled).map_err(|source| {
-                    RobotError::Mesh { path: self.path.clone(), link: link.to_owned(), source }
-                })?;
+                let read =
+                    read_mesh_with(&path, UpAxis::AsFiled).map_err(|source| RobotError::Mesh {
+                        path: self.path.clone(),
+                        link: link.to_owned(),
+                        source: Box::new(source),
+                    })?;
                 let mesh = Arc::new(read.mesh);
                 self.files.push(path.clone());
                 self.meshes.insert(path, Arc::clone(&mesh));

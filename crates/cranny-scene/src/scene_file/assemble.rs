@@ -193,12 +193,15 @@ impl Assembly<'_> {
     }
 
     fn mesh_file(&mut self, body: &str, name: &str, scale: DVec3) -> Result<Mesh, SceneError> {
-        let place = || self.source.find("path", name);
         let path = self.source.resolve(name);
         let read = read_mesh(&path).map_err(|source| {
-            self.source.error(place(), SceneProblem::Mesh { body: body.to_owned(), source })
+            let place = self.source.find("path", name);
+            self.source.error(place, SceneProblem::Mesh { body: body.to_owned(), source })
         })?;
-        let contradiction = |what| self.source.error(place(), SceneProblem::Contradiction(what));
+        let contradiction = |what| {
+            let place = self.source.find("name", body);
+            self.source.error(place, SceneProblem::Contradiction(what))
+        };
         if scale.x * scale.y * scale.z == 0.0 {
             let what = format!(
                 "body {body:?}: the scale {scale} flattens its mesh. Use factors other than 0"

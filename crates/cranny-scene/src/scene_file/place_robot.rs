@@ -231,9 +231,9 @@ impl Placing<'_> {
     }
 
     fn carries_nothing(&self, link: usize) -> bool {
-        let children = self.robot.joints.iter().filter(|joint| joint.parent == link);
+        let mut children = self.robot.joints.iter().filter(|joint| joint.parent == link);
         self.robot.links[link].collision.is_none()
-            && children.fold(true, |nothing, joint| nothing && self.carries_nothing(joint.child))
+            && children.all(|joint| self.carries_nothing(joint.child))
     }
 }
 

@@ -1,0 +1,131 @@
+//! Real meshes and robots, where `CRANNY_CORPUS` names their folder.
+#![allow(clippy::print_stderr)]
+
+use std::path::{Path, PathBuf};
+
+use cranny_exact::DVec3;
+use cranny_geometry::Mesh;
+use cranny_scene::{MeshFormat, RobotError, read_mesh, read_robot};
+use cranny_world::description::JointPositions;
+use serde_json::Value;
+
+fn corpus() -> Option<PathBuf> {
+    let folder = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("skipped: CRANNY_CORPUS not set");
+    }
+    folder
+}
+
+fn files_under(folder: &Path, accept: &dyn Fn(&Path) -> bool) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if accept(&path) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Faces with three different corner positions: what the corpus counts.
+fn proper_faces(mesh: &Mesh) -> usize {
+    let at = |i: u32| mesh.vertices()[i as usize];
+    let proper = |&&[a, b, c]: &&[u32; 3]| at(a) != at(b) && at(b) != at(c) && at(c) != at(a);
+    mesh.faces().iter().filter(proper).count()
+}
+
+#[test]
+fn every_mesh_of_the_corpus_loads() {
+    let Some(corpus) = corpus() else { return };
+    let meshes = files_under(&corpus, &|path| MeshFormat::of_path(path).is_some());
+    assert!(meshes.len() >= 59, "{}", meshes.len());
+    for path in meshes {
+        let read = read_mesh(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!read.mesh.faces().is_empty());
+    }
+}
+
+#[test]
+fn face_counts_are_those_of_the_expected_answers() {
+    let Some(corpus) = corpus() else { return };
+    let answers =
+        files_under(&corpus.join("expected"), &|path| path.extension() == Some("json".as_ref()));
+    assert_eq!(answers.len(), 6);
+    for path in answers {
+        let pair = json(&path);
+        for (file, side) in [("a", "A"), ("b", "B")] {
+            let name = pair[file].as_str().unwrap();
+            let mesh = read_mesh(&corpus.join(name)).unwrap().mesh;
+            assert_eq!(proper_faces(&mesh) as u64, pair[side]["tris"].as_u64().unwrap(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_staircase_stands_as_its_nodes_place_it() {
+    let Some(corpus) = corpus() else { return };
+    let read = read_mesh(&corpus.join("coal/staircases_koroibot_hr.dae")).unwrap();
+    // Metres, z up, as filed: nothing was turned or scaled.
+    assert!(read.notes.iter().all(|note| !note.contains("turned") && !note.contains("multiplied")));
+    let bounds = read.mesh.bounds();
+    let [low, high] = STAIRCASE.map(DVec3::from_array);
+    assert!((bounds.min - low).abs().max_element() < 1e-12, "{bounds:?}");
+    assert!((bounds.max - high).abs().max_element() < 1e-12, "{bounds:?}");
+}
+
+/// Least and greatest corner of the staircase: 69 instances under their node matrices, multiplied out
+/// by another program.
+const STAIRCASE: [[f64; 3]; 2] =
+    [[-2.2775, -0.3000000218557, 0.0], [2.75, 1.7000000218557, 1.25167506]];
+
+#[test]
+fn robots_load_with_the_links_and_pairs_expected() {
+    let Some(corpus) = corpus() else { return };
+    for name in ["panda", "go2"] {
+        let expected = json(&corpus.join(format!("robots/{name}.expected.json")));
+        let urdf = corpus
+            .join(format!("robots/example-robot-data/robots/{name}_description/urdf/{name}.urdf"));
+        let robot = read_robot(&urdf).unwrap();
+        let meshes = robot.links.iter().filter_map(|link| link.collision.as_ref());
+        let (links, triangles) =
+            meshes.fold((0, 0), |(n, t), mesh| (n + 1, t + mesh.faces().len()));
+        assert_eq!(links, expected["links_with_collision"].as_u64().unwrap());
+        assert_eq!(triangles as u64, expected["tris"].as_u64().unwrap(), "{name}");
+        let mut adjacent: Vec<[String; 2]> = robot
+            .adjacent_links()
+            .iter()
+            .map(|&(a, b)| {
+                let mut pair = [a, b].map(|i| robot.links[i].name.clone());
+                pair.sort();
+                pair
+            })
+            .collect();
+        adjacent.sort();
+        let named: Vec<[String; 2]> =
+            serde_json::from_value(expected["adjacent_excluded"].clone()).unwrap();
+        assert_eq!(adjacent, named);
+        for config in expected["configs"].as_array().unwrap() {
+            let positions: JointPositions = serde_json::from_value(config["q"].clone()).unwrap();
+            assert_eq!(robot.forward_kinematics(&positions).unwrap().len(), robot.links.len());
+        }
+    }
+}
+
+#[test]
+fn an_unbound_prefix_is_named_with_its_line() {
+    let Some(corpus) = corpus() else { return };
+    let error = read_robot(&corpus.join("ur5e/ur5e_airo.urdf")).unwrap_err();
+    assert!(matches!(error, RobotError::Xml { line: 166, .. }), "{error}");
+    assert!(error.to_string().contains("prefix \"drake\" is used but never bound"), "{error}");
+}

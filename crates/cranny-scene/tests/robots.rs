@@ -1,0 +1,353 @@
+//! URDF robots: what is read, what is refused, and what becomes of them in a scene.
+
+use std::path::PathBuf;
+
+use cranny_exact::DVec3;
+use cranny_scene::robot::PositionError;
+use cranny_scene::{LoadOptions, Robot, RobotError, SceneError, parse_scene, read_robot};
+use cranny_world::description::{BodyKind, JointKind, JointPositions, SceneDescription};
+
+/// A tetrahedron, beside the URDF as `m.OBJ`.
+const MESH: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+struct Files {
+    folder: tempfile::TempDir,
+}
+
+impl Files {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(folder.path().join("pkg/urdf")).unwrap();
+        std::fs::write(folder.path().join("pkg/m.OBJ"), MESH).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("pkg/urdf/r.urdf")
+    }
+
+    fn read(&self, urdf: &str) -> Result<Robot, RobotError> {
+        std::fs::write(self.path(), urdf).unwrap();
+        read_robot(&self.path())
+    }
+
+    fn scene(&self, urdf: &str, robot: &str) -> Result<SceneDescription, SceneError> {
+        std::fs::write(self.path(), urdf).unwrap();
+        let text = format!("(robots: [(path: \"pkg/urdf/r.urdf\", name: \"r\", {robot})])");
+        let at = self.folder.path().join("s.ron");
+        parse_scene(text, &at, &LoadOptions::default()).map(|loaded| loaded.description)
+    }
+}
+
+const BOX: &str = "<collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision>";
+
+fn urdf(body: &str) -> String {
+    format!("<?xml version=\"1.0\"?>\n<robot name=\"arm\">\n{body}\n</robot>\n")
+}
+
+fn joint(name: &str, kind: &str, parent: &str, child: &str, rest: &str) -> String {
+    format!(
+        "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{rest}</joint>"
+    )
+}
+
+/// root —(turn)— a —(slide)— b, and b's twin c that follows.
+fn arm() -> String {
+    urdf(&format!(
+        "<link name=\"root\">{BOX}</link><link name=\"a\">{BOX}<inertial><mass value=\"3\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><link name=\"b\">{BOX}</link><link name=\"c\">{BOX}</link>{}{}{}",
+        joint(
+            "turn",
+            "revolute",
+            "root",
+            "a",
+            "<origin xyz=\"0 0 1\"/><axis xyz=\"0 0 2\"/><limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/>"
+        ),
+        joint(
+            "slide",
+            "prismatic",
+            "a",
+            "b",
+            "<origin xyz=\"1 0 0\"/><axis xyz=\"1 0 0\"/><limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>"
+        ),
+        joint(
+            "follow",
+            "continuous",
+            "a",
+            "c",
+            "<axis xyz=\"0 0 1\"/><mimic joint=\"turn\" multiplier=\"-2\" offset=\"0.5\"/>"
+        ),
+    ))
+}
+
+fn positions(list: &[(&str, f64)]) -> JointPositions {
+    list.iter().map(|&(name, value)| (name.to_owned(), value)).collect()
+}
+
+#[test]
+fn forward_kinematics_turns_slides_and_follows() {
+    let robot = Files::new().read(&arm()).unwrap();
+    assert_eq!((robot.name.as_str(), robot.links.len(), robot.root), ("arm", 4, 0));
+    assert_eq!(robot.links[1].mass, Some(3.0));
+    assert_eq!(robot.links[2].mass, None);
+    assert_eq!(robot.adjacent_links(), [(0, 1), (1, 2), (1, 3)]);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let poses = robot.forward_kinematics(&positions(&[("turn", quarter), ("slide", 0.5)])).unwrap();
+    let at = |link: usize, p: DVec3| poses[link].world_from_body().apply(p);
+    assert!((at(1, DVec3::X) - DVec3::new(0.0, 1.0, 1.0)).length() < 1e-15);
+    assert!((at(2, DVec3::ZERO) - DVec3::new(0.0, 1.5, 1.0)).length() < 1e-15);
+    // c: quarter + (0.5 - 2 quarter) = 0.5 - quarter.
+    let angle: f64 = 0.5 - quarter;
+    assert!((at(3, DVec3::X) - DVec3::new(angle.cos(), angle.sin(), 1.0)).length() < 1e-15);
+    let refused = |list| robot.forward_kinematics(&positions(list)).unwrap_err();
+    assert!(
+        matches!(refused(&[("spin", 0.0)]), PositionError::UnknownJoint { movable, .. } if movable == "turn, slide")
+    );
+    assert!(matches!(refused(&[("follow", 0.0)]), PositionError::NotFree { .. }));
+    assert!(matches!(refused(&[("turn", f64::NAN)]), PositionError::NotFinite { .. }));
+}
+
+#[test]
+fn roll_pitch_yaw_turns_about_fixed_axes() {
+    let text = urdf(&format!(
+        "<link name=\"a\">{BOX}</link><link name=\"b\">{BOX}</link>{}",
+        joint("j", "fixed", "a", "b", "<origin xyz=\"1 2 3\" rpy=\"0.3 -0.4 0.5\"/>")
+    ));
+    let robot = Files::new().read(&text).unwrap();
+    let b = robot.forward_kinematics(&JointPositions::new()).unwrap()[1].world_from_body();
+    let (sr, cr) = 0.3f64.sin_cos();
+    let (sp, cp) = (-0.4f64).sin_cos();
+    let (sy, cy) = 0.5f64.sin_cos();
+    // Rz(yaw) · Ry(pitch) · Rx(roll), written out.
+    let rows = [
+        DVec3::new(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        DVec3::new(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        DVec3::new(-sp, cp * sr, cp * cr),
+    ];
+    let p = DVec3::new(0.7, -1.1, 0.4);
+    let expected = DVec3::new(1.0, 2.0, 3.0) + DVec3::from_array(rows.map(|row| row.dot(p)));
+    assert!((b.apply(p) - expected).length() < 1e-15);
+}
+
+#[test]
+fn collision_elements_are_joined_and_mirrored_meshes_turned() {
+    let text = urdf(
+        "<link name=\"a\"><collision><origin xyz=\"5 0 0\"/><geometry><sphere radius=\"0.5\"/></geometry></collision>\
+         <collision><geometry><mesh filename=\"package://pkg/m.OBJ\" scale=\"-1 1 2\"/></geometry></collision>\
+         <collision><geometry><cylinder radius=\"1\" length=\"2\"/></geometry></collision>\
+         <collision><geometry><capsule radius=\"1\" length=\"2\"/></geometry></collision>\
+         <visual><geometry><mesh filename=\"package://pkg/none.dae\"/></geometry></visual>\
+         <visual><geometry><box size=\"1 1 1\"/></geometry></visual></link>",
+    );
+    let files = Files::new();
+    let robot = files.read(&text).unwrap();
+    let mesh = robot.links[0].collision.as_ref().unwrap();
+    let sphere = 2 * 32 * 15;
+    assert_eq!(mesh.faces().len(), sphere + 4 + 128 + 2 * 32 * 16);
+    let filed = mesh.faces()[sphere].map(|i| mesh.vertices()[i as usize]);
+    // Face 1 3 2 of the file, mirrored in x, stretched in z, turned.
+    assert_eq!(filed, [DVec3::ZERO, DVec3::NEG_X, DVec3::Y]);
+    assert_eq!(robot.links[0].visual.as_ref().unwrap().faces().len(), 12);
+    assert!(robot.notes.len() == 1 && robot.notes[0].contains("none.dae"), "{:?}", robot.notes);
+    assert_eq!(robot.files.len(), 2);
+    let upper = text.replace("package://pkg/m.OBJ", "../m.OBJ");
+    assert_eq!(files.read(&upper).unwrap().links[0].collision, robot.links[0].collision);
+}
+
+#[test]
+fn broken_robots_say_what_is_wrong() {
+    let files = Files::new();
+    let links = format!("<link name=\"a\">{BOX}</link><link name=\"b\">{BOX}</link>");
+    let cases = [
+        (String::new(), "XML"),
+        ("<robot name=\"x\">".to_owned(), "line 1"),
+        ("<scene/>".to_owned(), "expected 'robot'"),
+        (
+            urdf("<link name=\"a\" foo:x=\"1\"/>"),
+            "line 3, column 16: the prefix \"foo\" is used but never bound",
+        ),
+        (urdf(""), "no links"),
+        (urdf("<link/>"), "not a URDF robot"),
+        (urdf("<link name=\"a\"/><link name=\"a\"/>"), "two of them have this name"),
+        (urdf(&links), "2 links without parent (a, b)"),
+        (urdf(&format!("{links}{}", joint("j", "fixed", "a", "z", ""))), "names the link \"z\""),
+        (
+            urdf(&format!("{links}{}", joint("j", "floating", "a", "b", ""))),
+            "joint \"j\": its type Floating is not supported",
+        ),
+        (urdf(&format!("{links}{}", joint("j", "bendy", "a", "b", ""))), "not a URDF robot"),
+        (
+            urdf(&format!(
+                "{links}{}{}",
+                joint("j", "fixed", "a", "b", ""),
+                joint("k", "fixed", "a", "b", "")
+            )),
+            "child of joint \"j\" and of joint \"k\"",
+        ),
+        (
+            urdf(&format!(
+                "{links}{}{}",
+                joint("j", "fixed", "a", "b", ""),
+                joint("k", "fixed", "b", "a", "")
+            )),
+            "form a cycle",
+        ),
+        (
+            urdf(&format!(
+                "{links}{}",
+                joint("j", "continuous", "a", "b", "<axis xyz=\"0 0 0\"/>")
+            )),
+            "has no direction",
+        ),
+        (
+            urdf(&format!("{links}{}", joint("j", "continuous", "a", "b", "<mimic joint=\"q\"/>"))),
+            "follows joint \"q\", which is not in the file",
+        ),
+        (
+            urdf(&format!("{links}{}", joint("j", "continuous", "a", "b", "<mimic joint=\"j\"/>"))),
+            "which follows another joint itself",
+        ),
+        (
+            urdf(&format!(
+                "{links}{}",
+                joint(
+                    "j",
+                    "revolute",
+                    "a",
+                    "b",
+                    "<limit lower=\"1\" upper=\"0\" effort=\"1\" velocity=\"1\"/>"
+                )
+            )),
+            "lower limit 1 is not below",
+        ),
+        (
+            urdf(&format!("{links}{}", joint("j", "fixed", "a", "b", "<origin xyz=\"0 nan 0\"/>"))),
+            "coordinate y is NaN",
+        ),
+        (
+            urdf(
+                "<link name=\"a\"><collision><geometry><mesh filename=\"package://pkg/x.stl\"/></geometry></collision></link>",
+            ),
+            "\"package://pkg/x.stl\" was not found. Looked for",
+        ),
+        (
+            urdf(
+                "<link name=\"a\"><collision><geometry><mesh filename=\"../m.OBJ\" scale=\"0 1 1\"/></geometry></collision></link>",
+            ),
+            "flattens it",
+        ),
+        (
+            urdf(
+                "<link name=\"a\"><collision><geometry><sphere radius=\"-1\"/></geometry></collision></link>",
+            ),
+            "radius is -1",
+        ),
+        (
+            urdf(
+                "<link name=\"a\"><collision><geometry><cylinder radius=\"0\" length=\"1\"/></geometry></collision></link>",
+            ),
+            "greater than 0",
+        ),
+    ];
+    for (text, says) in cases {
+        let error = files.read(&text).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("r.urdf"), "{says}: {error}");
+    }
+    std::fs::write(files.folder.path().join("pkg/bad.stl"), [0; 100]).unwrap();
+    let text = urdf(
+        "<link name=\"a\"><collision><geometry><mesh filename=\"../bad.stl\"/></geometry></collision></link>",
+    );
+    let error = files.read(&text).unwrap_err();
+    assert!(matches!(error, RobotError::Mesh { .. }));
+    assert!(matches!(
+        read_robot(&files.folder.path().join("none.urdf")),
+        Err(RobotError::Unreadable { .. })
+    ));
+}
+
+#[test]
+fn no_prefix_of_a_robot_panics() {
+    let files = Files::new();
+    let text = arm();
+    for length in 0..text.trim_end().len() {
+        assert!(files.read(&text[..length]).is_err(), "{length}");
+    }
+    let deep =
+        format!("<robot name=\"x\">{}{}</robot>", "<a>".repeat(100_000), "</a>".repeat(100_000));
+    assert!(files.read(&deep).unwrap_err().to_string().contains("nested deeper"));
+}
+
+#[test]
+fn robots_become_bodies_and_joints() {
+    let files = Files::new();
+    let robot = "pose: (at: (0, 0, 5)), positions: {\"turn\": 0.5}, targets: {\"slide\": 0.25}";
+    let scene = files.scene(&arm(), robot).unwrap();
+    let names: Vec<_> = scene.bodies.iter().map(|body| (body.name.as_str(), body.kind)).collect();
+    use BodyKind::{Dynamic, Fixed};
+    assert_eq!(names, [("r/root", Fixed), ("r/a", Dynamic), ("r/b", Dynamic), ("r/c", Dynamic)]);
+    assert_eq!(scene.bodies[0].pose.translation, DVec3::new(0.0, 0.0, 5.0));
+    assert_eq!(scene.bodies[1].pose.translation, DVec3::new(0.0, 0.0, 6.0));
+    assert!((scene.bodies[1].material.density - 3.0 / 0.001).abs() < 1e-6);
+    assert_eq!(scene.bodies[2].material.density, 1.0);
+    assert_eq!(scene.excluded_pairs, [(0, 1), (1, 2), (1, 3)]);
+    let joints: Vec<_> =
+        scene.joints.iter().map(|j| (j.name.as_str(), j.parent, j.child, j.target)).collect();
+    assert_eq!(
+        joints,
+        [("r/turn", 0, 1, Some(0.5)), ("r/slide", 1, 2, Some(0.25)), ("r/follow", 1, 3, None)]
+    );
+    assert_eq!(scene.joints[2].mimic.as_ref().unwrap().joint, "r/turn");
+    // Body poses agree with the joints' anchors at the starting positions.
+    let j = &scene.joints[0];
+    let joint = scene.bodies[j.parent].pose.compose(&j.parent_anchor);
+    assert_eq!(joint.translation, scene.bodies[j.child].pose.compose(&j.child_anchor).translation);
+    let free = files.scene(&arm(), "fixed_base: false, hold: false").unwrap();
+    assert_eq!(free.bodies[0].kind, Dynamic);
+    assert!(free.joints.iter().all(|joint| joint.target.is_none()));
+}
+
+#[test]
+fn links_without_geometry_are_carried() {
+    let text = urdf(&format!(
+        "<link name=\"world\"/><link name=\"base\">{BOX}</link><link name=\"frame\"/><link name=\"tool\">{BOX}</link><link name=\"tip\"/><link name=\"cam\">{BOX}</link>{}{}{}{}{}",
+        joint("j0", "fixed", "world", "base", "<origin xyz=\"0 0 1\"/>"),
+        joint("j1", "fixed", "base", "frame", "<origin xyz=\"1 0 0\"/>"),
+        joint("j2", "continuous", "frame", "tool", "<origin xyz=\"0 1 0\"/>"),
+        joint("j3", "continuous", "tool", "tip", ""),
+        joint("j4", "fixed", "frame", "cam", "<origin xyz=\"0 2 0\"/>"),
+    ));
+    let files = Files::new();
+    let scene = files.scene(&text, "").unwrap();
+    let bodies: Vec<_> = scene.bodies.iter().map(|body| (body.name.as_str(), body.kind)).collect();
+    use BodyKind::{Dynamic, Fixed};
+    assert_eq!(bodies, [("r/base", Fixed), ("r/tool", Dynamic), ("r/cam", Fixed)]);
+    assert_eq!(scene.joints.len(), 2);
+    assert_eq!(scene.joints[0].parent_anchor.translation, DVec3::new(1.0, 1.0, 0.0));
+    assert_eq!(scene.joints[1].kind, JointKind::Fixed);
+    assert_eq!(scene.excluded_pairs, [(0, 1), (0, 2)]);
+    let lost = urdf(&format!(
+        "<link name=\"a\">{BOX}</link><link name=\"b\"/><link name=\"c\">{BOX}</link>{}{}",
+        joint("j1", "continuous", "a", "b", ""),
+        joint("j2", "continuous", "b", "c", ""),
+    ));
+    let error = files.scene(&lost, "").unwrap_err().to_string();
+    assert!(error.contains("link \"b\" has no collision geometry"), "{error}");
+    let bare = files.scene(&urdf("<link name=\"a\"/>"), "").unwrap_err().to_string();
+    assert!(bare.contains("none of its links"), "{bare}");
+}
+
+#[test]
+fn wrong_positions_are_placed_in_the_scene() {
+    let files = Files::new();
+    for (robot, says) in [
+        (
+            "positions: {\"turn\": 2.5}",
+            "position 2.5 of joint \"turn\" is outside its limits, -2 to 2",
+        ),
+        ("targets: {\"slide\": -1}", "target -1 of joint \"slide\""),
+        ("positions: {\"bend\": 0}", "no joint \"bend\"; its movable joints are turn, slide"),
+        ("positions: {\"follow\": 0}", "follows joint"),
+    ] {
+        let error = files.scene(&arm(), robot).unwrap_err().to_string();
+        assert!(error.contains(says) && error.contains("line 1, column 43"), "{error}");
+    }
+}

@@ -1,0 +1,271 @@
+//! What scene files may say, and what they are told when they say something else.
+
+use std::path::Path;
+
+use cranny_exact::{DVec3, Pose};
+use cranny_scene::scene_file::SceneProblem;
+use cranny_scene::{
+    LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
+};
+use cranny_world::description::{BodyKind, CameraView, Effect, JointKind, Material};
+use miette::Diagnostic;
+
+fn parse(text: &str) -> Result<LoadedScene, SceneError> {
+    parse_scene(text.to_owned(), Path::new("test.ron"), &LoadOptions::default())
+}
+
+/// Everything that the format has, in one scene.
+const FULL: &str = r#"(version: 1, gravity: (0, 0, -1), step: 0.01, duration: 2, seed: 3,
+ bodies: [(name: "nut", shape: Generator(Torus(major_radius: 2)), kind: Dynamic,
+           pose: (at: (0, 0, 20), rotation: (0, 0, 0.6, 0.8)), velocity: (linear: (1, 0, 0), angular: (0, 0, 6.25)),
+           material: (density: 2, friction: 0, restitution: 1), layers: ["a", "b"], effects: [Trigger()]),
+          (name: "mug", shape: Generator(Cup()), visual: Generator(Cuboid()), kind: Fixed),
+          (name: "arm", shape: Generator(Cuboid(size: (1, 2, 3))), kind: Kinematic)],
+ groups: [Pile(name: "p", count: 3, region: (min: (10, 10, 10), max: (20, 20, 20)), shapes: [Generator(LPrism())])],
+ robots: [],
+ joints: [(name: "j", parent: "mug", child: "nut", kind: Revolute(axis: (0, 0, 2), limits: (-1, 1)), target: 0.5)],
+ effects: [Response(), Contacts(margin: 0.05)],
+ pairs: [(a: "mug", b: "nut", effects: [Contacts()])],
+ cameras: [(name: "main", preset: Top), (name: "own", look_at: (eye: (1, 2, 3), target: (0, 0, 0)))],
+ record: (every: 5))"#;
+
+#[test]
+fn everything_in_a_scene_arrives() {
+    let loaded = parse(FULL).unwrap();
+    assert_eq!((loaded.source_text.as_str(), loaded.path.as_path()), (FULL, Path::new("test.ron")));
+    let scene = loaded.description;
+    assert_eq!(
+        (scene.name.as_str(), scene.step, scene.duration, scene.seed),
+        ("test", 0.01, 2.0, 3)
+    );
+    assert_eq!(scene.gravity, -DVec3::Z);
+    let nut = &scene.bodies[0];
+    assert_eq!(nut.pose.translation, DVec3::new(0.0, 0.0, 20.0));
+    assert!((nut.pose.rotation.z - 0.6).abs() < 1e-15);
+    assert_eq!((nut.linear_velocity, nut.angular_velocity), (DVec3::X, DVec3::Z * 6.25));
+    assert_eq!(nut.material, Material { density: 2.0, friction: 0.0, restitution: 1.0 });
+    assert_eq!(
+        (nut.layers.as_slice(), nut.effects.as_slice()),
+        (&["a".to_owned(), "b".to_owned()][..], &[Effect::Trigger][..])
+    );
+    let mug = &scene.bodies[1];
+    assert_eq!(
+        (mug.kind, mug.pose, mug.material),
+        (BodyKind::Fixed, Pose::IDENTITY, Material::default())
+    );
+    assert_eq!(mug.visual.as_ref().unwrap().faces().len(), 12);
+    assert_eq!((mug.layers.as_slice(), mug.effects.len()), (&["all".to_owned()][..], 0));
+    assert_eq!(scene.bodies[2].collision.bounds().max, DVec3::new(0.5, 1.0, 1.5));
+    assert_eq!((scene.bodies.len(), scene.bodies[5].name.as_str()), (6, "p_2"));
+    assert!(std::sync::Arc::ptr_eq(&scene.bodies[3].collision, &scene.bodies[4].collision));
+    let joint = &scene.joints[0];
+    assert_eq!((joint.parent, joint.child, joint.target), (1, 0, Some(0.5)));
+    assert_eq!(joint.kind, JointKind::Revolute { axis: DVec3::Z, limits: Some([-1.0, 1.0]) });
+    assert_eq!(scene.excluded_pairs, [(0, 1)]);
+    assert_eq!(scene.effects, [Effect::Response, Effect::Contacts { margin: 0.05 }]);
+    assert_eq!(scene.pairs[0].effects, [Effect::Contacts { margin: 0.0 }]);
+    assert_eq!(scene.cameras[0].view, CameraView::Top);
+    assert!(
+        matches!(scene.cameras[1].view, CameraView::LookAt { eye, .. } if eye == DVec3::new(1.0, 2.0, 3.0))
+    );
+    assert_eq!(scene.record.every, 5);
+}
+
+#[test]
+fn an_empty_scene_has_defaults_and_the_seed_can_be_replaced() {
+    let scene = parse("()").unwrap().description;
+    assert_eq!((scene.bodies.len(), scene.record.every), (0, 1));
+    assert_eq!(
+        (scene.gravity, scene.step, scene.duration),
+        (DVec3::new(0.0, 0.0, -9.81), 1.0 / 240.0, 5.0)
+    );
+    let poses = |options: &LoadOptions| {
+        let loaded = parse_scene(FULL.to_owned(), Path::new("x.ron"), options).unwrap();
+        loaded.description.bodies.iter().map(|body| body.pose.bits()).collect::<Vec<_>>()
+    };
+    assert_eq!(poses(&LoadOptions::default()), poses(&LoadOptions { seed: Some(3) }));
+    assert_ne!(poses(&LoadOptions::default()), poses(&LoadOptions { seed: Some(4) }));
+}
+
+#[test]
+fn meshes_are_found_beside_the_scene_and_shared() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("meshes")).unwrap();
+    std::fs::write(
+        folder.path().join("meshes/t.OBJ"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2 4\n",
+    )
+    .unwrap();
+    let path = folder.path().join("s.ron");
+    let text = r#"(bodies: [(name: "a", shape: Mesh(path: "meshes/t.OBJ")), (name: "b", shape: Mesh(path: "meshes/t.OBJ")),
+        (name: "c", shape: Mesh(path: "meshes/t.OBJ", scale: (1, 1, -2)))])"#;
+    std::fs::write(&path, text).unwrap();
+    let loaded = load_scene(&path).unwrap();
+    let bodies = &loaded.description.bodies;
+    assert!(std::sync::Arc::ptr_eq(&bodies[0].collision, &bodies[1].collision));
+    assert_eq!(bodies[2].collision.vertices()[3], DVec3::new(0.0, 0.0, -2.0));
+    assert_eq!(bodies[2].collision.faces()[0], [0, 1, 2], "mirrored faces are turned");
+    assert_eq!(loaded.files, [folder.path().join("meshes/t.OBJ")]);
+    assert!(loaded.notes[0].contains("1 polygons"), "{:?}", loaded.notes);
+    std::fs::write(&path, text.replace("1, 1, -2", "1, 0, 1")).unwrap();
+    assert!(load_scene(&path).unwrap_err().to_string().contains("line 2, column 16"));
+    std::fs::write(&path, text.replace("meshes/t.OBJ\", scale", "meshes/u.OBJ\", scale")).unwrap();
+    let missing = load_scene(&path).unwrap_err().to_string();
+    assert!(missing.contains("line 2, column 39") && missing.contains("u.OBJ"), "{missing}");
+    let none = load_scene_with(&folder.path().join("none.ron"), &LoadOptions::default());
+    assert!(matches!(none, Err(SceneError::Unreadable { .. })));
+}
+
+/// Text of a scene with a change, and the error that it must give.
+fn refused(from: &str, to: &str) -> SceneError {
+    assert!(FULL.contains(from), "{from}");
+    match parse(&FULL.replacen(from, to, 1)) {
+        Ok(_) => panic!("{to} was accepted"),
+        Err(error) => error,
+    }
+}
+
+#[test]
+fn errors_name_line_column_and_what_was_expected() {
+    let cases = [
+        ("gravity:", "gravitation:", "line 1, column 14", "Unexpected field named `gravitation`"),
+        ("version: 1", "version: 2", "line 1, column", "expected version 1, found version 2"),
+        (
+            "step: 0.01",
+            "step: 0",
+            "line 1, column",
+            "expected a finite number greater than 0, found 0",
+        ),
+        ("step: 0.01", "step: \"x\"", "line 1, column", "Expected f"),
+        ("duration: 2", "duration: -2", "line 1, column", "at least 0, found -2"),
+        (
+            "0, 0, 0.6, 0.8",
+            "0, 0, 0.6, 0.9",
+            "line 3, column",
+            "rotation quaternion has length 1.08",
+        ),
+        ("density: 2", "density: -2", "line 4, column", "greater than 0, found -2"),
+        ("restitution: 1", "restitution: 1.5", "line 4, column", "from 0 to 1, found 1.5"),
+        ("at: (0, 0, 20)", "at: (0, NaN, 20)", "line 3, column", "coordinate y is NaN"),
+        ("kind: Fixed", "kind: Static", "line 5, column", "Unexpected variant named `Static`"),
+        ("Cup()", "Mug()", "line 5, column", "Unexpected variant named `Mug`"),
+        ("Cup()", "Cup(handle: 1)", "line 5, column", "Unexpected field named `handle`"),
+        ("Trigger()", "Trigger(margin: 1)", "line 4, column", "unexpected parameter margin"),
+        (
+            "Contacts(margin: 0.05)",
+            "Contacts(marge: 0.05)",
+            "line 10, column",
+            "Unexpected field named `marge` in `Contacts`",
+        ),
+        (
+            "Contacts(margin: 0.05)",
+            "Contacts(margin: -1)",
+            "line 10, column",
+            "at least 0, found -1",
+        ),
+        ("axis: (0, 0, 2)", "axis: (0, 0, 0)", "line 9, column", "an axis must have a length"),
+        ("every: 5", "every: 0", "line 13, column", "at least 1, found 0"),
+    ];
+    for (from, to, place, says) in cases {
+        let error = refused(from, to);
+        let text = error.to_string();
+        assert!(text.starts_with("scene file test.ron, "), "{text}");
+        assert!(text.contains(place) && text.contains(says), "{to}: {text}");
+        assert_eq!(error.labels().unwrap().count(), 1);
+    }
+}
+
+#[test]
+fn unknown_and_unavailable_effects_are_told_apart() {
+    for name in [
+        "Proximity",
+        "Penetration",
+        "Continuous",
+        "Deformation",
+        "ForceFeedback",
+        "Sound",
+        "Friction",
+        "Restitution",
+        "Joints",
+    ] {
+        let text = refused("[Trigger()]", &format!("[{name}(depth: 3)]")).to_string();
+        let says = format!("effect {name} is known but not available in this version");
+        assert!(text.contains(&says) && text.contains("line 4"), "{text}");
+    }
+    let recording = refused("[Trigger()]", "[Recording()]").to_string();
+    assert!(recording.contains("`record`") && recording.contains("--record"), "{recording}");
+    let unknown = refused("[Trigger()]", "[Triger()]").to_string();
+    assert!(
+        unknown.contains("unknown effect Triger")
+            && unknown.contains("Trigger, Contacts, Response")
+    );
+}
+
+#[test]
+fn what_only_shows_in_the_whole_is_placed_too() {
+    let cases = [
+        ("name: \"arm\"", "name: \"mug\"", "line 6, column 18", "two bodies called \"mug\""),
+        ("name: \"arm\"", "name: \"world\"", "line 6, column 18", "frame in which all bodies"),
+        ("name: \"arm\"", "name: \"\"", "line 6, column 18", "is empty"),
+        (
+            "b: \"nut\"",
+            "b: \"bolt\"",
+            "line 11, column 24",
+            "no body \"bolt\". The scene has \"nut\", \"mug\", \"arm\"",
+        ),
+        ("b: \"nut\"", "b: \"mug\"", "line 11, column 24", "names \"mug\" twice"),
+        ("child: \"nut\"", "child: \"mug\"", "line 9, column 18", "joins a body to itself"),
+        ("limits: (-1, 1)", "limits: (1, -1)", "line 9, column 18", "lower limit is above"),
+        ("name: \"own\"", "name: \"main\"", "line 12, column", "two cameras called"),
+        ("name: \"own\"", "name: \"a b\"", "line 12, column", "no topic name"),
+        (
+            "preset: Top",
+            "preset: Top, look_at: (eye: (1, 1, 1), target: (0, 0, 0))",
+            "line 12, column",
+            "both a preset",
+        ),
+        ("eye: (1, 2, 3)", "eye: (0, 0, 0)", "line 12, column", "its eye is its target"),
+        (
+            "max: (20, 20, 20)",
+            "max: (20, 5, 20)",
+            "line 7, column 22",
+            "min must lie below its max",
+        ),
+        ("count: 3", "count: 30000000", "line 7, column 22", "its region holds"),
+        ("[Generator(LPrism())]", "[]", "line 7, column 22", "names no shapes"),
+        ("major_radius: 2", "major_radius: -2", "line 2, column 18", "Torus: major_radius is -2"),
+        ("kind: Dynamic,", "kind: Fixed,", "line 2, column 18", "is Fixed but has a velocity"),
+    ];
+    for (from, to, place, says) in cases {
+        let text = refused(from, to).to_string();
+        assert!(text.contains(place) && text.contains(says), "{to}: {text}");
+    }
+}
+
+#[test]
+fn problems_are_typed_and_shown_with_their_source() {
+    let error = refused("b: \"nut\"", "b: \"bolt\"");
+    let SceneError::Invalid(located) = &error else { panic!("{error}") };
+    assert!(matches!(&located.problem, SceneProblem::UnknownBody { name, .. } if name == "bolt"));
+    assert_eq!(located.place, Some((11, 24)));
+    let mut shown = String::new();
+    let handler = miette::GraphicalReportHandler::new_themed(miette::GraphicalTheme::none());
+    handler.render_report(&mut shown, &error).unwrap();
+    assert!(shown.contains("test.ron:11:24") && shown.contains("here"), "{shown}");
+}
+
+#[test]
+fn no_prefix_and_no_changed_character_panics() {
+    for length in (0..FULL.len()).filter(|&i| FULL.is_char_boundary(i)) {
+        assert!(parse(&FULL[..length]).is_err(), "{length}");
+    }
+    for at in 0..FULL.len() {
+        for c in ["\"", ")", "9", "\\", "ü"] {
+            let mut text = FULL.to_owned();
+            text.replace_range(at..=at, c);
+            if let Err(error) = parse(&text) {
+                assert!(error.to_string().starts_with("scene file test.ron"));
+            }
+        }
+    }
+}
