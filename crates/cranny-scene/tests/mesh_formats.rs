@@ -432,6 +432,21 @@ fn collada_applies_unit_axis_and_nodes() {
         .unwrap()
         .replace("<node>", "<node id=\"n\">");
     assert!(refused(cycle.as_bytes(), MeshFormat::Collada).to_string().contains("nested deeper"));
+    // Eighty nodes, each of which shows the next twice: 2^80 visits.
+    let doubling: String = (0..80)
+        .map(|k| {
+            let next = format!("<instance_node url=\"#n{}\"/>", k + 1);
+            format!("<node id=\"n{k}\">{next}{next}</node>")
+        })
+        .collect();
+    let text = String::from_utf8(as_dae(&mesh, Z_UP, "")).unwrap().replace(
+        "<library_visual_scenes>",
+        &format!(
+            "<library_nodes>{doubling}<node id=\"n80\"/></library_nodes><library_visual_scenes>"
+        ),
+    );
+    let text = text.replace("<node><instance", "<node><instance_node url=\"#n0\"/><instance");
+    assert!(refused(text.as_bytes(), MeshFormat::Collada).to_string().contains("more than 65536"));
     let deep = format!("<COLLADA>{}", "<node>".repeat(100_000));
     assert!(refused(deep.as_bytes(), MeshFormat::Collada).to_string().contains("nested deeper"));
     let error = refused(b"<COLLADA>\n<asset>\n<oops>\n</asset></COLLADA>", MeshFormat::Collada);

@@ -27,9 +27,9 @@ const MAX_DEPTH: usize = 256;
 /// XML elements nest at most so deep: nodes, and what is in and around them.
 const MAX_NESTING: usize = MAX_DEPTH + 16;
 
-/// A file may show at most so many geometries. More, and instances of instances (a file of a few
-/// lines) would fill the memory; fewer, and large assemblies are refused.
-const MAX_INSTANCES: usize = 1 << 16;
+/// A file may show at most so many nodes and geometries. More, and instances of instances (a file of
+/// a few lines) would fill the memory; fewer, and large assemblies are refused.
+const MAX_VISITS: usize = 1 << 16;
 
 /// How the up-axis that a COLLADA file states is treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -67,7 +67,7 @@ pub(super) fn decode(bytes: &[u8], up_axis: UpAxis) -> Result<MeshFile, DecodeEr
         })?;
     let root = document.root_element();
     let mut scene =
-        Scene { root, builder: Builder::new(FORMAT), instances: 0, skipped: 0, skinned: 0 };
+        Scene { root, builder: Builder::new(FORMAT), visits: 0, skipped: 0, skinned: 0 };
     if root.tag_name().name() != "COLLADA" {
         return Err(scene.malformed(
             root,
@@ -140,7 +140,7 @@ fn words<'a>(node: Node<'a, '_>) -> impl Iterator<Item = &'a str> {
 struct Scene<'a, 'i> {
     root: Node<'a, 'i>,
     builder: Builder,
-    instances: usize,
+    visits: usize,
     skipped: usize,
     skinned: usize,
 }
@@ -217,6 +217,7 @@ impl<'a, 'i> Scene<'a, 'i> {
         outer: &Affine,
         depth: usize,
     ) -> Result<(), DecodeError> {
+        self.count_visit(node)?;
         if depth > MAX_DEPTH {
             let found = format!("nodes nested deeper than {MAX_DEPTH}");
             return Err(self.malformed(node, found, "a tree of nodes without cycles"));
@@ -248,6 +249,16 @@ impl<'a, 'i> Scene<'a, 'i> {
         Ok(())
     }
 
+    /// Nodes that instance nodes multiply: a short file must not keep a reader for ever.
+    fn count_visit(&mut self, node: Node<'a, 'i>) -> Result<(), DecodeError> {
+        self.visits += 1;
+        if self.visits <= MAX_VISITS {
+            return Ok(());
+        }
+        let found = format!("more than {MAX_VISITS} nodes and geometries to show");
+        Err(self.malformed(node, found, "fewer"))
+    }
+
     /// The geometry under a skin, in its bind shape.
     fn add_skin(&mut self, instance: Node<'a, 'i>, outer: &Affine) -> Result<(), DecodeError> {
         let controller = self.target(instance, "library_controllers", "controller")?;
@@ -273,11 +284,7 @@ impl<'a, 'i> Scene<'a, 'i> {
         node: Node<'a, 'i>,
         scene_from_mesh: &Affine,
     ) -> Result<(), DecodeError> {
-        self.instances += 1;
-        if self.instances > MAX_INSTANCES {
-            let found = format!("more than {MAX_INSTANCES} shown geometries");
-            return Err(self.malformed(node, found, "fewer"));
-        }
+        self.count_visit(node)?;
         let Some(mesh) = element(node, "mesh") else {
             self.skipped += 1;
             return Ok(());

@@ -31,7 +31,7 @@ const PASSED_OVER: [&str; 13] = [
 pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
     let text = String::from_utf8_lossy(bytes);
     let mut builder = Builder::new(MeshFormat::Obj);
-    let mut polygons: Vec<(usize, Vec<i64>)> = Vec::new();
+    let mut polygons = Polygons::default();
     let mut skipped: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for (line, content) in logical_lines(&text) {
         let content = content.split('#').next().unwrap_or_default();
@@ -43,8 +43,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
                 builder.vertex(position, || Place::Line(line))?;
             }
             Some("f") => {
-                let corners = corners(&mut words, builder.vertex_count())?;
-                polygons.push((line, corners));
+                polygons.read(&mut words, builder.vertex_count())?;
             }
             Some(keyword) if PASSED_OVER.contains(&keyword) => {}
             Some(keyword) => {
@@ -58,7 +57,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
         ));
         builder.remark(format!("line {first} begins with {keyword}, which is no OBJ surface"));
     }
-    add_faces(&mut builder, &polygons)?;
+    polygons.add_to(&mut builder)?;
     builder.finish()
 }
 
@@ -84,46 +83,60 @@ fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
     lines
 }
 
-/// Corners of a face as indices from 0; negative numbers count back from the last vertex.
-fn corners(words: &mut Words<'_>, vertices: usize) -> Result<Vec<i64>, DecodeError> {
-    const EXPECTED: &str = "a vertex number (v, v/vt, v//vn or v/vt/vn)";
-    let mut corners = Vec::with_capacity(3);
-    while let Some(word) = words.next_word() {
-        let number = word.split('/').next().unwrap_or_default();
-        let index: i64 = number.parse().map_err(|_| words.not_a_number(word, EXPECTED))?;
-        let from_zero = match index {
-            1.. => index - 1,
-            0 => return Err(words.error(Problem::Index { index, vertices, first: 1 })),
-            _ => index.saturating_add(vertices as i64),
-        };
-        if from_zero < 0 {
-            return Err(words.error(Problem::Index { index, vertices, first: 1 }));
-        }
-        corners.push(from_zero);
-    }
-    if corners.len() < 3 {
-        let found = format!("a face with {} corners", corners.len());
-        return Err(words.malformed(found, "at least three"));
-    }
-    Ok(corners)
+/// Faces as read. They may come before their vertices, so their range is checked at the end.
+#[derive(Default)]
+struct Polygons {
+    /// Of all faces, one after another, from 0.
+    corners: Vec<i64>,
+    /// Line of each face, and where its corners end.
+    faces: Vec<(usize, usize)>,
 }
 
-/// Faces may come before their vertices, so the range is known only now.
-fn add_faces(builder: &mut Builder, polygons: &[(usize, Vec<i64>)]) -> Result<(), DecodeError> {
-    let vertices = builder.vertex_count();
-    let mut checked = Vec::new();
-    for (line, corners) in polygons {
-        checked.clear();
-        for &index in corners {
-            let in_range = u32::try_from(index).ok().filter(|&i| (i as usize) < vertices);
-            checked.push(in_range.ok_or_else(|| {
-                let problem = Problem::Index { index: index.saturating_add(1), vertices, first: 1 };
-                builder.error(Place::Line(*line), problem)
-            })?);
+impl Polygons {
+    /// Reads the corners of a face; negative numbers count back from the last vertex.
+    fn read(&mut self, words: &mut Words<'_>, vertices: usize) -> Result<(), DecodeError> {
+        const EXPECTED: &str = "a vertex number (v, v/vt, v//vn or v/vt/vn)";
+        let first = self.corners.len();
+        while let Some(word) = words.next_word() {
+            let number = word.split('/').next().unwrap_or_default();
+            let index: i64 = number.parse().map_err(|_| words.not_a_number(word, EXPECTED))?;
+            let from_zero = match index {
+                1.. => index - 1,
+                0 => -1,
+                _ => index.saturating_add(vertices as i64),
+            };
+            if from_zero < 0 {
+                return Err(words.error(Problem::Index { index, vertices, first: 1 }));
+            }
+            self.corners.push(from_zero);
         }
-        builder.polygon(&checked);
+        let count = self.corners.len() - first;
+        if count < 3 {
+            return Err(words.malformed(format!("a face with {count} corners"), "at least three"));
+        }
+        self.faces.push((words.line, self.corners.len()));
+        Ok(())
     }
-    Ok(())
+
+    fn add_to(&self, builder: &mut Builder) -> Result<(), DecodeError> {
+        let vertices = builder.vertex_count();
+        let mut start = 0;
+        let mut checked = Vec::new();
+        for &(line, end) in &self.faces {
+            checked.clear();
+            for &index in &self.corners[start..end] {
+                let in_range = u32::try_from(index).ok().filter(|&i| (i as usize) < vertices);
+                checked.push(in_range.ok_or_else(|| {
+                    let index = index.saturating_add(1);
+                    let problem = Problem::Index { index, vertices, first: 1 };
+                    builder.error(Place::Line(line), problem)
+                })?);
+            }
+            builder.polygon(&checked);
+            start = end;
+        }
+        Ok(())
+    }
 }
 
 /// A mesh as OBJ text that [`decode_mesh`](super::decode_mesh) reads back to the bit: every

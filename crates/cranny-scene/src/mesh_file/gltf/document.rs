@@ -7,21 +7,9 @@ use serde::Deserialize;
 use super::{FORMAT, missing_element};
 use crate::mesh_file::problem::{DecodeError, Place, Problem};
 
-/// Extensions that a file may require without moving a triangle.
-const HARMLESS: [&str; 12] = [
-    "KHR_materials_unlit",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_materials_clearcoat",
-    "KHR_materials_sheen",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_texture_transform",
-    "KHR_texture_basisu",
-    "KHR_lights_punctual",
-];
+/// How the names of extensions begin that a file may require without moving a triangle: what
+/// surfaces look like, and lights.
+const HARMLESS: [&str; 4] = ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_"];
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -120,7 +108,8 @@ impl Document {
         if !self.asset.version.starts_with("2.") {
             return refuse(format!("glTF version {:?}", self.asset.version), "Export as glTF 2.0");
         }
-        match self.extensions_required.iter().find(|e| !HARMLESS.contains(&e.as_str())) {
+        let harmless = |name: &&String| HARMLESS.iter().any(|start| name.starts_with(start));
+        match self.extensions_required.iter().find(|name| !harmless(name)) {
             Some(extension) => refuse(
                 format!("the required extension {extension:?}"),
                 "Export without compression, quantisation and other geometry extensions",
