@@ -1,6 +1,6 @@
 //! What is answered about a pair.
 
-use cranny_exact::{DVec3, Interval, Meeting};
+use cranny_exact::{DVec3, Interval, Meeting, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, VertexId};
 
 /// How the two triangle surfaces meet: exact.
@@ -146,4 +146,59 @@ pub struct Counters {
     pub triangle_tests: u64,
     /// Points classified against a solid.
     pub inside_tests: u64,
+}
+
+impl Answer {
+    /// The same answer with the bodies' names exchanged.
+    #[must_use]
+    pub fn swapped(mut self) -> Self {
+        self.contained = self.contained.map(Containment::swapped);
+        self.witnesses = self.witnesses.map(|[a, b]| [b, a]);
+        for contact in &mut self.contacts {
+            *contact = contact.swapped();
+        }
+        for region in &mut self.regions {
+            region.deepest = region.deepest.swapped();
+            region.normal = -region.normal;
+            for point in &mut region.points {
+                *point = point.swapped();
+            }
+        }
+        self
+    }
+
+    /// The same answer told in another frame: every point and direction is moved. Lengths stay.
+    #[must_use]
+    pub fn moved(mut self, map: &RigidMap) -> Self {
+        for witness in self.witnesses.iter_mut().flatten() {
+            witness.point = map.apply(witness.point);
+        }
+        for contact in &mut self.contacts {
+            *contact = contact.moved(map);
+        }
+        for region in &mut self.regions {
+            region.deepest = region.deepest.moved(map);
+            region.normal = map.apply_vector(region.normal);
+            for point in &mut region.points {
+                *point = point.moved(map);
+            }
+            for p in region.curves.iter_mut().flat_map(|c| &mut c.points) {
+                *p = map.apply(*p);
+            }
+        }
+        self
+    }
+}
+
+impl Contact {
+    /// Told in another frame.
+    #[must_use]
+    pub fn moved(self, map: &RigidMap) -> Self {
+        Self {
+            point_a: map.apply(self.point_a),
+            point_b: map.apply(self.point_b),
+            normal: map.apply_vector(self.normal),
+            ..self
+        }
+    }
 }

@@ -6,7 +6,7 @@ use cranny_geometry::FaceId;
 use crate::answer::{Counters, Feature};
 use crate::descent::{BoxTest, Opened, opened};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::{Part, triangle_distance};
+use crate::triangle_distance::triangle_distance;
 
 /// The nearest points of two surfaces that do not meet.
 #[derive(Clone, Copy, Debug)]
@@ -68,17 +68,8 @@ pub(crate) fn closest(pair: &Pair, below: f64, counters: &mut Counters) -> Optio
         distance: nearest.squared.sqrt(),
         points: nearest.points,
         features: [
-            feature(pair, Side::First, f, nearest.parts[0]),
-            feature(pair, Side::Second, g, nearest.parts[1]),
+            nearest.parts[0].feature(pair.model(Side::First), f),
+            nearest.parts[1].feature(pair.model(Side::Second), g),
         ],
     })
-}
-
-/// The mesh's name for a part of a face.
-pub(crate) fn feature(pair: &Pair, side: Side, face: FaceId, part: Part) -> Feature {
-    match part {
-        Part::Corner(i) => Feature::Vertex(pair.corner(side, face, i as usize)),
-        Part::Edge(i) => Feature::Edge(pair.edge(side, face, i as usize)),
-        Part::Inside => Feature::Face(face),
-    }
 }

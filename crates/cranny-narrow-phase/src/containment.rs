@@ -2,22 +2,27 @@
 //!
 //! Where the surfaces share no point, each component lies wholly inside or wholly outside the other
 //! solid, and one vertex of it tells. Where they cross, closed solids share interior points. Where
-//! they only touch, four facts decide. Suppose that the open interiors meet although no two faces
-//! cross. Then (argument in the comments below) one of these holds, and each of them suffices:
+//! they only touch, what the other body has in common with a face cuts it into *cells*: open pieces
+//! all of whose points (but for isolated ones) are inside the other solid, or outside, or flush with
+//! a face of it that looks the *same* or the *opposite* way. Then
 //!
-//! 1. two faces overlap in one plane with the same outward side;
-//! 2. along an edge that lies in the inside of a face of the other body, one of the edge's own faces
-//!    dips behind that face;
-//! 3. such an edge is reflex, its faces in front: its solid reaches behind the face;
-//! 4. the whole inside of some face lies inside the other solid, and a point of it tells.
+//! - the interiors meet if and only if some cell lies inside the other solid or flush the same way;
+//! - A lies in B if and only if no cell of A lies outside B or flush the opposite way, and no cell of
+//!   B lies inside A.
+//!
+//! No cell is constructed. A face with a single cell is told by a point of it that is not on the
+//! other surface. Otherwise every cell borders, within the face, on edges of the other body that lie
+//! in the face's plane (no face crosses it, so what reaches it from one side ends there), and the
+//! [wedge](crate::wedge) of such an edge tells.
 
 use cranny_exact::{DVec2, DVec3, Meeting, Sign, orient2d, orient3d};
-use cranny_geometry::{DisjointSets, EdgeId, FaceId, HalfEdgeId};
+use cranny_geometry::{DisjointSets, EdgeId, FaceId};
 
 use crate::answer::{Containment, Counters, Surface};
 use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
+use crate::wedge::Wedge;
 
 /// Whether the solids share interior points, and which lies inside which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,17 +43,14 @@ pub(crate) fn solidity(
         Meeting::Cross => Solidity { solid: true, contained: None },
         Meeting::None => {
             let parts = Side::BOTH.map(|side| whole_components(pair, side, counters));
-            verdict(pair, parts)
+            verdict(pair, parts, Flush::default())
         }
         Meeting::Touch => {
-            let mut parts = Side::BOTH.map(|side| touched_parts(pair, side, touching, counters));
-            let enters = |side| enters_through_an_edge(pair, side, touching);
+            let mut parts = Side::BOTH.map(|side| sampled(pair, side, touching, counters));
             for side in Side::BOTH {
-                parts[side.index()].inside |= enters(side);
+                told_by_edges(pair, side, touching, &mut parts[side.index()]);
             }
-            let mut result = verdict(pair, parts);
-            result.solid |= flush(pair, touching);
-            result
+            verdict(pair, parts, flush(pair, touching))
         }
     }
 }
@@ -70,20 +72,20 @@ impl Parts {
     }
 }
 
-fn verdict(pair: &Pair, [first, second]: [Parts; 2]) -> Solidity {
+fn verdict(pair: &Pair, [first, second]: [Parts; 2], flush: Flush) -> Solidity {
     let within = |inner: Parts, outer: Parts, outer_side: Side| {
-        // A body is inside another solid when none of its surface is outside, some of it is inside,
-        // and the other's surface (a void, say) does not enter it.
-        inner.inside && !inner.outside && !outer.inside && pair.model(outer_side).is_closed()
+        (inner.inside || flush.same)
+            && !(inner.outside || flush.opposite || outer.inside)
+            && pair.model(outer_side).is_closed()
     };
-    let contained = if within(first, second, Side::Second) {
-        Some(Containment::AInB)
-    } else if within(second, first, Side::First) {
-        Some(Containment::BInA)
-    } else {
-        None
-    };
-    Solidity { solid: first.inside || second.inside, contained }
+    let contained =
+        match (within(first, second, Side::Second), within(second, first, Side::First)) {
+            (true, false) => Some(Containment::AInB),
+            (false, true) => Some(Containment::BInA),
+            // Each in the other: they coincide, and neither is the inner one.
+            _ => None,
+        };
+    Solidity { solid: first.inside || second.inside || flush.same, contained }
 }
 
 fn whole_components(pair: &Pair, side: Side, counters: &mut Counters) -> Parts {
@@ -95,35 +97,69 @@ fn whole_components(pair: &Pair, side: Side, counters: &mut Counters) -> Parts {
     parts
 }
 
-/// Every face that touches is sampled by itself; the others are as one, as far as they hang together.
-fn touched_parts(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counters) -> Parts {
-    let count = pair.mesh(side).faces().len();
-    let mut touched = vec![false; count];
+/// How a face is sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sampling {
+    /// It shares no point with the other surface; with its like it hangs together.
+    Free,
+    /// It touches this many faces, each in a point if it has a single cell.
+    Touches(u32),
+    /// It overlaps a face of the other solid in one plane: it is flush, or has several cells.
+    Flush,
+}
+
+/// Points of the faces: one for all that hang together untouched, some for each that touches.
+fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counters) -> Parts {
+    let mut sampling = vec![Sampling::Free; pair.mesh(side).faces().len()];
     for t in touching {
-        touched[face_on(t, side).index()] = true;
+        let closed = pair.topology(side.other()).in_closed_component(face_on(t, side.other()));
+        let slot = &mut sampling[face_on(t, side).index()];
+        *slot = match *slot {
+            Sampling::Flush => Sampling::Flush,
+            _ if closed && overlap(pair, t) => Sampling::Flush,
+            Sampling::Touches(count) => Sampling::Touches(count + 1),
+            Sampling::Free => Sampling::Touches(1),
+        };
     }
+    let free = |f: FaceId| sampling[f.index()] == Sampling::Free;
     let topology = pair.topology(side);
-    let mut sets = DisjointSets::new(count);
+    let mut sets = DisjointSets::new(sampling.len());
     for e in 0..topology.edges().len() as u32 {
         let around = topology.half_edges(EdgeId(e));
         for w in around.windows(2) {
             let (f, g) = (w[0].face(), w[1].face());
-            if !touched[f.index()] && !touched[g.index()] {
+            if free(f) && free(g) {
                 sets.union(f.index(), g.index());
             }
         }
     }
     let mut parts = Parts::default();
-    for (f, &touches) in touched.iter().enumerate() {
-        if touches || sets.find(f) == f {
-            // A point of the face's inside. Sums of halves and quarters are exact for dyadic
-            // coordinates; others round by an ulp, in a face that is not pierced.
-            let [a, b, c] = pair.triangle(side, FaceId(f as u32));
-            let sample = if touches { 0.5 * a + 0.25 * b + 0.25 * c } else { a };
-            parts.add(locate(pair, side.other(), sample, counters));
+    for (f, &how) in sampling.iter().enumerate() {
+        let triangle = pair.triangle(side, FaceId(f as u32));
+        match how {
+            Sampling::Free if sets.find(f) == f => {
+                parts.add(locate(pair, side.other(), triangle[0], counters));
+            }
+            Sampling::Touches(count) => {
+                let at = |p: DVec3| locate(pair, side.other(), p, counters);
+                parts.add(
+                    samples(triangle, count).map(at).find(|&l| l != Location::On).unwrap_or(Location::On),
+                );
+            }
+            Sampling::Free | Sampling::Flush => {}
         }
     }
     parts
+}
+
+/// Points of a face of which `touches` isolated ones may be taken: its corners, which are exact, then
+/// distinct points of its inside. These round by an ulp unless coordinates are dyadic.
+fn samples([a, b, c]: [DVec3; 3], touches: u32) -> impl Iterator<Item = DVec3> {
+    let inner = (1..=touches + 1).map(move |k| {
+        let share = 0.5 / f64::from(1u32 << k.min(31));
+        a * share + b * 0.5 + c * (0.5 - share)
+    });
+    [a, b, c].into_iter().chain(inner)
 }
 
 fn face_on(pair: &FacePair, side: Side) -> FaceId {
@@ -133,56 +169,63 @@ fn face_on(pair: &FacePair, side: Side) -> FaceId {
     }
 }
 
-/// Fact 1: faces of closed components that overlap in one plane and look the same way.
-fn flush(pair: &Pair, touching: &[FacePair]) -> bool {
-    touching.iter().any(|t| {
-        let (a, b) = (pair.triangle(Side::First, t.first), pair.triangle(Side::Second, t.second));
-        pair.topology(Side::First).in_closed_component(t.first)
-            && pair.topology(Side::Second).in_closed_component(t.second)
-            && b.iter().all(|&p| orient3d(a[0], a[1], a[2], p).is_zero())
-            && pair.area_vector(Side::First, t.first).dot(pair.area_vector(Side::Second, t.second))
-                > 0.0
-            && overlap_in_plane(&a, &b)
-    })
+/// Whether faces of closed components overlap in one plane.
+#[derive(Clone, Copy, Debug, Default)]
+struct Flush {
+    /// Two that look the same way do.
+    same: bool,
+    /// Two that look at each other do.
+    opposite: bool,
 }
 
-/// Facts 2 and 3: does an edge of `side` that runs through the inside of a face of the other body
-/// lead this body's surface or solid behind that face?
-///
-/// Let P be a connected part of (a face f's inside) ∩ (this solid's inside) that is not all of f's
-/// inside. Its border inside f consists of points of this body's surface. No face crosses f, so the
-/// border is made of edges that lie in f's plane. Near such an edge this solid is a wedge, and the
-/// wedge holds points behind f if and only if one of its two faces goes there, or both stay in front
-/// and the wedge is reflex.
-fn enters_through_an_edge(pair: &Pair, side: Side, touching: &[FacePair]) -> bool {
-    let topology = pair.topology(side);
-    touching.iter().any(|t| {
-        let (own, other) = (face_on(t, side), face_on(t, side.other()));
-        if !pair.topology(side.other()).in_closed_component(other) {
-            return false;
+fn flush(pair: &Pair, touching: &[FacePair]) -> Flush {
+    let mut flush = Flush::default();
+    for t in touching {
+        let closed = Side::BOTH
+            .iter()
+            .all(|&side| pair.topology(side).in_closed_component(face_on(t, side)));
+        if closed && overlap(pair, t) {
+            let [n, m] = Side::BOTH.map(|side| pair.area_vector(side, face_on(t, side)));
+            if n.dot(m) > 0.0 {
+                flush.same = true;
+            } else {
+                flush.opposite = true;
+            }
         }
-        let f = pair.triangle(side.other(), other);
-        let behind = |p: DVec3| orient3d(f[0], f[1], f[2], p);
-        (0..3).any(|i| {
-            let h = HalfEdgeId::of(own, i);
-            let corners = pair.triangle(side, own);
+    }
+    flush
+}
+
+/// Whether two faces overlap in one plane with more than their rims.
+fn overlap(pair: &Pair, t: &FacePair) -> bool {
+    let (a, b) = (pair.triangle(Side::First, t.first), pair.triangle(Side::Second, t.second));
+    b.iter().all(|&p| orient3d(a[0], a[1], a[2], p).is_zero()) && overlap_in_plane(&a, &b)
+}
+
+/// Which cells of `side`'s faces lie where, as the edges of the other body tell that run through the
+/// inside of a face in its plane: on each hand of such an edge lies a cell, along it to a corner.
+fn told_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
+    let others = side.other();
+    for t in touching {
+        let (own, other) = (face_on(t, side), face_on(t, others));
+        if !pair.topology(others).in_closed_component(other) {
+            continue;
+        }
+        let f = pair.triangle(side, own);
+        let corners = pair.triangle(others, other);
+        for i in 0..3 {
             let ends = [corners[i], corners[(i + 1) % 3]];
-            if !ends.iter().all(|&p| behind(p).is_zero()) || !runs_through(&ends, &f) {
-                return false;
+            if ends.iter().all(|&p| orient3d(f[0], f[1], f[2], p).is_zero())
+                && runs_through(&ends, &f)
+            {
+                let wedge = Wedge::of(pair, others, pair.edge(others, other, i));
+                let project = projector(&f);
+                for corner in f {
+                    parts.add(wedge.locate(corner, &project));
+                }
             }
-            let apex = |h: HalfEdgeId| {
-                pair.position(side, pair.corner(side, h.face(), (h.corner() + 2) % 3))
-            };
-            let around = topology.half_edges(topology.edge_of(h));
-            if around.iter().any(|&g| behind(apex(g)) == Sign::Negative) {
-                return true;
-            }
-            topology.twin(h).is_some_and(|twin| {
-                let reflex = orient3d(corners[0], corners[1], corners[2], apex(twin));
-                topology.in_closed_component(own) && reflex == Sign::Positive
-            })
-        })
-    })
+        }
+    }
 }
 
 /// Coordinates in a plane along whose normal's largest component one looks.

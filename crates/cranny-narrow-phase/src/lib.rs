@@ -17,8 +17,8 @@
 //! # The story, file by file
 //!
 //! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
-//! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside` and
-//! `containment` decide about solids; `closest` measures gaps. `intersection` chains the segments of
+//! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside`,
+//! `wedge` and `containment` decide about solids; `closest` measures gaps. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters. `brute_force` is the slow, obviously right version of the verdict and the distance.
@@ -58,6 +58,7 @@ mod regions;
 mod surface;
 mod touch;
 mod triangle_distance;
+mod wedge;
 
 pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, Surface, Witness,
@@ -65,3 +66,5 @@ pub use answer::{
 pub use evaluate::{QueryError, query, world_bounds};
 pub use memory::PairMemory;
 pub use query::{Demand, Placed, Query};
+pub use reduce::reduce as reduce_contacts;
+pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};

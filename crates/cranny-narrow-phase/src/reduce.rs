@@ -14,8 +14,10 @@ const SAME_DIRECTION: f64 = 0.965_925_826_289_068_3;
 /// Contacts kept per direction: a plane needs three to stand and one to spare.
 const PER_DIRECTION: usize = 4;
 
-/// Reduces contacts; the deepest comes first.
-pub(crate) fn reduce(mut contacts: Vec<Contact>) -> Vec<Contact> {
+/// Reduces contacts to the deepest of each direction and up to three more that span its extent; the
+/// deepest of all comes first. Any frame; ties go to the lowest ids.
+#[must_use]
+pub fn reduce(mut contacts: Vec<Contact>) -> Vec<Contact> {
     let order =
         |x: &Contact, y: &Contact| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id));
     contacts.sort_by(order);

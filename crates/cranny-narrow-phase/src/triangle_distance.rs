@@ -7,13 +7,34 @@
 //! between two points that lie on the triangles.
 
 use cranny_exact::DVec3;
+use cranny_geometry::{FaceId, HalfEdgeId, Model};
 
-/// A part of a triangle: edge `i` runs from corner `i` to corner `(i + 1) % 3`.
+use crate::answer::Feature;
+
+/// A part of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Part {
+pub enum Part {
+    /// Corner 0, 1 or 2.
     Corner(u8),
+    /// Edge `i`, from corner `i` to corner `(i + 1) % 3`, its ends left out.
     Edge(u8),
+    /// Inside, off the edges.
     Inside,
+}
+
+impl Part {
+    /// The model's name for this part of a face.
+    #[must_use]
+    pub fn feature(self, model: &Model, face: FaceId) -> Feature {
+        match self {
+            Self::Corner(i) => Feature::Vertex(model.mesh().corners(face)[usize::from(i)]),
+            Self::Edge(i) => {
+                let side = HalfEdgeId::of(face, usize::from(i));
+                Feature::Edge(model.topology().edge_of(side))
+            }
+            Self::Inside => Feature::Face(face),
+        }
+    }
 }
 
 /// Two nearest points.
@@ -25,7 +46,8 @@ pub(crate) struct Nearest {
 }
 
 /// The point of a triangle nearest to `p`, and the part that holds it.
-pub(crate) fn closest_on_triangle(p: DVec3, [a, b, c]: &[DVec3; 3]) -> (DVec3, Part) {
+#[must_use]
+pub fn closest_on_triangle(p: DVec3, [a, b, c]: &[DVec3; 3]) -> (DVec3, Part) {
     let (ab, ac, ap) = (*b - *a, *c - *a, p - *a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
@@ -86,8 +108,9 @@ fn on_edge(start: DVec3, along: DVec3, numerator: f64, denominator: f64, i: u8) 
     (start + along * (numerator / denominator), Part::Edge(i))
 }
 
-/// Parameters in [0, 1] of the nearest points of two segments.
-pub(crate) fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
+/// Parameters in \[0, 1\] of the nearest points of two segments, each from its first end.
+#[must_use]
+pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
     let (d1, d2, r) = (p[1] - p[0], q[1] - q[0], p[0] - q[0]);
     let (a, e, f) = (d1.length_squared(), d2.length_squared(), d2.dot(r));
     if a <= 0.0 {

@@ -1,1 +1,68 @@
 //! Cranny's detector as rapier's narrow phase.
+//!
+//! # Promises
+//!
+//! - `NarrowPhase::with_query_dispatcher(cranny_rapier::dispatcher())` and [`MeshShape`] are all that
+//!   a rapier app needs: contacts between meshes are then the ones that their triangles really make,
+//!   a bounded number of them, each with the normal of its own point.
+//! - 'Exact' refers to the f32 relative pose that rapier hands over.
+//! - Mass, centre and inertia are those of the solid, computed in f64.
+//! - Impulses are carried over from step to step by features, or by place.
+//!
+//! # Non-promises
+//!
+//! Partners other than meshes, cuboids, convex polyhedra, balls, capsules and half-spaces meet our
+//! shape as a hollow parry mesh, and so do all shape casts. A snapshot of rapier's world does not
+//! hold our shapes. rapier's own settings matter: see [`simulation`].
+//!
+//! ```
+//! use cranny_exact::{DVec3, Pose};
+//! use cranny_geometry::{BuildOptions, Model};
+//! use cranny_rapier::{BodyKind, BodySpec, Simulation, SimulationOptions};
+//! use cranny_shapes::Cuboid;
+//!
+//! let cube = Cuboid { size: [1.0, 1.0, 1.0] }.build()?;
+//! let (model, _) = Model::build(cube, &BuildOptions::default())?;
+//! let mut simulation = Simulation::new(SimulationOptions::default());
+//! let spec = |kind, z| BodySpec {
+//!     model: &model,
+//!     kind,
+//!     pose: Pose::at(DVec3::new(0.0, 0.0, z)),
+//!     linear_velocity: DVec3::ZERO,
+//!     angular_velocity: DVec3::ZERO,
+//!     density: 1.0,
+//!     friction: 0.5,
+//!     restitution: 0.0,
+//!     groups: 1,
+//! };
+//! simulation.insert(&spec(BodyKind::Fixed, 0.0))?;
+//! let upper = simulation.insert(&spec(BodyKind::Dynamic, 1.1))?;
+//! for _ in 0..120 {
+//!     simulation.step();
+//! }
+//! assert!((simulation.pose(upper).translation.z - 1.0).abs() < 0.01); // it rests on the lower one
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod convert;
+mod detector;
+mod dispatcher;
+mod joint;
+mod log;
+mod manifolds;
+mod mass;
+mod partners;
+mod shape;
+pub mod simulation;
+
+pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
+pub use detector::{Detector, UnknownDetector};
+pub use dispatcher::{Dispatcher, dispatcher};
+pub use joint::JointSpec;
+pub use log::{AnswerLog, LoggedAnswer};
+pub use mass::{MassError, mass_properties};
+pub use shape::{MeshShape, ShapeError};
+pub use simulation::{
+    BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Simulation, SimulationError,
+    SimulationOptions, Timings,
+};

@@ -1,0 +1,97 @@
+//! Which detector a simulation runs with: ours, or what rapier offers for the same mesh.
+
+use std::fmt;
+use std::str::FromStr;
+
+use cranny_geometry::Model;
+use rapier3d::parry::shape::{SharedShape, TriMeshFlags};
+use thiserror::Error;
+
+use crate::shape::{MeshShape, ShapeError, buffers};
+
+/// A way of detecting contacts in rapier.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Detector {
+    /// Cranny's exact pair query.
+    #[default]
+    Cranny,
+    /// `TriMesh` with default flags.
+    RapierTrimesh,
+    /// `TriMesh` with `FIX_INTERNAL_EDGES | ORIENTED`.
+    RapierTrimeshFixed,
+    /// Convex decomposition at its defaults.
+    RapierDecomposition,
+}
+
+/// A name that no detector has.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "unknown detector '{0}': choose cranny, rapier-trimesh, rapier-trimesh-fixed or rapier-decomposition"
+)]
+pub struct UnknownDetector(pub String);
+
+impl Detector {
+    /// All of them, ours first.
+    pub const ALL: [Self; 4] =
+        [Self::Cranny, Self::RapierTrimesh, Self::RapierTrimeshFixed, Self::RapierDecomposition];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cranny => "cranny",
+            Self::RapierTrimesh => "rapier-trimesh",
+            Self::RapierTrimeshFixed => "rapier-trimesh-fixed",
+            Self::RapierDecomposition => "rapier-decomposition",
+        }
+    }
+
+    /// The shape of a model for this detector; `tag` is its number in the answer log.
+    ///
+    /// # Errors
+    ///
+    /// [`ShapeError::TriMesh`] where parry refuses the mesh.
+    pub fn shape(self, model: &Model, tag: u32) -> Result<SharedShape, ShapeError> {
+        let (vertices, faces) = buffers(model);
+        Ok(match self {
+            Self::Cranny => MeshShape::shared(model, tag)?,
+            Self::RapierTrimesh => SharedShape::trimesh(vertices, faces)?,
+            Self::RapierTrimeshFixed => SharedShape::trimesh_with_flags(
+                vertices,
+                faces,
+                TriMeshFlags::FIX_INTERNAL_EDGES | TriMeshFlags::ORIENTED,
+            )?,
+            Self::RapierDecomposition => SharedShape::convex_decomposition(&vertices, &faces),
+        })
+    }
+}
+
+impl fmt::Display for Detector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Detector {
+    type Err = UnknownDetector;
+
+    fn from_str(name: &str) -> Result<Self, UnknownDetector> {
+        Self::ALL
+            .into_iter()
+            .find(|d| d.name() == name)
+            .ok_or_else(|| UnknownDetector(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        for detector in Detector::ALL {
+            assert_eq!(detector.to_string().parse(), Ok(detector));
+        }
+        assert!("bullet".parse::<Detector>().unwrap_err().to_string().contains("rapier-trimesh"));
+    }
+}

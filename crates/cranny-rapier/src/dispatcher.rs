@@ -1,0 +1,417 @@
+//! The query dispatcher: Cranny's answers where our shape takes part, parry's elsewhere.
+//!
+//! | partner of a [`MeshShape`] | contacts from |
+//! |---|---|
+//! | `MeshShape`, cuboid, convex polyhedron, triangle mesh | the exact pair query |
+//! | ball, capsule | nearest features of the mesh |
+//! | half-space | lowest vertices of the mesh |
+//! | all others | parry, with the mesh of the same triangles: hollow |
+//!
+//! Intersection tests, distances, closest points and single contacts between polyhedra are exact too.
+//! Shape casts (continuous collision detection) use the parry mesh of the same triangles.
+
+use std::any::Any;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use cranny_exact::Pose as ExactPose;
+use cranny_geometry::Model;
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, Query, query};
+use rapier3d::geometry::{ContactData, ContactManifoldData};
+use rapier3d::math::{Pose, Real, Vector};
+use rapier3d::parry::query::details::{NonlinearRigidMotion, NormalConstraints, ShapeCastOptions};
+use rapier3d::parry::query::{
+    ClosestPoints, Contact as ParryContact, ContactManifold, ContactManifoldsWorkspace,
+    DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit,
+    ShapeDistance, ShapeIntersection, TypedWorkspaceData, Unsupported, WorkspaceData,
+};
+use rapier3d::parry::shape::{Shape, TypedShape};
+
+use crate::convert::{narrow, pose_from_rapier, wide};
+use crate::log::AnswerLog;
+use crate::manifolds::{Manifold, rebuild};
+use crate::partners::{ball_contacts, capsule_contacts, half_space_contacts, polyhedron};
+use crate::shape::MeshShape;
+
+/// How far, as a multiple of the prediction distance, a contact may have moved and still be the
+/// same: beyond, its impulse belongs to another place.
+const SAME_PLACE: f64 = 1.0;
+
+/// Puts the detector into rapier: `NarrowPhase::with_query_dispatcher(Dispatcher::default())`.
+#[derive(Clone, Debug, Default)]
+pub struct Dispatcher {
+    log: AnswerLog,
+}
+
+/// A dispatcher without an answer log to share.
+#[must_use]
+pub fn dispatcher() -> Dispatcher {
+    Dispatcher::default()
+}
+
+impl Dispatcher {
+    /// A dispatcher that tells a log what it answers and how long it took.
+    #[must_use]
+    pub fn with_log(log: AnswerLog) -> Self {
+        Self { log }
+    }
+}
+
+/// What a pair keeps between steps, inside rapier's own workspace of the pair.
+struct PairWorkspace {
+    memory: Mutex<PairMemory>,
+    /// Models of partners that are polyhedra; `None` for our own shapes.
+    partners: [Option<Model>; 2],
+}
+
+impl WorkspaceData for PairWorkspace {
+    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
+        TypedWorkspaceData::Custom
+    }
+
+    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
+        Box::new(Self {
+            memory: Mutex::new(self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone()),
+            partners: self.partners.clone(),
+        })
+    }
+}
+
+fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
+    let any: &dyn Any = shape;
+    any.downcast_ref()
+}
+
+/// The shape that parry's own dispatcher understands in place of ours.
+fn for_parry(shape: &dyn Shape) -> &dyn Shape {
+    ours(shape).map_or(shape, |s| s.mesh() as &dyn Shape)
+}
+
+/// The models of two shapes that are polyhedra, one of them ours.
+fn models(g1: &dyn Shape, g2: &dyn Shape) -> Option<[Model; 2]> {
+    if ours(g1).is_none() && ours(g2).is_none() {
+        return None;
+    }
+    let model = |g: &dyn Shape| ours(g).map(|s| s.model().clone()).or_else(|| polyhedron(g));
+    Some([model(g1)?, model(g2)?])
+}
+
+fn ask(
+    models: [&Model; 2],
+    pose: ExactPose,
+    demand: Demand,
+    memory: &mut PairMemory,
+) -> Option<Answer> {
+    let a = Placed { model: models[0], pose: ExactPose::IDENTITY };
+    let b = Placed { model: models[1], pose };
+    match query(a, b, &Query::of(demand), memory) {
+        Ok(answer) => Some(answer),
+        Err(error) => {
+            // rapier lets no error out of a step; it quarantines bodies whose pose is not finite.
+            tracing::error!("pair left out of this step: {error}");
+            None
+        }
+    }
+}
+
+impl Dispatcher {
+    /// Contacts of our shape with a shape that is no polyhedron, in our shape's frame; `None` where
+    /// parry must answer.
+    fn primitive_contacts(
+        shape: &MeshShape,
+        partner: &dyn Shape,
+        shape_from_partner: &ExactPose,
+        reach: f64,
+    ) -> Option<Vec<Contact>> {
+        let map = shape_from_partner.world_from_body();
+        let model = shape.model();
+        match partner.as_typed_shape() {
+            TypedShape::Ball(ball) => {
+                Some(ball_contacts(model, map.translation, ball.radius.into(), reach))
+            }
+            TypedShape::Capsule(capsule) => {
+                let axis = [capsule.segment.a, capsule.segment.b].map(|p| map.apply(wide(p)));
+                Some(capsule_contacts(model, axis, capsule.radius.into(), reach))
+            }
+            TypedShape::HalfSpace(half_space) => {
+                let normal = map.apply_vector(wide(half_space.normal)).normalize_or_zero();
+                Some(half_space_contacts(model, normal, normal.dot(map.translation), reach))
+            }
+            _ => None,
+        }
+    }
+
+    /// Fills the manifolds of a pair in which ours takes part; false where parry must do it.
+    fn fill(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        prediction: Real,
+        manifolds: &mut Vec<Manifold>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) -> bool {
+        let pose = pose_from_rapier(pos12);
+        let reach = f64::from(prediction);
+        let contacts = if let Some(mut pair) = PairWorkspace::of(workspace, g1, g2) {
+            let memory = pair.memory.get_mut().unwrap_or_else(PoisonError::into_inner);
+            let [p1, p2] = &pair.partners;
+            let model = |g, partner: &'_ Option<Model>| -> Option<Model> {
+                ours(g).map(|s| s.model().clone()).or_else(|| partner.clone())
+            };
+            let (Some(m1), Some(m2)) = (model(g1, p1), model(g2, p2)) else { return false };
+            let demand = Demand::Regions { margin: reach };
+            let Some(answer) = ask([&m1, &m2], pose, demand, memory) else {
+                manifolds.clear();
+                return true;
+            };
+            *workspace = Some(ContactManifoldsWorkspace::from(*pair));
+            let contacts = answer.contacts.clone();
+            if let (Some(s1), Some(s2)) = (ours(g1), ours(g2)) {
+                self.log.put((s1.tag(), s2.tag()), Arc::new(answer), pose);
+            }
+            contacts
+        } else {
+            let found = match (ours(g1), ours(g2)) {
+                (Some(shape), None) => Self::primitive_contacts(shape, g2, &pose, reach),
+                (None, Some(shape)) => {
+                    let inverse = pose.world_from_body().inverse();
+                    let back = ExactPose {
+                        rotation: pose.rotation.conjugate(),
+                        translation: inverse.translation,
+                    };
+                    Self::primitive_contacts(shape, g1, &back, reach).map(|contacts| {
+                        let forth = pose.world_from_body();
+                        contacts
+                            .into_iter()
+                            .map(|c| Contact {
+                                id: (c.id.1, c.id.0),
+                                point_a: forth.apply(c.point_b),
+                                point_b: forth.apply(c.point_a),
+                                normal: -forth.apply_vector(c.normal),
+                                separation: c.separation,
+                            })
+                            .collect()
+                    })
+                }
+                _ => None,
+            };
+            let Some(contacts) = found else { return false };
+            *workspace = Some(ContactManifoldsWorkspace::from(PairWorkspace::blank()));
+            contacts
+        };
+        rebuild(&contacts, &pose, SAME_PLACE * reach, manifolds);
+        true
+    }
+}
+
+impl PairWorkspace {
+    fn blank() -> Self {
+        Self { memory: Mutex::default(), partners: [None, None] }
+    }
+
+    /// Takes the pair's workspace, or makes one where both shapes are polyhedra and one is ours.
+    fn of(
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+    ) -> Option<Box<Self>> {
+        let is_polyhedron = |g: &dyn Shape| {
+            ours(g).is_some()
+                || matches!(
+                    g.as_typed_shape(),
+                    TypedShape::Cuboid(_)
+                        | TypedShape::ConvexPolyhedron(_)
+                        | TypedShape::TriMesh(_)
+                )
+        };
+        if !is_polyhedron(g1) || !is_polyhedron(g2) {
+            return None;
+        }
+        if let Some(data) = workspace.take()
+            && let Ok(own) = data.0.downcast::<Self>()
+        {
+            return Some(own);
+        }
+        let partner = |g: &dyn Shape| if ours(g).is_some() { None } else { polyhedron(g) };
+        Some(Box::new(Self { memory: Mutex::default(), partners: [partner(g1), partner(g2)] }))
+    }
+}
+
+impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for Dispatcher {
+    fn contact_manifolds(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        prediction: Real,
+        manifolds: &mut Vec<Manifold>,
+        workspace: &mut Option<ContactManifoldsWorkspace>,
+    ) -> Result<(), Unsupported> {
+        let begin = Instant::now();
+        let involved = ours(g1).is_some() || ours(g2).is_some();
+        let result = if involved && self.fill(pos12, g1, g2, prediction, manifolds, workspace) {
+            Ok(())
+        } else {
+            DefaultQueryDispatcher.contact_manifolds(
+                pos12,
+                for_parry(g1),
+                for_parry(g2),
+                prediction,
+                manifolds,
+                workspace,
+            )
+        };
+        self.log.add_time(begin.elapsed());
+        result
+    }
+
+    fn contact_manifold_convex_convex(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        normal_constraints1: Option<&dyn NormalConstraints>,
+        normal_constraints2: Option<&dyn NormalConstraints>,
+        prediction: Real,
+        manifold: &mut ContactManifold<ContactManifoldData, ContactData>,
+    ) -> Result<(), Unsupported> {
+        DefaultQueryDispatcher.contact_manifold_convex_convex(
+            pos12,
+            g1,
+            g2,
+            normal_constraints1,
+            normal_constraints2,
+            prediction,
+            manifold,
+        )
+    }
+}
+
+impl QueryDispatcher for Dispatcher {
+    fn intersection_test(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+    ) -> Result<ShapeIntersection, Unsupported> {
+        let exact = models(g1, g2).and_then(|[m1, m2]| {
+            let pose = pose_from_rapier(pos12);
+            ask([&m1, &m2], pose, Demand::Intersects, &mut PairMemory::default())
+        });
+        let parry = DefaultQueryDispatcher.intersection_test(pos12, for_parry(g1), for_parry(g2));
+        match exact {
+            None => parry,
+            Some(answer) => {
+                let intersecting = answer.solid || answer.surface.meets();
+                Ok(ShapeIntersection { intersecting, ..parry? })
+            }
+        }
+    }
+
+    fn distance(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+    ) -> Result<ShapeDistance, Unsupported> {
+        let Some([m1, m2]) = models(g1, g2) else {
+            return DefaultQueryDispatcher.distance(pos12, for_parry(g1), for_parry(g2));
+        };
+        let demand = Demand::Distance { below: None };
+        let answer = ask([&m1, &m2], pose_from_rapier(pos12), demand, &mut PairMemory::default())
+            .ok_or(Unsupported)?;
+        let distance = if answer.solid { 0.0 } else { answer.distance.unwrap_or(0.0) as Real };
+        Ok(ShapeDistance { distance, subshape1: 0, subshape2: 0 })
+    }
+
+    fn contact(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        prediction: Real,
+    ) -> Result<Option<ParryContact>, Unsupported> {
+        let Some([m1, m2]) = models(g1, g2) else {
+            return DefaultQueryDispatcher.contact(pos12, for_parry(g1), for_parry(g2), prediction);
+        };
+        let pose = pose_from_rapier(pos12);
+        let demand = Demand::Contacts { margin: f64::from(prediction) };
+        let answer =
+            ask([&m1, &m2], pose, demand, &mut PairMemory::default()).ok_or(Unsupported)?;
+        let inverse = pose.world_from_body().inverse();
+        Ok(answer.contacts.first().map(|c| ParryContact {
+            point1: narrow(c.point_a),
+            point2: narrow(inverse.apply(c.point_b)),
+            normal1: narrow(c.normal),
+            normal2: narrow(inverse.apply_vector(-c.normal)),
+            dist: c.separation as Real,
+            subshape1: 0,
+            subshape2: 0,
+        }))
+    }
+
+    fn closest_points(
+        &self,
+        pos12: &Pose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        max_dist: Real,
+    ) -> Result<ClosestPoints, Unsupported> {
+        let Some([m1, m2]) = models(g1, g2) else {
+            return DefaultQueryDispatcher.closest_points(
+                pos12,
+                for_parry(g1),
+                for_parry(g2),
+                max_dist,
+            );
+        };
+        let pose = pose_from_rapier(pos12);
+        let demand = Demand::Distance { below: None };
+        let answer =
+            ask([&m1, &m2], pose, demand, &mut PairMemory::default()).ok_or(Unsupported)?;
+        if answer.solid || answer.surface.meets() {
+            return Ok(ClosestPoints::Intersecting);
+        }
+        let inverse = pose.world_from_body().inverse();
+        Ok(match (answer.witnesses, answer.distance) {
+            (Some([a, b]), Some(d)) if d <= f64::from(max_dist) => {
+                ClosestPoints::WithinMargin(narrow(a.point), narrow(inverse.apply(b.point)))
+            }
+            _ => ClosestPoints::Disjoint,
+        })
+    }
+
+    fn cast_shapes(
+        &self,
+        pos12: &Pose,
+        local_vel12: Vector,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        options: ShapeCastOptions,
+    ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        let (g1, g2) = (for_parry(g1), for_parry(g2));
+        DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options)
+    }
+
+    fn cast_shapes_nonlinear(
+        &self,
+        motion1: &NonlinearRigidMotion,
+        g1: &dyn Shape,
+        motion2: &NonlinearRigidMotion,
+        g2: &dyn Shape,
+        start_time: Real,
+        end_time: Real,
+        stop_at_penetration: bool,
+    ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        DefaultQueryDispatcher.cast_shapes_nonlinear(
+            motion1,
+            for_parry(g1),
+            motion2,
+            for_parry(g2),
+            start_time,
+            end_time,
+            stop_at_penetration,
+        )
+    }
+}

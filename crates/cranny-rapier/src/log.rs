@@ -1,0 +1,76 @@
+//! What the detector answered inside rapier's step, for everybody else who wants to know.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use cranny_exact::Pose;
+use cranny_narrow_phase::Answer;
+
+/// The latest answer about a pair of tagged shapes.
+#[derive(Clone, Debug)]
+pub struct LoggedAnswer {
+    /// In the frame of the first shape.
+    pub answer: Arc<Answer>,
+    /// The relative pose that it was computed from.
+    pub first_from_second: Pose,
+    /// The step in which it was computed.
+    pub step: u64,
+}
+
+/// Answers by pairs of tags, and the time spent. Shared by a dispatcher and its owner.
+#[derive(Clone, Debug, Default)]
+pub struct AnswerLog(Arc<Mutex<Entries>>);
+
+#[derive(Debug, Default)]
+struct Entries {
+    step: u64,
+    answers: BTreeMap<(u32, u32), LoggedAnswer>,
+    spent: Duration,
+}
+
+impl AnswerLog {
+    fn entries(&self) -> std::sync::MutexGuard<'_, Entries> {
+        // A panic elsewhere leaves plain values that stay usable.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Says that a new step begins; returns its number, from 1.
+    pub fn begin_step(&self) -> u64 {
+        let mut entries = self.entries();
+        entries.step += 1;
+        entries.step
+    }
+
+    /// The number of the step that began last.
+    #[must_use]
+    pub fn step(&self) -> u64 {
+        self.entries().step
+    }
+
+    /// The latest answer about a pair, told in the order of the tags given at the call.
+    #[must_use]
+    pub fn get(&self, first: u32, second: u32) -> Option<LoggedAnswer> {
+        self.entries().answers.get(&(first, second)).cloned()
+    }
+
+    /// Forgets a pair, as when its boxes have parted.
+    pub fn forget(&self, first: u32, second: u32) {
+        self.entries().answers.remove(&(first, second));
+    }
+
+    /// Time spent in contact detection since this was last asked.
+    pub fn take_time(&self) -> Duration {
+        std::mem::take(&mut self.entries().spent)
+    }
+
+    pub(crate) fn add_time(&self, spent: Duration) {
+        self.entries().spent += spent;
+    }
+
+    pub(crate) fn put(&self, tags: (u32, u32), answer: Arc<Answer>, first_from_second: Pose) {
+        let mut entries = self.entries();
+        let step = entries.step;
+        entries.answers.insert(tags, LoggedAnswer { answer, first_from_second, step });
+    }
+}

@@ -1,0 +1,11 @@
+//! Contacts of our shape with rapier's own shapes.
+//!
+//! All contacts here are in the model's frame, from the model to the partner.
+
+mod ball;
+mod half_space;
+mod polyhedron;
+
+pub(crate) use ball::{ball_contacts, capsule_contacts};
+pub(crate) use half_space::half_space_contacts;
+pub(crate) use polyhedron::polyhedron;

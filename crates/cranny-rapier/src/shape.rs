@@ -1,0 +1,164 @@
+//! A Cranny model as a rapier shape.
+
+use cranny_geometry::Model;
+use rapier3d::math::{Pose, Real, Vector};
+use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
+use rapier3d::parry::mass_properties::MassProperties;
+use rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use rapier3d::parry::shape::{
+    FeatureId, Shape, ShapeType, SharedShape, SubShapeId, TriMesh, TriMeshBuilderError, TypedShape,
+};
+use thiserror::Error;
+
+use crate::convert::narrow;
+use crate::mass::{MassError, mass_properties};
+
+/// A model that rapier cannot take.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// parry refused the same triangles as a mesh for ray casts and point queries.
+    #[error("parry does not accept the mesh for ray casts and point queries: {0}")]
+    TriMesh(#[from] TriMeshBuilderError),
+    /// No mass can be computed.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+}
+
+/// A model, prepared for [`Dispatcher`](crate::Dispatcher). Contacts, intersections and distances
+/// between two of them are Cranny's; ray casts, point queries and shape casts go to a parry mesh of
+/// the same triangles.
+#[derive(Clone)]
+pub struct MeshShape {
+    model: Model,
+    tag: u32,
+    mesh: TriMesh,
+}
+
+impl MeshShape {
+    /// A shape; `tag` is what [`AnswerLog`](crate::AnswerLog) will know it by.
+    ///
+    /// # Errors
+    ///
+    /// [`ShapeError::TriMesh`].
+    pub fn new(model: &Model, tag: u32) -> Result<Self, ShapeError> {
+        let (vertices, faces) = buffers(model);
+        Ok(Self { model: model.clone(), tag, mesh: TriMesh::new(vertices, faces)? })
+    }
+
+    /// The same as a shared shape, ready for a `ColliderBuilder`.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn shared(model: &Model, tag: u32) -> Result<SharedShape, ShapeError> {
+        Ok(SharedShape::new(Self::new(model, tag)?))
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What the answer log knows it by.
+    #[must_use]
+    pub fn tag(&self) -> u32 {
+        self.tag
+    }
+
+    /// The parry mesh of the same triangles.
+    #[must_use]
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
+    }
+}
+
+/// Vertices and faces for parry.
+pub(crate) fn buffers(model: &Model) -> (Vec<Vector>, Vec<[u32; 3]>) {
+    let mesh = model.mesh();
+    (mesh.vertices().iter().map(|&p| narrow(p)).collect(), mesh.faces().to_vec())
+}
+
+impl RayCast for MeshShape {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        solid: bool,
+    ) -> Option<RayIntersection> {
+        self.mesh.cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)
+    }
+}
+
+impl PointQuery for MeshShape {
+    fn project_local_point(&self, pt: Vector, solid: bool) -> PointProjection {
+        self.mesh.project_local_point(pt, solid)
+    }
+
+    fn project_local_point_and_get_feature(&self, pt: Vector) -> (PointProjection, FeatureId) {
+        self.mesh.project_local_point_and_get_feature(pt)
+    }
+}
+
+impl Shape for MeshShape {
+    fn compute_local_aabb(&self) -> Aabb {
+        // f32 rounds the vertices; the box must hold them as they are in f64.
+        let b = self.model.bounds();
+        let (min, max) = (narrow(b.min), narrow(b.max));
+        let down = |x: f32| x.next_down();
+        let up = |x: f32| x.next_up();
+        Aabb::new(
+            Vector::new(down(min.x), down(min.y), down(min.z)),
+            Vector::new(up(max.x), up(max.y), up(max.z)),
+        )
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.compute_local_aabb().bounding_sphere()
+    }
+
+    fn compute_aabb(&self, position: &Pose) -> Aabb {
+        self.compute_local_aabb().transform_by(position)
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    /// A scaled model is another model, to be prepared as such: `None`.
+    fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        None
+    }
+
+    /// Of the solid. Of a mesh that is not closed: zero, so that nothing is invented.
+    fn mass_properties(&self, density: Real) -> MassProperties {
+        mass_properties(&self.model, f64::from(density)).unwrap_or_default()
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    /// Meshes have no inside for parry's casts: any motion may tunnel.
+    fn ccd_thickness(&self) -> Real {
+        self.mesh.ccd_thickness()
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        self.mesh.ccd_angular_thickness()
+    }
+
+    fn feature_normal_at_point(
+        &self,
+        subshape: SubShapeId,
+        feature: FeatureId,
+        point: Vector,
+    ) -> Option<Vector> {
+        self.mesh.feature_normal_at_point(subshape, feature, point)
+    }
+}

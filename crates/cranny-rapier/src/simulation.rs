@@ -1,0 +1,452 @@
+//! A rapier world of models: all of rapier's sets behind body numbers, with the settings that the
+//! detector needs.
+//!
+//! | rapier setting | here | why |
+//! |---|---|---|
+//! | `contact_clustering` | off with [`Detector::Cranny`] | it merges normals within 5 degrees and keeps the first; ours are few and exact at their own points |
+//! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for | it keeps contacts while a pair drifts by several prediction distances; thin gaps do not forgive that |
+//! | the rest | rapier's defaults | |
+//!
+//! Other detectors run with rapier's defaults, recycling as the options say.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use cranny_exact::{DVec3, Pose, PoseError};
+use cranny_geometry::Model;
+use cranny_narrow_phase::Answer;
+use rapier3d::geometry::{Group, InteractionGroups, InteractionTestMode};
+use rapier3d::pipeline::PairFilterContext;
+use rapier3d::prelude::{
+    ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, ImpulseJointSet,
+    IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase, PhysicsHooks,
+    PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, RigidBodyType,
+    SoftBodySet, SolverFlags,
+};
+use thiserror::Error;
+
+use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
+use crate::detector::Detector;
+use crate::dispatcher::Dispatcher;
+use crate::joint::{JointSpec, generic_joint};
+use crate::log::AnswerLog;
+use crate::mass::{MassError, mass_properties};
+use crate::shape::ShapeError;
+
+/// How a simulation runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulationOptions {
+    /// Who detects contacts.
+    pub detector: Detector,
+    /// Acceleration of dynamic bodies.
+    pub gravity: DVec3,
+    /// Seconds a step, > 0.
+    pub step: f64,
+    /// How many units of length make what rapier takes for a metre; scales its prediction distance
+    /// (0.02 of it) and tolerances.
+    pub length_unit: f64,
+    /// Whether rapier may reuse contacts while a pair moves little. `None`: its default for its own
+    /// detectors, never for ours.
+    pub recycling: Option<bool>,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        Self {
+            detector: Detector::default(),
+            gravity: DVec3::new(0.0, 0.0, -9.81),
+            step: 1.0 / 60.0,
+            length_unit: 1.0,
+            recycling: None,
+        }
+    }
+}
+
+/// How a body moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BodyKind {
+    /// Not at all.
+    Fixed,
+    /// With its given velocity, whatever it meets.
+    Kinematic,
+    /// As forces and contacts say.
+    Dynamic,
+}
+
+/// A body to be inserted.
+#[derive(Clone, Debug)]
+pub struct BodySpec<'a> {
+    /// Geometry.
+    pub model: &'a Model,
+    /// How it moves.
+    pub kind: BodyKind,
+    /// Where it starts.
+    pub pose: Pose,
+    /// Units a second.
+    pub linear_velocity: DVec3,
+    /// Radians a second.
+    pub angular_velocity: DVec3,
+    /// Mass per volume.
+    pub density: f64,
+    /// Coulomb coefficient.
+    pub friction: f64,
+    /// 0 to 1.
+    pub restitution: f64,
+    /// Bodies meet where their bits overlap.
+    pub groups: u32,
+}
+
+/// A body of a simulation, counted from 0 in order of insertion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyIndex(pub u32);
+
+/// A body that cannot be inserted.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// Its shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// Its mass.
+    #[error(transparent)]
+    Mass(#[from] MassError),
+    /// Its pose.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+}
+
+/// What the detector said of a pair in rapier's last step.
+#[derive(Clone, Debug)]
+pub struct PairContacts {
+    /// Lower body.
+    pub a: BodyIndex,
+    /// Higher body.
+    pub b: BodyIndex,
+    /// In world coordinates.
+    pub answer: Arc<Answer>,
+    /// Of a and b, from which the answer was computed: those at the beginning of the step.
+    pub poses: [Pose; 2],
+    /// Computed in the last step; otherwise rapier recycled older contacts.
+    pub fresh: bool,
+}
+
+/// Mechanical energy of all dynamic bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of height: −mass · gravity · centre of mass.
+    pub potential: f64,
+}
+
+impl Energy {
+    /// Sum of both.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+/// Milliseconds of the last step, by rapier's own counters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Broad phase.
+    pub broad: f64,
+    /// Narrow phase, contact detection included.
+    pub narrow: f64,
+    /// Constraints solver.
+    pub solver: f64,
+    /// The whole step.
+    pub step: f64,
+}
+
+/// A rapier world of models.
+pub struct Simulation {
+    options: SimulationOptions,
+    parameters: IntegrationParameters,
+    pipeline: PhysicsPipeline,
+    islands: IslandManager,
+    broad_phase: DefaultBroadPhase,
+    narrow_phase: NarrowPhase,
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    joints: ImpulseJointSet,
+    multibody_joints: MultibodyJointSet,
+    soft_bodies: SoftBodySet,
+    ccd: CCDSolver,
+    handles: Vec<RigidBodyHandle>,
+    poses_before: Vec<Pose>,
+    exclusions: Exclusions,
+    log: AnswerLog,
+}
+
+/// Pairs of tags that never meet, lower first.
+#[derive(Default)]
+struct Exclusions(HashSet<(u32, u32)>);
+
+impl PhysicsHooks for Exclusions {
+    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
+        let tag = |handle| context.colliders.get(handle).map(|c| c.user_data as u32);
+        let excluded = match (tag(context.collider1), tag(context.collider2)) {
+            (Some(a), Some(b)) => self.0.contains(&(a.min(b), a.max(b))),
+            _ => false,
+        };
+        (!excluded).then(SolverFlags::default)
+    }
+}
+
+impl Simulation {
+    /// An empty world.
+    #[must_use]
+    pub fn new(options: SimulationOptions) -> Self {
+        let ours = options.detector == Detector::Cranny;
+        let mut parameters = IntegrationParameters {
+            dt: options.step as f32,
+            length_unit: options.length_unit as f32,
+            ..IntegrationParameters::default()
+        };
+        if ours {
+            parameters.contact_clustering = false;
+        }
+        parameters.contact_recycling = options.recycling.unwrap_or(!ours);
+        let log = AnswerLog::default();
+        let mut pipeline = PhysicsPipeline::new();
+        pipeline.counters.enable();
+        Self {
+            options,
+            parameters,
+            pipeline,
+            islands: IslandManager::new(),
+            broad_phase: DefaultBroadPhase::new(),
+            narrow_phase: NarrowPhase::with_query_dispatcher(Dispatcher::with_log(log.clone())),
+            bodies: RigidBodySet::new(),
+            colliders: ColliderSet::new(),
+            joints: ImpulseJointSet::new(),
+            multibody_joints: MultibodyJointSet::new(),
+            soft_bodies: SoftBodySet::new(),
+            ccd: CCDSolver::new(),
+            handles: Vec::new(),
+            poses_before: Vec::new(),
+            exclusions: Exclusions::default(),
+            log,
+        }
+    }
+
+    /// rapier's parameters, for what the options do not say.
+    pub fn parameters_mut(&mut self) -> &mut IntegrationParameters {
+        &mut self.parameters
+    }
+
+    /// Inserts a body. Its pose is rounded to rapier's f32.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, or a pose is none.
+    pub fn insert(&mut self, spec: &BodySpec) -> Result<BodyIndex, SimulationError> {
+        let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
+        let index = self.handles.len() as u32;
+        let shape = self.options.detector.shape(spec.model, index)?;
+        let groups = Group::from_bits_truncate(spec.groups);
+        let mut collider = ColliderBuilder::new(shape)
+            .density(0.0)
+            .friction(spec.friction as f32)
+            .restitution(spec.restitution as f32)
+            .collision_groups(InteractionGroups::new(groups, groups, InteractionTestMode::And))
+            .user_data(u128::from(index));
+        if spec.kind == BodyKind::Dynamic {
+            collider = collider.mass_properties(mass_properties(spec.model, spec.density)?);
+        }
+        let kind = match spec.kind {
+            BodyKind::Fixed => RigidBodyType::Fixed,
+            BodyKind::Kinematic => RigidBodyType::KinematicVelocityBased,
+            BodyKind::Dynamic => RigidBodyType::Dynamic,
+        };
+        let body = RigidBodyBuilder::new(kind)
+            .pose(pose_to_rapier(&pose))
+            .linvel(narrow(spec.linear_velocity))
+            .angvel(narrow(spec.angular_velocity));
+        let handle = self.bodies.insert(body);
+        self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
+        self.handles.push(handle);
+        self.poses_before.push(self.pose(BodyIndex(index)));
+        Ok(BodyIndex(index))
+    }
+
+    /// Joins two bodies; a joint's frames are given in each body's.
+    pub fn join(
+        &mut self,
+        parent: BodyIndex,
+        child: BodyIndex,
+        parent_from_joint: Pose,
+        child_from_joint: Pose,
+        spec: &JointSpec,
+        contacts_enabled: bool,
+    ) {
+        let joint = generic_joint(&parent_from_joint, &child_from_joint, spec, contacts_enabled);
+        self.joints.insert(self.handle(parent), self.handle(child), joint, true);
+    }
+
+    /// Two bodies never meet from now on.
+    pub fn exclude(&mut self, a: BodyIndex, b: BodyIndex) {
+        self.exclusions.0.insert((a.0.min(b.0), a.0.max(b.0)));
+        for index in [a, b] {
+            for &collider in self.bodies[self.handle(index)].colliders() {
+                self.colliders[collider].set_active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
+            }
+        }
+    }
+
+    /// Advances by one step.
+    pub fn step(&mut self) {
+        self.log.begin_step();
+        for index in 0..self.handles.len() {
+            self.poses_before[index] = self.pose(BodyIndex(index as u32));
+        }
+        self.pipeline.step(
+            narrow(self.options.gravity),
+            &self.parameters,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &mut self.joints,
+            &mut self.multibody_joints,
+            &mut self.soft_bodies,
+            &mut self.ccd,
+            &self.exclusions,
+            &(),
+        );
+    }
+
+    fn handle(&self, body: BodyIndex) -> RigidBodyHandle {
+        self.handles[body.0 as usize]
+    }
+
+    fn body(&self, body: BodyIndex) -> &RigidBody {
+        &self.bodies[self.handle(body)]
+    }
+
+    /// Number of bodies.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.handles.len()
+    }
+
+    /// Whether there is no body.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.handles.is_empty()
+    }
+
+    /// Where a body is now.
+    #[must_use]
+    pub fn pose(&self, body: BodyIndex) -> Pose {
+        pose_from_rapier(self.body(body).position())
+    }
+
+    /// Linear velocity of the centre of mass, and angular velocity.
+    #[must_use]
+    pub fn velocity(&self, body: BodyIndex) -> (DVec3, DVec3) {
+        let b = self.body(body);
+        (wide(b.linvel()), wide(b.angvel()))
+    }
+
+    /// Puts a body elsewhere.
+    pub fn set_pose(&mut self, body: BodyIndex, pose: Pose) {
+        let handle = self.handle(body);
+        self.bodies[handle].set_position(pose_to_rapier(&pose), true);
+    }
+
+    /// Gives a body other velocities.
+    pub fn set_velocity(&mut self, body: BodyIndex, linear: DVec3, angular: DVec3) {
+        let handle = self.handle(body);
+        self.bodies[handle].set_linvel(narrow(linear), true);
+        self.bodies[handle].set_angvel(narrow(angular), true);
+    }
+
+    /// Mass; 0 for bodies that are not dynamic.
+    #[must_use]
+    pub fn mass(&self, body: BodyIndex) -> f64 {
+        self.body(body).mass().into()
+    }
+
+    /// Energy of all dynamic bodies, summed in f64 from rapier's f32 state.
+    #[must_use]
+    pub fn energy(&self) -> Energy {
+        let mut energy = Energy::default();
+        for &handle in &self.handles {
+            let body = &self.bodies[handle];
+            if body.is_dynamic() {
+                energy.kinetic += f64::from(body.kinetic_energy());
+                let center = wide(body.center_of_mass());
+                energy.potential -= f64::from(body.mass()) * self.options.gravity.dot(center);
+            }
+        }
+        energy
+    }
+
+    /// What the detector said of each pair that rapier considered in the last step, by ascending
+    /// bodies. Empty for detectors other than ours.
+    #[must_use]
+    pub fn contact_pairs(&self) -> Vec<PairContacts> {
+        let step = self.log.step();
+        let tag = |handle| self.colliders.get(handle).map(|c| c.user_data as u32);
+        let mut pairs: Vec<PairContacts> = self
+            .narrow_phase
+            .contact_pairs()
+            .filter_map(|pair| {
+                let (first, second) = (tag(pair.collider1)?, tag(pair.collider2)?);
+                let logged = self.log.get(first, second)?;
+                let before = self.poses_before[first as usize];
+                let world = before.world_from_body();
+                let answer = logged.answer.as_ref().clone().moved(&world);
+                let other = before.compose(&logged.first_from_second);
+                let (a, b) = (BodyIndex(first), BodyIndex(second));
+                let fresh = logged.step == step;
+                Some(if a < b {
+                    PairContacts { a, b, answer: Arc::new(answer), poses: [before, other], fresh }
+                } else {
+                    let answer = Arc::new(answer.swapped());
+                    PairContacts { a: b, b: a, answer, poses: [other, before], fresh }
+                })
+            })
+            .collect();
+        pairs.sort_by_key(|p| (p.a, p.b));
+        pairs
+    }
+
+    /// Points in the manifolds that rapier's solver saw in the last step.
+    #[must_use]
+    pub fn solver_contacts(&self) -> usize {
+        self.narrow_phase
+            .contact_pairs()
+            .flat_map(|pair| pair.solver_manifolds())
+            .map(|manifold| manifold.data.solver_contacts.len())
+            .sum()
+    }
+
+    /// Pairs in rapier's contact graph.
+    #[must_use]
+    pub fn pair_count(&self) -> usize {
+        self.narrow_phase.contact_pairs().count()
+    }
+
+    /// Seconds spent in contact detection, any detector, since this was last asked.
+    pub fn narrow_phase_seconds(&mut self) -> f64 {
+        self.log.take_time().as_secs_f64()
+    }
+
+    /// Of the last step.
+    #[must_use]
+    pub fn timings_ms(&self) -> Timings {
+        let counters = &self.pipeline.counters;
+        Timings {
+            broad: counters.cd.broad_phase_time.time_ms()
+                + counters.cd.final_broad_phase_time.time_ms(),
+            narrow: counters.cd.narrow_phase_time.time_ms(),
+            solver: counters.stages.solver_time.time_ms(),
+            step: counters.step_time_ms(),
+        }
+    }
+}
