@@ -1,1 +1,35 @@
-fn main() {}
+//! The `cranny` command: results on standard output; logs, progress and errors on standard error.
+//!
+//! Exit codes: 0 all went well, 1 input/output or the work itself failed, 2 the arguments or the
+//! input are wrong. `args` says what can be asked; each command is a module of its name.
+
+mod args;
+mod check;
+mod failure;
+mod inspect;
+mod logging;
+mod model_file;
+mod output;
+mod pose_file;
+mod progress;
+mod query;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Cli, Command};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    logging::start(cli.verbose);
+    let outcome = match &cli.command {
+        Command::Query(args) => query::query(args, cli.format),
+        Command::Inspect(args) => inspect::inspect(args, cli.format),
+        Command::Check(args) => check::check(args, cli.format),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,92 @@
+//! How a command fails: what is told, and the exit code.
+
+use std::error::Error;
+use std::fmt::Display;
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use miette::{Diagnostic, GraphicalReportHandler, Report};
+
+/// A command's failure. One paragraph that names what is wrong, where, and what to do.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    kind: Kind,
+    report: Report,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Arguments or input are wrong.
+    Input,
+    /// Input/output or the work itself failed.
+    Run,
+    /// Whoever read our output has gone: no failure of ours, and nobody to tell.
+    ReaderGone,
+}
+
+impl Failure {
+    /// Exit code of wrong arguments and input.
+    pub(crate) const INPUT: u8 = 2;
+    /// Exit code of failed input/output and failed work.
+    pub(crate) const RUN: u8 = 1;
+
+    /// Wrong arguments or input.
+    pub(crate) fn input(message: impl Display) -> Self {
+        Self { kind: Kind::Input, report: Report::msg(message.to_string()) }
+    }
+
+    /// Wrong input that knows its place in a file.
+    pub(crate) fn input_at(diagnostic: impl Diagnostic + Send + Sync + 'static) -> Self {
+        Self { kind: Kind::Input, report: Report::new(diagnostic) }
+    }
+
+    /// Input/output or work that failed.
+    pub(crate) fn run(message: impl Display) -> Self {
+        Self { kind: Kind::Run, report: Report::msg(message.to_string()) }
+    }
+
+    /// A file that could not be read: where it is not there, the argument that named it is wrong;
+    /// otherwise input/output failed.
+    pub(crate) fn unreadable(error: impl Error, source: &io::Error) -> Self {
+        match source.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::IsADirectory | io::ErrorKind::InvalidData => {
+                Self::input(error)
+            }
+            _ => Self::run(error),
+        }
+    }
+
+    /// Standard output that could not be written.
+    pub(crate) fn of_stdout(error: &io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            Self { kind: Kind::ReaderGone, report: Report::msg("the reader has gone") }
+        } else {
+            Self::run(format!(
+                "standard output cannot be written ({error}). Lines already printed are whole; free the device or choose another."
+            ))
+        }
+    }
+
+    /// Tells it on standard error; a terminal is shown the place in the file as well.
+    pub(crate) fn report(&self) -> ExitCode {
+        let code = match self.kind {
+            Kind::ReaderGone => return ExitCode::SUCCESS,
+            Kind::Input => Self::INPUT,
+            Kind::Run => Self::RUN,
+        };
+        let mut stderr = io::stderr().lock();
+        let mut shown = String::new();
+        let drawn = stderr.is_terminal()
+            && self.report.source_code().is_some()
+            && GraphicalReportHandler::new()
+                .render_report(&mut shown, self.report.as_ref())
+                .is_ok();
+        // Where standard error itself fails, the exit code is all that can be told.
+        let _ = if drawn {
+            write!(stderr, "{shown}")
+        } else {
+            writeln!(stderr, "error: {}", self.report)
+        };
+        ExitCode::from(code)
+    }
+}

@@ -1,0 +1,46 @@
+//! `cranny inspect`: what is known of a mesh.
+
+mod picture;
+mod summary;
+mod text;
+
+use crate::args::{Format, InspectArgs};
+use crate::failure::Failure;
+use crate::model_file::load;
+use crate::output::Output;
+use summary::{Skipped, Summary};
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// A mesh that cannot be read, a picture that cannot be written (its report is printed all the same),
+/// standard output that cannot be written. Without a graphics adapter the report says that the
+/// picture was skipped.
+pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), Failure> {
+    if let Some(path) = &args.save {
+        return Err(Failure::input(format!(
+            "--save {}: saving prepared models comes with a later version; leave the option out",
+            path.display()
+        )));
+    }
+    let loaded = load(&args.mesh, 1.0)?;
+    let mut summary = Summary::new(&args.mesh, &loaded);
+    let mut failed = None;
+    if let Some(path) = &args.render {
+        match picture::draw(&loaded.model, path) {
+            Ok(()) => summary.outputs.push(path.display().to_string()),
+            Err(picture::Trouble::NoGraphics(why)) => {
+                tracing::warn!("no picture: {why}");
+                summary.skipped.push(Skipped { what: path.display().to_string(), why });
+            }
+            Err(picture::Trouble::Failed(failure)) => failed = Some(failure),
+        }
+    }
+    let mut output = Output::new();
+    match format.unwrap_or(Format::Text) {
+        Format::Json => output.json(&summary)?,
+        Format::Text => output.line(&text::page(&summary))?,
+    }
+    failed.map_or(Ok(()), Err)
+}

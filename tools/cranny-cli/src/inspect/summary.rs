@@ -1,0 +1,178 @@
+//! What `cranny inspect` reports, as it is written in JSON.
+
+use std::path::Path;
+use std::time::Duration;
+
+use cranny_geometry::{Finding, Model, Repair};
+use serde::Serialize;
+
+use crate::model_file::LoadedModel;
+
+/// Everything that is known of a mesh. What this version does not determine is `None` (null), or an
+/// empty list: never an invented number.
+#[derive(Debug, Serialize)]
+pub(super) struct Summary {
+    version: u32,
+    pub(super) file: String,
+    pub(super) format: &'static str,
+    pub(super) digest: String,
+    pub(super) vertices: usize,
+    pub(super) filed_vertices: usize,
+    pub(super) faces: usize,
+    pub(super) components: usize,
+    pub(super) closed: bool,
+    pub(super) oriented: bool,
+    pub(super) bounds: [[f64; 3]; 2],
+    pub(super) volume: Option<f64>,
+    pub(super) area: f64,
+    pub(super) findings: Vec<FindingLine>,
+    pub(super) repairs: Vec<RepairLine>,
+    pub(super) hull: HullLine,
+    /// Not determined yet.
+    features: Option<()>,
+    /// Not determined yet.
+    concavities: [(); 0],
+    /// Not determined yet.
+    skin_volume: Option<f64>,
+    /// Not determined yet.
+    patches: Option<usize>,
+    /// Models are not encoded yet.
+    bytes: Option<usize>,
+    pub(super) time_ms: TimesLine,
+    pub(super) notes: Vec<String>,
+    pub(super) outputs: Vec<String>,
+    pub(super) skipped: Vec<Skipped>,
+}
+
+/// Something unusual.
+#[derive(Debug, Serialize)]
+pub(super) struct FindingLine {
+    pub(super) kind: &'static str,
+    /// Faces.
+    pub(super) ids: Vec<u32>,
+    pub(super) at: [f64; 3],
+    pub(super) measure: f64,
+    pub(super) limits: &'static [&'static str],
+}
+
+/// Something that was mended.
+#[derive(Debug, Serialize)]
+pub(super) struct RepairLine {
+    pub(super) kind: &'static str,
+    pub(super) count: usize,
+    pub(super) text: String,
+}
+
+/// The convex hull.
+#[derive(Debug, Serialize)]
+pub(super) struct HullLine {
+    pub(super) kind: &'static str,
+    pub(super) vertices: usize,
+    pub(super) triangles: usize,
+    pub(super) facets: usize,
+    pub(super) volume: f64,
+    pub(super) area: f64,
+    pub(super) thickness_max: f64,
+}
+
+/// Milliseconds a stage.
+#[derive(Debug, Serialize)]
+pub(super) struct TimesLine {
+    pub(super) read: f64,
+    pub(super) repair: f64,
+    pub(super) hull: f64,
+    classify: Option<f64>,
+    caps: Option<f64>,
+    pub(super) trees: f64,
+    envelopes: Option<f64>,
+}
+
+/// Something that was asked for and could not be done.
+#[derive(Debug, Serialize)]
+pub(super) struct Skipped {
+    pub(super) what: String,
+    pub(super) why: String,
+}
+
+impl Summary {
+    /// The report of a prepared model.
+    pub(super) fn new(path: &Path, loaded: &LoadedModel) -> Self {
+        let LoadedModel { model, report, format, notes, times } = loaded;
+        let bounds = model.bounds();
+        let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        Self {
+            version: 1,
+            file: path.display().to_string(),
+            format,
+            digest: model.digest().iter().map(|byte| format!("{byte:02x}")).collect(),
+            vertices: report.vertices,
+            filed_vertices: report.filed_vertices,
+            faces: report.faces,
+            components: report.components,
+            closed: report.closed,
+            oriented: report.oriented,
+            bounds: [bounds.min.to_array(), bounds.max.to_array()],
+            volume: report.volume,
+            area: report.area,
+            findings: report.findings.iter().map(FindingLine::new).collect(),
+            repairs: report.repairs.iter().map(RepairLine::new).collect(),
+            hull: HullLine::new(model),
+            features: None,
+            concavities: [],
+            skin_volume: None,
+            patches: None,
+            bytes: None,
+            time_ms: TimesLine {
+                read: ms(times.read),
+                repair: ms(times.repair),
+                hull: ms(times.hull),
+                classify: None,
+                caps: None,
+                trees: ms(times.trees),
+                envelopes: None,
+            },
+            notes: notes.clone(),
+            outputs: Vec::new(),
+            skipped: Vec::new(),
+        }
+    }
+}
+
+impl FindingLine {
+    fn new(finding: &Finding) -> Self {
+        Self {
+            kind: finding.kind.name(),
+            ids: finding.ids.clone(),
+            at: finding.at.to_array(),
+            measure: finding.measure,
+            limits: finding.kind.limits(),
+        }
+    }
+}
+
+impl RepairLine {
+    fn new(repair: &Repair) -> Self {
+        let (kind, count) = match *repair {
+            Repair::WeldedVertices { count } => ("welded_vertices", count),
+            Repair::DroppedVertices { count } => ("dropped_vertices", count),
+            Repair::TurnedRightSideOut { faces } => ("turned_right_side_out", faces),
+            _ => ("other", 1),
+        };
+        Self { kind, count, text: repair.to_string() }
+    }
+}
+
+impl HullLine {
+    fn new(model: &Model) -> Self {
+        let hull = model.hull();
+        Self {
+            kind: hull.kind().as_str(),
+            vertices: hull.vertex_count(),
+            triangles: hull.triangle_count(),
+            facets: hull.facet_count(),
+            volume: hull.volume(),
+            area: hull.area(),
+            thickness_max: hull.thickness_max(),
+        }
+    }
+}

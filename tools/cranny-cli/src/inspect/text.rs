@@ -1,0 +1,195 @@
+//! The page that `cranny inspect` prints for people.
+
+use super::summary::{FindingLine, Summary};
+
+/// So many findings of one kind are listed; the rest is counted.
+const LISTED: usize = 3;
+
+/// The report as lines of text.
+pub(super) fn page(summary: &Summary) -> String {
+    let mut lines = vec![format!("{} ({})", summary.file, summary.format)];
+    let mut row = |label: &str, value: String| lines.push(format!("  {label:<11}{value}"));
+    row("vertices", vertices(summary));
+    row("faces", format!("{} in {}", summary.faces, counted(summary.components, "component")));
+    row("surface", surface(summary));
+    let [low, high] = summary.bounds;
+    row("bounds", format!("{} to {}", point(low), point(high)));
+    row("area", number(summary.area));
+    row("volume", summary.volume.map_or_else(|| "none: not closed".to_owned(), number));
+    let hull = &summary.hull;
+    row(
+        "hull",
+        format!(
+            "{}: {}, {}, {}",
+            hull.kind,
+            counted(hull.vertices, "vertex"),
+            counted(hull.triangles, "triangle"),
+            counted(hull.facets, "facet")
+        ),
+    );
+    row(
+        "",
+        format!("area {}, volume {}{}", number(hull.area), number(hull.volume), share(summary)),
+    );
+    row("", format!("facets up to {} thick", number(hull.thickness_max)));
+    let time = &summary.time_ms;
+    row(
+        "time",
+        format!(
+            "read {:.1} ms, repair {:.1} ms, hull {:.1} ms, trees {:.1} ms",
+            time.read, time.repair, time.hull, time.trees
+        ),
+    );
+    row("digest", summary.digest.clone());
+    list(&mut lines, "notes from reading", summary.notes.iter().cloned());
+    list(&mut lines, "repairs", summary.repairs.iter().map(|repair| repair.text.clone()));
+    findings(&mut lines, &summary.findings);
+    list(&mut lines, "written", summary.outputs.iter().cloned());
+    list(&mut lines, "skipped", summary.skipped.iter().map(|s| format!("{}: {}", s.what, s.why)));
+    lines.join("\n")
+}
+
+fn vertices(summary: &Summary) -> String {
+    match summary.filed_vertices == summary.vertices {
+        true => summary.vertices.to_string(),
+        false => format!("{} ({} in the file)", summary.vertices, summary.filed_vertices),
+    }
+}
+
+fn surface(summary: &Summary) -> String {
+    let closed = match summary.closed {
+        true => "closed: bounds a solid",
+        false => "open: a surface without inside",
+    };
+    let oriented = match summary.oriented {
+        true => "consistently oriented",
+        false => "orientations contradict",
+    };
+    format!("{closed}; {oriented}")
+}
+
+/// How much of its hull the solid fills.
+fn share(summary: &Summary) -> String {
+    match summary.volume {
+        Some(volume) if summary.hull.volume > 0.0 => {
+            format!(" ({:.1} % of it filled)", 100.0 * volume / summary.hull.volume)
+        }
+        _ => String::new(),
+    }
+}
+
+fn list(lines: &mut Vec<String>, title: &str, entries: impl Iterator<Item = String>) {
+    let mut entries = entries.peekable();
+    if entries.peek().is_some() {
+        lines.push(title.to_owned());
+        lines.extend(entries.map(|entry| format!("  - {entry}")));
+    }
+}
+
+/// Each kind once: how many, what they mean, the first few.
+fn findings(lines: &mut Vec<String>, findings: &[FindingLine]) {
+    let mut kinds: Vec<&str> = Vec::new();
+    for finding in findings {
+        if !kinds.contains(&finding.kind) {
+            kinds.push(finding.kind);
+        }
+    }
+    lines.push(if kinds.is_empty() { "findings: none" } else { "findings" }.to_owned());
+    for kind in kinds {
+        let of_kind: Vec<_> = findings.iter().filter(|finding| finding.kind == kind).collect();
+        lines.push(format!("  - {} x {}", of_kind.len(), kind.replace('_', " ")));
+        lines.extend(of_kind[0].limits.iter().map(|limit| format!("      {limit}")));
+        for finding in of_kind.iter().take(LISTED) {
+            let faces: Vec<String> = finding.ids.iter().map(u32::to_string).collect();
+            lines.push(format!(
+                "      at {}, length {}, face {}",
+                point(finding.at),
+                number(finding.measure),
+                faces.join(", ")
+            ));
+        }
+        if of_kind.len() > LISTED {
+            lines.push(format!(
+                "      and {} more (all with --format json)",
+                of_kind.len() - LISTED
+            ));
+        }
+    }
+}
+
+/// Six significant digits, plain where that is short.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e6).contains(&size) => {
+            let whole = size.log10().floor() as i32;
+            let digits = (5 - whole).max(0) as usize;
+            let text = format!("{value:.digits$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
+        }
+        _ => format!("{value:.5e}"),
+    }
+}
+
+fn point(p: [f64; 3]) -> String {
+    let [x, y, z] = p.map(number);
+    format!("({x}, {y}, {z})")
+}
+
+fn counted(count: usize, what: &str) -> String {
+    match (count, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "vertex") => format!("{count} vertices"),
+        _ => format!("{count} {what}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_six_digits_and_no_tail() {
+        let cases = [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-2.5, "-2.5"),
+            (1.0 / 3.0, "0.333333"),
+            (123_456.7, "123457"),
+            (100.0, "100"),
+            (1e-7, "1.00000e-7"),
+            (2e9, "2.00000e9"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn findings_are_counted_by_kind_and_the_first_few_listed() {
+        let finding = |kind, id| FindingLine {
+            kind,
+            ids: vec![id],
+            at: [0.0, 0.5, 1.0],
+            measure: 2.0,
+            limits: &["no volume"],
+        };
+        let mut all: Vec<_> = (0..5).map(|id| finding("open_edge", id)).collect();
+        all.push(finding("zero_area_face", 9));
+        let mut lines = Vec::new();
+        findings(&mut lines, &all);
+        assert_eq!(lines[0], "findings");
+        assert_eq!(lines[1], "  - 5 x open edge");
+        assert_eq!(lines[2], "      no volume");
+        assert_eq!(lines[3], "      at (0, 0.5, 1), length 2, face 0");
+        assert!(lines[6].contains("and 2 more"));
+        assert_eq!(lines[7], "  - 1 x zero area face");
+        assert_eq!(lines.len(), 10);
+        let mut none = Vec::new();
+        findings(&mut none, &[]);
+        assert_eq!(none, ["findings: none"]);
+    }
+}

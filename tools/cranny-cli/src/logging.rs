@@ -1,0 +1,26 @@
+//! Logs on standard error: warnings on a terminal, nothing elsewhere, more where it is asked for.
+
+use std::io::{self, IsTerminal};
+
+use tracing_subscriber::EnvFilter;
+
+/// Starts logging. `RUST_LOG` decides where it is set; else `verbose` (0: warnings, on a terminal
+/// only; 1: notes; 2: details; more: everything).
+pub(crate) fn start(verbose: u8) {
+    let level = match verbose {
+        0 if io::stderr().is_terminal() => "warn",
+        0 => "off",
+        1 => "warn,cranny=info",
+        2 => "info,cranny=debug",
+        _ => "trace",
+    };
+    let asked = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|filter| !filter.is_empty());
+    let filter = EnvFilter::new(asked.as_deref().unwrap_or(level));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(io::stderr)
+        .with_ansi(io::stderr().is_terminal())
+        .without_time()
+        .with_target(false)
+        .init();
+}

@@ -1,0 +1,108 @@
+//! From the name of a mesh file to a prepared model.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use cranny_exact::DVec3;
+use cranny_geometry::{BuildOptions, Model, Report, Stage};
+use cranny_scene::{MeshFile, MeshFileError, read_mesh};
+
+use crate::failure::Failure;
+use crate::progress;
+
+/// A model, where it came from and what was found on the way.
+pub(crate) struct LoadedModel {
+    /// The prepared model.
+    pub(crate) model: Model,
+    /// What was found and mended.
+    pub(crate) report: Report,
+    /// The format that the file has.
+    pub(crate) format: &'static str,
+    /// What the reader left out or changed.
+    pub(crate) notes: Vec<String>,
+    /// How long it took.
+    pub(crate) times: Times,
+}
+
+/// Time spent on each stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Times {
+    /// Reading and decoding the file.
+    pub(crate) read: Duration,
+    /// Weld, scan, repair, adjacency.
+    pub(crate) repair: Duration,
+    /// Convex hull.
+    pub(crate) hull: Duration,
+    /// Box trees.
+    pub(crate) trees: Duration,
+}
+
+/// Reads a mesh file, scales it about the origin and prepares the model.
+///
+/// # Errors
+///
+/// A missing or broken file, a mesh that leaves the coordinate domain when scaled, or one that has
+/// no face with an area.
+pub(crate) fn load(path: &Path, scale: f64) -> Result<LoadedModel, Failure> {
+    let waiting = progress::spinner(format!("reading {}", path.display()));
+    let start = Instant::now();
+    let MeshFile { mesh, format, notes, .. } = read_mesh(path).map_err(unreadable)?;
+    let mut times = Times { read: start.elapsed(), ..Times::default() };
+    for note in &notes {
+        tracing::info!(file = %path.display(), "{note}");
+    }
+
+    waiting.set_message(format!("preparing {}", path.display()));
+    let wrong = |error: &dyn std::fmt::Display| {
+        Failure::input(format!(
+            "mesh file {}: {error}. Correct or export it again.",
+            path.display()
+        ))
+    };
+    let mesh = if scale == 1.0 {
+        mesh
+    } else {
+        mesh.scaled(DVec3::splat(scale)).map_err(|error| {
+            Failure::input(format!(
+                "mesh file {}, scaled by {scale}: {error}. Choose another scale.",
+                path.display()
+            ))
+        })?
+    };
+    let mut stopwatch = Stopwatch::default();
+    let (model, report) = Model::build_observed(mesh, &BuildOptions::default(), &mut |stage| {
+        stopwatch.enter(stage, &mut times);
+    })
+    .map_err(|error| wrong(&error))?;
+    waiting.finish_and_clear();
+    Ok(LoadedModel { model, report, format: format.name(), notes, times })
+}
+
+fn unreadable(error: MeshFileError) -> Failure {
+    match &error {
+        MeshFileError::Unreadable { source, .. } => {
+            let kind = std::io::Error::from(source.kind());
+            Failure::unreadable(error, &kind)
+        }
+        _ => Failure::input(error),
+    }
+}
+
+/// Books the time since the last stage began on it.
+#[derive(Default)]
+struct Stopwatch(Option<(Stage, Instant)>);
+
+impl Stopwatch {
+    fn enter(&mut self, stage: Stage, times: &mut Times) {
+        if let Some((ended, began)) = self.0 {
+            let spent = match ended {
+                Stage::Repair => &mut times.repair,
+                Stage::Hull => &mut times.hull,
+                Stage::Trees => &mut times.trees,
+                Stage::Done => return,
+            };
+            *spent += began.elapsed();
+        }
+        self.0 = Some((stage, Instant::now()));
+    }
+}

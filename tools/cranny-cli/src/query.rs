@@ -1,0 +1,73 @@
+//! `cranny query`: two meshes at a list of poses, a line each.
+
+mod line;
+
+use std::time::Instant;
+
+use cranny_narrow_phase::{Demand, PairMemory, Placed, Query};
+
+use crate::args::{DemandArg, Format, QueryArgs};
+use crate::failure::Failure;
+use crate::model_file::load;
+use crate::output::Output;
+use crate::pose_file::read_poses;
+use crate::progress;
+use line::{Line, Shown};
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// Wrong meshes, poses or options; standard output that cannot be written.
+pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Failure> {
+    if args.certificate {
+        return Err(Failure::input(
+            "--certificate: certificates come with a later version; leave the option out",
+        ));
+    }
+    // Poses first: they are read in no time, and a mistake in them is told before the long work.
+    let poses = read_poses(&args.poses)?;
+    let a = load(&args.mesh_a, args.scale_a)?.model;
+    let b = load(&args.mesh_b, args.scale_b)?.model;
+    let demand = demand_of(args.demand);
+
+    let format = format.unwrap_or(Format::Json);
+    let mut output = Output::new();
+    if format == Format::Text {
+        output.line(&line::heading())?;
+    }
+    let bar = progress::bar(poses.len() as u64, "querying");
+    let mut memory = PairMemory::default();
+    for (index, [pose_a, pose_b]) in poses.into_iter().enumerate() {
+        if args.cold {
+            memory.clear();
+        }
+        let placed = [Placed { model: &a, pose: pose_a }, Placed { model: &b, pose: pose_b }];
+        let start = Instant::now();
+        let answer =
+            cranny_narrow_phase::query(placed[0], placed[1], &Query::of(demand), &mut memory);
+        let micros = start.elapsed().as_secs_f64() * 1e6;
+        let answer = answer.map_err(|error| {
+            Failure::input(format!("pose file {}: pose {index}: {error}", args.poses.display()))
+        })?;
+        let shown = Shown { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
+        let line = Line::new(index, &answer, micros, shown);
+        bar.suspend(|| match format {
+            Format::Json => output.json(&line),
+            Format::Text => output.line(&line.text()),
+        })?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+/// Contacts are wanted where the surfaces meet, so the margin is 0.
+fn demand_of(demand: DemandArg) -> Demand {
+    match demand {
+        DemandArg::Intersects => Demand::Intersects,
+        DemandArg::Distance => Demand::Distance { below: None },
+        DemandArg::Contacts => Demand::Contacts { margin: 0.0 },
+        DemandArg::Regions => Demand::Regions { margin: 0.0 },
+    }
+}
