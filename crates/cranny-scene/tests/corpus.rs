@@ -1,11 +1,14 @@
 //! Real meshes and robots, where `CRANNY_CORPUS` names their folder.
 #![allow(clippy::print_stderr)]
 
+#[path = "assets/meeting.rs"]
+mod meeting;
+
 use std::path::{Path, PathBuf};
 
-use cranny_exact::DVec3;
+use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Mesh;
-use cranny_scene::{MeshFormat, RobotError, read_mesh, read_robot};
+use cranny_scene::{MeshFormat, Robot, RobotError, read_mesh, read_robot};
 use cranny_world::description::JointPositions;
 use serde_json::Value;
 
@@ -117,9 +120,31 @@ fn robots_load_with_the_links_and_pairs_expected() {
         assert_eq!(adjacent, named);
         for config in expected["configs"].as_array().unwrap() {
             let positions: JointPositions = serde_json::from_value(config["q"].clone()).unwrap();
-            assert_eq!(robot.forward_kinematics(&positions).unwrap().len(), robot.links.len());
+            let poses = robot.forward_kinematics(&positions).unwrap();
+            let hits: Vec<[String; 2]> = serde_json::from_value(config["hits"].clone()).unwrap();
+            assert_eq!(meeting_links(&robot, &poses), hits, "{name} {positions:?}");
         }
     }
+}
+
+/// Names of the links that are not adjacent and whose collision surfaces meet, sorted.
+fn meeting_links(robot: &Robot, poses: &[Pose]) -> Vec<[String; 2]> {
+    let adjacent = robot.adjacent_links();
+    let mut hits = Vec::new();
+    for b in 0..robot.links.len() {
+        for a in (0..b).filter(|&a| !adjacent.contains(&(a, b))) {
+            let placed = |i: usize| Some((robot.links[i].collision.as_deref()?, &poses[i]));
+            if let (Some(p), Some(q)) = (placed(a), placed(b)) {
+                if meeting::surfaces_meet(p, q) {
+                    let mut pair = [a, b].map(|i| robot.links[i].name.clone());
+                    pair.sort();
+                    hits.push(pair);
+                }
+            }
+        }
+    }
+    hits.sort();
+    hits
 }
 
 #[test]
