@@ -78,13 +78,13 @@ fn verdict(pair: &Pair, [first, second]: [Parts; 2], flush: Flush) -> Solidity {
             && !(inner.outside || flush.opposite || outer.inside)
             && pair.model(outer_side).is_closed()
     };
-    let contained =
-        match (within(first, second, Side::Second), within(second, first, Side::First)) {
-            (true, false) => Some(Containment::AInB),
-            (false, true) => Some(Containment::BInA),
-            // Each in the other: they coincide, and neither is the inner one.
-            _ => None,
-        };
+    let contained = match (within(first, second, Side::Second), within(second, first, Side::First))
+    {
+        (true, false) => Some(Containment::AInB),
+        (false, true) => Some(Containment::BInA),
+        // Each in the other: they coincide, and neither is the inner one.
+        _ => None,
+    };
     Solidity { solid: first.inside || second.inside || flush.same, contained }
 }
 
@@ -143,7 +143,10 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counte
             Sampling::Touches(count) => {
                 let at = |p: DVec3| locate(pair, side.other(), p, counters);
                 parts.add(
-                    samples(triangle, count).map(at).find(|&l| l != Location::On).unwrap_or(Location::On),
+                    samples(triangle, count)
+                        .map(at)
+                        .find(|&l| l != Location::On)
+                        .unwrap_or(Location::On),
                 );
             }
             Sampling::Free | Sampling::Flush => {}
@@ -155,8 +158,9 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counte
 /// Points of a face of which `touches` isolated ones may be taken: its corners, which are exact, then
 /// distinct points of its inside. These round by an ulp unless coordinates are dyadic.
 fn samples([a, b, c]: [DVec3; 3], touches: u32) -> impl Iterator<Item = DVec3> {
+    let steps = f64::from((touches + 2).next_power_of_two());
     let inner = (1..=touches + 1).map(move |k| {
-        let share = 0.5 / f64::from(1u32 << k.min(31));
+        let share = 0.5 * f64::from(k) / steps;
         a * share + b * 0.5 + c * (0.5 - share)
     });
     [a, b, c].into_iter().chain(inner)

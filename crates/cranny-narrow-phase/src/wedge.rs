@@ -1,0 +1,85 @@
+//! The solid around an edge: is a direction that leaves the edge inside or outside? Exact.
+
+use cranny_exact::{DVec2, DVec3, Sign, orient2d, orient3d};
+use cranny_geometry::EdgeId;
+
+use crate::inside::Location;
+use crate::pair::{Pair, Side};
+
+/// An edge and the faces around it, of any number.
+pub(crate) struct Wedge {
+    ends: [DVec3; 2],
+    spokes: Vec<Spoke>,
+}
+
+/// A face as seen along the edge.
+#[derive(Clone, Copy)]
+struct Spoke {
+    apex: DVec3,
+    /// The face runs along the edge from its first to its second end. Its back, where the solid is,
+    /// then lies clockwise of it.
+    forward: bool,
+}
+
+impl Wedge {
+    /// The wedge of an edge of a closed component.
+    pub(crate) fn of(pair: &Pair, side: Side, edge: EdgeId) -> Self {
+        let from = pair.topology(side).edges()[edge.index()].from;
+        let spoke = |h: &cranny_geometry::HalfEdgeId| Spoke {
+            apex: pair.position(side, pair.corner(side, h.face(), (h.corner() + 2) % 3)),
+            forward: pair.corner(side, h.face(), h.corner()) == from,
+        };
+        let spokes = pair.topology(side).half_edges(edge).iter().map(spoke).collect();
+        Self { ends: pair.segment(side, edge), spokes }
+    }
+
+    /// Where the half-plane from the edge's line through `p` begins: in the solid, out of it or in a
+    /// face. `project` drops a coordinate such that the plane through the edge and `p` keeps its
+    /// area. `On` also where nothing can be told: `p` is on the edge's line, or a face around the
+    /// edge has no area.
+    pub(crate) fn locate(&self, p: DVec3, project: impl Fn(DVec3) -> DVec2) -> Location {
+        let hand = |x: DVec3| orient2d(project(self.ends[0]), project(self.ends[1]), project(x));
+        let hand_of_p = hand(p);
+        if hand_of_p.is_zero() {
+            return Location::On;
+        }
+        // The first face that a half-plane meets which turns counter-clockwise from p.
+        let mut first: Option<(Turn, Spoke)> = None;
+        for &spoke in &self.spokes {
+            let turn = match self.turn(p, spoke.apex) {
+                Sign::Positive => Turn::Less,
+                Sign::Negative => Turn::More,
+                Sign::Zero if hand(spoke.apex).is_zero() || hand(spoke.apex) == hand_of_p => {
+                    return Location::On;
+                }
+                Sign::Zero => Turn::Half,
+            };
+            let earlier = |&(t, s): &(Turn, Spoke)| {
+                turn < t || (turn == t && self.turn(spoke.apex, s.apex) == Sign::Positive)
+            };
+            if first.as_ref().is_none_or(earlier) {
+                first = Some((turn, spoke));
+            }
+        }
+        match first {
+            Some((_, spoke)) if spoke.forward => Location::Inside,
+            Some(_) => Location::Outside,
+            None => Location::On,
+        }
+    }
+
+    /// The sign of the turn about the edge from `x` to `y`, less than half a turn either way.
+    fn turn(&self, x: DVec3, y: DVec3) -> Sign {
+        orient3d(self.ends[0], self.ends[1], x, y)
+    }
+}
+
+/// How far a half-plane turns.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Turn {
+    /// Less than half a turn.
+    Less,
+    Half,
+    /// More than half a turn.
+    More,
+}
