@@ -134,12 +134,12 @@ fn meeting_links(robot: &Robot, poses: &[Pose]) -> Vec<[String; 2]> {
     for b in 0..robot.links.len() {
         for a in (0..b).filter(|&a| !adjacent.contains(&(a, b))) {
             let placed = |i: usize| Some((robot.links[i].collision.as_deref()?, &poses[i]));
-            if let (Some(p), Some(q)) = (placed(a), placed(b)) {
-                if meeting::surfaces_meet(p, q) {
-                    let mut pair = [a, b].map(|i| robot.links[i].name.clone());
-                    pair.sort();
-                    hits.push(pair);
-                }
+            if let (Some(p), Some(q)) = (placed(a), placed(b))
+                && meeting::surfaces_meet(p, q)
+            {
+                let mut pair = [a, b].map(|i| robot.links[i].name.clone());
+                pair.sort();
+                hits.push(pair);
             }
         }
     }
