@@ -29,7 +29,7 @@ impl BoxTest {
             rotation: m,
             absolute: DMat3::from_cols(abs(m.x_axis), abs(m.y_axis), abs(m.z_axis)),
             translation: map.translation,
-            error: pair.length_error(),
+            error: pair.culling_error(),
         }
     }
 

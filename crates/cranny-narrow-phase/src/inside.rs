@@ -83,7 +83,7 @@ fn for_each_face_along(pair: &Pair, side: Side, segment: [DVec3; 2], visit: impl
         Side::First => (segment, 0.0),
         Side::Second => {
             let inverse = pair.first_from_second.inverse();
-            (segment.map(|p| inverse.apply(p)), 8.0 * pair.length_error())
+            (segment.map(|p| inverse.apply(p)), 8.0 * pair.culling_error())
         }
     };
     let reach = (local[1] - local[0]).length();

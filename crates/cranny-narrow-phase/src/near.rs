@@ -174,10 +174,14 @@ impl<'a, 'b> Finder<'a, 'b> {
         })
     }
 
-    /// Whether a direction lies between the normals of an edge's faces: both faces fall away from it.
+    /// Whether a direction lies between the outward normals of an edge's faces: both faces fall away
+    /// from it, and it does not lead into the body.
     fn in_wedge(&self, side: Side, edge: EdgeId, direction: DVec3) -> bool {
         let around = self.pair.topology(side).half_edges(edge);
         around.iter().all(|&h| {
+            if self.pair.area_vector(side, h.face()).dot(direction) < 0.0 {
+                return false;
+            }
             let [a, b, c] = self.pair.triangle(side, h.face());
             let corners = [a, b, c];
             let start = corners[h.corner()];

@@ -64,6 +64,8 @@ pub(crate) struct Pair<'a> {
     models: [&'a Model; 2],
     pub(crate) first_from_second: RigidMap,
     world_from_first: RigidMap,
+    /// How far the second's vertices are moved along their normals: 0 but beside special positions.
+    bulge: f64,
     /// The first in canonical order is the caller's B.
     swapped: bool,
     posed: &'a mut PosedVertices,
@@ -79,13 +81,15 @@ impl<'a> Pair<'a> {
             models: [first.model, second.model],
             first_from_second: RigidMap::between(&first.pose, &second.pose),
             world_from_first: first.pose.world_from_body(),
+            bulge: 0.0,
             swapped,
             posed,
         }
     }
 
-    /// The same pair with the second body moved by `offset` (first's frame).
-    pub(crate) fn shifted(&mut self, offset: DVec3) -> Pair<'_> {
+    /// The same pair with the second body moved by `offset` (first's frame) and grown by `bulge`
+    /// (shrunk if negative), every vertex along the mean normal of its faces.
+    pub(crate) fn shifted(&mut self, offset: DVec3, bulge: f64) -> Pair<'_> {
         self.posed.restart(self.models[1].mesh().vertices().len());
         let mut first_from_second = self.first_from_second;
         first_from_second.translation += offset;
@@ -93,6 +97,7 @@ impl<'a> Pair<'a> {
             models: self.models,
             first_from_second,
             world_from_first: self.world_from_first,
+            bulge,
             swapped: self.swapped,
             posed: self.posed,
         }
@@ -126,11 +131,21 @@ impl<'a> Pair<'a> {
                 if epoch == self.posed.epoch {
                     return posed;
                 }
-                let posed = self.first_from_second.apply(p);
+                let mut posed = self.first_from_second.apply(p);
+                if self.bulge != 0.0 {
+                    posed += self.bulge * self.vertex_normal(vertex);
+                }
                 slot.set((self.posed.epoch, posed));
                 posed
             }
         }
+    }
+
+    /// Mean normal of the second body's faces at a vertex, in the pair's frame.
+    fn vertex_normal(&self, vertex: VertexId) -> DVec3 {
+        let unit = |&f: &FaceId| self.mesh(Side::Second).area_vector(f).normalize_or_zero();
+        let faces = self.topology(Side::Second).faces_at(vertex);
+        self.first_from_second.apply_vector(faces.iter().map(unit).sum()).normalize_or_zero()
     }
 
     /// Corners of a face in the pair's frame.
@@ -178,13 +193,19 @@ impl<'a> Pair<'a> {
         64.0 * f64::EPSILON * self.scale()
     }
 
+    /// By how much a posed vertex may leave the posed box of what holds it.
+    pub(crate) fn culling_error(&self) -> f64 {
+        self.length_error() + self.bulge.abs()
+    }
+
     /// The box of a whole body in the pair's frame, rounded outward.
     pub(crate) fn bounds(&self, side: Side) -> Aabb {
         let local = self.model(side).bounds();
         match side {
             Side::First => local,
-            Side::Second => posed_box(&self.first_from_second, &local)
-                .grown(self.first_from_second.posing_error(self.models[1].radius())),
+            Side::Second => posed_box(&self.first_from_second, &local).grown(
+                self.first_from_second.posing_error(self.models[1].radius()) + self.bulge.abs(),
+            ),
         }
     }
 

@@ -15,9 +15,9 @@ use crate::surface::{FacePair, meeting_pairs};
 use crate::touch::touch_regions;
 use crate::triangle_distance::{Part, closest_on_triangle};
 
-/// How far the second body is moved to read the regions of a special position (faces flush, edges
-/// crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as much,
-/// times the number of directions. Smaller: rounding decides what is inside; larger: figures suffer.
+/// How far the second body is moved or grown to read the regions of a special position (faces flush,
+/// edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as
+/// much. Smaller: rounding decides what is inside; larger: figures suffer.
 const NUDGE: f64 = 9.313_225_746_154_785e-10;
 
 /// Directions of the nudge: generic, so that no plane of a modelled part holds them.
@@ -26,6 +26,10 @@ const NUDGES: [DVec3; 3] = [
     DVec3::new(-0.613, 0.441, -0.656),
     DVec3::new(0.701, -0.529, 0.478),
 ];
+
+/// A body that shrinks or grows also moves, by this share of it: enough to leave special positions,
+/// too little to bring faces back to the side from which they parted.
+const SHARE: f64 = 0.125;
 
 /// Below this ratio of enclosed area to perimeter squared, curves enclose nothing (a peg through a
 /// plate: the two rims cancel).
@@ -59,21 +63,38 @@ pub(crate) fn meeting_regions(
     if here.generic {
         return closed_regions(pair, &here);
     }
-    // A special position. Its figures are those of a general one beside it.
+    let regions = regions_beside(pair, counters);
+    pair.repose();
+    // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
+    regions.unwrap_or_else(|| outer_touch(pair, pairs))
+}
+
+/// The figures of a special position are those of a general one beside it.
+///
+/// Where faces are flush, the strip that they share belongs to one body's piece or the other's, as
+/// the bodies are moved, and tilts the normal if it is the wrong one. So the second body is once
+/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on one
+/// side does not count against one on the other. The smaller depth wins. Bodies that coincide
+/// part both ways; then a mere shift has to do.
+fn regions_beside(pair: &mut Pair, counters: &mut Counters) -> Option<Vec<Region>> {
     let step = NUDGE * pair.scale();
-    let mut regions = None;
-    for direction in NUDGES {
-        let shifted = pair.shifted(direction * step);
+    let mut read = |offset: DVec3, bulge: f64| {
+        let shifted = pair.shifted(offset, bulge);
         let pairs = meeting_pairs(&shifted, counters);
         let beside = intersect(&shifted, &pairs);
-        if beside.generic && !beside.segments.is_empty() {
-            regions = Some(closed_regions(&shifted, &beside));
-            break;
+        let cuts_out = beside.generic && !beside.segments.is_empty();
+        cuts_out.then(|| closed_regions(&shifted, &beside))
+    };
+    let depth = |regions: &Vec<Region>| regions.iter().filter_map(|r| r.depth).fold(0.0, f64::max);
+    for direction in NUDGES {
+        let offset = direction * (step * SHARE);
+        let sized = [-step, step].into_iter().filter_map(|bulge| read(offset, bulge));
+        let least = sized.min_by(|x, y| depth(x).total_cmp(&depth(y)));
+        if least.is_some() {
+            return least;
         }
     }
-    pair.repose();
-    // Flush from inside, say: the nudge parted the surfaces. They touch, and that is all.
-    regions.unwrap_or_else(|| outer_touch(pair, pairs))
+    NUDGES.into_iter().find_map(|direction| read(direction * step, 0.0))
 }
 
 fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, orient3d};
-use cranny_geometry::DisjointSets;
+use cranny_geometry::{DisjointSets, VertexId};
 
 use crate::answer::{Contact, Feature};
 use crate::intersection::{Intersection, intersect};
@@ -18,18 +18,14 @@ pub(crate) struct TouchRegion {
     pub(crate) triangle_pairs: u32,
 }
 
-/// Groups touching pairs into regions: pairs that share a face belong together.
+/// Groups touching pairs into regions: pairs whose faces share a vertex on both bodies are neighbours.
 pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<TouchRegion> {
     let mut sets = DisjointSets::new(touching.len());
-    let mut seen: HashMap<(Side, u32), usize> = HashMap::new();
+    let mut seen: HashMap<(VertexId, VertexId), usize> = HashMap::new();
     for (i, t) in touching.iter().enumerate() {
-        // Faces that share a vertex are neighbours: a contact at that vertex is in both.
-        for (side, face) in [(Side::First, t.first), (Side::Second, t.second)] {
-            for v in pair.mesh(side).corners(face) {
-                let first = *seen.entry((side, v.0)).or_insert(i);
-                if close(pair, &touching[first], t) {
-                    sets.union(first, i);
-                }
+        for v in pair.mesh(Side::First).corners(t.first) {
+            for w in pair.mesh(Side::Second).corners(t.second) {
+                sets.union(*seen.entry((v, w)).or_insert(i), i);
             }
         }
     }
@@ -43,15 +39,6 @@ pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<TouchRegi
         regions[region].push(*t);
     }
     regions.into_iter().map(|pairs| region(pair, &pairs)).collect()
-}
-
-/// Whether two pairs are neighbours on both bodies.
-fn close(pair: &Pair, t: &FacePair, u: &FacePair) -> bool {
-    let shares = |side: Side, f, g| {
-        let (f, g) = (pair.mesh(side).corners(f), pair.mesh(side).corners(g));
-        f.iter().any(|v| g.contains(v))
-    };
-    shares(Side::First, t.first, u.first) && shares(Side::Second, t.second, u.second)
 }
 
 fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
