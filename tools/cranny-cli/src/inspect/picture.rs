@@ -4,10 +4,11 @@ use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
 
-use cranny_exact::Pose;
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::hull::HullKind;
 use cranny_geometry::{EdgeKind, Model};
 use cranny_render::{
-    Camera, Color, DrawList, DrawMesh, DrawMeshError, Ground, ImageSize, Instance, Preset,
+    Camera, Color, DrawList, DrawMesh, DrawMeshError, Ground, ImageSize, Instance, Line, Preset,
     RenderError, Renderer, RendererOptions,
 };
 
@@ -26,6 +27,13 @@ const NON_MANIFOLD: Color = Color::rgb(200, 0, 180);
 /// Pixels.
 const LINE_WIDTH: f32 = 2.5;
 
+/// Opacity with which a marked edge shows through what hides it.
+const HIDDEN: u8 = 70;
+
+/// The hull is drawn larger by this factor, about its centroid. Smaller, and depth rounding mixes it
+/// with the faces that lie on it; larger, and the gap shows.
+const VEIL: f64 = 1.004;
+
 /// Why there is no picture.
 pub(super) enum Trouble {
     /// No graphics adapter that could draw: the work goes on without.
@@ -36,6 +44,15 @@ pub(super) enum Trouble {
 
 /// Draws a model and writes the picture as PNG: whole, or not at all.
 pub(super) fn draw(model: &Model, path: &Path) -> Result<(), Trouble> {
+    // Told before a graphics adapter is looked for, so that it is told where there is none, too.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Trouble::Failed(Failure::run(format!(
+            "picture {}: there is no folder {}. Create it or choose another.",
+            path.display(),
+            folder.display()
+        ))));
+    }
     let waiting = progress::spinner(format!("drawing {}", path.display()));
     let mut renderer = match Renderer::new(&RendererOptions::default()) {
         Ok(renderer) => renderer,
@@ -65,16 +82,26 @@ fn draw_list(model: &Model) -> Result<DrawList, DrawMeshError> {
     let mesh = model.mesh();
     body(DrawMesh::new(mesh.vertices(), mesh.faces())?, BODY);
     let hull = model.hull();
-    let triangles: Vec<[u32; 3]> =
-        (0..hull.triangle_count()).map(|i| hull.triangle(i).map(|v| v.0)).collect();
-    if !triangles.is_empty() {
-        body(DrawMesh::new(hull.positions(), &triangles)?, HULL);
+    if let (HullKind::Volume, Some(center)) = (hull.kind(), hull.centroid()) {
+        let triangles: Vec<[u32; 3]> =
+            (0..hull.triangle_count()).map(|i| hull.triangle(i).map(|v| v.0)).collect();
+        let corners: Vec<DVec3> =
+            hull.positions().iter().map(|&p| center + VEIL * (p - center)).collect();
+        body(DrawMesh::new(&corners, &triangles)?, HULL);
     }
     list.ground = Some(Ground::under(&list.bounds()));
     for edge in model.topology().edges() {
         if let Some(color) = mark(edge.kind) {
             let ends = [edge.from, edge.to].map(|vertex| mesh.position(vertex));
             list.push_line(ends[0], ends[1], color, LINE_WIDTH);
+            let shining_through = Line {
+                from: ends[0],
+                to: ends[1],
+                color: color.with_alpha(HIDDEN),
+                width: [LINE_WIDTH; 2],
+                on_top: true,
+            };
+            list.lines.push(shining_through);
         }
     }
     Ok(list)
@@ -93,7 +120,6 @@ fn mark(kind: EdgeKind) -> Option<Color> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cranny_exact::DVec3;
     use cranny_geometry::{BuildOptions, Mesh};
 
     #[test]
@@ -105,7 +131,7 @@ mod tests {
         let list = draw_list(&model).unwrap();
         assert_eq!(list.instances.len(), 2);
         assert_eq!(list.instances[1].mesh.triangle_count(), 4);
-        assert_eq!(list.lines.len(), 3);
-        assert!(list.lines.iter().all(|line| line.color == OPEN));
+        assert_eq!(list.lines.iter().filter(|line| line.color == OPEN).count(), 3);
+        assert_eq!(list.lines.iter().filter(|line| line.on_top).count(), 3);
     }
 }

@@ -102,9 +102,10 @@ fn findings(lines: &mut Vec<String>, findings: &[FindingLine]) {
         for finding in of_kind.iter().take(LISTED) {
             let faces: Vec<String> = finding.ids.iter().map(u32::to_string).collect();
             lines.push(format!(
-                "      at {}, length {}, face {}",
+                "      at {}, length {}, {} {}",
                 point(finding.at),
                 number(finding.measure),
+                if faces.len() == 1 { "face" } else { "faces" },
                 faces.join(", ")
             ));
         }

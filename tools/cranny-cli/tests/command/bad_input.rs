@@ -1,0 +1,186 @@
+//! Each bad input gives one paragraph that says what and where, and the right exit code.
+
+use std::process::Stdio;
+
+use cranny_shapes::Cuboid;
+
+use crate::harness::{Folder, cranny, run, run_command};
+
+/// A folder with a good mesh and a good pose file.
+fn good() -> (Folder, String, String) {
+    let folder = Folder::new();
+    let cube = folder.mesh("cube.obj", &Cuboid::default().build().unwrap());
+    let poses = folder.write("poses.json", r#"[{"a": null, "b": null}]"#);
+    (folder, cube, poses)
+}
+
+#[test]
+fn meshes_that_are_none() {
+    let (folder, cube, poses) = good();
+    let refused = |mesh: &str, words: &[&str]| {
+        run(&["inspect", mesh]).assert_refused(2, words);
+        run(&["query", &cube, mesh, "--poses", &poses]).assert_refused(2, words);
+        run(&["query", mesh, &cube, "--poses", &poses]).assert_refused(2, words);
+    };
+    let obj = |name: &str, text: &str| folder.write(name, text);
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+    refused(&folder.path("missing.obj").display().to_string(), &["missing.obj", "cannot be read"]);
+    refused(&folder.path("").display().to_string(), &["mesh file"]);
+    refused(&obj("empty.obj", ""), &["empty.obj", "empty"]);
+    refused(&obj("picture.jpg", "none"), &["picture.jpg", "jpg", ".obj"]);
+    refused(&obj("none", "none"), &["extension"]);
+    refused(&obj("points.obj", triangle), &["points.obj", "no faces", "3 vertices"]);
+    refused(&obj("range.obj", &format!("{triangle}f 1 2 7\n")), &["range.obj", "line 4", "7"]);
+    refused(&obj("nan.obj", "v 0 NaN 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), &["nan.obj", "line 1"]);
+    refused(&obj("huge.obj", "v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n"), &["huge.obj", "1e300"]);
+    refused(&obj("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), &["line.obj", "zero area"]);
+    refused(&obj("bytes.obj", "\u{1}\u{2}\u{3}"), &["bytes.obj"]);
+
+    let mut stl = vec![0; 80];
+    stl.extend(12u32.to_le_bytes());
+    stl.extend([0; 70]); // one triangle and a piece of the second
+    refused(&folder.write("cut.stl", stl), &["cut.stl", "truncated", "684", "154"]);
+}
+
+#[test]
+fn poses_that_are_none() {
+    let (folder, cube, _) = good();
+    let refused = |name: &str, text: &str, words: &[&str]| {
+        let poses = folder.write(name, text);
+        let words = [&[name], words].concat();
+        run(&["query", &cube, &cube, "--poses", &poses]).assert_refused(2, &words);
+    };
+    let matrix = |first: &str| format!("[{first},0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]");
+    refused("empty.json", "", &["empty"]);
+    refused("text.json", "[{\"a\":\n nul}]", &["line 2", "column"]);
+    refused("object.json", r#"{"poses": []}"#, &["\"poses\"", "list of"]);
+    refused("none.json", "[]", &["empty", "at least one"]);
+    refused("short.json", r#"[{}, {"b": [1, 2, 3]}]"#, &["pose 1", "\"b\"", "3 numbers", "16"]);
+    refused("key.json", r#"[{"A": null}]"#, &["pose 0", "\"A\""]);
+    refused("scaled.json", &format!(r#"[{{"a": {}}}]"#, matrix("2")), &["pose 0", "rigid"]);
+    refused("mirror.json", &format!(r#"[{{"a": {}}}]"#, matrix("-1")), &["pose 0", "rigid"]);
+    refused("nan.json", &format!(r#"[{{"a": {}}}]"#, matrix("NaN")), &["line 1"]);
+    refused("huge.json", &format!(r#"[{{"a": {}}}]"#, matrix("1e999")), &["out of range"]);
+    let missing = folder.path("missing.json").display().to_string();
+    run(&["query", &cube, &cube, "--poses", &missing]).assert_refused(2, &["missing.json"]);
+}
+
+#[test]
+fn options_that_are_wrong_or_come_later() {
+    let (_folder, cube, poses) = good();
+    let query = |options: &[&str]| {
+        let outcome = run(&[&["query", &cube, &cube, "--poses", &poses], options].concat());
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(2), ""), "{outcome:?}");
+        outcome.stderr
+    };
+    for later in [
+        &["--accuracy", "hulls"][..],
+        &["--accuracy", "tree:3"],
+        &["--budget", "9"],
+        &["--certificate"],
+    ] {
+        assert!(query(later).contains("later version"), "{later:?}: {}", query(later));
+    }
+    assert!(query(&["--accuracy", "perfect"]).contains("no such level"));
+    assert!(query(&["--demand", "everything"]).contains("possible values"));
+    for scale in ["0", "inf", "NaN", "two"] {
+        assert!(query(&["--scale-b", scale]).contains("scale"), "{scale}");
+    }
+    assert!(query(&["--scale-a", "1e200"]).contains("scaled by 1"));
+    assert!(query(&["--format", "xml"]).contains("possible values"));
+    run(&["inspect", &cube, "--save", "model"]).assert_refused(2, &["--save", "later version"]);
+
+    let no_poses = run(&["query", &cube, &cube]);
+    assert_eq!(no_poses.code, Some(2));
+    assert!(no_poses.stderr.contains("--poses"));
+    assert_eq!(run(&[]).code, Some(2));
+}
+
+#[test]
+fn commands_of_later_versions_are_neither_known_nor_shown() {
+    let help = run(&["--help"]);
+    assert_eq!(help.code, Some(0));
+    for command in ["verify", "replay", "report", "compare", "accuracy", "stability"] {
+        let listed = |line: &str| line.trim_start().starts_with(command);
+        assert!(!help.stdout.lines().any(listed), "{}", help.stdout);
+        let outcome = run(&[command, "x"]);
+        assert_eq!(outcome.code, Some(2));
+        assert!(outcome.stderr.contains("unrecognized subcommand"), "{outcome:?}");
+    }
+}
+
+#[test]
+fn scenes_that_are_none() {
+    let folder = Folder::new();
+    let refused = |text: &str, words: &[&str]| {
+        let scene = folder.write("scene.ron", text);
+        run(&["check", &scene]).assert_refused(2, &[&["scene.ron"], words].concat());
+    };
+    let body = r#"bodies: [(name: "cube", shape: Generator(Cuboid()))]"#;
+    refused("", &["line 1"]);
+    refused("(\n  gravty: (0, 0, -9.81),\n)", &["line 2", "gravty", "gravity"]);
+    refused(&format!("({body},\n effects: [Flying()])"), &["line 2", "Flying", "Response"]);
+    refused(r#"(bodies: [(name: "m", shape: Mesh(path: "gone.obj"))])"#, &["gone.obj", "line 1"]);
+    let missing = folder.path("missing.ron").display().to_string();
+    run(&["check", &missing]).assert_refused(2, &["missing.ron", "cannot be read"]);
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_fails_and_leaves_nothing() {
+    let (folder, cube, poses) = good();
+    for inside in ["missing", "poses.json"] {
+        let picture = folder.path(inside).join("out.png");
+        let outcome = run(&["inspect", &cube, "--render", picture.to_str().unwrap()]);
+        assert_eq!(outcome.code, Some(1), "{outcome:?}");
+        assert!(outcome.stderr.contains("out.png") && outcome.stderr.contains("folder"));
+        assert!(outcome.stdout.contains("12"), "the report is printed all the same: {outcome:?}");
+        assert!(!picture.exists());
+    }
+    assert_eq!(std::fs::read_to_string(poses).unwrap(), r#"[{"a": null, "b": null}]"#);
+}
+
+#[test]
+fn without_a_graphics_adapter_the_report_says_so_and_goes_on() {
+    let (folder, cube, _) = good();
+    let picture = folder.path("out.png");
+    let mut command = cranny();
+    command.args(["inspect", &cube, "--format", "json", "--render"]).arg(&picture);
+    // No system has both: where this one is missing, nothing draws.
+    let absent = if cfg!(windows) { "metal" } else { "dx12" };
+    let lines = run_command(command.env("WGPU_BACKEND", absent)).json_lines();
+    assert!(lines[0]["skipped"][0]["what"].as_str().unwrap().ends_with("out.png"));
+    assert!(lines[0]["skipped"][0]["why"].as_str().unwrap().contains("no graphics adapter"));
+    assert_eq!(lines[0]["outputs"].as_array().unwrap().len(), 0);
+    assert!(!picture.exists());
+
+    let unknown = run_command(command.env("WGPU_BACKEND", "abacus"));
+    assert_eq!(unknown.code, Some(2));
+    assert!(unknown.stderr.contains("abacus"), "{unknown:?}");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let (folder, cube, _) = good();
+    let poses = folder.write("many.json", format!("[{}{{}}]", "{},".repeat(5_000)));
+    let mut child = cranny()
+        .args(["query", &cube, &cube, "--demand", "intersects", "--poses", &poses])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_under_standard_output_is_a_failure() {
+    let (_folder, cube, poses) = good();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut command = cranny();
+    command.args(["query", &cube, &cube, "--poses", &poses]).stdout(full);
+    run_command(&mut command).assert_refused(1, &["standard output", "space"]);
+}

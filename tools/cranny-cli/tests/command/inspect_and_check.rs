@@ -1,0 +1,109 @@
+//! What `inspect` and `check` say of sound input.
+
+use cranny_exact::DVec3;
+use cranny_geometry::Mesh;
+use cranny_shapes::{Cuboid, LPrism};
+
+use crate::harness::{Folder, cranny, run, run_command};
+
+#[test]
+fn a_sound_mesh_has_volume_and_no_findings() {
+    let folder = Folder::new();
+    let size = [1.0, 2.0, 4.0];
+    let mesh = folder.mesh("box.obj", &Cuboid { size }.build().unwrap());
+    let report = &run(&["inspect", &mesh, "--format", "json"]).json_lines()[0];
+    assert_eq!(report["version"], 1);
+    assert_eq!(report["vertices"], 8);
+    assert_eq!((&report["faces"], &report["components"]), (&12.into(), &1.into()));
+    assert_eq!((&report["closed"], &report["oriented"]), (&true.into(), &true.into()));
+    assert_eq!((&report["volume"], &report["area"]), (&8.0.into(), &28.0.into()));
+    assert_eq!(report["findings"].as_array().unwrap().len(), 0);
+    assert_eq!(report["hull"]["kind"], "volume");
+    assert_eq!(report["hull"]["facets"], 6);
+    assert_eq!(report["hull"]["volume"], 8.0);
+    assert!(report["features"].is_null() && report["patches"].is_null());
+    assert!(report["time_ms"]["hull"].as_f64().unwrap() > 0.0);
+    assert!(report["time_ms"]["caps"].is_null());
+
+    let text = run(&["inspect", &mesh]);
+    for words in ["box.obj (OBJ)", "12 in 1 component", "closed", "6 facets", "findings: none"] {
+        assert!(text.stdout.contains(words), "{words:?} is missing in\n{}", text.stdout);
+    }
+    assert_eq!(text.stderr, "");
+}
+
+#[test]
+fn repairs_and_findings_are_reported_with_their_faces() {
+    let folder = Folder::new();
+    let cube = Cuboid::default().build().unwrap();
+    // Each face has vertices of its own, and the last face is missing.
+    let corners: Vec<DVec3> =
+        cube.faces().iter().flatten().map(|&i| cube.vertices()[i as usize]).collect();
+    let faces = (0..11).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mesh = folder.mesh("open.obj", &Mesh::new(corners, faces).unwrap());
+    let report = &run(&["inspect", &mesh, "--format", "json"]).json_lines()[0];
+    assert_eq!((&report["filed_vertices"], &report["vertices"]), (&36.into(), &8.into()));
+    assert_eq!((&report["closed"], &report["volume"]), (&false.into(), &serde_json::Value::Null));
+    let kinds: Vec<&str> = report["findings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|finding| finding["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(kinds, ["open_edge"; 3]);
+    assert_eq!(report["findings"][0]["limits"].as_array().unwrap().len(), 1);
+    let repairs: Vec<&str> = report["repairs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|repair| repair["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(repairs, ["welded_vertices", "dropped_vertices"]);
+
+    let text = run(&["inspect", &mesh]).stdout;
+    assert!(text.contains("3 x open edge") && text.contains("none: not closed"), "{text}");
+}
+
+#[test]
+fn the_picture_is_written_whole_or_reported_as_skipped() {
+    let folder = Folder::new();
+    let mesh = folder.mesh("l.obj", &LPrism::default().build().unwrap());
+    let picture = folder.path("l.png");
+    let mut command = cranny();
+    command.args(["inspect", &mesh, "--format", "json", "--render"]).arg(&picture);
+    let report = &run_command(&mut command).json_lines()[0];
+    match report["skipped"].as_array().unwrap().as_slice() {
+        [] => {
+            assert!(report["outputs"][0].as_str().unwrap().ends_with("l.png"));
+            let bytes = std::fs::read(&picture).unwrap();
+            assert!(bytes.starts_with(b"\x89PNG") && bytes.ends_with(b"IEND\xae\x42\x60\x82"));
+        }
+        skipped => {
+            println!("skipped: {skipped:?}");
+            assert!(!picture.exists());
+        }
+    }
+    assert!(!folder.path("l.png.partial").exists());
+}
+
+#[test]
+fn a_right_scene_is_counted() {
+    let folder = Folder::new();
+    folder.mesh("cube.obj", &Cuboid::default().build().unwrap());
+    let scene = folder.write(
+        "scene.ron",
+        r#"(
+            bodies: [(name: "ring", shape: Generator(Torus(major_radius: 1))),
+                     (name: "cube", shape: Mesh(path: "cube.obj"), effects: [Trigger()])],
+            effects: [Response()],
+            cameras: [(name: "main", preset: Isometric)],
+        )"#,
+    );
+    let text = run(&["check", &scene]);
+    assert_eq!((text.code, text.stderr.as_str()), (Some(0), ""));
+    assert!(text.stdout.starts_with("ok: "), "{text:?}");
+    assert!(text.stdout.ends_with("2 bodies, 0 joints, 2 effects, 1 camera\n"), "{text:?}");
+    let report = &run(&["check", &scene, "--format", "json"]).json_lines()[0];
+    assert_eq!((&report["ok"], &report["bodies"]), (&true.into(), &2.into()));
+    assert_eq!(report["files"], 1);
+}

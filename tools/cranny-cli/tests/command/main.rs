@@ -1,0 +1,10 @@
+//! End-to-end tests of the `cranny` command.
+#![allow(clippy::print_stdout, reason = "tests tell what they skipped and how much they saw")]
+
+mod bad_input;
+mod corpus;
+mod dyadic;
+mod harness;
+mod inspect_and_check;
+mod query;
+mod touching;
