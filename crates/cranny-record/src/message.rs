@@ -1,0 +1,374 @@
+//! Our own messages: JSON with a schema, the same types for writing and for reading.
+//!
+//! What viewers can read limits the form: a key has one type (what is unknown is absent, not null),
+//! arrays hold numbers, strings or objects but no arrays, and no number is infinite.
+
+use cranny_exact::{DVec3, Interval};
+use cranny_narrow_phase::{Contact, Containment, Feature, Region, Surface, Witness};
+use cranny_world::PairEventKind;
+use serde::{Deserialize, Serialize};
+
+use crate::exact_pose::ExactPose;
+use crate::frame::{Frame, PairContacts};
+
+/// A JSON schema under its name.
+pub(crate) struct Schema {
+    pub(crate) name: &'static str,
+    pub(crate) text: &'static str,
+}
+
+pub(crate) const CONTACTS_SCHEMA: Schema =
+    Schema { name: "cranny.Contacts", text: include_str!("../schemas/contacts.json") };
+pub(crate) const EVENTS_SCHEMA: Schema =
+    Schema { name: "cranny.PairEvents", text: include_str!("../schemas/pair_events.json") };
+pub(crate) const STATS_SCHEMA: Schema =
+    Schema { name: "cranny.StepStats", text: include_str!("../schemas/step_stats.json") };
+
+/// A point or direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VectorMessage {
+    /// Along the world's x axis.
+    pub x: f64,
+    /// Along y.
+    pub y: f64,
+    /// Along z.
+    pub z: f64,
+}
+
+impl From<DVec3> for VectorMessage {
+    fn from(v: DVec3) -> Self {
+        Self { x: v.x, y: v.y, z: v.z }
+    }
+}
+
+/// An interval; an end that is absent is unbounded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct IntervalMessage {
+    /// Lower end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lo: Option<f64>,
+    /// Upper end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hi: Option<f64>,
+}
+
+impl From<Interval> for IntervalMessage {
+    fn from(interval: Interval) -> Self {
+        Self { lo: finite(interval.lo), hi: finite(interval.hi) }
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// `cranny.Contacts`: what was found about pairs in a step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactsMessage {
+    /// The step.
+    pub step: u64,
+    /// One a pair that was looked at.
+    pub pairs: Vec<PairMessage>,
+}
+
+/// What was found about a pair. Points are world coordinates; normals point from A to B.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PairMessage {
+    /// Name of body A.
+    pub a: String,
+    /// Name of body B.
+    pub b: String,
+    /// Where A was.
+    pub pose_a: ExactPose,
+    /// Where B was.
+    pub pose_b: ExactPose,
+    /// `none`, `touch` or `cross`.
+    pub surface: String,
+    /// Whether the bodies share interior points.
+    pub solid: bool,
+    /// `A_in_B`, `B_in_A` or absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contained: Option<String>,
+    /// Least distance of the surfaces; absent where it was not asked for, and where it is beyond
+    /// what was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance: Option<f64>,
+    /// Where it is known to lie; below 0: depth.
+    pub separation: IntervalMessage,
+    /// Points at that distance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub witnesses: Option<[WitnessMessage; 2]>,
+    /// How many triangle pairs meet.
+    pub triangle_pairs: u32,
+    /// Connected regions of contact.
+    pub regions: Vec<RegionMessage>,
+    /// Contacts for a solver, where they are not simply the regions' points; else empty.
+    pub contacts: Vec<ContactMessage>,
+}
+
+/// A point of a surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WitnessMessage {
+    /// Where.
+    pub point: VectorMessage,
+    /// The feature that holds it: its kind and its number, as `face:12`.
+    pub feature: String,
+}
+
+/// A connected region of contact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RegionMessage {
+    /// The contact of least separation.
+    pub deepest: ContactMessage,
+    /// Describes the region.
+    pub normal: VectorMessage,
+    /// Least translation along the normal that parts the pieces; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth: Option<f64>,
+    /// Enclosed area, projected along the normal; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area: Option<f64>,
+    /// How many triangle pairs meet in it.
+    pub triangle_pairs: u32,
+    /// Contacts that represent it, deepest first.
+    pub points: Vec<ContactMessage>,
+    /// Where the surfaces intersect.
+    pub curves: Vec<CurveMessage>,
+}
+
+/// A pair of points where bodies meet or nearly do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactMessage {
+    /// Feature of A.
+    pub feature_a: String,
+    /// Feature of B.
+    pub feature_b: String,
+    /// On A.
+    pub point_a: VectorMessage,
+    /// On B.
+    pub point_b: VectorMessage,
+    /// Unit.
+    pub normal: VectorMessage,
+    /// Above 0: apart.
+    pub separation: f64,
+}
+
+/// A polyline in which surfaces intersect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurveMessage {
+    /// The last point is joined to the first.
+    pub closed: bool,
+    /// In order.
+    pub points: Vec<VectorMessage>,
+}
+
+/// `cranny.PairEvents`: what began and ended in a step.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EventsMessage {
+    /// The step.
+    pub step: u64,
+    /// In the order of body ids.
+    pub events: Vec<EventMessage>,
+}
+
+/// One event.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EventMessage {
+    /// `began` or `ended`.
+    pub kind: String,
+    /// Name of the one body.
+    pub a: String,
+    /// Name of the other.
+    pub b: String,
+}
+
+/// `cranny.StepStats`: what a step cost and found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StatsMessage {
+    /// The step.
+    pub step: u64,
+    /// Bodies, each with one box.
+    pub boxes: usize,
+    /// Pairs of boxes that overlap.
+    pub candidate_pairs: usize,
+    /// Pairs that the narrow phase was asked about.
+    pub queried_pairs: usize,
+    /// Pairs whose answer came from the solver's step.
+    pub supplied_pairs: usize,
+    /// Pairs that touch or overlap.
+    pub touching_pairs: usize,
+    /// Contacts, summed.
+    pub contacts: usize,
+    /// Regions, summed.
+    pub regions: usize,
+    /// Pairs of tree nodes compared.
+    pub node_tests: u64,
+    /// Pairs of triangles looked at.
+    pub triangle_tests: u64,
+    /// Points classified against solids.
+    pub inside_tests: u64,
+    /// Tests of one box against another.
+    pub box_tests: u64,
+    /// End points of boxes that changed places.
+    pub swaps: u64,
+    /// The deepest overlap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deepest: Option<DeepestMessage>,
+    /// Further numbers by name.
+    pub measures: Vec<MeasureMessage>,
+}
+
+/// The deepest overlap of a step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DeepestMessage {
+    /// > 0.
+    pub depth: f64,
+    /// Name of the one body.
+    pub a: String,
+    /// Name of the other.
+    pub b: String,
+}
+
+/// A number by name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasureMessage {
+    /// What it measures.
+    pub name: String,
+    /// How much; absent where it is no finite number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+}
+
+impl MeasureMessage {
+    fn of(&(name, value): &(&str, f64)) -> Self {
+        Self { name: name.to_owned(), value: finite(value) }
+    }
+}
+
+impl ContactsMessage {
+    pub(crate) fn of(frame: &Frame) -> Self {
+        Self { step: frame.step, pairs: frame.contacts.iter().map(PairMessage::of).collect() }
+    }
+}
+
+impl PairMessage {
+    fn of(pair: &PairContacts) -> Self {
+        let answer = pair.answer;
+        let of_regions = answer.regions.iter().flat_map(|r| &r.points);
+        let further =
+            if answer.contacts.iter().eq(of_regions) { &[][..] } else { &answer.contacts };
+        Self {
+            a: pair.a.to_owned(),
+            b: pair.b.to_owned(),
+            pose_a: ExactPose(pair.pose_a),
+            pose_b: ExactPose(pair.pose_b),
+            surface: surface_name(answer.surface).to_owned(),
+            solid: answer.solid,
+            contained: answer.contained.map(|c| containment_name(c).to_owned()),
+            distance: answer.distance.and_then(finite),
+            separation: answer.separation.into(),
+            witnesses: answer.witnesses.as_ref().map(|w| [&w[0], &w[1]].map(WitnessMessage::of)),
+            triangle_pairs: answer.triangle_pairs,
+            regions: answer.regions.iter().map(RegionMessage::of).collect(),
+            contacts: further.iter().map(ContactMessage::of).collect(),
+        }
+    }
+}
+
+impl WitnessMessage {
+    fn of(witness: &Witness) -> Self {
+        Self { point: witness.point.into(), feature: feature_name(witness.feature) }
+    }
+}
+
+impl RegionMessage {
+    fn of(region: &Region) -> Self {
+        let curve = |c: &cranny_narrow_phase::Curve| CurveMessage {
+            closed: c.closed,
+            points: c.points.iter().map(|&p| p.into()).collect(),
+        };
+        Self {
+            deepest: ContactMessage::of(&region.deepest),
+            normal: region.normal.into(),
+            depth: region.depth,
+            area: region.area,
+            triangle_pairs: region.triangle_pairs,
+            points: region.points.iter().map(ContactMessage::of).collect(),
+            curves: region.curves.iter().map(curve).collect(),
+        }
+    }
+}
+
+impl ContactMessage {
+    fn of(contact: &Contact) -> Self {
+        Self {
+            feature_a: feature_name(contact.id.0),
+            feature_b: feature_name(contact.id.1),
+            point_a: contact.point_a.into(),
+            point_b: contact.point_b.into(),
+            normal: contact.normal.into(),
+            separation: contact.separation,
+        }
+    }
+}
+
+impl EventsMessage {
+    pub(crate) fn of(frame: &Frame) -> Self {
+        let event = |e: &crate::frame::RecordedEvent| EventMessage {
+            kind: PairEventKind::name(e.kind).to_owned(),
+            a: e.a.to_owned(),
+            b: e.b.to_owned(),
+        };
+        Self { step: frame.step, events: frame.events.iter().map(event).collect() }
+    }
+}
+
+impl StatsMessage {
+    pub(crate) fn of(frame: &Frame) -> Self {
+        let stats = &frame.stats;
+        Self {
+            step: frame.step,
+            boxes: stats.boxes,
+            candidate_pairs: stats.candidate_pairs,
+            queried_pairs: stats.queried_pairs,
+            supplied_pairs: stats.supplied_pairs,
+            touching_pairs: stats.touching_pairs,
+            contacts: stats.contacts,
+            regions: stats.regions,
+            node_tests: stats.counters.node_tests,
+            triangle_tests: stats.counters.triangle_tests,
+            inside_tests: stats.counters.inside_tests,
+            box_tests: stats.broad_phase.box_tests,
+            swaps: stats.broad_phase.swaps,
+            deepest: frame.deepest.map(|d| DeepestMessage {
+                depth: d.depth,
+                a: d.a.to_owned(),
+                b: d.b.to_owned(),
+            }),
+            measures: frame.measures.iter().map(MeasureMessage::of).collect(),
+        }
+    }
+}
+
+fn surface_name(surface: Surface) -> &'static str {
+    match surface {
+        Surface::None => "none",
+        Surface::Touch => "touch",
+        Surface::Cross => "cross",
+    }
+}
+
+fn containment_name(containment: Containment) -> &'static str {
+    match containment {
+        Containment::AInB => "A_in_B",
+        Containment::BInA => "B_in_A",
+    }
+}
+
+fn feature_name(feature: Feature) -> String {
+    match feature {
+        Feature::Vertex(id) => format!("vertex:{}", id.0),
+        Feature::Edge(id) => format!("edge:{}", id.0),
+        Feature::Face(id) => format!("face:{}", id.0),
+    }
+}

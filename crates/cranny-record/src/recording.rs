@@ -1,0 +1,222 @@
+//! Reading what a [`Recorder`](crate::Recorder) wrote, whole or cut short.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use foxglove::Decode;
+use foxglove::messages::{FrameTransform, FrameTransforms};
+use mcap::McapError;
+use mcap::read::{ChunkFlattener, Options};
+use mcap::records::Record;
+use serde::de::DeserializeOwned;
+
+use crate::error::ReadError;
+use crate::frame::RecordedAttachment;
+use crate::message::{ContactsMessage, EventsMessage, StatsMessage};
+use crate::topic;
+
+/// `world_from_body` by the bodies' names.
+pub type PosesByName = BTreeMap<String, Pose>;
+
+/// A topic of a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TopicSummary {
+    /// Name of the schema of its messages; empty where they have none.
+    pub schema: String,
+    /// How many there are.
+    pub messages: u64,
+}
+
+/// An opened recording. The file is held in memory as filed (compressed).
+///
+/// A file that ends early (a kill, a full disk) is read up to where it can be: see
+/// [`is_complete`](Self::is_complete).
+#[derive(Clone, Debug)]
+pub struct Recording {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    attachments: Vec<RecordedAttachment>,
+    topics: BTreeMap<String, TopicSummary>,
+    channels: BTreeMap<u16, String>,
+    complete: bool,
+}
+
+impl Recording {
+    /// Reads a file and lists what it holds.
+    ///
+    /// # Errors
+    ///
+    /// [`ReadError::Open`], or [`ReadError::NotMcap`] where not even the beginning is MCAP.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, ReadError> {
+        let path = path.as_ref().to_owned();
+        let bytes =
+            fs::read(&path).map_err(|source| ReadError::Open { path: path.clone(), source })?;
+        // The container's reader looks at nothing before the first record is asked for.
+        let first = records(&bytes).and_then(|mut r| r.next().unwrap_or(Err(McapError::BadMagic)));
+        if let Err(source) = first {
+            return Err(ReadError::NotMcap { path, source });
+        }
+        let mut recording = Self {
+            path,
+            bytes: Vec::new(),
+            metadata: BTreeMap::new(),
+            attachments: Vec::new(),
+            topics: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            complete: false,
+        };
+        recording.list(&bytes);
+        recording.bytes = bytes;
+        Ok(recording)
+    }
+
+    /// Whether the file was finished. If not, what follows its last whole chunk is lost.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Whether the run was broken off: by a signal, as its end says, or by a kill, so that it has no
+    /// end.
+    #[must_use]
+    pub fn was_interrupted(&self) -> bool {
+        let end = self.metadata(topic::METADATA_END);
+        end.is_none_or(|end| end.get("interrupted").is_none_or(|said| said != "false"))
+    }
+
+    /// A metadata record by name: [`topic::METADATA`] or [`topic::METADATA_END`].
+    #[must_use]
+    pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
+        self.metadata.get(name)
+    }
+
+    /// Files that belong to the run.
+    #[must_use]
+    pub fn attachments(&self) -> &[RecordedAttachment] {
+        &self.attachments
+    }
+
+    /// Topics by name.
+    #[must_use]
+    pub fn topics(&self) -> &BTreeMap<String, TopicSummary> {
+        &self.topics
+    }
+
+    /// Log times (nanoseconds) and poses by body, frame by frame.
+    ///
+    /// # Errors
+    ///
+    /// [`ReadError::Message`] for a message that cannot be decoded or lacks a part.
+    pub fn transforms(&self) -> Result<Vec<(u64, PosesByName)>, ReadError> {
+        self.messages(topic::TRANSFORMS, |data| {
+            let message = FrameTransforms::decode(data).map_err(|e| e.to_string())?;
+            message.transforms.into_iter().map(named_pose).collect()
+        })
+    }
+
+    /// Log times (nanoseconds) and what was found about pairs, frame by frame; poses to the bit.
+    ///
+    /// # Errors
+    ///
+    /// [`ReadError::Message`] for a message that is not as its schema says.
+    pub fn contacts(&self) -> Result<Vec<(u64, ContactsMessage)>, ReadError> {
+        self.messages(topic::CONTACTS, from_json)
+    }
+
+    /// Log times (nanoseconds) and events, frame by frame.
+    ///
+    /// # Errors
+    ///
+    /// As [`contacts`](Self::contacts).
+    pub fn events(&self) -> Result<Vec<(u64, EventsMessage)>, ReadError> {
+        self.messages(topic::EVENTS, from_json)
+    }
+
+    /// Log times (nanoseconds) and statistics, frame by frame.
+    ///
+    /// # Errors
+    ///
+    /// As [`contacts`](Self::contacts).
+    pub fn stats(&self) -> Result<Vec<(u64, StatsMessage)>, ReadError> {
+        self.messages(topic::STATS, from_json)
+    }
+
+    fn list(&mut self, bytes: &[u8]) {
+        let mut schemas = BTreeMap::new();
+        for record in records(bytes).into_iter().flatten().map_while(Result::ok) {
+            match record {
+                Record::Schema { header, .. } => {
+                    schemas.insert(header.id, header.name);
+                }
+                Record::Channel(channel) => {
+                    let schema = schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                    let summary = TopicSummary { schema, messages: 0 };
+                    self.topics.entry(channel.topic.clone()).or_insert(summary);
+                    self.channels.insert(channel.id, channel.topic);
+                }
+                Record::Message { header, .. } => {
+                    let topic = self.channels.get(&header.channel_id);
+                    if let Some(summary) = topic.and_then(|t| self.topics.get_mut(t)) {
+                        summary.messages += 1;
+                    }
+                }
+                Record::Metadata(record) => {
+                    self.metadata.insert(record.name, record.metadata);
+                }
+                Record::Attachment { header, data, .. } => {
+                    self.attachments.push(RecordedAttachment {
+                        name: header.name,
+                        media_type: header.media_type,
+                        data: data.into_owned(),
+                    });
+                }
+                Record::Footer(_) => self.complete = true,
+                _ => {}
+            }
+        }
+    }
+
+    /// Decodes all messages of a topic.
+    fn messages<T>(
+        &self,
+        topic: &str,
+        decode: impl Fn(&[u8]) -> Result<T, String>,
+    ) -> Result<Vec<(u64, T)>, ReadError> {
+        let mut decoded = Vec::new();
+        for record in records(&self.bytes).into_iter().flatten().map_while(Result::ok) {
+            let Record::Message { header, data } = record else { continue };
+            if self.channels.get(&header.channel_id).is_none_or(|name| name != topic) {
+                continue;
+            }
+            let message = decode(&data).map_err(|reason| ReadError::Message {
+                path: self.path.clone(),
+                topic: topic.to_owned(),
+                number: decoded.len(),
+                reason,
+            })?;
+            decoded.push((header.log_time, message));
+        }
+        Ok(decoded)
+    }
+}
+
+/// All records, chunks unpacked, up to the end or to the first that is damaged or cut.
+fn records(bytes: &[u8]) -> mcap::McapResult<ChunkFlattener<'_>> {
+    ChunkFlattener::new_with_options(bytes, Options::IgnoreEndMagic.into())
+}
+
+fn from_json<T: DeserializeOwned>(data: &[u8]) -> Result<T, String> {
+    serde_json::from_slice(data).map_err(|e| e.to_string())
+}
+
+fn named_pose(transform: FrameTransform) -> Result<(String, Pose), String> {
+    let name = transform.child_frame_id;
+    let (Some(t), Some(q)) = (transform.translation, transform.rotation) else {
+        return Err(format!("the transform of '{name}' lacks a rotation or a translation"));
+    };
+    let rotation = DQuat::from_xyzw(q.x, q.y, q.z, q.w);
+    Ok((name, Pose { rotation, translation: DVec3::new(t.x, t.y, t.z) }))
+}
