@@ -1,8 +1,14 @@
 //! What can be asked: the arguments of each command.
 
+#[allow(dead_code, reason = "`run` and `explain` join `Command` together with their modules")]
+mod scene;
+
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+
+#[allow(unused_imports, reason = "as above")]
+pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
 
 /// Exact collision detection for bodies that are not convex.
 ///
@@ -162,15 +168,7 @@ Examples:
   cranny inspect house.glb --render house.png
   cranny inspect nut.obj --format json";
 
-/// Arguments of `cranny check`.
-#[derive(Debug, Args)]
-#[command(after_help = "Example:\n  cranny check assets/scenes/ring_of_tori.ron")]
-pub(crate) struct CheckArgs {
-    /// Scene file; the meshes and robots that it names are read as well
-    #[arg(value_name = "SCENE.ron")]
-    pub(crate) scene: PathBuf,
-}
-
+/// Reads a level of accuracy; the levels of later versions are told from typing errors.
 fn accuracy(text: &str) -> Result<AccuracyArg, String> {
     match text.split(':').next() {
         Some("exact") if text == "exact" => Ok(AccuracyArg::Exact),
@@ -181,6 +179,7 @@ fn accuracy(text: &str) -> Result<AccuracyArg, String> {
     }
 }
 
+/// Refuses what a later version brings.
 fn later(_: &str) -> Result<String, String> {
     Err("budgets come with a later version; leave the option out for the full answer".to_owned())
 }

@@ -1,6 +1,5 @@
 //! How a command fails: what is told, and the exit code.
 
-use std::error::Error;
 use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -45,14 +44,14 @@ impl Failure {
         Self { kind: Kind::Run, report: Report::msg(message.to_string()) }
     }
 
-    /// A file that could not be read: where it is not there, the argument that named it is wrong;
+    /// A file that could not be read: where it is not there, or is no text, the input is wrong;
     /// otherwise input/output failed.
-    pub(crate) fn unreadable(error: impl Error, source: &io::Error) -> Self {
-        match source.kind() {
+    pub(crate) fn unreadable(message: impl Display, kind: io::ErrorKind) -> Self {
+        match kind {
             io::ErrorKind::NotFound | io::ErrorKind::IsADirectory | io::ErrorKind::InvalidData => {
-                Self::input(error)
+                Self::input(message)
             }
-            _ => Self::run(error),
+            _ => Self::run(message),
         }
     }
 

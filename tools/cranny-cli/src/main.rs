@@ -13,6 +13,7 @@ mod output;
 mod pose_file;
 mod progress;
 mod query;
+mod scene_file;
 
 use std::process::ExitCode;
 

@@ -81,8 +81,8 @@ pub(crate) fn load(path: &Path, scale: f64) -> Result<LoadedModel, Failure> {
 fn unreadable(error: MeshFileError) -> Failure {
     match &error {
         MeshFileError::Unreadable { source, .. } => {
-            let kind = std::io::Error::from(source.kind());
-            Failure::unreadable(error, &kind)
+            let kind = source.kind();
+            Failure::unreadable(error, kind)
         }
         _ => Failure::input(error),
     }

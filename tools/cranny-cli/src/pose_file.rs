@@ -24,10 +24,10 @@ const SHAPE: &str = "a pose file is a list of {\"a\": M|null, \"b\": M|null}, M 
 pub(crate) fn read_poses(path: &Path) -> Result<Vec<PosePair>, Failure> {
     let name = path.display();
     let text = fs::read_to_string(path).map_err(|source| {
-        let told = std::io::Error::other(format!(
+        let message = format!(
             "pose file {name}: cannot be read ({source}). Check the path and its permissions."
-        ));
-        Failure::unreadable(told, &source)
+        );
+        Failure::unreadable(message, source.kind())
     })?;
     parse_poses(&text).map_err(|error| Failure::input(format!("pose file {name}: {error}.")))
 }

@@ -1,0 +1,122 @@
+//! Arguments of the commands that take a scene.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::{AccuracyArg, accuracy};
+
+/// Arguments of `cranny check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Example:\n  cranny check assets/scenes/ring_of_tori.ron")]
+pub(crate) struct CheckArgs {
+    /// Scene file; the meshes and robots that it names are read as well
+    #[arg(value_name = "SCENE.ron")]
+    pub(crate) scene: PathBuf,
+}
+
+/// Arguments of `cranny explain`.
+#[derive(Debug, Args)]
+#[command(after_help = EXPLAIN_NOTES)]
+pub(crate) struct ExplainArgs {
+    /// Scene file
+    #[arg(value_name = "SCENE.ron")]
+    pub(crate) scene: PathBuf,
+}
+
+const EXPLAIN_NOTES: &str = "\
+Nothing is simulated: the effects that the scene asks for are composed as `cranny run` would, and
+what then stands in the schedule is read from it.
+
+Example:
+  cranny explain assets/scenes/ring_of_tori.ron";
+
+/// Arguments of `cranny run`.
+#[derive(Debug, Args)]
+#[command(after_help = RUN_NOTES)]
+pub(crate) struct RunArgs {
+    /// Scene file
+    #[arg(value_name = "SCENE.ron")]
+    pub(crate) scene: PathBuf,
+
+    /// Who finds the contacts
+    #[arg(long, value_enum, value_name = "DETECTOR", default_value = "cranny")]
+    pub(crate) detector: DetectorArg,
+
+    /// How much to spend on a pair: only `exact` so far
+    #[arg(long, value_name = "LEVEL", default_value = "exact", value_parser = accuracy)]
+    pub(crate) accuracy: AccuracyArg,
+
+    /// Simulated time in seconds [default: the scene's `duration`]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) duration: Option<f64>,
+
+    /// Length of a step in seconds [default: the scene's `step`]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) dt: Option<f64>,
+
+    /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// Number of threads; results do not depend on it
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) threads: NonZeroUsize,
+
+    /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
+    #[arg(long, value_name = "OUT.mcap")]
+    pub(crate) record: Option<PathBuf>,
+
+    /// Write each picture as a PNG into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) frames: Option<PathBuf>,
+
+    /// Write an animated picture of the run
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) preview: Option<PathBuf>,
+}
+
+const RUN_NOTES: &str = "\
+Ctrl-C ends the run after the step at hand: the recording is finished and the summary printed.
+Without a graphics adapter the run goes on without pictures, and the summary says so.
+
+Examples:
+  cranny run assets/scenes/ring_of_tori.ron --preview tori.png
+  cranny run assets/scenes/nut_on_bolt.ron --detector rapier-trimesh --duration 2 --format json
+  cranny run assets/scenes/robot_arm.ron --record arm.mcap";
+
+/// Who finds the contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DetectorArg {
+    /// Exact contacts, by this project
+    Cranny,
+    /// Triangle meshes as rapier takes them
+    RapierTrimesh,
+    /// The same with rapier's flags that mend contacts at internal edges
+    RapierTrimeshFixed,
+    /// Convex pieces by rapier's approximate decomposition
+    RapierDecomposition,
+}
+
+/// A length of time above 0.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        Ok(_) => Err("a time must be finite and above 0 seconds".to_owned()),
+        Err(_) => Err("a time is a number of seconds, such as 0.0041667".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_checked() {
+        assert_eq!(seconds("0.5"), Ok(0.5));
+        for text in ["0", "-1", "inf", "NaN", "soon"] {
+            assert!(seconds(text).is_err(), "{text}");
+        }
+    }
+}
