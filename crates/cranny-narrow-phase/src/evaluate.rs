@@ -189,7 +189,8 @@ fn measure(
         }
         None => {
             out.distance = Some(f64::INFINITY);
-            out.separation = Interval { lo: below, hi: f64::INFINITY };
+            let lo = (below - pair.length_error()).max(0.0);
+            out.separation = Interval { lo, hi: f64::INFINITY };
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Contacts across a gap: pairs of features that face each other within a margin.
 //!
-//! A vertex in front of the inside of a face, and two convex edges whose nearest points lie between
-//! their ends, are what two polyhedra can touch with next. Each yields a contact whose normal is
-//! exact at its own point: the face's, or the line between the two points. Pairs of faces that share
-//! such a contact belong to one region.
+//! A vertex over a face, and two convex edges whose nearest points lie between their ends, are what
+//! two polyhedra touch with next; a vertex before an edge or another vertex is where sharp parts are
+//! nearest. Each yields a contact whose normal is exact at its own point: the face's, or the line
+//! between the two points. Pairs of faces that share such a contact belong to one region.
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -14,6 +14,7 @@ use cranny_geometry::{DisjointSets, EdgeId, FaceId, VertexId};
 use crate::answer::{Contact, Counters, Feature};
 use crate::descent::for_each_near_pair;
 use crate::pair::{Pair, Side};
+use crate::touch::mean_normal;
 use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 
 /// Squared sine of the angle below which two edges count as parallel: their nearest points are not
@@ -35,6 +36,12 @@ pub(crate) fn near_regions(pair: &Pair, margin: f64, counters: &mut Counters) ->
         ControlFlow::Continue(())
     });
     finder.regions()
+}
+
+/// Whether a point that is as far from a face's plane as `height` (times the length of `raw`, the
+/// plane's normal) stands over its rim rather than beside it.
+fn over(height: f64, separation: f64, raw: DVec3) -> bool {
+    height >= (1.0 - WEDGE_SLACK) * separation * raw.length()
 }
 
 struct Finder<'a, 'b> {
@@ -97,7 +104,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         index
     }
 
-    /// A vertex of `side` in front of the inside of a face of the other body.
+    /// A vertex of `side` before a face of the other body, or the nearest part of its rim.
     fn vertex_face(
         &mut self,
         side: Side,
@@ -106,32 +113,51 @@ impl<'a, 'b> Finder<'a, 'b> {
         face: FaceId,
         triangle: &[DVec3; 3],
     ) -> Option<usize> {
-        // Cheap refusal before the table is asked: too far from the face's plane, or behind it.
+        // Cheap refusal before anything else: too far from the face's plane, or behind it.
         let raw = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
         let height = raw.dot(p - triangle[0]);
         if height <= 0.0 || height * height > self.margin * self.margin * raw.length_squared() {
             return None;
         }
-        let id = match side {
-            Side::First => (Feature::Vertex(vertex), Feature::Face(face)),
-            Side::Second => (Feature::Face(face), Feature::Vertex(vertex)),
-        };
-        self.once(id, |finder| {
-            let (foot, part) = closest_on_triangle(p, triangle);
-            let outward = raw.normalize_or_zero();
-            if part != Part::Inside || !finder.faces_towards(side, vertex, -outward) {
+        let (foot, part) = closest_on_triangle(p, triangle);
+        let separation = (p - foot).length();
+        if separation > self.margin {
+            return None;
+        }
+        let outward = raw.normalize_or_zero();
+        let own = Feature::Vertex(vertex);
+        let its = part.feature(self.pair.model(side.other()), face);
+        let towards = if part == Part::Inside || over(height, separation, raw) {
+            // A vertex that stands over a face counts also where its neighbours are nearer: a tilted
+            // box lands on all its corners.
+            if !self.faces_towards(side, vertex, -outward) {
                 return None;
             }
-            let separation = (p - foot).length();
-            Some(match side {
-                Side::First => {
-                    Contact { id, point_a: p, point_b: foot, normal: -outward, separation }
-                }
-                Side::Second => {
-                    Contact { id, point_a: foot, point_b: p, normal: outward, separation }
-                }
-            })
-        })
+            -outward
+        } else {
+            // Beside the face: only where both features are the nearest of their bodies.
+            let towards = (foot - p) / separation;
+            let faces_it = separation > self.pair.length_error()
+                && self.in_cone(side, vertex, towards)
+                && match its {
+                    Feature::Vertex(w) => self.in_cone(side.other(), w, -towards),
+                    Feature::Edge(e) => self.in_wedge(side.other(), e, -towards),
+                    Feature::Face(_) => false,
+                };
+            if !faces_it {
+                return None;
+            }
+            towards
+        };
+        let contact = match side {
+            Side::First => {
+                Contact { id: (own, its), point_a: p, point_b: foot, normal: towards, separation }
+            }
+            Side::Second => {
+                Contact { id: (its, own), point_a: foot, point_b: p, normal: -towards, separation }
+            }
+        };
+        self.once(contact.id, |_| Some(contact))
     }
 
     /// Whether some face at a vertex looks along `direction`: the back of a thin part does not touch.
@@ -164,7 +190,9 @@ impl<'a, 'b> Finder<'a, 'b> {
             let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
             let gap = point_b - point_a;
             let separation = gap.length();
-            if separation > finder.margin || separation <= finder.pair.length_error() {
+            // A flat edge touches nothing before its ends do, or the edges around it.
+            let sharp = finder.is_sharp(Side::First, e) && finder.is_sharp(Side::Second, g);
+            if !sharp || separation > finder.margin || separation <= finder.pair.length_error() {
                 return None;
             }
             let normal = gap / separation;
@@ -174,14 +202,32 @@ impl<'a, 'b> Finder<'a, 'b> {
         })
     }
 
+    /// Whether all edges at a vertex fall away from a direction that does not lead into the body.
+    fn in_cone(&self, side: Side, vertex: VertexId, direction: DVec3) -> bool {
+        let p = self.pair.position(side, vertex);
+        let faces = self.pair.topology(side).faces_at(vertex);
+        let falls_away = |q: DVec3| direction.dot(q - p) <= WEDGE_SLACK * (q - p).length();
+        faces.iter().flat_map(|&f| self.pair.triangle(side, f)).all(falls_away)
+            && self.faces_towards(side, vertex, direction)
+    }
+
+    /// Whether an edge is more than a line drawn on a plane.
+    fn is_sharp(&self, side: Side, edge: EdgeId) -> bool {
+        let [h, g] = *self.pair.topology(side).half_edges(edge) else { return true };
+        let (n, m) = (self.pair.normal(side, h.face()), self.pair.normal(side, g.face()));
+        n.dot(m) <= 0.0 || n.cross(m).length() > WEDGE_SLACK
+    }
+
     /// Whether a direction lies between the outward normals of an edge's faces: both faces fall away
     /// from it, and it does not lead into the body.
     fn in_wedge(&self, side: Side, edge: EdgeId, direction: DVec3) -> bool {
+        // At a reflex edge both faces fall away from what leads inside. The sum of the normals tells;
+        // each of them by itself would refuse half of what a sharp edge can touch.
+        if mean_normal(self.pair, side, Feature::Edge(edge)).dot(direction) < 0.0 {
+            return false;
+        }
         let around = self.pair.topology(side).half_edges(edge);
         around.iter().all(|&h| {
-            if self.pair.area_vector(side, h.face()).dot(direction) < 0.0 {
-                return false;
-            }
             let [a, b, c] = self.pair.triangle(side, h.face());
             let corners = [a, b, c];
             let start = corners[h.corner()];
