@@ -1,6 +1,7 @@
 //! Progress on standard error, for whoever waits at a terminal.
 
 use std::borrow::Cow;
+use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,8 +16,12 @@ pub(crate) fn spinner(message: impl Into<Cow<'static, str>>) -> ProgressBar {
     bar
 }
 
-/// Work of `count` pieces; nothing is shown where standard error is no terminal.
+/// Work of `count` pieces that print a line each; nothing is shown where standard error is no terminal,
+/// nor where standard output is one: its lines show the progress.
 pub(crate) fn bar(count: u64, message: impl Into<Cow<'static, str>>) -> ProgressBar {
+    if std::io::stdout().is_terminal() {
+        return ProgressBar::hidden();
+    }
     let bar = ProgressBar::new(count).with_message(message);
     match ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} ({eta} left)") {
         Ok(style) => bar.with_style(style.progress_chars("=> ")),

@@ -52,10 +52,10 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         })?;
         let shown = Shown { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
         let line = Line::new(index, &answer, micros, shown);
-        bar.suspend(|| match format {
+        match format {
             Format::Json => output.json(&line),
             Format::Text => output.line(&line.text()),
-        })?;
+        }?;
         bar.inc(1);
     }
     bar.finish_and_clear();
