@@ -2,8 +2,9 @@
 //!
 //! Moving the second body by t along n parts the pieces as soon as no line along n meets the first
 //! piece more than t ahead of the second. The largest such lead is attained over a vertex of one
-//! piece and a face of the other, or over two edges that cross when seen along n. Curve points lead
-//! by nothing, but they bound faces that reach beyond the piece: an answer off the piece is refused.
+//! piece and a face of the other, or over two edges that cross when seen along n; the curves' points
+//! and segments are vertices and edges of both. They bound faces that reach beyond the piece: an
+//! answer off the piece is refused.
 
 use std::collections::HashMap;
 
@@ -32,7 +33,7 @@ pub(crate) fn leads(pair: &Pair, intersection: &Intersection, cut: &Cut, normal:
     let view = View { pair, normal, borders: Borders::of(intersection, cut) };
     let mut leads = Leads { deepest: None, all: Vec::new() };
     for side in Side::BOTH {
-        view.vertices_over_faces(side, cut, &mut leads);
+        view.vertices_over_faces(side, intersection, cut, &mut leads);
     }
     view.edges_over_edges(intersection, cut, &mut leads);
     leads
@@ -84,7 +85,13 @@ impl View<'_, '_> {
     }
 
     /// For each vertex of `side`'s piece the face of the other that it leads most.
-    fn vertices_over_faces(&self, side: Side, cut: &Cut, leads: &mut Leads) {
+    fn vertices_over_faces(
+        &self,
+        side: Side,
+        intersection: &Intersection,
+        cut: &Cut,
+        leads: &mut Leads,
+    ) {
         let other = side.other();
         // How far ahead of the second body the first is: a vertex of the first wants low faces.
         let sign = if side == Side::First { 1.0 } else { -1.0 };
@@ -94,8 +101,15 @@ impl View<'_, '_> {
             .map(|&f| Ranged::new(f, self.pair.triangle(other, f).map(|p| sign * self.height(p))))
             .collect();
         faces.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.cmp(&y.what)));
-        for &v in &cut.pieces[side.index()].vertices {
-            let p = self.pair.position(side, v);
+        let vertices = cut.pieces[side.index()].vertices.iter();
+        let inner = vertices.map(|&v| (Feature::Vertex(v), self.pair.position(side, v), true));
+        // Every node of closed curves is the start of a segment.
+        let rim = cut.segments.iter().map(|&s| {
+            let node = &intersection.nodes[intersection.segments[s].nodes[0]];
+            let feature = if side == Side::First { node.features.0 } else { node.features.1 };
+            (feature, node.point, false)
+        });
+        for (own, p, keep) in inner.chain(rim) {
             let height = sign * self.height(p);
             let mut best: Option<(f64, FaceId, DVec3)> = None;
             for face in &faces {
@@ -113,8 +127,7 @@ impl View<'_, '_> {
                 }
             }
             if let Some((lead, face, foot)) = best {
-                let (own, its) = (Feature::Vertex(v), Feature::Face(face));
-                leads.offer(self.contact(side, own, its, p, foot, lead), true);
+                leads.offer(self.contact(side, own, Feature::Face(face), p, foot, lead), keep);
             }
         }
     }

@@ -160,11 +160,12 @@ fn closed_region(pair: &Pair, intersection: &Intersection, cut: &Cut) -> Region 
     } else {
         nearest_ways_out(pair, cut)
     };
-    contacts.push(deepest);
+    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way is
+    // longer, the one past an edge was left out.
+    contacts.retain(|c| c.separation >= deepest.separation);
     let mut points = reduce(contacts);
-    if points[0].id != deepest.id || points[0].separation > deepest.separation {
-        points.insert(0, deepest);
-    }
+    points.retain(|c| c.id != deepest.id);
+    points.insert(0, deepest);
     let triangle_pairs = cut.segments.len() as u32;
     finish(
         pair,
