@@ -1,1 +1,100 @@
-//! One plugin per effect; the one composer of worlds, physics, recordings and pictures.
+//! One plugin per effect; the one composer of worlds, solver, recordings and pictures.
+//!
+//! # Promises
+//!
+//! - **Only what the scene asks for exists.** An effect that it does not name has no system in the
+//!   schedules, no registered component, no message and no resource ([`Plan`] reads this from the
+//!   app itself).
+//! - **`Transform` is the truth** about where a body is. Queries, recordings and pictures read it
+//!   through [`pose_of`]; the solver, which is f32 as well, is kept in step with it both ways.
+//! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the last
+//!   step [`CrannyEnd`] reports the final ones, newly detected.
+//! - A pair with `Response` is detected once, inside the solver's step, and everybody else is told
+//!   ([`DetectionSystems::Supply`]); only where the solver's detector gives no exact answer, kept an
+//!   old one, or does not look as far as a margin asks, the world asks for itself.
+//! - Steps are driven by hand: no wall clock changes a result, and order is by stable [`BodyId`]s.
+//! - Removing a body is seen at once, by observers, in whatever schedule it happens.
+//!
+//! # Non-promises
+//!
+//! Bodies are those of the scene: none can be added later. A removed body stays in rapier's world,
+//! where it meets nothing. Dynamic bodies without `Response` stand still.
+//!
+//! # Features
+//!
+//! `rapier` brings [`Response`](cranny_world::description::Effect::Response), `record` and `render`
+//! recordings and pictures, `scene` scene files.
+//!
+//! For programs without bevy there is [`SceneApp`], which has an example; for those with it
+//! [`CrannyPlugins`], [`FixedUpdatePlugin`] and the [`prelude`].
+
+mod app;
+mod body;
+mod clock;
+mod contacts;
+mod detection;
+mod effects;
+mod error;
+mod kinematics;
+mod motion;
+#[cfg(any(feature = "record", feature = "render"))]
+mod outputs;
+#[cfg(feature = "render")]
+mod painting;
+mod plan;
+mod plugins;
+#[cfg(feature = "record")]
+mod recording;
+#[cfg(feature = "render")]
+mod rendering;
+mod report;
+#[cfg(feature = "rapier")]
+mod response;
+#[cfg(feature = "rapier")]
+mod simulation;
+mod summary;
+mod tally;
+#[cfg(feature = "scene")]
+mod threads;
+mod trigger;
+
+pub use app::{RunOptions, SceneApp};
+pub use body::{Bodies, Body, BodyRecord, Velocity, pose_of, transform_of};
+pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
+pub use cranny_world::BodyId;
+pub use detection::{Detected, DetectionSystems, Detector};
+pub use effects::{AskedBy, EffectKind, EffectTable};
+pub use error::{Failure, SceneAppError};
+pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
+pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
+#[cfg(feature = "render")]
+pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
+pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
+pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
+#[cfg(feature = "record")]
+pub use recording::{FrameRecorder, RecordingSystems};
+#[cfg(feature = "render")]
+pub use rendering::{
+    FRAME_SIZE, FRAMES_PER_SECOND, PREVIEW_FRAMES, PREVIEW_SIZE, Painter, PictureOptions,
+    RenderingSystems, frame_path,
+};
+#[cfg(feature = "rapier")]
+pub use response::{EnergyRange, ResponseSystems, RigidBodies, RigidBody};
+pub use summary::{
+    CountSummary, DeepestSummary, EnergySummary, HelixSummary, MotionSummary, RunSummary, Skipped,
+    TimeSummary,
+};
+pub use tally::{DeepestSoFar, Series, Tally};
+#[cfg(feature = "scene")]
+pub use threads::helices;
+pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};
+
+/// What most bevy apps want.
+pub mod prelude {
+    pub use crate::{
+        Bodies, Body, BodyContacts, BodyId, CollisionEnd, CollisionStart, ContactReport,
+        CrannyPlugins, CrannyStep, FixedUpdatePlugin, PluginOptions, SimulatedTime, StepSystems,
+        TouchingBodies, Velocity,
+    };
+}

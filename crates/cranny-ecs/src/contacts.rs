@@ -1,0 +1,130 @@
+//! `Contacts`: points, curves and regions of pairs that are asked for them.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use cranny_exact::Pose;
+use cranny_narrow_phase::Answer;
+use cranny_world::{BodyId, PairAnswer};
+
+use crate::body::{Bodies, Body};
+use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
+use crate::detection::{Detected, DetectionSystems, Detector};
+use crate::effects::EffectTable;
+use crate::trigger::TriggerSystems;
+
+/// The systems of `Contacts`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ContactsSystems {
+    /// Detection, shared with other effects that need it.
+    Detect,
+    /// [`ContactReport`] and [`BodyContacts`].
+    Report,
+}
+
+/// Contacts at the poses that the `Transform`s hold during a step.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct ContactReport {
+    /// Steps completed when the report was made.
+    pub step: u64,
+    /// One a pair with regions within its margin, sorted by body ids.
+    pub pairs: Vec<ContactPair>,
+}
+
+/// Contacts of a pair.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactPair {
+    /// The body with the lower id: A of the answer.
+    pub a: BodyId,
+    /// The other: B.
+    pub b: BodyId,
+    /// From which the answer was computed, to the bit.
+    pub poses: [Pose; 2],
+    /// World coordinates.
+    pub answer: Answer,
+}
+
+/// A body's share of the [`ContactReport`].
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyContacts {
+    /// Bodies that it touches or nearly touches.
+    pub partners: u32,
+    /// Contact points with them.
+    pub points: u32,
+    /// The deepest of its overlaps, >= 0, units of length.
+    pub depth: f64,
+}
+
+/// Keeps [`ContactReport`] and [`BodyContacts`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ContactsPlugin;
+
+impl Plugin for ContactsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ContactReport>();
+        let entities: Vec<Entity> =
+            app.world().resource::<Bodies>().iter().map(|(_, record)| record.entity).collect();
+        for entity in entities {
+            app.world_mut().entity_mut(entity).insert(BodyContacts::default());
+        }
+        for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+            app.add_systems(
+                label,
+                (take_contacts, share_contacts)
+                    .chain()
+                    .in_set(StepSystems::Report)
+                    .in_set(ContactsSystems::Report)
+                    .after(DetectionSystems::Tally)
+                    .after(TriggerSystems::Report),
+            );
+        }
+    }
+}
+
+/// Moves the answers that are contacts out of what was detected, and leaves out what is beyond the
+/// margin (a solver may have looked farther).
+fn take_contacts(
+    mut detected: ResMut<Detected>,
+    mut detector: ResMut<Detector>,
+    effects: Res<EffectTable>,
+    time: Res<SimulatedTime>,
+    mut contacts: ResMut<ContactReport>,
+) {
+    contacts.step = time.steps();
+    contacts.pairs.clear();
+    let Some(report) = &mut detected.report else { return };
+    let answers = std::mem::take(&mut report.answers);
+    for PairAnswer { a, b, mut answer } in answers {
+        let Some(margin) = effects.contact_margin(a, b) else {
+            report.answers.push(PairAnswer { a, b, answer });
+            continue;
+        };
+        answer.regions.retain(|region| region.deepest.separation <= margin);
+        answer.contacts.retain(|contact| contact.separation <= margin);
+        if !answer.regions.is_empty() {
+            contacts.pairs.push(ContactPair { a, b, poses: detector.poses(a, b), answer });
+        }
+    }
+}
+
+fn share_contacts(
+    contacts: Res<ContactReport>,
+    bodies: Res<Bodies>,
+    mut shares: Query<&mut BodyContacts, With<Body>>,
+) {
+    for mut share in &mut shares {
+        *share = BodyContacts::default();
+    }
+    for pair in &contacts.pairs {
+        let points: usize = pair.answer.regions.iter().map(|region| region.points.len()).sum();
+        let depth = pair.answer.regions.iter().filter_map(|r| r.depth).fold(0.0, f64::max);
+        for id in [pair.a, pair.b] {
+            let Some(record) = bodies.get(id) else { continue };
+            if let Ok(mut share) = shares.get_mut(record.entity) {
+                share.partners += 1;
+                share.points += points as u32;
+                share.depth = share.depth.max(depth);
+            }
+        }
+    }
+}

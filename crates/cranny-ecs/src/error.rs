@@ -1,0 +1,168 @@
+//! What can go wrong with a scene that runs.
+
+use std::path::PathBuf;
+
+use bevy_ecs::prelude::Resource;
+use cranny_geometry::BuildError;
+use cranny_world::WorldError;
+use thiserror::Error;
+
+/// A scene that cannot be built or cannot go on.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SceneAppError {
+    /// A body's mesh cannot be prepared.
+    #[error("body '{body}': {source}")]
+    Model {
+        /// Whose mesh.
+        body: String,
+        /// What is wrong with it.
+        source: BuildError,
+    },
+    /// A pair names a body that the scene does not have.
+    #[error("the scene has no body '{name}', which one of its pairs names")]
+    UnknownBody {
+        /// The name.
+        name: String,
+    },
+    /// An index without a body.
+    #[error("body number {index} is asked for, but the scene has {bodies} bodies, numbered from 0")]
+    NoSuchIndex {
+        /// The index.
+        index: usize,
+        /// How many bodies there are.
+        bodies: usize,
+    },
+    /// An effect that this version does not compute.
+    #[error("effect {effect} is not available in this version: take it out of the scene")]
+    UnsupportedEffect {
+        /// Its name.
+        effect: &'static str,
+    },
+    /// An effect whose part of the program was left out when it was built.
+    #[error(
+        "{what} needs the feature `{feature}` of cranny-ecs, which this program was built without"
+    )]
+    MissingFeature {
+        /// What was asked for.
+        what: &'static str,
+        /// The Cargo feature.
+        feature: &'static str,
+    },
+    /// A step that is no duration, or more steps than can be counted.
+    #[error("a run of {duration} s in steps of {step} s cannot be made: {why}")]
+    Duration {
+        /// Seconds a step.
+        step: f64,
+        /// Seconds in all.
+        duration: f64,
+        /// What is wrong.
+        why: &'static str,
+    },
+    /// More layers than a solver can tell apart.
+    #[error(
+        "the scene's bodies name {count} layers, but the solver tells at most {limit} apart: merge some"
+    )]
+    TooManyLayers {
+        /// Layers found.
+        count: usize,
+        /// The most there can be.
+        limit: usize,
+    },
+    /// The world refused something, or a pair cannot be queried.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// A body's `Transform` scales.
+    #[error(
+        "body '{body}': its Transform has the scale {scale}, but bodies are rigid. Scale the mesh instead"
+    )]
+    Scaled {
+        /// Which body.
+        body: String,
+        /// What was found.
+        scale: String,
+    },
+    /// The solver refused a body.
+    #[cfg(feature = "rapier")]
+    #[error("body '{body}': {source}")]
+    Solver {
+        /// Which body.
+        body: String,
+        /// Why.
+        source: cranny_rapier::SimulationError,
+    },
+    /// A body has left every bound, so that poses are no numbers any more.
+    #[error(
+        "body '{body}' has no finite pose after step {step}: the simulation has blown up. A smaller step (--dt) usually helps"
+    )]
+    NotFinite {
+        /// Which body.
+        body: String,
+        /// Steps completed.
+        step: u64,
+    },
+    /// The recording cannot be written.
+    #[cfg(feature = "record")]
+    #[error(transparent)]
+    Record(#[from] cranny_record::RecordError),
+    /// A file or folder that cannot be written.
+    #[error("{}: cannot be written ({why})", path.display())]
+    Output {
+        /// Where.
+        path: PathBuf,
+        /// What was said.
+        why: String,
+    },
+    /// A mesh that cannot be drawn.
+    #[error("body '{body}' cannot be drawn: {why}")]
+    Undrawable {
+        /// Which body.
+        body: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// A camera that cannot see.
+    #[error("camera '{camera}': {why}")]
+    Camera {
+        /// Its name.
+        camera: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// A picture could not be drawn.
+    #[error("camera '{camera}': no picture could be drawn ({why})")]
+    Picture {
+        /// Whose picture.
+        camera: String,
+        /// What was said.
+        why: String,
+    },
+}
+
+/// The first error of a step. Systems cannot return errors to whoever runs them, so they leave them
+/// here; [`SceneApp`](crate::SceneApp) hands them out, and other runners should look.
+#[derive(Resource, Debug, Default)]
+pub struct Failure(Option<SceneAppError>);
+
+impl Failure {
+    /// Keeps the first error.
+    pub fn set(&mut self, error: SceneAppError) {
+        self.0.get_or_insert(error);
+    }
+
+    /// Keeps the error of a result.
+    pub(crate) fn note<T>(&mut self, result: Result<T, impl Into<SceneAppError>>) -> Option<T> {
+        result.map_err(|error| self.set(error.into())).ok()
+    }
+
+    /// Whether something failed.
+    #[must_use]
+    pub fn is_set(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// The error, which is then forgotten.
+    pub fn take(&mut self) -> Option<SceneAppError> {
+        self.0.take()
+    }
+}

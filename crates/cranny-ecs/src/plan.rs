@@ -1,0 +1,335 @@
+//! The plan of a scene, read from the schedules and the world that its plugins built: what runs, in
+//! which order, for which pairs, and what is absent.
+
+use std::collections::BTreeMap;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::graph::Direction;
+use bevy_ecs::schedule::{
+    InternedScheduleLabel, InternedSystemSet, NodeId, ScheduleLabel, Schedules, SystemKey,
+};
+use cranny_world::BodyId;
+use serde::Serialize;
+
+use crate::body::Bodies;
+use crate::clock::{CoreSystems, CrannyEnd, CrannyStep};
+use crate::contacts::ContactsSystems;
+use crate::effects::{AskedBy, EffectKind, EffectTable};
+use crate::kinematics::KinematicsSystems;
+use crate::trigger::TriggerSystems;
+
+/// Names of a group of pairs that are told.
+const EXAMPLES: usize = 6;
+
+/// What a scene runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// Effects that run, with who asks for them.
+    pub effects: Vec<PlannedEffect>,
+    /// Schedules with their systems, in the order in which they run.
+    pub schedules: Vec<PlannedSchedule>,
+    /// Pairs, grouped by what is asked about them and why; the largest group first.
+    pub pairs: Vec<PlannedPairs>,
+    /// Effects of which nothing is in the app: no system, component, message or resource.
+    pub absent: Vec<AbsentEffect>,
+}
+
+/// An effect that runs.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PlannedEffect {
+    /// Its name.
+    pub name: &'static str,
+    /// Who asks: "the scene", "body 'nut'", "1 pair".
+    pub asked_by: Vec<String>,
+}
+
+/// A schedule.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PlannedSchedule {
+    /// Its label.
+    pub name: String,
+    /// In the order in which they run.
+    pub systems: Vec<PlannedSystem>,
+}
+
+/// A system of a schedule.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct PlannedSystem {
+    /// Module and function.
+    pub name: String,
+    /// Effects whose sets it is in, directly or through other sets; `core` for what every scene runs.
+    pub effects: Vec<&'static str>,
+    /// Sets of these effects that it is in.
+    pub sets: Vec<&'static str>,
+}
+
+/// Pairs about which the same is asked, for the same reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PlannedPairs {
+    /// How many.
+    pub count: usize,
+    /// What is asked: effects with their parameters; empty where the pairs never meet or nothing is
+    /// asked.
+    pub effects: Vec<String>,
+    /// Who detects them: "solver", "world", "solver and world" or "nobody".
+    pub detected_by: &'static str,
+    /// Who asks, or why nobody does.
+    pub why: String,
+    /// Some of them by name.
+    pub examples: Vec<[String; 2]>,
+}
+
+/// An effect of which nothing is in the app.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct AbsentEffect {
+    /// Its name.
+    pub name: &'static str,
+    /// Why.
+    pub why: &'static str,
+}
+
+/// A set of an effect.
+struct KnownSet {
+    effect: &'static str,
+    name: &'static str,
+    set: InternedSystemSet,
+}
+
+macro_rules! known {
+    ($($effect:literal: $($set:ident::$variant:ident),+;)*) => {
+        vec![$($(KnownSet {
+            effect: $effect,
+            name: concat!(stringify!($set), "::", stringify!($variant)),
+            set: $set::$variant.intern(),
+        }),+),*]
+    };
+}
+
+fn known_sets() -> Vec<KnownSet> {
+    #[cfg_attr(
+        not(any(feature = "rapier", feature = "record", feature = "render")),
+        expect(unused_mut, reason = "other effects add theirs")
+    )]
+    let mut sets = known! {
+        "core": CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move;
+        "Trigger": TriggerSystems::Detect, TriggerSystems::Report;
+        "Contacts": ContactsSystems::Detect, ContactsSystems::Report;
+    };
+    #[cfg(feature = "rapier")]
+    {
+        use crate::response::ResponseSystems;
+        sets.extend(known! {
+            "Response": ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Supply,
+                ResponseSystems::Tally, ResponseSystems::Advance;
+        });
+    }
+    #[cfg(feature = "record")]
+    {
+        use crate::recording::RecordingSystems;
+        sets.extend(known! { "Recording": RecordingSystems::Frame; });
+    }
+    #[cfg(feature = "render")]
+    {
+        use crate::rendering::RenderingSystems;
+        sets.extend(known! { "Rendering": RenderingSystems::Picture; });
+    }
+    sets
+}
+
+/// All effects, with what asks for them.
+const EFFECTS: [(&str, &str); 5] = [
+    ("Trigger", "the scene, its bodies and pairs name no Trigger"),
+    ("Contacts", "the scene, its bodies and pairs name no Contacts"),
+    ("Response", "the scene, its bodies and pairs name no Response"),
+    ("Recording", "no recording is asked for (--record)"),
+    ("Rendering", "no pictures are asked for (--frames, --preview)"),
+];
+
+impl Plan {
+    /// Reads the plan of an app to which [`CrannyPlugins`](crate::CrannyPlugins) were added.
+    ///
+    /// Schedules that were never run are initialised; nothing runs.
+    ///
+    /// # Errors
+    ///
+    /// The text of bevy's error where systems contradict each other's order, as only systems that
+    /// were added to ours can.
+    pub fn of(world: &mut World) -> Result<Self, String> {
+        let labels = [("CrannyStep", CrannyStep.intern()), ("CrannyEnd", CrannyEnd.intern())];
+        let mut schedules = Vec::new();
+        for (name, label) in labels {
+            let systems = systems(world, label)?;
+            schedules.push(PlannedSchedule { name: name.to_owned(), systems });
+        }
+        let table = world.get_resource::<EffectTable>().cloned().unwrap_or_default();
+        let bodies = world.get_resource::<Bodies>().cloned().unwrap_or_default();
+        let runs = |effect: &str| {
+            schedules.iter().flat_map(|s| &s.systems).any(|s| s.effects.contains(&effect))
+        };
+        let effects = EFFECTS
+            .iter()
+            .filter(|(name, _)| runs(name))
+            .map(|&(name, _)| PlannedEffect { name, asked_by: asked_by(name, &table, &bodies) });
+        let absent = EFFECTS.iter().filter(|(name, _)| !runs(name));
+        Ok(Self {
+            effects: effects.collect(),
+            absent: absent.map(|&(name, why)| AbsentEffect { name, why }).collect(),
+            pairs: pairs(&table, &bodies, exact_solver(world)),
+            schedules,
+        })
+    }
+}
+
+#[cfg(feature = "rapier")]
+fn exact_solver(world: &World) -> bool {
+    world.get_resource::<crate::response::RigidBodies>().is_some_and(|bodies| bodies.is_exact())
+}
+
+#[cfg(not(feature = "rapier"))]
+fn exact_solver(_: &World) -> bool {
+    false
+}
+
+/// Systems of a schedule in the order in which they run.
+fn systems(world: &mut World, label: InternedScheduleLabel) -> Result<Vec<PlannedSystem>, String> {
+    let Some(mut schedule) =
+        world.get_resource_mut::<Schedules>().and_then(|mut schedules| schedules.remove(label))
+    else {
+        return Err(format!("the app has no schedule {label:?}: add CrannyPlugins first"));
+    };
+    let initialized = schedule
+        .initialize(world)
+        .map(drop)
+        .map_err(|error| error.to_string(schedule.graph(), world));
+    let known = known_sets();
+    let planned = schedule.systems().map(|systems| {
+        systems
+            .filter(|(_, system)| !system.name().as_string().contains("ApplyDeferred"))
+            .map(|(key, system)| planned(&schedule, key, &system.name().as_string(), &known))
+            .collect()
+    });
+    let planned = planned.map_err(|error| error.to_string());
+    world.get_resource_or_init::<Schedules>().insert(schedule);
+    initialized.and(planned)
+}
+
+fn planned(schedule: &Schedule, key: SystemKey, name: &str, known: &[KnownSet]) -> PlannedSystem {
+    let graph = schedule.graph();
+    let mut ancestors = vec![NodeId::System(key)];
+    let mut at = 0;
+    while let Some(&node) = ancestors.get(at) {
+        for parent in graph.hierarchy().neighbors_directed(node, Direction::Incoming) {
+            if !ancestors.contains(&parent) {
+                ancestors.push(parent);
+            }
+        }
+        at += 1;
+    }
+    let is_in = |set: &KnownSet| {
+        graph.system_sets.get_key(set.set).is_some_and(|key| ancestors.contains(&NodeId::Set(key)))
+    };
+    let sets: Vec<&KnownSet> = known.iter().filter(|set| is_in(set)).collect();
+    let mut effects: Vec<&'static str> = sets.iter().map(|set| set.effect).collect();
+    effects.dedup();
+    PlannedSystem {
+        name: name.strip_prefix("cranny_ecs::").unwrap_or(name).to_owned(),
+        effects,
+        sets: sets.iter().map(|set| set.name).collect(),
+    }
+}
+
+fn asked_by(effect: &str, table: &EffectTable, bodies: &Bodies) -> Vec<String> {
+    let Some(kind) = EffectKind::ALL.into_iter().find(|kind| kind.name() == effect) else {
+        return vec!["the run".to_owned()];
+    };
+    let names = |effects: &[_]| effects.iter().any(|e| EffectKind::of(e) == Some(kind));
+    let mut asked = Vec::new();
+    if names(table.of_scene()) {
+        asked.push("the scene".to_owned());
+    }
+    let of_bodies = bodies.iter().filter(|(id, _)| names(table.of_body(*id)));
+    asked.extend(of_bodies.map(|(_, record)| format!("body '{}'", record.name)));
+    match table.of_pairs().filter(|(_, effects)| names(effects)).count() {
+        0 => {}
+        1 => asked.push("1 pair".to_owned()),
+        n => asked.push(format!("{n} pairs")),
+    }
+    asked
+}
+
+/// All pairs, grouped.
+fn pairs(table: &EffectTable, bodies: &Bodies, exact_solver: bool) -> Vec<PlannedPairs> {
+    let mut groups: BTreeMap<(Vec<String>, &'static str, String), (usize, Vec<[String; 2]>)> =
+        BTreeMap::new();
+    let count = table.body_count() as u32;
+    for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (BodyId(a), BodyId(b)))) {
+        let key = group_of(table, bodies, a, b, exact_solver);
+        let (count, examples) = groups.entry(key).or_default();
+        *count += 1;
+        if examples.len() < EXAMPLES {
+            examples.push([a, b].map(|id| bodies.name(id).to_owned()));
+        }
+    }
+    let mut pairs: Vec<PlannedPairs> = groups
+        .into_iter()
+        .map(|((effects, detected_by, why), (count, examples))| PlannedPairs {
+            count,
+            effects,
+            detected_by,
+            why,
+            examples,
+        })
+        .collect();
+    pairs.sort_by_key(|group| std::cmp::Reverse(group.count));
+    pairs
+}
+
+fn group_of(
+    table: &EffectTable,
+    bodies: &Bodies,
+    a: BodyId,
+    b: BodyId,
+    exact_solver: bool,
+) -> (Vec<String>, &'static str, String) {
+    if !table.may_meet(a, b) {
+        return (Vec::new(), "nobody", table.why_apart(a, b).to_owned());
+    }
+    let mut effects = Vec::new();
+    let mut reasons: Vec<String> = Vec::new();
+    for kind in EffectKind::ALL {
+        let asked: Vec<AskedBy> = table
+            .of_pair(a, b)
+            .filter(|(effect, _)| EffectKind::of(effect) == Some(kind))
+            .map(|(_, by)| by)
+            .collect();
+        if asked.is_empty() {
+            continue;
+        }
+        effects.push(match table.contact_margin(a, b) {
+            Some(margin) if kind == EffectKind::Contacts => format!("Contacts(margin: {margin})"),
+            _ => kind.name().to_owned(),
+        });
+        let by = asked.iter().map(|by| match by {
+            AskedBy::Scene => "the scene".to_owned(),
+            AskedBy::Body(id) => format!("body '{}'", bodies.name(*id)),
+            AskedBy::Pair => "the pair".to_owned(),
+        });
+        for by in by {
+            let reason = format!("{by} asks for {}", kind.name());
+            if !reasons.contains(&reason) {
+                reasons.push(reason);
+            }
+        }
+    }
+    let solver = table.asks(EffectKind::Response, a, b);
+    let reported = effects.len() > usize::from(solver);
+    let detected_by = match (solver, reported) {
+        (true, true) if !exact_solver => "solver and world",
+        (true, _) => "solver",
+        (false, true) => "world",
+        (false, false) => "nobody",
+    };
+    let why =
+        if reasons.is_empty() { "nobody asks for anything".to_owned() } else { reasons.join("; ") };
+    (effects, detected_by, why)
+}

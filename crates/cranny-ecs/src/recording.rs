@@ -1,0 +1,202 @@
+//! `Recording`: frames to MCAP.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use cranny_record::{
+    Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
+    Recorder, Summary,
+};
+
+use crate::body::{Bodies, Body, pose_of};
+use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+use crate::contacts::ContactReport;
+use crate::detection::Detected;
+use crate::effects::{EffectKind, EffectTable};
+use crate::error::{Failure, SceneAppError};
+
+/// The systems of `Recording`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RecordingSystems {
+    /// A frame of the poses at the beginning of the step, and of what was found there; in
+    /// [`CrannyEnd`], of the final poses.
+    Frame,
+}
+
+/// The recording that is being written.
+#[derive(Resource)]
+pub struct FrameRecorder {
+    /// Its compressor may be used by one thread at a time only.
+    recorder: Mutex<Option<Recorder>>,
+    every: u32,
+}
+
+impl FrameRecorder {
+    fn open(&mut self) -> Option<&mut Recorder> {
+        self.slot().as_mut()
+    }
+
+    fn slot(&mut self) -> &mut Option<Recorder> {
+        // A panic elsewhere leaves a recording that fails or works: it says so itself.
+        self.recorder.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Completes the file and gives it its final name; `interrupted` tells why, if the run was.
+    /// `None` where that was done before.
+    ///
+    /// # Errors
+    ///
+    /// Where the file cannot be written or renamed; what was written stays in the partial file.
+    pub fn finish(&mut self, interrupted: Option<&str>) -> Option<Result<Summary, RecordError>> {
+        self.slot().take().map(|recorder| match interrupted {
+            Some(why) => recorder.finish_interrupted(why),
+            None => recorder.finish(),
+        })
+    }
+
+    /// Writes a line to the recording's log.
+    ///
+    /// # Errors
+    ///
+    /// Where the file cannot be written.
+    pub fn log(&mut self, level: LogLevel, text: &str) -> Result<(), RecordError> {
+        self.open().map_or(Ok(()), |recorder| recorder.log(level, text))
+    }
+
+    /// Writes a camera's picture, a PNG.
+    ///
+    /// # Errors
+    ///
+    /// Where it is no PNG, or the file cannot be written.
+    pub fn image(&mut self, camera: &str, step: u64, png: &[u8]) -> Result<(), RecordError> {
+        self.open().map_or(Ok(()), |recorder| recorder.image(camera, step, png))
+    }
+}
+
+/// Puts the [`FrameRecorder`] in.
+pub(crate) struct RecordingPlugin {
+    recorder: Mutex<Option<Recorder>>,
+    every: u32,
+}
+
+impl RecordingPlugin {
+    /// Records every so many steps.
+    pub(crate) fn new(recorder: Recorder, every: u32) -> Self {
+        Self { recorder: Mutex::new(Some(recorder)), every: every.max(1) }
+    }
+}
+
+impl Plugin for RecordingPlugin {
+    fn build(&self, app: &mut App) {
+        let recorder = self.recorder.lock().ok().and_then(|mut recorder| recorder.take());
+        let mut recorder = FrameRecorder { recorder: Mutex::new(recorder), every: self.every };
+        let told = tell_bodies(&mut recorder, app.world().resource::<Bodies>());
+        app.world_mut().resource_mut::<Failure>().note(told);
+        app.insert_resource(recorder);
+        let frame = (StepSystems::Record, RecordingSystems::Frame);
+        app.add_systems(CrannyStep, record_step.in_set(frame.0).in_set(frame.1));
+        app.add_systems(CrannyEnd, record_end.in_set(frame.0).in_set(frame.1));
+    }
+}
+
+fn tell_bodies(recorder: &mut FrameRecorder, bodies: &Bodies) -> Result<(), SceneAppError> {
+    let told: Vec<RecordedBody> = bodies
+        .iter()
+        .map(|(id, record)| RecordedBody {
+            name: &record.name,
+            mesh: record.visual.as_deref().unwrap_or(record.model.mesh()),
+            color: hue(id.0),
+        })
+        .collect();
+    recorder.open().map_or(Ok(()), |r| r.bodies(&told)).map_err(Into::into)
+}
+
+/// Colours of bodies: the colour wheel in steps of the golden ratio, so neighbours differ.
+fn hue(number: u32) -> [f64; 4] {
+    let turn = (f64::from(number) * 0.618_034).fract();
+    let channel = |shift: f64| {
+        let distance = ((turn + shift).fract() - 0.5).abs() * 6.0;
+        0.3 + 0.55 * (distance - 1.0).clamp(0.0, 1.0)
+    };
+    [channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0), 1.0]
+}
+
+/// What a frame is made of; the last two exist only where the scene asks for them.
+type Sources<'w, 's> = (
+    Query<'w, 's, (&'static Body, &'static Transform)>,
+    Res<'w, Bodies>,
+    Res<'w, EffectTable>,
+    Option<Res<'w, Detected>>,
+    Option<Res<'w, ContactReport>>,
+);
+
+fn record_step(
+    sources: Sources,
+    time: Res<SimulatedTime>,
+    mut recorder: ResMut<FrameRecorder>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+) {
+    if time.steps() % u64::from(recorder.every) == 0 && !failure.is_set() {
+        record(&sources, &time, &mut recorder, &mut times, &mut failure);
+    }
+}
+
+fn record_end(
+    sources: Sources,
+    time: Res<SimulatedTime>,
+    mut recorder: ResMut<FrameRecorder>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+) {
+    if !failure.is_set() {
+        record(&sources, &time, &mut recorder, &mut times, &mut failure);
+    }
+}
+
+fn record(
+    (bodies, records, effects, detected, contacts): &Sources,
+    time: &SimulatedTime,
+    recorder: &mut FrameRecorder,
+    times: &mut PhaseTimes,
+    failure: &mut Failure,
+) {
+    let Some(recorder) = recorder.open() else { return };
+    let start = Instant::now();
+    let mut placed: Vec<_> = bodies.iter().collect();
+    placed.sort_by_key(|(body, _)| body.id);
+    let mut frame = Frame::at_step(time.steps());
+    frame.poses = placed
+        .iter()
+        .map(|(body, transform)| (records.name(body.id), pose_of(transform)))
+        .collect();
+    if let Some(report) = detected.as_ref().and_then(|detected| detected.report.as_ref()) {
+        frame.stats = report.stats;
+        frame.deepest = report.stats.deepest.map(|d| RecordedDepth {
+            depth: d.depth,
+            a: records.name(d.a),
+            b: records.name(d.b),
+        });
+        let triggered =
+            report.events.iter().filter(|e| effects.asks(EffectKind::Trigger, e.a, e.b));
+        frame.events = triggered
+            .map(|e| RecordedEvent { a: records.name(e.a), b: records.name(e.b), kind: e.kind })
+            .collect();
+    }
+    frame.contacts = contacts
+        .iter()
+        .flat_map(|contacts| &contacts.pairs)
+        .map(|pair| PairContacts {
+            a: records.name(pair.a),
+            b: records.name(pair.b),
+            pose_a: pair.poses[0],
+            pose_b: pair.poses[1],
+            answer: &pair.answer,
+        })
+        .collect();
+    failure.note(recorder.frame(&frame));
+    times.record += 1e3 * start.elapsed().as_secs_f64();
+}

@@ -1,0 +1,329 @@
+//! `Rendering`: pictures of a run, without a window.
+//!
+//! # What it costs at most
+//!
+//! Without a graphics card a picture of 400,000 triangles takes about half a second of processor
+//! time. So pictures are drawn at moments of *simulated* time: with [`PictureOptions::frames`]
+//! [`FRAMES_PER_SECOND`] of them a second, else [`PREVIEW_FRAMES`] in all; and the final state.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use cranny_render::{Animation, DrawList, Image, ImageSize, Renderer};
+use cranny_world::description::SceneDescription;
+
+use crate::body::{Body, pose_of};
+use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+use crate::contacts::ContactReport;
+use crate::error::{Failure, SceneAppError};
+use crate::painting::{NamedCamera, Palette, prepare};
+
+/// Pictures a simulated second, with [`PictureOptions::frames`].
+pub const FRAMES_PER_SECOND: f64 = 30.0;
+
+/// Pictures of a preview, at most. More: minutes of drawing in software for a file of megabytes;
+/// fewer: motion is a slide show.
+pub const PREVIEW_FRAMES: usize = 60;
+
+/// Width and height of a preview's pictures and of those in a recording.
+pub const PREVIEW_SIZE: [u32; 2] = [640, 360];
+
+/// Width and height of [`PictureOptions::frames`].
+pub const FRAME_SIZE: [u32; 2] = [1280, 720];
+
+/// The systems of `Rendering`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RenderingSystems {
+    /// A picture of each camera, at the beginning of the step; in [`CrannyEnd`], of the final state.
+    Picture,
+}
+
+/// Where pictures go.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PictureOptions {
+    /// A folder for one PNG a moment and camera: `main_00000.png`.
+    pub frames: Option<PathBuf>,
+    /// An animated PNG of the first camera. Its first picture, which is all that other viewers
+    /// show, is the final state.
+    pub preview: Option<PathBuf>,
+    /// Into the recording, as `/camera/<name>`.
+    pub record: bool,
+}
+
+impl PictureOptions {
+    /// Whether pictures are wanted at all.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        self.frames.is_some() || self.preview.is_some() || self.record
+    }
+}
+
+/// When pictures are due.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moments {
+    /// Pictures a step.
+    rate: f64,
+    /// Of the pictures, every so many belongs to the preview.
+    preview_every: usize,
+    /// Seconds of a picture of the preview.
+    pub(crate) preview_seconds: f64,
+}
+
+impl Moments {
+    /// For a run of so many steps of `dt` seconds.
+    pub(crate) fn new(steps: u64, dt: f64, frames: bool) -> Self {
+        // The first and the last picture are always drawn, and the rate gives those between.
+        let between = (PREVIEW_FRAMES - 2) as f64;
+        let even = between / steps.max(1) as f64;
+        let rate = if frames { (FRAMES_PER_SECOND * dt).min(1.0) } else { even.min(1.0) };
+        let drawn = rate * steps as f64;
+        let preview_every = (drawn / between).ceil().max(1.0) as usize;
+        let preview_seconds = preview_every as f64 * dt / rate;
+        Self { rate, preview_every, preview_seconds }
+    }
+
+    /// Whether the step begins with a picture: the first does, and each that passes a multiple.
+    fn is_due(&self, step: u64) -> bool {
+        step == 0 || (step as f64 * self.rate).floor() > ((step - 1) as f64 * self.rate).floor()
+    }
+}
+
+/// Draws, and keeps what a preview needs.
+#[derive(Resource)]
+pub struct Painter {
+    renderer: Mutex<Renderer>,
+    palette: Palette,
+    cameras: Vec<NamedCamera>,
+    size: ImageSize,
+    moments: Moments,
+    options: PictureOptions,
+    drawn: usize,
+    preview: Vec<Image>,
+    /// Pictures for the recording: camera, step, PNG.
+    encoded: Vec<(String, u64, Vec<u8>)>,
+}
+
+impl Painter {
+    /// Moments that were drawn so far.
+    #[must_use]
+    pub fn drawn(&self) -> usize {
+        self.drawn
+    }
+
+    /// Writes the preview, if one is wanted. Call it once, after [`CrannyEnd`].
+    ///
+    /// # Errors
+    ///
+    /// Where the file cannot be written.
+    pub fn finish(&mut self) -> Result<(), SceneAppError> {
+        let Some(path) = &self.options.preview else { return Ok(()) };
+        let mut frames = std::mem::take(&mut self.preview);
+        let Some(last) = frames.last().cloned() else { return Ok(()) };
+        frames.insert(0, last);
+        // Players hold a picture for 20 ms at least.
+        let delay = (1e3 * self.moments.preview_seconds).round().clamp(20.0, 1e3) as u16;
+        let mut animation = Animation::new(delay);
+        let failed = |why: String| SceneAppError::Output { path: path.clone(), why };
+        for frame in frames {
+            animation.push(frame).map_err(|error| failed(error.to_string()))?;
+        }
+        animation.save(path).map_err(|error| failed(error.to_string()))
+    }
+
+    fn paint(&mut self, list: &DrawList, step: u64, last: bool) -> Result<(), SceneAppError> {
+        for (number, (name, camera)) in self.cameras.iter().enumerate() {
+            let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
+            let mut renderer = self.renderer.lock().map_err(|error| failed(error.to_string()))?;
+            let image = renderer
+                .render(list, camera, self.size)
+                .map_err(|error| failed(error.to_string()))?;
+            drop(renderer);
+            if let Some(folder) = &self.options.frames {
+                let path = frame_path(folder, name, self.drawn);
+                image
+                    .save_png(&path)
+                    .map_err(|error| SceneAppError::Output { path, why: error.to_string() })?;
+            }
+            let in_preview = last || self.drawn.is_multiple_of(self.moments.preview_every);
+            if !in_preview {
+                continue;
+            }
+            let small = image.scaled_down(PREVIEW_SIZE[0]);
+            if self.options.record {
+                let png = small.encode_png().map_err(|error| failed(error.to_string()))?;
+                self.encoded.push((name.clone(), step, png));
+            }
+            if number == 0 && self.options.preview.is_some() {
+                self.preview.push(small);
+            }
+        }
+        self.drawn += 1;
+        Ok(())
+    }
+}
+
+/// The file of a camera's picture: `main_00000.png`.
+#[must_use]
+pub fn frame_path(folder: &Path, camera: &str, number: usize) -> PathBuf {
+    folder.join(format!("{camera}_{number:05}.png"))
+}
+
+/// Puts the [`Painter`] in.
+pub(crate) struct RenderingPlugin {
+    painter: Mutex<Option<Painter>>,
+}
+
+impl RenderingPlugin {
+    /// Pictures of a run of so many steps.
+    pub(crate) fn new(
+        scene: &SceneDescription,
+        steps: u64,
+        renderer: Renderer,
+        options: PictureOptions,
+    ) -> Result<Self, SceneAppError> {
+        let [width, height] = if options.frames.is_some() { FRAME_SIZE } else { PREVIEW_SIZE };
+        let size = ImageSize::new(width, height).map_err(|error| SceneAppError::Picture {
+            camera: crate::painting::DEFAULT_CAMERA.to_owned(),
+            why: error.to_string(),
+        })?;
+        let (palette, cameras) = prepare(scene, size)?;
+        Ok(Self {
+            painter: Mutex::new(Some(Painter {
+                renderer: Mutex::new(renderer),
+                palette,
+                cameras,
+                size,
+                moments: Moments::new(steps, scene.step, options.frames.is_some()),
+                options,
+                drawn: 0,
+                preview: Vec::new(),
+                encoded: Vec::new(),
+            })),
+        })
+    }
+}
+
+impl Plugin for RenderingPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(painter) = self.painter.lock().ok().and_then(|mut painter| painter.take()) else {
+            return; // built twice: the first build took it
+        };
+        let records = painter.options.record;
+        app.insert_resource(painter);
+        let set = (StepSystems::Draw, RenderingSystems::Picture);
+        app.add_systems(CrannyStep, draw_step.in_set(set.0).in_set(set.1));
+        app.add_systems(CrannyEnd, draw_end.in_set(set.0).in_set(set.1));
+        #[cfg(feature = "record")]
+        if records {
+            app.add_systems(
+                CrannyStep,
+                record_pictures.in_set(set.0).in_set(set.1).after(draw_step),
+            );
+            app.add_systems(CrannyEnd, record_pictures.in_set(set.0).in_set(set.1).after(draw_end));
+        }
+        #[cfg(not(feature = "record"))]
+        let _ = records;
+    }
+}
+
+fn draw_step(
+    bodies: Query<(&Body, &Transform)>,
+    contacts: Option<Res<ContactReport>>,
+    time: Res<SimulatedTime>,
+    mut painter: ResMut<Painter>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+) {
+    if painter.moments.is_due(time.steps()) && !failure.is_set() {
+        draw(
+            &bodies,
+            contacts.as_deref(),
+            (time.steps(), false),
+            &mut painter,
+            &mut times,
+            &mut failure,
+        );
+    }
+}
+
+fn draw_end(
+    bodies: Query<(&Body, &Transform)>,
+    contacts: Option<Res<ContactReport>>,
+    time: Res<SimulatedTime>,
+    mut painter: ResMut<Painter>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+) {
+    if !failure.is_set() {
+        draw(
+            &bodies,
+            contacts.as_deref(),
+            (time.steps(), true),
+            &mut painter,
+            &mut times,
+            &mut failure,
+        );
+    }
+}
+
+fn draw(
+    bodies: &Query<(&Body, &Transform)>,
+    contacts: Option<&ContactReport>,
+    (step, last): (u64, bool),
+    painter: &mut Painter,
+    times: &mut PhaseTimes,
+    failure: &mut Failure,
+) {
+    let start = Instant::now();
+    let poses = bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
+    let list = painter.palette.draw_list(poses, contacts);
+    failure.note(painter.paint(&list, step, last));
+    times.render += 1e3 * start.elapsed().as_secs_f64();
+}
+
+#[cfg(feature = "record")]
+fn record_pictures(
+    mut painter: ResMut<Painter>,
+    mut recorder: ResMut<crate::recording::FrameRecorder>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+) {
+    let start = Instant::now();
+    for (camera, step, png) in painter.encoded.drain(..) {
+        failure.note(recorder.image(&camera, step, &png));
+    }
+    times.record += 1e3 * start.elapsed().as_secs_f64();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(moments: &Moments, steps: u64) -> usize {
+        (0..steps).filter(|&step| moments.is_due(step)).count()
+    }
+
+    #[test]
+    fn a_preview_has_few_pictures_however_long_the_run() {
+        for (steps, dt) in [(1, 0.1), (20, 0.01), (1200, 1.0 / 240.0), (1_000_000, 1e-3)] {
+            let moments = Moments::new(steps, dt, false);
+            let drawn = count(&moments, steps) + 1;
+            assert!(drawn <= PREVIEW_FRAMES && drawn >= (steps as usize).min(PREVIEW_FRAMES - 2));
+            assert_eq!(moments.preview_every, 1);
+        }
+    }
+
+    #[test]
+    fn frames_come_thirty_a_second_and_the_preview_keeps_some() {
+        let moments = Moments::new(1200, 1.0 / 240.0, true);
+        let drawn = count(&moments, 1200);
+        assert!((150..=151).contains(&drawn), "{drawn}");
+        assert!(drawn.div_ceil(moments.preview_every) < PREVIEW_FRAMES);
+        let slow = Moments::new(10, 0.5, true);
+        assert_eq!(count(&slow, 10), 10);
+    }
+}

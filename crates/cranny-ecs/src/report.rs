@@ -1,0 +1,171 @@
+//! From what is in the world at the end to the summary.
+
+use std::time::Duration;
+
+use bevy_ecs::prelude::World;
+use bevy_transform::components::Transform;
+use cranny_world::description::SceneDescription;
+
+use crate::body::{Bodies, Velocity};
+use crate::clock::{PhaseTimes, SimulatedTime};
+use crate::motion::MotionLog;
+use crate::summary::{
+    CountSummary, DeepestSummary, EnergySummary, HelixSummary, MotionSummary, RunSummary, Skipped,
+    TimeSummary,
+};
+use crate::tally::{Series, Tally};
+
+/// What is known of a run before it begins, and whether it was broken off.
+#[derive(Clone, Debug)]
+pub(crate) struct RunFacts {
+    pub(crate) scene: String,
+    pub(crate) scene_hash: String,
+    pub(crate) detector: String,
+    pub(crate) seed: u64,
+    pub(crate) skipped: Vec<Skipped>,
+    pub(crate) outputs: Vec<String>,
+    pub(crate) interrupted: bool,
+}
+
+/// Of the text that the scene came from, its step, and every body's name, geometry and pose.
+pub(crate) fn scene_hash(scene: &SceneDescription, source: Option<&str>) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut text = |text: &str| {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
+    };
+    text(source.unwrap_or(""));
+    scene.bodies.iter().for_each(|body| text(&body.name));
+    for number in [scene.step, scene.duration] {
+        hasher.update(&number.to_bits().to_le_bytes());
+    }
+    for body in &scene.bodies {
+        for p in body.collision.vertices().iter().flat_map(|p| p.to_array()) {
+            hasher.update(&(p + 0.0).to_bits().to_le_bytes());
+        }
+        for &corner in body.collision.faces().iter().flatten() {
+            hasher.update(&corner.to_le_bytes());
+        }
+        for bits in body.pose.bits() {
+            hasher.update(&bits.to_le_bytes());
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Sums a run up.
+pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> RunSummary {
+    let time = world.get_resource::<SimulatedTime>().copied().unwrap_or(SimulatedTime::new(0.0));
+    let tally = world.get_resource::<Tally>().copied().unwrap_or_default();
+    let times = world.get_resource::<PhaseTimes>().copied().unwrap_or_default();
+    let bodies = world.get_resource::<Bodies>().cloned().unwrap_or_default();
+    let name = |id| bodies.name(id).to_owned();
+    let deepest = tally.depths_known.then(|| {
+        tally.deepest.map_or_else(DeepestSummary::default, |d| DeepestSummary {
+            depth: d.depth,
+            a: name(d.a),
+            b: name(d.b),
+            step: d.step,
+        })
+    });
+    let (energy_drift, energy) = energies(world);
+    let (motion, helices) = motions(world, &bodies);
+    let (wall_s, simulated_s) = (wall.as_secs_f64(), time.seconds());
+    RunSummary {
+        version: 1,
+        scene: facts.scene,
+        scene_hash: facts.scene_hash,
+        detector: facts.detector,
+        accuracy: "exact".to_owned(),
+        threads: 1,
+        seed: facts.seed,
+        steps: time.steps(),
+        dt: time.step(),
+        simulated_s,
+        wall_s,
+        real_time_factor: if wall_s > 0.0 { simulated_s / wall_s } else { 0.0 },
+        time_ms: TimeSummary {
+            broad: times.broad,
+            narrow: times.narrow,
+            solver: times.solver,
+            report: times.report,
+            record: times.record,
+            render: times.render,
+        },
+        pairs: count(&tally.pairs),
+        contacts: count(&tally.contacts),
+        deepest,
+        energy_drift,
+        energy,
+        state_hash: state_hash(world, &bodies),
+        motion,
+        helices,
+        outputs: facts.outputs,
+        skipped: facts.skipped,
+        interrupted: facts.interrupted,
+    }
+}
+
+fn count(series: &Series) -> CountSummary {
+    CountSummary { mean: series.mean(), max: series.max() }
+}
+
+#[cfg(feature = "rapier")]
+fn energies(world: &World) -> (Option<f64>, Option<EnergySummary>) {
+    let energy = world.get_resource::<crate::response::RigidBodies>().map(|b| *b.energy());
+    let summary = energy.map(|energy| EnergySummary {
+        start: energy.start,
+        end: energy.now,
+        max: energy.max,
+        scale: energy.scale(),
+        loss: energy.loss(),
+    });
+    (energy.map(|energy| energy.drift()), summary)
+}
+
+#[cfg(not(feature = "rapier"))]
+fn energies(_: &World) -> (Option<f64>, Option<EnergySummary>) {
+    (None, None)
+}
+
+fn motions(world: &World, bodies: &Bodies) -> (Vec<MotionSummary>, Vec<HelixSummary>) {
+    let Some(log) = world.get_resource::<MotionLog>() else { return (Vec::new(), Vec::new()) };
+    let name = |id| bodies.name(id).to_owned();
+    let motion = log.bodies().map(|motion| MotionSummary {
+        body: name(motion.body),
+        displacement: motion.displacement.to_array(),
+        axis: motion.spin.map(|(axis, _)| axis.to_array()),
+        turns: motion.spin.map(|(_, turns)| turns),
+    });
+    let helices = log.helices().map(|helix| HelixSummary {
+        bolt: name(helix.bolt),
+        nut: name(helix.nut),
+        pitch: helix.pitch,
+        turns: helix.turns,
+        advance: helix.advance,
+        deviation_max: helix.deviation_max,
+    });
+    (motion.collect(), helices.collect())
+}
+
+/// Of poses and velocities as they are held, bit for bit. Bodies that were removed count as absent.
+fn state_hash(world: &World, bodies: &Bodies) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for (id, record) in bodies.iter() {
+        let Some(transform) = world.get::<Transform>(record.entity) else { continue };
+        hasher.update(&id.0.to_le_bytes());
+        let velocity = world.get::<Velocity>(record.entity).copied().unwrap_or_default();
+        let numbers = transform
+            .translation
+            .to_array()
+            .into_iter()
+            .chain(transform.rotation.to_array())
+            .chain(velocity.linear.to_array())
+            .chain(velocity.angular.to_array());
+        for number in numbers {
+            // `+ 0.0`: −0 and 0 are the same state.
+            hasher.update(&(number + 0.0).to_bits().to_le_bytes());
+        }
+    }
+    hasher.finalize().to_hex().to_string()
+}

@@ -1,0 +1,351 @@
+//! `Response`: rigid bodies through rapier.
+//!
+//! The solver keeps poses of its own, in f32 as `Transform`s are, so nothing is lost between the two:
+//! before a step whatever moved a `Transform` is told to the solver, at the end of the step the
+//! solver's poses become the `Transform`s.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::Remove;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use cranny_narrow_phase::Answer;
+use cranny_rapier::{BodyIndex, Detector as Detection, PairContacts, Simulation};
+use cranny_world::BodyId;
+
+use crate::body::{Bodies, Body, Velocity, narrowed, pose_of, transform_of};
+use crate::clock::{CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+use crate::detection::{DetectionSystems, Detector};
+use crate::effects::{EffectKind, EffectTable};
+use crate::error::{Failure, SceneAppError};
+use crate::simulation::RigidScene;
+use crate::tally::Tally;
+
+/// The systems of `Response`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ResponseSystems {
+    /// Transforms that somebody moved, to the solver.
+    Sync,
+    /// The solver's step.
+    Solve,
+    /// Its contacts, to detection.
+    Supply,
+    /// Sums, energies.
+    Tally,
+    /// The solver's poses, to the Transforms.
+    Advance,
+}
+
+/// A body that the solver moves, or that others bounce off.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct RigidBody {
+    /// The solver's number.
+    pub index: BodyIndex,
+    /// The `Transform` that the solver knows of.
+    known: Transform,
+}
+
+/// rapier's world.
+#[derive(Resource)]
+pub struct RigidBodies {
+    simulation: Simulation,
+    ids: Vec<BodyId>,
+    index_of: BTreeMap<BodyId, BodyIndex>,
+    /// What the solver's detector found in this step, at the poses of its beginning.
+    answers: Vec<PairContacts>,
+    detection: Detection,
+    energy: EnergyRange,
+}
+
+/// Total mechanical energy over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyRange {
+    /// Before the first step.
+    pub start: f64,
+    /// Now.
+    pub now: f64,
+    /// The highest so far.
+    pub max: f64,
+    /// The lowest so far.
+    pub min: f64,
+    /// The highest kinetic energy so far.
+    pub kinetic_max: f64,
+    /// The greatest change of potential energy since the start.
+    pub potential_change_max: f64,
+    potential_start: f64,
+}
+
+impl EnergyRange {
+    fn starting(kinetic: f64, potential: f64) -> Self {
+        let total = kinetic + potential;
+        Self {
+            start: total,
+            now: total,
+            max: total,
+            min: total,
+            kinetic_max: kinetic,
+            potential_change_max: 0.0,
+            potential_start: potential,
+        }
+    }
+
+    fn note(&mut self, kinetic: f64, potential: f64) {
+        self.now = kinetic + potential;
+        self.max = self.max.max(self.now);
+        self.min = self.min.min(self.now);
+        self.kinetic_max = self.kinetic_max.max(kinetic);
+        let change = (potential - self.potential_start).abs();
+        self.potential_change_max = self.potential_change_max.max(change);
+    }
+
+    /// What gains and losses are measured against: the larger of the highest kinetic energy and the
+    /// greatest change of potential energy. It does not depend on where heights are counted from.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.kinetic_max.max(self.potential_change_max)
+    }
+
+    /// The greatest gain over the start, relative to [`scale`](Self::scale); 0 where nothing moved.
+    #[must_use]
+    pub fn drift(&self) -> f64 {
+        relative(self.max - self.start, self.scale())
+    }
+
+    /// What was lost by now (negative: gained), relative to [`scale`](Self::scale).
+    #[must_use]
+    pub fn loss(&self) -> f64 {
+        relative(self.start - self.now, self.scale())
+    }
+}
+
+fn relative(value: f64, scale: f64) -> f64 {
+    if scale > 0.0 { value / scale } else { 0.0 }
+}
+
+impl RigidBodies {
+    /// The solver's world.
+    #[must_use]
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// The solver's world, to change its settings. Poses are changed by `Transform`s.
+    pub fn simulation_mut(&mut self) -> &mut Simulation {
+        &mut self.simulation
+    }
+
+    /// The solver's number of a body, if it takes part.
+    #[must_use]
+    pub fn index(&self, body: BodyId) -> Option<BodyIndex> {
+        self.index_of.get(&body).copied()
+    }
+
+    /// The body of a solver's number.
+    #[must_use]
+    pub fn id(&self, index: BodyIndex) -> Option<BodyId> {
+        self.ids.get(index.0 as usize).copied()
+    }
+
+    /// Exact answers that the solver's step found, by ascending bodies; empty with rapier's own
+    /// detectors. Ids ascend with the solver's numbers, so `a` < `b` in both.
+    pub fn answers(&self) -> impl Iterator<Item = (BodyId, BodyId, &PairContacts)> {
+        self.answers.iter().filter_map(|p| Some((self.id(p.a)?, self.id(p.b)?, p)))
+    }
+
+    /// Whether the solver's own detector gives exact answers.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.detection == Detection::Cranny
+    }
+
+    /// Energies.
+    #[must_use]
+    pub fn energy(&self) -> &EnergyRange {
+        &self.energy
+    }
+}
+
+/// Puts [`RigidBodies`] in.
+pub(crate) struct ResponsePlugin {
+    scene: Mutex<Option<RigidScene>>,
+    /// Whether somebody wants exact answers of the world.
+    detection_present: bool,
+}
+
+impl ResponsePlugin {
+    pub(crate) fn new(scene: RigidScene, detection_present: bool) -> Self {
+        Self { scene: Mutex::new(Some(scene)), detection_present }
+    }
+}
+
+impl Plugin for ResponsePlugin {
+    fn build(&self, app: &mut App) {
+        let Some(scene) = self.scene.lock().ok().and_then(|mut scene| scene.take()) else {
+            return; // built twice: the first build took it
+        };
+        let RigidScene { simulation, ids, detection } = scene;
+        for (i, &id) in ids.iter().enumerate() {
+            let index = BodyIndex(i as u32);
+            let Some(entity) = app.world().resource::<Bodies>().get(id).map(|r| r.entity) else {
+                continue;
+            };
+            let (linear, angular) = simulation.velocity(index);
+            let mut entity = app.world_mut().entity_mut(entity);
+            let known = entity.get::<Transform>().copied().unwrap_or_default();
+            let velocity = Velocity { linear: narrowed(linear), angular: narrowed(angular) };
+            entity.insert((RigidBody { index, known }, velocity));
+        }
+        let energy = simulation.energy();
+        app.insert_resource(RigidBodies {
+            index_of: ids.iter().enumerate().map(|(i, &id)| (id, BodyIndex(i as u32))).collect(),
+            simulation,
+            ids,
+            answers: Vec::new(),
+            detection,
+            energy: EnergyRange::starting(energy.kinetic, energy.potential),
+        });
+        app.add_observer(leave_removed_alone);
+        app.configure_sets(
+            CrannyStep,
+            (
+                ResponseSystems::Sync.in_set(StepSystems::Sync),
+                ResponseSystems::Solve.in_set(StepSystems::Solve),
+                ResponseSystems::Supply.in_set(DetectionSystems::Supply),
+                ResponseSystems::Tally.in_set(StepSystems::Report),
+                ResponseSystems::Advance.in_set(StepSystems::Advance),
+            ),
+        );
+        app.add_systems(
+            CrannyStep,
+            (
+                push_transforms.in_set(ResponseSystems::Sync),
+                step_solver.in_set(ResponseSystems::Solve),
+                tally_solver.in_set(ResponseSystems::Tally),
+                pull_transforms.in_set(ResponseSystems::Advance),
+            ),
+        );
+        if detection == Detection::Cranny {
+            app.world_mut().resource_mut::<Tally>().depths_known = true;
+            if self.detection_present {
+                app.add_systems(CrannyStep, supply_answers.in_set(ResponseSystems::Supply));
+            }
+        }
+    }
+}
+
+fn push_transforms(
+    mut moved: Query<(&Transform, &mut RigidBody), Changed<Transform>>,
+    mut bodies: ResMut<RigidBodies>,
+) {
+    for (transform, mut body) in &mut moved {
+        if *transform != body.known {
+            body.known = *transform;
+            bodies.simulation.set_pose(body.index, pose_of(transform));
+        }
+    }
+}
+
+fn step_solver(mut bodies: ResMut<RigidBodies>, mut times: ResMut<PhaseTimes>) {
+    let bodies = &mut *bodies;
+    let start = Instant::now();
+    bodies.simulation.step();
+    let spent = 1e3 * start.elapsed().as_secs_f64();
+    let timings = bodies.simulation.timings_ms();
+    times.broad += timings.broad;
+    times.narrow += timings.narrow;
+    times.solver += (spent - timings.broad - timings.narrow).max(0.0);
+    let start = Instant::now();
+    bodies.answers = bodies.simulation.contact_pairs();
+    times.report += 1e3 * start.elapsed().as_secs_f64();
+}
+
+/// Hands the solver's answers to the world, which then does not detect those pairs again. Pairs
+/// whose contacts rapier kept from an older step, or that are asked to look farther than the solver
+/// does, are left to the world.
+fn supply_answers(
+    mut bodies: ResMut<RigidBodies>,
+    effects: Res<EffectTable>,
+    mut detector: ResMut<Detector>,
+    mut failure: ResMut<Failure>,
+) {
+    let reach = f64::from(bodies.simulation.parameters_mut().prediction_distance());
+    detector.supplied_poses.clear();
+    for (a, b, pair) in bodies.answers() {
+        let asked =
+            effects.asks(EffectKind::Trigger, a, b) || effects.contact_margin(a, b).is_some();
+        let reaches = effects.contact_margin(a, b).is_none_or(|margin| margin <= reach);
+        if asked && reaches && pair.fresh {
+            failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
+            detector.supplied_poses.insert((a, b), pair.poses);
+        }
+    }
+}
+
+fn tally_solver(
+    mut bodies: ResMut<RigidBodies>,
+    time: Res<SimulatedTime>,
+    mut tally: ResMut<Tally>,
+) {
+    tally.pairs.push(bodies.simulation.pair_count());
+    tally.contacts.push(bodies.simulation.solver_contacts());
+    for (a, b, pair) in bodies.answers().filter(|(_, _, pair)| pair.fresh) {
+        tally.note_depth(a, b, &pair.answer, time.steps());
+    }
+    let energy = bodies.simulation.energy();
+    bodies.energy.note(energy.kinetic, energy.potential);
+}
+
+fn pull_transforms(
+    mut moved: Query<(&Body, &mut Transform, &mut Velocity, &mut RigidBody)>,
+    bodies: Res<RigidBodies>,
+    records: Res<Bodies>,
+    time: Res<SimulatedTime>,
+    mut failure: ResMut<Failure>,
+) {
+    for (body, mut transform, mut velocity, mut rigid) in &mut moved {
+        let next = transform_of(&bodies.simulation.pose(rigid.index));
+        if !next.is_finite() {
+            let name = records.name(body.id).to_owned();
+            failure.set(SceneAppError::NotFinite { body: name, step: time.steps() + 1 });
+            return;
+        }
+        let (linear, angular) = bodies.simulation.velocity(rigid.index);
+        *velocity = Velocity { linear: narrowed(linear), angular: narrowed(angular) };
+        rigid.known = next;
+        transform.set_if_neq(next);
+    }
+}
+
+/// rapier's world does not let go of a body; one that was removed meets nothing any more.
+fn leave_removed_alone(
+    removed: On<Remove<Body>>,
+    rigid: Query<&RigidBody>,
+    mut bodies: ResMut<RigidBodies>,
+) {
+    if let Ok(body) = rigid.get(removed.entity) {
+        for other in (0..bodies.ids.len() as u32).map(BodyIndex).filter(|&i| i != body.index) {
+            bodies.simulation.exclude(body.index, other);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drift_and_loss_do_not_depend_on_the_zero_of_height() {
+        for zero in [0.0, -1e3] {
+            let mut energy = EnergyRange::starting(1.0, 4.0 + zero);
+            energy.note(3.0, 3.0 + zero);
+            energy.note(2.0, 2.0 + zero);
+            assert_eq!(energy.scale(), 3.0);
+            assert!((energy.drift() - 1.0 / 3.0).abs() < 1e-12);
+            assert!((energy.loss() - 1.0 / 3.0).abs() < 1e-12);
+        }
+        assert_eq!(EnergyRange::starting(0.0, 7.0).drift(), 0.0);
+    }
+}

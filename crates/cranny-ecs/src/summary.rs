@@ -1,0 +1,153 @@
+//! What a run ends with.
+
+use serde::Serialize;
+
+/// Summary of a run. Its JSON is the last line that `cranny run --format json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// Of this format: 1.
+    pub version: u32,
+    /// The scene's name.
+    pub scene: String,
+    /// Hash of the scene's text (if it came from one) and of every body's prepared geometry.
+    pub scene_hash: String,
+    /// Who detected contacts.
+    pub detector: String,
+    /// How exactly.
+    pub accuracy: String,
+    /// Threads used.
+    pub threads: u32,
+    /// The scene's seed.
+    pub seed: u64,
+    /// Steps completed.
+    pub steps: u64,
+    /// Seconds a step.
+    pub dt: f64,
+    /// Simulated seconds.
+    pub simulated_s: f64,
+    /// Wall time of all steps and of the end, seconds; not of the preparation.
+    pub wall_s: f64,
+    /// Simulated seconds a second of wall time.
+    pub real_time_factor: f64,
+    /// Where the wall time went, milliseconds in all.
+    pub time_ms: TimeSummary,
+    /// Pairs examined in a step.
+    pub pairs: CountSummary,
+    /// Contact points of a step: those that the solver got, or those reported where there is none.
+    pub contacts: CountSummary,
+    /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
+    /// each step, and at the end where `Contacts` are asked for. Depth 0 and no names where nothing
+    /// overlapped; `None` where no exact answer tells depths.
+    pub deepest: Option<DeepestSummary>,
+    /// The greatest gain of mechanical energy over the start, relative to [`EnergySummary::scale`];
+    /// 0 or more. `None` without a solver.
+    pub energy_drift: Option<f64>,
+    /// Energies, where there is a solver.
+    pub energy: Option<EnergySummary>,
+    /// Hash of the final poses and velocities, bit for bit, in the order of bodies.
+    pub state_hash: String,
+    /// Motion of each body that can move.
+    pub motion: Vec<MotionSummary>,
+    /// Screw motion of each nut on its bolt.
+    pub helices: Vec<HelixSummary>,
+    /// Files and folders written.
+    pub outputs: Vec<String>,
+    /// What was asked for and not done.
+    pub skipped: Vec<Skipped>,
+    /// Whether the run was broken off.
+    pub interrupted: bool,
+}
+
+/// Milliseconds in all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TimeSummary {
+    /// The solver's broad phase; without a solver, the broad phase is part of `narrow`.
+    pub broad: f64,
+    /// Contact detection.
+    pub narrow: f64,
+    /// The rest of the solver's step.
+    pub solver: f64,
+    /// Exact answers for reports only, beside the solver's own detection.
+    pub report: f64,
+    /// Recording.
+    pub record: f64,
+    /// Drawing, encoding and saving pictures.
+    pub render: f64,
+}
+
+/// A count over the steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CountSummary {
+    /// Mean.
+    pub mean: f64,
+    /// Maximum.
+    pub max: u64,
+}
+
+/// The deepest overlap of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct DeepestSummary {
+    /// Units of length.
+    pub depth: f64,
+    /// Name of a body.
+    pub a: String,
+    /// Name of another.
+    pub b: String,
+    /// Steps completed at that time.
+    pub step: u64,
+}
+
+/// Mechanical energy over a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct EnergySummary {
+    /// Before the first step; heights are counted from z = 0.
+    pub start: f64,
+    /// After the last.
+    pub end: f64,
+    /// The highest.
+    pub max: f64,
+    /// The larger of the highest kinetic energy and the greatest change of potential energy: what
+    /// drift and loss are relative to.
+    pub scale: f64,
+    /// What was lost by the end (negative: gained), relative to `scale`.
+    pub loss: f64,
+}
+
+/// How a body moved.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MotionSummary {
+    /// Its name.
+    pub body: String,
+    /// From start to end, of the body's origin.
+    pub displacement: [f64; 3],
+    /// The axis of its spin at the start; `None` where it did not spin.
+    pub axis: Option<[f64; 3]>,
+    /// Turns about that axis.
+    pub turns: Option<f64>,
+}
+
+/// How a nut moved on its bolt.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HelixSummary {
+    /// The one with the outer thread.
+    pub bolt: String,
+    /// The one with the inner thread.
+    pub nut: String,
+    /// Of both threads.
+    pub pitch: f64,
+    /// Of the nut about the bolt's axis.
+    pub turns: f64,
+    /// Of the nut along the bolt's axis.
+    pub advance: f64,
+    /// The greatest |advance − pitch x turns|.
+    pub deviation_max: f64,
+}
+
+/// Something that was asked for and not done.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Skipped {
+    /// What.
+    pub what: String,
+    /// Why not.
+    pub why: String,
+}

@@ -1,0 +1,85 @@
+//! Sums and extremes over a run, for its summary.
+
+use bevy_ecs::prelude::Resource;
+use cranny_narrow_phase::Answer;
+use cranny_world::BodyId;
+
+/// Mean and maximum of a count.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Series {
+    sum: u64,
+    max: u64,
+    count: u64,
+}
+
+impl Series {
+    /// Adds a value.
+    pub fn push(&mut self, value: usize) {
+        let value = value as u64;
+        self.sum += value;
+        self.max = self.max.max(value);
+        self.count += 1;
+    }
+
+    /// 0 where nothing was added.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        if self.count == 0 { 0.0 } else { self.sum as f64 / self.count as f64 }
+    }
+
+    /// 0 where nothing was added.
+    #[must_use]
+    pub fn max(&self) -> u64 {
+        self.max
+    }
+}
+
+/// The deepest overlap so far, and when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeepestSoFar {
+    /// Units of length, > 0.
+    pub depth: f64,
+    /// The body with the lower id.
+    pub a: BodyId,
+    /// The other.
+    pub b: BodyId,
+    /// Steps completed when it was found: the overlap is of the poses at that time.
+    pub step: u64,
+}
+
+/// Sums and extremes over a run.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Pairs examined in a step: by the solver where there is one, else by the world.
+    pub pairs: Series,
+    /// Contact points of a step: those that the solver got where there is one, else those reported.
+    pub contacts: Series,
+    /// Among exact answers.
+    pub deepest: Option<DeepestSoFar>,
+    /// Whether exact answers told depths at all, so that no `deepest` means no overlap.
+    pub depths_known: bool,
+}
+
+impl Tally {
+    /// Takes note of an answer about a pair, `a` < `b`.
+    pub(crate) fn note_depth(&mut self, a: BodyId, b: BodyId, answer: &Answer, step: u64) {
+        let depths = answer.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));
+        let depth = depths.chain(answer.contacts.iter().map(|c| -c.separation)).fold(0.0, f64::max);
+        if depth > self.deepest.map_or(0.0, |d| d.depth) {
+            self.deepest = Some(DeepestSoFar { depth, a, b, step });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_maximum() {
+        let mut series = Series::default();
+        assert_eq!((series.mean(), series.max()), (0.0, 0));
+        [1, 4, 1].into_iter().for_each(|n| series.push(n));
+        assert_eq!((series.mean(), series.max()), (2.0, 4));
+    }
+}

@@ -1,0 +1,72 @@
+//! Nuts on bolts, found in a scene file: pairs whose screw motion is worth following.
+
+use cranny_scene::LoadedScene;
+use cranny_shapes::Shape;
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+use crate::motion::Helix;
+
+/// Of a scene file only what is looked for; everything else is skipped.
+#[derive(Deserialize)]
+struct Scene {
+    #[serde(default)]
+    bodies: Vec<Body>,
+}
+
+#[derive(Deserialize)]
+struct Body {
+    name: String,
+    shape: BodyShape,
+}
+
+#[derive(Deserialize)]
+enum BodyShape {
+    Generator(Shape),
+    Mesh {},
+}
+
+/// Each generated ISO nut with each generated ISO bolt of equal pitch. A nut has its thread about z
+/// through its origin, as has a bolt.
+#[must_use]
+pub fn helices(scene: &LoadedScene) -> Vec<Helix> {
+    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
+    let options = ron::Options::default().with_default_extension(extensions);
+    // The text was parsed in full when the scene was loaded. What cannot be read as this excerpt
+    // is no scene of generated threads.
+    let Ok(Scene { bodies }) = options.from_str(&scene.source_text) else { return Vec::new() };
+    let mut helices = Vec::new();
+    for bolt in &bodies {
+        let BodyShape::Generator(Shape::IsoBolt(outer)) = &bolt.shape else { continue };
+        for nut in &bodies {
+            let BodyShape::Generator(Shape::IsoNut(inner)) = &nut.shape else { continue };
+            if inner.pitch == outer.pitch {
+                let (bolt, nut) = (bolt.name.clone(), nut.name.clone());
+                helices.push(Helix { bolt, nut, pitch: outer.pitch });
+            }
+        }
+    }
+    helices
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_scene::{LoadOptions, parse_scene};
+
+    #[test]
+    fn nuts_find_bolts_of_their_pitch() {
+        let text = r#"(gravity: (0, 0, -1), bodies: [
+            (name: "bolt", shape: Generator(IsoBolt(diameter: 16, pitch: 2, segments: 24)), kind: Fixed),
+            (name: "nut", shape: Generator(IsoNut(diameter: 16, pitch: 2, segments: 24)),
+             pose: (at: (0, 0, 20)), material: (friction: 0)),
+            (name: "other", shape: Generator(IsoNut(diameter: 16, pitch: 1.5, segments: 24)),
+             pose: (at: (90, 0, 0))),
+            (name: "box", shape: Generator(Cuboid()), pose: (at: (50, 0, 0))),
+        ], effects: [Contacts(margin: 0.1)])"#;
+        let scene =
+            parse_scene(text.to_owned(), "nuts.ron".as_ref(), &LoadOptions::default()).unwrap();
+        let expected = Helix { bolt: "bolt".into(), nut: "nut".into(), pitch: 2.0 };
+        assert_eq!(helices(&scene), [expected]);
+    }
+}
