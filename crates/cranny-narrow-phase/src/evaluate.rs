@@ -131,7 +131,8 @@ fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
-        out.regions = meeting_regions(pair, &pairs, solid, &mut counters);
+        let (regions, depth_error) = meeting_regions(pair, &pairs, solid, &mut counters);
+        out.regions = regions;
         if margin > 0.0 {
             out.regions.extend(gaps(pair, margin, &mut counters));
         }
@@ -145,7 +146,7 @@ fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
         if let Some(depth) = out.regions.iter().filter_map(|r| r.depth).reduce(f64::max)
             && depth > 0.0
         {
-            out.separation = Interval::around(-depth, pair.length_error());
+            out.separation = Interval::around(-depth, depth_error);
         }
         if matches!(demand, Demand::Contacts { .. }) {
             out.regions.clear();

@@ -27,6 +27,11 @@ const NUDGES: [DVec3; 3] = [
     DVec3::new(0.701, -0.529, 0.478),
 ];
 
+/// By how much a depth read beside a special position may be off, as a fraction of the pair's scale.
+/// Vertices move by no more than two nudges; a face that leans from the normal by up to 60 degrees
+/// doubles that.
+const BESIDE_ERROR: f64 = 4.0 * NUDGE;
+
 /// A body that shrinks or grows also moves, by this share of it: enough to leave special positions,
 /// too little to bring faces back to the side from which they parted.
 const SHARE: f64 = 0.125;
@@ -42,31 +47,39 @@ const FLAT: f64 = 0.9;
 /// Vertices of a curved region that are measured at most; more are sampled evenly.
 const MAX_SAMPLES: usize = 256;
 
-/// Regions of all pairs that meet, in world coordinates and the caller's order.
+/// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much their
+/// depths may be off.
 pub(crate) fn meeting_regions(
     pair: &mut Pair,
     pairs: &[FacePair],
     solid: bool,
     counters: &mut Counters,
-) -> Vec<Region> {
+) -> (Vec<Region>, f64) {
+    let rounding = pair.length_error();
     if pairs.is_empty() {
-        return Vec::new();
+        return (Vec::new(), rounding);
     }
-    let closed = Side::BOTH.iter().all(|&s| pair.model(s).is_closed());
     if !solid {
-        return outer_touch(pair, pairs);
+        return (outer_touch(pair, pairs), rounding);
     }
     let here = intersect(pair, pairs);
-    if !closed {
-        return open_regions(pair, &here, pairs);
+    if !is_closed(pair) {
+        return (open_regions(pair, &here, pairs), rounding);
     }
     if here.generic {
-        return closed_regions(pair, &here);
+        return (closed_regions(pair, &here), rounding);
     }
     let regions = regions_beside(pair, counters);
     pair.repose();
-    // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
-    regions.unwrap_or_else(|| outer_touch(pair, pairs))
+    match regions {
+        Some(regions) => (regions, rounding + BESIDE_ERROR * pair.scale()),
+        // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
+        None => (outer_touch(pair, pairs), rounding),
+    }
+}
+
+fn is_closed(pair: &Pair) -> bool {
+    Side::BOTH.iter().all(|&s| pair.model(s).is_closed())
 }
 
 /// The figures of a special position are those of a general one beside it.
@@ -98,9 +111,10 @@ fn regions_beside(pair: &mut Pair, counters: &mut Counters) -> Option<Vec<Region
 }
 
 fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
+    let closed = is_closed(pair);
     let regions = touch_regions(pair, pairs).into_iter().map(|t| {
-        let points = reduce(t.contacts);
-        finish(pair, t.normal, Some(0.0), Some(t.area), points, Vec::new(), t.triangle_pairs)
+        let (depth, area) = (closed.then_some(0.0), closed.then_some(t.area));
+        finish(pair, t.normal, depth, area, reduce(t.contacts), Vec::new(), t.triangle_pairs)
     });
     regions.collect()
 }
@@ -299,11 +313,7 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
         order[region].push(index);
     }
     if order.is_empty() {
-        let mut regions = outer_touch(pair, pairs);
-        for r in &mut regions {
-            (r.depth, r.area) = (None, None);
-        }
-        return regions;
+        return outer_touch(pair, pairs);
     }
     order
         .into_iter()
