@@ -1,0 +1,227 @@
+//! Fast = brute force; A and B swapped; warm = cold; scaled and moved.
+
+use cranny_exact::{DQuat, DVec3, Meeting, Pose};
+use cranny_geometry::Model;
+use cranny_narrow_phase::brute_force::brute_force;
+use cranny_narrow_phase::{Answer, Containment, Demand, PairMemory, Placed, Query, query};
+use cranny_shapes::{
+    CPrism, Comb, Cuboid, Cup, GolfBall, LPrism, NestedShells, PyramidInCavity, Sphere, Torus,
+    UPrism,
+};
+use cranny_testkit::Rng;
+
+use crate::measure::{from_surface, world_triangles};
+use crate::solids::{ask, dyadic_solids, model, quarter_turns, shape};
+
+/// Small enough for brute force, large enough for trees with some levels.
+fn generated() -> Vec<(&'static str, Model)> {
+    vec![
+        ("cuboid", shape(Cuboid::default())),
+        ("sphere", shape(Sphere { segments: 10, rings: 6, ..Sphere::default() })),
+        ("torus", shape(Torus { major_segments: 14, minor_segments: 7, ..Torus::default() })),
+        ("cup", shape(Cup { segments: 12, ..Cup::default() })),
+        ("shells", shape(NestedShells { segments: 7, ..NestedShells::default() })),
+        ("comb", shape(Comb::default())),
+        ("L", shape(LPrism::default())),
+        ("U", shape(UPrism::default())),
+        ("C", shape(CPrism { segments: 9, ..CPrism::default() })),
+        ("pyramid in a well", shape(PyramidInCavity::default())),
+        ("golf ball", shape(GolfBall { dimples: 0, triangles: 180, ..GolfBall::default() })),
+    ]
+}
+
+fn rotation(rng: &mut Rng) -> DQuat {
+    loop {
+        let q = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), rng.unit());
+        if (0.1..=1.0).contains(&q.length_squared()) {
+            return q.normalize();
+        }
+    }
+}
+
+fn direction(rng: &mut Rng) -> DVec3 {
+    rotation(rng) * DVec3::Z
+}
+
+/// Random, near by a gap between 1e-9 and 1e-1, overlapping, or one in the other's middle.
+fn poses(rng: &mut Rng, a: &Model, b: &Model) -> Vec<[Pose; 2]> {
+    let reach = a.radius() + b.radius();
+    let pose_a = Pose { rotation: rotation(rng), translation: direction(rng) };
+    let mut turned = |offset: f64| Pose {
+        rotation: rotation(rng),
+        translation: pose_a.translation + offset * reach * direction(rng),
+    };
+    let (apart, overlapping, middle) = (turned(1.1), turned(0.4), turned(0.05));
+    let mut poses = vec![[pose_a, apart], [pose_a, overlapping], [pose_a, middle]];
+    let found = ask(
+        Placed { model: a, pose: pose_a },
+        Placed { model: b, pose: apart },
+        Demand::Distance { below: None },
+    );
+    let [p, q] = found.witnesses.unwrap().map(|w| w.point);
+    for gap in [1e-9, 1e-6, 1e-3, 1e-1] {
+        let step = (p - q) * (1.0 - gap / (q - p).length());
+        poses.push([pose_a, Pose { translation: apart.translation + step, ..apart }]);
+    }
+    poses
+}
+
+#[test]
+fn fast_is_brute_force_and_order_does_not_matter() {
+    let solids = generated();
+    let mut rng = Rng::new(3);
+    let mut found = [0; 3];
+    let mut contained = 0;
+    for i in 0..40 {
+        let (name_a, a) = &solids[i % solids.len()];
+        let (name_b, b) = &solids[rng.below(solids.len())];
+        for [pose_a, pose_b] in poses(&mut rng, a, b) {
+            let (a, b) = (Placed { model: a, pose: pose_a }, Placed { model: b, pose: pose_b });
+            let what = format!("{name_a} at {pose_a:?}, {name_b} at {pose_b:?}");
+            let fast = ask(a, b, Demand::Regions { margin: 0.05 });
+            let slow = brute_force(a, b);
+            assert_eq!(fast.surface, slow.surface, "{what}");
+            assert_eq!(fast.triangle_pairs, slow.triangle_pairs, "{what}");
+            assert_eq!(fast.distance, Some(slow.distance), "{what}");
+            assert_eq!(
+                ask(b, a, Demand::Regions { margin: 0.05 }),
+                fast.clone().swapped(),
+                "{what}"
+            );
+            witnesses_are_on_the_surfaces(a, b, &fast, &what);
+            found[fast.surface as usize] += 1;
+            contained += u32::from(fast.contained.is_some());
+        }
+    }
+    assert!(found[Meeting::None as usize] >= 100, "{found:?}");
+    assert!(found[Meeting::Cross as usize] >= 50, "{found:?}");
+    assert!(contained >= 1, "{contained}");
+}
+
+fn witnesses_are_on_the_surfaces(a: Placed, b: Placed, answer: &Answer, what: &str) {
+    let tiny = 1e-13 * (a.model.radius() + b.model.radius() + 4.0);
+    let [p, q] = answer.witnesses.unwrap().map(|w| w.point);
+    assert!(from_surface(p, &world_triangles(a)) <= tiny, "{what}: {p}");
+    assert!(from_surface(q, &world_triangles(b)) <= tiny, "{what}: {q}");
+    let distance = answer.distance.unwrap();
+    assert!(((q - p).length() - distance).abs() <= tiny, "{what}: {distance}");
+    if distance > 0.0 {
+        assert!(answer.separation.contains(distance), "{what}");
+        assert!(answer.separation.lo >= 0.0 && answer.separation.width() < tiny, "{what}");
+    }
+}
+
+#[test]
+fn warm_is_cold_along_random_walks() {
+    let solids = generated();
+    let mut rng = Rng::new(11);
+    // One memory for every pair, handed from pair to pair: it must not change an answer.
+    let mut memory = PairMemory::default();
+    for _ in 0..12 {
+        let a = &solids[rng.below(solids.len())].1;
+        let b = &solids[rng.below(solids.len())].1;
+        let mut pose = Pose { rotation: rotation(&mut rng), translation: direction(&mut rng) };
+        for _ in 0..12 {
+            let step = 0.2 * direction(&mut rng) - 0.1 * pose.translation;
+            pose = Pose {
+                rotation: (pose.rotation + rotation(&mut rng) * 0.1).normalize(),
+                translation: pose.translation + step,
+            };
+            let placed = [Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose }];
+            for demand in [Demand::Regions { margin: 0.1 }, Demand::Distance { below: None }] {
+                let warm = query(placed[0], placed[1], &Query::of(demand), &mut memory).unwrap();
+                assert_eq!(warm, ask(placed[0], placed[1], demand));
+            }
+        }
+    }
+    assert!(memory.bytes() > 0);
+    memory.clear();
+    assert_eq!(memory.bytes(), 0);
+}
+
+/// Everything of an answer that has no unit.
+fn verdict(answer: &Answer) -> (Meeting, bool, Option<Containment>, u32) {
+    (answer.surface, answer.solid, answer.contained, answer.triangle_pairs)
+}
+
+#[test]
+fn scaling_by_powers_of_two_changes_lengths_only() {
+    let solids = dyadic_solids();
+    let turns = quarter_turns();
+    let mut rng = Rng::new(5);
+    for (name, b) in &solids {
+        for power in [-30, -3, 2, 40] {
+            let factor = 2f64.powi(power);
+            let a = &solids[rng.below(solids.len())].1;
+            let mut pose = || {
+                let mut half = || 0.5 * f64::from(rng.between(-5, 5));
+                let translation = DVec3::new(half(), half(), half());
+                Pose { rotation: turns[rng.below(24)], translation }
+            };
+            let (pose_a, pose_b) = (pose(), pose());
+            let scaled = |m: &Model| model(m.mesh().scaled(DVec3::splat(factor)).unwrap());
+            let moved = |p: Pose| Pose { translation: p.translation * factor, ..p };
+            let (large_a, large_b) = (scaled(a), scaled(b));
+            let demand = |scale: f64| Demand::Regions { margin: 0.25 * scale };
+            let here = ask(
+                Placed { model: a, pose: pose_a },
+                Placed { model: b, pose: pose_b },
+                demand(1.0),
+            );
+            let there = ask(
+                Placed { model: &large_a, pose: moved(pose_a) },
+                Placed { model: &large_b, pose: moved(pose_b) },
+                demand(factor),
+            );
+            assert_eq!(verdict(&here), verdict(&there), "{name} times {factor}");
+            let (d, e) = (here.distance.unwrap() * factor, there.distance.unwrap());
+            assert!((d - e).abs() <= 1e-15 * d, "{name} times {factor}: {d} {e}");
+        }
+        // Of two equal bodies the pose decides which is first, and scaling keeps that: to the bit.
+        let large = model(b.mesh().scaled(DVec3::splat(1024.0)).unwrap());
+        let at = |m, s: f64| {
+            let rotation = DQuat::from_xyzw(0.1, 0.2, -0.3, 0.9).normalize();
+            let first = Placed { model: m, pose: Pose::IDENTITY };
+            let translation = s * DVec3::new(2.5, 1.75, 3.0);
+            (first, Placed { model: m, pose: Pose { rotation, translation } })
+        };
+        let (small, large) = (at(b, 1.0), at(&large, 1024.0));
+        let here = ask(small.0, small.1, Demand::Distance { below: None });
+        let there = ask(large.0, large.1, Demand::Distance { below: None });
+        assert_eq!(there.distance.unwrap(), 1024.0 * here.distance.unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn moving_both_bodies_by_a_dyadic_vector_changes_no_figure() {
+    let solids = dyadic_solids();
+    let turns = quarter_turns();
+    let mut rng = Rng::new(6);
+    for (i, (name, b)) in solids.iter().enumerate() {
+        // Different models: which of them is first depends on neither pose.
+        let a = &solids[(i + 1 + rng.below(solids.len() - 1)) % solids.len()].1;
+        let (turn_a, turn_b) = (turns[rng.below(24)], rotation(&mut rng));
+        for (turn, offset) in [(turn_b, 3.0), (turns[rng.below(24)], 1.5), (turn_b, 0.5)] {
+            let pose = |rotation, x: f64, by: DVec3| Pose {
+                rotation,
+                translation: DVec3::new(x, 0.25, -0.5) + by,
+            };
+            let by = DVec3::new(512.0, -64.5, 1024.25);
+            let answer = |by| {
+                ask(
+                    Placed { model: a, pose: pose(turn_a, 0.0, by) },
+                    Placed { model: b, pose: pose(turn, offset, by) },
+                    Demand::Regions { margin: 0.25 },
+                )
+            };
+            let (here, there) = (answer(DVec3::ZERO), answer(by));
+            assert_eq!(verdict(&here), verdict(&there), "{name}");
+            assert_eq!(here.distance, there.distance, "{name}");
+            assert_eq!(here.regions.len(), there.regions.len(), "{name}");
+            for (r, s) in here.regions.iter().zip(&there.regions) {
+                assert_eq!((r.depth, r.area, r.normal), (s.depth, s.area, s.normal), "{name}");
+                assert_eq!(r.deepest.id, s.deepest.id, "{name}");
+            }
+        }
+    }
+}

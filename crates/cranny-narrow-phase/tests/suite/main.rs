@@ -1,0 +1,11 @@
+//! Conformance of the pair query: every answer is judged by something that does not share its
+//! method: rationals, brute force, closed forms, or a motion that must part the bodies.
+
+mod agreement;
+mod demands;
+mod depth;
+mod gaps;
+mod measure;
+mod regions;
+mod solids;
+mod verdict;
