@@ -43,22 +43,23 @@ impl Wedge {
         if hand_of_p.is_zero() {
             return Location::On;
         }
-        // The first face that a half-plane meets which turns counter-clockwise from p.
-        let mut first: Option<(Turn, Spoke)> = None;
+        // The first face that a half-plane meets which turns counter-clockwise from p: less than half a
+        // turn away, or beyond. Two that are on the same half compare by the turn between them.
+        let mut first: Option<(bool, Spoke)> = None;
         for &spoke in &self.spokes {
-            let turn = match self.turn(p, spoke.apex) {
-                Sign::Positive => Turn::Less,
-                Sign::Negative => Turn::More,
-                Sign::Zero if hand(spoke.apex).is_zero() || hand(spoke.apex) == hand_of_p => {
-                    return Location::On;
-                }
-                Sign::Zero => Turn::Half,
-            };
-            let earlier = |&(t, s): &(Turn, Spoke)| {
-                turn < t || (turn == t && self.turn(spoke.apex, s.apex) == Sign::Positive)
+            let hand_of_spoke = hand(spoke.apex);
+            let turn = self.turn(p, spoke.apex);
+            if turn.is_zero() && (hand_of_spoke.is_zero() || hand_of_spoke == hand_of_p) {
+                return Location::On;
+            }
+            let beyond = turn != Sign::Positive;
+            let earlier = |&(other_beyond, other): &(bool, Spoke)| {
+                (!beyond && other_beyond)
+                    || (beyond == other_beyond
+                        && self.turn(spoke.apex, other.apex) == Sign::Positive)
             };
             if first.as_ref().is_none_or(earlier) {
-                first = Some((turn, spoke));
+                first = Some((beyond, spoke));
             }
         }
         match first {
@@ -72,14 +73,4 @@ impl Wedge {
     fn turn(&self, x: DVec3, y: DVec3) -> Sign {
         orient3d(self.ends[0], self.ends[1], x, y)
     }
-}
-
-/// How far a half-plane turns.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Turn {
-    /// Less than half a turn.
-    Less,
-    Half,
-    /// More than half a turn.
-    More,
 }
