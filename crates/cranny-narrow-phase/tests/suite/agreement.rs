@@ -1,7 +1,7 @@
 //! Fast = brute force; A and B swapped; warm = cold; scaled and moved.
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
 use cranny_narrow_phase::{Answer, Containment, Demand, PairMemory, Placed, Query, query};
 use cranny_shapes::{
@@ -108,6 +108,29 @@ fn witnesses_are_on_the_surfaces(a: Placed, b: Placed, answer: &Answer, what: &s
     if distance > 0.0 {
         assert!(answer.separation.contains(distance), "{what}");
         assert!(answer.separation.lo >= 0.0 && answer.separation.width() < tiny, "{what}");
+    }
+}
+
+#[test]
+fn the_distance_of_two_triangles_does_not_depend_on_which_corner_comes_first() {
+    let mut rng = Rng::new(8);
+    let turned = |[a, b, c]: [DVec3; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    let single = |t: [DVec3; 3]| model(Mesh::new(t.to_vec(), vec![[0, 1, 2]]).unwrap());
+    for _ in 0..100 {
+        let mut point = || DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        let (a, b) = ([point(), point(), point()], [point(), point(), point()]);
+        let pose = Pose::at(DVec3::new(2.0, 0.25, -0.125));
+        let distances: Vec<f64> = turned(a)
+            .iter()
+            .flat_map(|&a| turned(b).map(|b| (single(a), single(b))))
+            .map(|(a, b)| {
+                let (a, b) =
+                    (Placed { model: &a, pose }, Placed { model: &b, pose: Pose::IDENTITY });
+                ask(a, b, Demand::Distance { below: None }).distance.unwrap()
+            })
+            .collect();
+        let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(distances.iter().all(|d| d - least < 1e-14), "{distances:?}");
     }
 }
 

@@ -5,6 +5,7 @@ use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{Containment, Demand, Placed};
 use cranny_testkit::{Contained, OracleVerdict, Rng, rational_verdict};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use crate::solids::{
     angle, ask, cells, channel, cuboid, dyadic_solids, grooved, model, octahedron, quarter_turns,
@@ -216,6 +217,18 @@ fn a_face_over_a_reflex_edge_lies_inside() {
 }
 
 #[test]
+fn tetrahedra_whose_overlap_is_bounded_by_edges_in_faces_penetrate() {
+    // The overlap is the tetrahedron v w p q. Each of its faces is a part of a larger face, cut off by
+    // an edge of the other body that lies in it; no corner of either body is inside the other.
+    let (v, w) = (DVec3::ZERO, DVec3::X);
+    let (p, q) = (DVec3::Y, DVec3::Z);
+    let beyond = |from: DVec3, to: DVec3| from + 2.0 * (to - from);
+    let a = tetrahedron([v, w, beyond(w, p), beyond(v, q)]);
+    let b = tetrahedron([p, q, beyond(p, v), beyond(q, w)]);
+    assert_eq!(verdict(&a, &b, "interlocked"), MEET);
+}
+
+#[test]
 fn a_corner_at_the_very_point_that_is_sampled_hides_nothing() {
     // A dent whose apex touches the box's face in the middle of one of its triangles.
     let face = [DVec3::ZERO, DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)];
@@ -274,7 +287,7 @@ fn solids_glued_at_a_face_do_not_penetrate_though_their_coordinates_round() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     /// Two tetrahedra on a small lattice: faces in common planes and edges through edges abound.
     #[test]
