@@ -126,7 +126,7 @@ fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
     let Solidity { solid, contained } = solidity(pair, out.surface, &pairs, &mut counters);
     out.solid = solid;
     out.contained = contained.map(|c| pair.ordered_containment(c));
-    if *demand != Demand::Intersects {
+    if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
         measure(pair, demand, &pairs, &mut out, &mut counters);
     }
     if let Some(margin) = demand.margin() {
@@ -148,12 +148,22 @@ fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
         {
             out.separation = Interval::around(-depth, depth_error);
         }
-        if matches!(demand, Demand::Contacts { .. }) {
-            out.regions.clear();
+        if matches!(demand, Demand::Contacts { .. }) && out.separation == Interval::WHOLE {
+            out.separation = gap_seen(&out, pair.length_error());
         }
     }
     out.counters = counters;
     out
+}
+
+/// What contacts alone tell of the separation of surfaces that do not overlap: the least gap is no
+/// larger than that of any contact.
+fn gap_seen(answer: &Answer, error: f64) -> Interval {
+    if answer.surface != Surface::None {
+        return Interval::point(0.0);
+    }
+    let least = answer.contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min);
+    Interval { lo: 0.0, hi: least + error }
 }
 
 /// Distance and witnesses.

@@ -26,12 +26,13 @@ pub enum Demand {
         /// 'at least this').
         below: Option<f64>,
     },
-    /// The above, and contacts for a solver, each with the normal of its own point.
+    /// The verdict of `Intersects`, and contacts for a solver, each with the normal of its own point,
+    /// with the regions that they stand for. No distance is measured.
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
         margin: f64,
     },
-    /// Everything: triangle pairs, curves and regions as well.
+    /// Everything: the distance as well.
     Regions {
         /// Surfaces up to this far apart yield regions of positive separation, >= 0.
         margin: f64,
@@ -48,6 +49,9 @@ impl Demand {
             (Intersects, x) | (x, Intersects) => x,
             (Distance { below: a }, Distance { below: b }) => {
                 Distance { below: a.zip(b).map(|(a, b)| a.max(b)) }
+            }
+            (Distance { .. }, Contacts { margin }) | (Contacts { margin }, Distance { .. }) => {
+                Regions { margin }
             }
             (Distance { .. }, x) | (x, Distance { .. }) => x,
             (Contacts { margin: a }, Contacts { margin: b }) => Contacts { margin: a.max(b) },
@@ -93,7 +97,10 @@ mod tests {
     fn joining_takes_the_larger_demand_and_margin() {
         let contacts = Demand::Contacts { margin: 0.1 };
         assert_eq!(Demand::None.join(Demand::Intersects), Demand::Intersects);
-        assert_eq!(contacts.join(Demand::Distance { below: None }), contacts);
+        assert_eq!(
+            contacts.join(Demand::Distance { below: None }),
+            Demand::Regions { margin: 0.1 }
+        );
         assert_eq!(
             contacts.join(Demand::Regions { margin: 0.05 }),
             Demand::Regions { margin: 0.1 }

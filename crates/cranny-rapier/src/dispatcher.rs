@@ -160,7 +160,7 @@ impl Dispatcher {
                 ours(g).map(|s| s.model().clone()).or_else(|| partner.clone())
             };
             let (Some(m1), Some(m2)) = (model(g1, p1), model(g2, p2)) else { return false };
-            let demand = Demand::Regions { margin: reach };
+            let demand = Demand::Contacts { margin: reach };
             let Some(answer) = ask([&m1, &m2], pose, demand, memory) else {
                 manifolds.clear();
                 return true;

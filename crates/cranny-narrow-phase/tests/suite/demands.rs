@@ -1,6 +1,6 @@
 //! Each demand does its own work, and bad questions are refused.
 
-use cranny_exact::{DQuat, DVec3, DomainError, Interval, Pose};
+use cranny_exact::{DQuat, DVec3, DomainError, Interval, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
     Answer, Demand, PairMemory, Placed, Query, QueryError, query, world_bounds,
@@ -52,8 +52,12 @@ fn lesser_demands_agree_with_greater_ones_and_leave_the_rest_blank() {
 
         let contacts = ask(a, b, Demand::Contacts { margin: 0.1 });
         assert_eq!(contacts.contacts, full.contacts);
-        assert!(contacts.regions.is_empty());
-        assert_eq!(contacts.separation, full.separation);
+        assert_eq!(contacts.regions, full.regions);
+        assert_eq!((contacts.distance, contacts.witnesses), (None, None));
+        let width = contacts.separation.width();
+        assert!(full.surface == Meeting::None || width <= full.separation.width(), "{width}");
+        assert!(contacts.separation.lo <= full.separation.hi);
+        assert!(full.separation.lo <= contacts.separation.hi);
 
         assert!(meets.counters.triangle_tests <= apart.counters.triangle_tests);
         assert!(apart.counters.triangle_tests <= full.counters.triangle_tests);
