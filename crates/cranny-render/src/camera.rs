@@ -240,12 +240,28 @@ impl Camera {
     }
 }
 
+/// A view counts as straight up or down when the sine of its angle to z is at most this. Smaller:
+/// rounding would choose which way is right. Larger: steep views would turn about their own axis.
+/// `presets_see_the_axes_where_they_say`
+/// looks straight down.
+const VERTICAL_SINE: f64 = 1e-9;
+
+/// Bounds with a diagonal of at most this part of their distance from the origin are a point, to
+/// rounding. Smaller: a camera would be fitted to rounding errors. Larger: a small body far away
+/// would be shown as a dot. `a_fitted_camera_fills_the_frame_and_cuts_nothing` has a small one.
+const POINT_RATIO: f64 = 1e-12;
+
+/// How far around a point a picture reaches, as part of the point's distance from the origin (half a
+/// unit near the origin). Smaller: the eye could not be told from its target. Larger: bodies beside
+/// the point would be lost in the picture. `empty_and_point_like_bounds_have_a_camera` looks at both.
+const POINT_REACH: f64 = 1e-9;
+
 /// Right, up, backward; `None` where `backward` has no direction.
 fn view_axes(backward: DVec3) -> Option<[DVec3; 3]> {
     let backward = backward.try_normalize()?;
     // Looking straight up or down, z has no direction in the picture: y takes its place.
     let right = DVec3::Z.cross(backward);
-    let right = if right.length() > 1e-9 { right } else { DVec3::Y.cross(backward) };
+    let right = if right.length() > VERTICAL_SINE { right } else { DVec3::Y.cross(backward) };
     let right = right.try_normalize()?;
     Some([right, backward.cross(right), backward])
 }
@@ -257,10 +273,9 @@ fn visible_bounds(bounds: &Aabb) -> Result<Aabb, CameraError> {
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
         return Err(CameraError::Bounds { bounds: *bounds });
     }
-    // A body far smaller than its distance from the origin is a point to rounding.
     let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    if bounds.diagonal() <= largest * 1e-12 {
-        Ok(bounds.grown(f64::max(0.5, largest * 1e-9)))
+    if bounds.diagonal() <= largest * POINT_RATIO {
+        Ok(bounds.grown(f64::max(0.5, largest * POINT_REACH)))
     } else {
         Ok(*bounds)
     }
