@@ -11,7 +11,7 @@ use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::detection::{Detected, DetectionSystems, Detector};
 use crate::effects::EffectTable;
-use crate::trigger::TriggerSystems;
+use crate::trigger::{TriggerPlugin, TriggerSystems};
 
 /// The systems of `Contacts`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -67,15 +67,19 @@ impl Plugin for ContactsPlugin {
         for entity in entities {
             app.world_mut().entity_mut(entity).insert(BodyContacts::default());
         }
+        // Order among effects that are there: naming a set would put it into the schedule.
+        let beside_trigger = app.is_plugin_added::<TriggerPlugin>();
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+            if beside_trigger {
+                app.configure_sets(label, ContactsSystems::Report.after(TriggerSystems::Report));
+            }
             app.add_systems(
                 label,
                 (take_contacts, share_contacts)
                     .chain()
                     .in_set(StepSystems::Report)
                     .in_set(ContactsSystems::Report)
-                    .after(DetectionSystems::Tally)
-                    .after(TriggerSystems::Report),
+                    .after(DetectionSystems::Tally),
             );
         }
     }

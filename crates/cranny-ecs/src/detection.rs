@@ -80,7 +80,7 @@ impl DetectionPlugin {
         effects: &EffectTable,
     ) -> Result<Self, SceneAppError> {
         let mut world = PairWorld::new();
-        world.set_scene_effects(effects.of_scene())?;
+        world.set_scene_effects(&effects.for_world())?;
         for (body, model) in scene.bodies.iter().zip(models) {
             world.insert(BodySpec {
                 name: body.name.clone(),

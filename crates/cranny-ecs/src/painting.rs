@@ -101,8 +101,12 @@ fn camera(
     Ok((name.to_owned(), camera))
 }
 
-/// The bounds of the start, and below them, where nothing fixed carries the scene, as much room as
-/// it is wide: a chain that lies flat and is held at one end will hang.
+/// How far a scene that nothing carries may hang down, in parts of its greatest extent: half the
+/// circumference of a ring is 1.57 of its diameter. Larger: everything is drawn small.
+const HANGING: f64 = 1.6;
+
+/// The bounds of the start, and below them, where nothing fixed carries the scene, room to fall: a
+/// chain that is held at one end will hang.
 fn room_to_fall(scene: &SceneDescription, start: &Aabb) -> Aabb {
     let falls = scene.gravity.z < 0.0
         && scene.bodies.iter().any(|b| b.kind == BodyKind::Dynamic)
@@ -123,7 +127,7 @@ fn room_to_fall(scene: &SceneDescription, start: &Aabb) -> Aabb {
         return *start;
     }
     let size = start.max - start.min;
-    let depth = (size.x.max(size.y) - size.z).max(0.0);
+    let depth = (HANGING * size.max_element() - size.z).max(0.0);
     Aabb { min: start.min - depth * DVec3::Z, max: start.max }
 }
 

@@ -204,7 +204,8 @@ fn systems(world: &mut World, label: InternedScheduleLabel) -> Result<Vec<Planne
     let known = known_sets();
     let planned = schedule.systems().map(|systems| {
         systems
-            .filter(|(_, system)| !system.name().as_string().contains("ApplyDeferred"))
+            // bevy's own points of synchronisation are no effect's.
+            .filter(|(_, system)| system.name().as_string() != "bevy_ecs::apply_deferred")
             .map(|(key, system)| planned(&schedule, key, &system.name().as_string(), &known))
             .collect()
     });
@@ -257,10 +258,12 @@ fn asked_by(effect: &str, table: &EffectTable, bodies: &Bodies) -> Vec<String> {
     asked
 }
 
+/// What is asked about a pair, who detects it, and why.
+type Asked = (Vec<String>, &'static str, String);
+
 /// All pairs, grouped.
 fn pairs(table: &EffectTable, bodies: &Bodies, exact_solver: bool) -> Vec<PlannedPairs> {
-    let mut groups: BTreeMap<(Vec<String>, &'static str, String), (usize, Vec<[String; 2]>)> =
-        BTreeMap::new();
+    let mut groups: BTreeMap<Asked, (usize, Vec<[String; 2]>)> = BTreeMap::new();
     let count = table.body_count() as u32;
     for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (BodyId(a), BodyId(b)))) {
         let key = group_of(table, bodies, a, b, exact_solver);
@@ -290,7 +293,7 @@ fn group_of(
     a: BodyId,
     b: BodyId,
     exact_solver: bool,
-) -> (Vec<String>, &'static str, String) {
+) -> Asked {
     if !table.may_meet(a, b) {
         return (Vec::new(), "nobody", table.why_apart(a, b).to_owned());
     }

@@ -29,8 +29,8 @@ pub struct PluginOptions {
     /// Who detects contacts for the solver.
     #[cfg(feature = "rapier")]
     pub detector: cranny_rapier::Detector,
-    /// What the solver takes for a metre, in units of length; `None`: the size of the thinnest
-    /// moving body (the edge of the cube with as much volume per area).
+    /// What the solver takes for a metre, in units of length; `None`: twice the volume per
+    /// area of the thinnest moving body.
     pub length_unit: Option<f64>,
     /// Pairs whose screw motion is followed.
     pub helices: Vec<Helix>,
@@ -71,19 +71,21 @@ impl CrannyPlugins {
             });
         }
         let models = build_models(scene)?;
-        let effects = EffectTable::of(scene)?;
+        #[cfg_attr(not(feature = "rapier"), expect(unused_mut, reason = "a solver has a reach"))]
+        let mut effects = EffectTable::of(scene)?;
         let detects = effects.names(EffectKind::Trigger) || effects.names(EffectKind::Contacts);
-        let detection =
-            detects.then(|| DetectionPlugin::new(scene, &models, &effects)).transpose()?;
         #[cfg(feature = "rapier")]
         let (response, simulated) = if effects.names(EffectKind::Response) {
-            let rigid = crate::simulation::RigidScene::new(
+            let mut rigid = crate::simulation::RigidScene::new(
                 scene,
                 &models,
                 &effects,
                 options.detector,
                 options.length_unit,
             )?;
+            if let Some(reach) = rigid.reach() {
+                effects.set_solver_reach(reach);
+            }
             let simulated = rigid.ids.clone();
             (Some(crate::response::ResponsePlugin::new(rigid, detects)), simulated)
         } else {
@@ -95,6 +97,8 @@ impl CrannyPlugins {
         if effects.names(EffectKind::Response) {
             return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
         }
+        let detection =
+            detects.then(|| DetectionPlugin::new(scene, &models, &effects)).transpose()?;
         Ok(Self {
             core: CorePlugin::new(scene, models, effects.clone()),
             detection,

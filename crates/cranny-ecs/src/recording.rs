@@ -140,7 +140,7 @@ fn record_step(
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
 ) {
-    if time.steps() % u64::from(recorder.every) == 0 && !failure.is_set() {
+    if time.steps().is_multiple_of(u64::from(recorder.every)) && !failure.is_set() {
         record(&sources, &time, &mut recorder, &mut times, &mut failure);
     }
 }

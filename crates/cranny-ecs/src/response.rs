@@ -44,8 +44,6 @@ pub enum ResponseSystems {
 pub struct RigidBody {
     /// The solver's number.
     pub index: BodyIndex,
-    /// The `Transform` that the solver knows of.
-    known: Transform,
 }
 
 /// rapier's world.
@@ -54,8 +52,12 @@ pub struct RigidBodies {
     simulation: Simulation,
     ids: Vec<BodyId>,
     index_of: BTreeMap<BodyId, BodyIndex>,
-    /// What the solver's detector found in this step, at the poses of its beginning.
+    /// The `Transform`s that the solver knows of, by its numbers.
+    known: Vec<Transform>,
+    /// What the solver's detector found, at the poses of the beginning of this step.
     answers: Vec<PairContacts>,
+    /// The `Transform`s from which a pair's latest answer was computed.
+    answered_at: BTreeMap<(BodyIndex, BodyIndex), [Transform; 2]>,
     detection: Detection,
     energy: EnergyRange,
 }
@@ -149,10 +151,27 @@ impl RigidBodies {
         self.ids.get(index.0 as usize).copied()
     }
 
-    /// Exact answers that the solver's step found, by ascending bodies; empty with rapier's own
-    /// detectors. Ids ascend with the solver's numbers, so `a` < `b` in both.
+    /// Exact answers for the poses at the beginning of the step, by ascending bodies. Where rapier
+    /// kept contacts from an older step, they are here only if neither body has moved since (it
+    /// lets resting pairs sleep). Empty with rapier's own detectors. Ids ascend with the solver's
+    /// numbers, so `a` < `b` in both.
     pub fn answers(&self) -> impl Iterator<Item = (BodyId, BodyId, &PairContacts)> {
         self.answers.iter().filter_map(|p| Some((self.id(p.a)?, self.id(p.b)?, p)))
+    }
+
+    fn collect_answers(&mut self) {
+        let mut answers = self.simulation.contact_pairs();
+        let mut answered_at = BTreeMap::new();
+        answers.retain(|pair| {
+            let key = (pair.a, pair.b);
+            let now = [pair.a, pair.b].map(|index| self.known[index.0 as usize]);
+            let current = pair.fresh || self.answered_at.get(&key) == Some(&now);
+            if current {
+                answered_at.insert(key, now);
+            }
+            current
+        });
+        (self.answers, self.answered_at) = (answers, answered_at);
     }
 
     /// Whether the solver's own detector gives exact answers.
@@ -187,6 +206,7 @@ impl Plugin for ResponsePlugin {
             return; // built twice: the first build took it
         };
         let RigidScene { simulation, ids, detection } = scene;
+        let mut known = vec![Transform::IDENTITY; ids.len()];
         for (i, &id) in ids.iter().enumerate() {
             let index = BodyIndex(i as u32);
             let Some(entity) = app.world().resource::<Bodies>().get(id).map(|r| r.entity) else {
@@ -194,16 +214,18 @@ impl Plugin for ResponsePlugin {
             };
             let (linear, angular) = simulation.velocity(index);
             let mut entity = app.world_mut().entity_mut(entity);
-            let known = entity.get::<Transform>().copied().unwrap_or_default();
+            known[i] = entity.get::<Transform>().copied().unwrap_or_default();
             let velocity = Velocity { linear: narrowed(linear), angular: narrowed(angular) };
-            entity.insert((RigidBody { index, known }, velocity));
+            entity.insert((RigidBody { index }, velocity));
         }
         let energy = simulation.energy();
         app.insert_resource(RigidBodies {
             index_of: ids.iter().enumerate().map(|(i, &id)| (id, BodyIndex(i as u32))).collect(),
             simulation,
             ids,
+            known,
             answers: Vec::new(),
+            answered_at: BTreeMap::new(),
             detection,
             energy: EnergyRange::starting(energy.kinetic, energy.potential),
         });
@@ -213,7 +235,6 @@ impl Plugin for ResponsePlugin {
             (
                 ResponseSystems::Sync.in_set(StepSystems::Sync),
                 ResponseSystems::Solve.in_set(StepSystems::Solve),
-                ResponseSystems::Supply.in_set(DetectionSystems::Supply),
                 ResponseSystems::Tally.in_set(StepSystems::Report),
                 ResponseSystems::Advance.in_set(StepSystems::Advance),
             ),
@@ -230,6 +251,10 @@ impl Plugin for ResponsePlugin {
         if detection == Detection::Cranny {
             app.world_mut().resource_mut::<Tally>().depths_known = true;
             if self.detection_present {
+                app.configure_sets(
+                    CrannyStep,
+                    ResponseSystems::Supply.in_set(DetectionSystems::Supply),
+                );
                 app.add_systems(CrannyStep, supply_answers.in_set(ResponseSystems::Supply));
             }
         }
@@ -237,12 +262,12 @@ impl Plugin for ResponsePlugin {
 }
 
 fn push_transforms(
-    mut moved: Query<(&Transform, &mut RigidBody), Changed<Transform>>,
+    moved: Query<(&Transform, &RigidBody), Changed<Transform>>,
     mut bodies: ResMut<RigidBodies>,
 ) {
-    for (transform, mut body) in &mut moved {
-        if *transform != body.known {
-            body.known = *transform;
+    for (transform, body) in &moved {
+        if *transform != bodies.known[body.index.0 as usize] {
+            bodies.known[body.index.0 as usize] = *transform;
             bodies.simulation.set_pose(body.index, pose_of(transform));
         }
     }
@@ -257,27 +282,25 @@ fn step_solver(mut bodies: ResMut<RigidBodies>, mut times: ResMut<PhaseTimes>) {
     times.broad += timings.broad;
     times.narrow += timings.narrow;
     times.solver += (spent - timings.broad - timings.narrow).max(0.0);
-    let start = Instant::now();
-    bodies.answers = bodies.simulation.contact_pairs();
-    times.report += 1e3 * start.elapsed().as_secs_f64();
+    if bodies.detection == Detection::Cranny {
+        let start = Instant::now();
+        bodies.collect_answers();
+        times.report += 1e3 * start.elapsed().as_secs_f64();
+    }
 }
 
-/// Hands the solver's answers to the world, which then does not detect those pairs again. Pairs
-/// whose contacts rapier kept from an older step, or that are asked to look farther than the solver
-/// does, are left to the world.
+/// Hands the solver's answers to the world, which then does not detect those pairs again.
 fn supply_answers(
-    mut bodies: ResMut<RigidBodies>,
+    bodies: Res<RigidBodies>,
     effects: Res<EffectTable>,
     mut detector: ResMut<Detector>,
     mut failure: ResMut<Failure>,
 ) {
-    let reach = f64::from(bodies.simulation.parameters_mut().prediction_distance());
     detector.supplied_poses.clear();
     for (a, b, pair) in bodies.answers() {
         let asked =
             effects.asks(EffectKind::Trigger, a, b) || effects.contact_margin(a, b).is_some();
-        let reaches = effects.contact_margin(a, b).is_none_or(|margin| margin <= reach);
-        if asked && reaches && pair.fresh {
+        if asked {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             detector.supplied_poses.insert((a, b), pair.poses);
         }
@@ -291,7 +314,7 @@ fn tally_solver(
 ) {
     tally.pairs.push(bodies.simulation.pair_count());
     tally.contacts.push(bodies.simulation.solver_contacts());
-    for (a, b, pair) in bodies.answers().filter(|(_, _, pair)| pair.fresh) {
+    for (a, b, pair) in bodies.answers() {
         tally.note_depth(a, b, &pair.answer, time.steps());
     }
     let energy = bodies.simulation.energy();
@@ -299,13 +322,13 @@ fn tally_solver(
 }
 
 fn pull_transforms(
-    mut moved: Query<(&Body, &mut Transform, &mut Velocity, &mut RigidBody)>,
-    bodies: Res<RigidBodies>,
+    mut moved: Query<(&Body, &mut Transform, &mut Velocity, &RigidBody)>,
+    mut bodies: ResMut<RigidBodies>,
     records: Res<Bodies>,
     time: Res<SimulatedTime>,
     mut failure: ResMut<Failure>,
 ) {
-    for (body, mut transform, mut velocity, mut rigid) in &mut moved {
+    for (body, mut transform, mut velocity, rigid) in &mut moved {
         let next = transform_of(&bodies.simulation.pose(rigid.index));
         if !next.is_finite() {
             let name = records.name(body.id).to_owned();
@@ -314,7 +337,7 @@ fn pull_transforms(
         }
         let (linear, angular) = bodies.simulation.velocity(rigid.index);
         *velocity = Velocity { linear: narrowed(linear), angular: narrowed(angular) };
-        rigid.known = next;
+        bodies.known[rigid.index.0 as usize] = next;
         transform.set_if_neq(next);
     }
 }

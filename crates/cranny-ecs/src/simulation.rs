@@ -23,6 +23,15 @@ pub(crate) struct RigidScene {
 }
 
 impl RigidScene {
+    /// How far apart surfaces may be for the solver's step to tell exact contacts; `None` where its
+    /// detector tells none.
+    pub(crate) fn reach(&mut self) -> Option<f64> {
+        let prediction = self.simulation.parameters_mut().prediction_distance();
+        (self.detection == Detector::Cranny).then_some(prediction.into())
+    }
+}
+
+impl RigidScene {
     /// Inserts the bodies that have a partner to respond to, their joints and exclusions.
     ///
     /// Poses go in as the `Transform`s have them.
@@ -109,17 +118,17 @@ fn layer_bits(scene: &SceneDescription) -> Result<BTreeMap<&str, u32>, SceneAppE
     Ok(names.into_iter().enumerate().map(|(bit, name)| (name, 1 << bit)).collect())
 }
 
-/// The edge of the cube that has as much volume per area as the thinnest moving body: what rapier
-/// takes for a metre. Its prediction distance is a fiftieth of that. Larger: contacts are looked for
-/// far away, at a cost, and the far flank of a groove joins in. Smaller: bodies meet before their
-/// contacts are seen coming.
+/// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a
+/// wire): what rapier takes for a metre. Its prediction distance is a fiftieth of that. Larger:
+/// contacts are looked for far away, at a cost, and the far flank of a groove joins in. Smaller:
+/// bodies meet before their contacts are seen coming.
 fn typical_size(scene: &SceneDescription, models: &[Model], members: &BTreeSet<BodyId>) -> f64 {
     let dynamic = members.iter().filter(|id| scene.bodies[id.0 as usize].kind == BodyKind::Dynamic);
     let size = |id: &BodyId| {
         let model = &models[id.0 as usize];
         let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
         let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
-        model.mass_properties().map(|mass| 6.0 * mass.volume / area).filter(|size| *size > 0.0)
+        model.mass_properties().map(|mass| 2.0 * mass.volume / area).filter(|size| *size > 0.0)
     };
     dynamic.filter_map(size).reduce(f64::min).unwrap_or(1.0)
 }

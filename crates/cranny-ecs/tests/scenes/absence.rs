@@ -1,0 +1,188 @@
+//! An effect that the scene does not name is not in the app: no system, no component, no message,
+//! no resource.
+
+use std::collections::BTreeSet;
+
+use bevy_app::App;
+use bevy_ecs::message::Messages;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{InternedSystemSet, ScheduleLabel, Schedules};
+use cranny_ecs::*;
+use cranny_world::description::Effect;
+
+use crate::build::gate;
+
+const CONTACTS: Effect = Effect::Contacts { margin: 0.1 };
+
+fn app(effects: &[Effect]) -> SceneApp {
+    SceneApp::new(&gate(effects), &RunOptions::default()).unwrap()
+}
+
+/// Whether a set is in one of the schedules at all.
+fn scheduled(app: &App, set: InternedSystemSet) -> bool {
+    let schedules = app.world().resource::<Schedules>();
+    [CrannyStep.intern(), CrannyEnd.intern()]
+        .into_iter()
+        .any(|label| schedules.get(label).unwrap().graph().system_sets.contains(set))
+}
+
+#[test]
+fn trigger_exists_where_it_is_named_and_only_there() {
+    for effects in [&[Effect::Trigger][..], &[CONTACTS], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&Effect::Trigger));
+        let world = app.world();
+        assert_eq!(scheduled(app, TriggerSystems::Report.intern()), named);
+        assert_eq!(scheduled(app, TriggerSystems::Detect.intern()), named);
+        assert_eq!(world.component_id::<TouchingBodies>().is_some(), named);
+        assert_eq!(world.contains_resource::<Messages<CollisionStart>>(), named);
+        assert_eq!(world.contains_resource::<Messages<CollisionEnd>>(), named);
+        // Detection serves both effects, and nobody else.
+        assert_eq!(scheduled(app, DetectionSystems::Pairs.intern()), !effects.is_empty());
+        assert_eq!(world.contains_resource::<Detector>(), !effects.is_empty());
+        assert_eq!(world.contains_resource::<Detected>(), !effects.is_empty());
+    }
+}
+
+#[test]
+fn contacts_exist_where_they_are_named_and_only_there() {
+    for effects in [&[CONTACTS][..], &[Effect::Trigger], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&CONTACTS));
+        let world = app.world();
+        assert_eq!(scheduled(app, ContactsSystems::Report.intern()), named);
+        assert_eq!(scheduled(app, ContactsSystems::Detect.intern()), named);
+        assert_eq!(world.component_id::<BodyContacts>().is_some(), named);
+        assert_eq!(world.contains_resource::<ContactReport>(), named);
+    }
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn response_exists_where_it_is_named_and_only_there() {
+    for effects in [&[Effect::Response][..], &[CONTACTS, Effect::Trigger], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&Effect::Response));
+        for set in [ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Advance] {
+            assert_eq!(scheduled(app, set.intern()), named);
+        }
+        assert_eq!(app.world().component_id::<RigidBody>().is_some(), named);
+        assert_eq!(app.world().contains_resource::<RigidBodies>(), named);
+        // Kinematic bodies are moved by one of the two.
+        assert_eq!(scheduled(app, KinematicsSystems::Move.intern()), !named);
+        assert_eq!(app.world().component_id::<Kinematic>().is_some(), !named);
+    }
+}
+
+#[cfg(feature = "record")]
+#[test]
+fn recording_exists_where_it_is_asked_for_and_only_there() {
+    let folder = tempfile::tempdir().unwrap();
+    for record in [Some(folder.path().join("run.mcap")), None] {
+        let named = record.is_some();
+        let options = RunOptions { record, ..RunOptions::default() };
+        let app = SceneApp::new(&gate(&[]), &options).unwrap();
+        assert_eq!(scheduled(app.app(), RecordingSystems::Frame.intern()), named);
+        assert_eq!(app.app().world().contains_resource::<FrameRecorder>(), named);
+    }
+}
+
+#[cfg(feature = "render")]
+#[test]
+fn rendering_exists_where_it_is_asked_for_and_only_there() {
+    let folder = tempfile::tempdir().unwrap();
+    for preview in [Some(folder.path().join("run.png")), None] {
+        let asked = preview.is_some();
+        let pictures = PictureOptions { preview, ..PictureOptions::default() };
+        let options = RunOptions { pictures, ..RunOptions::default() };
+        let app = SceneApp::new(&gate(&[]), &options).unwrap();
+        let present = app.app().world().contains_resource::<Painter>();
+        assert_eq!(scheduled(app.app(), RenderingSystems::Picture.intern()), present);
+        // Without an adapter there are no pictures though they are asked for.
+        assert!(asked || !present);
+        if asked && !present {
+            let summary = app.finish().unwrap();
+            assert_eq!(summary.skipped[0].what, "pictures");
+        }
+    }
+}
+
+/// Every system that stands in only one of two plans, by schedule and name.
+fn difference(one: &Plan, other: &Plan) -> Vec<PlannedSystem> {
+    let all = |plan: &Plan| -> BTreeSet<(String, PlannedSystem)> {
+        let systems = |s: &PlannedSchedule| {
+            s.systems.iter().map(|system| (s.name.clone(), system.clone())).collect::<Vec<_>>()
+        };
+        plan.schedules.iter().flat_map(systems).collect()
+    };
+    all(one).symmetric_difference(&all(other)).map(|(_, system)| system.clone()).collect()
+}
+
+#[test]
+fn one_effect_more_is_exactly_its_systems_more() {
+    let cases: [(&[Effect], Effect); 4] = [
+        (&[], Effect::Trigger),
+        (&[], CONTACTS),
+        #[cfg(feature = "rapier")]
+        (&[Effect::Response], CONTACTS),
+        #[cfg(feature = "rapier")]
+        (&[Effect::Response], Effect::Trigger),
+        #[cfg(not(feature = "rapier"))]
+        (&[], Effect::Trigger),
+        #[cfg(not(feature = "rapier"))]
+        (&[], CONTACTS),
+    ];
+    for (without, effect) in cases {
+        let with: Vec<Effect> = without.iter().copied().chain([effect]).collect();
+        let (less, more) = (app(without).plan().unwrap(), app(&with).plan().unwrap());
+        let systems = difference(&less, &more);
+        assert!(systems.len() >= 3, "{systems:?}");
+        for system in &systems {
+            assert!(system.effects.contains(&effect.name()), "{system:?} for {}", effect.name());
+        }
+        // And it is the only effect that the plans tell apart.
+        assert!(less.absent.iter().any(|absent| absent.name == effect.name()));
+        assert_eq!(less.absent.len(), more.absent.len() + 1);
+        assert_eq!(more.effects.len(), less.effects.len() + 1);
+    }
+}
+
+#[test]
+fn a_second_effect_shares_detection_with_the_first() {
+    let one = app(&[Effect::Trigger]).plan().unwrap();
+    let both = app(&[Effect::Trigger, CONTACTS]).plan().unwrap();
+    let names = |plan: &Plan| -> BTreeSet<String> {
+        plan.schedules.iter().flat_map(|s| &s.systems).map(|s| s.name.clone()).collect()
+    };
+    let more: Vec<String> = names(&both).difference(&names(&one)).cloned().collect();
+    assert_eq!(more, ["contacts::share_contacts", "contacts::take_contacts"]);
+}
+
+#[test]
+fn the_plan_tells_order_pairs_and_reasons() {
+    let mut description = gate(&[]);
+    description.bodies[1].effects = vec![Effect::Trigger];
+    let third = crate::build::cube(
+        "aside",
+        cranny_world::description::BodyKind::Fixed,
+        cranny_exact::DVec3::new(0.0, 9.0, 0.0),
+        cranny_exact::DVec3::ZERO,
+    );
+    description.bodies.push(third);
+    let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
+    let plan = app.plan().unwrap();
+    let steps = &plan.schedules[0];
+    let at = |name: &str| steps.systems.iter().position(|s| s.name == name).unwrap();
+    assert!(at("detection::read_transforms") < at("detection::detect_pairs"));
+    assert!(at("detection::detect_pairs") < at("trigger::tell_collisions"));
+    assert!(at("trigger::tell_collisions") < at("kinematics::follow_velocities"));
+    assert_eq!(plan.effects[0].asked_by, ["body 'guest'"]);
+    assert_eq!(plan.pairs[0].count, 2);
+    assert_eq!(plan.pairs[0].why, "body 'guest' asks for Trigger");
+    assert_eq!(plan.pairs[0].detected_by, "world");
+    assert_eq!((plan.pairs[1].count, &*plan.pairs[1].why), (1, "both are fixed"));
+    assert_eq!(plan.pairs[1].examples, [["gate".to_owned(), "aside".to_owned()]]);
+    // Reading the plan leaves the schedules where they were.
+    assert!(app.step().unwrap());
+    assert_eq!(app.plan().unwrap(), plan);
+}

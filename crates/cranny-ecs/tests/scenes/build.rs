@@ -1,0 +1,62 @@
+//! Small scenes.
+
+use std::sync::Arc;
+
+use cranny_exact::{DVec3, Pose};
+use cranny_shapes::Cuboid;
+use cranny_world::description::{
+    BodyDescription, BodyKind, Effect, Material, RecordDescription, SceneDescription,
+};
+
+/// A unit cube.
+pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> BodyDescription {
+    BodyDescription {
+        name: name.into(),
+        collision: Arc::new(Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap()),
+        visual: None,
+        kind,
+        pose: Pose::at(at),
+        linear_velocity: velocity,
+        angular_velocity: DVec3::ZERO,
+        material: Material::default(),
+        layers: vec!["all".into()],
+        effects: Vec::new(),
+    }
+}
+
+pub(crate) fn scene(bodies: Vec<BodyDescription>, effects: &[Effect]) -> SceneDescription {
+    SceneDescription {
+        name: "test".into(),
+        gravity: DVec3::new(0.0, 0.0, -10.0),
+        step: 1.0 / 64.0,
+        duration: 1.0,
+        seed: 0,
+        bodies,
+        joints: Vec::new(),
+        excluded_pairs: Vec::new(),
+        effects: effects.to_vec(),
+        pairs: Vec::new(),
+        cameras: Vec::new(),
+        record: RecordDescription::default(),
+    }
+}
+
+/// A guest passes through a gate, from x = -4 to 4 in 32 steps of a quarter each: touching at
+/// x = -1 (step 12) and no more at x = 1.25 (step 21).
+pub(crate) fn gate(effects: &[Effect]) -> SceneDescription {
+    let bodies = vec![
+        cube("gate", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO),
+        cube("guest", BodyKind::Kinematic, DVec3::new(-4.0, 0.0, 0.0), DVec3::X),
+    ];
+    SceneDescription { step: 0.25, duration: 8.0, ..scene(bodies, effects) }
+}
+
+/// A cube a little above a fixed one.
+#[cfg(feature = "rapier")]
+pub(crate) fn drop(effects: &[Effect]) -> SceneDescription {
+    let bodies = vec![
+        cube("floor", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO),
+        cube("box", BodyKind::Dynamic, DVec3::new(0.125, 0.0, 1.25), DVec3::ZERO),
+    ];
+    scene(bodies, effects)
+}

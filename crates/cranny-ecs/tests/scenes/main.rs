@@ -1,0 +1,12 @@
+//! Whole scenes through the app: what exists, what is told, what is written.
+
+mod absence;
+mod build;
+mod detection;
+mod fixed_update;
+#[cfg(feature = "record")]
+mod recording;
+#[cfg(feature = "render")]
+mod rendering;
+#[cfg(feature = "rapier")]
+mod response;

@@ -1,0 +1,79 @@
+//! What a run writes to MCAP.
+
+use bevy_transform::components::Transform;
+use cranny_ecs::*;
+use cranny_record::Recording;
+use cranny_world::description::Effect;
+
+use crate::build::gate;
+
+const EFFECTS: [Effect; 2] = [Effect::Trigger, Effect::Contacts { margin: 0.1 }];
+
+#[test]
+fn frames_hold_the_poses_and_contacts_of_their_step_and_the_last_the_final_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut scene = gate(&EFFECTS);
+    scene.record.every = 4;
+    let options = RunOptions {
+        duration: Some(4.5),
+        record: Some(path.clone()),
+        source: Some("(text)".into()),
+        ..RunOptions::default()
+    };
+    let mut app = SceneApp::new(&scene, &options).unwrap();
+    while app.step().unwrap() {}
+    let world = app.app().world();
+    let guest = world.resource::<Bodies>().get(BodyId(1)).unwrap().entity;
+    let last = pose_of(world.get::<Transform>(guest).unwrap());
+    let summary = app.finish().unwrap();
+    assert_eq!(summary.outputs, [path.display().to_string()]);
+
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.is_complete() && !recording.was_interrupted());
+    assert_eq!(recording.attachments()[0].data, b"(text)");
+    let transforms = recording.transforms().unwrap();
+    // Steps 0, 4, 8, 12, 16 and the end, 18.
+    let times: Vec<u64> = transforms.iter().map(|(time, _)| *time / 250_000_000).collect();
+    assert_eq!(times, [0, 4, 8, 12, 16, 18]);
+    assert_eq!(transforms[5].1["guest"], last);
+    assert_eq!(last.translation.x, 0.5);
+    assert_eq!(transforms[3].1["guest"].translation.x, -1.0);
+
+    let contacts = recording.contacts().unwrap();
+    assert!(contacts[2].1.pairs.is_empty());
+    let pair = &contacts[5].1.pairs[0];
+    assert_eq!((&*pair.a, &*pair.b), ("gate", "guest"));
+    assert_eq!(pair.pose_b.0, last);
+    // Flush faces are measured 2^-30 beside.
+    assert!((pair.regions[0].depth.unwrap() - 0.5).abs() < 1e-8);
+    let events = recording.events().unwrap();
+    assert_eq!(events[3].1.events[0].kind, "began");
+}
+
+#[test]
+fn an_interrupted_run_leaves_a_whole_recording_that_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+    let mut app = SceneApp::new(&gate(&EFFECTS), &options).unwrap();
+    (0..5).for_each(|_| assert!(app.step().unwrap()));
+    app.interrupt();
+    assert!(!app.step().unwrap());
+    let summary = app.finish().unwrap();
+    assert_eq!((summary.steps, summary.interrupted), (5, true));
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.is_complete() && recording.was_interrupted());
+    assert_eq!(recording.transforms().unwrap().len(), 6);
+}
+
+#[test]
+fn an_unwritable_recording_is_refused_before_anything_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in [folder.path().to_owned(), folder.path().join("missing/run.mcap")] {
+        let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+        let error = SceneApp::new(&gate(&[]), &options).err().unwrap().to_string();
+        assert!(error.contains(&path.display().to_string()), "{error}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -1,0 +1,149 @@
+//! Rigid bodies.
+
+use bevy_ecs::prelude::*;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+use cranny_ecs::*;
+use cranny_exact::DVec3;
+use cranny_rapier::Detector as Detection;
+use cranny_world::description::{BodyKind, Effect, PairDescription};
+
+use crate::build::{cube, drop, scene};
+
+const CONTACTS: Effect = Effect::Contacts { margin: 0.005 };
+
+fn run(app: &mut SceneApp) {
+    while app.step().unwrap() {}
+}
+
+fn entity(app: &SceneApp, name: &str) -> Entity {
+    let bodies = app.app().world().resource::<Bodies>();
+    bodies.get(bodies.find(name).unwrap()).unwrap().entity
+}
+
+fn height(app: &SceneApp, name: &str) -> f32 {
+    app.app().world().get::<Transform>(entity(app, name)).unwrap().translation.z
+}
+
+#[test]
+fn a_box_falls_and_rests_and_is_detected_once() {
+    let effects = [Effect::Response, CONTACTS, Effect::Trigger];
+    let mut app = SceneApp::new(&drop(&effects), &RunOptions::default()).unwrap();
+    run(&mut app);
+    assert!((height(&app, "box") - 1.0).abs() < 0.01, "{}", height(&app, "box"));
+    let world = app.app().world();
+    let stats = world.resource::<Detected>().report.as_ref().unwrap().stats;
+    assert_eq!((stats.supplied_pairs, stats.queried_pairs), (1, 0));
+    assert_eq!(world.resource::<ContactReport>().pairs.len(), 1);
+    assert_eq!(world.get::<TouchingBodies>(entity(&app, "box")).unwrap().0.len(), 1);
+    let summary = app.finish().unwrap();
+    assert!(summary.energy_drift.unwrap() < 0.01);
+    assert!(summary.energy.unwrap().loss > 0.5);
+    assert!(summary.deepest.unwrap().depth < 0.05);
+    assert!(summary.contacts.max >= 3 && summary.pairs.max == 1);
+    assert!(summary.skipped.is_empty(), "{:?}", summary.skipped);
+}
+
+#[test]
+fn the_same_run_ends_in_the_same_state_whoever_watches() {
+    let state = |effects: &[Effect]| {
+        let mut app = SceneApp::new(&drop(effects), &RunOptions::default()).unwrap();
+        run(&mut app);
+        app.finish().unwrap().state_hash
+    };
+    let alone = state(&[Effect::Response]);
+    assert_eq!(alone, state(&[Effect::Response]));
+    assert_eq!(alone, state(&[Effect::Response, CONTACTS, Effect::Trigger]));
+    let mut moved = drop(&[Effect::Response]);
+    moved.bodies[1].pose.translation.x += 0.25;
+    let mut app = SceneApp::new(&moved, &RunOptions::default()).unwrap();
+    run(&mut app);
+    assert_ne!(alone, app.finish().unwrap().state_hash);
+}
+
+#[test]
+fn other_detectors_leave_exact_answers_to_the_world() {
+    for (detector, exact) in [(Detection::RapierTrimesh, false), (Detection::Cranny, true)] {
+        for effects in [&[Effect::Response][..], &[Effect::Response, CONTACTS]] {
+            let plugins = PluginOptions { detector, ..PluginOptions::default() };
+            let options = RunOptions { plugins, ..RunOptions::default() };
+            let mut app = SceneApp::new(&drop(effects), &options).unwrap();
+            let plan = app.plan().unwrap();
+            let by_both = !exact && effects.len() == 2;
+            assert_eq!(
+                plan.pairs[0].detected_by,
+                if by_both { "solver and world" } else { "solver" }
+            );
+            run(&mut app);
+            let summary = app.finish().unwrap();
+            assert_eq!(summary.deepest.is_some(), exact || effects.len() == 2);
+            assert_eq!(summary.detector, detector.to_string());
+            assert_eq!(summary.time_ms.report > 0.0, exact || effects.len() == 2);
+        }
+    }
+}
+
+#[test]
+fn only_pairs_that_are_asked_respond() {
+    let bodies = vec![
+        cube("floor", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO),
+        cube("solid", BodyKind::Dynamic, DVec3::new(0.0, 0.25, 1.125), DVec3::ZERO),
+        cube("aside", BodyKind::Dynamic, DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO),
+    ];
+    let mut description = scene(bodies, &[]);
+    description.pairs = vec![PairDescription {
+        a: "solid".into(),
+        b: "floor".into(),
+        effects: vec![Effect::Response],
+    }];
+    let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
+    run(&mut app);
+    assert!((height(&app, "solid") - 1.0).abs() < 0.01);
+    assert_eq!(height(&app, "aside"), 5.0); // nothing moves it
+}
+
+#[test]
+fn bodies_without_the_effect_pass_through_each_other() {
+    let mut bodies = vec![
+        cube("floor", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO),
+        cube("ghost", BodyKind::Dynamic, DVec3::new(0.125, 0.0, 1.25), DVec3::ZERO),
+        cube("solid", BodyKind::Dynamic, DVec3::new(5.0, 0.0, 1.0), DVec3::ZERO),
+    ];
+    bodies[2].effects = vec![Effect::Response];
+    let mut app = SceneApp::new(&scene(bodies, &[]), &RunOptions::default()).unwrap();
+    run(&mut app);
+    // The ghost is in the solver's world because it would meet the solid body, but not the floor.
+    assert!(height(&app, "ghost") < -2.0);
+}
+
+#[test]
+fn a_moved_transform_moves_the_rigid_body_and_a_despawned_one_meets_nothing() {
+    let mut app = SceneApp::new(&drop(&[Effect::Response]), &RunOptions::default()).unwrap();
+    (0..4).for_each(|_| assert!(app.step().unwrap()));
+    let thing = entity(&app, "box");
+    let lifted = Vec3::new(0.0, 0.0, 40.0);
+    app.app_mut().world_mut().get_mut::<Transform>(thing).unwrap().translation = lifted;
+    app.step().unwrap();
+    assert!((39.8..40.0).contains(&height(&app, "box")));
+    app.app_mut().world_mut().get_mut::<Transform>(thing).unwrap().translation.z = 1.02;
+    let floor = entity(&app, "floor");
+    app.app_mut().world_mut().despawn(floor);
+    run(&mut app);
+    assert!(height(&app, "box") < -1.0);
+}
+
+#[test]
+fn farther_contacts_than_the_solver_sees_are_said_to_be_left_out() {
+    let far = [Effect::Response, Effect::Contacts { margin: 0.5 }];
+    let app = SceneApp::new(&drop(&far), &RunOptions::default()).unwrap();
+    let summary = app.finish().unwrap();
+    assert!(summary.skipped[0].what.contains("0.5"), "{:?}", summary.skipped);
+}
+
+#[test]
+fn more_layers_than_bits_are_refused() {
+    let mut description = drop(&[Effect::Response]);
+    description.bodies[0].layers = (0..33).map(|i| format!("layer {i}")).collect();
+    let error = SceneApp::new(&description, &RunOptions::default()).err().unwrap().to_string();
+    assert!(error.contains("34") && error.contains("32"), "{error}");
+}
