@@ -6,6 +6,7 @@
 //! | `contact_clustering` | off with [`Detector::Cranny`] | it merges normals within 5 degrees and keeps the first; ours are few and exact at their own points |
 //! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for | it keeps contacts while a pair drifts by several prediction distances; thin gaps do not forgive that |
 //! | `friction_model` | Coulomb with [`Detector::Cranny`] | the simplified model rubs at a manifold's middle; most of ours have one point |
+//! | `num_solver_iterations` | enough for [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] unless asked for | they are rapier's substeps: at 1/60 s its default of 4 lets a falling chain sink in by half a link before it is stopped |
 //! | `soft_ccd_prediction` of dynamic bodies | the body's radius, every detector | contacts are then seen as far ahead as a pair moves in a step, so that fast bodies are stopped before they overlap |
 //! | the rest | rapier's defaults | |
 //!
@@ -17,13 +18,13 @@ use std::sync::Arc;
 use cranny_exact::{DVec3, Pose, PoseError};
 use cranny_geometry::Model;
 use cranny_narrow_phase::Answer;
-use rapier3d::geometry::{Group, InteractionGroups, InteractionTestMode};
+use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
-    ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel, ImpulseJointSet,
-    IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase, PhysicsHooks,
-    PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, RigidBodyType,
-    SoftBodySet, SolverFlags,
+    ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
+    ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase,
+    PhysicsHooks, PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
+    RigidBodyType, SoftBodySet, SolverFlags,
 };
 use thiserror::Error;
 
@@ -34,6 +35,10 @@ use crate::joint::{JointSpec, generic_joint};
 use crate::log::AnswerLog;
 use crate::mass::{MassError, mass_properties};
 use crate::shape::ShapeError;
+
+/// The longest solver substep with our detector, seconds. rapier's default of four substeps has it at
+/// 240 Hz. Longer: a chain of twelve links tears at 60 Hz; shorter: solving takes longer for nothing.
+pub const SOLVER_SUBSTEP: f64 = 1.0 / 960.0;
 
 /// How a simulation runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +55,9 @@ pub struct SimulationOptions {
     /// Whether rapier may reuse contacts while a pair moves little. `None`: its default for its own
     /// detectors, never for ours.
     pub recycling: Option<bool>,
+    /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough for
+    /// [`SOLVER_SUBSTEP`] for ours.
+    pub solver_iterations: Option<usize>,
 }
 
 impl Default for SimulationOptions {
@@ -60,6 +68,7 @@ impl Default for SimulationOptions {
             step: 1.0 / 60.0,
             length_unit: 1.0,
             recycling: None,
+            solver_iterations: None,
         }
     }
 }
@@ -115,6 +124,35 @@ pub enum SimulationError {
     /// Its pose.
     #[error(transparent)]
     Pose(#[from] PoseError),
+    /// Another number.
+    #[error("{what} is {value}: it must be {expected}")]
+    Number {
+        /// Which field of [`BodySpec`].
+        what: &'static str,
+        /// The value found.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+}
+
+/// Refuses what rapier would carry into every pose that it touches.
+fn check_numbers(spec: &BodySpec) -> Result<(), SimulationError> {
+    let (linear, angular) = (spec.linear_velocity, spec.angular_velocity);
+    let velocities = linear.to_array().map(|v| ("linear velocity", v)).into_iter();
+    let velocities = velocities.chain(angular.to_array().map(|v| ("angular velocity", v)));
+    for (what, value) in velocities {
+        if !(value as f32).is_finite() {
+            return Err(SimulationError::Number { what, value, expected: "a finite f32" });
+        }
+    }
+    for (what, value) in [("friction", spec.friction), ("restitution", spec.restitution)] {
+        if !(value >= 0.0 && (value as f32).is_finite()) {
+            let expected = "a finite number, 0 or more";
+            return Err(SimulationError::Number { what, value, expected });
+        }
+    }
+    Ok(())
 }
 
 /// What the detector said of a pair in rapier's last step.
@@ -211,6 +249,12 @@ impl Simulation {
             parameters.contact_clustering = false;
             parameters.friction_model = FrictionModel::Coulomb;
         }
+        if let Some(iterations) = options.solver_iterations {
+            parameters.num_solver_iterations = iterations.max(1);
+        } else if ours {
+            let enough = (options.step / SOLVER_SUBSTEP).round() as usize;
+            parameters.num_solver_iterations = enough.max(parameters.num_solver_iterations);
+        }
         parameters.contact_recycling = options.recycling.unwrap_or(!ours);
         let log = AnswerLog::default();
         let mut pipeline = PhysicsPipeline::new();
@@ -244,8 +288,10 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, or a pose is none.
+    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, a pose is none, or
+    /// another number is out of range. Nothing is inserted then.
     pub fn insert(&mut self, spec: &BodySpec) -> Result<BodyIndex, SimulationError> {
+        check_numbers(spec)?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
         let index = self.handles.len() as u32;
         let shape = self.options.detector.shape(spec.model, index)?;
@@ -294,6 +340,8 @@ impl Simulation {
     /// Two bodies never meet from now on.
     pub fn exclude(&mut self, a: BodyIndex, b: BodyIndex) {
         self.exclusions.0.insert((a.0.min(b.0), a.0.max(b.0)));
+        self.log.forget(a.0, b.0);
+        self.log.forget(b.0, a.0);
         for index in [a, b] {
             for &collider in self.bodies[self.handle(index)].colliders() {
                 self.colliders[collider].set_active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
@@ -322,6 +370,23 @@ impl Simulation {
             &self.exclusions,
             &(),
         );
+        self.forget_parted();
+    }
+
+    /// Drops answers about pairs that rapier no longer considers, whenever they are the greater part.
+    fn forget_parted(&self) {
+        if self.log.len() <= 2 * self.pair_count() {
+            return;
+        }
+        let present: HashSet<(u32, u32)> =
+            self.narrow_phase.contact_pairs().filter_map(|pair| self.tags(pair)).collect();
+        self.log.retain(|first, second| present.contains(&(first, second)));
+    }
+
+    /// Numbers of a pair's bodies, in rapier's order.
+    fn tags(&self, pair: &ContactPair) -> Option<(u32, u32)> {
+        let tag = |handle| self.colliders.get(handle).map(|c| c.user_data as u32);
+        Some((tag(pair.collider1)?, tag(pair.collider2)?))
     }
 
     fn handle(&self, body: BodyIndex) -> RigidBodyHandle {
@@ -391,24 +456,27 @@ impl Simulation {
         energy
     }
 
-    /// What the detector said of each pair that rapier considered in the last step, by ascending
-    /// bodies. Empty for detectors other than ours.
+    /// What the detector said of each pair that rapier asked about in the last step, or whose older
+    /// contacts it kept (bodies asleep, contacts recycled), by ascending bodies. Empty for detectors
+    /// other than ours.
     #[must_use]
     pub fn contact_pairs(&self) -> Vec<PairContacts> {
         let step = self.log.step();
-        let tag = |handle| self.colliders.get(handle).map(|c| c.user_data as u32);
         let mut pairs: Vec<PairContacts> = self
             .narrow_phase
             .contact_pairs()
             .filter_map(|pair| {
-                let (first, second) = (tag(pair.collider1)?, tag(pair.collider2)?);
+                let (first, second) = self.tags(pair)?;
                 let logged = self.log.get(first, second)?;
+                let fresh = logged.step == step;
+                if !fresh && pair.manifolds().is_empty() {
+                    return None; // rapier dropped the pair without asking
+                }
                 let before = self.poses_before[first as usize];
                 let world = before.world_from_body();
                 let answer = logged.answer.as_ref().clone().moved(&world);
                 let other = before.compose(&logged.first_from_second);
                 let (a, b) = (BodyIndex(first), BodyIndex(second));
-                let fresh = logged.step == step;
                 Some(if a < b {
                     PairContacts { a, b, answer: Arc::new(answer), poses: [before, other], fresh }
                 } else {
