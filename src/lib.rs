@@ -107,3 +107,8 @@ pub mod prelude {
     };
     pub use cranny_world::World;
 }
+
+// The page that most people see first must compile as well.
+#[cfg(all(doctest, feature = "shapes"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
