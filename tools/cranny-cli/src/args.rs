@@ -1,13 +1,11 @@
 //! What can be asked: the arguments of each command.
 
-#[allow(dead_code, reason = "`run` and `explain` join `Command` together with their modules")]
 mod scene;
 
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
-#[allow(unused_imports, reason = "as above")]
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
 
 /// Exact collision detection for bodies that are not convex.
@@ -36,6 +34,10 @@ Exit codes: 0 done; 1 reading, writing or the work itself failed; 2 wrong argume
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Simulate a scene; record it, draw it, and sum up
+    Run(RunArgs),
+    /// What a scene asks for, what will run for it, and what will not
+    Explain(ExplainArgs),
     /// Do two meshes meet? Verdict, distance and contact regions at each of a list of poses
     Query(QueryArgs),
     /// What is known of a mesh: defects and repairs, hull, sizes and times

@@ -5,6 +5,7 @@
 
 mod args;
 mod check;
+mod explain;
 mod failure;
 mod inspect;
 mod logging;
@@ -13,6 +14,7 @@ mod output;
 mod pose_file;
 mod progress;
 mod query;
+mod run;
 mod scene_file;
 
 use std::process::ExitCode;
@@ -25,6 +27,8 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     logging::start(cli.verbose);
     let outcome = match &cli.command {
+        Command::Run(args) => run::run(args, cli.format),
+        Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
         Command::Inspect(args) => inspect::inspect(args, cli.format),
         Command::Check(args) => check::check(args, cli.format),

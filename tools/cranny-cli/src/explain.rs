@@ -1,0 +1,81 @@
+//! `cranny explain`: what a scene runs, read from the schedule that its plugins build.
+
+use std::fmt::Write;
+
+use cranny_ecs::{Plan, PlannedPairs, RunOptions, SceneApp};
+use serde::Serialize;
+
+use crate::args::{ExplainArgs, Format};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::run::failure;
+use crate::scene_file::load;
+
+/// The plan of a scene under its name.
+#[derive(Debug, Serialize)]
+struct Explanation<'a> {
+    version: u32,
+    scene: &'a str,
+    bodies: usize,
+    #[serde(flatten)]
+    plan: &'a Plan,
+}
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// A scene that cannot be read, is wrong, or cannot be composed.
+pub(crate) fn explain(args: &ExplainArgs, format: Option<Format>) -> Result<(), Failure> {
+    let scene = load(&args.scene, None)?;
+    let mut app = SceneApp::new(&scene.description, &RunOptions::default()).map_err(failure)?;
+    let plan = app.plan().map_err(Failure::run)?;
+    let (name, bodies) = (&*scene.description.name, scene.description.bodies.len());
+    let mut output = Output::new();
+    match format.unwrap_or(Format::Text) {
+        Format::Json => output.json(&Explanation { version: 1, scene: name, bodies, plan: &plan }),
+        Format::Text => output.line(&text(name, bodies, &plan)),
+    }
+}
+
+/// The plan for people.
+fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
+    let mut out = format!("scene {scene}: {bodies} bodies\n\neffects");
+    let mut add = |line: String| {
+        out.push('\n');
+        out.push_str(&line);
+    };
+    if plan.effects.is_empty() {
+        add("  none".to_owned());
+    }
+    for effect in &plan.effects {
+        add(format!("  {}: asked for by {}", effect.name, effect.asked_by.join(", ")));
+    }
+    for schedule in &plan.schedules {
+        add(format!("\n{}, in this order", schedule.name));
+        for (number, system) in schedule.systems.iter().enumerate() {
+            let number = number + 1;
+            let sets = system.sets.join(", ");
+            add(format!("  {number:>2}  {:<34} {sets}", system.name));
+        }
+    }
+    add("\npairs".to_owned());
+    plan.pairs.iter().for_each(|group| add(pairs(group)));
+    add("\nabsent: no system, component, message or resource of".to_owned());
+    for effect in &plan.absent {
+        add(format!("  {}: {}", effect.name, effect.why));
+    }
+    out
+}
+
+fn pairs(group: &PlannedPairs) -> String {
+    let asked =
+        if group.effects.is_empty() { "nothing".to_owned() } else { group.effects.join(", ") };
+    let mut line =
+        format!("  {}: {asked}, detected by {} ({})", group.count, group.detected_by, group.why);
+    let named: Vec<String> = group.examples.iter().map(|[a, b]| format!("{a} and {b}")).collect();
+    let more = if group.count > named.len() { ", ..." } else { "" };
+    // Writing to a string cannot fail.
+    let _ = write!(line, "\n      {}{more}", named.join(", "));
+    line
+}

@@ -1,0 +1,203 @@
+//! `cranny run`: simulates a scene, records and draws it, and sums up.
+
+use std::fmt::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use cranny_ecs::{
+    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, helices,
+};
+use cranny_rapier::Detector;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::args::{DetectorArg, Format, RunArgs};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::scene_file::load;
+
+/// Bodies whose motion the text summary tells; the JSON tells all.
+const MOTIONS_TOLD: usize = 8;
+
+/// How often progress is drawn, at most.
+const REDRAWS_PER_SECOND: u8 = 5;
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
+pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
+    if args.threads.get() != 1 {
+        return Err(Failure::input(format!(
+            "--threads {}: more than one thread comes with a later version. Leave the option out",
+            args.threads
+        )));
+    }
+    let scene = load(&args.scene, args.seed)?;
+    let names_cameras = !scene.description.cameras.is_empty();
+    let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
+    let options = RunOptions {
+        plugins: PluginOptions {
+            detector: detector(args.detector),
+            helices: helices(&scene),
+            ..PluginOptions::default()
+        },
+        step: args.dt,
+        duration: args.duration,
+        record: args.record.clone(),
+        pictures: PictureOptions {
+            frames: args.frames.clone(),
+            preview: args.preview.clone(),
+            record: args.record.is_some() && pictured,
+        },
+        source: Some(scene.source_text),
+    };
+    // Before anything is written that a Ctrl-C would have to finish.
+    let stop = stop_flag();
+    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
+    let progress = progress_bar(app.steps_total());
+    let mut steps_left = app.steps_total() > 0;
+    while steps_left {
+        if stop.load(Ordering::Relaxed) {
+            app.interrupt();
+        }
+        steps_left = app.step().map_err(failure)?;
+        progress.set_position(app.steps_done());
+    }
+    progress.set_message("finishing");
+    let summary = app.finish().map_err(failure)?;
+    progress.finish_and_clear();
+    let mut output = Output::new();
+    match format.unwrap_or(Format::Text) {
+        Format::Json => output.json(&summary),
+        Format::Text => output.line(&text(&summary)),
+    }
+}
+
+/// The detector that an argument names.
+pub(crate) fn detector(argument: DetectorArg) -> Detector {
+    match argument {
+        DetectorArg::Cranny => Detector::Cranny,
+        DetectorArg::RapierTrimesh => Detector::RapierTrimesh,
+        DetectorArg::RapierTrimeshFixed => Detector::RapierTrimeshFixed,
+        DetectorArg::RapierDecomposition => Detector::RapierDecomposition,
+    }
+}
+
+/// Input that cannot be simulated is the caller's to mend; the rest is a failed run.
+pub(crate) fn failure(error: SceneAppError) -> Failure {
+    match error {
+        SceneAppError::Output { .. }
+        | SceneAppError::Record(_)
+        | SceneAppError::Picture { .. }
+        | SceneAppError::NotFinite { .. } => Failure::run(error),
+        _ => Failure::input(error),
+    }
+}
+
+/// Set by Ctrl-C: the step at hand is completed, then the run ends in order.
+fn stop_flag() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let set = stop.clone();
+    if let Err(error) = ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)) {
+        tracing::warn!("Ctrl-C will end the run at once, without a summary ({error})");
+    }
+    stop
+}
+
+/// Steps on standard error, where that is a terminal.
+fn progress_bar(steps: u64) -> ProgressBar {
+    let target = indicatif::ProgressDrawTarget::stderr_with_hz(REDRAWS_PER_SECOND);
+    let bar = ProgressBar::with_draw_target(Some(steps), target).with_message("simulating");
+    match ProgressStyle::with_template("{msg} [{bar:30}] step {pos}/{len} ({eta} left)") {
+        Ok(style) => bar.with_style(style.progress_chars("=> ")),
+        Err(_) => bar,
+    }
+}
+
+/// The summary for people.
+fn text(summary: &RunSummary) -> String {
+    let mut lines = Lines::default();
+    let ending = if summary.interrupted { ", interrupted" } else { "" };
+    lines.add("scene", format!("{} (seed {})", summary.scene, summary.seed));
+    lines.add("detector", format!("{}, {}", summary.detector, summary.accuracy));
+    lines.add(
+        "simulated",
+        format!(
+            "{:.3} s in {} steps of {:.6} s{ending}",
+            summary.simulated_s, summary.steps, summary.dt
+        ),
+    );
+    lines.add(
+        "wall time",
+        format!("{:.3} s, {:.2} x real time", summary.wall_s, summary.real_time_factor),
+    );
+    let times = &summary.time_ms;
+    let phases = [
+        ("broad", times.broad),
+        ("narrow", times.narrow),
+        ("solver", times.solver),
+        ("report", times.report),
+        ("record", times.record),
+        ("render", times.render),
+    ];
+    let spent = phases.iter().filter(|(_, ms)| *ms > 0.0);
+    let spent: Vec<String> = spent.map(|(phase, ms)| format!("{phase} {ms:.1}")).collect();
+    lines.add("time, ms", spent.join(", "));
+    lines.add("pairs", format!("{:.1} a step, at most {}", summary.pairs.mean, summary.pairs.max));
+    let contacts = &summary.contacts;
+    lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
+    lines.add("deepest", deepest(summary));
+    if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
+        let loss = 100.0 * energy.loss;
+        lines.add("energy", format!("gained at most {:.3} %, lost {loss:.3} %", 100.0 * drift));
+    }
+    for helix in &summary.helices {
+        let value = format!(
+            "{} on {}: {:.4} turns, advanced {:.4} (pitch {}), at most {:.4} off the helix",
+            helix.nut, helix.bolt, helix.turns, helix.advance, helix.pitch, helix.deviation_max
+        );
+        lines.add("screw", value);
+    }
+    for motion in summary.motion.iter().take(MOTIONS_TOLD) {
+        let [x, y, z] = motion.displacement;
+        let turns = motion.turns.map_or(String::new(), |t| format!(", {t:.3} turns"));
+        lines.add("motion", format!("{} by ({x:.4}, {y:.4}, {z:.4}){turns}", motion.body));
+    }
+    if summary.motion.len() > MOTIONS_TOLD {
+        let more = summary.motion.len() - MOTIONS_TOLD;
+        lines.add("motion", format!("and {more} more bodies (--format json tells all)"));
+    }
+    lines.add("state", summary.state_hash.clone());
+    summary.outputs.iter().for_each(|path| lines.add("written", path.clone()));
+    for skipped in &summary.skipped {
+        lines.add("skipped", format!("{}: {}", skipped.what, skipped.why));
+    }
+    lines.0
+}
+
+fn deepest(summary: &RunSummary) -> String {
+    match &summary.deepest {
+        None => "not known: no exact answers (ask for Contacts in the scene)".to_owned(),
+        Some(d) if d.depth > 0.0 => {
+            format!("{:.6} between {} and {}, after {} steps", d.depth, d.a, d.b, d.step)
+        }
+        Some(_) => "no overlap".to_owned(),
+    }
+}
+
+/// Aligned lines; a repeated heading is left blank.
+#[derive(Default)]
+struct Lines(String, &'static str);
+
+impl Lines {
+    fn add(&mut self, heading: &'static str, value: String) {
+        if !self.0.is_empty() {
+            self.0.push('\n');
+        }
+        let told = if heading == self.1 { "" } else { heading };
+        self.1 = heading;
+        // Writing to a string cannot fail.
+        let _ = write!(self.0, "{told:<10} {value}");
+    }
+}

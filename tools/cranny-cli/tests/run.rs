@@ -1,0 +1,214 @@
+//! End-to-end tests of `cranny run`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use cranny_record::Recording;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A box that falls a quarter of a unit on a fixed one.
+const DROP: &str = r#"(
+    step: 0.015625, duration: 0.5, seed: 3,
+    bodies: [
+        (name: "floor", shape: Generator(Cuboid(size: (1, 1, 1))), kind: Fixed),
+        (name: "box", shape: Generator(Cuboid(size: (1, 1, 1))), pose: (at: (0.125, 0, 1.25)),
+         velocity: (angular: (0, 0, 0.5))),
+    ],
+    effects: [Response(), Contacts(margin: 0.001), Trigger()],
+    record: (every: 8),
+)"#;
+
+fn scene() -> (TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drop.ron");
+    fs::write(&path, DROP).unwrap();
+    let path = path.to_str().unwrap().to_owned();
+    (folder, path)
+}
+
+fn cranny(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cranny"));
+    command.env_remove("RUST_LOG").stdin(Stdio::null());
+    command.args(arguments).output().unwrap()
+}
+
+/// The last line of standard output; the command must have succeeded.
+fn summary(output: &Output) -> Value {
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let stdout = str::from_utf8(&output.stdout).unwrap();
+    serde_json::from_str(stdout.lines().last().unwrap()).unwrap()
+}
+
+fn run_json(scene: &str, more: &[&str]) -> Value {
+    summary(&cranny(&[&["run", scene, "--format", "json"], more].concat()))
+}
+
+fn assert_refused(output: &Output, code: i32, words: &[&str]) {
+    let stderr = str::from_utf8(&output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{output:?}");
+    assert!(output.stdout.is_empty() && !stderr.contains("panicked"), "{output:?}");
+    for word in words {
+        assert!(stderr.contains(word), "{word:?} is missing in {stderr}");
+    }
+}
+
+#[test]
+fn the_summary_has_every_field_of_the_contract() {
+    let (_folder, scene) = scene();
+    let line = run_json(&scene, &[]);
+    let fields = [
+        "version",
+        "scene",
+        "scene_hash",
+        "detector",
+        "accuracy",
+        "threads",
+        "seed",
+        "steps",
+        "dt",
+        "simulated_s",
+        "wall_s",
+        "real_time_factor",
+        "time_ms",
+        "pairs",
+        "contacts",
+        "deepest",
+        "energy_drift",
+        "state_hash",
+        "outputs",
+        "skipped",
+        "interrupted",
+    ];
+    for field in fields {
+        assert!(line.get(field).is_some(), "{field} is missing in {line}");
+    }
+    for phase in ["broad", "narrow", "solver", "record", "render"] {
+        assert!(line["time_ms"][phase].as_f64().unwrap() >= 0.0);
+    }
+    assert_eq!((line["steps"].as_u64(), line["seed"].as_u64()), (Some(32), Some(3)));
+    assert_eq!(line["simulated_s"], 0.5);
+    assert_eq!(
+        (line["detector"].as_str(), line["accuracy"].as_str()),
+        (Some("cranny"), Some("exact"))
+    );
+    assert_eq!(
+        (&line["interrupted"], line["outputs"].as_array().map(Vec::len)),
+        (&false.into(), Some(0))
+    );
+    let depth = line["deepest"]["depth"].as_f64().unwrap();
+    assert!((0.0..0.05).contains(&depth), "{line}");
+    assert!(line["energy_drift"].as_f64().unwrap() < 0.01, "{line}");
+    assert!(line["contacts"]["max"].as_u64().unwrap() >= 3, "{line}");
+    let motion = &line["motion"][0];
+    assert_eq!(motion["body"], "box");
+    assert!((motion["displacement"][2].as_f64().unwrap() + 0.25).abs() < 0.02, "{motion}");
+    // The same command gives the same state, and a seed that nothing reads does not change it.
+    let again = run_json(&scene, &["--seed", "7"]);
+    assert_eq!(again["state_hash"], line["state_hash"]);
+    assert_eq!(again["seed"], 7);
+}
+
+#[test]
+fn step_and_duration_replace_the_scenes() {
+    let (_folder, scene) = scene();
+    let line = run_json(&scene, &["--dt", "0.03125", "--duration", "0.25"]);
+    assert_eq!((line["steps"].as_u64(), line["dt"].as_f64()), (Some(8), Some(0.03125)));
+}
+
+#[test]
+fn every_detector_runs_and_exact_reports_stay() {
+    let (_folder, scene) = scene();
+    for detector in ["cranny", "rapier-trimesh", "rapier-trimesh-fixed", "rapier-decomposition"] {
+        let line = run_json(&scene, &["--detector", detector]);
+        assert_eq!(line["detector"], detector);
+        assert!(line["deepest"]["depth"].as_f64().unwrap() < 0.05, "{line}");
+    }
+}
+
+#[test]
+fn the_recording_ends_with_the_final_poses() {
+    let (folder, scene) = scene();
+    let path = folder.path().join("drop.mcap");
+    let line = run_json(&scene, &["--record", path.to_str().unwrap()]);
+    assert_eq!(line["outputs"][0], path.to_str().unwrap());
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.is_complete() && !recording.was_interrupted());
+    let frames = recording.transforms().unwrap();
+    // Steps 0, 8, 16, 24 and the end, 32.
+    assert_eq!(frames.iter().map(|f| f.0 / 15_625_000).collect::<Vec<_>>(), [0, 8, 16, 24, 32]);
+    let moved = frames[4].1["box"].translation - frames[0].1["box"].translation;
+    for (axis, expected) in moved.to_array().into_iter().enumerate() {
+        assert_eq!(line["motion"][0]["displacement"][axis].as_f64(), Some(expected));
+    }
+    assert_eq!(recording.attachments()[0].data, DROP.as_bytes());
+    assert!(recording.events().unwrap().iter().any(|(_, message)| !message.events.is_empty()));
+}
+
+#[test]
+fn the_text_summary_names_what_matters() {
+    let (_folder, scene) = scene();
+    let output = cranny(&["run", &scene]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for word in ["drop", "32 steps", "real time", "narrow", "deepest", "energy", "box by"] {
+        assert!(text.contains(word), "{word:?} is missing in {text}");
+    }
+}
+
+#[test]
+fn what_later_versions_bring_is_refused_as_such() {
+    let (_folder, scene) = scene();
+    for (flag, value) in [("--accuracy", "hulls"), ("--threads", "2")] {
+        let refused = cranny(&["run", &scene, flag, value]);
+        assert_refused(&refused, 2, &[flag, value, "later version"]);
+    }
+    assert_refused(&cranny(&["run", "nowhere.ron"]), 2, &["nowhere.ron"]);
+}
+
+#[test]
+fn unwritable_outputs_are_refused_before_anything_runs() {
+    let (folder, scene) = scene();
+    let missing = folder.path().join("missing");
+    let file: PathBuf = missing.join("out");
+    for flag in ["--record", "--preview"] {
+        let refused = cranny(&["run", &scene, flag, file.to_str().unwrap()]);
+        assert_refused(&refused, 1, &[file.to_str().unwrap()]);
+    }
+    let refused = cranny(&["run", &scene, "--frames", &scene]);
+    assert_refused(&refused, 1, &[&scene]);
+    assert_eq!(names(folder.path()), ["drop.ron"]);
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_completes_the_recording_and_the_summary_says_so() {
+    let (folder, scene) = scene();
+    let path = folder.path().join("drop.mcap");
+    let partial = folder.path().join("drop.mcap.partial");
+    let run = Command::new(env!("CARGO_BIN_EXE_cranny"))
+        .args(["run", &scene, "--format", "json", "--duration", "1e6", "--record"])
+        .arg(&path)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The partial file is there once the run has begun to listen to signals.
+    while !partial.exists() {
+        std::thread::yield_now();
+    }
+    let sent = Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let line = summary(&run.wait_with_output().unwrap());
+    assert_eq!(line["interrupted"], true);
+    assert!(line["steps"].as_u64().unwrap() < 64_000_000);
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.is_complete() && recording.was_interrupted());
+    assert!(!partial.exists());
+}
