@@ -2,12 +2,14 @@
 //!
 //! | partner of a [`MeshShape`] | contacts from |
 //! |---|---|
-//! | `MeshShape`, cuboid, convex polyhedron, triangle mesh | the exact pair query |
+//! | `MeshShape`, cuboid, convex polyhedron, triangle mesh, height field | the exact pair query |
 //! | ball, capsule | nearest features of the mesh |
 //! | half-space | lowest vertices of the mesh |
 //! | all others | parry, with the mesh of the same triangles: hollow |
 //!
 //! Intersection tests, distances, closest points and single contacts between polyhedra are exact too.
+//! Of other partners parry tells how far the surfaces are; that one lies wholly inside our solid is
+//! seen here (a compound: when any part does).
 //! Shape casts (continuous collision detection) use the parry mesh of the same triangles.
 
 use std::any::Any;
@@ -30,7 +32,9 @@ use rapier3d::parry::shape::{Shape, TypedShape};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, rebuild};
-use crate::partners::{ball_contacts, capsule_contacts, half_space_contacts, polyhedron};
+use crate::partners::{
+    ball_contacts, capsule_contacts, half_space_contacts, holds, is_polyhedral, polyhedron,
+};
 use crate::shape::MeshShape;
 
 /// How far, as a multiple of the prediction distance, a contact may have moved and still be the
@@ -40,7 +44,7 @@ const SAME_PLACE: f64 = 1.0;
 /// Puts the detector into rapier: `NarrowPhase::with_query_dispatcher(Dispatcher::default())`.
 #[derive(Clone, Debug, Default)]
 pub struct Dispatcher {
-    log: AnswerLog,
+    log: Option<AnswerLog>,
 }
 
 /// A dispatcher without an answer log to share.
@@ -53,7 +57,7 @@ impl Dispatcher {
     /// A dispatcher that tells a log what it answers and how long it took.
     #[must_use]
     pub fn with_log(log: AnswerLog) -> Self {
-        Self { log }
+        Self { log: Some(log) }
     }
 }
 
@@ -94,6 +98,31 @@ fn models(g1: &dyn Shape, g2: &dyn Shape) -> Option<[Model; 2]> {
     }
     let model = |g: &dyn Shape| ours(g).map(|s| s.model().clone()).or_else(|| polyhedron(g));
     Some([model(g1)?, model(g2)?])
+}
+
+/// Whether a shape that is no polyhedron lies inside the other one, ours, given that the surfaces
+/// do not meet.
+fn encloses(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    match (ours(g1), ours(g2)) {
+        (Some(shape), None) => holds_partner(shape.model(), pos12, g2),
+        (None, Some(shape)) => holds_partner(shape.model(), &pos12.inverse(), g1),
+        _ => false,
+    }
+}
+
+/// One point of a connected shape decides for all of it.
+fn holds_partner(model: &Model, model_from_partner: &Pose, partner: &dyn Shape) -> bool {
+    if let Some(compound) = partner.as_compound() {
+        let mut parts = compound.shapes().iter();
+        return parts
+            .any(|(pose, part)| holds_partner(model, &(*model_from_partner * *pose), &**part));
+    }
+    if partner.as_support_map().is_none() {
+        return false; // a half-space or a surface: nothing encloses it
+    }
+    let middle = partner.compute_local_aabb().center();
+    let point = partner.project_local_point(middle, true).point;
+    holds(model, pose_from_rapier(model_from_partner).world_from_body().apply(wide(point)))
 }
 
 fn ask(
@@ -141,6 +170,26 @@ impl Dispatcher {
         }
     }
 
+    /// Contacts of a pair of which one shape is ours and the other no polyhedron, in the first
+    /// shape's frame; `None` where parry must answer.
+    fn partner_contacts(
+        pose: &ExactPose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        reach: f64,
+    ) -> Option<Vec<Contact>> {
+        if let Some(shape) = ours(g1) {
+            return Self::primitive_contacts(shape, g2, pose, reach);
+        }
+        let forth = pose.world_from_body();
+        let back = ExactPose {
+            rotation: pose.rotation.conjugate(),
+            translation: forth.inverse().translation,
+        };
+        let contacts = Self::primitive_contacts(ours(g2)?, g1, &back, reach)?;
+        Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
+    }
+
     /// Fills the manifolds of a pair in which ours takes part; false where parry must do it.
     fn fill(
         &self,
@@ -160,43 +209,19 @@ impl Dispatcher {
                 ours(g).map(|s| s.model().clone()).or_else(|| partner.clone())
             };
             let (Some(m1), Some(m2)) = (model(g1, p1), model(g2, p2)) else { return false };
-            let demand = Demand::Contacts { margin: reach };
-            let Some(answer) = ask([&m1, &m2], pose, demand, memory) else {
+            let answer = ask([&m1, &m2], pose, Demand::Contacts { margin: reach }, memory);
+            *workspace = Some(ContactManifoldsWorkspace::from(*pair));
+            let Some(answer) = answer else {
                 manifolds.clear();
                 return true;
             };
-            *workspace = Some(ContactManifoldsWorkspace::from(*pair));
             let contacts = answer.contacts.clone();
-            if let (Some(s1), Some(s2)) = (ours(g1), ours(g2)) {
-                self.log.put((s1.tag(), s2.tag()), Arc::new(answer), pose);
+            if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
+                log.put((s1.tag(), s2.tag()), Arc::new(answer), pose);
             }
             contacts
         } else {
-            let found = match (ours(g1), ours(g2)) {
-                (Some(shape), None) => Self::primitive_contacts(shape, g2, &pose, reach),
-                (None, Some(shape)) => {
-                    let inverse = pose.world_from_body().inverse();
-                    let back = ExactPose {
-                        rotation: pose.rotation.conjugate(),
-                        translation: inverse.translation,
-                    };
-                    Self::primitive_contacts(shape, g1, &back, reach).map(|contacts| {
-                        let forth = pose.world_from_body();
-                        contacts
-                            .into_iter()
-                            .map(|c| Contact {
-                                id: (c.id.1, c.id.0),
-                                point_a: forth.apply(c.point_b),
-                                point_b: forth.apply(c.point_a),
-                                normal: -forth.apply_vector(c.normal),
-                                separation: c.separation,
-                            })
-                            .collect()
-                    })
-                }
-                _ => None,
-            };
-            let Some(contacts) = found else { return false };
+            let Some(contacts) = Self::partner_contacts(&pose, g1, g2, reach) else { return false };
             *workspace = Some(ContactManifoldsWorkspace::from(PairWorkspace::blank()));
             contacts
         };
@@ -216,15 +241,7 @@ impl PairWorkspace {
         g1: &dyn Shape,
         g2: &dyn Shape,
     ) -> Option<Box<Self>> {
-        let is_polyhedron = |g: &dyn Shape| {
-            ours(g).is_some()
-                || matches!(
-                    g.as_typed_shape(),
-                    TypedShape::Cuboid(_)
-                        | TypedShape::ConvexPolyhedron(_)
-                        | TypedShape::TriMesh(_)
-                )
-        };
+        let is_polyhedron = |g: &dyn Shape| ours(g).is_some() || is_polyhedral(g);
         if !is_polyhedron(g1) || !is_polyhedron(g2) {
             return None;
         }
@@ -262,7 +279,9 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for Dispatcher 
                 workspace,
             )
         };
-        self.log.add_time(begin.elapsed());
+        if let Some(log) = &self.log {
+            log.add_time(begin.elapsed());
+        }
         result
     }
 
@@ -295,18 +314,21 @@ impl QueryDispatcher for Dispatcher {
         g1: &dyn Shape,
         g2: &dyn Shape,
     ) -> Result<ShapeIntersection, Unsupported> {
-        let exact = models(g1, g2).and_then(|[m1, m2]| {
-            let pose = pose_from_rapier(pos12);
-            ask([&m1, &m2], pose, Demand::Intersects, &mut PairMemory::default())
-        });
         let parry = DefaultQueryDispatcher.intersection_test(pos12, for_parry(g1), for_parry(g2));
-        match exact {
-            None => parry,
-            Some(answer) => {
-                let intersecting = answer.solid || answer.surface.meets();
-                Ok(ShapeIntersection { intersecting, ..parry? })
-            }
-        }
+        let Some([m1, m2]) = models(g1, g2) else {
+            let parry = parry?;
+            let intersecting = parry.intersecting || encloses(pos12, g1, g2);
+            return Ok(ShapeIntersection { intersecting, ..parry });
+        };
+        let pose = pose_from_rapier(pos12);
+        let answer = ask([&m1, &m2], pose, Demand::Intersects, &mut PairMemory::default())
+            .ok_or(Unsupported)?;
+        let intersecting = answer.solid || answer.surface.meets();
+        // parry knows which of a composite's parts it is; the verdict is ours.
+        Ok(ShapeIntersection {
+            intersecting,
+            ..parry.unwrap_or_else(|_| ShapeIntersection::new(intersecting))
+        })
     }
 
     fn distance(
@@ -316,7 +338,9 @@ impl QueryDispatcher for Dispatcher {
         g2: &dyn Shape,
     ) -> Result<ShapeDistance, Unsupported> {
         let Some([m1, m2]) = models(g1, g2) else {
-            return DefaultQueryDispatcher.distance(pos12, for_parry(g1), for_parry(g2));
+            let apart = DefaultQueryDispatcher.distance(pos12, for_parry(g1), for_parry(g2))?;
+            let distance = if encloses(pos12, g1, g2) { 0.0 } else { apart.distance };
+            return Ok(ShapeDistance { distance, ..apart });
         };
         let demand = Demand::Distance { below: None };
         let answer = ask([&m1, &m2], pose_from_rapier(pos12), demand, &mut PairMemory::default())
@@ -332,15 +356,19 @@ impl QueryDispatcher for Dispatcher {
         g2: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<ParryContact>, Unsupported> {
-        let Some([m1, m2]) = models(g1, g2) else {
+        let (pose, reach) = (pose_from_rapier(pos12), f64::from(prediction));
+        let contacts = if let Some([m1, m2]) = models(g1, g2) {
+            let demand = Demand::Contacts { margin: reach };
+            ask([&m1, &m2], pose, demand, &mut PairMemory::default())
+                .map(|answer| answer.contacts)
+                .ok_or(Unsupported)?
+        } else if let Some(contacts) = Self::partner_contacts(&pose, g1, g2, reach) {
+            contacts
+        } else {
             return DefaultQueryDispatcher.contact(pos12, for_parry(g1), for_parry(g2), prediction);
         };
-        let pose = pose_from_rapier(pos12);
-        let demand = Demand::Contacts { margin: f64::from(prediction) };
-        let answer =
-            ask([&m1, &m2], pose, demand, &mut PairMemory::default()).ok_or(Unsupported)?;
         let inverse = pose.world_from_body().inverse();
-        Ok(answer.contacts.first().map(|c| ParryContact {
+        Ok(contacts.first().map(|c| ParryContact {
             point1: narrow(c.point_a),
             point2: narrow(inverse.apply(c.point_b)),
             normal1: narrow(c.normal),
@@ -359,6 +387,9 @@ impl QueryDispatcher for Dispatcher {
         max_dist: Real,
     ) -> Result<ClosestPoints, Unsupported> {
         let Some([m1, m2]) = models(g1, g2) else {
+            if encloses(pos12, g1, g2) {
+                return Ok(ClosestPoints::Intersecting);
+            }
             return DefaultQueryDispatcher.closest_points(
                 pos12,
                 for_parry(g1),

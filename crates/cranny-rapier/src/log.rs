@@ -54,9 +54,27 @@ impl AnswerLog {
         self.entries().answers.get(&(first, second)).cloned()
     }
 
-    /// Forgets a pair, as when its boxes have parted.
+    /// Forgets a pair, as when its boxes have parted. The order of the tags matters, as for
+    /// [`get`](Self::get).
     pub fn forget(&self, first: u32, second: u32) {
         self.entries().answers.remove(&(first, second));
+    }
+
+    /// Forgets all pairs that fail a test.
+    pub fn retain(&self, mut keep: impl FnMut(u32, u32) -> bool) {
+        self.entries().answers.retain(|&(first, second), _| keep(first, second));
+    }
+
+    /// Number of pairs that it knows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.entries().answers.len()
+    }
+
+    /// Whether it knows no pair.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// Time spent in contact detection since this was last asked.

@@ -2,9 +2,11 @@
 //!
 //! Of all features within reach only those count whose nearest point is nearest among its neighbours:
 //! a point inside a face, a point of an edge from which both faces fall away, a vertex from which all
-//! edges do. So a ball on a tessellated floor feels the facet beneath it and no inner edge. A centre
-//! behind the surface is pushed out through the nearest point, along the outward normal there.
+//! edges do. So a ball on a tessellated floor feels the facet beneath it and no inner edge. Features
+//! whose way to the centre leads through their own solid, as the far side of a plate, do not count
+//! either. A centre inside is pushed out through the nearest point.
 
+use std::cell::Cell;
 use std::collections::HashSet;
 
 use cranny_exact::{Aabb, DVec3};
@@ -16,6 +18,11 @@ use cranny_narrow_phase::{
 /// Slack, as a sine, of 'falls away from': without it rounding would drop contacts at flat edges.
 const FALLS_AWAY: f64 = 1e-9;
 
+/// Sine of the tilt up to which a capsule's end touches an edge although the axis comes nearer to
+/// it. Larger: ends press sideways against what the middle lies across; smaller: a capsule that lies
+/// along an edge stands on one end at a time.
+const END_SLACK: f64 = 0.1;
+
 /// The partner's only feature at an end: capsules have two, balls one.
 fn end(index: u32) -> Feature {
     Feature::Vertex(VertexId(index))
@@ -26,39 +33,59 @@ pub(crate) fn ball_contacts(model: &Model, center: DVec3, radius: f64, reach: f6
     reduce_contacts(swept_end(model, center, radius, reach, end(0)))
 }
 
-/// Contacts of a capsule: of the balls at its ends, and of its axis with edges between them.
+/// Contacts of a capsule: of the balls at its ends, and of its axis between them with edges and
+/// vertices.
 pub(crate) fn capsule_contacts(
     model: &Model,
     axis: [DVec3; 2],
     radius: f64,
     reach: f64,
 ) -> Vec<Contact> {
-    let mut contacts = swept_end(model, axis[0], radius, reach, end(0));
-    contacts.extend(swept_end(model, axis[1], radius, reach, end(1)));
+    let along = (axis[1] - axis[0]).normalize_or_zero();
+    let mut contacts = Vec::new();
+    for (index, inward) in [(0, along), (1, -along)] {
+        let found = swept_end(model, axis[index], radius, reach, end(index as u32));
+        // Where the axis comes nearer to an edge or a vertex than its end does, the axis stands for it.
+        contacts.extend(
+            found.into_iter().filter(|c| {
+                matches!(c.id.0, Feature::Face(_)) || c.normal.dot(inward) >= -END_SLACK
+            }),
+        );
+    }
     let window = Aabb::of_points(axis).grown(radius + reach);
-    let mut edges: HashSet<EdgeId> = HashSet::new();
+    let mut edges: Vec<EdgeId> = Vec::new();
+    let mut vertices: Vec<VertexId> = Vec::new();
     model.tree().visit(
         |b| b.overlaps(&window),
-        |face| edges.extend((0..3).map(|i| model.topology().edge_of(HalfEdgeId::of(face, i)))),
+        |face| {
+            edges.extend((0..3).map(|i| model.topology().edge_of(HalfEdgeId::of(face, i))));
+            vertices.extend(model.mesh().corners(face));
+        },
     );
-    let mut edges: Vec<EdgeId> = edges.into_iter().collect();
     edges.sort_unstable();
-    for edge in edges {
+    edges.dedup();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let between = |feature: Feature, q: DVec3, p: DVec3| {
+        let normal = (p - q).try_normalize()?;
+        let id = (feature, Feature::Edge(EdgeId(0)));
+        is_least(model, feature, normal).then(|| contact(id, q, p, normal, radius, reach)).flatten()
+    };
+    let open = |x: f64| x > 0.0 && x < 1.0;
+    contacts.extend(edges.into_iter().filter_map(|edge| {
         let e = model.topology().edges()[edge.index()];
         let ends = [model.mesh().position(e.from), model.mesh().position(e.to)];
         let (s, t) = closest_on_segments(&ends, &axis);
-        let open = |x: f64| x > 0.0 && x < 1.0;
-        if !open(s) || !open(t) {
-            continue; // the ends' balls and the vertices stand for it
-        }
         let (q, p) = (ends[0] + (ends[1] - ends[0]) * s, axis[0] + (axis[1] - axis[0]) * t);
-        if let Some(normal) = (p - q).try_normalize()
-            && falls_away(model, edge, normal)
-        {
-            let id = (Feature::Edge(edge), Feature::Edge(EdgeId(0)));
-            contacts.extend(contact(id, q, p, normal, radius, reach));
-        }
-    }
+        // The ends' balls and the vertices stand for the rest.
+        if open(s) && open(t) { between(Feature::Edge(edge), q, p) } else { None }
+    }));
+    contacts.extend(vertices.into_iter().filter_map(|vertex| {
+        let q = model.mesh().position(vertex);
+        let t = (q - axis[0]).dot(axis[1] - axis[0]) / (axis[1] - axis[0]).length_squared();
+        let p = axis[0] + (axis[1] - axis[0]) * t;
+        if open(t) { between(Feature::Vertex(vertex), q, p) } else { None }
+    }));
     reduce_contacts(contacts)
 }
 
@@ -81,6 +108,7 @@ fn contact(
 }
 
 /// A feature of the mesh and its point nearest to a centre.
+#[derive(Clone, Copy)]
 struct Foot {
     feature: Feature,
     point: DVec3,
@@ -103,11 +131,16 @@ fn swept_end(model: &Model, center: DVec3, radius: f64, reach: f64, own: Feature
         },
     );
     feet.sort_by(|x, y| x.squared.total_cmp(&y.squared).then(x.feature.cmp(&y.feature)));
-    let Some(nearest) = feet.first() else { return Vec::new() };
-    let outward = outward_normal(model, nearest.feature);
-    if model.is_closed() && outward.dot(center - nearest.point) <= 0.0 {
-        // Inside, or exactly on the surface: out through the nearest point.
-        let normal = (nearest.point - center).try_normalize().unwrap_or(outward);
+    let inside = match feet.first() {
+        Some(nearest) => {
+            (!leaves(model, nearest.feature, center - nearest.point)).then_some(*nearest)
+        }
+        // Nothing within reach: in the open, or deep inside.
+        None => enclosing(model, center),
+    };
+    if let Some(nearest) = inside {
+        let way = (nearest.point - center).try_normalize();
+        let normal = way.unwrap_or_else(|| outward_normal(model, nearest.feature));
         return contact((nearest.feature, own), nearest.point, center, normal, radius, reach)
             .into_iter()
             .collect();
@@ -115,15 +148,63 @@ fn swept_end(model: &Model, center: DVec3, radius: f64, reach: f64, own: Feature
     feet.iter()
         .filter_map(|foot| {
             let normal = (center - foot.point).try_normalize()?;
-            let least = match foot.feature {
-                Feature::Face(_) => true,
-                Feature::Edge(e) => falls_away(model, e, normal),
-                Feature::Vertex(v) => edges_fall_away(model, v, normal),
-            };
-            least
+            is_least(model, foot.feature, normal)
                 .then(|| contact((foot.feature, own), foot.point, center, normal, radius, reach))?
         })
         .collect()
+}
+
+/// Whether a feature's point is the nearest around it of what a unit way leads to from it, outside.
+fn is_least(model: &Model, feature: Feature, way: DVec3) -> bool {
+    let least = match feature {
+        Feature::Face(_) => true,
+        Feature::Edge(e) => falls_away(model, e, way),
+        Feature::Vertex(v) => edges_fall_away(model, v, way),
+    };
+    least && leaves(model, feature, way)
+}
+
+/// Whether a point lies in the interior of a closed solid of the model.
+pub(crate) fn holds(model: &Model, p: DVec3) -> bool {
+    enclosing(model, p).is_some()
+}
+
+/// The nearest feature of the model's closed components, where the point lies inside of them.
+fn enclosing(model: &Model, p: DVec3) -> Option<Foot> {
+    if !model.bounds().contains_point(p) {
+        return None;
+    }
+    let here = Aabb::of_points([p]);
+    let best = Cell::new(f64::INFINITY);
+    let mut nearest: Option<Foot> = None;
+    model.tree().visit(
+        |b| b.distance_squared_lower(&here) <= best.get(),
+        |face| {
+            if !model.topology().in_closed_component(face) {
+                return;
+            }
+            let (point, part) = closest_on_triangle(p, &model.mesh().triangle(face));
+            let squared = (point - p).length_squared();
+            if squared < best.get() {
+                best.set(squared);
+                nearest = Some(Foot { feature: part.feature(model, face), point, squared });
+            }
+        },
+    );
+    nearest.filter(|foot| !leaves(model, foot.feature, p - foot.point))
+}
+
+/// Whether a way from a feature's point leads out of the solid that the feature bounds. An open
+/// surface bounds none: every way leads out.
+fn leaves(model: &Model, feature: Feature, way: DVec3) -> bool {
+    let topology = model.topology();
+    let face = match feature {
+        Feature::Face(f) => Some(f),
+        Feature::Edge(e) => topology.half_edges(e).first().map(|h| h.face()),
+        Feature::Vertex(v) => topology.faces_at(v).first().copied(),
+    };
+    !face.is_some_and(|f| topology.in_closed_component(f))
+        || outward_normal(model, feature).dot(way) > 0.0
 }
 
 /// Sum of the unit normals around a feature, weighted by the angle at a vertex: the sign of its

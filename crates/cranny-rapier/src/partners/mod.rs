@@ -6,6 +6,6 @@ mod ball;
 mod half_space;
 mod polyhedron;
 
-pub(crate) use ball::{ball_contacts, capsule_contacts};
+pub(crate) use ball::{ball_contacts, capsule_contacts, holds};
 pub(crate) use half_space::half_space_contacts;
-pub(crate) use polyhedron::polyhedron;
+pub(crate) use polyhedron::{is_polyhedral, polyhedron};

@@ -6,7 +6,7 @@ use rapier3d::parry::shape::{Shape, TypedShape};
 
 use crate::convert::wide;
 
-/// The model of a cuboid, convex polyhedron or triangle mesh; `None` for any other shape, or where
+/// The model of a cuboid, convex polyhedron, triangle mesh or height field; `None` for any other shape, or where
 /// the mesh has no area.
 pub(crate) fn polyhedron(shape: &dyn Shape) -> Option<Model> {
     let (vertices, faces) = match shape.as_typed_shape() {
@@ -18,10 +18,25 @@ pub(crate) fn polyhedron(shape: &dyn Shape) -> Option<Model> {
         TypedShape::TriMesh(mesh) => {
             (mesh.vertices().iter().map(|&p| wide(p)).collect(), mesh.indices().to_vec())
         }
+        TypedShape::HeightField(field) => {
+            let (points, faces) = field.to_trimesh();
+            (points.into_iter().map(wide).collect(), faces)
+        }
         _ => return None,
     };
     let mesh = Mesh::new(vertices, faces).ok()?;
     Model::build(mesh, &BuildOptions::default()).ok().map(|(model, _)| model)
+}
+
+/// Whether [`polyhedron`] knows the kind of a shape.
+pub(crate) fn is_polyhedral(shape: &dyn Shape) -> bool {
+    matches!(
+        shape.as_typed_shape(),
+        TypedShape::Cuboid(_)
+            | TypedShape::ConvexPolyhedron(_)
+            | TypedShape::TriMesh(_)
+            | TypedShape::HeightField(_)
+    )
 }
 
 fn cuboid_mesh(h: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
