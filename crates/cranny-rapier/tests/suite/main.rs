@@ -1,0 +1,12 @@
+//! The detector inside rapier, judged by what bodies do and by answers that it did not give itself.
+
+mod chain;
+mod concave;
+mod fallback;
+mod manifolds;
+mod mass;
+mod motion;
+mod pairs;
+mod queries;
+mod resting;
+mod world;

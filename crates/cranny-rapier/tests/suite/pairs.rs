@@ -1,0 +1,180 @@
+//! What a simulation tells of its pairs.
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+use cranny_rapier::{BodyIndex, BodyKind, BodySpec, JointSpec, Simulation, SimulationOptions};
+use cranny_shapes::{Cup, LPrism, Torus};
+
+use crate::world::{cuboid, model, spec};
+
+/// A floor and five bodies that fall on it and on each other.
+fn heap(options: SimulationOptions) -> (Simulation, Vec<cranny_geometry::Model>) {
+    let models = vec![
+        model(Torus { major_radius: 0.5, minor_radius: 0.15, ..Torus::default() }),
+        model(LPrism::default()),
+        cuboid(8.0, 8.0, 1.0),
+        model(Cup { segments: 24, ..Cup::default() }),
+        cuboid(0.6, 0.5, 0.4),
+        model(LPrism::default()),
+    ];
+    let mut simulation = Simulation::new(options);
+    for (k, body) in models.iter().enumerate() {
+        let up = k as f64;
+        let kind = if k == 2 { BodyKind::Fixed } else { BodyKind::Dynamic };
+        let at = DVec3::new(0.05 * up, -0.03 * up, if k == 2 { -0.5 } else { 0.4 + 0.5 * up });
+        let turn = if k == 2 { 0.0 } else { 0.7 * up + 0.2 };
+        let pose = Pose { rotation: DQuat::from_rotation_y(turn), translation: at };
+        let index = simulation.insert(&BodySpec { pose, ..spec(body, kind, at) });
+        assert_eq!(index.expect("a body"), BodyIndex(k as u32));
+    }
+    (simulation, models)
+}
+
+#[test]
+fn answers_are_those_of_a_direct_query_at_the_told_poses() {
+    let (mut simulation, models) = heap(SimulationOptions::default());
+    let (mut checked, mut overlapping, mut contacts) = (0, 0, 0);
+    for step in 0..150 {
+        let before: Vec<Pose> =
+            (0..models.len()).map(|k| simulation.pose(BodyIndex(k as u32))).collect();
+        simulation.step();
+        let pairs = simulation.contact_pairs();
+        let order: Vec<_> = pairs.iter().map(|p| (p.a, p.b)).collect();
+        assert!(order.windows(2).all(|w| w[0] < w[1]), "step {step}: {order:?}");
+        for pair in &pairs {
+            assert!(pair.a < pair.b);
+            let asleep =
+                [pair.a, pair.b].iter().all(|&b| simulation.velocity(b) == Default::default());
+            assert!(pair.fresh || asleep, "step {step}: recycled though nobody asked for it");
+            for (body, pose) in [(pair.a, pair.poses[0]), (pair.b, pair.poses[1])] {
+                let was = before[body.0 as usize];
+                assert!((pose.translation - was.translation).length() < 1e-5, "step {step}");
+                assert!(pose.rotation.dot(was.rotation).abs() > 1.0 - 1e-9, "step {step}");
+            }
+            if step % 5 != 0 {
+                continue;
+            }
+            let placed = |k: usize, index: BodyIndex| Placed {
+                model: &models[index.0 as usize],
+                pose: pair.poses[k],
+            };
+            let (a, b) = (placed(0, pair.a), placed(1, pair.b));
+            let ask = Query::of(Demand::Regions { margin: 0.0 });
+            let direct = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
+            let told = &pair.answer;
+            assert_eq!(told.surface, direct.surface, "step {step}");
+            assert_eq!((told.solid, told.contained), (direct.solid, direct.contained));
+            // A solver's contacts measure no distance, but none is nearer than that, and of surfaces
+            // that are apart the nearest is among them.
+            let distance = direct.distance.expect("asked for");
+            let least = told.contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min);
+            if distance > 0.0 && !told.contacts.is_empty() {
+                assert!((least - distance).abs() < 1e-9, "step {step}: {least}, not {distance}");
+            }
+            let meeting: Vec<_> = told.regions.iter().filter(|r| r.depth.is_some()).collect();
+            let expected: Vec<_> = direct.regions.iter().filter(|r| r.depth.is_some()).collect();
+            assert_eq!(meeting.len(), expected.len(), "step {step}");
+            for (r, s) in meeting.iter().zip(&expected) {
+                let (r, s) = (r.depth.unwrap_or(0.0), s.depth.unwrap_or(0.0));
+                assert!((r - s).abs() < 1e-9, "step {step}: depth {r} is not {s}");
+                overlapping += 1;
+            }
+            for c in &told.contacts {
+                assert!((c.normal.dot(c.point_b - c.point_a) - c.separation).abs() < 1e-9);
+                contacts += 1;
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 50 && contacts > 100, "{checked} pairs, {contacts} contacts");
+    assert!(overlapping > 0, "nothing ever overlapped");
+    assert!(simulation.solver_contacts() > 0 && simulation.pair_count() > 0);
+    assert!(simulation.narrow_phase_seconds() > 0.0);
+    assert_eq!(simulation.narrow_phase_seconds(), 0.0, "told once");
+    assert!(simulation.timings_ms().step > 0.0);
+}
+
+#[test]
+fn recycled_answers_say_so() {
+    let options = SimulationOptions { recycling: Some(true), ..SimulationOptions::default() };
+    let (mut simulation, models) = heap(options);
+    let (mut fresh, mut recycled) = (0, 0);
+    for _ in 0..240 {
+        simulation.step();
+        for pair in simulation.contact_pairs() {
+            if pair.fresh {
+                fresh += 1;
+                continue;
+            }
+            // Told relative to the pose of the first; the relative pose is the one it came from.
+            recycled += 1;
+            if recycled % 50 == 1 {
+                let [a, b] = [(pair.a, 0), (pair.b, 1)].map(|(index, k): (BodyIndex, usize)| {
+                    Placed { model: &models[index.0 as usize], pose: pair.poses[k] }
+                });
+                let ask = Query::of(Demand::Intersects);
+                let direct = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
+                assert_eq!(direct.surface, pair.answer.surface);
+            }
+        }
+    }
+    assert!(fresh > 0 && recycled > 0, "{fresh} fresh, {recycled} recycled");
+}
+
+#[test]
+fn excluded_bodies_pass_and_are_told_no_more() {
+    let (slab, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));
+    for late in [false, true] {
+        let mut simulation = Simulation::new(SimulationOptions::default());
+        let floor = simulation.insert(&spec(&slab, BodyKind::Fixed, DVec3::ZERO)).expect("a body");
+        let at = DVec3::new(0.0, 0.0, 1.01);
+        let body = simulation.insert(&spec(&cube, BodyKind::Dynamic, at)).expect("a body");
+        if late {
+            for _ in 0..30 {
+                simulation.step();
+            }
+            assert!((simulation.pose(body).translation.z - 1.0).abs() < 1e-2);
+            assert_eq!(simulation.contact_pairs().len(), 1);
+        }
+        simulation.exclude(body, floor);
+        for _ in 0..20 {
+            simulation.step();
+            assert!(simulation.contact_pairs().is_empty(), "late: {late}");
+        }
+        let z = simulation.pose(body).translation.z;
+        assert!(z < 0.9, "late: {late}: still at {z}");
+    }
+}
+
+#[test]
+fn bodies_meet_where_their_layers_overlap() {
+    let (slab, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));
+    for (floor, body, meets) in
+        [(1, 1, true), (1, 2, false), (3, 2, true), (u32::MAX, 4, true), (1, 0, false)]
+    {
+        let mut simulation = Simulation::new(SimulationOptions::default());
+        let fixed = spec(&slab, BodyKind::Fixed, DVec3::ZERO);
+        simulation.insert(&BodySpec { groups: floor, ..fixed }).expect("a body");
+        let falling = spec(&cube, BodyKind::Dynamic, DVec3::new(0.0, 0.0, 1.01));
+        let falling = simulation.insert(&BodySpec { groups: body, ..falling }).expect("a body");
+        for _ in 0..60 {
+            simulation.step();
+        }
+        let z = simulation.pose(falling).translation.z;
+        assert_eq!(z > 0.9, meets, "layers {floor:b} and {body:b}: at {z}");
+    }
+}
+
+#[test]
+fn joined_bodies_may_be_told_not_to_meet() {
+    let cube = cuboid(1.0, 1.0, 1.0);
+    for contacts in [false, true] {
+        let mut simulation = Simulation::new(SimulationOptions::default());
+        let a = simulation.insert(&spec(&cube, BodyKind::Fixed, DVec3::ZERO)).expect("a body");
+        let at = DVec3::new(0.6, 0.0, 0.0); // they overlap
+        let b = simulation.insert(&spec(&cube, BodyKind::Dynamic, at)).expect("a body");
+        simulation.join(a, b, Pose::at(at), Pose::IDENTITY, &JointSpec::Fixed, contacts);
+        simulation.step();
+        assert_eq!(simulation.contact_pairs().len(), usize::from(contacts));
+    }
+}
