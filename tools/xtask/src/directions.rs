@@ -42,6 +42,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "?cranny-record",
             "?cranny-render",
             "?cranny-scene",
+            "?cranny-shapes",
         ],
     ),
     ("cranny-testkit", &["cranny-exact", "cranny-geometry", "cranny-shapes"]),
