@@ -11,9 +11,13 @@
 //!
 //! # Non-promises
 //!
-//! Partners other than meshes, cuboids, convex polyhedra, balls, capsules and half-spaces meet our
-//! shape as a hollow parry mesh, and so do all shape casts. A snapshot of rapier's world does not
-//! hold our shapes. rapier's own settings matter: see [`simulation`].
+//! Partners other than meshes, height fields, cuboids, convex polyhedra, balls, capsules and
+//! half-spaces meet our shape as a hollow parry mesh, and so do all shape casts. Hence a mesh that
+//! slides on a fixed mesh by more than its thickness (volume over area) in a step is held back by
+//! rapier's continuous detection, which takes touching for a hit. A body wholly inside a solid is
+//! told as such, but no contact drives it out, balls and capsules excepted. Our shape inside a
+//! rapier compound is not seen by this dispatcher. A snapshot of rapier's world does not hold our
+//! shapes. rapier's own settings matter: see [`simulation`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};

@@ -37,15 +37,18 @@ fn answers_are_those_of_a_direct_query_at_the_told_poses() {
     for step in 0..150 {
         let before: Vec<Pose> =
             (0..models.len()).map(|k| simulation.pose(BodyIndex(k as u32))).collect();
+        // Bodies that sleep when a step begins are not looked at, though they may wake in it.
+        let asleep: Vec<bool> = (0..models.len())
+            .map(|k| simulation.velocity(BodyIndex(k as u32)) == (DVec3::ZERO, DVec3::ZERO))
+            .collect();
         simulation.step();
         let pairs = simulation.contact_pairs();
         let order: Vec<_> = pairs.iter().map(|p| (p.a, p.b)).collect();
         assert!(order.windows(2).all(|w| w[0] < w[1]), "step {step}: {order:?}");
         for pair in &pairs {
             assert!(pair.a < pair.b);
-            let asleep =
-                [pair.a, pair.b].iter().all(|&b| simulation.velocity(b) == Default::default());
-            assert!(pair.fresh || asleep, "step {step}: recycled though nobody asked for it");
+            let both_asleep = [pair.a, pair.b].iter().all(|b| asleep[b.0 as usize]);
+            assert!(pair.fresh || both_asleep, "step {step}: recycled though nobody asked for it");
             for (body, pose) in [(pair.a, pair.poses[0]), (pair.b, pair.poses[1])] {
                 let was = before[body.0 as usize];
                 assert!((pose.translation - was.translation).length() < 1e-5, "step {step}");
