@@ -22,6 +22,11 @@ use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 /// the contact's normal is lost in rounding.
 const PARALLEL: f64 = 1e-6;
 
+/// By how much, as a sine (30 degrees), a vertex's neighbours may be nearer to a face that the vertex
+/// stands before. Smaller: a tilted box loses the corners that will touch next; larger: flat vertices
+/// of a floor stop what slides along it.
+const NEIGHBOUR_LEAD: f64 = 0.5;
+
 /// How far outside the wedge of an edge's two faces a direction may lie and still count as within,
 /// as a sine. Zero would drop contacts of smooth meshes by rounding.
 const WEDGE_SLACK: f64 = 1e-9;
@@ -160,13 +165,17 @@ impl<'a, 'b> Finder<'a, 'b> {
         self.once(contact.id, |_| Some(contact))
     }
 
-    /// Whether some face at a vertex looks along `direction`: the back of a thin part does not touch.
+    /// Whether a vertex can be what touches along `direction`: some face at it looks that way (the
+    /// back of a thin part does not touch), and no neighbour is much farther that way (a vertex in
+    /// the middle of a floor is not what stops a box that slides along it).
     fn faces_towards(&self, side: Side, vertex: VertexId, direction: DVec3) -> bool {
-        self.pair
-            .topology(side)
-            .faces_at(vertex)
-            .iter()
-            .any(|&f| self.pair.area_vector(side, f).dot(direction) > 0.0)
+        let p = self.pair.position(side, vertex);
+        let faces = self.pair.topology(side).faces_at(vertex);
+        faces.iter().any(|&f| self.pair.area_vector(side, f).dot(direction) > 0.0)
+            && faces.iter().flat_map(|&f| self.pair.mesh(side).corners(f)).all(|q| {
+                let edge = self.pair.position(side, q) - p;
+                direction.dot(edge) <= NEIGHBOUR_LEAD * edge.length()
+            })
     }
 
     fn edge_edge(&mut self, e: EdgeId, g: EdgeId, [p, q]: [[DVec3; 2]; 2]) -> Option<usize> {

@@ -12,9 +12,9 @@
 //! # Non-promises
 //!
 //! Partners other than meshes, height fields, cuboids, convex polyhedra, balls, capsules and
-//! half-spaces meet our shape as a hollow parry mesh, and so do all shape casts. Hence a mesh that
-//! slides on a fixed mesh by more than its thickness (volume over area) in a step is held back by
-//! rapier's continuous detection, which takes touching for a hit. A body wholly inside a solid is
+//! half-spaces meet our shape as a hollow parry mesh, and so do all shape casts. rapier's own
+//! continuous detection leaves our shape out, as it does its own meshes: give fast bodies a
+//! `soft_ccd_prediction`, as [`simulation`] does. A body wholly inside a solid is
 //! told as such, but no contact drives it out, balls and capsules excepted. Our shape inside a
 //! rapier compound is not seen by this dispatcher. A snapshot of rapier's world does not hold our
 //! shapes. rapier's own settings matter: see [`simulation`].

@@ -1,6 +1,6 @@
 //! A Cranny model as a rapier shape.
 
-use cranny_geometry::{FaceId, Model};
+use cranny_geometry::Model;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use rapier3d::parry::mass_properties::MassProperties;
@@ -33,7 +33,6 @@ pub struct MeshShape {
     model: Model,
     tag: u32,
     mesh: TriMesh,
-    thickness: Real,
 }
 
 impl MeshShape {
@@ -44,8 +43,7 @@ impl MeshShape {
     /// [`ShapeError::TriMesh`].
     pub fn new(model: &Model, tag: u32) -> Result<Self, ShapeError> {
         let (vertices, faces) = buffers(model);
-        let mesh = TriMesh::new(vertices, faces)?;
-        Ok(Self { model: model.clone(), tag, mesh, thickness: thickness(model) })
+        Ok(Self { model: model.clone(), tag, mesh: TriMesh::new(vertices, faces)? })
     }
 
     /// The same as a shared shape, ready for a `ColliderBuilder`.
@@ -74,14 +72,6 @@ impl MeshShape {
     pub fn mesh(&self) -> &TriMesh {
         &self.mesh
     }
-}
-
-/// Volume over area; 0 where there is no volume.
-fn thickness(model: &Model) -> Real {
-    let mesh = model.mesh();
-    let faces = (0..mesh.faces().len() as u32).map(FaceId);
-    let area: f64 = faces.map(|f| mesh.area_vector(f).length()).sum();
-    model.mass_properties().map_or(0.0, |m| (m.volume / area) as Real)
 }
 
 /// Vertices and faces for parry.
@@ -154,12 +144,12 @@ impl Shape for MeshShape {
         TypedShape::Custom(self)
     }
 
-    /// How far a body may move in a step before rapier suspects tunnelling: volume over area of the
-    /// solid, at most half of its thickness anywhere on average (a tube of radius r: r/2; a plate of
-    /// thickness t: t/2). A surface without volume has 0, as parry's meshes do. With 0, rapier casts
-    /// every moving body against fixed ones and holds it where it touches, however slowly it slides.
+    /// Infinite: rapier's own continuous detection never starts, as it never does for parry's meshes
+    /// and height fields. It would cast the hollow mesh, find contact at once, and hold a body that
+    /// slides along another where it is. `soft_ccd_prediction` sees fast bodies ahead instead;
+    /// [`Simulation`](crate::Simulation) sets it.
     fn ccd_thickness(&self) -> Real {
-        self.thickness
+        Real::MAX
     }
 
     fn ccd_angular_thickness(&self) -> Real {

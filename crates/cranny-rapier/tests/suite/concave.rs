@@ -35,9 +35,12 @@ fn a_ball_dropped_into_a_cup_stays_at_its_bottom() {
 #[test]
 fn a_tessellated_plane_has_vertical_normals_only() {
     let slab = ours(&tessellated_slab(40, 3.0));
-    for (name, shape, height) in
-        [("ball", SharedShape::ball(0.3), 0.3), ("capsule", SharedShape::capsule_x(0.3, 0.2), 0.2)]
-    {
+    for (name, shape, height) in [
+        ("ball", SharedShape::ball(0.3), 0.3),
+        ("capsule", SharedShape::capsule_x(0.3, 0.2), 0.2),
+        ("cuboid", SharedShape::cuboid(0.3, 0.2, 0.1), 0.1),
+        ("ours", ours(&cuboid(0.6, 0.4, 0.2)), 0.1),
+    ] {
         let mut world = World::new();
         world.fixed(&slab, RapierPose::IDENTITY);
         let moving = RigidBodyBuilder::dynamic()
