@@ -148,9 +148,7 @@ impl Plugin for DetectionPlugin {
                 ),
             );
         }
-        if !self.beside_solver {
-            app.add_systems(CrannyStep, tally_pairs.in_set(DetectionSystems::Tally));
-        }
+        app.add_systems(CrannyStep, tally_pairs.in_set(DetectionSystems::Tally));
     }
 }
 
@@ -209,8 +207,9 @@ fn tally_depths(detected: Res<Detected>, time: Res<SimulatedTime>, mut tally: Re
     }
 }
 
-fn tally_pairs(detected: Res<Detected>, mut tally: ResMut<Tally>) {
-    if let Some(report) = &detected.report {
+/// Where there is a solver, its pairs and contacts are the ones counted.
+fn tally_pairs(detected: Res<Detected>, detector: Res<Detector>, mut tally: ResMut<Tally>) {
+    if let Some(report) = detected.report.as_ref().filter(|_| !detector.beside_solver) {
         tally.pairs.push(report.stats.queried_pairs);
         tally.contacts.push(report.stats.contacts);
     }

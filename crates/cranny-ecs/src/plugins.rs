@@ -190,22 +190,22 @@ impl PluginGroup for CrannyPlugins {
     }
 }
 
-/// Kinematic bodies that the solver does not move.
+/// Present where a kinematic body moves, whoever moves it: so another effect adds its own systems to
+/// a plan and takes none away. Bodies that the solver moves are left to it.
 fn kinematics(scene: &SceneDescription, simulated: &[BodyId]) -> Option<KinematicsPlugin> {
     let moves = |body: &BodyDescription| {
         body.kind == BodyKind::Kinematic
             && (body.linear_velocity.length_squared() > 0.0
                 || body.angular_velocity.length_squared() > 0.0)
     };
-    let bodies: Vec<_> = scene
-        .bodies
-        .iter()
-        .enumerate()
-        .map(|(i, body)| (BodyId(i as u32), body))
+    if !scene.bodies.iter().any(moves) {
+        return None;
+    }
+    let bodies = scene.bodies.iter().enumerate().map(|(i, body)| (BodyId(i as u32), body));
+    let bodies = bodies
         .filter(|(id, body)| moves(body) && simulated.binary_search(id).is_err())
-        .map(|(id, body)| (id, body.linear_velocity, body.angular_velocity))
-        .collect();
-    (!bodies.is_empty()).then_some(KinematicsPlugin { bodies })
+        .map(|(id, body)| (id, body.linear_velocity, body.angular_velocity));
+    Some(KinematicsPlugin { bodies: bodies.collect() })
 }
 
 /// Bodies as entities, the effect table, sums.

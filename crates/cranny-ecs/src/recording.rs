@@ -10,6 +10,7 @@ use cranny_record::{
     Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
     Recorder, Summary,
 };
+use cranny_world::PairEvent;
 
 use crate::body::{Bodies, Body, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
@@ -22,7 +23,7 @@ use crate::error::{Failure, SceneAppError};
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RecordingSystems {
     /// A frame of the poses at the beginning of the step, and of what was found there; in
-    /// [`CrannyEnd`], of the final poses.
+    /// [`CrannyEnd`], of the final poses. Events are all those since the frame before.
     Frame,
 }
 
@@ -32,9 +33,18 @@ pub struct FrameRecorder {
     /// Its compressor may be used by one thread at a time only.
     recorder: Mutex<Option<Recorder>>,
     every: u32,
+    /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
+    events: Vec<PairEvent>,
 }
 
 impl FrameRecorder {
+    /// Only pairs that are asked for `Trigger` have events to tell.
+    fn note_events(&mut self, (_, _, effects, detected, _): &Sources) {
+        let report = detected.as_ref().and_then(|detected| detected.report.as_ref());
+        let told = |event: &&PairEvent| effects.asks(EffectKind::Trigger, event.a, event.b);
+        self.events.extend(report.iter().flat_map(|report| &report.events).filter(told));
+    }
+
     fn open(&mut self) -> Option<&mut Recorder> {
         self.slot().as_mut()
     }
@@ -92,7 +102,8 @@ impl RecordingPlugin {
 impl Plugin for RecordingPlugin {
     fn build(&self, app: &mut App) {
         let recorder = self.recorder.lock().ok().and_then(|mut recorder| recorder.take());
-        let mut recorder = FrameRecorder { recorder: Mutex::new(recorder), every: self.every };
+        let mut recorder =
+            FrameRecorder { recorder: Mutex::new(recorder), every: self.every, events: Vec::new() };
         let told = tell_bodies(&mut recorder, app.world().resource::<Bodies>());
         app.world_mut().resource_mut::<Failure>().note(told);
         app.insert_resource(recorder);
@@ -140,6 +151,7 @@ fn record_step(
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
 ) {
+    recorder.note_events(&sources);
     if time.steps().is_multiple_of(u64::from(recorder.every)) && !failure.is_set() {
         record(&sources, &time, &mut recorder, &mut times, &mut failure);
     }
@@ -152,18 +164,20 @@ fn record_end(
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
 ) {
+    recorder.note_events(&sources);
     if !failure.is_set() {
         record(&sources, &time, &mut recorder, &mut times, &mut failure);
     }
 }
 
 fn record(
-    (bodies, records, effects, detected, contacts): &Sources,
+    (bodies, records, _, detected, contacts): &Sources,
     time: &SimulatedTime,
     recorder: &mut FrameRecorder,
     times: &mut PhaseTimes,
     failure: &mut Failure,
 ) {
+    let events = std::mem::take(&mut recorder.events);
     let Some(recorder) = recorder.open() else { return };
     let start = Instant::now();
     let mut placed: Vec<_> = bodies.iter().collect();
@@ -180,12 +194,11 @@ fn record(
             a: records.name(d.a),
             b: records.name(d.b),
         });
-        let triggered =
-            report.events.iter().filter(|e| effects.asks(EffectKind::Trigger, e.a, e.b));
-        frame.events = triggered
-            .map(|e| RecordedEvent { a: records.name(e.a), b: records.name(e.b), kind: e.kind })
-            .collect();
     }
+    frame.events = events
+        .iter()
+        .map(|e| RecordedEvent { a: records.name(e.a), b: records.name(e.b), kind: e.kind })
+        .collect();
     frame.contacts = contacts
         .iter()
         .flat_map(|contacts| &contacts.pairs)

@@ -52,6 +52,23 @@ fn frames_hold_the_poses_and_contacts_of_their_step_and_the_last_the_final_ones(
 }
 
 #[test]
+fn events_between_frames_are_told_by_the_next_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut scene = gate(&EFFECTS);
+    scene.record.every = 30;
+    let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+    let mut app = SceneApp::new(&scene, &options).unwrap();
+    while app.step().unwrap() {}
+    app.finish().unwrap();
+    let events = Recording::open(&path).unwrap().events().unwrap();
+    let kinds: Vec<Vec<&str>> =
+        events.iter().map(|(_, m)| m.events.iter().map(|e| &*e.kind).collect()).collect();
+    // Frames at steps 0, 30 and 32; the guest touches from step 12 to 21.
+    assert_eq!(kinds, [vec![], vec!["began", "ended"], vec![]]);
+}
+
+#[test]
 fn an_interrupted_run_leaves_a_whole_recording_that_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
