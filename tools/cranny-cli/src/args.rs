@@ -62,9 +62,9 @@ pub(crate) enum DemandArg {
     Intersects,
     /// The above, and the distance with its witness points
     Distance,
-    /// The above, and contacts for a solver
+    /// Whether they meet, and contacts for a solver; no distance
     Contacts,
-    /// All of it, and the contact regions with normal, depth and area
+    /// All of these, and the contact regions with normal, depth and area
     Regions,
 }
 
