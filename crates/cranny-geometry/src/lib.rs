@@ -24,6 +24,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg_attr(
+    not(test),
+    expect(dead_code, unused_imports, reason = "the stage that builds caps calls it")
+)]
+mod caps;
 pub mod hull;
 mod ids;
 mod mass;

@@ -1,0 +1,3 @@
+//! Caps: the lids that close a concavity on the hull.
+
+pub(crate) mod triangulate;
