@@ -36,3 +36,7 @@ id! {
     /// A component: faces that hang together over edges.
     ComponentId
 }
+id! {
+    /// A patch: connected faces of nearly one normal.
+    PatchId
+}

@@ -6,9 +6,9 @@
 //! 1. weld ([`mesh`](Model::mesh)), 2. adjacency ([`topology`](Model::topology)), 3. hull
 //!    ([`hull`](Model::hull)), 4. features (convex, concavity, boundary), 5. loops and caps,
 //!    6. trees ([`tree`](Model::tree); one over all faces now, one per concavity once caps exist),
-//!    7. envelopes, 8. patches, 9. mass ([`mass_properties`](Model::mass_properties)).
+//!    7. envelopes, 8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
 //!
-//! Stages 4, 5, 7 and 8 are not built yet; nothing that exists pretends to be them.
+//! Stages 4, 5 and 7 are not built yet; nothing that exists pretends to be them.
 
 use std::sync::Arc;
 
@@ -19,6 +19,7 @@ use crate::hull::ConvexHull;
 use crate::ids::{EdgeId, FaceId};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
+use crate::patches::Patches;
 use crate::report::{Finding, FindingKind, Repair, Report};
 use crate::topology::{EdgeKind, Topology};
 use crate::tree::FaceTree;
@@ -61,7 +62,7 @@ pub enum Stage {
     Repair,
     /// Convex hull.
     Hull,
-    /// Box trees.
+    /// Box trees and patches.
     Trees,
     /// All done.
     Done,
@@ -77,6 +78,7 @@ struct Parts {
     topology: Topology,
     hull: ConvexHull,
     tree: FaceTree,
+    patches: Patches,
     mass: Option<MassProperties>,
     radius: f64,
     digest: [u8; 32],
@@ -140,10 +142,14 @@ impl Model {
         let hull = ConvexHull::of_points(mesh.vertices());
         observe(Stage::Trees);
         let tree = FaceTree::of(&mesh, options.leaf_size);
+        let patches = Patches::of(&mesh, &topology);
         let radius = mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up();
         let digest = digest(&mesh);
         observe(Stage::Done);
-        Ok((Self(Arc::new(Parts { mesh, topology, hull, tree, mass, radius, digest })), report))
+        Ok((
+            Self(Arc::new(Parts { mesh, topology, hull, tree, patches, mass, radius, digest })),
+            report,
+        ))
     }
 
     /// The welded mesh; face ids are those that were filed.
@@ -168,6 +174,12 @@ impl Model {
     #[must_use]
     pub fn tree(&self) -> &FaceTree {
         &self.0.tree
+    }
+
+    /// The surface in connected patches of nearly one normal.
+    #[must_use]
+    pub fn patches(&self) -> &Patches {
+        &self.0.patches
     }
 
     /// Whether every component is closed, so that the model bounds a solid.

@@ -1,0 +1,247 @@
+//! Which faces make a patch: growth from seeds, then leftovers merged.
+//!
+//! Growth is breadth-first over edges from the lowest face that has no patch yet, as long as the
+//! narrowest cone of normals and the box of the patch stay within their limits; the cone's axis
+//! drifts with the patch, so that a patch begun at a rim reaches as far as one begun in the middle
+//! (Garland, Willmott and Heckbert 2001 and Cohen-Steiner et al. 2004 fit planes in this spirit; we
+//! want bounds kept, not an error minimised, and one pass). Growth leaves slivers where fronts met;
+//! each then joins the neighbour with which it shares most border, if the limits allow.
+//!
+//! Cost: O(n) for growth, O(p log p) for merging p patches. Only the order of faces, ratios of lengths
+//! and angles decide: scaling by a power of two changes nothing.
+
+use std::collections::VecDeque;
+
+use cranny_exact::Aabb;
+
+use super::cone::{NormalCone, unit_normal};
+use crate::ids::{FaceId, HalfEdgeId};
+use crate::mesh::Mesh;
+use crate::topology::{DisjointSets, Topology};
+
+/// Cosine of the largest half-angle of a patch: 25 degrees. Smaller angles: more patches (a thread
+/// has about 2π / (2 · angle) of them a turn on each flank); larger: one nearest point must stand
+/// for surfaces that a body touches on both sides at once.
+pub(super) const LEAST_COSINE: f64 = 0.906;
+
+/// Largest diagonal of a patch's box, as a part of the body's: a flat side is divided too, so that a
+/// patch stands for a place. Smaller: more patches; larger: one point for a whole side.
+const LARGEST_EXTENT: f64 = 0.25;
+
+/// How much longer than its largest face a patch may be, squared, where that face exceeds the limit
+/// above: large faces are joined, not left alone, as long as the patch is no longer than the diagonal
+/// of a square on the face. 1: every second face of a tall cup's wall stays alone.
+const BEYOND_LARGEST_FACE: f64 = 2.0;
+
+/// What a patch may grow to.
+pub(super) struct Limits {
+    diagonal_squared: f64,
+}
+
+/// What a patch has used up of its limits.
+#[derive(Clone, Copy)]
+pub(super) struct Growing {
+    /// `None` while the patch holds nothing but needles.
+    cone: Option<NormalCone>,
+    bounds: Aabb,
+    /// Square of the diagonal of its largest face's box.
+    face_squared: f64,
+    faces: u32,
+}
+
+impl Growing {
+    pub(super) fn alone(mesh: &Mesh, face: FaceId) -> Self {
+        let cone = unit_normal(mesh, face).map(NormalCone::of_direction);
+        let bounds = Aabb::of_points(mesh.triangle(face));
+        Self { cone, bounds, face_squared: diagonal_squared(&bounds), faces: 1 }
+    }
+}
+
+fn diagonal_squared(b: &Aabb) -> f64 {
+    (b.max - b.min).length_squared()
+}
+
+impl Limits {
+    pub(super) fn of(mesh: &Mesh) -> Self {
+        let body = diagonal_squared(&mesh.bounds());
+        Self { diagonal_squared: LARGEST_EXTENT * LARGEST_EXTENT * body }
+    }
+
+    /// The largest square of a diagonal for a patch whose largest face has this one.
+    pub(super) fn diagonal_squared(&self, face_squared: f64) -> f64 {
+        self.diagonal_squared.max(BEYOND_LARGEST_FACE * face_squared)
+    }
+
+    /// Both together, if the limits allow.
+    pub(super) fn joined(&self, a: &Growing, b: &Growing) -> Option<Growing> {
+        let bounds = a.bounds.union(&b.bounds);
+        let face_squared = a.face_squared.max(b.face_squared);
+        if diagonal_squared(&bounds) > self.diagonal_squared(face_squared) {
+            return None;
+        }
+        let cone = match (a.cone, b.cone) {
+            (Some(a), Some(b)) if b.cosine >= 1.0 && a.axis.dot(b.axis) >= a.cosine => Some(a),
+            (Some(a), Some(b)) => Some(a.union(&b)).filter(|c| c.cosine >= LEAST_COSINE),
+            (one, other) => one.or(other),
+        };
+        let possible = cone.is_some() || (a.cone.is_none() && b.cone.is_none());
+        let faces = a.faces + b.faces;
+        possible.then_some(Growing { cone, bounds, face_squared, faces })
+    }
+}
+
+/// A patch number for each face, counted in the order of the patches' lowest faces, and the axis of
+/// each patch.
+pub(super) struct Partition {
+    pub(super) patch_of: Vec<u32>,
+    pub(super) axes: Vec<Option<NormalCone>>,
+}
+
+/// Calls `visit` with the other faces along an edge of a face, for each of its three edges.
+pub(super) fn for_each_neighbor(
+    topology: &Topology,
+    face: FaceId,
+    mut visit: impl FnMut(usize, FaceId),
+) {
+    for corner in 0..3 {
+        let half_edge = HalfEdgeId::of(face, corner);
+        if let Some(twin) = topology.twin(half_edge) {
+            visit(corner, twin.face());
+            continue;
+        }
+        for other in topology.half_edges(topology.edge_of(half_edge)) {
+            if other.face() != face {
+                visit(corner, other.face());
+            }
+        }
+    }
+}
+
+/// Divides all faces of a mesh.
+pub(super) fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
+    let limits = Limits::of(mesh);
+    let (mut patch_of, mut patches) = grown(mesh, topology, &limits);
+    let sets = merged(&limits, borders(mesh, topology, &patch_of), &mut patches);
+    let mut number = vec![u32::MAX; patches.len()];
+    let mut axes = Vec::new();
+    for patch in &mut patch_of {
+        let set = sets[*patch as usize] as usize;
+        if number[set] == u32::MAX {
+            number[set] = axes.len() as u32;
+            axes.push(patches[set].cone);
+        }
+        *patch = number[set];
+    }
+    Partition { patch_of, axes }
+}
+
+fn grown(mesh: &Mesh, topology: &Topology, limits: &Limits) -> (Vec<u32>, Vec<Growing>) {
+    const NONE: u32 = u32::MAX;
+    let count = mesh.faces().len();
+    let mut patch_of = vec![NONE; count];
+    let mut patches = Vec::new();
+    let mut front = VecDeque::new();
+    for seed in 0..count {
+        if patch_of[seed] != NONE {
+            continue;
+        }
+        let id = patches.len() as u32;
+        let mut patch = Growing::alone(mesh, FaceId(seed as u32));
+        patch_of[seed] = id;
+        front.push_back(FaceId(seed as u32));
+        while let Some(face) = front.pop_front() {
+            for_each_neighbor(topology, face, |_, next| {
+                if patch_of[next.index()] != NONE {
+                    return;
+                }
+                if let Some(larger) = limits.joined(&patch, &Growing::alone(mesh, next)) {
+                    patch = larger;
+                    patch_of[next.index()] = id;
+                    front.push_back(next);
+                }
+            });
+        }
+        patches.push(patch);
+    }
+    (patch_of, patches)
+}
+
+/// Joins small patches to neighbours, smallest first, until no limit allows any more; returns the set
+/// of each patch and leaves the joined patch at the set's number.
+fn merged(limits: &Limits, mut borders: Vec<Border>, patches: &mut [Growing]) -> Vec<u32> {
+    let mut sets = DisjointSets::new(patches.len());
+    let mut order: Vec<u32> = (0..patches.len() as u32).collect();
+    loop {
+        order.sort_unstable_by_key(|&p| (patches[p as usize].faces, p));
+        let mut any = false;
+        for &small in &order {
+            let own = sets.find(small as usize);
+            if own != small as usize {
+                continue; // joined by a neighbour in this round
+            }
+            let first = borders.partition_point(|b| b.own < small);
+            let mut near: Vec<Border> =
+                borders[first..].iter().take_while(|b| b.own == small).copied().collect();
+            near.sort_unstable_by(|a, b| b.length.total_cmp(&a.length).then(a.other.cmp(&b.other)));
+            let fitting = near.iter().find_map(|border| {
+                let set = sets.find(border.other as usize);
+                let joined = limits.joined(&patches[set], &patches[own]);
+                joined.filter(|_| set != own).map(|joined| (set, joined))
+            });
+            if let Some((set, joined)) = fitting {
+                sets.union(set, own);
+                patches[set.min(own)] = joined;
+                any = true;
+            }
+        }
+        if !any {
+            return (0..patches.len()).map(|p| sets.find(p) as u32).collect();
+        }
+        order.retain(|&p| sets.find(p as usize) == p as usize);
+        for border in &mut borders {
+            border.own = sets.find(border.own as usize) as u32;
+            border.other = sets.find(border.other as usize) as u32;
+        }
+        collect(&mut borders);
+    }
+}
+
+/// How much border a patch has with a neighbour.
+#[derive(Clone, Copy)]
+struct Border {
+    own: u32,
+    other: u32,
+    length: f64,
+}
+
+/// Sorts borders by their patches, and makes one of those between the same two.
+fn collect(borders: &mut Vec<Border>) {
+    borders.retain(|b| b.own != b.other);
+    // A stable sort: lengths are summed in the order of faces.
+    borders.sort_by_key(|b| (b.own, b.other));
+    borders.dedup_by(|next, kept| {
+        let same = (next.own, next.other) == (kept.own, kept.other);
+        if same {
+            kept.length += next.length;
+        }
+        same
+    });
+}
+
+/// All borders, from both sides.
+fn borders(mesh: &Mesh, topology: &Topology, patch_of: &[u32]) -> Vec<Border> {
+    let mut borders = Vec::new();
+    for face in (0..patch_of.len() as u32).map(FaceId) {
+        let own = patch_of[face.index()];
+        for_each_neighbor(topology, face, |corner, next| {
+            let other = patch_of[next.index()];
+            if other != own {
+                let t = mesh.triangle(face);
+                let length = (t[(corner + 1) % 3] - t[corner]).length();
+                borders.push(Border { own, other, length });
+            }
+        });
+    }
+    collect(&mut borders);
+    borders
+}

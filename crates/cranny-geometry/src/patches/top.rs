@@ -1,0 +1,100 @@
+//! The tree over patches: boxes and cones, down to single patches.
+
+use cranny_exact::Aabb;
+
+use super::Patch;
+use super::cone::NormalCone;
+use crate::ids::PatchId;
+use crate::tree::{Content, Grower, Node};
+
+/// A binary tree whose leaves are patches. Node 0 is the root.
+#[derive(Clone, Debug)]
+pub struct PatchTree {
+    nodes: Vec<Node>,
+    cones: Vec<NormalCone>,
+    order: Vec<PatchId>,
+}
+
+impl PatchTree {
+    pub(super) fn over(patches: &[Patch]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), cones: Vec::new(), order: Vec::new() };
+        let boxes = patches.iter().enumerate().map(|(i, p)| (PatchId(i as u32), p.bounds));
+        Grower::new(1).grow(boxes, &mut tree.nodes, &mut tree.order);
+        tree.cones = vec![NormalCone::WHOLE; tree.nodes.len()];
+        // Children stand behind their parents.
+        for index in (0..tree.nodes.len() as u32).rev() {
+            tree.cones[index as usize] = match tree.content(index) {
+                Content::Inner { left, right } => tree.cone(left).union(tree.cone(right)),
+                Content::Leaf { start, .. } => patches[tree.order[start as usize].index()].cone,
+            };
+        }
+        tree
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there are no nodes: never, since a mesh has faces.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The box of all patches beneath a node.
+    #[must_use]
+    pub fn bounds(&self, node: u32) -> &Aabb {
+        &self.nodes[node as usize].bounds
+    }
+
+    /// A cone that holds the cones of all patches beneath a node.
+    #[must_use]
+    pub fn cone(&self, node: u32) -> &NormalCone {
+        &self.cones[node as usize]
+    }
+
+    /// What a node holds: children, or a range of [`order`](Self::order) with one patch.
+    #[must_use]
+    pub fn content(&self, node: u32) -> Content {
+        self.nodes[node as usize].content_at(node)
+    }
+
+    /// Patches in leaf order.
+    #[must_use]
+    pub fn order(&self) -> &[PatchId] {
+        &self.order
+    }
+
+    pub(super) fn validate(&self, patches: &[Patch]) -> Result<(), String> {
+        let mut seen = vec![0; patches.len()];
+        for index in 0..self.nodes.len() as u32 {
+            let (bounds, cone) = (self.bounds(index), self.cone(index));
+            match self.content(index) {
+                Content::Inner { left, right } => {
+                    if self.bounds(left).union(self.bounds(right)) != *bounds {
+                        return Err(format!("node {index} over patches has another box"));
+                    }
+                    for child in [left, right] {
+                        if cone.is_bounded() && !cone.holds(self.cone(child)) {
+                            return Err(format!("the cone of node {child} sticks out of {index}"));
+                        }
+                    }
+                }
+                Content::Leaf { start, end } => {
+                    let patch = self.order[start as usize];
+                    seen[patch.index()] += 1;
+                    let held = &patches[patch.index()];
+                    if end != start + 1 || held.bounds != *bounds || held.cone != *cone {
+                        return Err(format!("leaf {index} is not its patch"));
+                    }
+                }
+            }
+        }
+        match seen.iter().position(|&n| n != 1) {
+            Some(patch) => Err(format!("patch {patch} stands in {} leaves", seen[patch])),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Many trees in one array: one a concavity, or one a patch.
+
+use super::build::Grower;
+use super::{Content, FaceTree, Node, face_boxes};
+use crate::ids::FaceId;
+use crate::mesh::Mesh;
+
+/// Trees over groups of faces, one behind the other in one array of nodes and one of faces.
+///
+/// Node and face indices count through all trees, so whoever descends reads [`arena`](Self::arena)
+/// as one would a [`FaceTree`], beginning at a [`root`](Self::root).
+#[derive(Clone, Debug)]
+pub struct FaceForest {
+    arena: FaceTree,
+    /// First node and first face of each tree, and the ends.
+    starts: Vec<[u32; 2]>,
+}
+
+impl FaceForest {
+    /// Builds a tree over each group, with at most `leaf_size >= 1` faces a leaf.
+    ///
+    /// Cost: O(n log m) for n faces in groups of at most m.
+    #[must_use]
+    pub fn over<'g>(
+        mesh: &Mesh,
+        groups: impl IntoIterator<Item = &'g [FaceId]>,
+        leaf_size: usize,
+    ) -> Self {
+        let mut grower = Grower::new(leaf_size);
+        let mut arena = FaceTree { nodes: Vec::new(), faces: Vec::new() };
+        let mut starts = vec![[0, 0]];
+        for group in groups {
+            grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
+            starts.push([arena.nodes.len() as u32, arena.faces.len() as u32]);
+        }
+        Self { arena, starts }
+    }
+
+    /// Number of trees.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether there is no tree.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The nodes and faces of all trees. Its node 0 is the root of the first tree only.
+    #[must_use]
+    pub fn arena(&self) -> &FaceTree {
+        &self.arena
+    }
+
+    /// The root of tree `tree < len()`, as a node of the [`arena`](Self::arena); `None` where it
+    /// holds no faces.
+    #[must_use]
+    pub fn root(&self, tree: usize) -> Option<u32> {
+        let [first, last] = [self.starts[tree][0], self.starts[tree + 1][0]];
+        (first < last).then_some(first)
+    }
+
+    /// The faces of tree `tree < len()`, in leaf order.
+    #[must_use]
+    pub fn faces(&self, tree: usize) -> &[FaceId] {
+        &self.arena.faces[self.starts[tree][1] as usize..self.starts[tree + 1][1] as usize]
+    }
+
+    /// The nodes of tree `tree < len()`, root first.
+    #[must_use]
+    pub fn nodes(&self, tree: usize) -> &[Node] {
+        &self.arena.nodes[self.starts[tree][0] as usize..self.starts[tree + 1][0] as usize]
+    }
+
+    /// Checks the invariants of trees over `groups`; for tests and debugging.
+    ///
+    /// # Errors
+    ///
+    /// The first broken invariant, in words.
+    pub fn validate<'g>(
+        &self,
+        mesh: &Mesh,
+        groups: impl IntoIterator<Item = &'g [FaceId]>,
+    ) -> Result<(), String> {
+        let mut trees = 0;
+        for group in groups {
+            if trees >= self.len() {
+                return Err(format!("more groups than the {trees} trees"));
+            }
+            let visited = match self.root(trees) {
+                Some(root) => self.arena.validate_from(root, mesh, group)?,
+                None if group.is_empty() => 0,
+                None => return Err(format!("tree {trees} is empty, its group is not")),
+            };
+            if visited != self.nodes(trees).len() {
+                return Err(format!("tree {trees} has nodes that cannot be reached"));
+            }
+            trees += 1;
+        }
+        if trees != self.len() {
+            return Err(format!("{} trees for {trees} groups", self.len()));
+        }
+        let leaves = (0..self.arena.nodes.len() as u32).map(|n| match self.arena.content(n) {
+            Content::Leaf { start, end } => (end - start) as usize,
+            Content::Inner { .. } => 0,
+        });
+        if leaves.sum::<usize>() != self.arena.faces.len() {
+            return Err("leaves overlap, or leave faces out".into());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::DVec3;
+
+    #[test]
+    fn groups_keep_to_themselves_and_an_empty_one_has_no_root() {
+        let vertices = (0..42).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
+        let mesh = Mesh::new(vertices, (0..40).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
+        let group = |from: u32, to: u32| (from..to).map(FaceId).collect::<Vec<_>>();
+        let groups = [group(5, 9), group(0, 0), group(9, 40), group(0, 1)];
+        let slices = || groups.iter().map(Vec::as_slice);
+        let forest = FaceForest::over(&mesh, slices(), 2);
+        forest.validate(&mesh, slices()).unwrap();
+        assert_eq!((forest.len(), forest.root(0), forest.root(1)), (4, Some(0), None));
+        assert_eq!(forest.faces(3), [FaceId(0)]);
+        assert!(forest.validate(&mesh, slices().rev()).is_err());
+        assert!(forest.validate(&mesh, slices().take(3)).is_err());
+        // A tree of a forest is the tree over its group, moved.
+        let alone = FaceTree::over(&mesh, &groups[2], 2);
+        assert_eq!(alone.faces(), forest.faces(2));
+        let boxes = |nodes: &[Node]| nodes.iter().map(|n| n.bounds).collect::<Vec<_>>();
+        assert_eq!(boxes(alone.nodes()), boxes(forest.nodes(2)));
+        let mut seen = Vec::new();
+        forest.arena().visit_from(forest.root(2).unwrap(), |_| true, |f| seen.push(f));
+        assert_eq!(seen, forest.faces(2));
+    }
+}
