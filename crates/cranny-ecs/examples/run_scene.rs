@@ -25,6 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         duration,
         pictures: PictureOptions { preview, record: record.is_some(), frames: None },
         record,
+        inputs: vec![scene.path.clone()],
         source: Some(scene.source_text.clone()),
         step: None,
     };

@@ -1,7 +1,7 @@
 //! A scene that runs, for programs that know nothing of bevy.
 
 #[cfg(any(feature = "record", feature = "render"))]
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy_app::App;
@@ -12,6 +12,7 @@ use cranny_world::description::{BodyKind, SceneDescription};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime};
 use crate::effects::EffectKind;
 use crate::error::{Failure, SceneAppError};
+use crate::outputs::check_outputs;
 use crate::plan::Plan;
 use crate::plugins::{CrannyPlugins, PluginOptions};
 use crate::report::{RunFacts, scene_hash, summarize};
@@ -28,6 +29,8 @@ pub struct RunOptions {
     pub duration: Option<f64>,
     /// The scene's text, where it came from one: part of the hash, attached to recordings.
     pub source: Option<String>,
+    /// Files that the scene was read from: no output may replace them.
+    pub inputs: Vec<PathBuf>,
     /// Recording to write. Its folder must exist.
     #[cfg(feature = "record")]
     pub record: Option<PathBuf>,
@@ -102,6 +105,8 @@ impl SceneApp {
         scene.step = options.step.unwrap_or(scene.step);
         scene.duration = options.duration.unwrap_or(scene.duration);
         let total = step_count(scene.step, scene.duration)?;
+        let inputs: Vec<&Path> = options.inputs.iter().map(PathBuf::as_path).collect();
+        check_outputs(&outputs(options), &inputs)?;
         let plugins = CrannyPlugins::from_scene(&scene, &options.plugins)?;
         #[cfg_attr(
             not(any(feature = "record", feature = "render")),
@@ -189,14 +194,18 @@ impl SceneApp {
         self.run(CrannyEnd)?;
         let start = Instant::now();
         let world = self.app.world_mut();
+        // A picture that fails must not cost the recording, so both are completed before either fails.
+        #[cfg(feature = "record")]
+        let recorded = finish_recording(world, &self.facts);
         #[cfg(feature = "render")]
         if let Some(mut painter) = world.get_resource_mut::<crate::rendering::Painter>() {
+            let start = Instant::now();
             painter.finish()?;
             let spent = 1e3 * start.elapsed().as_secs_f64();
             world.resource_mut::<crate::clock::PhaseTimes>().render += spent;
         }
         #[cfg(feature = "record")]
-        finish_recording(world, &self.facts)?;
+        recorded?;
         self.wall += start.elapsed();
         Ok(summarize(world, self.facts, self.wall))
     }
@@ -221,11 +230,35 @@ impl SceneApp {
     }
 }
 
+/// Seconds that a step may last. Shorter ones vanish in the solver's `f32` (and recordings count
+/// nanoseconds); longer ones leave the range in which it can move anything.
+const STEPS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
+
+/// Every single file that a run writes.
+fn outputs(options: &RunOptions) -> Vec<&Path> {
+    #[cfg_attr(
+        not(any(feature = "record", feature = "render")),
+        expect(unused_mut, reason = "recordings and pictures add what they write")
+    )]
+    let mut outputs: Vec<&Path> = Vec::new();
+    #[cfg(feature = "record")]
+    outputs.extend(options.record.as_deref());
+    #[cfg(feature = "render")]
+    outputs.extend(options.pictures.preview.as_deref());
+    let _ = options;
+    outputs
+}
+
 /// Steps of a run: as many as fit, where a step that is short by rounding counts.
 fn step_count(step: f64, duration: f64) -> Result<u64, SceneAppError> {
     let refused = |why| Err(SceneAppError::Duration { step, duration, why });
     if !(step > 0.0 && step.is_finite()) {
         return refused("a step must last a finite time above 0");
+    }
+    if !STEPS.contains(&step) {
+        return refused(
+            "a step must last between 1e-9 and 1e6 s: solvers compute in single precision",
+        );
     }
     if !(duration >= 0.0 && duration.is_finite()) {
         return refused("the duration must be finite and at least 0");
@@ -378,7 +411,9 @@ mod tests {
         assert_eq!(step_count(0.1, 0.3).unwrap(), 3);
         assert_eq!(step_count(0.1, 0.25).unwrap(), 3);
         assert_eq!(step_count(0.1, 0.0).unwrap(), 0);
-        for (step, duration) in [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (1e-9, 1e9)] {
+        let refused =
+            [(0.0, 1.0), (f64::NAN, 1.0), (0.1, -1.0), (1e-9, 1e9), (1e-300, 0.0), (1e30, 1e31)];
+        for (step, duration) in refused {
             assert!(step_count(step, duration).is_err());
         }
     }

@@ -50,7 +50,7 @@ pub enum SceneAppError {
         feature: &'static str,
     },
     /// A step that is no duration, or more steps than can be counted.
-    #[error("a run of {duration} s in steps of {step} s cannot be made: {why}")]
+    #[error("a run of {duration:?} s in steps of {step:?} s cannot be made: {why}")]
     Duration {
         /// Seconds a step.
         step: f64,
@@ -111,6 +111,14 @@ pub enum SceneAppError {
         /// Where.
         path: PathBuf,
         /// What was said.
+        why: String,
+    },
+    /// An output that would destroy what is there, or another output.
+    #[error("{}: nothing is written there: {why}. Choose another path", path.display())]
+    OutputInTheWay {
+        /// The output asked for.
+        path: PathBuf,
+        /// What stands there.
         why: String,
     },
     /// A mesh that cannot be drawn.

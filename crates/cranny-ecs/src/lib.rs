@@ -69,6 +69,7 @@ pub use effects::{AskedBy, EffectKind, EffectTable};
 pub use error::{Failure, SceneAppError};
 pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
+pub use outputs::check_outputs;
 #[cfg(feature = "render")]
 pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};

@@ -2,12 +2,53 @@
 
 use std::fs::{self, OpenOptions};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::SceneAppError;
 
 fn refused(path: &Path, error: &io::Error) -> SceneAppError {
     SceneAppError::Output { path: path.to_owned(), why: error.to_string() }
+}
+
+/// Refuses outputs that would replace an input, a device, a pipe or another output.
+///
+/// Outputs grow under another name and are renamed, which replaces whatever stands there: an older
+/// output is meant to go, nothing else is.
+///
+/// # Errors
+///
+/// [`SceneAppError::OutputInTheWay`] with the first such path.
+pub fn check_outputs(outputs: &[&Path], inputs: &[&Path]) -> Result<(), SceneAppError> {
+    let refused = |path: &Path, why: String| {
+        Err(SceneAppError::OutputInTheWay { path: path.to_owned(), why })
+    };
+    let read: Vec<PathBuf> = inputs.iter().map(|path| place(path)).collect();
+    let mut written: Vec<PathBuf> = Vec::new();
+    for &path in outputs {
+        let place = place(path);
+        if let Some(input) = read.iter().position(|input| *input == place) {
+            return refused(path, format!("it is the input {}", inputs[input].display()));
+        }
+        if written.contains(&place) {
+            return refused(path, "two outputs name it".to_owned());
+        }
+        let stands = fs::metadata(path);
+        if stands.is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            return refused(path, "it is a device, a pipe or a socket, no file".to_owned());
+        }
+        written.push(place);
+    }
+    Ok(())
+}
+
+/// The one name of a file, whether it exists or only its folder does.
+fn place(path: &Path) -> PathBuf {
+    let absolute = || {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    path.canonicalize().ok().or_else(absolute).unwrap_or_else(|| path.to_owned())
 }
 
 /// Whether a file of this name could be written: its folder exists and lets files be made. A file
@@ -64,6 +105,24 @@ mod tests {
         probe_file(&path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "before");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn inputs_other_outputs_and_devices_are_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("scene.ron"), "()").unwrap();
+        fs::write(at("old.mcap"), "before").unwrap();
+        let scene = at("scene.ron");
+        let inputs = [scene.as_path()];
+        let why = |outputs: &[&Path]| check_outputs(outputs, &inputs).unwrap_err().to_string();
+        check_outputs(&[&at("old.mcap"), &at("new.png")], &inputs).unwrap();
+        let roundabout = folder.path().join("./scene.ron");
+        assert!(why(&[&roundabout]).contains("is the input"));
+        assert!(why(&[&at("a.mcap"), &folder.path().join("./a.mcap")]).contains("two outputs"));
+        if Path::new("/dev/null").exists() {
+            assert!(why(&[Path::new("/dev/null")]).contains("device"));
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum RecordError {
     /// The path names a folder, or no file at all.
-    #[error("cannot record to '{}': it names no file; say e.g. 'out/run.mcap'", path.display())]
+    #[error("cannot record to '{}': it names no file (a folder, a device or a pipe, or nothing); say e.g. 'out/run.mcap'", path.display())]
     NotAFile {
         /// The path asked for.
         path: PathBuf,

@@ -41,7 +41,9 @@ pub(crate) struct Output {
 
 impl Output {
     pub(crate) fn create(path: &Path) -> Result<Self, RecordError> {
-        let (Some(name), false) = (path.file_name(), path.is_dir()) else {
+        // Renaming onto a device or a pipe would replace it.
+        let in_the_way = fs::metadata(path).is_ok_and(|found| !found.is_file());
+        let (Some(name), false) = (path.file_name(), in_the_way) else {
             return Err(RecordError::NotAFile { path: path.to_owned() });
         };
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty());

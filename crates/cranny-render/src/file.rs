@@ -198,6 +198,11 @@ impl Change {
 
 fn save(path: &Path, encoded: Result<Vec<u8>, EncodeError>) -> Result<(), SaveError> {
     let bytes = encoded.map_err(|source| SaveError::Encode { path: path.to_owned(), source })?;
+    // Renaming onto a device or a pipe would replace it.
+    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        let source = std::io::Error::other("something that is no file stands there");
+        return Err(SaveError::Write { path: path.to_owned(), source });
+    }
     write_whole(path, &bytes).map_err(|source| SaveError::Write { path: path.to_owned(), source })
 }
 

@@ -4,6 +4,8 @@ mod picture;
 mod summary;
 mod text;
 
+use cranny_ecs::check_outputs;
+
 use crate::args::{Format, InspectArgs};
 use crate::failure::Failure;
 use crate::model_file::load;
@@ -23,6 +25,9 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
             "--save {}: saving prepared models comes with a later version; leave the option out",
             path.display()
         )));
+    }
+    if let Some(path) = &args.render {
+        check_outputs(&[path], &[&args.mesh]).map_err(Failure::input)?;
     }
     let loaded = load(&args.mesh, 1.0)?;
     let mut summary = Summary::new(&args.mesh, &loaded);

@@ -50,6 +50,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
             preview: args.preview.clone(),
             record: args.record.is_some() && pictured,
         },
+        inputs: std::iter::once(scene.path).chain(scene.files).collect(),
         source: Some(scene.source_text),
     };
     // Before anything is written that a Ctrl-C would have to finish.
@@ -95,7 +96,7 @@ pub(crate) fn failure(error: SceneAppError) -> Failure {
     }
 }
 
-/// Set by Ctrl-C: the step at hand is completed, then the run ends in order.
+/// Set by Ctrl-C, and by the signal that ends jobs: the step at hand is completed, then the run ends in order.
 fn stop_flag() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let set = stop.clone();

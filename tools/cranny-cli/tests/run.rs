@@ -180,6 +180,19 @@ fn unwritable_outputs_are_refused_before_anything_runs() {
     assert_eq!(names(folder.path()), ["drop.ron"]);
 }
 
+#[test]
+fn outputs_replace_no_input_and_each_other_neither() {
+    let (folder, scene) = scene();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    assert_refused(&cranny(&["run", &scene, "--record", &scene]), 2, &["drop.ron", "input"]);
+    let both = at("both");
+    let twice = ["run", &scene, "--record", &both, "--preview", &both];
+    assert_refused(&cranny(&twice), 2, &["both", "two outputs"]);
+    assert_refused(&cranny(&["run", &scene, "--dt", "1e-300"]), 2, &["1e-300", "a step must last"]);
+    assert_eq!(fs::read_to_string(&scene).unwrap(), DROP);
+    assert_eq!(names(folder.path()), ["drop.ron"]);
+}
+
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
@@ -188,6 +201,17 @@ fn names(folder: &Path) -> Vec<String> {
 #[cfg(unix)]
 #[test]
 fn ctrl_c_completes_the_recording_and_the_summary_says_so() {
+    a_signal_completes_the_recording("-INT");
+}
+
+#[cfg(unix)]
+#[test]
+fn the_signal_that_ends_jobs_does_as_well() {
+    a_signal_completes_the_recording("-TERM");
+}
+
+#[cfg(unix)]
+fn a_signal_completes_the_recording(signal: &str) {
     let (folder, scene) = scene();
     let path = folder.path().join("drop.mcap");
     let partial = folder.path().join("drop.mcap.partial");
@@ -203,7 +227,7 @@ fn ctrl_c_completes_the_recording_and_the_summary_says_so() {
     while !partial.exists() {
         std::thread::yield_now();
     }
-    let sent = Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap();
+    let sent = Command::new("kill").args([signal, &run.id().to_string()]).status().unwrap();
     assert!(sent.success());
     let line = summary(&run.wait_with_output().unwrap());
     assert_eq!(line["interrupted"], true);

@@ -18,15 +18,33 @@ const BANS: &[Ban] = &[
         applies: |path| {
             starts(path, &["std", "fs"])
                 || starts(path, &["std", "net"])
-                || ["stdin", "stdout", "stderr"]
-                    .iter()
-                    .any(|name| starts(path, &["std", "io", name]))
+                || ["stdin", "stdout", "stderr"].contains(&last(path))
+                    && (path.followed_by == "(" || path.segments.len() > 1)
+                || ["include", "include_str", "include_bytes"].contains(&last(path))
+                    && path.followed_by == "!"
+                || path.is_member
+                    && path.followed_by == "("
+                    && ["exists", "is_file", "is_dir", "metadata", "canonicalize", "read_dir"]
+                        .contains(&last(path))
         },
     },
     Ban {
         rule: "no-process",
         reason: "the crates that compute depend on their arguments alone: settings are passed in",
-        applies: |path| starts(path, &["std", "process"]) || starts(path, &["std", "env"]),
+        applies: |path| {
+            starts(path, &["std", "process"])
+                || starts(path, &["std", "env"])
+                || starts(path, &["std", "thread"])
+        },
+    },
+    Ban {
+        rule: "no-alias-of-std",
+        reason: "the other rules know std by its name: call it by that",
+        applies: |path| {
+            path.segments == ["std"] && path.followed_by == "as"
+                || starts(path, &["std", "self"]) && path.followed_by == "as"
+                || path.segments == ["crate"] && path.followed_by == "std"
+        },
     },
     Ban {
         rule: "no-clock",
@@ -56,14 +74,14 @@ const BANS: &[Ban] = &[
         applies: |path| {
             path.segments.iter().any(|word| ["OnceLock", "LazyLock"].contains(&word.as_str()))
                 || last(path) == "thread_local" && path.followed_by == "!"
-                || path.segments == ["static"] && path.followed_by == "mut"
+                || path.segments == ["static"] && !path.followed_by.is_empty()
         },
     },
     Ban {
         rule: "f64-only",
         reason: "coordinates are f64 (glam's D-types) from file to answer: one f32 on the way would make \
                  'exact' untrue",
-        applies: |path| F32_TYPES.contains(&last(path)) || path.segments.iter().any(|w| is_f32(w)),
+        applies: |path| path.segments.iter().any(|word| is_f32(word)),
     },
     Ban {
         rule: "no-transcendentals",
@@ -139,7 +157,7 @@ fn last(path: &PathAt) -> &str {
 }
 
 fn is_f32(word: &str) -> bool {
-    F32_TYPES.contains(&word)
+    word == "f32" || F32_TYPES.contains(&word)
 }
 
 /// Every ban that a file breaks, in order of lines.
@@ -183,6 +201,14 @@ mod tests {
             ("println!(x)", "no-printing"),
             ("std::eprintln!(x)", "no-printing"),
             ("static mut N: u32 = 0;", "no-globals"),
+            ("static N: AtomicU64 = AtomicU64::new(0);", "no-globals"),
+            ("use std::io::{self}; fn f() { io::stdout() }", "no-files"),
+            ("let t = include_str!(\"a\");", "no-files"),
+            ("if path.exists() {}", "no-files"),
+            ("std::thread::spawn(f)", "no-process"),
+            ("use std as s;", "no-alias-of-std"),
+            ("extern crate std as t;", "no-alias-of-std"),
+            ("let y = (x as f32) as f64;", "f64-only"),
             ("static N: OnceLock<u32> = OnceLock::new();", "no-globals"),
             ("thread_local! { }", "no-globals"),
             ("fn f(v: glam::Vec3) {}", "f64-only"),
@@ -206,7 +232,8 @@ mod tests {
             "/// Never call `std::fs`.\nfn f() {}",
             "#[cfg(test)]\nmod tests { use std::fs; fn f() { println!(x); 1.0.sin() } }",
             "let exp = a.exp; x.sqrt() + x.mul_add(y, z)",
-            "static TABLE: [u8; 2] = [0, 1]; use std::fmt; self.process.env",
+            "const TABLE: [u8; 2] = [0, 1]; use std::fmt; self.process.env",
+            "fn f(s: &'static str) -> Box<dyn Fn() + 'static> {}",
             "enum Op { Print } fn print() {}",
         ] {
             assert_eq!(rules(source), [""; 0], "{source}");

@@ -44,6 +44,17 @@ fn meshes_that_are_none() {
 }
 
 #[test]
+fn a_picture_does_not_replace_its_mesh_or_a_device() {
+    let (_folder, cube, _) = good();
+    let before = std::fs::read(&cube).unwrap();
+    run(&["inspect", &cube, "--render", &cube]).assert_refused(2, &["cube.obj", "input"]);
+    assert_eq!(std::fs::read(&cube).unwrap(), before);
+    if cfg!(unix) {
+        run(&["inspect", &cube, "--render", "/dev/null"]).assert_refused(2, &["device"]);
+    }
+}
+
+#[test]
 fn poses_that_are_none() {
     let (folder, cube, _) = good();
     let refused = |name: &str, text: &str, words: &[&str]| {
