@@ -41,8 +41,8 @@ const BANS: &[Ban] = &[
         rule: "no-alias-of-std",
         reason: "the other rules know std by its name: call it by that",
         applies: |path| {
-            path.segments == ["std"] && path.followed_by == "as"
-                || starts(path, &["std", "self"]) && path.followed_by == "as"
+            let is_std = path.segments == ["std"] || path.segments == ["std", "self"];
+            is_std && path.followed_by == "as"
                 || path.segments == ["crate"] && path.followed_by == "std"
         },
     },
