@@ -79,8 +79,25 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-ecs",
         ],
     ),
+    (
+        "cranny-bench",
+        &[
+            "cranny-exact",
+            "cranny-geometry",
+            "cranny-broad-phase",
+            "cranny-narrow-phase",
+            "cranny-world",
+            "cranny-shapes",
+            "cranny-scene",
+            "cranny-rapier",
+            "cranny-ecs",
+        ],
+    ),
     ("xtask", &[]),
 ];
+
+/// Binaries: nothing imports them.
+const TOOLS: &[&str] = &["cranny-cli", "cranny-bench", "xtask"];
 
 /// Foreign crates that no crate of [`PURE_CRATES`] may reach, however far down.
 const FAR_FROM_PURE: &[&str] = &[
@@ -205,7 +222,7 @@ impl Graph {
         for dependency in package.dependencies.iter().filter(ours) {
             let target = dependency.name.as_str();
             if dependency.is_dev {
-                if target == "cranny-cli" || target == "xtask" {
+                if TOOLS.contains(&target) {
                     violations.push(broken(
                         "no-tool-below",
                         format!("`{name}` tests with `{target}`"),
@@ -262,7 +279,7 @@ fn why_not(from: &str, to: &str) -> &'static str {
         ["cranny-rapier", "cranny-rapier-f64", "cranny-record", "cranny-render", "cranny-scene"];
     const PHASES: [&str; 2] = ["cranny-broad-phase", "cranny-narrow-phase"];
     match () {
-        () if to == "cranny-cli" || to == "xtask" => "nothing imports the tools",
+        () if TOOLS.contains(&to) => "nothing imports the tools",
         () if to == "cranny-testkit" => {
             "the oracles are for tests only: make it a dev-dependency of integration tests"
         }

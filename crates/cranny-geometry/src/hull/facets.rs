@@ -17,6 +17,7 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::outline::Outlines;
 use super::quickhull::{Surface, previous};
+use super::shapes::{Shapes, longest_edge};
 use super::side::Side;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
@@ -151,8 +152,7 @@ struct Growth<'a> {
     graph: &'a SupportGraph,
     tolerance: f64,
     extent: DVec3,
-    /// Twice the area vector of each triangle.
-    area_vectors: Vec<DVec3>,
+    triangles: Shapes,
     facet_of: Vec<u32>,
     planes: Vec<Plane>,
     round: u32,
@@ -168,21 +168,13 @@ impl<'a> Growth<'a> {
         tolerance: f64,
     ) -> Self {
         let bounds = Aabb::of_points(positions.iter().copied());
-        let area_vectors = surface
-            .triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|v| positions[v as usize]);
-                (b - a).cross(c - a)
-            })
-            .collect();
         Self {
             positions,
             surface,
             graph,
             tolerance,
             extent: bounds.max - bounds.min,
-            area_vectors,
+            triangles: Shapes::new(positions, surface, tolerance),
             facet_of: vec![UNASSIGNED; surface.triangles.len()],
             planes: Vec::new(),
             round: 0,
@@ -197,7 +189,7 @@ impl<'a> Growth<'a> {
         for side in [0..half, half..2 * half] {
             let side: Vec<u32> = side.collect();
             let largest =
-                side.iter().copied().max_by(|&a, &b| self.area(a).total_cmp(&self.area(b)));
+                side.iter().copied().max_by(|&a, &b| self.triangles.area(a).total_cmp(&self.triangles.area(b)));
             if let Some(largest) = largest {
                 let fitted =
                     unit(self.sum_of_areas(&side)).unwrap_or_else(|| self.normal_of(largest));
@@ -210,11 +202,11 @@ impl<'a> Growth<'a> {
     fn run(&mut self) {
         let mut seeds = Vec::new();
         for t in 0..self.surface.triangles.len() as u32 {
-            if self.is_apart(t) {
+            if self.triangles.is_apart(self.surface, t) {
                 let plane = self.plane_of_one(t, self.normal_of(t));
                 self.take(&[t], plane);
             } else {
-                seeds.push((self.area(t), t));
+                seeds.push((self.triangles.area(t), t));
             }
         }
         seeds.sort_unstable_by(|a: &(f64, u32), b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -224,27 +216,6 @@ impl<'a> Growth<'a> {
                 self.take(&region, plane);
             }
         }
-    }
-
-    /// Whether the triangle bends away from its neighbours so clearly, seen from either side of each
-    /// edge, and is itself so far from a needle, as they are, that it is a facet of its own. This
-    /// spares most triangles of a smooth hull the growth.
-    fn is_apart(&self, t: u32) -> bool {
-        !self.is_needle(t)
-            && (3 * t..3 * t + 3).all(|h| {
-                let twin = self.surface.twins[h as usize];
-                !self.is_needle(twin / 3)
-                    && self.depth(t, self.surface.origin(previous(twin))) > self.tolerance
-                    && self.depth(twin / 3, self.surface.origin(previous(h))) > self.tolerance
-            })
-    }
-
-    /// How deep a vertex lies below the plane of a triangle (rounded).
-    fn depth(&self, t: u32, vertex: u32) -> f64 {
-        let area_vector = self.area_vectors[t as usize];
-        let below = self.positions[self.surface.triangles[t as usize][0] as usize]
-            - self.positions[vertex as usize];
-        area_vector.dot(below) / area_vector.length()
     }
 
     fn take(&mut self, region: &[u32], plane: Plane) {
@@ -286,7 +257,7 @@ impl<'a> Growth<'a> {
     /// they form a disk at every moment.
     fn grow(&mut self, seed: u32, plane: &Plane) -> Vec<u32> {
         self.round += 1;
-        let strict = self.is_needle(seed);
+        let strict = self.triangles.is_needle(seed);
         let mut region = Vec::new();
         let mut queue = std::collections::VecDeque::from([seed]);
         while let Some(t) = queue.pop_front() {
@@ -317,7 +288,7 @@ impl<'a> Growth<'a> {
     }
 
     fn faces_along(&self, t: u32, plane: &Plane, strict: bool) -> bool {
-        self.area_vectors[t as usize].dot(plane.normal) > 0.0 || (!strict && self.is_needle(t))
+        self.triangles.area_vector(t).dot(plane.normal) > 0.0 || (!strict && self.triangles.is_needle(t))
     }
 
     /// Whether a disk stays one when `t` joins: over one edge with a new vertex, or over two edges.
@@ -335,23 +306,8 @@ impl<'a> Growth<'a> {
         }
     }
 
-    fn area(&self, t: u32) -> f64 {
-        self.area_vectors[t as usize].length()
-    }
-
-    /// Whether the least height of the triangle is at most the tolerance.
-    fn is_needle(&self, t: u32) -> bool {
-        self.area(t) <= self.tolerance * self.longest_edge(t).length()
-    }
-
-    fn longest_edge(&self, t: u32) -> DVec3 {
-        let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.positions[v as usize]);
-        let longer = |e: DVec3, f: DVec3| if f.length() > e.length() { f } else { e };
-        longer(longer(b - a, c - b), a - c)
-    }
-
     fn sum_of_areas(&self, region: &[u32]) -> DVec3 {
-        region.iter().map(|&t| self.area_vectors[t as usize]).sum()
+        region.iter().map(|&t| self.triangles.area_vector(t)).sum()
     }
 
     /// A unit normal of the triangle. One so thin that its area vanishes in `f64` leans as its
@@ -359,20 +315,21 @@ impl<'a> Growth<'a> {
     fn normal_of(&self, t: u32) -> DVec3 {
         let around = || {
             (3 * t..3 * t + 3)
-                .map(|h| self.area_vectors[self.surface.twins[h as usize] as usize / 3])
+                .map(|h| self.triangles.area_vector(self.surface.twins[h as usize] / 3))
         };
-        unit(self.area_vectors[t as usize])
+        let at = |v: u32| self.positions[v as usize];
+        unit(self.triangles.area_vector(t))
             .or_else(|| unit(around().sum()))
             .or_else(|| {
-                let edge = self.longest_edge(t);
+                let edge = longest_edge(self.surface.triangles[t as usize].map(at));
                 [DVec3::X, DVec3::Y, DVec3::Z].into_iter().find_map(|axis| unit(edge.cross(axis)))
             })
             .unwrap_or(DVec3::Z)
     }
 
     /// The supporting plane of a facet of one triangle: the supporting plane of the hull along its
-    /// normal, or where a corner has very many neighbours, to look at all of which for every triangle
-    /// of a fan takes quadratic time, a bound of it.
+    /// normal, measured, or where a corner has very many neighbours, to look at all of which for every
+    /// triangle of a fan takes quadratic time, a bound of it.
     ///
     /// The bound: every point `p` is exactly below the exact plane, and the rounded cross product `n`
     /// gives `n · (p − a) <= margin` in real arithmetic (see [`Side`]). Bringing `n` to length 1 scales
@@ -382,7 +339,9 @@ impl<'a> Growth<'a> {
         let degree: usize =
             corners.iter().map(|&v| self.graph.neighbours(HullVertexId(v)).len()).sum();
         if degree <= CROWDED {
-            return self.supporting_plane(normal, &[t]);
+            return self
+                .plane_through_top(corners, normal)
+                .unwrap_or_else(|| self.supporting_plane(normal, &[t]));
         }
         // The margin is least about the corner across from the longest edge.
         let at = |v: u32| self.positions[v as usize];
@@ -397,6 +356,26 @@ impl<'a> Growth<'a> {
         let anchored = normal.dot(at(corners[0]));
         let offset = (anchored + 3.0 * self.graph.rounding(normal) + margin).next_up();
         Plane { normal, offset, thickness: self.thickness(normal, offset, &[t]) }
+    }
+
+    /// The supporting plane along `normal`, if the triangle's neighbourhood shows that the highest
+    /// vertex of the hull is a corner of it: those corners that are as high as the top but for rounding
+    /// have no other neighbour that is, so the search of [`SupportGraph::support`] would end with them.
+    fn plane_through_top(&self, corners: [u32; 3], normal: DVec3) -> Option<Plane> {
+        let height = |v: u32| normal.dot(self.positions[v as usize]);
+        let heights = corners.map(height);
+        let top = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let rounding = self.graph.rounding(normal);
+        let floor = top - 4.0 * rounding;
+        for (&corner, h) in corners.iter().zip(heights) {
+            let ring = self.graph.neighbours(HullVertexId(corner));
+            if h >= floor && ring.iter().any(|v| height(v.0) >= floor && !corners.contains(&v.0)) {
+                return None;
+            }
+        }
+        let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
+        let offset = (top + rounding).next_up();
+        Some(Plane { normal, offset, thickness: (offset - (lowest - rounding).next_down()).next_up() })
     }
 
     /// The supporting plane of the hull in a direction, and how far `region` reaches below it. All

@@ -30,7 +30,9 @@ mod locate;
 mod measures;
 mod outline;
 mod quickhull;
+mod shapes;
 mod side;
+mod sieve;
 mod span;
 mod support;
 mod validate;
@@ -189,9 +191,12 @@ impl ConvexHull {
             }
             Span::Space(simplex) => {
                 let surface = quickhull::exact_hull(points, simplex);
-                let mut vertices: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
-                vertices.sort_unstable();
-                vertices.dedup();
+                let mut is_vertex = vec![false; points.len()];
+                for &v in surface.triangles.iter().flatten() {
+                    is_vertex[v as usize] = true;
+                }
+                let vertices =
+                    (0..points.len() as u32).filter(|&v| is_vertex[v as usize]).collect();
                 (HullKind::Volume, surface, vertices)
             }
         };

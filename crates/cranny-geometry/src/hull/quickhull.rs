@@ -27,6 +27,8 @@
 use cranny_exact::{Aabb, DVec3, Sign};
 
 use super::side::Side;
+use super::sieve::outer_points;
+use super::span::{Span, span_of};
 
 const NONE: u32 = u32::MAX;
 
@@ -41,8 +43,7 @@ pub(super) struct Surface {
 /// The hull of points that are not coplanar: a surface over their indices, whose vertices are exactly
 /// the extreme points (the lowest index of each).
 pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
-    let mut surface = Builder::new(points, simplex).run();
-    let flat = flat_vertices(points, &surface);
+    let (surface, flat) = triangulate(points, simplex);
     if flat.is_empty() {
         return surface;
     }
@@ -50,24 +51,39 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
     extreme.sort_unstable();
     extreme.dedup();
     extreme.retain(|v| flat.binary_search(v).is_err());
-    let subset: Vec<DVec3> = extreme.iter().map(|&v| points[v as usize]).collect();
-    if let super::span::Span::Space(simplex) = super::span::span_of(&subset) {
-        surface = Builder::new(&subset, simplex).run();
-        for corner in surface.triangles.iter_mut().flatten() {
-            *corner = extreme[*corner as usize];
-        }
+    of_subset(points, &extreme).map_or(surface, |(surface, _)| surface)
+}
+
+/// The hull of points that are not coplanar, and those of its vertices, sorted, that lie inside an edge
+/// or a facet of it.
+pub(super) fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
+    outer_points(points)
+        .and_then(|kept| of_subset(points, &kept))
+        .unwrap_or_else(|| Builder::new(points, simplex).run())
+}
+
+/// [`triangulate`] of some of the points, over the indices of all; `None` if they are coplanar.
+fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Vec<u32>)> {
+    let subset: Vec<DVec3> = indices.iter().map(|&i| points[i as usize]).collect();
+    let Span::Space(simplex) = span_of(&subset) else { return None };
+    let (mut surface, mut flat) = Builder::new(&subset, simplex).run();
+    for vertex in surface.triangles.iter_mut().flatten().chain(&mut flat) {
+        *vertex = indices[*vertex as usize];
     }
-    surface
+    Some((surface, flat))
 }
 
 /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
-/// convex; inside an edge of the hull two are, inside a facet none.
-pub(super) fn flat_vertices(points: &[DVec3], surface: &Surface) -> Vec<u32> {
-    let mut convex_edges = vec![0u32; points.len()];
-    for half_edge in 0..surface.twins.len() as u32 {
-        if half_edge < surface.twins[half_edge as usize]
-            && edge_sign(points, surface, half_edge) != Sign::Zero
-        {
+/// convex; inside an edge of the hull two are, inside a facet none. `edge_sign` is the exact
+/// [`edge_sign`] of a half-edge of the surface, over `points` points.
+pub(super) fn flat_vertices(
+    points: usize,
+    surface: &Surface,
+    edge_sign: impl Fn(u32) -> Sign,
+) -> Vec<u32> {
+    let mut convex_edges = vec![0u32; points];
+    for (half_edge, &twin) in (0u32..).zip(&surface.twins) {
+        if half_edge < twin && edge_sign(half_edge) != Sign::Zero {
             for v in surface.ends(half_edge) {
                 convex_edges[v as usize] += 1;
             }
@@ -142,7 +158,7 @@ struct Builder<'a> {
     removed: Vec<u32>,
     horizon: Vec<(u32, u32, u32)>,
     orphans: Vec<u32>,
-    fan: Vec<u32>,
+    fan: Vec<(u32, Side)>,
 }
 
 impl<'a> Builder<'a> {
@@ -168,13 +184,14 @@ impl<'a> Builder<'a> {
         let base = builder.add_face([a, c, b]);
         builder.horizon = vec![(a, b, 3 * base + 2), (b, c, 3 * base + 1), (c, a, 3 * base)];
         builder.close_hole(d);
-        builder.fan.push(base);
+        builder.fan.push((base, builder.faces[base as usize].side));
         builder.orphans = (0..points.len() as u32).filter(|i| ![a, b, c, d].contains(i)).collect();
         builder.assign_orphans(&[a, b, c, d]);
         builder
     }
 
-    fn run(mut self) -> Surface {
+    /// As [`triangulate`].
+    fn run(mut self) -> (Surface, Vec<u32>) {
         while let Some(face) = self.pending.pop() {
             let apex = self.faces[face as usize].apex;
             if self.faces[face as usize].alive && apex != NONE {
@@ -208,7 +225,7 @@ impl<'a> Builder<'a> {
             for i in 0..3 {
                 let neighbour = twins[i] / 3;
                 if self.faces[neighbour as usize].step != self.step {
-                    let (sign, _) = self.look(neighbour, apex);
+                    let sign = self.look(neighbour, apex);
                     self.mark(neighbour, sign == Sign::Positive);
                     if sign == Sign::Positive {
                         self.stack.push(neighbour);
@@ -227,13 +244,16 @@ impl<'a> Builder<'a> {
         face.visible = visible;
     }
 
-    /// Exact side of a point and its rounded height over a face.
+    /// On which side of a face a point lies: exact.
     #[inline]
-    fn look(&self, face: u32, point: u32) -> (Sign, f64) {
-        let face = &self.faces[face as usize];
+    fn look(&self, face: u32, point: u32) -> Sign {
+        let side = &self.faces[face as usize].side;
         let p = self.points[point as usize];
-        let height = face.side.height(p);
-        (face.side.sign(height, p, || face.vertices.map(|v| self.points[v as usize])), height)
+        side.sign(side.height(p), p, || self.corners(face))
+    }
+
+    fn corners(&self, face: u32) -> [DVec3; 3] {
+        self.faces[face as usize].vertices.map(|v| self.points[v as usize])
     }
 
     /// Takes a face out of the surface; the points that waited above it become orphans.
@@ -261,10 +281,10 @@ impl<'a> Builder<'a> {
             self.faces[face as usize].twins[0] = outer;
             self.faces[outer as usize / 3].twins[outer as usize % 3] = 3 * face;
             self.fan_start[from as usize] = face;
-            self.fan.push(face);
+            self.fan.push((face, self.faces[face as usize].side));
         }
         for i in 0..self.fan.len() {
-            let face = self.fan[i];
+            let (face, _) = self.fan[i];
             let to = self.faces[face as usize].vertices[1];
             let neighbour = self.fan_start[to as usize];
             self.faces[face as usize].twins[1] = 3 * neighbour + 2;
@@ -302,14 +322,15 @@ impl<'a> Builder<'a> {
     fn assign_orphans(&mut self, vertices: &[u32]) {
         let orphans = std::mem::take(&mut self.orphans);
         for &point in &orphans {
-            let above = self.fan.iter().find_map(|&face| match self.look(face, point) {
-                (Sign::Positive, height) => Some((face, height)),
-                _ => None,
+            let place = self.points[point as usize];
+            let above = self.fan.iter().find_map(|&(face, ref side)| {
+                let height = side.height(place);
+                let sign = side.sign(height, place, || self.corners(face));
+                (sign == Sign::Positive).then_some((face, height))
             });
             match above {
                 Some((face, height)) => self.wait(face, point, height),
                 None => {
-                    let place = self.points[point as usize];
                     let same = vertices.iter().find(|&&v| self.points[v as usize] == place);
                     self.duplicates.extend(same.filter(|&&v| point < v).map(|&v| (v, point)));
                 }
@@ -317,7 +338,8 @@ impl<'a> Builder<'a> {
         }
         self.orphans = orphans;
         self.orphans.clear();
-        self.pending.extend(self.fan.iter().filter(|&&f| self.faces[f as usize].apex != NONE));
+        let fan = self.fan.iter().map(|&(face, _)| face);
+        self.pending.extend(fan.filter(|&face| self.faces[face as usize].apex != NONE));
     }
 
     fn wait(&mut self, face: u32, point: u32, height: f64) {
@@ -333,22 +355,28 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn into_surface(self) -> Surface {
+    fn into_surface(self) -> (Surface, Vec<u32>) {
         let mut lowest = std::collections::BTreeMap::new();
         for &(vertex, duplicate) in &self.duplicates {
             let least = lowest.entry(vertex).or_insert(duplicate);
             *least = duplicate.min(*least);
         }
+        let alive: Vec<u32> =
+            (0..self.faces.len() as u32).filter(|&f| self.faces[f as usize].alive).collect();
         let mut new_index = vec![NONE; self.faces.len()];
-        let alive = (0..self.faces.len()).filter(|&index| self.faces[index].alive);
-        for (count, index) in alive.enumerate() {
-            new_index[index] = count as u32;
+        for (new, &old) in (0..).zip(&alive) {
+            new_index[old as usize] = new;
         }
         let mut surface = Surface::default();
-        for face in self.faces.iter().filter(|face| face.alive) {
+        for &old in &alive {
+            let face = &self.faces[old as usize];
             surface.triangles.push(face.vertices.map(|v| *lowest.get(&v).unwrap_or(&v)));
             surface.twins.extend(face.twins.map(|t| 3 * new_index[t as usize / 3] + t % 3));
         }
-        surface
+        let flat = flat_vertices(self.points.len(), &surface, |half_edge| {
+            let apex = surface.origin(previous(surface.twins[half_edge as usize]));
+            self.look(alive[half_edge as usize / 3], apex)
+        });
+        (surface, flat)
     }
 }

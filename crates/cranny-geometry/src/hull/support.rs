@@ -59,21 +59,7 @@ impl SupportGraph {
             sort_rows(&mut starts, &mut neighbours);
         }
         let reach = positions.iter().fold(DVec3::ZERO, |m, p| m.max(p.abs()));
-        let extreme = |height: &dyn Fn(&DVec3) -> f64| {
-            let best = positions
-                .iter()
-                .enumerate()
-                .reduce(|best, next| if height(next.1) > height(best.1) { next } else { best });
-            HullVertexId(best.map_or(0, |(i, _)| i as u32))
-        };
-        let seeds = [
-            extreme(&|p| -p.x),
-            extreme(&|p| p.x),
-            extreme(&|p| -p.y),
-            extreme(&|p| p.y),
-            extreme(&|p| -p.z),
-            extreme(&|p| p.z),
-        ];
+        let seeds = extremes(positions).map(HullVertexId);
         Self { starts, neighbours, seeds, reach }
     }
 
@@ -164,6 +150,24 @@ impl SupportGraph {
         }
         best.1
     }
+}
+
+/// The first vertex farthest along −x, x, −y, y, −z, z.
+fn extremes(positions: &[DVec3]) -> [u32; 6] {
+    let mut seeds = [0; 6];
+    let Some(&first) = positions.first() else { return seeds };
+    let (mut low, mut high) = (first, first);
+    for (v, p) in (0..).zip(positions) {
+        for axis in 0..3 {
+            if p[axis] < low[axis] {
+                (low[axis], seeds[2 * axis]) = (p[axis], v);
+            }
+            if p[axis] > high[axis] {
+                (high[axis], seeds[2 * axis + 1]) = (p[axis], v);
+            }
+        }
+    }
+    seeds
 }
 
 /// Sorts every row and closes the gaps that repeated entries leave (a plate has each diagonal twice).

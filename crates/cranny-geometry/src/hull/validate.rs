@@ -140,10 +140,11 @@ impl ConvexHull {
     /// outline turns.
     fn vertices_not_extreme(&self) -> Vec<HullVertexId> {
         match self.kind {
-            HullKind::Volume => flat_vertices(&self.positions, &self.surface)
-                .into_iter()
-                .map(HullVertexId)
-                .collect(),
+            HullKind::Volume => {
+                let sign = |h| edge_sign(&self.positions, &self.surface, h);
+                let flat = flat_vertices(self.vertex_count(), &self.surface, sign);
+                flat.into_iter().map(HullVertexId).collect()
+            }
             HullKind::Polygon => {
                 let outline = self.plate_outline();
                 let at = |k: usize| self.positions[outline[k % outline.len()] as usize];

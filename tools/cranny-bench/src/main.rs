@@ -1,0 +1,85 @@
+//! `cranny-bench`: what Cranny costs, beside what its peers cost.
+//!
+//! Every figure of a peer comes from the same run as ours, on the same input, the two taking turns;
+//! ratios carry over to other machines, absolute times do not. Times are of the thread's own CPU
+//! clock, so that a busy machine disturbs them little. Each command is a module of its name.
+//!
+//! ```text
+//! cargo run --release -p cranny-bench -- hulls --quick
+//! ```
+
+mod cloud;
+mod hulls;
+mod prepare;
+mod report;
+mod solid;
+mod stopwatch;
+mod support;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use report::Report;
+
+/// Measures Cranny against its peers.
+#[derive(Debug, Parser)]
+#[command(name = "cranny-bench", version, arg_required_else_help = true)]
+struct Cli {
+    /// What to measure.
+    #[command(subcommand)]
+    command: Command,
+
+    /// How results are printed
+    #[arg(long, global = true, value_enum, default_value = "text")]
+    format: Format,
+
+    /// Smaller inputs and fewer runs: seconds instead of minutes
+    #[arg(long, global = true)]
+    quick: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Convex hulls of point clouds, against parry's `convex_hull`
+    Hulls {
+        /// Only clouds whose name contains this
+        #[arg(long, value_name = "PART", default_value = "")]
+        only: String,
+    },
+    /// Support queries on hulls, warm, against a scan of all vertices
+    Support,
+    /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
+    Prepare,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people: aligned columns.
+    Text,
+    /// For programs: one JSON value.
+    Json,
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let report = match &cli.command {
+        Command::Hulls { only } => hulls::measure(cli.quick, only),
+        Command::Support => support::measure(cli.quick),
+        Command::Prepare => prepare::measure(cli.quick),
+    };
+    match print(&report, cli.format) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(_) => ExitCode::FAILURE,
+    }
+}
+
+fn print(report: &Report, format: Format) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match format {
+        Format::Text => write!(out, "{report}"),
+        Format::Json => writeln!(out, "{}", report.to_json()),
+    }
+}
