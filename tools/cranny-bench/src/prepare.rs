@@ -18,7 +18,7 @@ const STAGE_RUNS: usize = 9;
 pub(crate) fn measure(quick: bool) -> Report {
     let (mut peers, mut stages) = (Vec::new(), Vec::new());
     for (name, mesh) in solids(quick) {
-        match mesh {
+        match mesh.map_err(|error| error.to_string()).and_then(buildable) {
             Ok(mesh) => {
                 peers.push(against_parry(name, &mesh, quick));
                 stages.extend(by_stage(name, &mesh, if quick { 3 } else { STAGE_RUNS }));
@@ -62,7 +62,14 @@ fn solids(quick: bool) -> Vec<Solid> {
     solids
 }
 
-/// Builds, measured or not; a mesh that is refused is quickly refused.
+/// The mesh, once it is known that a model can be built of it: a refusal would look quick.
+fn buildable(mesh: Mesh) -> Result<Mesh, String> {
+    match Model::build(mesh.clone(), &BuildOptions::default()) {
+        Ok(_) => Ok(mesh),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
 fn build(mesh: &Mesh) {
     keep(Model::build(mesh.clone(), &BuildOptions::default()));
 }
@@ -73,7 +80,7 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
     let [ours, hull, parry_hull] = race(
         Patience::of(quick),
         [&mut || build(mesh), &mut || keep(ConvexHull::of_points(mesh.vertices())), &mut || {
-            keep(try_convex_hull(&points))
+            keep(try_convex_hull(&points));
         }],
     );
     // Apart from the others, which it would keep from running often.
@@ -97,7 +104,7 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
     ]
 }
 
-fn refused(name: &str, error: &ShapeError) -> Vec<Cell> {
+fn refused(name: &str, error: &str) -> Vec<Cell> {
     let mut row = vec![Cell::Absent; 9];
     row[0] = Cell::Text(format!("{name}: {error}"));
     row

@@ -129,11 +129,12 @@ mod tests {
     #[test]
     fn text_is_aligned_under_its_head() {
         let text = report().to_string();
-        assert_eq!(
-            text,
-            "Figures\n  a note\n\nTable\n  name            time  ratio\n  a           1.500 ms  2.00x\n  \
-             longer   1250.000 ms      -\n"
-        );
+        let rows = [
+            "  name           time  ratio",
+            "  a          1.500 ms  2.00x",
+            "  longer  1250.000 ms      -",
+        ];
+        assert_eq!(text, format!("Figures\n  a note\n\nTable\n{}\n", rows.join("\n")));
     }
 
     #[test]

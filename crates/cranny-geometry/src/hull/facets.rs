@@ -188,8 +188,10 @@ impl<'a> Growth<'a> {
         let half = self.surface.triangles.len() as u32 / 2;
         for side in [0..half, half..2 * half] {
             let side: Vec<u32> = side.collect();
-            let largest =
-                side.iter().copied().max_by(|&a, &b| self.triangles.area(a).total_cmp(&self.triangles.area(b)));
+            let largest = side
+                .iter()
+                .copied()
+                .max_by(|&a, &b| self.triangles.area(a).total_cmp(&self.triangles.area(b)));
             if let Some(largest) = largest {
                 let fitted =
                     unit(self.sum_of_areas(&side)).unwrap_or_else(|| self.normal_of(largest));
@@ -288,7 +290,8 @@ impl<'a> Growth<'a> {
     }
 
     fn faces_along(&self, t: u32, plane: &Plane, strict: bool) -> bool {
-        self.triangles.area_vector(t).dot(plane.normal) > 0.0 || (!strict && self.triangles.is_needle(t))
+        self.triangles.area_vector(t).dot(plane.normal) > 0.0
+            || (!strict && self.triangles.is_needle(t))
     }
 
     /// Whether a disk stays one when `t` joins: over one edge with a new vertex, or over two edges.
@@ -375,7 +378,11 @@ impl<'a> Growth<'a> {
         }
         let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
         let offset = (top + rounding).next_up();
-        Some(Plane { normal, offset, thickness: (offset - (lowest - rounding).next_down()).next_up() })
+        Some(Plane {
+            normal,
+            offset,
+            thickness: (offset - (lowest - rounding).next_down()).next_up(),
+        })
     }
 
     /// The supporting plane of the hull in a direction, and how far `region` reaches below it. All

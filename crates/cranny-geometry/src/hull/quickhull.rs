@@ -56,17 +56,22 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
 
 /// The hull of points that are not coplanar, and those of its vertices, sorted, that lie inside an edge
 /// or a facet of it.
-pub(super) fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
+fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
     outer_points(points)
         .and_then(|kept| of_subset(points, &kept))
-        .unwrap_or_else(|| Builder::new(points, simplex).run())
+        .unwrap_or_else(|| of_all(points, simplex))
+}
+
+/// [`triangulate`], no point set aside.
+pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
+    Builder::new(points, simplex).run()
 }
 
 /// [`triangulate`] of some of the points, over the indices of all; `None` if they are coplanar.
 fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Vec<u32>)> {
     let subset: Vec<DVec3> = indices.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&subset) else { return None };
-    let (mut surface, mut flat) = Builder::new(&subset, simplex).run();
+    let (mut surface, mut flat) = of_all(&subset, simplex);
     for vertex in surface.triangles.iter_mut().flatten().chain(&mut flat) {
         *vertex = indices[*vertex as usize];
     }

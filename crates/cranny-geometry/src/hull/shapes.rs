@@ -83,7 +83,6 @@ impl Shapes {
 
 /// The longest edge of a triangle.
 pub(super) fn longest_edge([a, b, c]: [DVec3; 3]) -> DVec3 {
-    let longer =
-        |e: DVec3, f: DVec3| if f.length_squared() > e.length_squared() { f } else { e };
+    let longer = |e: DVec3, f: DVec3| if f.length_squared() > e.length_squared() { f } else { e };
     longer(longer(b - a, c - b), a - c)
 }

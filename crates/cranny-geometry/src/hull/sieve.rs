@@ -1,13 +1,14 @@
 //! Setting points aside that are certainly interior, before the hull is built.
 //!
-//! The hull of a small sample holds an ellipsoid; what lies strictly inside it lies strictly inside
-//! the hull of all points, and no test of a triangle is spent on it (in the spirit of Akl and Toussaint
-//! 1978). Of a full body's points few remain; of a surface's, all, at the cost of the sample's hull.
+//! All directions from the mean are cut into cells. The farthest points of the cells span a polytope, it
+//! holds an ellipsoid, and what lies strictly inside that lies strictly inside the hull: no test of a
+//! triangle is spent on it (in the spirit of Akl and Toussaint 1978). Of a full body's points few
+//! remain. Of a surface's all do, which is noticed before the polytope is built.
 //!
 //! # Why it is certain
 //!
 //! Coordinates are scaled by the extents `w` of the box of all points; `q = (p − c) / w`. Take a
-//! triangle of the sample's hull, its exact normal `N`, the rounded one `n`, and `β` the bound of
+//! triangle of the polytope, its exact normal `N`, the rounded one `n`, and `β` the bound of
 //! [`Side`], which covers both the rounding of the determinant at `c` and `Σ |N − n| w`. With `h` the
 //! computed determinant at `c`, the exact one at `p` is at most
 //! `h + β + |N ∘ w| |q| <= h + β + (|n ∘ w| + β) |q|`, which is negative while `|q| < ρ`, the least of
@@ -20,12 +21,11 @@ use super::quickhull::{self, Surface};
 use super::side::Side;
 use super::span::{Span, span_of};
 
-/// Every so-manieth point makes the sample: about what the hull of a surface's points pays in vain.
-/// Smaller, and surfaces pay more; larger, and more inner points are left. A prime, so that rows of a
-/// grid do not come into step with it.
-const STRIDE: usize = 17;
+/// Points a cell, about. Smaller, and the polytope costs more than it saves; larger, and it is so coarse
+/// that more inner points are left.
+const CROWD: usize = 24;
 
-/// Fewer points than these are not sieved: their sample would hold next to nothing.
+/// Fewer points than these are not sieved: with so few cells little would fall through.
 const LEAST: usize = 256;
 
 /// What is taken off the squared radius: the dozen or so roundings of computing it and of measuring
@@ -36,53 +36,94 @@ const SHRINK: f64 = 64.0 * f64::EPSILON;
 /// could falsify.
 const WORTHWHILE: f64 = 0.125;
 
+/// A point whose squared distance from the middle is this share of that of every cell's farthest point
+/// is likely to fall through the sieve. Larger, and roundings of a sphere count as depth; smaller, and
+/// thick shells are not sieved.
+const DEEP: f64 = 0.75;
+
 /// Indices of the points that are not certainly interior, ascending; `None` where all should be kept.
+/// O(n), and the hull of n / [`CROWD`] points.
 pub(super) fn outer_points(points: &[DVec3]) -> Option<Vec<u32>> {
     if points.len() < LEAST {
         return None;
     }
-    let sample: Vec<DVec3> = points.iter().step_by(STRIDE).copied().collect();
-    let Span::Space(simplex) = span_of(&sample) else { return None };
-    let (surface, _) = quickhull::triangulate(&sample, simplex);
-    let inner = Ellipsoid::within(&sample, &surface, Aabb::of_points(points.iter().copied()))?;
-    let kept: Vec<u32> =
-        (0..points.len() as u32).filter(|&i| !inner.holds(points[i as usize])).collect();
-    (kept.len() < points.len()).then_some(kept)
+    let frame = Frame::of(points);
+    let champions = frame.champions(points)?;
+    let polytope: Vec<DVec3> = champions.iter().map(|&i| points[i as usize]).collect();
+    let Span::Space(simplex) = span_of(&polytope) else { return None };
+    let (surface, _) = quickhull::of_all(&polytope, simplex);
+    let radius = frame.radius_within(&polytope, &surface);
+    if !(WORTHWHILE..1.0).contains(&radius) {
+        return None;
+    }
+    let limit = radius * radius * (1.0 - SHRINK);
+    let is_inner = |i: u32| frame.scaled(points[i as usize]).length_squared() < limit;
+    Some((0..points.len() as u32).filter(|&i| !is_inner(i)).collect())
 }
 
-/// An ellipsoid with axes along the coordinates.
-struct Ellipsoid {
+/// The mean of the points, and the extents of their box.
+struct Frame {
+    bounds: Aabb,
     centre: DVec3,
-    /// Reciprocal extents of the box of all points.
+    /// Reciprocal extents.
     scale: DVec3,
-    /// In extents.
-    radius_squared: f64,
 }
 
-impl Ellipsoid {
-    /// The largest about the mean of the vertices of a hull; `None` if it is small. `bounds` is the box
-    /// of all points to be asked about, the hull's own among them.
-    fn within(positions: &[DVec3], surface: &Surface, bounds: Aabb) -> Option<Self> {
-        let extent = bounds.max - bounds.min;
-        let corners = || surface.triangles.iter().flatten().map(|&v| positions[v as usize]);
-        let sum: DVec3 = corners().map(|p| p - bounds.min).sum();
-        let mean = bounds.min + sum / (3 * surface.triangles.len()) as f64;
+impl Frame {
+    fn of(points: &[DVec3]) -> Self {
+        let bounds = Aabb::of_points(points.iter().copied());
+        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
         let centre = mean.clamp(bounds.min, bounds.max);
-        let radius = surface.triangles.iter().fold(f64::INFINITY, |least, triangle| {
-            let side = Side::new(triangle.map(|v| positions[v as usize]), extent);
-            let below = -side.height(centre) - side.margin();
-            least.min(below / (length(side.normal * extent) + side.margin()))
-        });
-        (radius >= WORTHWHILE && radius.is_finite()).then(|| Self {
-            centre,
-            scale: extent.recip(),
-            radius_squared: radius * radius * (1.0 - SHRINK),
-        })
+        Self { bounds, centre, scale: (bounds.max - bounds.min).recip() }
     }
 
-    /// Whether a point of the box lies strictly inside.
-    fn holds(&self, p: DVec3) -> bool {
-        ((p - self.centre) * self.scale).length_squared() < self.radius_squared
+    /// `q` of the proof above.
+    fn scaled(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) * self.scale
+    }
+
+    /// The farthest point of each cell; `None` where too few points lie farther in than all of these
+    /// to be worth more work. Cells are the squares of a grid on each side of a cube.
+    fn champions(&self, points: &[DVec3]) -> Option<Vec<u32>> {
+        let side = ((points.len() / (6 * CROWD)) as f64).sqrt().ceil();
+        let row = side as usize;
+        let mut cells = vec![(0.0f64, 0u32); 6 * row * row];
+        let mut distances = Vec::with_capacity(points.len());
+        for (i, &p) in (0u32..).zip(points) {
+            let q = self.scaled(p);
+            let distance = q.length_squared();
+            distances.push(distance);
+            let a = q.abs();
+            let (face, u, v, w) = if a.x >= a.y && a.x >= a.z {
+                (0, q.y, q.z, q.x)
+            } else if a.y >= a.z {
+                (1, q.z, q.x, q.y)
+            } else {
+                (2, q.x, q.y, q.z)
+            };
+            // In the middle itself 0 / 0 becomes cell 0: any will do.
+            let half = 0.5 * side / w.abs();
+            let step = |x: f64| ((x * half + 0.5 * side) as usize).min(row - 1);
+            let cell =
+                &mut cells[((2 * face + usize::from(w < 0.0)) * row + step(u)) * row + step(v)];
+            if distance > cell.0 {
+                *cell = (distance, i);
+            }
+        }
+        cells.retain(|cell| cell.0 > 0.0);
+        let nearest = cells.iter().fold(f64::INFINITY, |least, cell| least.min(cell.0));
+        let inner = distances.into_iter().filter(|&d| d < DEEP * nearest).count();
+        (inner > points.len() / 8).then(|| cells.into_iter().map(|(_, i)| i).collect())
+    }
+
+    /// `ρ` of the proof above. May be negative, infinite or `NaN`, which all mean nothing.
+    fn radius_within(&self, positions: &[DVec3], surface: &Surface) -> f64 {
+        let extent = self.bounds.max - self.bounds.min;
+        surface.triangles.iter().fold(f64::INFINITY, |least, triangle| {
+            let side = Side::new(triangle.map(|v| positions[v as usize]), extent);
+            let below = -side.height(self.centre) - side.margin();
+            least.min(below / (length(side.normal * extent) + side.margin()))
+        })
     }
 }
 
@@ -119,21 +160,36 @@ mod tests {
     }
 
     #[test]
-    fn the_ellipsoid_of_a_cube_touches_its_sides() {
-        let corners: Vec<DVec3> = lattice(1).into_iter().filter(|p| p.abs() == DVec3::ONE).collect();
-        let Span::Space(simplex) = span_of(&corners) else { unreachable!("a cube is a solid") };
-        let (surface, _) = quickhull::triangulate(&corners, simplex);
-        let bounds = Aabb::of_points(corners.iter().copied());
-        let inner = Ellipsoid::within(&corners, &surface, bounds).expect("a cube is round enough");
-        // Triangles count their corners unevenly: the centre may lie off the middle.
-        let reach = inner.radius_squared.sqrt() * 2.0;
-        let room = 1.0 - inner.centre.abs().max_element();
-        assert!((reach / room - 1.0).abs() < 1e-12, "{reach} of {room}");
-        assert!(!inner.holds(DVec3::X) && inner.holds(inner.centre));
+    fn the_ellipsoid_of_a_box_touches_its_sides() {
+        let corners: Vec<DVec3> = lattice(1)
+            .into_iter()
+            .filter(|p| p.abs() == DVec3::ONE)
+            .map(|p| p * DVec3::new(1.0, 4.0, 16.0))
+            .collect();
+        let Span::Space(simplex) = span_of(&corners) else { unreachable!("a box is a solid") };
+        let (surface, _) = quickhull::of_all(&corners, simplex);
+        let radius = Frame::of(&corners).radius_within(&corners, &surface);
+        assert!(radius <= 0.5 && radius > 0.5 - 1e-14, "{radius}");
     }
 
     #[test]
-    fn flat_samples_and_small_sets_are_kept_whole() {
+    fn points_next_to_the_surface_are_kept() {
+        // Directions all around, each with a point on the sphere and one just below it.
+        let mut points = Vec::new();
+        for p in lattice(6).into_iter().filter(|p| p.length_squared() > 0.0) {
+            points.extend([p.normalize(), p.normalize() * 0.999, p * 0.01]);
+        }
+        let kept = outer_points(&points).expect("a full body");
+        let inner = (0..points.len() as u32).filter(|i| kept.binary_search(i).is_err());
+        let most = inner.map(|i| points[i as usize].length()).fold(0.0, f64::max);
+        assert!(most > 0.1 && most < 0.999, "{most}");
+        assert!(kept.len() <= 2 * points.len() / 3 + 1);
+    }
+
+    #[test]
+    fn surfaces_flat_and_small_sets_are_kept_whole() {
+        let sphere: Vec<DVec3> = lattice(6).into_iter().filter_map(|p| p.try_normalize()).collect();
+        assert_eq!(outer_points(&sphere), None);
         assert_eq!(outer_points(&lattice(2)), None);
         let sheet: Vec<DVec3> = lattice(6).into_iter().map(|p| DVec3::new(p.x, p.y, 0.0)).collect();
         assert_eq!(outer_points(&sheet), None);

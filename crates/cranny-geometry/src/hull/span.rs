@@ -23,13 +23,19 @@ pub(super) enum Span {
 pub(super) fn span_of(points: &[DVec3]) -> Span {
     let indices = || 0..points.len() as u32;
     let at = |i: u32| points[i as usize];
-    let Some(first) =
-        indices().reduce(|m, i| if lexicographic(at(i), at(m)).is_lt() { i } else { m })
-    else {
+    if points.is_empty() {
         return Span::Empty;
-    };
-    let last =
-        indices().fold(first, |m, i| if lexicographic(at(i), at(m)).is_gt() { i } else { m });
+    }
+    let (mut first, mut last) = (0, 0);
+    for i in indices() {
+        // One comparison decides nearly always.
+        if at(i).x <= at(first).x && lexicographic(at(i), at(first)).is_lt() {
+            first = i;
+        }
+        if at(i).x >= at(last).x && lexicographic(at(i), at(last)).is_gt() {
+            last = i;
+        }
+    }
     if at(first) == at(last) {
         return Span::Point(first);
     }
