@@ -58,6 +58,7 @@ mod regions;
 mod surface;
 mod touch;
 mod triangle_distance;
+pub mod walk;
 mod wedge;
 
 pub use answer::{

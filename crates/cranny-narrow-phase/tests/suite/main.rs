@@ -9,3 +9,6 @@ mod measure;
 mod regions;
 mod solids;
 mod verdict;
+mod walk;
+mod walk_hard;
+mod walk_judge;

@@ -1,0 +1,142 @@
+//! Certified bounds of a separation, from a direction and from witness points.
+//!
+//! For any direction `d` the least height of the second hull along `d`, less the greatest height of the
+//! first, divided by `|d|`, is at most the distance. The heights are read where a feature pair says that
+//! they are attained, and *proved* there:
+//!
+//! - at vertices: what lies above any plane hangs together over the edges of a convex polytope (the
+//!   simplex method's argument). So where a set of vertices that hangs together is higher than all its
+//!   neighbours, by more than rounding, its highest vertex is the highest of all;
+//! - at a facet: its supporting plane is stored, rounded outward;
+//! - where rounding leaves that open: [`ConvexHull::support`](cranny_geometry::ConvexHull::support).
+//!
+//! Nothing is assumed of the walk that found the pair. A wrong pair makes a wide interval, not a
+//! wrong one.
+
+use cranny_exact::DVec3;
+use cranny_geometry::hull::{FacetId, HullVertexId};
+
+use super::graph::HullFeature;
+use super::nearest::{Witnesses, witnesses};
+use super::sides::Sides;
+
+/// Twice the rounding of a height, relative to direction and reach: a height takes three products and
+/// two sums, each within `3 u` of the sum of magnitudes; two of them, and the computing of the bound.
+/// Smaller, and the argument of the head fails; larger, and supports are searched more often.
+const TWO_HEIGHTS: f64 = 4.0 * f64::EPSILON;
+
+/// How much of a direction may lie across a facet's normal for its plane to serve, relative. Such a
+/// rest is paid for with the whole reach of the hull, so it must be rounding.
+const ALIGNED: f64 = 16.0 * f64::EPSILON;
+
+/// Bounds of the separation of two hulls.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Certificate {
+    /// The hulls are at least this far apart along `normal`; not positive where that does not show.
+    pub(super) lo: f64,
+    /// They are at most this far apart.
+    pub(super) hi: f64,
+    /// From the first to the second, of length 1, in the first's frame.
+    pub(super) normal: DVec3,
+    /// In the first's frame.
+    pub(super) points: [DVec3; 2],
+    pub(super) pair: [HullFeature; 2],
+}
+
+impl Certificate {
+    /// Whether the bounds meet as closely as arithmetic allows, and say that the hulls are apart.
+    pub(super) fn parts(&self, sides: &Sides) -> bool {
+        self.lo > 0.0 && self.hi - self.lo <= sides.resolution()
+    }
+
+    /// Whether zero lies within the bounds and these meet: only exact predicates can tell.
+    pub(super) fn straddles(&self, sides: &Sides) -> bool {
+        self.lo <= 0.0
+            && self.hi <= sides.resolution()
+            && self.hi - self.lo <= 2.0 * sides.resolution()
+    }
+}
+
+/// Bounds read at a feature pair. `None` where the pair has no nearest points within the features.
+#[inline]
+pub(super) fn certify(sides: &Sides, pair: [HullFeature; 2]) -> Option<Certificate> {
+    let Witnesses { points, direction, slack, second_choice } = witnesses(sides, pair)?;
+    let hi = (points[1] - points[0]).length() + slack + sides.rounding;
+    let mut best = (lower_bound(sides, direction, pair)?, direction);
+    if best.0 < hi - sides.resolution() {
+        if let Some(other) = second_choice {
+            if let Some(lo) = lower_bound(sides, other, pair).filter(|&lo| lo > best.0) {
+                best = (lo, other);
+            }
+        }
+    }
+    let (lo, direction) = best;
+    Some(Certificate { lo, hi, normal: direction / direction.length(), points, pair })
+}
+
+/// A number that the separation is not below, along a direction of the first's frame (of any length).
+/// `hints` say where the supports are expected. `None` for a direction without length.
+pub(super) fn lower_bound(sides: &Sides, direction: DVec3, hints: [HullFeature; 2]) -> Option<f64> {
+    let length = direction.length();
+    if !(length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    let turned = -sides.second_direction(direction);
+    let first = height(sides, 0, direction, length, hints[0]);
+    let second = height(sides, 1, turned, length, hints[1]);
+    let gap = direction.dot(sides.from[0].translation) - second - first;
+    Some(gap / length - sides.rounding)
+}
+
+/// The greatest height of a hull along a direction of its own frame, up to the rounding that
+/// [`Sides::rounding`] accounts for.
+fn height(sides: &Sides, side: usize, direction: DVec3, length: f64, hint: HullFeature) -> f64 {
+    let slack = TWO_HEIGHTS * length * sides.graph(side).reach;
+    let proved = match hint {
+        HullFeature::Vertex(v) => peak(sides, side, direction, slack, [v, v]),
+        HullFeature::Edge(e) => {
+            peak(sides, side, direction, slack, sides.graph(side).half_edges[e.index()].ends)
+        }
+        HullFeature::Facet(f) => below_plane(sides, side, direction, length, f),
+    };
+    proved.unwrap_or_else(|| {
+        let top = sides.support(side, direction, Some(sides.corner_of(side, hint)));
+        direction.dot(sides.hulls[side].hull.position(top))
+    })
+}
+
+/// The height of the higher of two adjacent vertices (or of one), if all their other neighbours are lower
+/// than both.
+#[inline]
+fn peak(
+    sides: &Sides,
+    side: usize,
+    direction: DVec3,
+    slack: f64,
+    set: [HullVertexId; 2],
+) -> Option<f64> {
+    let graph = sides.graph(side);
+    let [a, b] = set.map(|v| direction.dot(sides.hulls[side].hull.position(v)));
+    let floor = a.min(b) - slack;
+    let adjacent = set[0] == set[1] || graph.rim(set[0]).iter().any(|(w, _)| *w == set[1]);
+    let lower = |v: HullVertexId| {
+        graph.rim(v).iter().all(|(w, p)| direction.dot(*p) < floor || *w == set[0] || *w == set[1])
+    };
+    (adjacent && lower(set[0]) && (set[0] == set[1] || lower(set[1]))).then(|| a.max(b))
+}
+
+/// A facet's supporting plane, for a direction that is its normal to rounding.
+#[inline]
+fn below_plane(
+    sides: &Sides,
+    side: usize,
+    direction: DVec3,
+    length: f64,
+    facet: FacetId,
+) -> Option<f64> {
+    let graph = sides.graph(side);
+    let plane = &graph.facets[facet.index()];
+    let along = direction.dot(plane.normal);
+    let across = (direction - along * plane.normal).length();
+    (along > 0.0 && across <= ALIGNED * length).then(|| along * plane.offset + across * graph.reach)
+}
