@@ -63,12 +63,11 @@ pub(super) fn certify(sides: &Sides, pair: [HullFeature; 2]) -> Option<Certifica
     let Witnesses { points, direction, slack, second_choice } = witnesses(sides, pair)?;
     let hi = (points[1] - points[0]).length() + slack + sides.rounding;
     let mut best = (lower_bound(sides, direction, pair)?, direction);
-    if best.0 < hi - sides.resolution() {
-        if let Some(other) = second_choice {
-            if let Some(lo) = lower_bound(sides, other, pair).filter(|&lo| lo > best.0) {
-                best = (lo, other);
-            }
-        }
+    if best.0 < hi - sides.resolution()
+        && let Some(other) = second_choice
+        && let Some(lo) = lower_bound(sides, other, pair).filter(|&lo| lo > best.0)
+    {
+        best = (lo, other);
     }
     let (lo, direction) = best;
     Some(Certificate { lo, hi, normal: direction / direction.length(), points, pair })
@@ -138,5 +137,6 @@ fn below_plane(
     let plane = &graph.facets[facet.index()];
     let along = direction.dot(plane.normal);
     let across = (direction - along * plane.normal).length();
-    (along > 0.0 && across <= ALIGNED * length).then(|| along * plane.offset + across * graph.reach)
+    (along > 0.0 && across <= ALIGNED * length)
+        .then_some(along * plane.offset + across * graph.reach)
 }

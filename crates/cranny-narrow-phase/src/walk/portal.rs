@@ -170,10 +170,10 @@ fn refine(sides: &Sides, center: DVec3, portal: [Corner; 3], portals: &mut u64) 
             normal = -normal;
         }
         let pairs = [a.pair, b.pair, c.pair];
-        if normal.dot(a.at) >= 0.0 {
-            if let Some(depth) = proved_depth(sides, &pairs) {
-                return Search::Overlap(pairs, depth);
-            }
+        if normal.dot(a.at) >= 0.0
+            && let Some(depth) = proved_depth(sides, &pairs)
+        {
+            return Search::Overlap(pairs, depth);
         }
         let further = support(sides, normal, Some(a.pair));
         if further.at.dot(normal) < 0.0 {
