@@ -40,3 +40,11 @@ id! {
     /// A patch: connected faces of nearly one normal.
     PatchId
 }
+id! {
+    /// A layer of an envelope, counted through all envelopes of a model.
+    LayerId
+}
+id! {
+    /// A facet of an envelope, counted through all envelopes of a model.
+    EnvelopeFacetId
+}

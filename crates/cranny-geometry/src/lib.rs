@@ -29,6 +29,7 @@
     expect(dead_code, unused_imports, reason = "the stage that builds caps calls it")
 )]
 mod caps;
+pub mod envelope;
 pub mod hull;
 mod ids;
 mod mass;
@@ -40,8 +41,11 @@ mod topology;
 mod tree;
 mod weld;
 
+pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
 pub use hull::ConvexHull;
-pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
+pub use ids::{
+    ComponentId, EdgeId, EnvelopeFacetId, FaceId, HalfEdgeId, LayerId, PatchId, VertexId,
+};
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, Model, Stage};

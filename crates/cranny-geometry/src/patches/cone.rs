@@ -20,7 +20,7 @@ pub struct NormalCone {
 /// What rounding may take off a cosine: a dozen operations on numbers of at most 1, axes whose
 /// lengths are off by two ulps. Smaller, and a normal may lie outside; larger, and flat patches get
 /// wider cones (this one stands for 2e-7 radians).
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Sine of the angle between the two shorter edges of a face below which it has no normal worth the
 /// name: rounding may then turn the normal by more than 2^-19 radians. Larger, and thin faces

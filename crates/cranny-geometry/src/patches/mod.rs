@@ -275,7 +275,9 @@ impl Patches {
         if extent > limits.diagonal_squared(largest) {
             return Err(format!("patch {} is too large", id.0));
         }
-        if faces.len() > patch.needles as usize && patch.cone.cosine < grow::LEAST_COSINE - 1e-9 {
+        if faces.len() > patch.needles as usize
+            && patch.cone.cosine < grow::LEAST_COSINE - cone::ROUNDING
+        {
             return Err(format!("the cone of patch {} is too wide", id.0));
         }
         let mut reached = BTreeSet::from([faces[0]]);
