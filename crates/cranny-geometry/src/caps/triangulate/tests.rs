@@ -77,6 +77,26 @@ fn passes_through([p, q]: [Lattice; 2], t: [Lattice; 3]) -> bool {
     signs.contains(&1) && signs.contains(&-1) && !one_side_of_a_side
 }
 
+/// Whether two edges meet in the inside of both, at a point that is none of the vertices.
+fn any_cross(lattice: &[Lattice], edges: &[[u32; 2]], vertices: &BTreeSet<u32>) -> bool {
+    let at = |v: u32| lattice[v as usize];
+    let inside = |v: &u32, [a, b]: [Lattice; 2]| {
+        let (p, low, high) = (at(*v), a.min(b), a.max(b));
+        orient([a, b, p]) == 0 && low < p && p < high
+    };
+    edges.iter().enumerate().any(|(i, e)| {
+        edges[i + 1..].iter().any(|f| {
+            let ([a, b], [c, d]) = (e.map(at), f.map(at));
+            let apart = |p: [Lattice; 2], q: [Lattice; 2]| {
+                orient([p[0], p[1], q[0]]).signum() * orient([p[0], p[1], q[1]]).signum() == -1
+            };
+            apart([a, b], [c, d])
+                && apart([c, d], [a, b])
+                && !vertices.iter().any(|v| inside(v, [a, b]) && inside(v, [c, d]))
+        })
+    })
+}
+
 /// Everything that is promised of a triangulation.
 fn check(lattice: &[Lattice], chain: &[[u32; 2]], forced: &[[u32; 2]]) -> Triangulation {
     let made = triangulate(&points(lattice), chain, forced);
@@ -84,6 +104,11 @@ fn check(lattice: &[Lattice], chain: &[[u32; 2]], forced: &[[u32; 2]]) -> Triang
 
     let named: BTreeSet<u32> = chain.iter().chain(forced).flatten().copied().collect();
     assert!(made.triangles.iter().flatten().all(|v| named.contains(v)), "a vertex of its own");
+
+    let net = netted(chain.iter().copied());
+    let used: BTreeSet<u32> = net.keys().chain(forced).flatten().copied().collect();
+    let edges: Vec<[u32; 2]> = net.keys().chain(forced).copied().collect();
+    assert!(made.exact || any_cross(lattice, &edges, &used), "inexact without a crossing");
 
     let corners = |t: &[u32; 3]| t.map(|v| lattice[v as usize]);
     let solid: Vec<[Lattice; 3]> =
