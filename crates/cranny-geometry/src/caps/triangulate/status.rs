@@ -1,8 +1,8 @@
 //! The edges that the sweep line crosses, from bottom to top: a sorted list cut into short rows, so
 //! that insertion and removal move few entries.
 
-/// Rows longer than this are halved. Shorter rows make more of them, longer ones cost more to shift;
-/// times were flat between 64 and 512.
+/// Rows longer than this are halved. Shorter rows make more of them to search among, longer ones cost
+/// more to shift (`it_behaves_as_a_sorted_vector` runs through both).
 const LONGEST_ROW: usize = 256;
 
 /// Edges in order. The order itself is the caller's: the list only searches it by a predicate that is

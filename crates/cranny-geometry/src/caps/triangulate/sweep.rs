@@ -248,7 +248,7 @@ impl Sweep<'_> {
     fn fold(&mut self, run: &[u32]) {
         for pair in run.windows(2).rev() {
             let [near, far] = [pair[0], pair[1]].map(|e| self.segments[e as usize]);
-            if (far.count != 0 || far.forced) && near.right != far.right {
+            if near.right != far.right {
                 self.split(far, near.right);
             }
             let near = &mut self.segments[pair[0] as usize];
@@ -317,5 +317,73 @@ impl Sweep<'_> {
     fn orient(&self, a: u32, b: u32, c: u32) -> Sign {
         let [a, b, c] = [a, b, c].map(|s| self.sites[s as usize]);
         orient2d(a, b, c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn orient(lattice: &[[i64; 2]], corners: [u32; 3]) -> i64 {
+        let [a, b, c] = corners.map(|s| lattice[s as usize]);
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    }
+
+    /// Twice the area of the convex hull of sorted sites, by gift wrapping.
+    fn hull_area(lattice: &[[i64; 2]]) -> i64 {
+        let (mut at, mut area) = (0, 0);
+        loop {
+            let next = (0..lattice.len() as u32).filter(|&s| s != at).reduce(|best, s| {
+                let right = orient(lattice, [at, best, s]);
+                let [p, b, q] = [at, best, s].map(|s| lattice[s as usize]);
+                let reach = |r: [i64; 2]| (r[0] - p[0]).pow(2) + (r[1] - p[1]).pow(2);
+                if right < 0 || (right == 0 && reach(q) > reach(b)) { s } else { best }
+            });
+            let Some(next) = next else { return 0 };
+            area += orient(lattice, [0, at, next]);
+            at = next;
+            if at == 0 {
+                return area;
+            }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1500))]
+
+        #[test]
+        fn whatever_is_dropped_the_hull_is_triangulated(
+            places in prop::collection::btree_set([-7i64..8, -7i64..8], 2..24),
+            ends in prop::collection::vec(([0usize..24, 0usize..24], -1i64..2), 0..24),
+        ) {
+            let lattice: Vec<[i64; 2]> = places.into_iter().collect();
+            let sites: Vec<DVec2> =
+                lattice.iter().map(|p| DVec2::new(p[0] as f64, p[1] as f64)).collect();
+            let segments: Vec<Segment> = ends
+                .iter()
+                .filter_map(|(e, count)| {
+                    Segment::new(e.map(|i| (i % sites.len()) as u32), *count, true)
+                })
+                .collect();
+            let swept = sweep(&sites, &segments).expect("all segments end");
+            let mut area = 0;
+            let mut sides = std::collections::BTreeSet::new();
+            for Layer { corners: [a, b, c], .. } in swept.triangles {
+                let twice = orient(&lattice, [a, b, c]);
+                prop_assert!(twice > 0);
+                area += twice;
+                for side in [[a, b], [b, c], [c, a]] {
+                    prop_assert!(sides.insert(side), "{side:?} twice");
+                }
+            }
+            prop_assert_eq!(area, hull_area(&lattice));
+            for segment in swept.kept {
+                let ends = [segment.left, segment.right];
+                let flat = area == 0;
+                prop_assert!(flat || sides.contains(&ends) || sides.contains(&[ends[1], ends[0]]));
+            }
+            prop_assert!(swept.flat.iter().all(|l| orient(&lattice, l.corners) == 0));
+        }
     }
 }

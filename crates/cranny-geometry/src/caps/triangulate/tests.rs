@@ -271,7 +271,30 @@ fn a_crossing_disturbs_only_its_neighbourhood() {
     let magnitudes: i64 =
         made.triangles.iter().map(|t| orient(t.map(|v| lattice[v as usize])).abs()).sum();
     let area = 2 * (90 * 90 - 10 * 10 - 55);
-    assert!((area..area + 4 * 110).contains(&magnitudes), "{magnitudes} against {area}");
+    // The right side takes the way over the corner outside; the strip between counts twice.
+    assert_eq!(magnitudes, area + 2 * 90);
+}
+
+#[test]
+fn a_detour_goes_forward_and_on_the_closer_side() {
+    // 0 1 crosses 2 3 and is the longer; 3 lies closer to it than 2. Behind its start, on its line,
+    // ends the side 0 4 of another triangle.
+    let lattice = [[0, 0], [4, 0], [2, 2], [2, -1], [-2, 0], [-2, -3]];
+    let made = check(&lattice, &cycles(&[&[0, 1, 2, 3], &[4, 5, 0]]), &[]);
+    assert!(!made.exact);
+    let mut areas: Vec<i64> =
+        made.triangles.iter().map(|t| orient(t.map(|v| lattice[v as usize]))).collect();
+    areas.sort_unstable();
+    assert_eq!(areas, [-4, 6, 6]); // 0 1 3, which fills the strip; 3 1 2; 4 5 0
+}
+
+#[test]
+fn a_forced_edge_that_crosses_the_boundary_is_missed_and_disturbs_nothing() {
+    let lattice = [square(0, 4).as_slice(), &[[1, 2], [6, 3]]].concat();
+    let made = check(&lattice, &cycle(&[0, 1, 2, 3]), &[[4, 5]]);
+    assert!(!made.exact);
+    assert_eq!(made.triangles.len(), 4);
+    assert!(made.triangles.iter().all(|t| orient(t.map(|v| lattice[v as usize])) > 0));
 }
 
 #[test]
