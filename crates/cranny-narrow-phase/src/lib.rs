@@ -21,7 +21,7 @@
 //! `wedge` and `containment` decide about solids; `closest` measures gaps. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
-//! matters. `brute_force` is the slow, obviously right version of the verdict and the distance.
+//! matters. `impact` finds when two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -46,6 +46,7 @@ mod containment;
 mod depth;
 mod descent;
 mod evaluate;
+mod impact;
 mod inside;
 mod intersection;
 mod memory;
@@ -65,6 +66,10 @@ pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, Surface, Witness,
 };
 pub use evaluate::{QueryError, query, world_bounds};
+pub use impact::{
+    Hit, Impact, ImpactCounters, ImpactError, ImpactOptions, LinearImpact, LinearLimits, MAX_TURN,
+    Motion, Moving, linear_edge_edge, linear_vertex_face, time_of_impact,
+};
 pub use memory::PairMemory;
 pub use query::{Demand, Placed, Query};
 pub use reduce::reduce as reduce_contacts;
