@@ -38,7 +38,7 @@ fn inspect(path: &Path) -> Result<(), Box<dyn Error>> {
     }
     let mut found = BTreeMap::<&str, (usize, &[&str])>::new();
     for finding in &report.findings {
-        found.entry(finding.kind.name()).or_insert((0, finding.kind.limits())).0 += 1;
+        found.entry(finding.kind.name()).or_insert((0, finding.kind.limits())).0 += finding.count;
     }
     for (kind, (count, limits)) in found {
         println!("found: {count} {kind} {limits:?}");

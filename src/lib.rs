@@ -27,7 +27,7 @@
 //! use cranny::shapes::ChainLink;
 //!
 //! let (link, report) = Model::build(ChainLink::default().build()?, &BuildOptions::default())?;
-//! assert!(report.closed && report.findings.is_empty());
+//! assert!(report.closed && report.is_sound());
 //!
 //! // The long axis of a link is x; its neighbour along the chain is turned about it by 90 degrees.
 //! let quarter_turn = DQuat::from_xyzw(0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt());

@@ -134,7 +134,8 @@ pub(crate) fn build_models(scene: &SceneDescription) -> Result<Vec<Model>, Scene
             Some(model) => model.clone(),
             None => {
                 let mesh = Mesh::clone(&body.collision);
-                let (model, _) = Model::build(mesh, &BuildOptions::default())
+                let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+                let (model, _) = Model::build(mesh, &options)
                     .map_err(|source| SceneAppError::Model { body: body.name.clone(), source })?;
                 built.insert(key, model.clone());
                 model

@@ -4,13 +4,15 @@
 //!
 //! - Any triangle mesh with finite coordinates is accepted, open and non-manifold ones included;
 //!   the [`Report`] names every defect that limits answers.
-//! - Preparation never moves a vertex: coincident ones are welded, unreferenced ones dropped.
+//! - Preparation moves nothing unless asked to [`Repair`]: coincident vertices are welded,
+//!   unreferenced ones dropped. A repaired surface is proved to be the filed one within the weld
+//!   distance.
 //! - The hull is exactly convex, and the tree's boxes hold their faces exactly.
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises
 //!
-//! Self-intersecting meshes are accepted unseen for now; T-vertices are reported as open edges.
+//! Self-intersections are reported, never resolved; holes are reported, never filled.
 //!
 //! ```
 //! use cranny_exact::DVec3;
@@ -19,7 +21,7 @@
 //! let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
 //! let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 //! let (model, report) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
-//! assert!(model.is_closed() && report.findings.is_empty());
+//! assert!(model.is_closed() && report.is_sound());
 //! assert!((model.mass_properties().unwrap().volume - 1.0 / 6.0).abs() < 1e-15);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -35,11 +37,16 @@ mod ids;
 mod mass;
 mod mesh;
 mod model;
+mod near;
 mod patches;
+mod repair;
 mod report;
+mod resolution;
+mod scan;
 mod topology;
 mod tree;
 mod weld;
+mod winding;
 
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
 pub use hull::ConvexHull;
@@ -50,6 +57,8 @@ pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, Model, Stage};
 pub use patches::{NormalCone, Patch, PatchTree, Patches};
-pub use report::{Finding, FindingKind, Repair, Report};
+pub use repair::Repair;
+pub use repair::proof::ProofError;
+pub use report::{Element, Finding, FindingKind, MeetingScan, RepairKind, RepairRecord, Report};
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
 pub use tree::{Content, FaceForest, FaceTree, Node};

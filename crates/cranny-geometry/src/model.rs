@@ -3,8 +3,8 @@
 //! A [`Model`] is immutable and shared (`Arc` inside). It is filled in stages, each a module of this
 //! crate; the stages of the full method stand here in order, so that one sees where the next belongs:
 //!
-//! 1. weld ([`mesh`](Model::mesh)), 2. adjacency ([`topology`](Model::topology)), 3. hull
-//!    ([`hull`](Model::hull)), 4. features (convex, concavity, boundary), 5. loops and caps,
+//! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
+//!    ([`topology`](Model::topology)), 3. hull ([`hull`](Model::hull)), 4. features (convex, concavity, boundary), 5. loops and caps,
 //!    6. trees ([`tree`](Model::tree); one over all faces now, one per concavity once caps exist),
 //!    7. envelopes, 8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
 //!
@@ -12,34 +12,69 @@
 
 use std::sync::Arc;
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::{Aabb, Tolerance};
 use thiserror::Error;
 
 use crate::hull::ConvexHull;
-use crate::ids::{EdgeId, FaceId};
+use crate::ids::FaceId;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
-use crate::report::{Finding, FindingKind, Repair, Report};
-use crate::topology::{EdgeKind, Topology};
+use crate::repair::proof::ProofError;
+use crate::repair::{Repair, mend};
+use crate::report::{RepairKind, RepairRecord, Report};
+use crate::resolution::default_weld_distance;
+use crate::scan::faces::has_no_area;
+use crate::scan::scan;
+use crate::topology::Topology;
 use crate::tree::FaceTree;
 use crate::weld::weld;
 
 /// How to prepare a model.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Faces per leaf of the tree, at least 1. Default: [`BuildOptions::DEFAULT_LEAF_SIZE`].
     pub leaf_size: usize,
+    /// What may be mended. Default: [`Repair::None`], which keeps the surface as it was filed.
+    pub repair: Repair,
+    /// What 'the same place' means for findings and repairs: at most
+    /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from how
+    /// finely the coordinates were stored: twice the step of a decimal grid that holds them all,
+    /// or eight times the step of single or double precision at the largest coordinate, but never
+    /// more than a ten-thousandth of the diagonal.
+    pub tolerance: Option<Tolerance>,
+    /// Whether faces that cross, touch or overlap each other are searched for. Default: yes.
+    pub self_intersections: bool,
 }
 
 impl BuildOptions {
     /// One face a leaf made cold queries fastest on tori and threads; more than four slows them.
     pub const DEFAULT_LEAF_SIZE: usize = 1;
+
+    /// The largest weld distance, as a share of the mesh's diagonal. Larger, and everything is near
+    /// everything: repairs mean nothing and searches take quadratic time.
+    pub const LARGEST_WELD_SHARE: f64 = 0.01;
+
+    fn weld_distance(&self, mesh: &Mesh) -> Result<f64, BuildError> {
+        let Some(Tolerance { weld_distance }) = self.tolerance else {
+            return Ok(default_weld_distance(mesh));
+        };
+        let limit = Self::LARGEST_WELD_SHARE * mesh.bounds().diagonal();
+        match (0.0..=limit).contains(&weld_distance) {
+            true => Ok(weld_distance),
+            false => Err(BuildError::WeldDistance { weld_distance, limit }),
+        }
+    }
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { leaf_size: Self::DEFAULT_LEAF_SIZE }
+        Self {
+            leaf_size: Self::DEFAULT_LEAF_SIZE,
+            repair: Repair::None,
+            tolerance: None,
+            self_intersections: true,
+        }
     }
 }
 
@@ -53,13 +88,28 @@ pub enum BuildError {
         /// Number of faces.
         faces: usize,
     },
+    /// A weld distance that is negative, no number, or too large for the mesh.
+    #[error(
+        "the weld distance {weld_distance:e} is not between 0 and {limit:e}, a hundredth of the mesh's diagonal"
+    )]
+    WeldDistance {
+        /// The distance asked for.
+        weld_distance: f64,
+        /// The largest for this mesh.
+        limit: f64,
+    },
+    /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
+    #[error("the repaired mesh could not be proved to be the same surface: {0}")]
+    NotProved(#[from] ProofError),
 }
 
 /// A stage of preparation, told to whoever measures times (this crate reads no clock).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// Weld, scan, repair, adjacency.
+    /// Weld, repair, adjacency.
     Repair,
+    /// Scan for findings.
+    Scan,
     /// Convex hull.
     Hull,
     /// Box trees and patches.
@@ -82,6 +132,8 @@ struct Parts {
     mass: Option<MassProperties>,
     radius: f64,
     digest: [u8; 32],
+    /// The filed face of each face; `None` where all are as filed.
+    filed_faces: Option<Vec<FaceId>>,
 }
 
 impl Model {
@@ -105,18 +157,14 @@ impl Model {
         observe: &mut dyn FnMut(Stage),
     ) -> Result<(Self, Report), BuildError> {
         observe(Stage::Repair);
-        let mut report = Report::default();
-        let filed_vertices = mesh.vertices().len();
-        let welded = weld(&mesh);
-        if welded.duplicates > 0 {
-            report.repairs.push(Repair::WeldedVertices { count: welded.duplicates });
-        }
-        if welded.unreferenced > 0 {
-            report.repairs.push(Repair::DroppedVertices { count: welded.unreferenced });
-        }
-        let mut mesh = welded.mesh;
-        let degenerate = degenerate_faces(&mesh);
-        if degenerate.len() == mesh.faces().len() {
+        let mut report = Report {
+            filed_vertices: mesh.vertices().len(),
+            filed_faces: mesh.faces().len(),
+            weld_distance: options.weld_distance(&mesh)?,
+            ..Report::default()
+        };
+        let (mut mesh, filed_faces) = mended(mesh, options.repair, &mut report)?;
+        if (0..mesh.faces().len() as u32).all(|f| has_no_area(&mesh, FaceId(f))) {
             return Err(BuildError::OnlyDegenerateFaces { faces: mesh.faces().len() });
         }
         let mut topology = Topology::of(&mesh);
@@ -125,10 +173,9 @@ impl Model {
             mesh = mesh.turned_inside_out();
             topology = Topology::of(&mesh);
             mass = Some(MassProperties::of(&mesh));
-            report.repairs.push(Repair::TurnedRightSideOut { faces: mesh.faces().len() });
+            let turned = RepairRecord::new(RepairKind::TurnedRightSideOut, mesh.faces().len());
+            report.repairs.push(turned);
         }
-        scan(&mesh, &topology, degenerate, &mut report);
-        report.filed_vertices = filed_vertices;
         report.vertices = mesh.vertices().len();
         report.faces = mesh.faces().len();
         report.components = topology.components().len();
@@ -138,24 +185,35 @@ impl Model {
             (0..mesh.faces().len() as u32).map(|f| mesh.area_vector(FaceId(f)).length()).sum();
         report.volume = mass.map(|m| m.volume);
 
-        observe(Stage::Hull);
-        let hull = ConvexHull::of_points(mesh.vertices());
         observe(Stage::Trees);
         let tree = FaceTree::of(&mesh, options.leaf_size);
         let patches = Patches::of(&mesh, &topology);
+        observe(Stage::Scan);
+        let weld_distance = report.weld_distance;
+        (report.findings, report.meetings) =
+            scan(&mesh, &topology, &tree, weld_distance, options.self_intersections);
+
+        observe(Stage::Hull);
+        let hull = ConvexHull::of_points(mesh.vertices());
         let radius = mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up();
         let digest = digest(&mesh);
         observe(Stage::Done);
-        Ok((
-            Self(Arc::new(Parts { mesh, topology, hull, tree, patches, mass, radius, digest })),
-            report,
-        ))
+        let parts =
+            Parts { mesh, topology, hull, tree, patches, mass, radius, digest, filed_faces };
+        Ok((Self(Arc::new(parts)), report))
     }
 
-    /// The welded mesh; face ids are those that were filed.
+    /// The mended mesh. Face ids are those that were filed unless repairs other than
+    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face).
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.0.mesh
+    }
+
+    /// The filed face that a face is, or is a part of.
+    #[must_use]
+    pub fn filed_face(&self, face: FaceId) -> FaceId {
+        self.0.filed_faces.as_ref().map_or(face, |filed| filed[face.index()])
     }
 
     /// Adjacency of [`mesh`](Self::mesh).
@@ -234,46 +292,27 @@ fn digest(mesh: &Mesh) -> [u8; 32] {
     *hasher.finalize().as_bytes()
 }
 
-/// Faces whose corners lie on a line or in a point, exactly: co-linear in all three projections.
-fn degenerate_faces(mesh: &Mesh) -> Vec<FaceId> {
-    use cranny_exact::{DVec2, orient2d};
-    let flat = |[a, b, c]: [DVec3; 3], x: usize, y: usize| {
-        let p = |v: DVec3| DVec2::new(v[x], v[y]);
-        orient2d(p(a), p(b), p(c)).is_zero()
-    };
-    (0..mesh.faces().len() as u32)
-        .map(FaceId)
-        .filter(|&f| {
-            let t = mesh.triangle(f);
-            flat(t, 0, 1) && flat(t, 1, 2) && flat(t, 2, 0)
-        })
-        .collect()
-}
-
-fn scan(mesh: &Mesh, topology: &Topology, degenerate: Vec<FaceId>, report: &mut Report) {
-    for face in degenerate {
-        let [a, b, c] = mesh.triangle(face);
-        report.findings.push(Finding {
-            kind: FindingKind::ZeroAreaFace,
-            ids: vec![face.0],
-            at: (a + b + c) / 3.0,
-            measure: (b - a).length().max((c - b).length()).max((a - c).length()),
-        });
+/// Welds what is in exactly the same place, then mends as far as the policy goes. Returns the mesh
+/// and the filed face of each of its faces where these are not the same.
+fn mended(
+    mesh: Mesh,
+    policy: Repair,
+    report: &mut Report,
+) -> Result<(Mesh, Option<Vec<FaceId>>), BuildError> {
+    let welded = weld(&mesh);
+    for (kind, count) in [
+        (RepairKind::WeldedVertices, welded.duplicates),
+        (RepairKind::DroppedVertices, welded.unreferenced),
+    ] {
+        if count > 0 {
+            report.repairs.push(RepairRecord::new(kind, count));
+        }
     }
-    for (e, edge) in topology.edges().iter().enumerate() {
-        let kind = match edge.kind {
-            EdgeKind::Manifold => continue,
-            _ if edge.from == edge.to => continue, // the short side of a collapsed face
-            EdgeKind::Open => FindingKind::OpenEdge,
-            EdgeKind::Contradictory => FindingKind::ContradictoryEdge,
-            EdgeKind::Balanced | EdgeKind::Tangled => FindingKind::NonManifoldEdge,
-        };
-        let (p, q) = (mesh.position(edge.from), mesh.position(edge.to));
-        report.findings.push(Finding {
-            kind,
-            ids: topology.half_edges(EdgeId(e as u32)).iter().map(|h| h.face().0).collect(),
-            at: 0.5 * (p + q),
-            measure: (q - p).length(),
-        });
+    if policy == Repair::None {
+        return Ok((welded.mesh, None));
     }
+    let mended = mend(&mesh, welded, policy == Repair::Full, report.weld_distance)?;
+    report.repairs.extend(mended.records);
+    report.deviation = mended.deviation;
+    Ok((mended.mesh, mended.filed_face))
 }

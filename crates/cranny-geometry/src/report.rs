@@ -7,9 +7,11 @@ use cranny_exact::DVec3;
 pub struct Report {
     /// Vertices as filed.
     pub filed_vertices: usize,
+    /// Faces as filed.
+    pub filed_faces: usize,
     /// Vertices of the prepared mesh.
     pub vertices: usize,
-    /// Faces (filed and prepared: none is ever dropped).
+    /// Faces of the prepared mesh; [`Model::filed_face`](crate::Model::filed_face) says whence each came.
     pub faces: usize,
     /// Components that hang together over edges.
     pub components: usize,
@@ -21,10 +23,32 @@ pub struct Report {
     pub area: f64,
     /// Volume, where closed. Unit: length^3.
     pub volume: Option<f64>,
-    /// What is unusual and remains.
+    /// What 'the same place' meant for findings and repairs. Unit: length.
+    pub weld_distance: f64,
+    /// The prepared surface is proved to be the filed one within this distance, both ways. 0 where
+    /// no vertex moved and no edge was split off its line. Unit: length.
+    pub deviation: f64,
+    /// How far the search for faces that meet went.
+    pub meetings: MeetingScan,
+    /// What is unusual and remains in the prepared mesh.
     pub findings: Vec<Finding>,
-    /// What was mended.
-    pub repairs: Vec<Repair>,
+    /// What was mended, in order.
+    pub repairs: Vec<RepairRecord>,
+}
+
+/// How far the search for faces that cross, touch or overlap each other went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MeetingScan {
+    /// Not asked for: such faces are not reported.
+    #[default]
+    Skipped,
+    /// Every pair was judged.
+    Complete,
+    /// Given up after so many pairs: there are more than the report lists.
+    Stopped {
+        /// Pairs judged.
+        tests: usize,
+    },
 }
 
 /// Something unusual, where it is and how large.
@@ -32,27 +56,90 @@ pub struct Report {
 pub struct Finding {
     /// What it is.
     pub kind: FindingKind,
-    /// The faces concerned.
+    /// What is concerned: numbers of the prepared mesh's vertices, faces or components, as
+    /// [`FindingKind::element`] says. Empty in a finding that sums up many.
     pub ids: Vec<u32>,
     /// A point of it, in the body's frame.
     pub at: DVec3,
-    /// Its size: the length of an edge, the longest side of a face.
+    /// Its size; [`FindingKind`] says which.
     pub measure: f64,
+    /// How many such places this finding stands for; 1 but for kinds that are summed up.
+    pub count: usize,
 }
 
-/// Kinds of findings.
+/// What the ids of a finding number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Element {
+    /// Vertices.
+    Vertex,
+    /// Faces.
+    Face,
+    /// Components.
+    Component,
+}
+
+impl Element {
+    /// Its name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::Face => "face",
+            Self::Component => "component",
+        }
+    }
+}
+
+/// Kinds of findings, and what is measured of each. Lengths unless said otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum FindingKind {
-    /// A face without area: part of the surface as a segment or point, never of a crossing.
+    /// A face without area, exactly. Longest side.
     ZeroAreaFace,
-    /// An edge of one face: the mesh is a surface, not a solid.
+    /// A face with area, no higher than the weld distance. Height over the longest side.
+    NeedleFace,
+    /// Faces on the same three vertices, wound alike. Area.
+    DuplicateFaces,
+    /// Faces on the same three vertices, some wound against the others. Area.
+    OppositeFaces,
+    /// Edges whose two faces lie in one plane, exactly, side by side: harmless, and so many that they
+    /// are summed up. The longest such edge.
+    CoplanarAdjacent,
+    /// Two faces that lie in one plane, exactly, and share area. Size of the boxes' overlap.
+    CoplanarOverlap,
+    /// Two faces with an inner point in common, in planes that cross. Size of the boxes' overlap.
+    SelfIntersection,
+    /// Two faces that meet elsewhere than along what they share, without crossing. Size of the
+    /// boxes' overlap.
+    SelfTouch,
+    /// An edge of one face. Its length.
     OpenEdge,
-    /// An edge along which two faces run the same way: their orientations contradict.
+    /// An edge along which two faces run the same way. Its length.
     ContradictoryEdge,
-    /// An edge of more than two faces.
+    /// An edge of more than two faces. Its length.
     NonManifoldEdge,
+    /// A vertex whose faces form several fans. How many fans.
+    NonManifoldVertex,
+    /// A vertex within the weld distance of the inside of an edge that is not matched: the vertex,
+    /// then the ends of the edge. Distance from the edge.
+    TVertex,
+    /// Two vertices within the weld distance, not in the same place. Their distance.
+    NearVertices,
+    /// Faces that must be turned for their component to be consistently oriented. Their area.
+    BackFaces,
+    /// A component that cannot be oriented consistently (a Möbius strip). Its area.
+    NonOrientable,
+    /// A closed component, in no other, whose faces look inwards. Its volume, below 0.
+    InsideOut,
+    /// A closed component within another that looks inwards: a cavity of that. Its volume, below 0.
+    Cavity,
+    /// A closed component within another that looks outwards: a solid of its own. Its volume.
+    NestedSolid,
+    /// More than one component, summed up.
+    SeveralShells,
 }
+
+const SURFACE: &str = "no containment, depth, area or mass: the component is a surface";
 
 impl FindingKind {
     /// Its name in reports.
@@ -60,9 +147,39 @@ impl FindingKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::ZeroAreaFace => "zero_area_face",
+            Self::NeedleFace => "needle_face",
+            Self::DuplicateFaces => "duplicate_faces",
+            Self::OppositeFaces => "opposite_faces",
+            Self::CoplanarAdjacent => "coplanar_adjacent",
+            Self::CoplanarOverlap => "coplanar_overlap",
+            Self::SelfIntersection => "self_intersection",
+            Self::SelfTouch => "self_touch",
             Self::OpenEdge => "open_edge",
             Self::ContradictoryEdge => "contradictory_edge",
             Self::NonManifoldEdge => "non_manifold_edge",
+            Self::NonManifoldVertex => "non_manifold_vertex",
+            Self::TVertex => "t_vertex",
+            Self::NearVertices => "near_vertices",
+            Self::BackFaces => "back_faces",
+            Self::NonOrientable => "non_orientable",
+            Self::InsideOut => "inside_out",
+            Self::Cavity => "cavity",
+            Self::NestedSolid => "nested_solid",
+            Self::SeveralShells => "several_shells",
+        }
+    }
+
+    /// What the ids of such a finding number.
+    #[must_use]
+    pub fn element(self) -> Element {
+        match self {
+            Self::NonManifoldVertex | Self::TVertex | Self::NearVertices => Element::Vertex,
+            Self::NonOrientable
+            | Self::InsideOut
+            | Self::Cavity
+            | Self::NestedSolid
+            | Self::SeveralShells => Element::Component,
+            _ => Element::Face,
         }
     }
 
@@ -70,49 +187,142 @@ impl FindingKind {
     #[must_use]
     pub fn limits(self) -> &'static [&'static str] {
         match self {
-            Self::ZeroAreaFace => &[],
-            Self::OpenEdge | Self::ContradictoryEdge => {
-                &["no containment, depth, area or mass: the component is a surface"]
-            }
+            Self::ZeroAreaFace
+            | Self::NeedleFace
+            | Self::CoplanarAdjacent
+            | Self::NonManifoldVertex
+            | Self::NearVertices
+            | Self::SeveralShells
+            | Self::Cavity => &[],
+            Self::OpenEdge | Self::ContradictoryEdge | Self::NonOrientable => &[SURFACE],
+            Self::TVertex => &["the edge stays open there: the component is a surface"],
             Self::NonManifoldEdge => &[
                 "regions may be split or joined at the edge: which faces follow each other is open",
             ],
+            Self::DuplicateFaces | Self::CoplanarOverlap => {
+                &["area and volume count what lies twice in one place twice"]
+            }
+            Self::OppositeFaces => &["the sheet is touched from both sides; it bounds no volume"],
+            Self::SelfIntersection => &[
+                "volume, mass, depth and contact regions count the overlap as often as it is enclosed",
+            ],
+            Self::SelfTouch => &["contact regions may be split or joined there"],
+            Self::BackFaces => &[
+                "normals of contacts on these faces point the wrong way",
+                SURFACE,
+            ],
+            Self::InsideOut => {
+                &["the component counts as negative volume; normals of its contacts point inwards"]
+            }
+            Self::NestedSolid => {
+                &["its volume counts twice: once of its own, once of the component around it"]
+            }
         }
     }
 }
 
-/// Something that was mended, without moving any vertex.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Repair {
-    /// Vertices in exactly the same place became one.
-    WeldedVertices {
-        /// How many were merged into another.
-        count: usize,
-    },
-    /// Vertices that no face used were dropped.
-    DroppedVertices {
-        /// How many.
-        count: usize,
-    },
-    /// A closed mesh of negative volume was turned.
-    TurnedRightSideOut {
-        /// How many faces were turned.
-        faces: usize,
-    },
+/// Something that was mended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RepairRecord {
+    /// What was done.
+    pub kind: RepairKind,
+    /// To how many vertices or faces, as the kind says.
+    pub count: usize,
+    /// The filed faces concerned, where it was not done to nearly all of them: ascending.
+    pub faces: Vec<u32>,
+    /// The farthest that any point of the surface was moved. Unit: length.
+    pub moved: f64,
 }
 
-impl std::fmt::Display for Repair {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+/// Kinds of repairs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum RepairKind {
+    /// Vertices in exactly the same place became one (count: merged into another). Always done.
+    WeldedVertices,
+    /// Vertices that no face used were dropped. Always done.
+    DroppedVertices,
+    /// A closed mesh of negative volume was turned (count: faces). Always done.
+    TurnedRightSideOut,
+    /// Vertices of unmatched edges became one with another within the weld distance (count: moved).
+    WeldedNearVertices,
+    /// Edges were split at vertices within them (count: vertices inserted).
+    SplitEdges,
+    /// Faces whose corners came to lie on edges or vertices of others were dropped (count: faces).
+    DroppedCollapsedFaces,
+    /// Faces that lay in one place with another were dropped (count: faces).
+    DroppedCoincidentFaces,
+    /// Faces were turned to agree with their neighbours (count: faces).
+    TurnedBackFaces,
+    /// Components were turned to look outwards, with what lies in them (count: components).
+    TurnedComponents,
+    /// Components within others were turned into cavities, or into solids within cavities
+    /// (count: components).
+    TurnedNestedComponents,
+    /// Pairs of opposite faces within a solid were dropped (count: faces).
+    DroppedInnerSheets,
+}
+
+impl RepairKind {
+    /// Its name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
         match self {
-            Self::WeldedVertices { count } => {
-                write!(f, "{count} vertices in the same place as another were welded to it")
+            Self::WeldedVertices => "welded_vertices",
+            Self::DroppedVertices => "dropped_vertices",
+            Self::TurnedRightSideOut => "turned_right_side_out",
+            Self::WeldedNearVertices => "welded_near_vertices",
+            Self::SplitEdges => "split_edges",
+            Self::DroppedCollapsedFaces => "dropped_collapsed_faces",
+            Self::DroppedCoincidentFaces => "dropped_coincident_faces",
+            Self::TurnedBackFaces => "turned_back_faces",
+            Self::TurnedComponents => "turned_components",
+            Self::TurnedNestedComponents => "turned_nested_components",
+            Self::DroppedInnerSheets => "dropped_inner_sheets",
+        }
+    }
+}
+
+impl RepairRecord {
+    pub(crate) fn new(kind: RepairKind, count: usize) -> Self {
+        Self { kind, count, faces: Vec::new(), moved: 0.0 }
+    }
+}
+
+impl std::fmt::Display for RepairRecord {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (n, moved) = (self.count, self.moved);
+        match self.kind {
+            RepairKind::WeldedVertices => {
+                write!(f, "{n} vertices in the same place as another were welded to it")
             }
-            Self::DroppedVertices { count } => {
-                write!(f, "{count} vertices that no face uses were left out")
+            RepairKind::DroppedVertices => write!(f, "{n} vertices that no face uses were left out"),
+            RepairKind::TurnedRightSideOut => {
+                write!(f, "the mesh was inside out: all {n} faces were turned")
             }
-            Self::TurnedRightSideOut { faces } => {
-                write!(f, "the mesh was inside out: all {faces} faces were turned")
+            RepairKind::WeldedNearVertices => write!(
+                f,
+                "{n} vertices along open edges were welded to another near by (moved by up to {moved:.3e})"
+            ),
+            RepairKind::SplitEdges => write!(
+                f,
+                "edges were split at {n} vertices that lay within them (up to {moved:.3e} off the edge)"
+            ),
+            RepairKind::DroppedCollapsedFaces => {
+                write!(f, "{n} faces without area were dropped; what they lay on covers them")
+            }
+            RepairKind::DroppedCoincidentFaces => {
+                write!(f, "{n} faces in the same place as another were dropped")
+            }
+            RepairKind::TurnedBackFaces => {
+                write!(f, "{n} faces were turned to agree with their neighbours")
+            }
+            RepairKind::TurnedComponents => write!(f, "{n} components were inside out and turned"),
+            RepairKind::TurnedNestedComponents => {
+                write!(f, "{n} components within others were turned into cavities or solids in them")
+            }
+            RepairKind::DroppedInnerSheets => {
+                write!(f, "{n} faces back to back within the solid were dropped")
             }
         }
     }

@@ -17,18 +17,23 @@ pub(crate) struct Welded {
     pub(crate) duplicates: usize,
     /// Vertices that no face used.
     pub(crate) unreferenced: usize,
+    /// New id of each filed vertex; [`UNREFERENCED`] where no face uses it.
+    pub(crate) new_id: Vec<u32>,
 }
+
+/// In place of an id: no face uses the vertex.
+pub(crate) const UNREFERENCED: u32 = u32::MAX;
 
 /// Merges coincident vertices and drops unreferenced ones; the order of first use is kept.
 pub(crate) fn weld(mesh: &Mesh) -> Welded {
     let mut first_at: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.vertices().len());
-    let mut new_id = vec![u32::MAX; mesh.vertices().len()];
+    let mut new_id = vec![UNREFERENCED; mesh.vertices().len()];
     let mut vertices: Vec<DVec3> = Vec::with_capacity(mesh.vertices().len());
     let mut duplicates = 0;
     let mut faces = Vec::with_capacity(mesh.faces().len());
     for face in mesh.faces() {
         faces.push(face.map(|old| {
-            if new_id[old as usize] == u32::MAX {
+            if new_id[old as usize] == UNREFERENCED {
                 let p = mesh.vertices()[old as usize];
                 // `+ 0.0` makes −0 and 0 the same place.
                 let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
@@ -44,8 +49,8 @@ pub(crate) fn weld(mesh: &Mesh) -> Welded {
             new_id[old as usize]
         }));
     }
-    let unreferenced = new_id.iter().filter(|&&id| id == u32::MAX).count();
-    Welded { mesh: Mesh::from_trusted(vertices, faces), duplicates, unreferenced }
+    let unreferenced = new_id.iter().filter(|&&id| id == UNREFERENCED).count();
+    Welded { mesh: Mesh::from_trusted(vertices, faces), duplicates, unreferenced, new_id }
 }
 
 #[cfg(test)]
@@ -64,5 +69,6 @@ mod tests {
         assert_eq!(welded.mesh.vertices(), [a, b, c, d]);
         assert_eq!(welded.mesh.faces(), [[0, 1, 2], [0, 2, 3]]);
         assert_eq!((welded.duplicates, welded.unreferenced), (2, 1));
+        assert_eq!(welded.new_id, [0, 1, 2, 0, 2, 3, UNREFERENCED]);
     }
 }

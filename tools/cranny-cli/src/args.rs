@@ -5,6 +5,7 @@ mod scene;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use cranny_geometry::Repair;
 
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
 
@@ -149,6 +150,15 @@ pub(crate) struct InspectArgs {
     #[arg(value_name = "MESH")]
     pub(crate) mesh: PathBuf,
 
+    /// What may be mended before it is reported (see below)
+    #[arg(long, value_enum, value_name = "POLICY", default_value = "none")]
+    pub(crate) repair: RepairArg,
+
+    /// What 'the same place' means, in units of the mesh; 0 for exactly the same, at most a hundredth
+    /// of the mesh's diagonal [default: from how finely its coordinates are stored]
+    #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_negative_numbers = true)]
+    pub(crate) weld: Option<f64>,
+
     /// Draw the mesh, its hull and its open and non-manifold edges
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
@@ -160,6 +170,15 @@ pub(crate) struct InspectArgs {
 
 const INSPECT_NOTES: &str = "\
 A mesh with open edges is accepted; it is a surface then, without inside, volume or depth.
+
+Repairs. Whatever the policy, vertices in exactly the same place are welded, unused ones dropped, and
+a closed mesh that is inside out is turned.
+  none  nothing else
+  safe  keeps the surface within the weld distance, and proves it: cracks and T-vertices are closed,
+        faces without area or filed twice dropped, faces that look the wrong way turned
+  full  safe, and shells in shells become cavities, double faces within the solid are dropped
+Holes are never filled. Findings are those that remain.
+
 In the picture, the hull is a blue veil; open edges are red, edges of more than two faces violet,
 and edges along which the faces' orientations contradict orange.
 Concavities, caps, patches and envelopes are not determined by this version: with --format json
@@ -167,8 +186,38 @@ their fields are null (and the list of concavities is empty).
 
 Examples:
   cranny inspect nut.obj
+  cranny inspect nut.obj --repair safe --weld 2e-6
   cranny inspect house.glb --render house.png
   cranny inspect nut.obj --format json";
+
+/// What may be mended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RepairArg {
+    /// The surface stays as filed
+    None,
+    /// What keeps the surface within the weld distance
+    Safe,
+    /// `safe`, and what changes the solid inside
+    Full,
+}
+
+impl From<RepairArg> for Repair {
+    fn from(policy: RepairArg) -> Self {
+        match policy {
+            RepairArg::None => Self::None,
+            RepairArg::Safe => Self::Safe,
+            RepairArg::Full => Self::Full,
+        }
+    }
+}
+
+fn weld(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        Ok(_) => Err("a weld distance must be finite and not below 0".to_owned()),
+        Err(_) => Err("a weld distance is a number, such as 1e-6".to_owned()),
+    }
+}
 
 /// Reads a level of accuracy; the levels of later versions are told from typing errors.
 fn accuracy(text: &str) -> Result<AccuracyArg, String> {
@@ -213,6 +262,10 @@ mod tests {
         assert_eq!(scale("-0.5"), Ok(-0.5));
         for text in ["0", "inf", "NaN", "two", ""] {
             assert!(scale(text).is_err(), "{text}");
+        }
+        assert_eq!((weld("0"), weld("2e-6")), (Ok(0.0), Ok(2e-6)));
+        for text in ["-1", "inf", "NaN", "two", ""] {
+            assert!(weld(text).is_err(), "{text}");
         }
     }
 }

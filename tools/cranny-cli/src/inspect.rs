@@ -5,6 +5,8 @@ mod summary;
 mod text;
 
 use cranny_ecs::check_outputs;
+use cranny_exact::Tolerance;
+use cranny_geometry::BuildOptions;
 
 use crate::args::{Format, InspectArgs};
 use crate::failure::Failure;
@@ -29,7 +31,12 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
     if let Some(path) = &args.render {
         check_outputs(&[path], &[&args.mesh]).map_err(Failure::input)?;
     }
-    let loaded = load(&args.mesh, 1.0)?;
+    let options = BuildOptions {
+        repair: args.repair.into(),
+        tolerance: args.weld.map(|weld_distance| Tolerance { weld_distance }),
+        ..BuildOptions::default()
+    };
+    let loaded = load(&args.mesh, 1.0, &options)?;
     let mut summary = Summary::new(&args.mesh, &loaded);
     let mut failed = None;
     if let Some(path) = &args.render {

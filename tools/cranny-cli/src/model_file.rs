@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildOptions, Model, Report, Stage};
+use cranny_geometry::{BuildError, BuildOptions, Model, Report, Stage};
 use cranny_scene::{MeshFile, MeshFileError, read_mesh};
 
 use crate::failure::Failure;
@@ -29,8 +29,10 @@ pub(crate) struct LoadedModel {
 pub(crate) struct Times {
     /// Reading and decoding the file.
     pub(crate) read: Duration,
-    /// Weld, scan, repair, adjacency.
+    /// Weld, repair, adjacency.
     pub(crate) repair: Duration,
+    /// Scan for findings.
+    pub(crate) scan: Duration,
     /// Convex hull.
     pub(crate) hull: Duration,
     /// Box trees.
@@ -41,9 +43,13 @@ pub(crate) struct Times {
 ///
 /// # Errors
 ///
-/// A missing or broken file, a mesh that leaves the coordinate domain when scaled, or one that has
-/// no face with an area.
-pub(crate) fn load(path: &Path, scale: f64) -> Result<LoadedModel, Failure> {
+/// A missing or broken file, a mesh that leaves the coordinate domain when scaled, one that has no
+/// face with an area, or a weld distance that is too large for it.
+pub(crate) fn load(
+    path: &Path,
+    scale: f64,
+    options: &BuildOptions,
+) -> Result<LoadedModel, Failure> {
     let waiting = progress::spinner(format!("reading {}", path.display()));
     let start = Instant::now();
     let MeshFile { mesh, format, notes, .. } = read_mesh(path).map_err(unreadable)?;
@@ -53,11 +59,12 @@ pub(crate) fn load(path: &Path, scale: f64) -> Result<LoadedModel, Failure> {
     }
 
     waiting.set_message(format!("preparing {}", path.display()));
-    let wrong = |error: &dyn std::fmt::Display| {
-        Failure::input(format!(
-            "mesh file {}: {error}. Correct or export it again.",
-            path.display()
-        ))
+    let wrong = |error: BuildError| {
+        let advice = match &error {
+            BuildError::WeldDistance { .. } => "Choose another --weld.",
+            _ => "Correct or export it again.",
+        };
+        Failure::input(format!("mesh file {}: {error}. {advice}", path.display()))
     };
     let mesh = if scale == 1.0 {
         mesh
@@ -70,10 +77,10 @@ pub(crate) fn load(path: &Path, scale: f64) -> Result<LoadedModel, Failure> {
         })?
     };
     let mut stopwatch = Stopwatch::default();
-    let (model, report) = Model::build_observed(mesh, &BuildOptions::default(), &mut |stage| {
+    let (model, report) = Model::build_observed(mesh, options, &mut |stage| {
         stopwatch.enter(stage, &mut times);
     })
-    .map_err(|error| wrong(&error))?;
+    .map_err(wrong)?;
     waiting.finish_and_clear();
     Ok(LoadedModel { model, report, format: format.name(), notes, times })
 }
@@ -97,6 +104,7 @@ impl Stopwatch {
         if let Some((ended, began)) = self.0 {
             let spent = match ended {
                 Stage::Repair => &mut times.repair,
+                Stage::Scan => &mut times.scan,
                 Stage::Hull => &mut times.hull,
                 Stage::Trees => &mut times.trees,
                 Stage::Done => return,

@@ -27,8 +27,10 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     }
     // Poses first: they are read in no time, and a mistake in them is told before the long work.
     let poses = read_poses(&args.poses)?;
-    let a = load(&args.mesh_a, args.scale_a)?.model;
-    let b = load(&args.mesh_b, args.scale_b)?.model;
+    // Nobody reads the report of preparation here.
+    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+    let a = load(&args.mesh_a, args.scale_a, &options)?.model;
+    let b = load(&args.mesh_b, args.scale_b, &options)?.model;
     let demand = demand_of(args.demand);
 
     let format = format.unwrap_or(Format::Json);

@@ -25,7 +25,8 @@ pub(crate) fn polyhedron(shape: &dyn Shape) -> Option<Model> {
         _ => return None,
     };
     let mesh = Mesh::new(vertices, faces).ok()?;
-    Model::build(mesh, &BuildOptions::default()).ok().map(|(model, _)| model)
+    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+    Model::build(mesh, &options).ok().map(|(model, _)| model)
 }
 
 /// Whether [`polyhedron`] knows the kind of a shape.

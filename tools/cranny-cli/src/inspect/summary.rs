@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use cranny_geometry::{Finding, Model, Repair};
+use cranny_geometry::{Finding, MeetingScan, Model, RepairRecord};
 use serde::Serialize;
 
 use crate::model_file::LoadedModel;
@@ -19,13 +19,19 @@ pub(super) struct Summary {
     pub(super) vertices: usize,
     pub(super) filed_vertices: usize,
     pub(super) faces: usize,
+    pub(super) filed_faces: usize,
     pub(super) components: usize,
     pub(super) closed: bool,
     pub(super) oriented: bool,
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) volume: Option<f64>,
     pub(super) area: f64,
+    pub(super) weld_distance: f64,
+    /// The prepared surface is the filed one within this distance.
+    pub(super) deviation: f64,
     pub(super) findings: Vec<FindingLine>,
+    /// Whether every pair of faces was looked at; if not, more may cross or touch.
+    pub(super) findings_complete: bool,
     pub(super) repairs: Vec<RepairLine>,
     pub(super) hull: HullLine,
     /// Not determined yet.
@@ -48,10 +54,13 @@ pub(super) struct Summary {
 #[derive(Debug, Serialize)]
 pub(super) struct FindingLine {
     pub(super) kind: &'static str,
-    /// Faces.
+    /// What `ids` number: "vertex", "face" or "component".
+    pub(super) of: &'static str,
     pub(super) ids: Vec<u32>,
     pub(super) at: [f64; 3],
     pub(super) measure: f64,
+    /// How many places this stands for.
+    pub(super) count: usize,
     pub(super) limits: &'static [&'static str],
 }
 
@@ -60,6 +69,10 @@ pub(super) struct FindingLine {
 pub(super) struct RepairLine {
     pub(super) kind: &'static str,
     pub(super) count: usize,
+    /// As filed; empty where nearly all are concerned.
+    pub(super) faces: Vec<u32>,
+    /// How far the surface moved at most.
+    pub(super) moved: f64,
     pub(super) text: String,
 }
 
@@ -80,6 +93,7 @@ pub(super) struct HullLine {
 pub(super) struct TimesLine {
     pub(super) read: f64,
     pub(super) repair: f64,
+    pub(super) scan: f64,
     pub(super) hull: f64,
     classify: Option<f64>,
     caps: Option<f64>,
@@ -108,13 +122,17 @@ impl Summary {
             vertices: report.vertices,
             filed_vertices: report.filed_vertices,
             faces: report.faces,
+            filed_faces: report.filed_faces,
             components: report.components,
             closed: report.closed,
             oriented: report.oriented,
             bounds: [bounds.min.to_array(), bounds.max.to_array()],
             volume: report.volume,
             area: report.area,
+            weld_distance: report.weld_distance,
+            deviation: report.deviation,
             findings: report.findings.iter().map(FindingLine::new).collect(),
+            findings_complete: report.meetings == MeetingScan::Complete,
             repairs: report.repairs.iter().map(RepairLine::new).collect(),
             hull: HullLine::new(model),
             features: None,
@@ -125,6 +143,7 @@ impl Summary {
             time_ms: TimesLine {
                 read: ms(times.read),
                 repair: ms(times.repair),
+                scan: ms(times.scan),
                 hull: ms(times.hull),
                 classify: None,
                 caps: None,
@@ -142,23 +161,25 @@ impl FindingLine {
     fn new(finding: &Finding) -> Self {
         Self {
             kind: finding.kind.name(),
+            of: finding.kind.element().name(),
             ids: finding.ids.clone(),
             at: finding.at.to_array(),
             measure: finding.measure,
+            count: finding.count,
             limits: finding.kind.limits(),
         }
     }
 }
 
 impl RepairLine {
-    fn new(repair: &Repair) -> Self {
-        let (kind, count) = match *repair {
-            Repair::WeldedVertices { count } => ("welded_vertices", count),
-            Repair::DroppedVertices { count } => ("dropped_vertices", count),
-            Repair::TurnedRightSideOut { faces } => ("turned_right_side_out", faces),
-            _ => ("other", 1),
-        };
-        Self { kind, count, text: repair.to_string() }
+    fn new(repair: &RepairRecord) -> Self {
+        Self {
+            kind: repair.kind.name(),
+            count: repair.count,
+            faces: repair.faces.clone(),
+            moved: repair.moved,
+            text: repair.to_string(),
+        }
     }
 }
 

@@ -5,17 +5,21 @@ use super::summary::{FindingLine, Summary};
 /// So many findings of one kind are listed; the rest is counted.
 const LISTED: usize = 3;
 
+/// So many faces, vertices or components of a finding are named.
+const LISTED_IDS: usize = 8;
+
 /// The report as lines of text.
 pub(super) fn page(summary: &Summary) -> String {
     let mut lines = vec![format!("{} ({})", summary.file, summary.format)];
     let mut row = |label: &str, value: String| lines.push(format!("  {label:<11}{value}"));
     row("vertices", vertices(summary));
-    row("faces", format!("{} in {}", summary.faces, counted(summary.components, "component")));
+    row("faces", format!("{} in {}", faces(summary), counted(summary.components, "component")));
     row("surface", surface(summary));
     let [low, high] = summary.bounds;
     row("bounds", format!("{} to {}", point(low), point(high)));
     row("area", number(summary.area));
     row("volume", summary.volume.map_or_else(|| "none: not closed".to_owned(), number));
+    row("same place", within(summary));
     let hull = &summary.hull;
     row(
         "hull",
@@ -36,14 +40,17 @@ pub(super) fn page(summary: &Summary) -> String {
     row(
         "time",
         format!(
-            "read {:.1} ms, repair {:.1} ms, hull {:.1} ms, trees {:.1} ms",
-            time.read, time.repair, time.hull, time.trees
+            "read {:.1} ms, repair {:.1} ms, trees {:.1} ms, scan {:.1} ms, hull {:.1} ms",
+            time.read, time.repair, time.trees, time.scan, time.hull
         ),
     );
     row("digest", summary.digest.clone());
     list(&mut lines, "notes from reading", summary.notes.iter().cloned());
     list(&mut lines, "repairs", summary.repairs.iter().map(|repair| repair.text.clone()));
     findings(&mut lines, &summary.findings);
+    if !summary.findings_complete {
+        lines.push("  - too many faces meet: the search for them was given up".to_owned());
+    }
     list(&mut lines, "written", summary.outputs.iter().cloned());
     list(&mut lines, "skipped", summary.skipped.iter().map(|s| format!("{}: {}", s.what, s.why)));
     lines.join("\n")
@@ -53,6 +60,25 @@ fn vertices(summary: &Summary) -> String {
     match summary.filed_vertices == summary.vertices {
         true => summary.vertices.to_string(),
         false => format!("{} ({} in the file)", summary.vertices, summary.filed_vertices),
+    }
+}
+
+fn faces(summary: &Summary) -> String {
+    match summary.filed_faces == summary.faces {
+        true => summary.faces.to_string(),
+        false => format!("{} ({} in the file)", summary.faces, summary.filed_faces),
+    }
+}
+
+/// What 'the same place' meant, and how far repairs moved the surface.
+fn within(summary: &Summary) -> String {
+    match summary.deviation {
+        0.0 => number(summary.weld_distance),
+        off => format!(
+            "{}; the surface is the filed one within {}",
+            number(summary.weld_distance),
+            number(off)
+        ),
     }
 }
 
@@ -97,18 +123,10 @@ fn findings(lines: &mut Vec<String>, findings: &[FindingLine]) {
     lines.push(if kinds.is_empty() { "findings: none" } else { "findings" }.to_owned());
     for kind in kinds {
         let of_kind: Vec<_> = findings.iter().filter(|finding| finding.kind == kind).collect();
-        lines.push(format!("  - {} x {}", of_kind.len(), kind.replace('_', " ")));
+        let count: usize = of_kind.iter().map(|finding| finding.count).sum();
+        lines.push(format!("  - {count} x {}", kind.replace('_', " ")));
         lines.extend(of_kind[0].limits.iter().map(|limit| format!("      {limit}")));
-        for finding in of_kind.iter().take(LISTED) {
-            let faces: Vec<String> = finding.ids.iter().map(u32::to_string).collect();
-            lines.push(format!(
-                "      at {}, length {}, {} {}",
-                point(finding.at),
-                number(finding.measure),
-                if faces.len() == 1 { "face" } else { "faces" },
-                faces.join(", ")
-            ));
-        }
+        lines.extend(of_kind.iter().take(LISTED).map(|finding| place(finding)));
         if of_kind.len() > LISTED {
             lines.push(format!(
                 "      and {} more (all with --format json)",
@@ -116,6 +134,25 @@ fn findings(lines: &mut Vec<String>, findings: &[FindingLine]) {
             ));
         }
     }
+}
+
+/// Where one finding is: a point, its size, the first few of what it concerns.
+fn place(finding: &FindingLine) -> String {
+    let (at, size) = (point(finding.at), number(finding.measure));
+    if finding.count > 1 {
+        return format!("      the largest at {at}, size {size}");
+    }
+    let named: Vec<String> = finding.ids.iter().take(LISTED_IDS).map(u32::to_string).collect();
+    let more = match finding.ids.len().saturating_sub(LISTED_IDS) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let what = match (finding.of, finding.ids.len()) {
+        (of, 1) => of.to_owned(),
+        ("vertex", _) => "vertices".to_owned(),
+        (of, _) => format!("{of}s"),
+    };
+    format!("      at {at}, size {size}, {what} {}{more}", named.join(", "))
 }
 
 /// Six significant digits, plain where that is short.
@@ -173,9 +210,11 @@ mod tests {
     fn findings_are_counted_by_kind_and_the_first_few_listed() {
         let finding = |kind, id| FindingLine {
             kind,
+            of: "face",
             ids: vec![id],
             at: [0.0, 0.5, 1.0],
             measure: 2.0,
+            count: 1,
             limits: &["no volume"],
         };
         let mut all: Vec<_> = (0..5).map(|id| finding("open_edge", id)).collect();
@@ -185,10 +224,14 @@ mod tests {
         assert_eq!(lines[0], "findings");
         assert_eq!(lines[1], "  - 5 x open edge");
         assert_eq!(lines[2], "      no volume");
-        assert_eq!(lines[3], "      at (0, 0.5, 1), length 2, face 0");
+        assert_eq!(lines[3], "      at (0, 0.5, 1), size 2, face 0");
         assert!(lines[6].contains("and 2 more"));
         assert_eq!(lines[7], "  - 1 x zero area face");
         assert_eq!(lines.len(), 10);
+        let summed = FindingLine { count: 40, ids: Vec::new(), ..finding("flat_edge", 0) };
+        let long = FindingLine { ids: (0..10).collect(), ..finding("open_edge", 0) };
+        assert_eq!(place(&summed), "      the largest at (0, 0.5, 1), size 2");
+        assert!(place(&long).ends_with("faces 0, 1, 2, 3, 4, 5, 6, 7 and 2 more"));
         let mut none = Vec::new();
         findings(&mut none, &[]);
         assert_eq!(none, ["findings: none"]);

@@ -1,0 +1,144 @@
+//! Near a vertex, near an edge: what lies within the weld distance, found over the face tree.
+//!
+//! Distances that a repair relies on are rounded upward, so that 'within' is certain. At distance 0
+//! 'on the edge' is decided by signs.
+
+use cranny_exact::{Aabb, DVec2, DVec3, orient2d};
+
+use crate::ids::VertexId;
+use crate::mesh::Mesh;
+use crate::tree::FaceTree;
+
+/// Relative to the coordinates that enter, what the roundings of a distance add up to: a handful of
+/// operations of 2^-53 each; 16 epsilons leave room.
+const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+
+/// An upper bound of the distance of two points, exactly 0 for equal ones.
+pub(crate) fn distance(p: DVec3, q: DVec3) -> f64 {
+    // Differences are rounded relative to themselves: no other term is needed.
+    (q - p).length() * (1.0 + ROUNDINGS)
+}
+
+/// Where a point is with respect to a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Foot {
+    /// An upper bound of the distance, exactly 0 where the point lies on the segment.
+    pub(crate) distance: f64,
+    /// The nearest point is `start + parameter * (end - start)`; from 0 to 1.
+    pub(crate) parameter: f64,
+}
+
+/// The nearest point of the segment `[a, b]`. Ends that coincide are a point.
+pub(crate) fn foot(p: DVec3, [a, b]: [DVec3; 2]) -> Foot {
+    let (along, to) = (b - a, p - a);
+    let length_squared = along.length_squared();
+    let parameter = match to.dot(along) / length_squared {
+        t if t.is_nan() => 0.0,
+        t => t.clamp(0.0, 1.0),
+    };
+    if on_line(p, a, b) && Aabb::of_points([a, b]).contains_point(p) {
+        return Foot { distance: 0.0, parameter };
+    }
+    // Any point of the segment gives an upper bound, whatever the parameter's rounding.
+    let reach = to.abs() + along.abs();
+    let distance = (to - parameter * along).length() * (1.0 + ROUNDINGS);
+    Foot { distance: distance + ROUNDINGS * reach.length(), parameter }
+}
+
+/// Whether three points lie on one line, exactly.
+pub(crate) fn on_line(p: DVec3, a: DVec3, b: DVec3) -> bool {
+    [(0, 1), (1, 2), (2, 0)].into_iter().all(|(x, y)| {
+        let flat = |v: DVec3| DVec2::new(v[x], v[y]);
+        orient2d(flat(a), flat(b), flat(p)).is_zero()
+    })
+}
+
+/// The corners of faces near the box, each once, ascending.
+pub(crate) fn corners_near(mesh: &Mesh, tree: &FaceTree, near: &Aabb) -> Vec<VertexId> {
+    let mut found = Vec::new();
+    tree.visit(
+        |b| b.overlaps(near),
+        |face| {
+            let inside = |v: &VertexId| near.contains_point(mesh.position(*v));
+            found.extend(mesh.corners(face).into_iter().filter(inside));
+        },
+    );
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The vertices that `wanted` names, of faces whose boxes come within `margin` of the segment; each
+/// once, ascending.
+pub(crate) fn corners_along(
+    mesh: &Mesh,
+    tree: &FaceTree,
+    [a, b]: [DVec3; 2],
+    margin: f64,
+    wanted: impl Fn(VertexId) -> bool,
+) -> Vec<VertexId> {
+    let around = Aabb::of_points([a, b]).grown(margin);
+    let mut found = Vec::new();
+    tree.visit(
+        |bounds| bounds.overlaps(&around) && segment_may_meet([a, b], &bounds.grown(margin)),
+        |face| {
+            let near = |v: &VertexId| wanted(*v) && around.contains_point(mesh.position(*v));
+            found.extend(mesh.corners(face).into_iter().filter(near));
+        },
+    );
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The slab test. May say yes too often, never no where they meet: the parameters' roundings are
+/// allowed for.
+pub(crate) fn segment_may_meet([a, b]: [DVec3; 2], bounds: &Aabb) -> bool {
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for axis in 0..3 {
+        let along = b[axis] - a[axis];
+        if along == 0.0 {
+            if a[axis] < bounds.min[axis] || a[axis] > bounds.max[axis] {
+                return false;
+            }
+            continue;
+        }
+        let t0 = (bounds.min[axis] - a[axis]) / along;
+        let t1 = (bounds.max[axis] - a[axis]) / along;
+        enter = enter.max(t0.min(t1));
+        leave = leave.min(t0.max(t1));
+    }
+    enter <= leave + ROUNDINGS // both lie in [0, 1] where it matters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_on_the_segment_is_at_no_distance() {
+        let third = DVec3::new(1.0, 2.0, 4.0);
+        assert_eq!(foot(third, [DVec3::ZERO, 3.0 * third]).distance, 0.0);
+        let above = foot(DVec3::new(1.0, 0.5, 0.0), [DVec3::ZERO, 4.0 * DVec3::X]);
+        assert_eq!(above.parameter, 0.25);
+        assert!(above.distance >= 0.5 && above.distance < 0.5 + 1e-13);
+    }
+
+    #[test]
+    fn beyond_the_ends_the_end_is_nearest() {
+        let before = foot(-DVec3::X, [DVec3::ZERO, DVec3::X]);
+        assert!(before.parameter == 0.0 && before.distance >= 1.0);
+        let point = foot(DVec3::Y, [DVec3::ZERO; 2]);
+        assert!(point.parameter == 0.0 && point.distance >= 1.0 && point.distance < 1.1);
+    }
+
+    #[test]
+    fn slabs_keep_what_touches() {
+        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
+        assert!(segment_may_meet([-DVec3::X, 2.0 * DVec3::X], &bounds)); // along an edge
+        assert!(segment_may_meet([-DVec3::ONE, DVec3::ZERO], &bounds)); // ends at a corner
+        assert!(!segment_may_meet([-DVec3::X, DVec3::new(-0.5, 1.0, 1.0)], &bounds));
+        assert!(!segment_may_meet([DVec3::new(2.5, 0.0, 0.5), DVec3::new(0.0, 2.5, 0.5)], &bounds));
+        assert!(segment_may_meet([DVec3::splat(0.5); 2], &bounds)); // a point
+    }
+}

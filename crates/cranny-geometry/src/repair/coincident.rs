@@ -1,0 +1,128 @@
+//! Faces in one place: which copies the surface does not need.
+
+use std::collections::BTreeMap;
+
+use crate::ids::{EdgeId, FaceId, HalfEdgeId};
+use crate::mesh::Mesh;
+use crate::scan::faces::{coincident, runs_upward};
+use crate::topology::{DisjointSets, Topology};
+
+/// The faces to drop, ascending. One copy of every face stays at least, so the surface as a set of
+/// points is the same.
+///
+/// Of copies wound both ways, as many pairs go as leaves one face or one opposite pair: what two
+/// opposite faces add to their edges cancels, so this changes no boundary. Of copies wound alike one
+/// stays, unless edges that were balanced would be open then; this is decided for all such faces that
+/// hang together (a solid filed twice loses its second copy as a whole).
+pub(super) fn superfluous(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
+    let mut drop = Vec::new();
+    let mut alike: Vec<Vec<FaceId>> = Vec::new();
+    for group in coincident(mesh, topology) {
+        let (up, down): (Vec<FaceId>, Vec<FaceId>) =
+            group.into_iter().partition(|f| runs_upward(mesh.faces()[f.index()]));
+        let pairs = match up.len() == down.len() {
+            true => up.len() - 1,
+            false => up.len().min(down.len()),
+        };
+        let [up, down] = [up, down].map(|mut copies| {
+            drop.extend(copies.split_off(copies.len() - pairs));
+            copies
+        });
+        if up.len().abs_diff(down.len()) > 1 {
+            alike.push(if up.is_empty() { down } else { up });
+        }
+    }
+    for cluster in clusters(topology, alike) {
+        let extra: Vec<FaceId> = cluster.iter().flat_map(|copies| copies[1..].to_vec()).collect();
+        if !opens_edges(mesh, topology, &extra) {
+            drop.extend(extra);
+        }
+    }
+    drop.sort_unstable();
+    drop
+}
+
+/// Groups of copies that hang together over edges.
+fn clusters(topology: &Topology, alike: Vec<Vec<FaceId>>) -> Vec<Vec<Vec<FaceId>>> {
+    let mut sets = DisjointSets::new(alike.len());
+    let mut seen: BTreeMap<EdgeId, usize> = BTreeMap::new();
+    for (i, copies) in alike.iter().enumerate() {
+        for edge in edges(topology, copies[0]) {
+            let first = *seen.entry(edge).or_insert(i);
+            sets.union(first, i);
+        }
+    }
+    let mut clusters: BTreeMap<usize, Vec<Vec<FaceId>>> = BTreeMap::new();
+    for (i, copies) in alike.into_iter().enumerate() {
+        clusters.entry(sets.find(i)).or_default().push(copies);
+    }
+    clusters.into_values().collect()
+}
+
+fn edges(topology: &Topology, face: FaceId) -> impl Iterator<Item = EdgeId> + use<'_> {
+    (0..3).map(move |corner| topology.edge_of(HalfEdgeId::of(face, corner)))
+}
+
+/// Whether more edges would be unbalanced without these faces than with them.
+fn opens_edges(mesh: &Mesh, topology: &Topology, without: &[FaceId]) -> bool {
+    let forward = |h: HalfEdgeId| {
+        let corners = mesh.corners(h.face());
+        if corners[h.corner()] < corners[(h.corner() + 1) % 3] { 1i64 } else { -1 }
+    };
+    let mut lost: BTreeMap<EdgeId, i64> = BTreeMap::new();
+    for &face in without {
+        for h in (0..3).map(|corner| HalfEdgeId::of(face, corner)) {
+            *lost.entry(topology.edge_of(h)).or_default() += forward(h);
+        }
+    }
+    let (mut before, mut after) = (0, 0);
+    for (edge, lost) in lost {
+        let sum: i64 = topology.half_edges(edge).iter().map(|&h| forward(h)).sum();
+        before += usize::from(sum != 0);
+        after += usize::from(sum != lost);
+    }
+    after > before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::DVec3;
+
+    const TETRAHEDRON: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+    fn dropped(faces: &[[u32; 3]]) -> Vec<u32> {
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let mesh = Mesh::new(vertices, faces.to_vec()).unwrap();
+        superfluous(&mesh, &Topology::of(&mesh)).iter().map(|f| f.0).collect()
+    }
+
+    #[test]
+    fn a_second_copy_goes_whether_of_a_face_or_of_all() {
+        assert_eq!(dropped(&[&TETRAHEDRON[..], &[[1, 0, 2]]].concat()), [4]);
+        assert_eq!(dropped(&[TETRAHEDRON, TETRAHEDRON].concat()), [4, 5, 6, 7]);
+    }
+
+    #[test]
+    fn opposite_copies_cancel_while_one_stays() {
+        // Twice forward, once back: once forward.
+        let more = [[0, 1, 2], [1, 0, 2]];
+        assert_eq!(dropped(&[&TETRAHEDRON[..], &more[..]].concat()), [4, 5]);
+        // A lone sheet with a back side stays; two of them are one.
+        assert_eq!(dropped(&[[0, 1, 2], [1, 0, 2]]), [0; 0]);
+        assert_eq!(dropped(&[[0, 1, 2], [1, 0, 2], [0, 1, 2], [1, 0, 2]]), [2, 3]);
+    }
+
+    #[test]
+    fn a_copy_that_balances_others_stays() {
+        // Twice the floor below two different roofs, the second turned over the first's outside.
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, 2.0 * DVec3::Z];
+        let roof = |top: u32| [[0, 1, top], [1, 2, top], [2, 0, top]];
+        let floor = [[0, 2, 1], [0, 2, 1]];
+        let faces = [&floor[..], &roof(3), &roof(4)].concat();
+        let mesh = Mesh::new(vertices, faces).unwrap();
+        let topology = Topology::of(&mesh);
+        assert!(topology.is_closed());
+        assert!(superfluous(&mesh, &topology).is_empty());
+    }
+}

@@ -1,0 +1,141 @@
+//! Edges and vertices at which faces do not meet as on a surface, and edges that bend nothing.
+
+use cranny_exact::{DVec3, orient3d};
+
+use super::meetings::overlap_in_plane;
+use crate::ids::{EdgeId, FaceId, VertexId};
+use crate::mesh::Mesh;
+use crate::report::{Finding, FindingKind};
+use crate::topology::{EdgeKind, Topology};
+
+/// Open, contradictory and non-manifold edges.
+pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (e, edge) in topology.edges().iter().enumerate() {
+        let kind = match edge.kind {
+            EdgeKind::Manifold => continue,
+            _ if edge.from == edge.to => continue, // the short side of a collapsed face
+            EdgeKind::Open => FindingKind::OpenEdge,
+            EdgeKind::Contradictory => FindingKind::ContradictoryEdge,
+            EdgeKind::Balanced | EdgeKind::Tangled => FindingKind::NonManifoldEdge,
+        };
+        let (p, q) = (mesh.position(edge.from), mesh.position(edge.to));
+        findings.push(Finding {
+            kind,
+            ids: topology.half_edges(EdgeId(e as u32)).iter().map(|h| h.face().0).collect(),
+            at: 0.5 * (p + q),
+            measure: (q - p).length(),
+            count: 1,
+        });
+    }
+    findings
+}
+
+/// Vertices at which faces hang together in more than one fan.
+pub(super) fn pinched(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut spokes: Vec<(VertexId, usize)> = Vec::new();
+    let mut fan_of: Vec<usize> = Vec::new();
+    for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
+        let faces = topology.faces_at(vertex);
+        spokes.clear();
+        for (i, &face) in faces.iter().enumerate() {
+            let others = mesh.corners(face).into_iter().filter(|&v| v != vertex);
+            spokes.extend(others.map(|v| (v, i)));
+        }
+        spokes.sort_unstable();
+        fan_of.clear();
+        fan_of.extend(0..faces.len());
+        let mut fans = faces.len();
+        for pair in spokes.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let [i, j] = [pair[0].1, pair[1].1].map(|i| root(&fan_of, i));
+            if i != j {
+                fan_of[i.max(j)] = i.min(j);
+                fans -= 1;
+            }
+        }
+        // A face with two corners here has one or no spoke and may be filed twice: no fan of its own.
+        let collapsed = faces.iter().any(|&f| {
+            let [a, b, c] = mesh.corners(f);
+            a == b || b == c || c == a
+        });
+        if fans > 1 && !collapsed {
+            findings.push(Finding {
+                kind: FindingKind::NonManifoldVertex,
+                ids: vec![vertex.0],
+                at: mesh.position(vertex),
+                measure: fans as f64,
+                count: 1,
+            });
+        }
+    }
+    findings
+}
+
+fn root(parent: &[usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        i = parent[i];
+    }
+    i
+}
+
+/// The manifold edges whose faces lie side by side in one plane, exactly: one finding for all.
+pub(super) fn flat(mesh: &Mesh, topology: &Topology, without_area: &[bool]) -> Option<Finding> {
+    let (mut count, mut longest, mut at) = (0, 0.0, DVec3::ZERO);
+    for (e, edge) in topology.edges().iter().enumerate() {
+        if edge.kind != EdgeKind::Manifold || edge.from == edge.to {
+            continue;
+        }
+        let around = topology.half_edges(EdgeId(e as u32));
+        let [f, g] = [around[0].face(), around[1].face()];
+        let apex = mesh.corners(g)[(around[1].corner() + 2) % 3];
+        let [a, b, c] = mesh.triangle(f);
+        let sound = |f: FaceId| !without_area[f.index()];
+        let coplanar = sound(f) && sound(g) && orient3d(a, b, c, mesh.position(apex)).is_zero();
+        if !coplanar || overlap_in_plane(&mesh.triangle(f), &mesh.triangle(g)) {
+            continue;
+        }
+        let (p, q) = (mesh.position(edge.from), mesh.position(edge.to));
+        count += 1;
+        if (q - p).length() > longest {
+            (longest, at) = ((q - p).length(), 0.5 * (p + q));
+        }
+    }
+    let kind = FindingKind::CoplanarAdjacent;
+    (count > 0).then(|| Finding { kind, ids: Vec::new(), at, measure: longest, count })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> (Mesh, Topology) {
+        let vertices = vertices.iter().map(|&p| DVec3::from_array(p)).collect();
+        let mesh = Mesh::new(vertices, faces.to_vec()).unwrap();
+        let topology = Topology::of(&mesh);
+        (mesh, topology)
+    }
+
+    const BOW_TIE: [[f64; 3]; 5] =
+        [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]];
+
+    #[test]
+    fn a_bow_tie_is_pinched_and_a_fan_is_not() {
+        let (tie, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 3, 4]]);
+        let found = pinched(&tie, &topology);
+        assert_eq!((found.len(), found[0].ids[0], found[0].measure), (1, 0, 2.0));
+        let (fan, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 1, 3], [0, 3, 4]]);
+        assert!(pinched(&fan, &topology).is_empty());
+    }
+
+    #[test]
+    fn flat_edges_are_counted_once_folded_ones_not() {
+        let (fan, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 1, 3], [0, 3, 4]]);
+        let found = flat(&fan, &topology, &[false; 3]).unwrap();
+        assert_eq!((found.count, found.measure), (2, 2f64.sqrt()));
+        // Both faces on one side of their edge: they overlap.
+        let folded = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 2.0, 0.0]];
+        let (folded, topology) = mesh(&folded, &[[0, 1, 2], [1, 0, 3]]);
+        assert_eq!(flat(&folded, &topology, &[false; 2]), None);
+    }
+}

@@ -1,0 +1,119 @@
+//! Faces that are unusual by themselves, and faces in one place.
+
+use cranny_exact::DVec3;
+
+use crate::ids::{FaceId, HalfEdgeId};
+use crate::mesh::Mesh;
+use crate::near::on_line;
+use crate::report::{Finding, FindingKind};
+use crate::topology::Topology;
+
+/// Whether the corners of a face lie on a line or in a point, exactly.
+pub(crate) fn has_no_area(mesh: &Mesh, face: FaceId) -> bool {
+    let [a, b, c] = mesh.triangle(face);
+    on_line(c, a, b)
+}
+
+/// Faces without area, and needles: faces no higher than the weld distance.
+pub(super) fn thin(mesh: &Mesh, without_area: &[bool], weld_distance: f64) -> Vec<Finding> {
+    let finding = |face: FaceId| {
+        let [a, b, c] = mesh.triangle(face);
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        let (kind, measure) = if without_area[face.index()] {
+            (FindingKind::ZeroAreaFace, longest)
+        } else {
+            (FindingKind::NeedleFace, 2.0 * mesh.area_vector(face).length() / longest)
+        };
+        let unusual = kind == FindingKind::ZeroAreaFace || measure <= weld_distance;
+        let at = (a + b + c) / 3.0;
+        unusual.then(|| Finding { kind, ids: vec![face.0], at, measure, count: 1 })
+    };
+    (0..mesh.faces().len() as u32).filter_map(|f| finding(FaceId(f))).collect()
+}
+
+/// Groups of two and more faces on the same three vertices, each ascending, by their vertices.
+/// O(n): only faces that share an edge *and* the corner across it come into question.
+pub(crate) fn coincident(mesh: &Mesh, topology: &Topology) -> Vec<Vec<FaceId>> {
+    let across = |h: HalfEdgeId| mesh.corners(h.face())[(h.corner() + 2) % 3];
+    let mut candidates: Vec<([u32; 3], FaceId)> = Vec::new();
+    for (e, edge) in topology.edges().iter().enumerate() {
+        let around = topology.half_edges(crate::ids::EdgeId(e as u32));
+        if around.len() < 2 || edge.from == edge.to {
+            continue;
+        }
+        let mut faces: Vec<_> = around.iter().map(|&h| (across(h), h.face())).collect();
+        faces.sort_unstable();
+        for group in faces.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            candidates.extend(group.iter().map(|&(_, f)| (sorted(mesh.faces()[f.index()]), f)));
+        }
+    }
+    candidates.retain(|(key, _)| key[0] < key[1] && key[1] < key[2]);
+    candidates.sort_unstable();
+    candidates.dedup();
+    candidates
+        .chunk_by(|a, b| a.0 == b.0)
+        .filter(|group| group.len() > 1)
+        .map(|group| group.iter().map(|&(_, f)| f).collect())
+        .collect()
+}
+
+pub(crate) fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
+    corners.sort_unstable();
+    corners
+}
+
+/// Whether a face runs through its corners in their ascending order, up to rotation.
+pub(crate) fn runs_upward([a, b, c]: [u32; 3]) -> bool {
+    (a < b) as u8 + (b < c) as u8 + (c < a) as u8 == 2
+}
+
+pub(super) fn in_one_place(mesh: &Mesh, groups: &[Vec<FaceId>]) -> Vec<Finding> {
+    let finding = |group: &Vec<FaceId>| {
+        let upward = |f: &FaceId| runs_upward(mesh.faces()[f.index()]);
+        let alike = group.iter().all(|f| upward(f) == upward(&group[0]));
+        Finding {
+            kind: if alike { FindingKind::DuplicateFaces } else { FindingKind::OppositeFaces },
+            ids: group.iter().map(|f| f.0).collect(),
+            at: mesh.triangle(group[0]).iter().sum::<DVec3>() / 3.0,
+            measure: mesh.area_vector(group[0]).length(),
+            count: 1,
+        }
+    };
+    groups.iter().map(finding).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn winding_is_read_off_the_order_of_corners() {
+        for rotation in [[1, 4, 7], [4, 7, 1], [7, 1, 4]] {
+            assert!(runs_upward(rotation));
+        }
+        for rotation in [[1, 7, 4], [7, 4, 1], [4, 1, 7]] {
+            assert!(!runs_upward(rotation));
+        }
+    }
+
+    #[test]
+    fn faces_in_one_place_are_grouped_and_collapsed_ones_are_not() {
+        let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let faces =
+            vec![[0, 1, 2], [2, 0, 1], [0, 1, 3], [3, 1, 0], [0, 0, 1], [1, 0, 0], [1, 2, 3]];
+        let mesh = Mesh::new(vertices, faces).unwrap();
+        let groups = coincident(&mesh, &Topology::of(&mesh));
+        assert_eq!(groups, [[FaceId(0), FaceId(1)], [FaceId(2), FaceId(3)]]);
+        let kinds: Vec<_> = in_one_place(&mesh, &groups).iter().map(|f| f.kind).collect();
+        assert_eq!(kinds, [FindingKind::DuplicateFaces, FindingKind::OppositeFaces]);
+    }
+
+    #[test]
+    fn needles_are_no_higher_than_the_weld_distance() {
+        let tip = DVec3::new(0.5, 0.125, 0.0);
+        let mesh = Mesh::new(vec![DVec3::ZERO, DVec3::X, tip], vec![[0, 1, 2]]).unwrap();
+        let found = thin(&mesh, &[false], 0.125);
+        assert_eq!((found[0].kind, found[0].measure), (FindingKind::NeedleFace, 0.125));
+        assert!(thin(&mesh, &[false], 0.124).is_empty());
+    }
+}

@@ -1,0 +1,116 @@
+//! The degeneracy scan: everything unusual about a mesh, as typed [`Finding`]s.
+//!
+//! Reads a mesh whose coincident vertices are welded; moves nothing. Apart from 'near' and 'thin',
+//! which measure against the weld distance, every finding is decided exactly. O(n log n), but for the
+//! pairs of faces that meet, of which there can be more; that search gives up at a bound
+//! ([`MeetingScan::Stopped`](crate::MeetingScan::Stopped)).
+
+pub(crate) mod cracks;
+mod edges;
+pub(crate) mod faces;
+mod meetings;
+pub(crate) mod shells;
+
+use cranny_exact::{DVec3, Sign};
+
+use crate::ids::{ComponentId, FaceId, VertexId};
+use crate::mesh::Mesh;
+use crate::report::{Finding, FindingKind, MeetingScan};
+use crate::topology::Topology;
+use crate::tree::FaceTree;
+use cracks::TVertex;
+
+/// The findings of a mesh, kind by kind.
+pub(crate) fn scan(
+    mesh: &Mesh,
+    topology: &Topology,
+    tree: &FaceTree,
+    weld_distance: f64,
+    self_intersections: bool,
+) -> (Vec<Finding>, MeetingScan) {
+    let without_area: Vec<bool> =
+        (0..mesh.faces().len() as u32).map(|f| faces::has_no_area(mesh, FaceId(f))).collect();
+    let in_one_place = faces::coincident(mesh, topology);
+    let t_vertices = cracks::t_vertices(mesh, topology, tree, weld_distance);
+    let near = cracks::near(mesh, tree, weld_distance, |_| true);
+
+    let mut findings = faces::thin(mesh, &without_area, weld_distance);
+    findings.extend(faces::in_one_place(mesh, &in_one_place));
+    findings.extend(edges::unsound(mesh, topology));
+    findings.extend(edges::pinched(mesh, topology));
+    findings.extend(cracks::t_vertex_findings(mesh, topology, &t_vertices));
+    findings.extend(cracks::near_findings(mesh, &near));
+    findings.extend(shell_findings(mesh, topology, tree));
+    let mut meetings = MeetingScan::Skipped;
+    if self_intersections {
+        let mut left_out = without_area.clone();
+        for copy in in_one_place.iter().flat_map(|group| &group[1..]) {
+            left_out[copy.index()] = true;
+        }
+        let reasons = touches_at_t_vertices(topology, &t_vertices);
+        let explained = |f: FaceId, g: FaceId| {
+            let touches = |f, g| {
+                mesh.corners(g).into_iter().any(|v| reasons.binary_search(&(f, v)).is_ok())
+            };
+            !reasons.is_empty() && (touches(f, g) || touches(g, f))
+        };
+        let found;
+        (found, meetings) = meetings::meetings(mesh, tree, &left_out, explained);
+        findings.extend(found);
+    }
+    findings.extend(edges::flat(mesh, topology, &without_area));
+    findings.sort_by_key(|finding| finding.kind);
+    (findings, meetings)
+}
+
+/// Faces with a T-vertex on one of their edges, and that vertex; sorted.
+fn touches_at_t_vertices(topology: &Topology, found: &[TVertex]) -> Vec<(FaceId, VertexId)> {
+    let mut reasons: Vec<_> = found
+        .iter()
+        .flat_map(|t| topology.half_edges(t.edge).iter().map(|h| (h.face(), t.vertex)))
+        .collect();
+    reasons.sort_unstable();
+    reasons
+}
+
+/// Which way the components look, and how they lie in each other.
+fn shell_findings(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let area = |faces: &[FaceId]| faces.iter().map(|&f| mesh.area_vector(f).length()).sum();
+    let middle = |f: FaceId| mesh.triangle(f).iter().sum::<DVec3>() / 3.0;
+    let shells = shells::shells(mesh, topology, tree);
+    let disagreement = shells::disagreement(mesh.faces().len(), topology);
+    for group in &disagreement.turned {
+        let ids = group.iter().map(|f| f.0).collect();
+        let (kind, at) = (FindingKind::BackFaces, middle(group[0]));
+        findings.push(Finding { kind, ids, at, measure: area(group), count: 1 });
+    }
+    for &face in &disagreement.twisted {
+        let component = topology.component_of(face);
+        let (kind, at) = (FindingKind::NonOrientable, middle(face));
+        let measure = shells[component.index()].area;
+        findings.push(Finding { kind, ids: vec![component.0], at, measure, count: 1 });
+    }
+    for (component, shell) in shells.iter().enumerate() {
+        let kind = match (shell.looks, shell.inside.is_empty()) {
+            (Sign::Negative, true) => FindingKind::InsideOut,
+            (Sign::Negative, false) => FindingKind::Cavity,
+            (Sign::Positive, false) => FindingKind::NestedSolid,
+            _ => continue,
+        };
+        let mut ids = vec![component as u32];
+        ids.extend(shell.inside.iter().map(|&ComponentId(id)| id));
+        findings.push(Finding { kind, ids, at: shell.center, measure: shell.volume, count: 1 });
+    }
+    if shells.len() > 1 {
+        let bounds = tree.node(0).bounds;
+        findings.push(Finding {
+            kind: FindingKind::SeveralShells,
+            ids: Vec::new(),
+            at: bounds.center(),
+            measure: bounds.diagonal(),
+            count: shells.len(),
+        });
+    }
+    findings
+}

@@ -1,0 +1,198 @@
+//! Components as shells: which way each looks, which lies in which, which faces disagree with the
+//! rest.
+
+use cranny_exact::{Aabb, DVec3, Sign};
+
+use crate::ids::{ComponentId, FaceId, HalfEdgeId};
+use crate::mesh::Mesh;
+use crate::topology::{EdgeKind, Topology};
+use crate::tree::FaceTree;
+use crate::winding::{Winding, winding};
+
+/// What is known of one component as a shell.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shell {
+    /// Sign of the volume, where closed: positive looks outwards. Zero where rounding leaves it open
+    /// (a component folded onto itself has none).
+    pub(crate) looks: Sign,
+    /// Signed volume, rounded; 0 where not closed.
+    pub(crate) volume: f64,
+    /// Surface area.
+    pub(crate) area: f64,
+    /// Middle of its box.
+    pub(crate) center: DVec3,
+    /// Closed components that it lies in, ascending, by its first corner that lies on no other; only
+    /// those whose boxes hold its own, which shells that pass through each other seldom do.
+    pub(crate) inside: Vec<ComponentId>,
+}
+
+/// All shells, by component. O(n log n).
+pub(crate) fn shells(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<Shell> {
+    let faces = faces_of_components(topology, mesh.faces().len());
+    let several = faces.len() > 1;
+    let box_of = |faces: &Vec<FaceId>| Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)));
+    let boxes: Vec<Aabb> = faces.iter().map(box_of).collect();
+    let shell = |(component, faces): (usize, &Vec<FaceId>)| {
+        let closed = topology.components()[component].closed;
+        let corners = || faces.iter().flat_map(|&f| mesh.triangle(f));
+        let center = boxes[component].center();
+        let area = faces.iter().map(|&f| mesh.area_vector(f).length()).sum();
+        let (looks, volume) =
+            if closed { signed_volume(mesh, faces, center) } else { (Sign::Zero, 0.0) };
+        let mut inside = match closed && several {
+            true => containers(mesh, topology, tree, ComponentId(component as u32), corners()),
+            false => Vec::new(),
+        };
+        inside.retain(|c| boxes[c.index()].union(&boxes[component]) == boxes[c.index()]);
+        Shell { looks, volume, area, center, inside }
+    };
+    faces.iter().enumerate().map(shell).collect()
+}
+
+fn faces_of_components(topology: &Topology, faces: usize) -> Vec<Vec<FaceId>> {
+    let mut lists = vec![Vec::new(); topology.components().len()];
+    for face in (0..faces as u32).map(FaceId) {
+        lists[topology.component_of(face).index()].push(face);
+    }
+    lists
+}
+
+/// The volume of a closed component and its certain sign.
+///
+/// The error of a sum of n products is at most (n + 8) units of rounding times the sum of their
+/// absolute values (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.1);
+/// twice that leaves room for the differences taken first.
+fn signed_volume(mesh: &Mesh, faces: &[FaceId], reference: DVec3) -> (Sign, f64) {
+    let (mut six_volume, mut magnitude) = (0.0, 0.0);
+    for &face in faces {
+        let [a, b, c] = mesh.triangle(face).map(|p| p - reference);
+        six_volume += a.dot(b.cross(c));
+        let (b, c) = (b.abs(), c.abs());
+        let minors = DVec3::new(
+            b.y * c.z + b.z * c.y,
+            b.z * c.x + b.x * c.z,
+            b.x * c.y + b.y * c.x,
+        );
+        magnitude += a.abs().dot(minors);
+    }
+    let error = (faces.len() + 8) as f64 * f64::EPSILON * magnitude;
+    let certain = six_volume.abs() > error;
+    (if certain { Sign::of(six_volume) } else { Sign::Zero }, six_volume / 6.0)
+}
+
+/// The other closed components around a component.
+fn containers(
+    mesh: &Mesh,
+    topology: &Topology,
+    tree: &FaceTree,
+    component: ComponentId,
+    corners: impl Iterator<Item = DVec3>,
+) -> Vec<ComponentId> {
+    /// Corners tried. A shell that lies on another with all of these is not called nested.
+    const CORNERS: usize = 64;
+    for p in corners.step_by(3).take(CORNERS) {
+        let others = |face: FaceId| topology.component_of(face) != component;
+        if let Winding::Around(around) = winding(mesh, topology, tree, p, others) {
+            return around.into_iter().map(|(id, _)| id).collect();
+        }
+    }
+    Vec::new()
+}
+
+/// What must be turned to make a component consistent.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Disagreement {
+    /// Groups of faces that hang together and look the wrong way, each ascending: in every patch of
+    /// faces joined by edges of two, the fewer of those that disagree (on a tie, those without the
+    /// least face).
+    pub(crate) turned: Vec<Vec<FaceId>>,
+    /// The least face of each patch that has no consistent orientation.
+    pub(crate) twisted: Vec<FaceId>,
+}
+
+/// Walks every patch over its edges of two faces. O(n).
+pub(crate) fn disagreement(faces: usize, topology: &Topology) -> Disagreement {
+    let mut found = Disagreement::default();
+    if topology.edges().iter().all(|e| e.kind != EdgeKind::Contradictory) {
+        return found;
+    }
+    let mut side: Vec<Option<bool>> = vec![None; faces];
+    for seed in (0..faces as u32).map(FaceId) {
+        if side[seed.index()].is_some() {
+            continue;
+        }
+        side[seed.index()] = Some(false);
+        let (mut patch, mut next, mut twisted) = (vec![seed], 0, false);
+        while next < patch.len() {
+            let face = patch[next];
+            next += 1;
+            for (neighbour, agrees) in neighbours(topology, face) {
+                let expected = side[face.index()].map(|s| s == agrees);
+                match side[neighbour.index()] {
+                    None => {
+                        side[neighbour.index()] = expected;
+                        patch.push(neighbour);
+                    }
+                    known => twisted |= known != expected,
+                }
+            }
+        }
+        let turned = patch.iter().filter(|f| side[f.index()] == Some(true)).count();
+        if twisted {
+            found.twisted.push(seed);
+        } else if turned > 0 {
+            let wrong = 2 * turned <= patch.len();
+            let mut wrong: Vec<FaceId> =
+                patch.into_iter().filter(|f| side[f.index()] == Some(wrong)).collect();
+            wrong.sort_unstable();
+            found.turned.extend(groups(&wrong, topology));
+        }
+    }
+    found
+}
+
+/// Faces over edges of exactly two, and whether both run opposite ways along it.
+fn neighbours(
+    topology: &Topology,
+    face: FaceId,
+) -> impl Iterator<Item = (FaceId, bool)> + use<'_> {
+    (0..3).filter_map(move |corner| {
+        let edge = topology.edge_of(HalfEdgeId::of(face, corner));
+        let ends = topology.edges()[edge.index()];
+        let agrees = match ends.kind {
+            _ if ends.from == ends.to => return None, // the short side of a collapsed face
+            EdgeKind::Manifold => true,
+            EdgeKind::Contradictory => false,
+            _ => return None,
+        };
+        let other = topology.half_edges(edge).iter().map(|h| h.face()).find(|&f| f != face)?;
+        Some((other, agrees))
+    })
+}
+
+/// The faces of an ascending list, parted where they do not hang together.
+fn groups(faces: &[FaceId], topology: &Topology) -> Vec<Vec<FaceId>> {
+    let mut seen = vec![false; faces.len()];
+    let mut groups = Vec::new();
+    for start in 0..faces.len() {
+        if seen[start] {
+            continue;
+        }
+        seen[start] = true;
+        let (mut group, mut next) = (vec![faces[start]], 0);
+        while next < group.len() {
+            for (neighbour, _) in neighbours(topology, group[next]) {
+                if let Ok(at) = faces.binary_search(&neighbour)
+                    && !seen[at]
+                {
+                    seen[at] = true;
+                    group.push(neighbour);
+                }
+            }
+            next += 1;
+        }
+        group.sort_unstable();
+        groups.push(group);
+    }
+    groups
+}
