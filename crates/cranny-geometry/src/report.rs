@@ -36,6 +36,15 @@ pub struct Report {
     pub repairs: Vec<RepairRecord>,
 }
 
+impl Report {
+    /// Whether no finding limits any answer. Harmless ones (edges between faces in one plane, several
+    /// shells) may remain.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.findings.iter().all(|finding| finding.kind.limits().is_empty())
+    }
+}
+
 /// How far the search for faces that cross, touch or overlap each other went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeetingScan {
@@ -207,10 +216,7 @@ impl FindingKind {
                 "volume, mass, depth and contact regions count the overlap as often as it is enclosed",
             ],
             Self::SelfTouch => &["contact regions may be split or joined there"],
-            Self::BackFaces => &[
-                "normals of contacts on these faces point the wrong way",
-                SURFACE,
-            ],
+            Self::BackFaces => &["normals of contacts on these faces point the wrong way", SURFACE],
             Self::InsideOut => {
                 &["the component counts as negative volume; normals of its contacts point inwards"]
             }
@@ -296,7 +302,9 @@ impl std::fmt::Display for RepairRecord {
             RepairKind::WeldedVertices => {
                 write!(f, "{n} vertices in the same place as another were welded to it")
             }
-            RepairKind::DroppedVertices => write!(f, "{n} vertices that no face uses were left out"),
+            RepairKind::DroppedVertices => {
+                write!(f, "{n} vertices that no face uses were left out")
+            }
             RepairKind::TurnedRightSideOut => {
                 write!(f, "the mesh was inside out: all {n} faces were turned")
             }
@@ -319,7 +327,10 @@ impl std::fmt::Display for RepairRecord {
             }
             RepairKind::TurnedComponents => write!(f, "{n} components were inside out and turned"),
             RepairKind::TurnedNestedComponents => {
-                write!(f, "{n} components within others were turned into cavities or solids in them")
+                write!(
+                    f,
+                    "{n} components within others were turned into cavities or solids in them"
+                )
             }
             RepairKind::DroppedInnerSheets => {
                 write!(f, "{n} faces back to back within the solid were dropped")

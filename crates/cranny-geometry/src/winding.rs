@@ -107,8 +107,14 @@ mod tests {
     fn octahedron(radius: f64) -> Mesh {
         let tips = [1.0, -1.0].iter().flat_map(|s| [DVec3::X, DVec3::Y, DVec3::Z].map(|a| a * *s));
         let faces = vec![
-            [0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2],
-            [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5],
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
         ];
         Mesh::new(tips.map(|p| radius * p).collect(), faces).unwrap()
     }

@@ -4,6 +4,7 @@ mod line;
 
 use std::time::Instant;
 
+use cranny_geometry::BuildOptions;
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query};
 
 use crate::args::{DemandArg, Format, QueryArgs};

@@ -22,7 +22,14 @@ pub(super) fn orient(work: &mut Work, full: bool, records: &mut Vec<RepairRecord
     let tree = FaceTree::of(&work.mesh, 1);
     let mut shells = shells(&work.mesh, &topology, &tree);
     let inside_out = inside_out(&shells);
-    turn_components(work, &topology, &mut shells, &inside_out, RepairKind::TurnedComponents, records);
+    turn_components(
+        work,
+        &topology,
+        &mut shells,
+        &inside_out,
+        RepairKind::TurnedComponents,
+        records,
+    );
     if !full {
         return Vec::new();
     }

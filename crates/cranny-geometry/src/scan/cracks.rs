@@ -69,8 +69,7 @@ pub(crate) fn t_vertices(
 /// Apart from both ends, and nearer to each than they are to each other.
 fn is_within(p: DVec3, ends: [DVec3; 2], weld_distance: f64) -> bool {
     let length = ends[0].distance_squared(ends[1]);
-    ends.into_iter()
-        .all(|end| distance(end, p) > weld_distance && end.distance_squared(p) < length)
+    ends.into_iter().all(|end| distance(end, p) > weld_distance && end.distance_squared(p) < length)
 }
 
 /// A vertex and the one that stands for its place.

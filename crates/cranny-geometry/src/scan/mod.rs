@@ -20,7 +20,7 @@ use crate::topology::Topology;
 use crate::tree::FaceTree;
 use cracks::TVertex;
 
-/// The findings of a mesh, kind by kind.
+/// The findings of a mesh, kind by kind, harmless ones last.
 pub(crate) fn scan(
     mesh: &Mesh,
     topology: &Topology,
@@ -49,9 +49,8 @@ pub(crate) fn scan(
         }
         let reasons = touches_at_t_vertices(topology, &t_vertices);
         let explained = |f: FaceId, g: FaceId| {
-            let touches = |f, g| {
-                mesh.corners(g).into_iter().any(|v| reasons.binary_search(&(f, v)).is_ok())
-            };
+            let touches =
+                |f, g| mesh.corners(g).into_iter().any(|v| reasons.binary_search(&(f, v)).is_ok());
             !reasons.is_empty() && (touches(f, g) || touches(g, f))
         };
         let found;
@@ -59,7 +58,7 @@ pub(crate) fn scan(
         findings.extend(found);
     }
     findings.extend(edges::flat(mesh, topology, &without_area));
-    findings.sort_by_key(|finding| finding.kind);
+    findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
     (findings, meetings)
 }
 

@@ -30,7 +30,8 @@ pub(crate) struct Shell {
 pub(crate) fn shells(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<Shell> {
     let faces = faces_of_components(topology, mesh.faces().len());
     let several = faces.len() > 1;
-    let box_of = |faces: &Vec<FaceId>| Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)));
+    let box_of =
+        |faces: &Vec<FaceId>| Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)));
     let boxes: Vec<Aabb> = faces.iter().map(box_of).collect();
     let shell = |(component, faces): (usize, &Vec<FaceId>)| {
         let closed = topology.components()[component].closed;
@@ -68,11 +69,8 @@ fn signed_volume(mesh: &Mesh, faces: &[FaceId], reference: DVec3) -> (Sign, f64)
         let [a, b, c] = mesh.triangle(face).map(|p| p - reference);
         six_volume += a.dot(b.cross(c));
         let (b, c) = (b.abs(), c.abs());
-        let minors = DVec3::new(
-            b.y * c.z + b.z * c.y,
-            b.z * c.x + b.x * c.z,
-            b.x * c.y + b.y * c.x,
-        );
+        let minors =
+            DVec3::new(b.y * c.z + b.z * c.y, b.z * c.x + b.x * c.z, b.x * c.y + b.y * c.x);
         magnitude += a.abs().dot(minors);
     }
     let error = (faces.len() + 8) as f64 * f64::EPSILON * magnitude;
@@ -152,10 +150,7 @@ pub(crate) fn disagreement(faces: usize, topology: &Topology) -> Disagreement {
 }
 
 /// Faces over edges of exactly two, and whether both run opposite ways along it.
-fn neighbours(
-    topology: &Topology,
-    face: FaceId,
-) -> impl Iterator<Item = (FaceId, bool)> + use<'_> {
+fn neighbours(topology: &Topology, face: FaceId) -> impl Iterator<Item = (FaceId, bool)> + use<'_> {
     (0..3).filter_map(move |corner| {
         let edge = topology.edge_of(HalfEdgeId::of(face, corner));
         let ends = topology.edges()[edge.index()];

@@ -7,4 +7,5 @@ mod dyadic;
 mod harness;
 mod inspect_and_check;
 mod query;
+mod repair;
 mod touching;
