@@ -90,7 +90,7 @@ pub enum BuildError {
     },
     /// A weld distance that is negative, no number, or too large for the mesh.
     #[error(
-        "the weld distance {weld_distance:e} is not between 0 and {limit:e}, a hundredth of the mesh's diagonal"
+        "the weld distance {weld_distance:?} is not between 0 and {limit:?}, a hundredth of the mesh's diagonal"
     )]
     WeldDistance {
         /// The distance asked for.

@@ -297,43 +297,46 @@ impl RepairRecord {
 
 impl std::fmt::Display for RepairRecord {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (n, moved) = (self.count, self.moved);
+        let moved = self.moved;
+        let counted = |one: &str, more: &str| match self.count {
+            1 => format!("1 {one}"),
+            n => format!("{n} {more}"),
+        };
+        let vertices = counted("vertex", "vertices");
+        let faces = counted("face", "faces");
+        let components = counted("component", "components");
         match self.kind {
             RepairKind::WeldedVertices => {
-                write!(f, "{n} vertices in the same place as another were welded to it")
+                write!(f, "{vertices} in the same place as another: welded to it")
             }
-            RepairKind::DroppedVertices => {
-                write!(f, "{n} vertices that no face uses were left out")
-            }
+            RepairKind::DroppedVertices => write!(f, "{vertices} that no face uses: left out"),
             RepairKind::TurnedRightSideOut => {
-                write!(f, "the mesh was inside out: all {n} faces were turned")
+                write!(f, "the mesh was inside out: {faces} turned, all there are")
             }
             RepairKind::WeldedNearVertices => write!(
                 f,
-                "{n} vertices along open edges were welded to another near by (moved by up to {moved:.3e})"
+                "{vertices} on open edges near another: welded to it (moved by up to {moved:.3e})"
             ),
             RepairKind::SplitEdges => write!(
                 f,
-                "edges were split at {n} vertices that lay within them (up to {moved:.3e} off the edge)"
+                "edges were split at {vertices} within them (up to {moved:.3e} off the edge)"
             ),
             RepairKind::DroppedCollapsedFaces => {
-                write!(f, "{n} faces without area were dropped; what they lay on covers them")
+                write!(f, "{faces} without area: dropped, others cover the place")
             }
             RepairKind::DroppedCoincidentFaces => {
-                write!(f, "{n} faces in the same place as another were dropped")
+                write!(f, "{faces} in the same place as another: dropped")
             }
             RepairKind::TurnedBackFaces => {
-                write!(f, "{n} faces were turned to agree with their neighbours")
+                write!(f, "{faces} turned to agree with the neighbours")
             }
-            RepairKind::TurnedComponents => write!(f, "{n} components were inside out and turned"),
-            RepairKind::TurnedNestedComponents => {
-                write!(
-                    f,
-                    "{n} components within others were turned into cavities or solids in them"
-                )
-            }
+            RepairKind::TurnedComponents => write!(f, "{components} inside out: turned"),
+            RepairKind::TurnedNestedComponents => write!(
+                f,
+                "{components} within others: turned into cavities, or solids within cavities"
+            ),
             RepairKind::DroppedInnerSheets => {
-                write!(f, "{n} faces back to back within the solid were dropped")
+                write!(f, "{faces} back to back within the solid: dropped")
             }
         }
     }

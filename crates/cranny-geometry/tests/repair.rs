@@ -402,6 +402,15 @@ fn shells_that_pass_through_each_other_are_told_with_their_faces() {
         report.findings.iter().filter(|f| f.kind == FindingKind::SelfIntersection).collect();
     assert!(!crossing.is_empty());
     assert!(crossing.iter().all(|f| f.ids[0] < 12 && f.ids[1] >= 12 && f.ids.len() == 2));
+    // The same where the box of one holds that of the other: a spike out of a pyramid's side.
+    let spike = cuboid().scaled(DVec3::new(0.125, 0.125, 0.75)).unwrap();
+    let pyramid = cranny_shapes::Pyramid { base: 8.0, height: 8.0 }.build().unwrap();
+    let poking = moved(&spike, pyramid.bounds().center() - 1.5 * DVec3::X);
+    let both = pyramid.joined(&poking);
+    let (_, report) = built(&both, Repair::Full);
+    assert!(kinds(&report)["self_intersection"] > 0 && report.repairs.is_empty());
+    assert!(!kinds(&report).contains_key("nested_solid"));
+
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
     let (_, unseen) = Model::build(model.mesh().clone(), &options).unwrap();
     assert_eq!(

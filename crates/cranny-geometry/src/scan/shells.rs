@@ -1,7 +1,7 @@
 //! Components as shells: which way each looks, which lies in which, which faces disagree with the
 //! rest.
 
-use cranny_exact::{Aabb, DVec3, Sign};
+use cranny_exact::{Aabb, DVec3, Meeting, Sign, classify_triangles};
 
 use crate::ids::{ComponentId, FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
@@ -21,8 +21,8 @@ pub(crate) struct Shell {
     pub(crate) area: f64,
     /// Middle of its box.
     pub(crate) center: DVec3,
-    /// Closed components that it lies in, ascending, by its first corner that lies on no other; only
-    /// those whose boxes hold its own, which shells that pass through each other seldom do.
+    /// Closed components that it lies in, ascending: those that wind around its first corner that lies
+    /// on no other, and that it does not pass through.
     pub(crate) inside: Vec<ComponentId>,
 }
 
@@ -45,6 +45,10 @@ pub(crate) fn shells(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<S
             false => Vec::new(),
         };
         inside.retain(|c| boxes[c.index()].union(&boxes[component]) == boxes[c.index()]);
+        if !inside.is_empty() {
+            let crossed = crossed(mesh, topology, tree, faces, &inside);
+            inside.retain(|c| !crossed.contains(c));
+        }
         Shell { looks, volume, area, center, inside }
     };
     faces.iter().enumerate().map(shell).collect()
@@ -95,6 +99,32 @@ fn containers(
         }
     }
     Vec::new()
+}
+
+/// Which of some components the faces pass through. O(log n) a face, but for faces that do.
+fn crossed(
+    mesh: &Mesh,
+    topology: &Topology,
+    tree: &FaceTree,
+    faces: &[FaceId],
+    of: &[ComponentId],
+) -> Vec<ComponentId> {
+    let mut crossed: Vec<ComponentId> = Vec::new();
+    for &face in faces {
+        let triangle = mesh.triangle(face);
+        let bounds = Aabb::of_points(triangle);
+        let visit = |other: FaceId| {
+            let component = topology.component_of(other);
+            if of.contains(&component)
+                && !crossed.contains(&component)
+                && classify_triangles(&triangle, &mesh.triangle(other)) == Meeting::Cross
+            {
+                crossed.push(component);
+            }
+        };
+        tree.visit(|b| b.overlaps(&bounds), visit);
+    }
+    crossed
 }
 
 /// What must be turned to make a component consistent.

@@ -63,7 +63,7 @@ fn a_crack_is_told_and_closed_on_demand() {
     for words in [
         "14 (13 in the file)",
         "closed: bounds a solid",
-        "edges were split at 1 vert",
+        "edges were split at 1 vertex",
         "same place",
     ] {
         assert!(text.contains(words), "{words:?} is missing in\n{text}");
@@ -76,7 +76,7 @@ fn a_crack_is_told_and_closed_on_demand() {
 fn distances_and_policies_that_make_no_sense_are_refused() {
     let folder = Folder::new();
     let mesh = folder.mesh("box.obj", &Cuboid::default().build().unwrap());
-    run(&["inspect", &mesh, "--weld", "1"]).assert_refused(2, &["weld distance 1e0", "--weld"]);
+    run(&["inspect", &mesh, "--weld", "1"]).assert_refused(2, &["weld distance 1.0", "--weld"]);
     for (option, value, word) in
         [("--weld", "-1", "below 0"), ("--weld", "near", "such as"), ("--repair", "most", "safe")]
     {
