@@ -303,7 +303,9 @@ fn cracks_are_welded_within_the_distance_only() {
         assert!((0.000_499_9..0.000_500_1).contains(&off), "{off:e}");
         assert_same_surface(&cracked, &model, &after);
         let (_, apart) = within(&cracked, Repair::Safe, 0.0002);
-        assert!(!apart.closed && apart.deviation == 0.0);
+        // Vertices that slid along an edge are in it now; none is welded, and the crack stays.
+        let kinds: Vec<_> = apart.repairs.iter().map(|r| r.kind).collect();
+        assert!(!apart.closed && !kinds.contains(&RepairKind::WeldedNearVertices), "{kinds:?}");
     }
 }
 
