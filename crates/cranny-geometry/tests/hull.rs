@@ -87,6 +87,18 @@ fn helix(n: usize) -> Vec<DVec3> {
         .collect()
 }
 
+/// Points along the six edges of a tetrahedron, most of them rounded off their edge.
+fn tetrahedron_edges(n: u32) -> Vec<DVec3> {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.3, 1.1, 0.0), DVec3::new(0.4, 0.2, 0.9)];
+    let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+    pairs
+        .into_iter()
+        .flat_map(|(i, j)| {
+            (0..=n).map(move |k| corners[i].lerp(corners[j], f64::from(k) / f64::from(n)))
+        })
+        .collect()
+}
+
 /// Every family, by name, without turning.
 fn families() -> Vec<(&'static str, Vec<DVec3>)> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
@@ -115,6 +127,17 @@ fn families() -> Vec<(&'static str, Vec<DVec3>)> {
         ("cone fan", cone),
         ("cylinder fan", capped),
         ("stacked grids", grids),
+        (
+            "full lattice with a far point",
+            lattice(9, 1.0).into_iter().chain([1e4 * DVec3::ONE]).collect(),
+        ),
+        (
+            "two clusters far apart",
+            (0..800)
+                .map(|i| random.on_sphere() * 0.01 + f64::from(i % 2) * 100.0 * DVec3::X)
+                .collect(),
+        ),
+        ("edges of a tetrahedron", tetrahedron_edges(40)),
         ("tetrahedron", vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]),
         (
             "thin wedge",
@@ -161,25 +184,93 @@ fn every_family_is_valid_as_it_is_turned_moved_and_scaled() {
     }
 }
 
+/// The outlines of the facets as places, each from its least corner on, sorted: independent of ids.
+fn outlines(hull: &ConvexHull) -> Vec<Vec<[u64; 3]>> {
+    let place = |v: &HullVertexId| hull.position(*v).to_array().map(|c| (c + 0.0).to_bits());
+    let mut outlines: Vec<Vec<[u64; 3]>> = hull
+        .facets()
+        .map(|facet| {
+            let mut outline: Vec<_> = facet.corners.iter().map(place).collect();
+            let least = (0..outline.len()).min_by_key(|&i| outline[i]).unwrap();
+            outline.rotate_left(least);
+            outline
+        })
+        .collect();
+    outlines.sort_unstable();
+    outlines
+}
+
+/// Thinner than the tolerance: how its sides are shared out to the two facets is arbitrary.
+const AMBIGUOUS: &str = "sliver of 1e-16";
+
 #[test]
-fn powers_of_two_and_the_order_of_points_change_nothing() {
+fn powers_of_two_change_no_bit() {
+    let scale = 2f64.powi(-66);
+    for (name, points) in families() {
+        for points in [points.clone(), turned(&points)] {
+            let hull = ConvexHull::of_points(&points);
+            let scaled: Vec<DVec3> = points.iter().map(|&p| scale * p).collect();
+            let small = ConvexHull::of_points(&scaled);
+            assert!(hull.source_triangles().eq(small.source_triangles()), "{name}");
+            assert_eq!(hull.facet_count(), small.facet_count(), "{name}");
+            for (facet, other) in hull.facets().zip(small.facets()) {
+                assert_eq!(facet.normal, other.normal, "{name}");
+                assert_eq!(facet.triangles, other.triangles, "{name}");
+                assert_eq!(facet.corners, other.corners, "{name}");
+                assert_eq!(facet.thickness * scale, other.thickness, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_order_of_points_changes_no_vertex_and_no_facet() {
     let mut random = Random(7);
-    for (name, mut points) in families() {
-        let hull = ConvexHull::of_points(&points);
-        let scaled: Vec<DVec3> = points.iter().map(|&p| 2f64.powi(-66) * p).collect();
-        let small = ConvexHull::of_points(&scaled);
-        assert!(hull.source_triangles().eq(small.source_triangles()), "{name}");
-        let places = |hull: &ConvexHull| {
-            let mut bits: Vec<_> = hull
-                .positions()
-                .iter()
-                .map(|p| p.to_array().map(|c| (c + 0.0).to_bits()))
-                .collect();
-            bits.sort_unstable();
-            bits
-        };
-        random.shuffle(&mut points);
-        assert_eq!(places(&hull), places(&ConvexHull::of_points(&points)), "{name}");
+    for (name, points) in families() {
+        for mut points in [points.clone(), turned(&points)] {
+            let hull = ConvexHull::of_points(&points);
+            let places = |hull: &ConvexHull| {
+                let mut bits: Vec<_> = hull
+                    .positions()
+                    .iter()
+                    .map(|p| p.to_array().map(|c| (c + 0.0).to_bits()))
+                    .collect();
+                bits.sort_unstable();
+                bits
+            };
+            random.shuffle(&mut points);
+            let shuffled = ConvexHull::of_points(&points);
+            assert_eq!(places(&hull), places(&shuffled), "{name}");
+            if name != AMBIGUOUS {
+                assert_eq!(outlines(&hull), outlines(&shuffled), "{name}");
+            }
+        }
+    }
+}
+
+/// The least width of a facet's outline: over its edges, how far it reaches from the edge's line.
+fn width(hull: &ConvexHull, corners: &[HullVertexId]) -> f64 {
+    let at = |i: usize| hull.position(corners[i % corners.len()]);
+    (0..corners.len()).fold(f64::INFINITY, |least, i| {
+        let along = (at(i + 1) - at(i)).normalize();
+        let reach = (0..corners.len()).map(|k| (at(k) - at(i)).cross(along).length());
+        least.min(reach.fold(0.0, f64::max))
+    })
+}
+
+#[test]
+fn needles_are_no_facets_and_no_facet_is_thicker_than_the_tolerance() {
+    for (name, points) in families() {
+        for points in [points.clone(), turned(&points)] {
+            let hull = ConvexHull::of_points(&points);
+            assert!(hull.thickness_max() <= hull.flatness(), "{name}");
+            for facet in hull.facets() {
+                let width = width(&hull, facet.corners);
+                assert!(width > hull.flatness(), "{name}: {width:e} {:?}", facet.triangles);
+            }
+            // Sides a billionth as wide as they are long have right normals all the same.
+            assert!(!name.starts_with("sliver of 1e-9") || hull.facet_count() == 6, "{name}");
+        }
     }
 }
 
@@ -187,9 +278,11 @@ fn powers_of_two_and_the_order_of_points_change_nothing() {
 fn ten_thousand_cospherical_points() {
     let mut random = Random(3);
     let points: Vec<DVec3> = (0..10_000).map(|_| random.on_sphere()).collect();
-    let hull = assert_valid("cospherical", &points);
-    assert_eq!(hull.vertex_count(), 10_000);
-    assert!((hull.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3);
+    for points in [points.clone(), turned(&points)] {
+        let hull = assert_valid("cospherical", &points);
+        assert_eq!(hull.vertex_count(), 10_000);
+        assert!((hull.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3);
+    }
 }
 
 #[test]

@@ -131,24 +131,41 @@ impl Surface {
     }
 }
 
-struct Face {
-    vertices: [u32; 3],
-    twins: [u32; 3],
+/// What is asked of a face that may be seen: a cache line.
+#[repr(align(64))]
+struct Facing {
     side: Side,
-    /// Highest waiting point, or `NONE`; the others hang in a list.
-    apex: u32,
-    apex_height: f64,
-    list: u32,
     /// The step that last looked at the face, and what it saw.
     step: u32,
     visible: bool,
-    alive: bool,
+}
+
+/// Corners and twins of a face. Here a half-edge is `4 face + corner`, quick to take apart.
+#[derive(Clone, Copy)]
+struct Links {
+    vertices: [u32; 3],
+    twins: [u32; 3],
+}
+
+/// The points that wait above a face: the highest, or `NONE`, and a list of the others.
+#[derive(Clone, Copy)]
+struct Waiting {
+    apex: u32,
+    list: u32,
+    apex_height: f64,
+}
+
+impl Waiting {
+    const NOBODY: Self = Self { apex: NONE, list: NONE, apex_height: 0.0 };
 }
 
 struct Builder<'a> {
     points: &'a [DVec3],
     extent: DVec3,
-    faces: Vec<Face>,
+    // By face; the corners of a face that is gone are `NONE`.
+    facing: Vec<Facing>,
+    links: Vec<Links>,
+    waiting: Vec<Waiting>,
     free: Vec<u32>,
     /// Successor of a point in its conflict list.
     successor: Vec<u32>,
@@ -159,7 +176,6 @@ struct Builder<'a> {
     /// New face whose base starts at a vertex; read only for vertices of the present horizon.
     fan_start: Vec<u32>,
     // Scratch space of a step.
-    stack: Vec<u32>,
     removed: Vec<u32>,
     horizon: Vec<(u32, u32, u32)>,
     orphans: Vec<u32>,
@@ -172,14 +188,15 @@ impl<'a> Builder<'a> {
         let mut builder = Self {
             points,
             extent: bounds.max - bounds.min,
-            faces: Vec::new(),
+            facing: Vec::new(),
+            links: Vec::new(),
+            waiting: Vec::new(),
             free: Vec::new(),
             successor: vec![NONE; points.len()],
             pending: Vec::new(),
             step: 0,
             duplicates: Vec::new(),
             fan_start: vec![NONE; points.len()],
-            stack: Vec::new(),
             removed: Vec::new(),
             horizon: Vec::new(),
             orphans: Vec::new(),
@@ -187,9 +204,9 @@ impl<'a> Builder<'a> {
         };
         // `d` lies above (a, b, c): the base looks away from it, and `d` closes the hole above.
         let base = builder.add_face([a, c, b]);
-        builder.horizon = vec![(a, b, 3 * base + 2), (b, c, 3 * base + 1), (c, a, 3 * base)];
+        builder.horizon = vec![(a, b, 4 * base + 2), (b, c, 4 * base + 1), (c, a, 4 * base)];
         builder.close_hole(d);
-        builder.fan.push((base, builder.faces[base as usize].side));
+        builder.fan.push((base, builder.facing[base as usize].side));
         builder.orphans = (0..points.len() as u32).filter(|i| ![a, b, c, d].contains(i)).collect();
         builder.assign_orphans(&[a, b, c, d]);
         builder
@@ -198,8 +215,8 @@ impl<'a> Builder<'a> {
     /// As [`triangulate`].
     fn run(mut self) -> (Surface, Vec<u32>) {
         while let Some(face) = self.pending.pop() {
-            let apex = self.faces[face as usize].apex;
-            if self.faces[face as usize].alive && apex != NONE {
+            let apex = self.waiting[face as usize].apex;
+            if apex != NONE {
                 self.insert(face, apex);
             }
         }
@@ -208,11 +225,9 @@ impl<'a> Builder<'a> {
 
     /// Makes `apex`, which waits above `face`, a vertex of the hull.
     fn insert(&mut self, face: u32, apex: u32) {
-        self.faces[face as usize].apex = NONE;
+        self.waiting[face as usize].apex = NONE;
         self.find_horizon(face, apex);
-        for i in 0..self.removed.len() {
-            self.release(self.removed[i]);
-        }
+        self.release_removed();
         self.close_hole(apex);
         self.assign_orphans(&[apex]);
     }
@@ -222,58 +237,52 @@ impl<'a> Builder<'a> {
         self.step += 1;
         self.removed.clear();
         self.horizon.clear();
-        self.mark(seen, true);
-        self.stack.push(seen);
-        while let Some(f) = self.stack.pop() {
-            self.removed.push(f);
-            let (vertices, twins) = (self.faces[f as usize].vertices, self.faces[f as usize].twins);
+        let facing = &mut self.facing[seen as usize];
+        (facing.step, facing.visible) = (self.step, true);
+        self.removed.push(seen);
+        let p = self.points[apex as usize];
+        let mut next = 0;
+        while let Some(&face) = self.removed.get(next) {
+            next += 1;
+            let Links { vertices, twins } = self.links[face as usize];
             for i in 0..3 {
-                let neighbour = twins[i] / 3;
-                if self.faces[neighbour as usize].step != self.step {
-                    let sign = self.look(neighbour, apex);
-                    self.mark(neighbour, sign == Sign::Positive);
-                    if sign == Sign::Positive {
-                        self.stack.push(neighbour);
+                let neighbour = twins[i] >> 2;
+                let facing = &mut self.facing[neighbour as usize];
+                if facing.step != self.step {
+                    let corners =
+                        || self.links[neighbour as usize].vertices.map(|v| self.points[v as usize]);
+                    let sign = facing.side.sign(facing.side.height(p), p, corners);
+                    (facing.step, facing.visible) = (self.step, sign == Sign::Positive);
+                    if facing.visible {
+                        self.removed.push(neighbour);
                     }
                 }
-                if !self.faces[neighbour as usize].visible {
+                if !facing.visible {
                     self.horizon.push((vertices[i], vertices[(i + 1) % 3], twins[i]));
                 }
             }
         }
     }
 
-    fn mark(&mut self, face: u32, visible: bool) {
-        let face = &mut self.faces[face as usize];
-        face.step = self.step;
-        face.visible = visible;
-    }
-
-    /// On which side of a face a point lies: exact.
-    #[inline]
-    fn look(&self, face: u32, point: u32) -> Sign {
-        let side = &self.faces[face as usize].side;
-        let p = self.points[point as usize];
-        side.sign(side.height(p), p, || self.corners(face))
-    }
-
     fn corners(&self, face: u32) -> [DVec3; 3] {
-        self.faces[face as usize].vertices.map(|v| self.points[v as usize])
+        self.links[face as usize].vertices.map(|v| self.points[v as usize])
     }
 
-    /// Takes a face out of the surface; the points that waited above it become orphans.
-    fn release(&mut self, index: u32) {
-        let face = &mut self.faces[index as usize];
-        face.alive = false;
-        if face.apex != NONE {
-            self.orphans.push(face.apex);
+    /// Takes the removed faces out of the surface; the points that waited above them become orphans.
+    fn release_removed(&mut self) {
+        for &face in &self.removed {
+            self.links[face as usize].vertices = [NONE; 3];
+            let Waiting { apex, mut list, .. } =
+                std::mem::replace(&mut self.waiting[face as usize], Waiting::NOBODY);
+            if apex != NONE {
+                self.orphans.push(apex);
+            }
+            while list != NONE {
+                self.orphans.push(list);
+                list = self.successor[list as usize];
+            }
         }
-        let mut waiting = face.list;
-        while waiting != NONE {
-            self.orphans.push(waiting);
-            waiting = self.successor[waiting as usize];
-        }
-        self.free.push(index);
+        self.free.extend(&self.removed);
     }
 
     /// Joins every horizon edge to `apex` and links the new faces. The horizon is a simple cycle, so
@@ -283,40 +292,34 @@ impl<'a> Builder<'a> {
         for i in 0..self.horizon.len() {
             let (from, to, outer) = self.horizon[i];
             let face = self.add_face([from, to, apex]);
-            self.faces[face as usize].twins[0] = outer;
-            self.faces[outer as usize / 3].twins[outer as usize % 3] = 3 * face;
+            self.links[face as usize].twins[0] = outer;
+            self.links[(outer >> 2) as usize].twins[(outer & 3) as usize] = 4 * face;
             self.fan_start[from as usize] = face;
-            self.fan.push((face, self.faces[face as usize].side));
+            self.fan.push((face, self.facing[face as usize].side));
         }
-        for i in 0..self.fan.len() {
-            let (face, _) = self.fan[i];
-            let to = self.faces[face as usize].vertices[1];
+        for &(face, _) in &self.fan {
+            let to = self.links[face as usize].vertices[1];
             let neighbour = self.fan_start[to as usize];
-            self.faces[face as usize].twins[1] = 3 * neighbour + 2;
-            self.faces[neighbour as usize].twins[2] = 3 * face + 1;
+            self.links[face as usize].twins[1] = 4 * neighbour + 2;
+            self.links[neighbour as usize].twins[2] = 4 * face + 1;
         }
     }
 
     fn add_face(&mut self, vertices: [u32; 3]) -> u32 {
-        let face = Face {
-            vertices,
-            twins: [NONE; 3],
-            side: Side::new(vertices.map(|v| self.points[v as usize]), self.extent),
-            apex: NONE,
-            apex_height: 0.0,
-            list: NONE,
-            step: 0,
-            visible: false,
-            alive: true,
-        };
+        let side = Side::new(vertices.map(|v| self.points[v as usize]), self.extent);
+        let facing = Facing { side, step: 0, visible: false };
+        let links = Links { vertices, twins: [NONE; 3] };
         match self.free.pop() {
-            Some(index) => {
-                self.faces[index as usize] = face;
-                index
+            Some(face) => {
+                self.facing[face as usize] = facing;
+                self.links[face as usize] = links;
+                face
             }
             None => {
-                self.faces.push(face);
-                self.faces.len() as u32 - 1
+                self.facing.push(facing);
+                self.links.push(links);
+                self.waiting.push(Waiting::NOBODY);
+                self.links.len() as u32 - 1
             }
         }
     }
@@ -344,19 +347,19 @@ impl<'a> Builder<'a> {
         self.orphans = orphans;
         self.orphans.clear();
         let fan = self.fan.iter().map(|&(face, _)| face);
-        self.pending.extend(fan.filter(|&face| self.faces[face as usize].apex != NONE));
+        self.pending.extend(fan.filter(|&face| self.waiting[face as usize].apex != NONE));
     }
 
     fn wait(&mut self, face: u32, point: u32, height: f64) {
-        let face = &mut self.faces[face as usize];
-        let mut waiting = point;
-        if face.apex == NONE || height > face.apex_height {
-            waiting = std::mem::replace(&mut face.apex, point);
-            face.apex_height = height;
+        let waiting = &mut self.waiting[face as usize];
+        let mut lower = point;
+        if waiting.apex == NONE || height > waiting.apex_height {
+            lower = std::mem::replace(&mut waiting.apex, point);
+            waiting.apex_height = height;
         }
-        if waiting != NONE {
-            self.successor[waiting as usize] = face.list;
-            face.list = waiting;
+        if lower != NONE {
+            self.successor[lower as usize] = waiting.list;
+            waiting.list = lower;
         }
     }
 
@@ -366,21 +369,24 @@ impl<'a> Builder<'a> {
             let least = lowest.entry(vertex).or_insert(duplicate);
             *least = duplicate.min(*least);
         }
-        let alive: Vec<u32> =
-            (0..self.faces.len() as u32).filter(|&f| self.faces[f as usize].alive).collect();
-        let mut new_index = vec![NONE; self.faces.len()];
+        let alive: Vec<u32> = (0..self.links.len() as u32)
+            .filter(|&f| self.links[f as usize].vertices[0] != NONE)
+            .collect();
+        let mut new_index = vec![NONE; self.links.len()];
         for (new, &old) in (0..).zip(&alive) {
             new_index[old as usize] = new;
         }
         let mut surface = Surface::default();
         for &old in &alive {
-            let face = &self.faces[old as usize];
-            surface.triangles.push(face.vertices.map(|v| *lowest.get(&v).unwrap_or(&v)));
-            surface.twins.extend(face.twins.map(|t| 3 * new_index[t as usize / 3] + t % 3));
+            let Links { vertices, twins } = self.links[old as usize];
+            surface.triangles.push(vertices.map(|v| *lowest.get(&v).unwrap_or(&v)));
+            surface.twins.extend(twins.map(|t| 3 * new_index[(t >> 2) as usize] + (t & 3)));
         }
         let flat = flat_vertices(self.points.len(), &surface, |half_edge| {
             let apex = surface.origin(previous(surface.twins[half_edge as usize]));
-            self.look(alive[half_edge as usize / 3], apex)
+            let (face, p) = (alive[half_edge as usize / 3], self.points[apex as usize]);
+            let side = &self.facing[face as usize].side;
+            side.sign(side.height(p), p, || self.corners(face))
         });
         (surface, flat)
     }

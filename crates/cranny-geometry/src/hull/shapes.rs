@@ -27,12 +27,14 @@ impl Shapes {
             bends: vec![0; count],
         };
         for corners in &surface.triangles {
-            let [a, b, c] = corners.map(|v| positions[v as usize]);
-            let area_vector = (b - a).cross(c - a);
+            let edges = edges(corners.map(|v| positions[v as usize]));
+            let longest = longest(&edges);
+            // The rounding of the two shorter edges tilts the normal of a sliver least.
+            let area_vector = edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]);
             let area = area_vector.length();
             shapes.area_vectors.push(area_vector);
             shapes.areas.push(area);
-            shapes.needles.push(area <= tolerance * longest_edge([a, b, c]).length());
+            shapes.needles.push(area <= tolerance * edges[longest].length());
         }
         for (t, corners) in surface.triangles.iter().enumerate() {
             for (i, &from) in corners.iter().enumerate() {
@@ -82,7 +84,23 @@ impl Shapes {
 }
 
 /// The longest edge of a triangle.
-pub(super) fn longest_edge([a, b, c]: [DVec3; 3]) -> DVec3 {
-    let longer = |e: DVec3, f: DVec3| if f.length_squared() > e.length_squared() { f } else { e };
-    longer(longer(b - a, c - b), a - c)
+pub(super) fn longest_edge(triangle: [DVec3; 3]) -> DVec3 {
+    let edges = edges(triangle);
+    edges[longest(&edges)]
+}
+
+fn edges([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    [b - a, c - b, a - c]
+}
+
+/// Which edge is the longest.
+fn longest(edges: &[DVec3; 3]) -> usize {
+    let [a, b, c] = edges.map(DVec3::length_squared);
+    if a >= b.max(c) {
+        0
+    } else if b >= c {
+        1
+    } else {
+        2
+    }
 }

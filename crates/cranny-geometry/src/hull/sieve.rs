@@ -23,7 +23,7 @@ use super::span::{Span, span_of};
 
 /// Points a cell, about. Smaller, and the polytope costs more than it saves; larger, and it is so coarse
 /// that more inner points are left.
-const CROWD: usize = 24;
+const CROWD: usize = 32;
 
 /// Fewer points than these are not sieved: with so few cells little would fall through.
 const LEAST: usize = 256;
