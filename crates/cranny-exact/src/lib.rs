@@ -24,11 +24,13 @@
 
 mod aabb;
 pub mod domain;
+mod expansion;
 mod interval;
 mod pose;
 mod sign;
 mod tolerance;
 mod triangle;
+mod weighted;
 
 pub use aabb::Aabb;
 pub use domain::{DomainError, check_point};
@@ -41,3 +43,4 @@ pub use triangle::{
     Meeting, Piercing, SegmentFeature, TriangleFeature, classify_segment_triangle,
     classify_triangles, locate_piercing,
 };
+pub use weighted::WeightedPoint;

@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
 
+use crate::aabb::Aabb;
 use crate::domain::{DomainError, check_point};
 
 /// Matrix entries closer than this to −1, 0 or 1 are taken to be −1, 0 or 1.
@@ -14,10 +15,19 @@ use crate::domain::{DomainError, check_point};
 /// the [`domain`](crate::domain) relies.
 const SNAP: f64 = 4.0 * f64::EPSILON;
 
-/// By how much the squared length of a rotation quaternion may differ from 1 before
-/// [`Pose::checked`] refuses it. Larger, and a scaled body passes for a rigid one; smaller, and
-/// quaternions written with nine digits are refused.
-const UNIT_SLACK: f64 = 1e-6;
+/// By how much the squared length of a rotation quaternion may differ from 1 before a pose is refused.
+/// What is accepted is normalised. Larger, and what was never meant to be a rotation passes for one;
+/// smaller, and quaternions that an engine kept in f32, or a file with six digits, are refused.
+const UNIT_SLACK: f64 = 1e-5;
+
+/// By how much `RᵀR` of an accepted matrix may differ from 1. Larger, and a scaled or sheared body
+/// passes for a rigid one; smaller, and matrices written with seven digits are refused.
+const GRAM_SLACK: f64 = 1e-6;
+
+/// Quaternions whose squared length is this near to 1 are unit to rounding and kept to the bit.
+/// Smaller: what was normalised once would be normalised again, and change. Larger: posing would
+/// stretch by more than the culls' slack (see [`RigidMap::bounds`]) holds.
+const UNIT_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A rotation that is not one, or a translation outside the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -25,7 +35,7 @@ const UNIT_SLACK: f64 = 1e-6;
 pub enum PoseError {
     /// The quaternion's length is not 1.
     #[error(
-        "rotation quaternion has length {length}: it must be 1 (to within one part in a million)"
+        "rotation quaternion has length {length}: it must be 1 (to within five parts in a million)"
     )]
     NotUnit {
         /// Length found.
@@ -47,9 +57,13 @@ pub enum PoseError {
 }
 
 /// Position and orientation of a body: `world_from_body`, a rotation followed by a translation.
+///
+/// The fields are free, so a quaternion may be anything. Whoever takes poses from outside passes them
+/// through [`accepted`](Self::accepted); a world and the pair query do, and everything else relies
+/// on unit length to rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Unit quaternion (x, y, z, w).
+    /// Unit quaternion (x, y, z, w), see [`accepted`](Self::accepted).
     pub rotation: DQuat,
     /// Of the body's origin, in world coordinates.
     pub translation: DVec3,
@@ -65,11 +79,24 @@ impl Pose {
         Self { rotation: DQuat::IDENTITY, translation }
     }
 
+    /// The pose as a world or a query takes it: kept to the bit where its quaternion is of unit length
+    /// to rounding, so that a pose survives being read and set again; else normalised.
+    ///
+    /// # Errors
+    ///
+    /// [`PoseError`] where the quaternion's squared length differs from 1 by more than 1e-5 or the
+    /// translation is out of domain.
+    pub fn accepted(self) -> Result<Self, PoseError> {
+        let checked = Self::checked(self.rotation, self.translation)?;
+        let unit = (self.rotation.length_squared() - 1.0).abs() <= UNIT_ROUNDING;
+        Ok(if unit { self } else { checked })
+    }
+
     /// A validated pose. The quaternion is normalised.
     ///
     /// # Errors
     ///
-    /// [`PoseError`] where the quaternion's length is not 1 or the translation is out of domain.
+    /// As for [`accepted`](Self::accepted).
     pub fn checked(rotation: DQuat, translation: DVec3) -> Result<Self, PoseError> {
         check_point(translation)?;
         let length = rotation.length();
@@ -100,8 +127,8 @@ impl Pose {
         if linear.determinant() < 0.0 {
             deviation = deviation.max(2.0);
         }
-        if deviation > UNIT_SLACK {
-            return Err(PoseError::NotRigid { deviation, limit: UNIT_SLACK });
+        if deviation > GRAM_SLACK {
+            return Err(PoseError::NotRigid { deviation, limit: GRAM_SLACK });
         }
         let rotation = DQuat::from_mat3(&linear);
         Ok(Self { rotation: rotation * (1.0 / rotation.length()), translation })
@@ -205,6 +232,18 @@ impl RigidMap {
         let t = self.translation.abs().max_element();
         8.0 * f64::EPSILON * (2.0 * radius + t)
     }
+
+    /// A box that holds the rounded image of every point of `b`.
+    ///
+    /// Three things round, each by at most [`posing_error`](Self::posing_error): the image of a point,
+    /// that of the box's center, and the half extents, which round like a point that is posed.
+    #[must_use]
+    pub fn bounds(&self, b: &Aabb) -> Aabb {
+        let (center, h, m) = (self.apply(b.center()), b.half_extents(), self.linear);
+        let half = m.x_axis.abs() * h.x + m.y_axis.abs() * h.y + m.z_axis.abs() * h.z;
+        let radius = b.min.abs().max(b.max.abs()).length();
+        Aabb { min: center - half, max: center + half }.grown(3.0 * self.posing_error(radius))
+    }
 }
 
 fn snapped(m: DMat3) -> DMat3 {
@@ -277,6 +316,44 @@ mod tests {
         let halves = map.linear * (0.5 * p) + (map.linear * (0.5 * p) + map.translation);
         assert!((map.apply(p) - halves).length() <= 2.0 * map.posing_error(p.length()));
         assert!(map.posing_error(1.0) < 1e-11);
+    }
+
+    #[test]
+    fn bounds_hold_every_posed_point_and_little_more() {
+        let b = Aabb { min: DVec3::new(-0.3, 0.1, -2.0), max: DVec3::new(0.7, 0.15, 3.0) };
+        for k in 0..200 {
+            let t = f64::from(k);
+            let rotation = DQuat::from_xyzw(0.1 * t, 1.0, -0.3, 0.2 * t - 4.0).normalize();
+            let map =
+                Pose { rotation, translation: DVec3::new(t, -10.0 * t, 0.1) }.world_from_body();
+            let bounds = map.bounds(&b);
+            let corners = (0..8).map(|i| {
+                let pick = |axis: usize| if i >> axis & 1 == 0 { b.min[axis] } else { b.max[axis] };
+                map.apply(DVec3::new(pick(0), pick(1), pick(2)))
+            });
+            let tight = Aabb::of_points(corners);
+            assert!(bounds.min.cmple(tight.min).all() && tight.max.cmple(bounds.max).all());
+            assert!((bounds.max - tight.max).max(tight.min - bounds.min).max_element() < 1e-9);
+        }
+        assert!(RigidMap::IDENTITY.bounds(&b).contains_point(b.max));
+    }
+
+    #[test]
+    fn a_pose_is_kept_to_the_bit_once_it_is_accepted() {
+        let nine_digits = DQuat::from_xyzw(0.301_234_567, -0.5, 0.2, 0.786_612_345);
+        let rotation = nine_digits * (1.000_000_1 / nine_digits.length());
+        let once = Pose { rotation, translation: DVec3::X }.accepted().unwrap();
+        assert_ne!(once.rotation, rotation);
+        assert_eq!(once.accepted().unwrap(), once);
+        let of_length = |squared: f64| {
+            let rotation = DQuat::from_xyzw(0.0, 0.0, squared.sqrt(), 0.0);
+            Pose { rotation, translation: DVec3::X }.accepted()
+        };
+        assert_eq!(of_length(1.0 + 9e-6).unwrap().rotation.z, 1.0);
+        assert_eq!(of_length(1.0 - 9e-6).unwrap().rotation.z, 1.0);
+        assert!(matches!(of_length(1.0 + 2e-5), Err(PoseError::NotUnit { .. })));
+        assert!(of_length(0.0).is_err() && of_length(f64::NAN).is_err());
+        assert!(Pose::at(DVec3::splat(f64::NAN)).accepted().is_err());
     }
 
     #[test]

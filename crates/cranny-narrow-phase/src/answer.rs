@@ -19,14 +19,20 @@ pub struct Answer {
     /// Whether the bodies share interior points; a surface (a component that is not closed) counts
     /// where it enters a closed solid or crosses another surface.
     pub solid: bool,
-    /// One wholly inside the other.
+    /// One wholly inside the other; the surfaces may touch. The outer one must be
+    /// [closed](cranny_geometry::Model::is_closed); the inner one may be anything: an open sheet in a
+    /// closed cube counts. Bodies that coincide contain neither the other.
+    ///
+    /// Closed is what every edge says, not volume: a triangle with both its sides is a closed body
+    /// without an inside, so it lies in others and nothing lies in it.
     pub contained: Option<Containment>,
     /// Least distance between the surfaces: 0 where they meet, also >= 0 when contained. `None` if
     /// not asked for; [`f64::INFINITY`] if it is no less than the asked bound.
     pub distance: Option<f64>,
     /// Where the distance is known to lie: the rounding error of `distance` taken outward.
     pub separation: Interval,
-    /// Points at that distance: on A, on B.
+    /// Points at that distance: on A, on B. Of several such pairs of faces, the one of least ids is
+    /// taken, counted from the body that comes first in the pair's own order.
     pub witnesses: Option<[Witness; 2]>,
     /// Contacts for a solver, each with its own normal.
     pub contacts: Vec<Contact>,
@@ -38,7 +44,7 @@ pub struct Answer {
     pub counters: Counters,
 }
 
-/// One closed solid wholly inside another body's closed solid.
+/// One body wholly inside another's closed solid, see [`Answer::contained`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Containment {
     /// A lies inside B.

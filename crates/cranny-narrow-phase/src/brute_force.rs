@@ -7,6 +7,7 @@ use cranny_exact::{Meeting, classify_triangles};
 use cranny_geometry::FaceId;
 
 use crate::answer::Surface;
+use crate::evaluate::{QueryError, accepted};
 use crate::memory::PairMemory;
 use crate::pair::{Pair, Side};
 use crate::query::Placed;
@@ -24,8 +25,12 @@ pub struct BruteForce {
 }
 
 /// Classifies and measures all pairs of faces: O(n m).
-#[must_use]
-pub fn brute_force(a: Placed, b: Placed) -> BruteForce {
+///
+/// # Errors
+///
+/// [`QueryError`] where a pose is none, as [`query`](crate::query()) says.
+pub fn brute_force(a: Placed, b: Placed) -> Result<BruteForce, QueryError> {
+    let [a, b] = accepted(a, b)?;
     let mut memory = PairMemory::default();
     let pair = Pair::new(a, b, &mut memory.posed);
     let faces = |side| (0..pair.mesh(side).faces().len() as u32).map(FaceId);
@@ -44,5 +49,5 @@ pub fn brute_force(a: Placed, b: Placed) -> BruteForce {
             }
         }
     }
-    out
+    Ok(out)
 }

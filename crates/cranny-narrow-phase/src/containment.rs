@@ -11,16 +11,17 @@
 //!   B lies inside A.
 //!
 //! No cell is constructed. A face with a single cell is told by a point of it that is not on the
-//! other surface. Otherwise every cell borders, within the face, on edges of the other body that lie
+//! other surface: a corner, or a mean of the corners, which is not rounded. Otherwise every cell borders, within the face, on edges of the other body that lie
 //! in the face's plane (no face crosses it, so what reaches it from one side ends there), and the
 //! [wedge](crate::wedge) of such an edge tells.
 
-use cranny_exact::{DVec2, DVec3, Meeting, Sign, orient2d, orient3d};
+use cranny_exact::{DVec2, DVec3, Meeting, Sign, WeightedPoint, orient2d, orient3d};
 use cranny_geometry::{DisjointSets, EdgeId, FaceId};
 
 use crate::answer::{Containment, Counters, Surface};
 use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
+use crate::projection::Projection;
 use crate::surface::FacePair;
 use crate::wedge::Wedge;
 
@@ -92,7 +93,7 @@ fn whole_components(pair: &Pair, side: Side, counters: &mut Counters) -> Parts {
     let mut parts = Parts::default();
     for component in pair.topology(side).components() {
         let p = pair.position(side, pair.corner(side, component.first_face, 0));
-        parts.add(locate(pair, side.other(), p, counters));
+        parts.add(locate(pair, side.other(), &WeightedPoint::at(p), counters));
     }
     parts
 }
@@ -116,7 +117,7 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counte
         let slot = &mut sampling[face_on(t, side).index()];
         *slot = match *slot {
             Sampling::Flush => Sampling::Flush,
-            _ if closed && overlap(pair, t) => Sampling::Flush,
+            _ if closed && view_of_overlap(pair, t).is_some() => Sampling::Flush,
             Sampling::Touches(count) => Sampling::Touches(count + 1),
             Sampling::Free => Sampling::Touches(1),
         };
@@ -138,10 +139,11 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counte
         let triangle = pair.triangle(side, FaceId(f as u32));
         match how {
             Sampling::Free if sets.find(f) == f => {
-                parts.add(locate(pair, side.other(), triangle[0], counters));
+                let corner = WeightedPoint::at(triangle[0]);
+                parts.add(locate(pair, side.other(), &corner, counters));
             }
             Sampling::Touches(count) => {
-                let at = |p: DVec3| locate(pair, side.other(), p, counters);
+                let at = |p| locate(pair, side.other(), &p, counters);
                 parts.add(
                     samples(triangle, count)
                         .map(at)
@@ -155,15 +157,12 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counte
     parts
 }
 
-/// Points of a face of which `touches` isolated ones may be taken: its corners, which are exact, then
-/// distinct points of its inside. These round by an ulp unless coordinates are dyadic.
-fn samples([a, b, c]: [DVec3; 3], touches: u32) -> impl Iterator<Item = DVec3> {
-    let steps = f64::from((touches + 2).next_power_of_two());
-    let inner = (1..=touches + 1).map(move |k| {
-        let share = 0.5 * f64::from(k) / steps;
-        a * share + b * 0.5 + c * (0.5 - share)
-    });
-    [a, b, c].into_iter().chain(inner)
+/// Points of a face of which `touches` isolated ones may be taken: its corners, then distinct points
+/// of its inside, on the line between the middles of two sides.
+fn samples(corners: [DVec3; 3], touches: u32) -> impl Iterator<Item = WeightedPoint> {
+    let steps = touches + 2;
+    let inner = (1..steps).map(move |k| WeightedPoint::new(corners, [k, steps, steps - k]));
+    corners.map(WeightedPoint::at).into_iter().chain(inner)
 }
 
 fn face_on(pair: &FacePair, side: Side) -> FaceId {
@@ -188,9 +187,9 @@ fn flush(pair: &Pair, touching: &[FacePair]) -> Flush {
         let closed = Side::BOTH
             .iter()
             .all(|&side| pair.topology(side).in_closed_component(face_on(t, side)));
-        if closed && overlap(pair, t) {
-            let [n, m] = Side::BOTH.map(|side| pair.area_vector(side, face_on(t, side)));
-            if n.dot(m) > 0.0 {
+        if closed && let Some(view) = view_of_overlap(pair, t) {
+            let turn = |side| view.turn(&pair.triangle(side, face_on(t, side)));
+            if turn(Side::First) == turn(Side::Second) {
                 flush.same = true;
             } else {
                 flush.opposite = true;
@@ -200,10 +199,12 @@ fn flush(pair: &Pair, touching: &[FacePair]) -> Flush {
     flush
 }
 
-/// Whether two faces overlap in one plane with more than their rims.
-fn overlap(pair: &Pair, t: &FacePair) -> bool {
+/// The plane in which two faces overlap with more than their rims, if they do.
+fn view_of_overlap(pair: &Pair, t: &FacePair) -> Option<Projection> {
     let (a, b) = (pair.triangle(Side::First, t.first), pair.triangle(Side::Second, t.second));
-    b.iter().all(|&p| orient3d(a[0], a[1], a[2], p).is_zero()) && overlap_in_plane(&a, &b)
+    let view = Projection::of(&a)?;
+    let in_plane = b.iter().all(|&p| orient3d(a[0], a[1], a[2], p).is_zero());
+    (in_plane && overlap_in_plane(&a, &b, view)).then_some(view)
 }
 
 /// Which cells of `side`'s faces lie where, as the edges of the other body tell that run through the
@@ -216,39 +217,27 @@ fn told_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Par
             continue;
         }
         let f = pair.triangle(side, own);
+        let Some(view) = Projection::of(&f) else { continue };
         let corners = pair.triangle(others, other);
         for i in 0..3 {
             let ends = [corners[i], corners[(i + 1) % 3]];
             if ends.iter().all(|&p| orient3d(f[0], f[1], f[2], p).is_zero())
-                && runs_through(&ends, &f)
+                && runs_through(&ends, &f, view)
             {
                 let wedge = Wedge::of(pair, others, pair.edge(others, other, i));
-                let project = projector(&f);
                 for corner in f {
-                    parts.add(wedge.locate(corner, &project));
+                    parts.add(wedge.locate(corner, view));
                 }
             }
         }
     }
 }
 
-/// Coordinates in a plane along whose normal's largest component one looks.
-fn projector(triangle: &[DVec3; 3]) -> impl Fn(DVec3) -> DVec2 + use<> {
-    let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    let axis = normal.abs().max_position();
-    move |p: DVec3| match axis {
-        0 => DVec2::new(p.y, p.z),
-        1 => DVec2::new(p.z, p.x),
-        _ => DVec2::new(p.x, p.y),
-    }
-}
-
 /// Whether a segment in a triangle's plane shares a point with the triangle's inside: no line through
 /// a side of either separates them (separating axes of convex sets in the plane).
-fn runs_through(segment: &[DVec3; 2], triangle: &[DVec3; 3]) -> bool {
-    let project = projector(triangle);
-    let s = segment.map(&project);
-    let t = counter_clockwise(triangle.map(&project));
+fn runs_through(segment: &[DVec3; 2], triangle: &[DVec3; 3], view: Projection) -> bool {
+    let s = segment.map(|p| view.apply(p));
+    let t = view.counter_clockwise(triangle);
     let beyond_a_side =
         (0..3).any(|i| s.iter().all(|&p| orient2d(t[i], t[(i + 1) % 3], p) != Sign::Positive));
     let sides = t.map(|p| orient2d(s[0], s[1], p));
@@ -258,15 +247,10 @@ fn runs_through(segment: &[DVec3; 2], triangle: &[DVec3; 3]) -> bool {
 }
 
 /// Whether the insides of two triangles in one plane overlap.
-fn overlap_in_plane(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
-    let project = projector(a);
-    let (a, b) = (counter_clockwise(a.map(&project)), counter_clockwise(b.map(&project)));
+fn overlap_in_plane(a: &[DVec3; 3], b: &[DVec3; 3], view: Projection) -> bool {
+    let (a, b) = (view.counter_clockwise(a), view.counter_clockwise(b));
     let separates = |t: &[DVec2; 3], u: &[DVec2; 3]| {
         (0..3).any(|i| u.iter().all(|&p| orient2d(t[i], t[(i + 1) % 3], p) != Sign::Positive))
     };
     !separates(&a, &b) && !separates(&b, &a)
-}
-
-fn counter_clockwise([a, b, c]: [DVec2; 3]) -> [DVec2; 3] {
-    if orient2d(a, b, c) == Sign::Negative { [a, c, b] } else { [a, b, c] }
 }

@@ -1,6 +1,6 @@
 //! The one entry: from a question about a pair to its answer.
 
-use cranny_exact::{Aabb, DVec3, DomainError, Interval, Meeting, check_point};
+use cranny_exact::{Interval, Meeting, PoseError};
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
@@ -19,21 +19,13 @@ use crate::triangle_distance::triangle_distance;
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// A pose outside the coordinate domain.
-    #[error("pose of body {body}: translation: {source}")]
+    /// A rotation that is no unit quaternion, or a translation outside the coordinate domain.
+    #[error("pose of body {body}: {source}")]
     Pose {
         /// `'A'` or `'B'`.
         body: char,
         /// What is wrong with it.
-        source: DomainError,
-    },
-    /// A rotation that is not a unit quaternion.
-    #[error("pose of body {body}: rotation quaternion has length {length}; normalise it")]
-    Rotation {
-        /// `'A'` or `'B'`.
-        body: char,
-        /// Length found.
-        length: f64,
+        source: PoseError,
     },
     /// A negative or infinite margin or bound.
     #[error("{what} is {value}: it must be a finite number, 0 or more")]
@@ -45,14 +37,11 @@ pub enum QueryError {
     },
 }
 
-/// Deviation of a quaternion's squared length from 1 that is accepted. The same as
-/// [`Pose::checked`](cranny_exact::Pose::checked) accepts would let a scaled body pass; simulation
-/// engines keep theirs within f32 rounding.
-const UNIT_SLACK: f64 = 1e-5;
-
 /// Answers a question about two placed models.
 ///
 /// The answer does not depend on what `memory` holds; exchanging A and B exchanges the answer.
+/// Poses are taken as [`Pose::accepted`](cranny_exact::Pose::accepted) returns them: a quaternion
+/// that is a little off unit length is normalised, and the answer is the one for that pose.
 ///
 /// # Errors
 ///
@@ -63,22 +52,19 @@ pub fn query(
     query: &Query,
     memory: &mut PairMemory,
 ) -> Result<Answer, QueryError> {
-    check(a, 'A')?;
-    check(b, 'B')?;
+    let [a, b] = accepted(a, b)?;
     check_lengths(&query.demand)?;
     let mut pair = Pair::new(a, b, &mut memory.posed);
     Ok(answer(&mut pair, &query.demand))
 }
 
-fn check(placed: Placed, body: char) -> Result<(), QueryError> {
-    check_point(placed.pose.translation).map_err(|source| QueryError::Pose { body, source })?;
-    let q = placed.pose.rotation;
-    // Written so that NaN fails.
-    if (q.length_squared() - 1.0).abs() <= UNIT_SLACK {
-        Ok(())
-    } else {
-        Err(QueryError::Rotation { body, length: q.length() })
-    }
+/// The bodies at poses that a [`Pair`] may rely on.
+pub(crate) fn accepted<'a>(a: Placed<'a>, b: Placed<'a>) -> Result<[Placed<'a>; 2], QueryError> {
+    let at = |placed: Placed<'a>, body| match placed.pose.accepted() {
+        Ok(pose) => Ok(Placed { pose, ..placed }),
+        Err(source) => Err(QueryError::Pose { body, source }),
+    };
+    Ok([at(a, 'A')?, at(b, 'B')?])
 }
 
 fn check_lengths(demand: &Demand) -> Result<(), QueryError> {
@@ -177,12 +163,13 @@ fn measure(
     if out.surface != Surface::None {
         out.distance = Some(0.0);
         out.separation = Interval::point(0.0);
-        out.witnesses = pairs.first().map(|p| meeting_witnesses(pair, p));
-        if out.witnesses.is_none() {
-            // The verdict ended at a crossing; the least pair that meets is the witness.
-            out.witnesses =
-                meeting_pairs(pair, counters).first().map(|p| meeting_witnesses(pair, p));
-        }
+        // The least pair that meets is the witness. A verdict alone ends at the first crossing that it
+        // comes across, and has not seen all pairs.
+        let all = match (demand, out.surface) {
+            (Demand::Distance { .. }, Surface::Cross) => &meeting_pairs(pair, counters),
+            _ => pairs,
+        };
+        out.witnesses = all.first().map(|p| meeting_witnesses(pair, p));
         return;
     }
     let below = match demand {
@@ -238,16 +225,4 @@ fn gaps(pair: &Pair, margin: f64, counters: &mut Counters) -> Vec<Region> {
         }
     };
     near_regions(pair, margin, counters).into_iter().map(region).collect()
-}
-
-/// The box of a placed model in world coordinates, rounded outward; for broad phases.
-#[must_use]
-pub fn world_bounds(placed: Placed) -> Aabb {
-    let map = placed.pose.world_from_body();
-    let local = placed.model.bounds();
-    let (h, m) = (local.half_extents(), map.linear);
-    let half: DVec3 = m.x_axis.abs() * h.x + m.y_axis.abs() * h.y + m.z_axis.abs() * h.z;
-    let center = map.apply(local.center());
-    Aabb { min: center - half, max: center + half }
-        .grown(2.0 * map.posing_error(placed.model.radius()))
 }

@@ -4,15 +4,17 @@
 //! the segment leaves through and −1 for every face that it enters by. Whether it does is decided by
 //! sign predicates; a segment that meets an edge or a vertex is given up for another direction.
 //! A point is inside where the winding number is not zero, so solids that overlap themselves count.
+//!
+//! The point need not be representable: a point of a face's inside, rounded, would leave the face
+//! and could be on the wrong side of what the face touches. So it is a mean of exact points, and all
+//! predicates read the mean. Only culling reads it rounded.
 
-use cranny_exact::{
-    Aabb, DVec3, Piercing, SegmentFeature, Sign, TriangleFeature, classify_segment_triangle,
-    locate_piercing, orient3d,
-};
+use cranny_exact::{Aabb, DVec3, Sign, WeightedPoint, orient3d};
 use cranny_geometry::FaceId;
 
 use crate::answer::Counters;
 use crate::pair::{Pair, Side};
+use crate::projection::Projection;
 
 /// Where a point is with respect to the closed components of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,52 +25,47 @@ pub(crate) enum Location {
 }
 
 /// Classifies a point of the pair's frame against the solid on a side.
-pub(crate) fn locate(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> Location {
+pub(crate) fn locate(
+    pair: &Pair,
+    side: Side,
+    p: &WeightedPoint,
+    counters: &mut Counters,
+) -> Location {
     counters.inside_tests += 1;
     let bounds = pair.bounds(side);
-    if !bounds.contains_point(p) {
+    let near = p.rounded();
+    if !bounds.grown(p.rounding()).contains_point(near) {
         return Location::Outside;
     }
     // A generic direction is right at once; the loop ends because finitely many edges block only a
     // null set of directions and the sequence is equidistributed.
     let mut attempt = 0;
     loop {
-        let end = p + direction(attempt) * (4.0 * bounds.diagonal());
-        if let Some(location) = along(pair, side, [p, end]) {
+        // Surely out of the bounds, also where these are no larger than the rounding of `p`.
+        let reach = 4.0 * bounds.diagonal() + 64.0 * p.rounding();
+        let end = near + direction(attempt) * reach;
+        if let Some(location) = along(pair, side, p, end) {
             return location;
         }
         attempt += 1;
     }
 }
 
-/// The verdict along one segment; `None` where it meets an edge or a vertex or lies in a face.
-fn along(pair: &Pair, side: Side, segment: [DVec3; 2]) -> Option<Location> {
+/// The verdict along the segment to `end`, which is outside; `None` where it meets an edge or a
+/// vertex or lies in a face.
+fn along(pair: &Pair, side: Side, p: &WeightedPoint, end: DVec3) -> Option<Location> {
     let mut winding = 0i64;
     let mut verdict = Some(Location::Outside);
-    for_each_face_along(pair, side, segment, |face| {
+    for_each_face_along(pair, side, p, end, |face| {
         if !pair.topology(side).in_closed_component(face) || verdict == Some(Location::On) {
             return;
         }
-        let triangle = pair.triangle(side, face);
-        match locate_piercing(&segment, &triangle) {
-            Piercing::Miss => {}
-            Piercing::Point { on_segment: SegmentFeature::Start, .. } => {
-                verdict = Some(Location::On);
-            }
-            Piercing::Point { on_triangle: TriangleFeature::Interior, .. } => {
-                match orient3d(triangle[0], triangle[1], triangle[2], segment[0]) {
-                    Sign::Negative => winding += 1, // from behind: leaving
-                    _ => winding -= 1,
-                }
-            }
-            Piercing::Point { .. } => verdict = None,
-            Piercing::Coplanar => {
-                if classify_segment_triangle(&[segment[0]; 2], &triangle).meets() {
-                    verdict = Some(Location::On);
-                } else if classify_segment_triangle(&segment, &triangle).meets() {
-                    verdict = None;
-                }
-            }
+        match passage(p, end, &pair.triangle(side, face)) {
+            Passage::Beside => {}
+            Passage::Starts => verdict = Some(Location::On),
+            Passage::Leaves => winding += 1,
+            Passage::Enters => winding -= 1,
+            Passage::Unclear => verdict = None,
         }
     });
     match verdict {
@@ -77,8 +74,58 @@ fn along(pair: &Pair, side: Side, segment: [DVec3; 2]) -> Option<Location> {
     }
 }
 
-/// Calls `visit` for every face whose box the segment may meet.
-fn for_each_face_along(pair: &Pair, side: Side, segment: [DVec3; 2], visit: impl FnMut(FaceId)) {
+/// How a segment passes a face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Passage {
+    /// They share no point.
+    Beside,
+    /// The segment begins on the face.
+    Starts,
+    /// Through its inside, from the back to the front.
+    Leaves,
+    /// Through its inside, from the front.
+    Enters,
+    /// In its plane, or through its rim.
+    Unclear,
+}
+
+/// A face without area is passed by: it bounds nothing, and what goes through it goes through the
+/// rim of a neighbour that does.
+fn passage(p: &WeightedPoint, end: DVec3, triangle: &[DVec3; 3]) -> Passage {
+    let [a, b, c] = *triangle;
+    let (from, to) = (p.side_of(a, b, c), orient3d(a, b, c, end));
+    if from.is_zero() && to.is_zero() {
+        // In the plane: another direction tells.
+        let has_area = Projection::of(triangle).is_some();
+        return if has_area { Passage::Unclear } else { Passage::Beside };
+    }
+    if from == to || to.is_zero() {
+        return Passage::Beside;
+    }
+    // On which side of each edge the line passes. (The turn about the edge; `p` comes last.)
+    let sides = [(a, b), (b, c), (c, a)].map(|(u, v)| p.side_of(end, u, v));
+    if sides.contains(&Sign::Positive) && sides.contains(&Sign::Negative) {
+        Passage::Beside
+    } else if from.is_zero() {
+        Passage::Starts
+    } else if sides.contains(&Sign::Zero) {
+        Passage::Unclear
+    } else if from == Sign::Negative {
+        Passage::Leaves
+    } else {
+        Passage::Enters
+    }
+}
+
+/// Calls `visit` for every face whose box the segment from `p` to `end` may meet.
+fn for_each_face_along(
+    pair: &Pair,
+    side: Side,
+    p: &WeightedPoint,
+    end: DVec3,
+    visit: impl FnMut(FaceId),
+) {
+    let segment = [p.rounded(), end];
     let (local, slack) = match side {
         Side::First => (segment, 0.0),
         Side::Second => {
@@ -87,7 +134,7 @@ fn for_each_face_along(pair: &Pair, side: Side, segment: [DVec3; 2], visit: impl
         }
     };
     let reach = (local[1] - local[0]).length();
-    let slack = slack + 8.0 * f64::EPSILON * (reach + local[0].length());
+    let slack = slack + p.rounding() + 8.0 * f64::EPSILON * (reach + local[0].length());
     let ray = Ray::new(local);
     pair.model(side).tree().visit(|b| ray.may_meet(b, slack), visit);
 }
@@ -129,5 +176,45 @@ fn direction(attempt: u32) -> DVec3 {
         0 => p,
         1 => DVec3::new(p.z, p.x, p.y),
         _ => DVec3::new(p.y, -p.z, p.x),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOOR: [DVec3; 3] = [DVec3::ZERO, DVec3::X, DVec3::Y];
+
+    fn passed(from: [f64; 3], end: [f64; 3], triangle: &[DVec3; 3]) -> Passage {
+        let p = WeightedPoint::at(DVec3::from_array(from));
+        passage(&p, DVec3::from_array(end), triangle)
+    }
+
+    #[test]
+    fn a_segment_passes_a_face_in_five_ways() {
+        assert_eq!(passed([0.25, 0.25, -1.0], [0.25, 0.25, 1.0], &FLOOR), Passage::Leaves);
+        assert_eq!(passed([0.25, 0.25, 1.0], [0.25, 0.25, -1.0], &FLOOR), Passage::Enters);
+        assert_eq!(passed([2.0, 0.25, -1.0], [2.0, 0.25, 1.0], &FLOOR), Passage::Beside);
+        assert_eq!(passed([0.25, 0.25, 1.0], [0.25, 0.25, 2.0], &FLOOR), Passage::Beside);
+        assert_eq!(passed([0.25, 0.0, -1.0], [0.25, 0.0, 1.0], &FLOOR), Passage::Unclear);
+        assert_eq!(passed([0.0, 0.0, -1.0], [0.0, 0.0, 1.0], &FLOOR), Passage::Unclear);
+        assert_eq!(passed([0.25, 0.25, 0.0], [9.0, 0.25, 0.0], &FLOOR), Passage::Unclear);
+    }
+
+    #[test]
+    fn a_segment_that_begins_on_a_face_or_its_rim_begins_there() {
+        for from in [[0.25, 0.25, 0.0], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.5, 0.0]] {
+            for end in [[0.3, 9.0, 4.0], [-3.0, 1.0, -5.0]] {
+                assert_eq!(passed(from, end, &FLOOR), Passage::Starts);
+            }
+        }
+        assert_eq!(passed([1.0, 0.5, 0.0], [0.0, 0.0, 9.0], &FLOOR), Passage::Beside);
+    }
+
+    #[test]
+    fn a_face_without_area_is_passed_by() {
+        let needle = [DVec3::ZERO, DVec3::X, DVec3::X * 0.5];
+        assert_eq!(passed([0.25, 0.0, -1.0], [0.25, 0.0, 1.0], &needle), Passage::Beside);
+        assert_eq!(passed([0.25, 0.0, 0.0], [0.25, 0.0, 1.0], &needle), Passage::Beside);
     }
 }

@@ -3,7 +3,8 @@
 //! # Promises
 //!
 //! - The verdict on the surfaces, solidity and containment are exact for the vertices as stored and
-//!   the poses as given: no epsilon decides them, and exchanging A and B exchanges the answer.
+//!   the poses as [accepted](cranny_exact::Pose::accepted): no epsilon decides them, and exchanging A
+//!   and B exchanges the answer.
 //! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
 //!   largest length of the pair.
 //! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer.
@@ -18,7 +19,8 @@
 //!
 //! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
 //! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside`,
-//! `wedge` and `containment` decide about solids; `closest` measures gaps. `intersection` chains the segments of
+//! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
+//! gaps with `triangle_distance`. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters. `impact` finds when two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
@@ -53,6 +55,7 @@ mod memory;
 mod near;
 mod pair;
 mod pieces;
+mod projection;
 mod query;
 mod reduce;
 mod regions;
@@ -65,7 +68,7 @@ mod wedge;
 pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, Surface, Witness,
 };
-pub use evaluate::{QueryError, query, world_bounds};
+pub use evaluate::{QueryError, query};
 pub use impact::{
     Hit, Impact, ImpactCounters, ImpactError, ImpactOptions, LinearImpact, LinearLimits, MAX_TURN,
     Motion, Moving, linear_edge_edge, linear_vertex_face, time_of_impact,

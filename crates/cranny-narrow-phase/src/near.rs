@@ -121,7 +121,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         // Cheap refusal before anything else: too far from the face's plane, or behind it.
         let raw = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
         let height = raw.dot(p - triangle[0]);
-        if height <= 0.0 || height * height > self.margin * self.margin * raw.length_squared() {
+        if height <= 0.0 || height > self.margin * raw.length() {
             return None;
         }
         let (foot, part) = closest_on_triangle(p, triangle);
@@ -186,7 +186,7 @@ impl<'a, 'b> Finder<'a, 'b> {
             return None;
         }
         let lift = cross.dot(q[0] - p[0]);
-        if lift * lift > self.margin * self.margin * squared {
+        if lift.abs() > self.margin * squared.sqrt() {
             return None;
         }
         let id = (Feature::Edge(e), Feature::Edge(g));

@@ -72,6 +72,8 @@ pub(crate) struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
+    /// The poses must be [accepted](cranny_exact::Pose::accepted): culling takes a transpose for the
+    /// inverse and carries no more than rounding.
     pub(crate) fn new(a: Placed<'a>, b: Placed<'a>, posed: &'a mut PosedVertices) -> Self {
         let key = |p: &Placed| (p.model.digest(), p.pose.bits());
         let swapped = key(&b) < key(&a);
@@ -203,9 +205,7 @@ impl<'a> Pair<'a> {
         let local = self.model(side).bounds();
         match side {
             Side::First => local,
-            Side::Second => posed_box(&self.first_from_second, &local).grown(
-                self.first_from_second.posing_error(self.models[1].radius()) + self.bulge.abs(),
-            ),
+            Side::Second => self.first_from_second.bounds(&local).grown(self.bulge.abs()),
         }
     }
 
@@ -249,13 +249,4 @@ impl<'a> Pair<'a> {
         let n = self.world_vector(normal);
         if self.swapped { -n } else { n }
     }
-}
-
-/// The box of a box's image; rounding is not accounted for.
-fn posed_box(map: &RigidMap, b: &Aabb) -> Aabb {
-    let center = map.apply(b.center());
-    let m = map.linear;
-    let h = b.half_extents();
-    let half = m.x_axis.abs() * h.x + m.y_axis.abs() * h.y + m.z_axis.abs() * h.z;
-    Aabb { min: center - half, max: center + half }
 }

@@ -1,6 +1,6 @@
 //! What is asked about a pair.
 
-use cranny_exact::{Pose, Tolerance};
+use cranny_exact::Pose;
 use cranny_geometry::Model;
 
 /// A model at a pose.
@@ -8,7 +8,7 @@ use cranny_geometry::Model;
 pub struct Placed<'a> {
     /// What.
     pub model: &'a Model,
-    /// Where: world_from_body.
+    /// Where: world_from_body. Read as [`Pose::accepted`] returns it.
     pub pose: Pose,
 }
 
@@ -77,15 +77,13 @@ impl Demand {
 pub struct Query {
     /// How much is asked.
     pub demand: Demand,
-    /// What the user means by 'the same place'.
-    pub tolerance: Tolerance,
 }
 
 impl Query {
-    /// A query with default tolerance.
+    /// A query for this much.
     #[must_use]
     pub fn of(demand: Demand) -> Self {
-        Self { demand, tolerance: Tolerance::default() }
+        Self { demand }
     }
 }
 

@@ -1,10 +1,11 @@
 //! The solid around an edge: is a direction that leaves the edge inside or outside? Exact.
 
-use cranny_exact::{DVec2, DVec3, Sign, orient2d, orient3d};
+use cranny_exact::{DVec3, Sign, orient3d};
 use cranny_geometry::EdgeId;
 
 use crate::inside::Location;
 use crate::pair::{Pair, Side};
+use crate::projection::Projection;
 
 /// An edge and the faces around it, of any number.
 pub(crate) struct Wedge {
@@ -34,11 +35,10 @@ impl Wedge {
     }
 
     /// Where the half-plane from the edge's line through `p` begins: in the solid, out of it or in a
-    /// face. `project` drops a coordinate such that the plane through the edge and `p` keeps its
-    /// area. `On` also where nothing can be told: `p` is on the edge's line, or a face around the
-    /// edge has no area.
-    pub(crate) fn locate(&self, p: DVec3, project: impl Fn(DVec3) -> DVec2) -> Location {
-        let hand = |x: DVec3| orient2d(project(self.ends[0]), project(self.ends[1]), project(x));
+    /// face. `view` is that of the plane through the edge and `p`. `On` also where nothing can be told:
+    /// `p` is on the edge's line, or a face around the edge has no area.
+    pub(crate) fn locate(&self, p: DVec3, view: Projection) -> Location {
+        let hand = |x: DVec3| view.turn(&[self.ends[0], self.ends[1], x]);
         let hand_of_p = hand(p);
         if hand_of_p.is_zero() {
             return Location::On;

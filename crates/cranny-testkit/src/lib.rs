@@ -24,6 +24,7 @@
 
 mod brute_force;
 mod convex;
+mod distance;
 mod generate;
 mod locate;
 mod rational;
@@ -32,6 +33,7 @@ mod surface;
 mod triangle;
 
 pub use brute_force::brute_force_meeting;
+pub use distance::{is_root_within, rational_distance_squared};
 pub use generate::{Family, Rng};
 pub use locate::{Location, PosedMesh};
 pub use rational::{Q, Q3};

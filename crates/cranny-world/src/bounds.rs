@@ -1,12 +1,12 @@
 //! A body's box in the world, such that boxes of bodies that meet always overlap.
 
-use cranny_exact::{Aabb, DVec3, Pose, PoseError};
+use cranny_exact::{Aabb, Pose};
 use cranny_geometry::Model;
 
 /// Room for rounding, in units of the body's size and distance from the origin.
 ///
 /// A pair is decided in the frame of one of its bodies, by matrices that miss a rotation by about
-/// 16 ulps (quaternions of unit length to [`UNIT_ROUNDING`], entries snapped by at most 4 ulps) and
+/// 16 ulps (quaternions of unit length to 8 ulps by [`Pose::accepted`], entries snapped by at most 4) and
 /// arithmetic that adds a handful. Taken back to the world, a vertex may so lie up to about 40 ulps
 /// of `radius + |translation|` away from where the world's frame has it. Smaller than that bound:
 /// the proof fails that bodies which touch by a rounding have overlapping boxes (in practice the
@@ -14,34 +14,16 @@ use cranny_geometry::Model;
 /// passes without it, over 3,900 tries). Larger: nothing but a few more candidates.
 const BOX_SLACK: f64 = 64.0 * f64::EPSILON;
 
-/// Quaternions whose squared length is this near to 1 are unit to rounding and kept to the bit.
-/// Smaller: what [`Pose::checked`] normalised would be normalised again, and change. Larger: the
-/// derivation of [`BOX_SLACK`] fails.
-const UNIT_ROUNDING: f64 = 8.0 * f64::EPSILON;
-
-/// The pose as a world keeps it: unchanged where its quaternion is of unit length to rounding, so
-/// that a pose survives being read and set again to the bit; else normalised.
-pub(crate) fn accepted_pose(pose: Pose) -> Result<Pose, PoseError> {
-    let checked = Pose::checked(pose.rotation, pose.translation)?;
-    let unit = (pose.rotation.length_squared() - 1.0).abs() <= UNIT_ROUNDING;
-    Ok(if unit { pose } else { checked })
-}
-
 /// The body's box in world coordinates, grown by `margin >= 0` and by all rounding.
 pub(crate) fn world_box(model: &Model, pose: &Pose, margin: f64) -> Aabb {
-    let map = pose.world_from_body();
-    let local = model.bounds();
-    let (center, half) = (map.apply(local.center()), local.half_extents());
-    let axes = [map.linear.x_axis, map.linear.y_axis, map.linear.z_axis];
-    let reach: DVec3 = axes.into_iter().zip(half.to_array()).map(|(axis, h)| axis.abs() * h).sum();
     let scale = model.radius() + pose.translation.abs().max_element() + margin;
-    Aabb { min: center - reach, max: center + reach }.grown(margin + BOX_SLACK * scale)
+    pose.world_from_body().bounds(&model.bounds()).grown(margin + BOX_SLACK * scale)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cranny_exact::DQuat;
+    use cranny_exact::{DQuat, DVec3};
     use cranny_geometry::{BuildOptions, Mesh};
 
     fn wedge() -> Model {
@@ -70,18 +52,5 @@ mod tests {
         let around = world_box(&wedge(), &Pose::IDENTITY, 0.0);
         assert!((around.max - DVec3::new(1.0, 2.0, 3.0)).abs().max_element() < 1e-12);
         assert!(around.max.cmpge(DVec3::new(1.0, 2.0, 3.0)).all());
-    }
-
-    #[test]
-    fn a_pose_is_kept_to_the_bit_once_it_is_accepted() {
-        let nine_digits = DQuat::from_xyzw(0.301_234_567, -0.5, 0.2, 0.786_612_345);
-        let length = nine_digits.length();
-        let rotation = nine_digits * (1.0000001 / length);
-        let once = accepted_pose(Pose { rotation, translation: DVec3::X }).unwrap();
-        assert_ne!(once.rotation, rotation);
-        assert_eq!(accepted_pose(once).unwrap(), once);
-        let zero = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
-        assert!(accepted_pose(Pose { rotation: zero, translation: DVec3::X }).is_err());
-        assert!(accepted_pose(Pose::at(DVec3::splat(f64::NAN))).is_err());
     }
 }

@@ -7,7 +7,7 @@ use cranny_exact::Pose;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query, query};
 
 use crate::body::{Body, BodyId, BodySpec};
-use crate::bounds::{accepted_pose, world_box};
+use crate::bounds::world_box;
 use crate::demand::Wish;
 use crate::description::{BodyKind, Effect};
 use crate::error::{WorldError, WorldInvariantError};
@@ -62,8 +62,8 @@ impl World {
             return Err(WorldError::DuplicateName { name, body });
         }
         let wish = Wish::of(&effects, || format!("body '{name}'"))?;
-        let pose = accepted_pose(pose)
-            .map_err(|source| WorldError::Pose { name: name.clone(), source })?;
+        let pose =
+            pose.accepted().map_err(|source| WorldError::Pose { name: name.clone(), source })?;
         let id = BodyId(self.inserted);
         let Some(inserted) = self.inserted.checked_add(1) else {
             return Err(WorldError::NoIdLeft { name });
@@ -139,7 +139,8 @@ impl World {
     /// [`WorldError::UnknownBody`], or a [pose](WorldError::Pose) that is refused.
     pub fn set_pose(&mut self, body: BodyId, pose: Pose) -> Result<(), WorldError> {
         let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
-        known.pose = accepted_pose(pose)
+        known.pose = pose
+            .accepted()
             .map_err(|source| WorldError::Pose { name: known.name.clone(), source })?;
         self.refresh_box(body)
     }

@@ -128,7 +128,8 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   pose            index from 0
   surface         "none", "touch" or "cross": how the two triangle surfaces meet, exactly
   solid           whether the bodies share interior points (one inside the other counts)
-  contained       "A_in_B", "B_in_A" or null
+  contained       "A_in_B", "B_in_A" or null; the outer one is closed, the inner one may be
+                  anything: an open sheet in a closed cube counts
   distance        between the surfaces, 0 where they meet; witness_a, witness_b where
   triangle_pairs  triangles that meet
   contacts        point_a, point_b, normal (A to B), separation

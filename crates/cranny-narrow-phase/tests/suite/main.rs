@@ -4,12 +4,14 @@
 mod agreement;
 mod demands;
 mod depth;
+mod distances;
 mod gaps;
 mod impact;
 mod impact_linear;
 mod impact_sampled;
 mod measure;
 mod regions;
+mod rounded;
 mod solids;
 mod verdict;
 mod walk;

@@ -21,7 +21,7 @@ fn contained(oracle: &OracleVerdict) -> Option<Containment> {
 }
 
 /// Both demands that decide it differently, in both orders, against the oracle; the oracle's answer.
-fn judged(a: Placed, b: Placed, what: &str) -> OracleVerdict {
+pub(crate) fn judged(a: Placed, b: Placed, what: &str) -> OracleVerdict {
     let oracle = rational_verdict(a.model.mesh(), &a.pose, b.model.mesh(), &b.pose);
     let expected = (oracle.surface, oracle.solid, contained(&oracle));
     for demand in [Demand::Intersects, Demand::Regions { margin: 0.0 }] {
