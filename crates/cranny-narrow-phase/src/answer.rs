@@ -23,8 +23,9 @@ pub struct Answer {
     /// [closed](cranny_geometry::Model::is_closed); the inner one may be anything: an open sheet in a
     /// closed cube counts. Bodies that coincide contain neither the other.
     ///
-    /// Closed is what every edge says, not volume: a triangle with both its sides is a closed body
-    /// without an inside, so it lies in others and nothing lies in it.
+    /// Closed is what every edge says, not volume: a triangle with both its sides is a closed body of
+    /// volume 0. It lies in others and nothing lies in it; but what lies flush on it counts as `solid`,
+    /// since one of the sides looks the same way.
     pub contained: Option<Containment>,
     /// Least distance between the surfaces: 0 where they meet, also >= 0 when contained. `None` if
     /// not asked for; [`f64::INFINITY`] if it is no less than the asked bound.

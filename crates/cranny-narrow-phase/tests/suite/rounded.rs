@@ -68,7 +68,7 @@ fn pyramids(quad: [DVec3; 4], [above, below]: [DVec3; 2]) -> [Mesh; 2] {
 fn pyramids_on_a_quad_that_rounding_warps_agree_with_rationals() {
     let mut rng = Rng::new(30);
     let mut tally = Tally::default();
-    for _ in 0..250 {
+    for _ in 0..150 {
         // Tenths, so that their sums round.
         let mut tenth = || 0.1 * anywhere(&mut rng);
         let (a, b, c) = (tenth(), tenth(), tenth());
@@ -108,22 +108,21 @@ fn lattice_solids_turned_and_rounded_agree_with_rationals() {
     let mut rng = Rng::new(31);
     let turns = quarter_turns();
     let mut tally = Tally::default();
-    for _ in 0..500 {
+    for _ in 0..250 {
         let mut union = || {
             let mask = rng.bits() as u32 % 4095 + 1;
             let chosen = (0..12).filter(|i| mask >> i & 1 == 1);
             cells(&chosen.map(|i| [i % 3, i / 3 % 2, i / 6]).collect::<Vec<_>>())
         };
         let (a, b) = (union(), union());
-        let offset = DVec3::new(0.0, 0.0, 0.0)
-            + 0.5 * DVec3::from_array([0; 3].map(|_| f64::from(rng.between(-4, 4))));
+        let offset = 0.5 * DVec3::from_array([0; 3].map(|_| f64::from(rng.between(-4, 4))));
         let moved = turned(&b, turns[rng.below(24)]);
         let vertices = moved.vertices().iter().map(|&p| p.round() + offset).collect();
         let b = Mesh::new(vertices, moved.faces().to_vec()).unwrap();
         let turn = rotation(&mut rng);
         tally.add(&judged_here(&turned(&a, turn), &turned(&b, turn), "turned cells"));
     }
-    assert!(tally.apart >= 25 && tally.penetrating >= 5, "{tally:?}");
+    assert!(tally.apart >= 10 && tally.penetrating >= 2, "{tally:?}");
 }
 
 /// Two tetrahedra glued at a face: closed, embedded, often not convex.
@@ -144,7 +143,7 @@ fn solids_on_common_corners_agree_with_rationals() {
     let mut rng = Rng::new(32);
     let mut tally = Tally::default();
     let mut tried = 0;
-    while tried < 1200 {
+    while tried < 600 {
         // Some corners are middles of others, rounded: beside edges and planes by an ulp.
         let mut pool: Vec<DVec3> = (0..5).map(|_| anywhere(&mut rng)).collect();
         pool.push(pool[0] + pool[1] - pool[2]);
@@ -162,5 +161,5 @@ fn solids_on_common_corners_agree_with_rationals() {
             tally.add(&judged_here(&a, &b, "common corners"));
         }
     }
-    assert!(tally.apart >= 100 && tally.penetrating >= 100, "{tally:?}");
+    assert!(tally.apart >= 50 && tally.penetrating >= 50, "{tally:?}");
 }
