@@ -205,18 +205,21 @@ impl RigidMap {
 
     /// Poses a point: the one function that does.
     #[must_use]
+    #[inline]
     pub fn apply(&self, p: DVec3) -> DVec3 {
         self.linear * p + self.translation
     }
 
     /// Turns a direction.
     #[must_use]
+    #[inline]
     pub fn apply_vector(&self, v: DVec3) -> DVec3 {
         self.linear * v
     }
 
     /// The inverse motion (to rounding).
     #[must_use]
+    #[inline]
     pub fn inverse(&self) -> Self {
         let linear = self.linear.transpose();
         Self { linear, translation: -(linear * self.translation) }

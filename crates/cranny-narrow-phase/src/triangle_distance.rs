@@ -223,6 +223,7 @@ pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
 /// The distance of those points exceeds the least one by a few units of rounding of the largest
 /// length in play, however small the angle; where the segments are parallel, one of many pairs.
 #[must_use]
+#[inline]
 pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
     Side::of(p[0], p[1]).nearest(&Side::of(q[0], q[1]))
 }

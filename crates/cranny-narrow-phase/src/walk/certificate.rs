@@ -17,7 +17,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::hull::{FacetId, HullVertexId};
 
 use super::graph::HullFeature;
-use super::nearest::{Witnesses, witnesses};
+use super::nearest::{Witnesses, second_choice, witnesses};
 use super::sides::Sides;
 
 /// Twice the rounding of a height, relative to direction and reach: a height takes three products and
@@ -60,21 +60,23 @@ impl Certificate {
 /// Bounds read at a feature pair. `None` where the pair has no nearest points within the features.
 #[inline]
 pub(super) fn certify(sides: &Sides, pair: [HullFeature; 2]) -> Option<Certificate> {
-    let Witnesses { points, direction, slack, second_choice } = witnesses(sides, pair)?;
+    let found = witnesses(sides, pair)?;
+    let Witnesses { points, direction, slack } = found;
     let hi = (points[1] - points[0]).length() + slack + sides.rounding;
     let mut best = (lower_bound(sides, direction, pair)?, direction);
     if best.0 < hi - sides.resolution()
-        && let Some(other) = second_choice
+        && let Some(other) = second_choice(sides, pair, &found)
         && let Some(lo) = lower_bound(sides, other, pair).filter(|&lo| lo > best.0)
     {
         best = (lo, other);
     }
     let (lo, direction) = best;
-    Some(Certificate { lo, hi, normal: direction / direction.length(), points, pair })
+    Some(Certificate { lo, hi, normal: direction * (1.0 / direction.length()), points, pair })
 }
 
 /// A number that the separation is not below, along a direction of the first's frame (of any length).
 /// `hints` say where the supports are expected. `None` for a direction without length.
+#[inline]
 pub(super) fn lower_bound(sides: &Sides, direction: DVec3, hints: [HullFeature; 2]) -> Option<f64> {
     let length = direction.length();
     if !(length > 0.0 && length.is_finite()) {
@@ -89,12 +91,15 @@ pub(super) fn lower_bound(sides: &Sides, direction: DVec3, hints: [HullFeature; 
 
 /// The greatest height of a hull along a direction of its own frame, up to the rounding that
 /// [`Sides::rounding`] accounts for.
+#[inline]
 fn height(sides: &Sides, side: usize, direction: DVec3, length: f64, hint: HullFeature) -> f64 {
     let slack = TWO_HEIGHTS * length * sides.graph(side).reach;
+    let graph = sides.graph(side);
     let proved = match hint {
         HullFeature::Vertex(v) => peak(sides, side, direction, slack, [v, v]),
         HullFeature::Edge(e) => {
-            peak(sides, side, direction, slack, sides.graph(side).half_edges[e.index()].ends)
+            let h = &graph.half_edges[e.index()];
+            h.is_exact.then(|| peak(sides, side, direction, slack, h.ends)).flatten()
         }
         HullFeature::Facet(f) => below_plane(sides, side, direction, length, f),
     };
@@ -105,7 +110,7 @@ fn height(sides: &Sides, side: usize, direction: DVec3, length: f64, hint: HullF
 }
 
 /// The height of the higher of two adjacent vertices (or of one), if all their other neighbours are lower
-/// than both.
+/// than both. Two vertices must be neighbours on the exact hull.
 #[inline]
 fn peak(
     sides: &Sides,
@@ -117,11 +122,13 @@ fn peak(
     let graph = sides.graph(side);
     let [a, b] = set.map(|v| direction.dot(sides.hulls[side].hull.position(v)));
     let floor = a.min(b) - slack;
-    let adjacent = set[0] == set[1] || graph.rim(set[0]).iter().any(|(w, _)| *w == set[1]);
     let lower = |v: HullVertexId| {
-        graph.rim(v).iter().all(|(w, p)| direction.dot(*p) < floor || *w == set[0] || *w == set[1])
+        let below = |(w, p): &(HullVertexId, DVec3)| {
+            direction.dot(*p) < floor || *w == set[0] || *w == set[1]
+        };
+        graph.rim(v).iter().all(below)
     };
-    (adjacent && lower(set[0]) && (set[0] == set[1] || lower(set[1]))).then(|| a.max(b))
+    (lower(set[0]) && (set[0] == set[1] || lower(set[1]))).then_some(a.max(b))
 }
 
 /// A facet's supporting plane, for a direction that is its normal to rounding.

@@ -46,6 +46,8 @@ pub(super) struct HalfEdge {
     pub(super) from: DVec3,
     /// From the first end to the second.
     pub(super) along: DVec3,
+    /// Whether the ends are neighbours on the exact hull: no vertex between them was left out.
+    pub(super) is_exact: bool,
     /// Of length 1, in the facet's plane, across the edge and out of the facet; zero for a segment.
     pub(super) outward: DVec3,
 }
@@ -271,9 +273,10 @@ impl FeatureGraph {
 fn half_edge(hull: &ConvexHull, ends: [HullVertexId; 2], facet: u32, normal: DVec3) -> HalfEdge {
     let from = hull.position(ends[0]);
     let along = hull.position(ends[1]) - from;
+    let is_exact = hull.neighbours(ends[0]).binary_search(&ends[1]).is_ok();
     // Scaled first, so that lengths near the limits of the domain keep their digits.
     let outward = (along / along.abs().max_element()).cross(normal).normalize_or_zero();
-    HalfEdge { ends, twin: 0, facet, from, along, outward }
+    HalfEdge { ends, twin: 0, facet, from, along, is_exact, outward }
 }
 
 /// Finds the twins: sorted by their ends, lower end first, the two halves of an edge are adjacent. (A

@@ -25,8 +25,6 @@ pub(super) struct Witnesses {
     pub(super) direction: DVec3,
     /// How far the points may be from the exact hulls, beyond rounding: a facet's thickness.
     pub(super) slack: f64,
-    /// Where the direction may be crooked, another.
-    pub(super) second_choice: Option<DVec3>,
 }
 
 /// The nearest points of a pair. `None` where a vertex does not lie over the facet or beside the edge
@@ -37,12 +35,7 @@ pub(super) fn witnesses(sides: &Sides, pair: [HullFeature; 2]) -> Option<Witness
     match pair {
         [Vertex(v), Vertex(w)] => {
             let points = [sides.vertex_in(0, 0, v), sides.vertex_in(0, 1, w)];
-            Some(Witnesses {
-                points,
-                direction: points[1] - points[0],
-                slack: 0.0,
-                second_choice: None,
-            })
+            Some(Witnesses { points, direction: points[1] - points[0], slack: 0.0 })
         }
         [Vertex(v), Edge(e)] => beside_edge(sides, 0, v, e),
         [Edge(e), Vertex(v)] => beside_edge(sides, 1, v, e),
@@ -55,6 +48,7 @@ pub(super) fn witnesses(sides: &Sides, pair: [HullFeature; 2]) -> Option<Witness
 
 /// In order (first, second), and from first to second, in the first's frame: what was made in the frame
 /// of the other side than `vertex_side`.
+#[inline]
 fn in_first_frame(
     sides: &Sides,
     vertex_side: usize,
@@ -69,9 +63,10 @@ fn in_first_frame(
     let rising = sides.vector_in(0, other, foot_to_vertex);
     let (points, direction) =
         if vertex_side == 0 { ([at_vertex, foot], -rising) } else { ([foot, at_vertex], rising) };
-    Witnesses { points, direction, slack, second_choice: None }
+    Witnesses { points, direction, slack }
 }
 
+#[inline]
 fn beside_edge(
     sides: &Sides,
     vertex_side: usize,
@@ -81,17 +76,18 @@ fn beside_edge(
     let other = 1 - vertex_side;
     let h = &sides.graph(other).half_edges[edge.index()];
     let arm = sides.vertex_in(other, vertex_side, vertex) - h.from;
-    let length_squared = h.along.length_squared();
-    let t = arm.dot(h.along) / length_squared;
+    let per_square = 1.0 / h.along.length_squared();
+    let t = arm.dot(h.along) * per_square;
     if !(0.0..=1.0).contains(&t) {
         return None;
     }
     let foot = h.from + t * h.along;
     let rough = arm - t * h.along;
-    let square = rough - (rough.dot(h.along) / length_squared) * h.along;
+    let square = rough - (rough.dot(h.along) * per_square) * h.along;
     Some(in_first_frame(sides, vertex_side, vertex, foot, square, 0.0))
 }
 
+#[inline]
 fn over_facet(
     sides: &Sides,
     vertex_side: usize,
@@ -125,23 +121,47 @@ fn over_facet(
     Some(in_first_frame(sides, vertex_side, vertex, foot, plane.normal, slack))
 }
 
+#[inline]
 fn between_edges(sides: &Sides, first: HullEdgeId, second: HullEdgeId) -> Option<Witnesses> {
-    let left = &sides.graph(0).half_edges[first.index()];
-    let h = &sides.graph(1).half_edges[second.index()];
-    let (p, q) = (left.from, sides.point_in(0, 1, h.from));
-    let (u, w) = (left.along, sides.vector_in(0, 1, h.along));
+    let [u, w] = [0, 1].map(|i| edge_vector(sides, i, [first, second][i]));
+    let p = sides.graph(0).half_edges[first.index()].from;
+    let q = sides.point_in(0, 1, sides.graph(1).half_edges[second.index()].from);
     let (s, t) = closest_on_segments(&[p, p + u], &[q, q + w]);
     let points = [p + s * u, q + t * w];
-    let difference = points[1] - points[0];
-    let across = outward(sides, first, u.cross(w), difference);
-    let square = {
-        let d = difference - (difference.dot(u) / u.length_squared()) * u;
-        d - (d.dot(w) / w.length_squared()) * w
-    };
+    let across = u.cross(w);
     let crooked =
         across.length_squared() <= NEARLY_PARALLEL * u.length_squared() * w.length_squared();
-    let (direction, second_choice) = if crooked { (square, across) } else { (across, square) };
-    Some(Witnesses { points, direction, slack: 0.0, second_choice: Some(second_choice) })
+    let direction = if crooked {
+        made_square(points, [u, w])
+    } else {
+        outward(sides, first, across, points[1] - points[0])
+    };
+    Some(Witnesses { points, direction, slack: 0.0 })
+}
+
+/// For two edges, whichever of the two directions between them was not the first choice.
+pub(super) fn second_choice(
+    sides: &Sides,
+    pair: [HullFeature; 2],
+    first_choice: &Witnesses,
+) -> Option<DVec3> {
+    let [HullFeature::Edge(first), HullFeature::Edge(second)] = pair else { return None };
+    let [u, w] = [0, 1].map(|i| edge_vector(sides, i, [first, second][i]));
+    let square = made_square(first_choice.points, [u, w]);
+    if square == first_choice.direction {
+        let difference = first_choice.points[1] - first_choice.points[0];
+        return Some(outward(sides, first, u.cross(w), difference));
+    }
+    Some(square)
+}
+
+fn edge_vector(sides: &Sides, side: usize, edge: HullEdgeId) -> DVec3 {
+    sides.vector_in(0, side, sides.graph(side).half_edges[edge.index()].along)
+}
+
+/// The difference of two points, made square to one vector and then to another.
+fn made_square([p, q]: [DVec3; 2], edges: [DVec3; 2]) -> DVec3 {
+    edges.iter().fold(q - p, |d, u| d - (d.dot(*u) / u.length_squared()) * u)
 }
 
 /// Turns a direction across an edge of the first hull so that it points out of that hull. What is
