@@ -15,6 +15,7 @@ mod report;
 mod solid;
 mod stopwatch;
 mod support;
+mod walk;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -50,6 +51,8 @@ enum Command {
     },
     /// Support queries on hulls, warm, against a scan of all vertices
     Support,
+    /// Closest features of hull pairs in motion, against parry's GJK
+    Walk,
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
 }
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
     let report = match &cli.command {
         Command::Hulls { only } => hulls::measure(cli.quick, only),
         Command::Support => support::measure(cli.quick),
+        Command::Walk => walk::measure(cli.quick),
         Command::Prepare => prepare::measure(cli.quick),
     };
     match print(&report, cli.format) {

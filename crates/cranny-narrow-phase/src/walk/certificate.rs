@@ -29,6 +29,24 @@ const TWO_HEIGHTS: f64 = 4.0 * f64::EPSILON;
 /// rest is paid for with the whole reach of the hull, so it must be rounding.
 const ALIGNED: f64 = 16.0 * f64::EPSILON;
 
+/// How hard to try where a pair turns out not to hold the supports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Effort {
+    /// Give up: the pair is last frame's, and the walk will find a better one.
+    Glance,
+    /// Search the supports: a bound is wanted, if a wide one.
+    Thorough,
+}
+
+/// Whether a height is the greatest.
+enum Peak {
+    Proved(f64),
+    /// A neighbour is higher, rounding and all.
+    Refuted,
+    /// A neighbour is as high, as far as f64 tells.
+    Open,
+}
+
 /// Bounds of the separation of two hulls.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Certificate {
@@ -57,13 +75,18 @@ impl Certificate {
     }
 }
 
-/// Bounds read at a feature pair. `None` where the pair has no nearest points within the features.
+/// Bounds read at a feature pair. `None` where the pair has no nearest points within the features, or at
+/// a glance where it does not hold the supports.
 #[inline]
-pub(super) fn certify(sides: &Sides, pair: [HullFeature; 2]) -> Option<Certificate> {
+pub(super) fn certify(
+    sides: &Sides,
+    pair: [HullFeature; 2],
+    effort: Effort,
+) -> Option<Certificate> {
     let found = witnesses(sides, pair)?;
     let Witnesses { points, direction, slack } = found;
     let hi = (points[1] - points[0]).length() + slack + sides.rounding;
-    let mut best = (lower_bound(sides, direction, pair)?, direction);
+    let mut best = (bound_along(sides, direction, pair, effort)?, direction);
     if best.0 < hi - sides.resolution()
         && let Some(other) = second_choice(sides, pair, &found)
         && let Some(lo) = lower_bound(sides, other, pair).filter(|&lo| lo > best.0)
@@ -76,74 +99,99 @@ pub(super) fn certify(sides: &Sides, pair: [HullFeature; 2]) -> Option<Certifica
 
 /// A number that the separation is not below, along a direction of the first's frame (of any length).
 /// `hints` say where the supports are expected. `None` for a direction without length.
-#[inline]
 pub(super) fn lower_bound(sides: &Sides, direction: DVec3, hints: [HullFeature; 2]) -> Option<f64> {
+    bound_along(sides, direction, hints, Effort::Thorough)
+}
+
+#[inline]
+fn bound_along(
+    sides: &Sides,
+    direction: DVec3,
+    hints: [HullFeature; 2],
+    effort: Effort,
+) -> Option<f64> {
     let length = direction.length();
     if !(length > 0.0 && length.is_finite()) {
         return None;
     }
     let turned = -sides.second_direction(direction);
-    let first = height(sides, 0, direction, length, hints[0]);
-    let second = height(sides, 1, turned, length, hints[1]);
+    let first = height(sides, 0, direction, length, hints[0], effort)?;
+    let second = height(sides, 1, turned, length, hints[1], effort)?;
     let gap = direction.dot(sides.from[0].translation) - second - first;
     Some(gap / length - sides.rounding)
 }
 
 /// The greatest height of a hull along a direction of its own frame, up to the rounding that
-/// [`Sides::rounding`] accounts for.
+/// [`Sides::rounding`] accounts for. `None` where a glance shows that it is not at the hint.
 #[inline]
-fn height(sides: &Sides, side: usize, direction: DVec3, length: f64, hint: HullFeature) -> f64 {
-    let slack = TWO_HEIGHTS * length * sides.graph(side).reach;
+fn height(
+    sides: &Sides,
+    side: usize,
+    direction: DVec3,
+    length: f64,
+    hint: HullFeature,
+    effort: Effort,
+) -> Option<f64> {
     let graph = sides.graph(side);
-    let proved = match hint {
+    let slack = TWO_HEIGHTS * length * graph.reach;
+    let peak = match hint {
         HullFeature::Vertex(v) => peak(sides, side, direction, slack, [v, v]),
         HullFeature::Edge(e) => {
             let h = &graph.half_edges[e.index()];
-            h.is_exact.then(|| peak(sides, side, direction, slack, h.ends)).flatten()
+            if h.is_exact { peak(sides, side, direction, slack, h.ends) } else { Peak::Open }
         }
         HullFeature::Facet(f) => below_plane(sides, side, direction, length, f),
     };
-    proved.unwrap_or_else(|| {
-        let top = sides.support(side, direction, Some(sides.corner_of(side, hint)));
-        direction.dot(sides.hulls[side].hull.position(top))
-    })
+    match peak {
+        Peak::Proved(height) => Some(height),
+        Peak::Refuted if effort == Effort::Glance => None,
+        Peak::Refuted | Peak::Open => {
+            let top = sides.support(side, direction, Some(sides.corner_of(side, hint)));
+            Some(direction.dot(sides.hulls[side].hull.position(top)))
+        }
+    }
 }
 
 /// The height of the higher of two adjacent vertices (or of one), if all their other neighbours are lower
 /// than both. Two vertices must be neighbours on the exact hull.
 #[inline]
-fn peak(
-    sides: &Sides,
-    side: usize,
-    direction: DVec3,
-    slack: f64,
-    set: [HullVertexId; 2],
-) -> Option<f64> {
+fn peak(sides: &Sides, side: usize, direction: DVec3, slack: f64, set: [HullVertexId; 2]) -> Peak {
     let graph = sides.graph(side);
     let [a, b] = set.map(|v| direction.dot(sides.hulls[side].hull.position(v)));
     let floor = a.min(b) - slack;
-    let lower = |v: HullVertexId| {
-        let below = |(w, p): &(HullVertexId, DVec3)| {
-            direction.dot(*p) < floor || *w == set[0] || *w == set[1]
+    let highest_around = |v: HullVertexId| {
+        let outside = |(w, p): &(HullVertexId, DVec3)| {
+            if *w == set[0] || *w == set[1] { f64::NEG_INFINITY } else { direction.dot(*p) }
         };
-        graph.rim(v).iter().all(below)
+        graph
+            .rim(v)
+            .iter()
+            .map(outside)
+            .fold(f64::NEG_INFINITY, |most, h| if h > most { h } else { most })
     };
-    (lower(set[0]) && (set[0] == set[1] || lower(set[1]))).then_some(a.max(b))
+    let mut around = highest_around(set[0]);
+    if set[0] != set[1] {
+        around = around.max(highest_around(set[1]));
+    }
+    if around < floor {
+        Peak::Proved(a.max(b))
+    } else if around > a.max(b) + slack {
+        Peak::Refuted
+    } else {
+        Peak::Open
+    }
 }
 
 /// A facet's supporting plane, for a direction that is its normal to rounding.
 #[inline]
-fn below_plane(
-    sides: &Sides,
-    side: usize,
-    direction: DVec3,
-    length: f64,
-    facet: FacetId,
-) -> Option<f64> {
+fn below_plane(sides: &Sides, side: usize, direction: DVec3, length: f64, facet: FacetId) -> Peak {
     let graph = sides.graph(side);
     let plane = &graph.facets[facet.index()];
     let along = direction.dot(plane.normal);
     let across = (direction - along * plane.normal).length();
-    (along > 0.0 && across <= ALIGNED * length)
-        .then_some(along * plane.offset + across * graph.reach)
+    if along > 0.0 && across <= ALIGNED * length {
+        Peak::Proved(along * plane.offset + across * graph.reach)
+    } else {
+        Peak::Open
+    }
 }

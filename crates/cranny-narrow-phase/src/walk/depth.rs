@@ -9,7 +9,7 @@
 
 use cranny_exact::DVec3;
 
-use super::certificate::{certify, lower_bound};
+use super::certificate::{Effort, certify, lower_bound};
 use super::graph::HullFeature;
 use super::sides::Sides;
 use super::voronoi::{End, walk};
@@ -42,12 +42,12 @@ pub(super) fn parting(
     loop {
         let shift = ((1.0 + CLEARANCE) * depth.max(0.0) + 8.0 * sides.resolution()) * normal;
         let apart = sides.moved(shift);
-        let reached = certify(&apart, pair).filter(|c| c.parts(&apart)).or_else(|| {
-            match walk(&apart, pair, steps) {
-                End::Closest(pair) | End::Cycle(pair) => certify(&apart, pair),
+        let reached = certify(&apart, pair, Effort::Glance).filter(|c| c.parts(&apart)).or_else(
+            || match walk(&apart, pair, steps) {
+                End::Closest(pair) | End::Cycle(pair) => certify(&apart, pair, Effort::Thorough),
                 End::Inside(_) => None,
-            }
-        });
+            },
+        );
         let Some(reached) = reached else {
             let points = [0, 1].map(|i| sides.vertex_in(0, i, sides.corner_of(i, pair[i])));
             return Some(Parting { depth, normal, points, pair });

@@ -58,7 +58,7 @@ use cranny_exact::{DVec3, Interval, Meeting, RigidMap};
 use cranny_geometry::hull::HullVertexId;
 use thiserror::Error;
 
-use certificate::{Certificate, certify, lower_bound};
+use certificate::{Certificate, Effort, certify, lower_bound};
 use exhaustive::exhaust;
 pub use graph::{FeatureGraph, GraphError, HullEdgeId, HullFeature};
 use portal::{Portal, Search};
@@ -180,7 +180,7 @@ impl Query<'_> {
             return self.penetrating(depth);
         }
         let start = self.start();
-        if let Some(certificate) = certify(self.sides, start) {
+        if let Some(certificate) = certify(self.sides, start, Effort::Glance) {
             if certificate.parts(self.sides) {
                 self.counters.proved_at_once += 1;
                 return self.separated(&certificate);
@@ -241,7 +241,7 @@ impl Query<'_> {
             }
             End::Inside(_) => return None,
         };
-        let certificate = certify(self.sides, pair)?;
+        let certificate = certify(self.sides, pair, Effort::Thorough)?;
         if certificate.parts(self.sides) {
             return Some(self.separated(&certificate));
         }
@@ -293,11 +293,15 @@ impl Query<'_> {
             return self.penetrating(0.0);
         }
         let [p, q] = found.points;
-        let best = [certify(self.sides, found.pair).map(|c| c.normal), Some(axis), Some(q - p)]
-            .into_iter()
-            .flatten()
-            .filter_map(|d| Some((lower_bound(self.sides, d, found.pair)?, d)))
-            .reduce(|best, next| if next.0 > best.0 { next } else { best });
+        let best = [
+            certify(self.sides, found.pair, Effort::Thorough).map(|c| c.normal),
+            Some(axis),
+            Some(q - p),
+        ]
+        .into_iter()
+        .flatten()
+        .filter_map(|d| Some((lower_bound(self.sides, d, found.pair)?, d)))
+        .reduce(|best, next| if next.0 > best.0 { next } else { best });
         let (lo, normal) = best.unwrap_or((f64::NEG_INFINITY, DVec3::X));
         let normal = normal.normalize_or(DVec3::X);
         let distance = (q - p).length() + self.sides.rounding;
