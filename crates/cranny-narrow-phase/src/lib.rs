@@ -24,6 +24,7 @@
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters. `impact` finds when two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
+//! [`walk`] follows the closest features of two convex hulls from frame to frame.
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
