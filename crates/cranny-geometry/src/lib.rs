@@ -26,12 +26,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#[cfg_attr(
-    not(test),
-    expect(dead_code, unused_imports, reason = "the stage that builds caps calls it")
-)]
+mod boundary;
 mod caps;
+pub mod concavity;
 pub mod envelope;
+pub mod features;
 pub mod hull;
 mod ids;
 mod mass;
@@ -48,14 +47,17 @@ mod tree;
 mod weld;
 mod winding;
 
+pub use concavity::Concavities;
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
+pub use features::Features;
 pub use hull::ConvexHull;
 pub use ids::{
-    ComponentId, EdgeId, EnvelopeFacetId, FaceId, HalfEdgeId, LayerId, PatchId, VertexId,
+    CapId, ComponentId, ConcavityId, ConvexSetId, EdgeId, EnvelopeFacetId, FaceId, HalfEdgeId,
+    LayerId, LidId, PatchId, VertexId,
 };
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
-pub use model::{BuildError, BuildOptions, Model, Stage};
+pub use model::{BuildError, BuildOptions, Flatness, Model, Stage};
 pub use patches::{NormalCone, Patch, PatchTree, Patches};
 pub use repair::Repair;
 pub use repair::proof::ProofError;

@@ -4,18 +4,23 @@
 //! crate; the stages of the full method stand here in order, so that one sees where the next belongs:
 //!
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
-//!    ([`topology`](Model::topology)), 3. hull ([`hull`](Model::hull)), 4. features (convex, concavity, boundary), 5. loops and caps,
-//!    6. trees ([`tree`](Model::tree); one over all faces now, one per concavity once caps exist),
-//!    7. envelopes, 8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
+//!    ([`topology`](Model::topology)), 3. hull ([`hull`](Model::hull)), 4. features: convex, concavity,
+//!    boundary ([`features`](Model::features)), 5. caps, concavities and their boundary loops
+//!    ([`concavities`](Model::concavities)), 6. trees ([`tree`](Model::tree); one over all faces now,
+//!    one per concavity to come), 7. envelopes, 8. patches ([`patches`](Model::patches)), 9. mass
+//!    ([`mass_properties`](Model::mass_properties)).
 //!
-//! Stages 4, 5 and 7 are not built yet; nothing that exists pretends to be them.
+//! Stage 7 is not built yet; nothing that exists pretends to be it.
 
 use std::sync::Arc;
 
 use cranny_exact::{Aabb, Tolerance};
 use thiserror::Error;
 
-use crate::hull::ConvexHull;
+use crate::caps::CapSurface;
+use crate::concavity::Concavities;
+use crate::features::{Assignment, Features};
+use crate::hull::{ConvexHull, FLATNESS};
 use crate::ids::FaceId;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
@@ -45,6 +50,50 @@ pub struct BuildOptions {
     pub tolerance: Option<Tolerance>,
     /// Whether faces that cross, touch or overlap each other are searched for. Default: yes.
     pub self_intersections: bool,
+    /// How flat is flat. Default: [`Flatness::Auto`].
+    pub flatness: Flatness,
+}
+
+/// How far from a plane, relative to the largest coordinate magnitude, points may lie that are meant to
+/// lie in it: the rounding of the coordinates as they were stored. Facets of the hull are merged by it,
+/// and what lies no deeper beneath them is on the hull.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Flatness {
+    /// [`Single`](Self::Single) where every coordinate is a number of single precision, for then it
+    /// probably was stored as one, otherwise [`Double`](Self::Double). Which was taken is in the report.
+    #[default]
+    Auto,
+    /// Coordinates are rounded to `f64`: [`FLATNESS`].
+    Double,
+    /// Coordinates are rounded to `f32`: [`Flatness::SINGLE`].
+    Single,
+    /// This much; at least 0, `NaN` counting as 0.
+    Relative(f64),
+}
+
+impl Flatness {
+    /// Rounding to `f32` moves a point by up to 2^-24 of each coordinate, so of a plane's points, the
+    /// plane being given by three of them, up to a few times that. Smaller, and the quads of a torus
+    /// stored so are not flat (`a_torus_is_one_passage_however_it_is_rounded`); larger, and shallow
+    /// marks on a surface are taken for rounding.
+    pub const SINGLE: f64 = 2e-7;
+
+    /// As a number, for this mesh.
+    #[must_use]
+    pub fn resolve(self, mesh: &Mesh) -> f64 {
+        match self {
+            Self::Auto if mesh.vertices().iter().all(|p| is_single(p.to_array())) => Self::SINGLE,
+            Self::Auto | Self::Double => FLATNESS,
+            Self::Single => Self::SINGLE,
+            Self::Relative(flatness) => flatness.max(0.0),
+        }
+    }
+}
+
+/// Whether the coordinates have no more digits than single precision holds, whatever their scale.
+fn is_single(point: [f64; 3]) -> bool {
+    const DIGITS_BEYOND_SINGLE: u64 = (1 << (52 - 23)) - 1;
+    point.iter().all(|x| x.to_bits() & DIGITS_BEYOND_SINGLE == 0)
 }
 
 impl BuildOptions {
@@ -74,6 +123,7 @@ impl Default for BuildOptions {
             repair: Repair::None,
             tolerance: None,
             self_intersections: true,
+            flatness: Flatness::default(),
         }
     }
 }
@@ -108,12 +158,16 @@ pub enum BuildError {
 pub enum Stage {
     /// Weld, repair, adjacency.
     Repair,
+    /// Box trees and patches.
+    Trees,
     /// Scan for findings.
     Scan,
     /// Convex hull.
     Hull,
-    /// Box trees and patches.
-    Trees,
+    /// Features: convex, concavity, boundary.
+    Classify,
+    /// Caps, concavities, boundary loops.
+    Caps,
     /// All done.
     Done,
 }
@@ -127,6 +181,8 @@ struct Parts {
     mesh: Mesh,
     topology: Topology,
     hull: ConvexHull,
+    features: Features,
+    concavities: Concavities,
     tree: FaceTree,
     patches: Patches,
     mass: Option<MassProperties>,
@@ -194,12 +250,30 @@ impl Model {
             scan(&mesh, &topology, &tree, weld_distance, options.self_intersections);
 
         observe(Stage::Hull);
-        let hull = ConvexHull::of_points(mesh.vertices());
+        report.flatness = options.flatness.resolve(&mesh);
+        let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
+        observe(Stage::Classify);
+        let assignment = Assignment::of(&mesh, &topology, &hull);
+        let (features, ridges) = Features::of(&mesh, &topology, &assignment);
+        observe(Stage::Caps);
+        let caps = CapSurface::build(&mesh, &topology, &hull, &assignment, &ridges);
+        let concavities = Concavities::of(&mesh, &topology, &hull, &features, caps);
         let radius = mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up();
         let digest = digest(&mesh);
         observe(Stage::Done);
-        let parts =
-            Parts { mesh, topology, hull, tree, patches, mass, radius, digest, filed_faces };
+        let parts = Parts {
+            mesh,
+            topology,
+            hull,
+            features,
+            concavities,
+            tree,
+            patches,
+            mass,
+            radius,
+            digest,
+            filed_faces,
+        };
         Ok((Self(Arc::new(parts)), report))
     }
 
@@ -226,6 +300,18 @@ impl Model {
     #[must_use]
     pub fn hull(&self) -> &ConvexHull {
         &self.0.hull
+    }
+
+    /// Which features lie on the hull.
+    #[must_use]
+    pub fn features(&self) -> &Features {
+        &self.0.features
+    }
+
+    /// What the hull covers and the body does not fill: concavities, their caps and boundary loops.
+    #[must_use]
+    pub fn concavities(&self) -> &Concavities {
+        &self.0.concavities
     }
 
     /// Box tree over all faces.

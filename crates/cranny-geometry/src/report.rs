@@ -30,6 +30,9 @@ pub struct Report {
     pub deviation: f64,
     /// How far the search for faces that meet went.
     pub meetings: MeetingScan,
+    /// The flatness that was taken, relative to the largest coordinate magnitude: see
+    /// [`Flatness`](crate::Flatness).
+    pub flatness: f64,
     /// What is unusual and remains in the prepared mesh.
     pub findings: Vec<Finding>,
     /// What was mended, in order.

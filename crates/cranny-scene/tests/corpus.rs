@@ -7,7 +7,8 @@ mod meeting;
 use std::path::{Path, PathBuf};
 
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::Mesh;
+use cranny_geometry::concavity::ConcavityKind;
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_scene::{MeshFormat, Robot, RobotError, read_mesh, read_robot};
 use cranny_world::description::JointPositions;
 use serde_json::Value;
@@ -56,6 +57,43 @@ fn every_mesh_of_the_corpus_loads() {
     for path in meshes {
         let read = read_mesh(&path).unwrap_or_else(|error| panic!("{error}"));
         assert!(!read.mesh.faces().is_empty());
+    }
+}
+
+#[test]
+fn concavities_of_the_corpus_keep_their_invariants() {
+    let Some(corpus) = corpus() else { return };
+    for path in files_under(&corpus, &|path| MeshFormat::of_path(path).is_some()) {
+        let mesh = read_mesh(&path).unwrap().mesh;
+        let Ok((model, report)) = Model::build(mesh, &BuildOptions::default()) else { continue };
+        let (hull, features, all) = (model.hull(), model.features(), model.concavities());
+        let name = path.display();
+        let checked = features
+            .validate(model.mesh(), model.topology())
+            .and_then(|()| all.validate(model.mesh(), model.topology(), hull, features));
+        checked.unwrap_or_else(|broken| panic!("{name}: {broken}"));
+        let kinds = |kind| all.iter().filter(|c| c.kind == kind).count();
+        eprintln!(
+            "{name}: {} faces, closed: {}; {} convex sets; {} pockets, {} passages, {} voids, \
+             {} islands, {} openings; {} cap triangles, {} of skin, {} negative; {} facets crossed",
+            report.faces,
+            report.closed,
+            features.convex_sets().len(),
+            kinds(ConcavityKind::Pocket),
+            kinds(ConcavityKind::Passage),
+            kinds(ConcavityKind::Void),
+            kinds(ConcavityKind::Island),
+            kinds(ConcavityKind::Opening),
+            all.cap_count(),
+            all.skin().caps,
+            all.negative_caps().len(),
+            all.crossed_facets().len(),
+        );
+        if let Some(volume) = report.volume {
+            let pockets: f64 = all.iter().map(|c| c.measures.pocket_volume).sum();
+            let missing = hull.volume() - volume - pockets - all.skin().volume;
+            assert!(missing.abs() <= 1e-11 * hull.volume(), "{name}: {missing:e}");
+        }
     }
 }
 

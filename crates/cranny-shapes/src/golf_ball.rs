@@ -16,8 +16,10 @@ use crate::{
 ///
 /// The surface is a radius for every direction, so it cannot cross itself. Between dimples the
 /// vertices lie on the sphere; within one, the radius falls off quadratically from rim to middle. The
-/// mesh does not follow the rims: they are as sharp as its edges are short. Dimples stay separate
-/// concavities while edges are shorter than the land between them.
+/// mesh does not follow the rims: they are as sharp as its edges are short. A vertex so close to a rim
+/// that the ball's convex hull would pass through it stays on the sphere. So every dimple is one
+/// concavity while edges are shorter than the land between dimples, and dimples much deeper than the
+/// sphere rises above their rims.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GolfBall {
@@ -54,20 +56,19 @@ impl GolfBall {
         self.check(&checked)?;
         let sphere = Geodesic::new((f64::from(self.triangles) / 20.0).sqrt().round() as u32);
         let dimples = Dimples::new(self.dimples, self.coverage);
+        let rim = 1.0 - dimples.margin(self.dimple_depth / self.radius, &sphere);
         let mut seen = vec![false; self.dimples as usize];
         let mut builder = MeshBuilder::default();
         for &d in &sphere.directions {
             let mut radius = self.radius;
-            if let Some((dimple, share)) = dimples.at(d) {
+            if let Some((dimple, share)) = dimples.at(d).filter(|&(_, share)| share < rim) {
                 seen[dimple] = true;
                 radius -= self.dimple_depth * (1.0 - share);
             }
             builder.vertex(radius * d);
         }
         if seen.contains(&false) {
-            // A triangle of area 4 pi / n reaches at most 1.3 times the radius of its circumcircle, were
-            // it regular, and that circle must fit into a dimple: n = 1.7 * 16 pi / (3 sqrt 3) / reach^2.
-            let enough = (16.5 / dimples.reach_squared).ceil() as u64;
+            let enough = (TRIANGLES / dimples.reach_squared).ceil() as u64;
             return Err(ShapeError::TooCoarse {
                 shape: checked.shape,
                 triangles: self.triangles,
@@ -95,6 +96,11 @@ impl GolfBall {
     }
 }
 
+/// So many triangles of a sphere, divided by the square of a dimple's reach, put a vertex into the
+/// dimple: a triangle of area 4 pi / n reaches at most 1.3 times the radius of its circumcircle, were
+/// it regular, and that circle must fit into the dimple: n = 1.7 * 16 pi / (3 sqrt 3) / reach^2.
+const TRIANGLES: f64 = 16.5;
+
 /// Middles of dimples, by descending z, and how far each reaches.
 struct Dimples {
     middles: Vec<DVec3>,
@@ -117,6 +123,22 @@ impl Dimples {
             least = middles[..k].iter().map(|q| p.distance_squared(*q)).fold(least, f64::min);
         }
         Self { middles, reach_squared: least * (0.5 * coverage).powi(2) }
+    }
+
+    /// How near the rim vertices stay on the sphere, as a share of the dimple's area.
+    ///
+    /// The hull bridges a dimple from vertices that lie up to an edge `m` beyond its rim, which is `a`
+    /// from the middle. At the rim it passes up to `((a + m)^2 - a^2) / 2` below the sphere of radius
+    /// 1; a share `t` within the rim the dimple is `t` times its depth below it. But no dimple shrinks
+    /// so far that it need not hold a vertex.
+    fn margin(&self, depth: f64, sphere: &Geodesic) -> f64 {
+        if self.middles.is_empty() {
+            return 0.0;
+        }
+        let (reach, edge) = (self.reach_squared.sqrt(), sphere.longest_edge());
+        let bridged = edge * (reach + 0.5 * edge);
+        let spare = 1.0 - TRIANGLES / (sphere.faces.len() as f64 * self.reach_squared);
+        (bridged / depth).min(spare).max(0.0)
     }
 
     /// The dimple that holds a direction, and the square of its place there: 0 in the middle, 1 at
@@ -150,6 +172,12 @@ impl Geodesic {
             sphere.subdivide(face);
         }
         sphere
+    }
+
+    fn longest_edge(&self) -> f64 {
+        let at = |i: u32| self.directions[i as usize];
+        let sides = self.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        sides.map(|[a, b]| at(a).distance_squared(at(b))).fold(0.0, f64::max).sqrt()
     }
 
     fn subdivide(&mut self, [a, b, c]: [u32; 3]) {

@@ -182,8 +182,7 @@ Holes are never filled. Findings are those that remain.
 
 In the picture, the hull is a blue veil; open edges are red, edges of more than two faces violet,
 and edges along which the faces' orientations contradict orange.
-Concavities, caps, patches and envelopes are not determined by this version: with --format json
-their fields are null (and the list of concavities is empty).
+Patches and envelopes are not reported by this version: with --format json their fields are null.
 
 Examples:
   cranny inspect nut.obj

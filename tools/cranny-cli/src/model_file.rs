@@ -35,6 +35,10 @@ pub(crate) struct Times {
     pub(crate) scan: Duration,
     /// Convex hull.
     pub(crate) hull: Duration,
+    /// Which features lie on the hull.
+    pub(crate) classify: Duration,
+    /// Caps, concavities, boundary loops.
+    pub(crate) caps: Duration,
     /// Box trees.
     pub(crate) trees: Duration,
 }
@@ -106,6 +110,8 @@ impl Stopwatch {
                 Stage::Repair => &mut times.repair,
                 Stage::Scan => &mut times.scan,
                 Stage::Hull => &mut times.hull,
+                Stage::Classify => &mut times.classify,
+                Stage::Caps => &mut times.caps,
                 Stage::Trees => &mut times.trees,
                 Stage::Done => return,
             };

@@ -1,3 +1,254 @@
-//! Caps: the lids that close a concavity on the hull.
+//! The cap surface: the hull, minus the faces of the mesh that lie on it.
+//!
+//! Of every facet the *cap chain* is taken: the boundary of its triangles, divided where the mesh
+//! divides it ([`interface`]), minus the boundary of the faces that lie on it. Where nothing is left
+//! the facet is solid. What is left is a closed chain over vertices of the mesh, and is triangulated in
+//! the projection along the facet's dominant axis.
+//!
+//! So caps close by construction, whatever rounding did: the boundary of all caps together is the
+//! boundary of the hull, which is none, minus that of the faces on it. It equals the boundary of the
+//! faces off the hull, if the mesh is closed. How *well* the triangles cover the facet is another
+//! matter: they do so exactly once where the chain does not cross itself in the projection. Where faces
+//! lie on a facet twice, some triangles come out clockwise, negative: they count as such in all sums.
+//!
+//! Cost: O(n log n) in the faces and triangles of facets that are not wholly covered.
 
-pub(crate) mod triangulate;
+mod chain;
+mod interface;
+mod triangulate;
+
+use cranny_exact::{DVec2, DVec3, Sign, orient2d};
+
+use crate::features::{Assignment, NONE, RidgeOnFacet};
+use crate::hull::{ConvexHull, Facet, FacetId};
+use crate::ids::{CapId, FaceId, HalfEdgeId, VertexId};
+use crate::mesh::Mesh;
+use crate::topology::Topology;
+use chain::{ChainEdge, Origin, cancel};
+use interface::Divisions;
+pub(crate) use triangulate::outlines;
+
+/// The cap triangles of a hull, by facet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct CapSurface {
+    /// Corners; counter-clockwise seen from outside unless the triangle is negative.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Per facet, and one more: where its triangles begin.
+    pub(crate) facet_starts: Vec<u32>,
+    /// Triangles that count negative, their facet being covered more than once there.
+    pub(crate) negative: Vec<CapId>,
+    /// Facets whose chain crosses itself: triangles may overlap.
+    pub(crate) crossed: Vec<FacetId>,
+}
+
+impl CapSurface {
+    /// Builds the caps of all facets.
+    pub(crate) fn build(
+        mesh: &Mesh,
+        topology: &Topology,
+        hull: &ConvexHull,
+        assignment: &Assignment,
+        ridges: &[RidgeOnFacet],
+    ) -> Self {
+        let mut chains = open_chains(mesh, topology, hull, assignment);
+        divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
+        let mut surface = Self { facet_starts: vec![0], ..Self::default() };
+        for (facet, chain) in chains {
+            if chain.is_empty() {
+                continue;
+            }
+            surface.facet_starts.resize(facet as usize + 1, surface.triangles.len() as u32);
+            surface.cover(mesh, hull.facet(FacetId(facet)), FacetId(facet), &chain, {
+                ridges_of(ridges, facet)
+            });
+        }
+        surface.facet_starts.resize(hull.facet_count() + 1, surface.triangles.len() as u32);
+        surface
+    }
+
+    /// The cap triangles of a facet.
+    pub(crate) fn of_facet(&self, facet: FacetId) -> std::ops::Range<u32> {
+        self.facet_starts[facet.index()]..self.facet_starts[facet.index() + 1]
+    }
+
+    /// The facet of a cap triangle.
+    pub(crate) fn facet_of(&self, cap: CapId) -> FacetId {
+        FacetId(self.facet_starts.partition_point(|&start| start <= cap.0) as u32 - 1)
+    }
+
+    /// Triangulates a chain in its facet.
+    fn cover(
+        &mut self,
+        mesh: &Mesh,
+        facet: Facet<'_>,
+        id: FacetId,
+        chain: &[ChainEdge],
+        ridges: &[RidgeOnFacet],
+    ) {
+        let projection = Projection::along(facet.normal);
+        let mut vertices: Vec<u32> = chain.iter().flat_map(|e| e.ends).collect();
+        vertices.extend(ridges.iter().flat_map(|r| r.ends));
+        vertices.sort_unstable();
+        vertices.dedup();
+        let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
+        let points: Vec<DVec2> =
+            vertices.iter().map(|&v| projection.apply(mesh.position(VertexId(v)))).collect();
+        let mut edges: Vec<[u32; 2]> = chain.iter().map(|e| e.ends.map(local)).collect();
+        edges.sort_unstable();
+        let in_chain = |[a, b]: [u32; 2]| {
+            edges.binary_search(&[a, b]).is_ok() || edges.binary_search(&[b, a]).is_ok()
+        };
+        let forced: Vec<[u32; 2]> =
+            ridges.iter().map(|r| r.ends.map(local)).filter(|&e| !in_chain(e)).collect();
+        let triangulation = triangulate::triangulate(&points, &edges, &forced);
+        if !triangulation.exact {
+            self.crossed.push(id);
+        }
+        for corners in triangulation.triangles {
+            let [a, b, c] = corners.map(|i| points[i as usize]);
+            if orient2d(a, b, c) == Sign::Negative {
+                self.negative.push(CapId(self.triangles.len() as u32));
+            }
+            self.triangles.push(corners.map(|i| vertices[i as usize]));
+        }
+    }
+}
+
+/// The chains of the facets that the mesh does not cover edge for edge, by facet.
+fn open_chains(
+    mesh: &Mesh,
+    topology: &Topology,
+    hull: &ConvexHull,
+    assignment: &Assignment,
+) -> Vec<(u32, Vec<ChainEdge>)> {
+    let (starts, faces) = faces_of_facets(&assignment.facet_of_face, hull.facet_count());
+    let mut chains = Vec::new();
+    let mut chain = Vec::new();
+    for id in 0..hull.facet_count() as u32 {
+        let faces = &faces[starts[id as usize] as usize..starts[id as usize + 1] as usize];
+        let facet = hull.facet(FacetId(id));
+        if let ([face], [triangle]) = (faces, facet.triangles)
+            && is_same(mesh.corners(*face), hull, *triangle as usize)
+        {
+            continue;
+        }
+        chain.clear();
+        for &t in facet.triangles {
+            chain.extend((3 * t..3 * t + 3).filter_map(|h| rim_of_facet(hull, h)));
+        }
+        for &face in faces {
+            let rim = (0..3).map(|c| HalfEdgeId::of(face, c)).filter(|&h| {
+                topology.twin(h).is_none_or(|t| assignment.facet_of_face[t.face().index()] != id)
+            });
+            chain.extend(rim.map(|h| {
+                let corners = mesh.faces()[face.index()];
+                // Against the face: its boundary is subtracted.
+                let ends = [corners[(h.corner() + 1) % 3], corners[h.corner()]];
+                ChainEdge::new(ends, Origin::Mesh)
+            }));
+        }
+        cancel(&mut chain);
+        if !chain.is_empty() {
+            chains.push((id, chain.clone()));
+        }
+    }
+    chains
+}
+
+/// Divides the edges of the hull that are left in two chains, and cancels again.
+fn divide_alike(
+    mesh: &Mesh,
+    hull: &ConvexHull,
+    chains: &mut [(u32, Vec<ChainEdge>)],
+    ridges: &[RidgeOnFacet],
+    reach: f64,
+) {
+    let mut divisions = Divisions::default();
+    let mut is_left = vec![false; 3 * hull.triangle_count()];
+    for (facet, chain) in chains.iter() {
+        for edge in chain {
+            if let Origin::Hull(h) = edge.origin {
+                is_left[h as usize] = true;
+            }
+        }
+        let ends = ridges_of(ridges, *facet).iter().flat_map(|r| r.ends);
+        divisions.find(mesh, hull, chain, ends, reach);
+    }
+    divisions.keep(|h| is_left[h as usize] && is_left[hull.twin(HalfEdgeId(h)).index()]);
+    for (_, chain) in chains.iter_mut() {
+        let touched = |e: &ChainEdge| match e.origin {
+            Origin::Hull(h) => divisions.touches(hull, h),
+            Origin::Mesh => false,
+        };
+        if chain.iter().any(touched) {
+            divisions.divide(hull, chain);
+            cancel(chain);
+        }
+    }
+}
+
+/// The ridges on a facet, of all, which are sorted by facet.
+fn ridges_of(ridges: &[RidgeOnFacet], facet: u32) -> &[RidgeOnFacet] {
+    let first = ridges.partition_point(|r| r.facet < facet);
+    let count = ridges[first..].partition_point(|r| r.facet == facet);
+    &ridges[first..first + count]
+}
+
+/// The faces on each facet, in compressed rows.
+fn faces_of_facets(facet_of_face: &[u32], facets: usize) -> (Vec<u32>, Vec<FaceId>) {
+    let mut starts = vec![0u32; facets + 1];
+    let placed =
+        || facet_of_face.iter().enumerate().filter(|&(_, &f)| f != NONE).map(|(i, &f)| (i, f));
+    for (_, facet) in placed() {
+        starts[facet as usize + 1] += 1;
+    }
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut fill = starts.clone();
+    let mut faces = vec![FaceId(0); *starts.last().unwrap_or(&0) as usize];
+    for (face, facet) in placed() {
+        faces[fill[facet as usize] as usize] = FaceId(face as u32);
+        fill[facet as usize] += 1;
+    }
+    (starts, faces)
+}
+
+/// Whether a face is a triangle of the hull, corner for corner.
+fn is_same(face: [VertexId; 3], hull: &ConvexHull, triangle: usize) -> bool {
+    let [a, b, c] = hull.triangle(triangle).map(|v| hull.source(v));
+    face == [a, b, c] || face == [b, c, a] || face == [c, a, b]
+}
+
+/// The half-edge of the hull as an edge of its facet's boundary, if it is one.
+fn rim_of_facet(hull: &ConvexHull, h: u32) -> Option<ChainEdge> {
+    let (triangle, twin) = (h as usize / 3, hull.twin(HalfEdgeId(h)).index() / 3);
+    if hull.facet_of_triangle(triangle) == hull.facet_of_triangle(twin) {
+        return None;
+    }
+    let corners = hull.triangle(triangle).map(|v| hull.source(v).0);
+    let corner = h as usize % 3;
+    Some(ChainEdge::new([corners[corner], corners[(corner + 1) % 3]], Origin::Hull(h)))
+}
+
+/// A projection along a coordinate axis that sees a facet from outside: what is counter-clockwise
+/// there is so in the plane. It drops a coordinate, which is exact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Projection {
+    kept: [usize; 2],
+}
+
+impl Projection {
+    /// Along the axis nearest a normal; the first of equals.
+    pub(crate) fn along(normal: DVec3) -> Self {
+        let size = normal.abs();
+        let dropped =
+            (1..3).fold(0, |most, axis| if size[axis] > size[most] { axis } else { most });
+        let kept = [(dropped + 1) % 3, (dropped + 2) % 3];
+        Self { kept: if normal[dropped] < 0.0 { [kept[1], kept[0]] } else { kept } }
+    }
+
+    pub(crate) fn apply(self, p: DVec3) -> DVec2 {
+        DVec2::new(p[self.kept[0]], p[self.kept[1]])
+    }
+}

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use cranny_geometry::concavity::Concavity;
 use cranny_geometry::{Finding, MeetingScan, Model, RepairRecord};
 use serde::Serialize;
 
@@ -34,12 +35,10 @@ pub(super) struct Summary {
     pub(super) findings_complete: bool,
     pub(super) repairs: Vec<RepairLine>,
     pub(super) hull: HullLine,
-    /// Not determined yet.
-    features: Option<()>,
-    /// Not determined yet.
-    concavities: [(); 0],
-    /// Not determined yet.
-    skin_volume: Option<f64>,
+    pub(super) features: FeaturesLine,
+    pub(super) concavities: Vec<ConcavityLine>,
+    /// Volume between the hull and the faces on it.
+    pub(super) skin_volume: f64,
     /// Not determined yet.
     patches: Option<usize>,
     /// Models are not encoded yet.
@@ -88,6 +87,38 @@ pub(super) struct HullLine {
     pub(super) thickness_max: f64,
 }
 
+/// What lies on the hull.
+#[derive(Debug, Serialize)]
+pub(super) struct FeaturesLine {
+    pub(super) convex_sets: usize,
+    pub(super) concavities: usize,
+    pub(super) boundary_edges: usize,
+    /// Vertices on the hull that no face or edge on the hull ends at.
+    pub(super) isolated_vertices: usize,
+    /// Edges on the hull whose faces are all off it.
+    pub(super) ridges: usize,
+    /// What lies no deeper beneath the hull is on it.
+    pub(super) slab_depth: f64,
+}
+
+/// What the hull covers and the body does not fill.
+#[derive(Debug, Serialize)]
+pub(super) struct ConcavityLine {
+    pub(super) id: u32,
+    pub(super) kind: &'static str,
+    pub(super) faces: usize,
+    pub(super) loops: usize,
+    pub(super) lids: usize,
+    pub(super) cap_area: f64,
+    pub(super) area: f64,
+    pub(super) pocket_volume: f64,
+    pub(super) parent: Option<u32>,
+    /// Not determined yet.
+    tree_nodes: Option<usize>,
+    /// Not determined yet.
+    envelope_layers: Option<usize>,
+}
+
 /// Milliseconds a stage.
 #[derive(Debug, Serialize)]
 pub(super) struct TimesLine {
@@ -95,8 +126,8 @@ pub(super) struct TimesLine {
     pub(super) repair: f64,
     pub(super) scan: f64,
     pub(super) hull: f64,
-    classify: Option<f64>,
-    caps: Option<f64>,
+    pub(super) classify: f64,
+    pub(super) caps: f64,
     pub(super) trees: f64,
     envelopes: Option<f64>,
 }
@@ -135,9 +166,9 @@ impl Summary {
             findings_complete: report.meetings == MeetingScan::Complete,
             repairs: report.repairs.iter().map(RepairLine::new).collect(),
             hull: HullLine::new(model),
-            features: None,
-            concavities: [],
-            skin_volume: None,
+            features: FeaturesLine::new(model),
+            concavities: model.concavities().iter().map(|c| ConcavityLine::new(&c)).collect(),
+            skin_volume: model.concavities().skin().volume,
             patches: None,
             bytes: None,
             time_ms: TimesLine {
@@ -145,8 +176,8 @@ impl Summary {
                 repair: ms(times.repair),
                 scan: ms(times.scan),
                 hull: ms(times.hull),
-                classify: None,
-                caps: None,
+                classify: ms(times.classify),
+                caps: ms(times.caps),
                 trees: ms(times.trees),
                 envelopes: None,
             },
@@ -179,6 +210,38 @@ impl RepairLine {
             faces: repair.faces.clone(),
             moved: repair.moved,
             text: repair.to_string(),
+        }
+    }
+}
+
+impl FeaturesLine {
+    fn new(model: &Model) -> Self {
+        let features = model.features();
+        Self {
+            convex_sets: features.convex_sets().len(),
+            concavities: model.concavities().len(),
+            boundary_edges: features.boundary_edge_count(),
+            isolated_vertices: features.isolated_vertices().len(),
+            ridges: features.ridges().len(),
+            slab_depth: features.slab_depth(),
+        }
+    }
+}
+
+impl ConcavityLine {
+    fn new(concavity: &Concavity<'_>) -> Self {
+        Self {
+            id: concavity.id().0,
+            kind: concavity.kind.as_str(),
+            faces: concavity.faces.len(),
+            loops: concavity.loops().len(),
+            lids: concavity.lids().len(),
+            cap_area: concavity.measures.cap_area,
+            area: concavity.measures.face_area,
+            pocket_volume: concavity.measures.pocket_volume,
+            parent: concavity.parent.map(|id| id.0),
+            tree_nodes: None,
+            envelope_layers: None,
         }
     }
 }

@@ -36,12 +36,15 @@ pub(super) fn page(summary: &Summary) -> String {
         format!("area {}, volume {}{}", number(hull.area), number(hull.volume), share(summary)),
     );
     row("", format!("facets up to {} thick", number(hull.thickness_max)));
+    row("on it", counted(summary.features.convex_sets, "convex set"));
+    row("off it", concavities(summary));
     let time = &summary.time_ms;
     row(
         "time",
         format!(
-            "read {:.1} ms, repair {:.1} ms, trees {:.1} ms, scan {:.1} ms, hull {:.1} ms",
-            time.read, time.repair, time.trees, time.scan, time.hull
+            "read {:.1} ms, repair {:.1} ms, trees {:.1} ms, scan {:.1} ms, hull {:.1} ms, \
+             features {:.1} ms, caps {:.1} ms",
+            time.read, time.repair, time.trees, time.scan, time.hull, time.classify, time.caps
         ),
     );
     row("digest", summary.digest.clone());
@@ -102,6 +105,20 @@ fn share(summary: &Summary) -> String {
         }
         _ => String::new(),
     }
+}
+
+/// How many concavities of each kind there are, and how much they hold.
+fn concavities(summary: &Summary) -> String {
+    let all = &summary.concavities;
+    if all.is_empty() {
+        return "nothing: no concavity".to_owned();
+    }
+    let of_kind = |kind: &str| all.iter().filter(|c| c.kind == kind).count();
+    let kinds = ["pocket", "passage", "void", "island", "opening"];
+    let counts = kinds.iter().filter(|kind| of_kind(kind) > 0);
+    let counts: Vec<String> = counts.map(|kind| counted(of_kind(kind), kind)).collect();
+    let pockets: f64 = all.iter().map(|c| c.pocket_volume).sum();
+    format!("{}; pockets hold {}", counts.join(", "), number(pockets))
 }
 
 fn list(lines: &mut Vec<String>, title: &str, entries: impl Iterator<Item = String>) {

@@ -1,0 +1,380 @@
+//! From components to numbered concavities with lids, loops, outlines and sizes.
+
+use cranny_exact::{Aabb, DVec3};
+
+use super::components::{Components, edge_between};
+use super::nesting::{self, Surface};
+use super::{Border, Concavities, ConcavityKind, LidRecord, MIXED, Measures, Record, SOLID, Skin};
+use crate::boundary::Loops;
+use crate::caps::{CapSurface, outlines};
+use crate::features::{Features, NONE};
+use crate::hull::{ConvexHull, FacetId};
+use crate::ids::{CapId, ConcavityId, EdgeId, FaceId};
+use crate::mesh::Mesh;
+use crate::topology::{EdgeKind, Topology};
+
+/// A record that the steps below fill in.
+const BLANK: Record = Record {
+    kind: ConcavityKind::Pocket,
+    parent: NONE,
+    first_face: 0,
+    first_cap: 0,
+    first_lid: 0,
+    first_loop: 0,
+    measures: Measures { cap_area: 0.0, face_area: 0.0, pocket_volume: 0.0, opening: DVec3::ZERO },
+};
+
+/// What the steps below look at.
+struct Input<'a> {
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    hull: &'a ConvexHull,
+    features: &'a Features,
+    /// Volumes are measured from here: the less, the less they round.
+    center: DVec3,
+}
+
+impl Concavities {
+    /// Joins off-hull faces and caps.
+    pub(crate) fn of(
+        mesh: &Mesh,
+        topology: &Topology,
+        hull: &ConvexHull,
+        features: &Features,
+        caps: CapSurface,
+    ) -> Self {
+        let input = Input { mesh, topology, hull, features, center: hull.bounds().center() };
+        let components = Components::of(mesh, topology, features, &caps);
+        let mut all = input.number(components, caps);
+        input.gather_faces(&mut all);
+        input.find_loops(&mut all);
+        input.gather_caps(&mut all);
+        input.measure(&mut all);
+        input.name(&mut all);
+        input.nest(&mut all);
+        all
+    }
+}
+
+impl Input<'_> {
+    fn position(&self, vertex: u32) -> DVec3 {
+        self.mesh.vertices()[vertex as usize]
+    }
+
+    fn cap_triangle(&self, caps: &CapSurface, cap: usize) -> [DVec3; 3] {
+        caps.triangles[cap].map(|v| self.position(v))
+    }
+
+    /// Numbers components by their least elements, and lids by their least caps. What has no faces and
+    /// consists of needles is skin and gets no number.
+    fn number(&self, mut components: Components, caps: CapSurface) -> Concavities {
+        let (faces, count) = (self.mesh.faces().len(), caps.triangles.len());
+        let mut is_skin = vec![true; count];
+        for cap in 0..count {
+            let root = components.of_cap(cap);
+            if root >= faces && !self.is_needle(self.cap_triangle(&caps, cap)) {
+                is_skin[root - faces] = false;
+            }
+        }
+        let mut number_of_root = vec![NONE; faces + count];
+        let mut records = Vec::new();
+        let mut number = |root: usize| {
+            if number_of_root[root] == NONE {
+                number_of_root[root] = records.len() as u32;
+                records.push(BLANK);
+            }
+            number_of_root[root]
+        };
+        let mut concavity_of_face = vec![NONE; faces];
+        for face in (0..faces as u32).map(FaceId).filter(|&f| !self.features.is_convex(f)) {
+            concavity_of_face[face.index()] = number(components.of_face(face));
+        }
+        let concavity_of_cap: Vec<u32> = (0..count)
+            .map(|cap| {
+                let root = components.of_cap(cap);
+                if root >= faces && is_skin[root - faces] { NONE } else { number(root) }
+            })
+            .collect();
+
+        let mut roots: Vec<(u32, usize)> = (0..count)
+            .filter(|&cap| concavity_of_cap[cap] != NONE && components.lid_of(cap) == cap)
+            .map(|cap| (concavity_of_cap[cap], cap))
+            .collect();
+        roots.sort_unstable();
+        let mut lid_of_root = vec![NONE; count];
+        for (lid, &(_, root)) in roots.iter().enumerate() {
+            lid_of_root[root] = lid as u32;
+        }
+        let lid_of_cap = (0..count)
+            .map(|cap| match concavity_of_cap[cap] {
+                NONE => NONE,
+                _ => lid_of_root[components.lid_of(cap)],
+            })
+            .collect();
+        let lid = |&(concavity, _): &(u32, usize)| LidRecord {
+            concavity: ConcavityId(concavity),
+            first_cap: 0,
+            first_outline: 0,
+            area: 0.0,
+            opening: DVec3::ZERO,
+        };
+        Concavities {
+            records,
+            lids: roots.iter().map(lid).collect(),
+            faces: Vec::new(),
+            concavity_of_face,
+            caps,
+            cap_order: Vec::new(),
+            concavity_of_cap,
+            lid_of_cap,
+            loops: Loops::new(),
+            borders: Vec::new(),
+            outlines: Loops::new(),
+            outline_facets: Vec::new(),
+            cover: Vec::new(),
+            skin: Skin::default(),
+        }
+    }
+
+    fn is_needle(&self, [a, b, c]: [DVec3; 3]) -> bool {
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        (b - a).cross(c - a).length() <= self.features.slab_depth() * longest
+    }
+
+    fn gather_faces(&self, all: &mut Concavities) {
+        let mut faces: Vec<(u32, u32)> = all
+            .concavity_of_face
+            .iter()
+            .enumerate()
+            .filter(|&(_, &c)| c != NONE)
+            .map(|(f, &c)| (c, f as u32))
+            .collect();
+        faces.sort_unstable();
+        for (i, record) in all.records.iter_mut().enumerate() {
+            record.first_face = faces.partition_point(|&(c, _)| (c as usize) < i) as u32;
+        }
+        all.faces = faces.into_iter().map(|(_, f)| FaceId(f)).collect();
+    }
+
+    /// The boundary of each concavity's faces, split into simple loops.
+    fn find_loops(&self, all: &mut Concavities) {
+        let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
+        for e in (0..self.topology.edges().len() as u32).map(EdgeId) {
+            self.rims_at(e, &all.concavity_of_face, &mut rims);
+        }
+        rims.sort_unstable();
+        let mut edges = Vec::new();
+        for i in 0..all.records.len() {
+            let first = rims.partition_point(|&(c, _)| (c as usize) < i);
+            let last = rims.partition_point(|&(c, _)| (c as usize) <= i);
+            all.records[i].first_loop = all.loops.len() as u32;
+            edges.clear();
+            edges.extend(rims[first..last].iter().map(|&(_, e)| e));
+            all.loops.split(&mut edges);
+        }
+        for i in 0..all.loops.len() {
+            let row = &all.loops.vertices[all.loops.row(i)];
+            for (k, &from) in row.iter().enumerate() {
+                let to = row[(k + 1) % row.len()];
+                all.borders.push(self.border(from.0, to.0));
+            }
+        }
+    }
+
+    /// The directed edges that remain, at an edge of the mesh, of the boundaries of concavities.
+    fn rims_at(&self, e: EdgeId, concavity_of_face: &[u32], rims: &mut Vec<(u32, [u32; 2])>) {
+        let edge = &self.topology.edges()[e.index()];
+        let around = self.topology.half_edges(e);
+        let concavity = |k: usize| concavity_of_face[around[k].face().index()];
+        let inside = (1..around.len()).all(|k| concavity(k) == concavity(0));
+        if edge.from == edge.to || (inside && (concavity(0) == NONE || edge.kind.is_balanced())) {
+            return;
+        }
+        for k in 0..around.len() {
+            let c = concavity(k);
+            if c == NONE || (0..k).any(|j| concavity(j) == c) {
+                continue;
+            }
+            let runs_forward = |k: &usize| {
+                let h = around[*k];
+                self.mesh.corners(h.face())[h.corner()] == edge.from
+            };
+            let own = (0..around.len()).filter(|&k| concavity(k) == c);
+            let (forward, backward): (Vec<usize>, Vec<usize>) = own.partition(runs_forward);
+            let net = forward.len() as i64 - backward.len() as i64;
+            let (from, to) = (edge.from.0, edge.to.0);
+            let ends = if net > 0 { [from, to] } else { [to, from] };
+            rims.extend((0..net.abs()).map(|_| (c, ends)));
+        }
+    }
+
+    fn border(&self, from: u32, to: u32) -> Border {
+        let Some(e) = edge_between(self.topology, (from.min(to), from.max(to))) else {
+            return Border::Open;
+        };
+        let around = self.topology.half_edges(e);
+        if around.iter().any(|h| self.features.is_convex(h.face())) {
+            Border::Convex
+        } else if matches!(self.topology.edges()[e.index()].kind, EdgeKind::Open) {
+            Border::Open
+        } else {
+            Border::Ridge
+        }
+    }
+
+    /// Orders caps by concavity and lid, and traces the lids' outlines.
+    fn gather_caps(&self, all: &mut Concavities) {
+        let mut order: Vec<(u32, u32)> = all
+            .lid_of_cap
+            .iter()
+            .enumerate()
+            .filter(|&(_, &lid)| lid != NONE)
+            .map(|(cap, &lid)| (lid, cap as u32))
+            .collect();
+        order.sort_unstable();
+        let mut at = 0;
+        for (i, record) in all.records.iter_mut().enumerate() {
+            record.first_cap = at as u32;
+            record.first_lid = all.lids.partition_point(|l| l.concavity.index() < i) as u32;
+            at += order[at..]
+                .partition_point(|&(lid, _)| all.lids[lid as usize].concavity.index() <= i);
+        }
+        let mut at = 0;
+        for lid in 0..all.lids.len() {
+            all.lids[lid].first_cap = at as u32;
+            let count = order[at..].partition_point(|&(l, _)| l as usize <= lid);
+            all.lids[lid].first_outline = all.outlines.len() as u32;
+            // A facet's triangles stand together.
+            let facet = |&(_, cap): &(u32, u32)| all.caps.facet_of(CapId(cap));
+            for piece in order[at..at + count].chunk_by(|a, b| facet(a) == facet(b)) {
+                let triangles: Vec<[u32; 3]> =
+                    piece.iter().map(|&(_, cap)| all.caps.triangles[cap as usize]).collect();
+                for outline in outlines(&triangles) {
+                    all.outlines.push(&outline);
+                }
+                all.outline_facets.resize(all.outlines.len(), facet(&piece[0]));
+            }
+            at += count;
+        }
+        all.cap_order = order.into_iter().map(|(_, cap)| CapId(cap)).collect();
+        let mut bears_faces = vec![false; self.hull.facet_count()];
+        for face in (0..self.mesh.faces().len() as u32).map(FaceId) {
+            if let Some(facet) = self.features.facet_of(face) {
+                bears_faces[facet.index()] = true;
+            }
+        }
+        all.cover = (0..self.hull.facet_count() as u32)
+            .map(|facet| {
+                let range = all.caps.of_facet(FacetId(facet));
+                let owners = &all.concavity_of_cap[range.start as usize..range.end as usize];
+                match owners {
+                    [] => SOLID,
+                    [first, rest @ ..] if rest.iter().all(|c| c == first) => {
+                        if *first == NONE || bears_faces[facet as usize] { MIXED } else { *first }
+                    }
+                    _ => MIXED,
+                }
+            })
+            .collect();
+    }
+
+    /// Sums areas, volumes and area vectors, of concavities, lids and skin.
+    fn measure(&self, all: &mut Concavities) {
+        let mut skin = Skin::default();
+        for t in 0..self.hull.triangle_count() {
+            let corners = self.hull.triangle(t).map(|v| self.hull.position(v));
+            skin.area += 0.5 * twice_area_vector(corners).length();
+            skin.volume += self.volume_below(corners);
+        }
+        for face in (0..self.mesh.faces().len() as u32).map(FaceId) {
+            let corners = self.mesh.triangle(face);
+            let (area, volume) =
+                (0.5 * twice_area_vector(corners).length(), self.volume_below(corners));
+            match all.concavity_of_face[face.index()] {
+                NONE => {
+                    skin.area -= area;
+                    skin.volume -= volume;
+                }
+                concavity => {
+                    let measures = &mut all.records[concavity as usize].measures;
+                    measures.face_area += area;
+                    measures.pocket_volume -= volume;
+                }
+            }
+        }
+        let mut sign = vec![1.0; all.caps.triangles.len()];
+        for cap in &all.caps.negative {
+            sign[cap.index()] = -1.0;
+        }
+        for (cap, sign) in sign.into_iter().enumerate() {
+            let corners = self.cap_triangle(&all.caps, cap);
+            let opening = 0.5 * twice_area_vector(corners);
+            let (area, volume) = (sign * opening.length(), self.volume_below(corners));
+            let concavity = all.concavity_of_cap[cap];
+            if concavity == NONE {
+                skin.caps += 1;
+                continue;
+            }
+            skin.area -= area;
+            skin.volume -= volume;
+            let measures = &mut all.records[concavity as usize].measures;
+            measures.cap_area += area;
+            measures.pocket_volume += volume;
+            measures.opening += opening;
+            let lid = &mut all.lids[all.lid_of_cap[cap] as usize];
+            lid.area += area;
+            lid.opening += opening;
+        }
+        all.skin = skin;
+    }
+
+    /// Signed volume between a triangle and the centre.
+    fn volume_below(&self, corners: [DVec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(|p| p - self.center);
+        a.dot(b.cross(c)) / 6.0
+    }
+
+    fn name(&self, all: &mut Concavities) {
+        for i in 0..all.records.len() {
+            let concavity = all.get(ConcavityId(i as u32));
+            let closed = concavity.loops().len() == 0;
+            let kind = match concavity.lids().len() {
+                0 if closed && concavity.measures.pocket_volume > 0.0 => ConcavityKind::Void,
+                0 => ConcavityKind::Island,
+                _ if concavity.faces.is_empty() => ConcavityKind::Opening,
+                1 => ConcavityKind::Pocket,
+                _ => ConcavityKind::Passage,
+            };
+            all.records[i].kind = kind;
+        }
+    }
+
+    /// Finds what surrounds concavities without lids.
+    fn nest(&self, all: &mut Concavities) {
+        if all.len() < 2 || all.iter().all(|c| c.lids().len() > 0) {
+            return;
+        }
+        let surface = |i: u32| {
+            let concavity = all.get(ConcavityId(i));
+            let faces = concavity.faces.iter().map(|&f| {
+                let [a, b, c] = self.mesh.triangle(f);
+                [a, c, b]
+            });
+            let caps = concavity.caps.iter().map(|c| self.cap_triangle(&all.caps, c.index()));
+            let triangles: Vec<[DVec3; 3]> = faces.chain(caps).collect();
+            Surface {
+                bounds: Aabb::of_points(triangles.iter().flatten().copied()),
+                is_lidded: !concavity.caps.is_empty(),
+                triangles,
+            }
+        };
+        let surfaces: Vec<Surface> = (0..all.len() as u32).map(surface).collect();
+        for (record, parent) in all.records.iter_mut().zip(nesting::parents(&surfaces)) {
+            record.parent = parent.map_or(NONE, |p| p as u32);
+        }
+    }
+}
+
+fn twice_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}

@@ -1,0 +1,170 @@
+//! Which faces off the hull and which cap triangles belong together.
+//!
+//! They hang together over the edges that they share, except over a *ridge*, an edge on the hull that
+//! only off-hull faces meet at: there each face goes with the cap triangle that runs the edge the same
+//! way. (Cap and faces of a pocket run its rim in the same direction, since both continue, in reverse,
+//! the convex faces around. So at every edge the caps of a concavity, taken once, and its faces, taken
+//! negatively, cancel, with or without ridges.)
+
+use crate::caps::CapSurface;
+use crate::features::Features;
+use crate::ids::{EdgeId, FaceId};
+use crate::mesh::Mesh;
+use crate::topology::{DisjointSets, Topology};
+
+/// Which elements belong together. Element `f` is a face, element `faces + c` a cap triangle.
+pub(super) struct Components {
+    faces: usize,
+    elements: DisjointSets,
+    lids: DisjointSets,
+}
+
+/// A half-edge of a cap triangle, by the edge.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct CapEdge {
+    ends: (u32, u32),
+    backward: bool,
+    cap: u32,
+}
+
+impl Components {
+    /// O(n log n) in the cap triangles, near linear in the faces.
+    pub(super) fn of(
+        mesh: &Mesh,
+        topology: &Topology,
+        features: &Features,
+        caps: &CapSurface,
+    ) -> Self {
+        let faces = mesh.faces().len();
+        let mut joined = Self {
+            faces,
+            elements: DisjointSets::new(faces + caps.triangles.len()),
+            lids: DisjointSets::new(caps.triangles.len()),
+        };
+        let mut has_cap = vec![false; topology.edges().len()];
+        for group in cap_edges(caps).chunk_by(|a, b| a.ends == b.ends) {
+            let edge = edge_between(topology, group[0].ends);
+            let off = edge.map(|e| off_hull(mesh, topology, features, e)).unwrap_or_default();
+            if let Some(edge) = edge {
+                has_cap[edge.index()] = true;
+            }
+            joined.join_at_cap(group, &off);
+        }
+        for e in (0..topology.edges().len() as u32).map(EdgeId).filter(|e| !has_cap[e.index()]) {
+            let off = topology.half_edges(e).iter().map(|h| h.face());
+            joined.unite(off.filter(|&f| !features.is_convex(f)).map(FaceId::index));
+        }
+        joined.join_at_tips(topology, features, caps);
+        joined
+    }
+
+    /// A surface that shares no edge with a cap but has a vertex on the hull goes with the caps around
+    /// that vertex: a star touches its hull with its tips alone.
+    fn join_at_tips(&mut self, topology: &Topology, features: &Features, caps: &CapSurface) {
+        let mut has_cap = vec![false; self.faces];
+        for cap in 0..caps.triangles.len() {
+            let root = self.of_cap(cap);
+            if root < self.faces {
+                has_cap[root] = true;
+            }
+        }
+        let mut tips: Vec<(u32, usize)> = Vec::new();
+        for &tip in features.isolated_vertices() {
+            let roots = topology.faces_at(tip).iter().map(|&f| self.of_face(f));
+            tips.extend(roots.filter(|&root| !has_cap[root]).map(|root| (tip.0, root)));
+        }
+        if tips.is_empty() {
+            return;
+        }
+        for (cap, corners) in caps.triangles.iter().enumerate() {
+            for corner in corners {
+                let first = tips.partition_point(|&(tip, _)| tip < *corner);
+                for &(_, root) in tips[first..].iter().take_while(|&&(tip, _)| tip == *corner) {
+                    self.elements.union(root, self.faces + cap);
+                }
+            }
+        }
+    }
+
+    /// The least element that a face belongs with.
+    pub(super) fn of_face(&mut self, face: FaceId) -> usize {
+        self.elements.find(face.index())
+    }
+
+    /// The least element that a cap triangle belongs with: a face, if there is any.
+    pub(super) fn of_cap(&mut self, cap: usize) -> usize {
+        self.elements.find(self.faces + cap)
+    }
+
+    /// The least cap triangle of the same lid.
+    pub(super) fn lid_of(&mut self, cap: usize) -> usize {
+        self.lids.find(cap)
+    }
+
+    /// Joins what meets at one edge: cap triangles and off-hull faces with their directions.
+    fn join_at_cap(&mut self, caps: &[CapEdge], off: &[(usize, bool)]) {
+        let count = |backward: bool| {
+            let caps = caps.iter().filter(|c| c.backward == backward).count();
+            (caps, off.iter().filter(|f| f.1 == backward).count())
+        };
+        let (forward, backward) = (count(false), count(true));
+        let is_rim = !off.is_empty() && forward.0 == forward.1 && backward.0 == backward.1;
+        if is_rim {
+            for way in [false, true] {
+                let of_caps = caps.iter().filter(|c| c.backward == way).map(|c| c.cap as usize);
+                let of_faces = off.iter().filter(|f| f.1 == way).map(|f| f.0);
+                let elements: Vec<usize> =
+                    of_caps.map(|c| self.faces + c).chain(of_faces).collect();
+                self.unite(elements.into_iter());
+            }
+            return;
+        }
+        let of_caps = caps.iter().map(|c| self.faces + c.cap as usize);
+        let elements: Vec<usize> = of_caps.chain(off.iter().map(|f| f.0)).collect();
+        self.unite(elements.into_iter());
+        for pair in caps.windows(2) {
+            self.lids.union(pair[0].cap as usize, pair[1].cap as usize);
+        }
+    }
+
+    fn unite(&mut self, mut elements: impl Iterator<Item = usize>) {
+        if let Some(first) = elements.next() {
+            elements.for_each(|other| self.elements.union(first, other));
+        }
+    }
+}
+
+/// All half-edges of cap triangles, sorted by edge.
+fn cap_edges(caps: &CapSurface) -> Vec<CapEdge> {
+    let mut edges = Vec::with_capacity(3 * caps.triangles.len());
+    for (cap, [a, b, c]) in caps.triangles.iter().copied().enumerate() {
+        edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| CapEdge {
+            ends: (from.min(to), from.max(to)),
+            backward: from > to,
+            cap: cap as u32,
+        }));
+    }
+    edges.sort_unstable();
+    edges
+}
+
+/// The edge of the mesh between two vertices, by ascending ends.
+pub(super) fn edge_between(topology: &Topology, ends: (u32, u32)) -> Option<EdgeId> {
+    let found = topology.edges().binary_search_by_key(&ends, |e| (e.from.0, e.to.0));
+    found.ok().map(|e| EdgeId(e as u32))
+}
+
+/// The off-hull faces at an edge, and whether they run it backward.
+fn off_hull(
+    mesh: &Mesh,
+    topology: &Topology,
+    features: &Features,
+    edge: EdgeId,
+) -> Vec<(usize, bool)> {
+    let from = topology.edges()[edge.index()].from;
+    let half_edges = topology.half_edges(edge).iter();
+    half_edges
+        .filter(|h| !features.is_convex(h.face()))
+        .map(|h| (h.face().index(), mesh.corners(h.face())[h.corner()] != from))
+        .collect()
+}

@@ -1,0 +1,227 @@
+//! Which facet of the hull each face of the mesh lies on, if any.
+//!
+//! A face lies on a facet when its three corners lie in the facet's [slab](super::slabs) and it does
+//! not look the other way. Of several such facets it takes the one whose normal agrees best with its
+//! own, the lowest id among equals. A face whose corners are all on the hull, but on no facet together,
+//! crosses the interior: it belongs to a concavity.
+//!
+//! A *needle*, not wider than the slab is deep, has a normal made of rounding. It goes where the face
+//! across its longest edge went, for there it belongs whichever way it was rounded.
+//!
+//! Cost: the facets of extreme vertices are those of the hull's triangles around them; every other
+//! vertex asks the tree over the facets, O(log n) as a rule.
+
+use super::slabs::Slabs;
+use crate::hull::ConvexHull;
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
+use crate::mesh::Mesh;
+use crate::topology::Topology;
+
+/// 'On no facet'.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A list of facets this long is not searched but replaced by a question to the tree: a corner of very
+/// many facets, an apex, must not make a quadratic time of the faces around it.
+const LONG: usize = 64;
+
+/// The facets of vertices and faces.
+#[derive(Debug)]
+pub(crate) struct Assignment {
+    /// The facet that each face lies on, or [`NONE`].
+    pub(crate) facet_of_face: Vec<u32>,
+    starts: Vec<u32>,
+    facets: Vec<u32>,
+    slabs: Slabs,
+}
+
+impl Assignment {
+    /// Judges every vertex and face.
+    pub(crate) fn of(mesh: &Mesh, topology: &Topology, hull: &ConvexHull) -> Self {
+        let mut slabs = Slabs::of(hull);
+        slabs.prepare_finder(hull);
+        let (starts, facets) = facets_of_vertices(mesh, hull, &slabs);
+        let mut assignment = Self { facet_of_face: Vec::new(), starts, facets, slabs };
+        assignment.assign(mesh, topology);
+        assignment
+    }
+
+    /// The facets that a vertex lies on, ascending; none off the hull. Of an extreme vertex those of
+    /// the triangles around it.
+    pub(crate) fn facets_of(&self, vertex: VertexId) -> &[u32] {
+        let v = vertex.index();
+        &self.facets[self.starts[v] as usize..self.starts[v + 1] as usize]
+    }
+
+    /// The least depth of a slab: what is thinner is flat.
+    pub(crate) fn depth(&self) -> f64 {
+        self.slabs.depth()
+    }
+
+    /// The facets on which a segment between two vertices lies, ascending.
+    pub(crate) fn facets_of_segment(&self, mesh: &Mesh, [a, b]: [VertexId; 2]) -> Vec<u32> {
+        let holds = |f: u32, v: VertexId| self.slabs.holds(f, mesh.position(v));
+        let (of_a, of_b) = (self.facets_of(a), self.facets_of(b));
+        if of_a.is_empty() || of_b.is_empty() {
+            return Vec::new();
+        }
+        let mut common = Vec::new();
+        if of_a.len().min(of_b.len()) > LONG {
+            self.slabs.around(0.5 * (mesh.position(a) + mesh.position(b)), &mut common);
+            common.retain(|&f| holds(f, a) && holds(f, b));
+            return common;
+        }
+        for (list, other) in [(of_a, b), (of_b, a)] {
+            if list.len() <= LONG {
+                common.extend(list.iter().copied().filter(|&f| holds(f, other)));
+            }
+        }
+        common.sort_unstable();
+        common.dedup();
+        common
+    }
+
+    fn assign(&mut self, mesh: &Mesh, topology: &Topology) {
+        let mut needles = Vec::new();
+        self.facet_of_face = vec![NONE; mesh.faces().len()];
+        for f in (0..mesh.faces().len() as u32).map(FaceId) {
+            if mesh.corners(f).iter().any(|&v| self.facets_of(v).is_empty()) {
+                continue;
+            }
+            if self.is_needle(mesh, f) {
+                needles.push(f);
+            } else {
+                self.facet_of_face[f.index()] = self.best_facet(mesh, f);
+            }
+        }
+        self.assign_needles(mesh, topology, &needles);
+    }
+
+    /// Each needle follows the faces across longest edges to the first that is none.
+    fn assign_needles(&mut self, mesh: &Mesh, topology: &Topology, needles: &[FaceId]) {
+        let mut settled = vec![false; needles.len()];
+        for (first, &needle) in needles.iter().enumerate() {
+            let mut trail = Vec::new();
+            let (mut at, mut place) = (needle, Some(first));
+            while let Some(i) = place.filter(|&i| !settled[i]) {
+                settled[i] = true;
+                trail.push(at);
+                let Some(twin) = topology.twin(longest_side(mesh, at)) else { break };
+                at = twin.face();
+                place = needles.binary_search(&at).ok();
+            }
+            let mut followed = self.facet_of_face[at.index()];
+            for &face in trail.iter().rev() {
+                if followed == NONE || !self.holds_face(mesh, followed, face) {
+                    followed = self.best_facet(mesh, face);
+                }
+                self.facet_of_face[face.index()] = followed;
+            }
+        }
+    }
+
+    fn holds_face(&self, mesh: &Mesh, facet: u32, face: FaceId) -> bool {
+        mesh.triangle(face).iter().all(|&p| self.slabs.holds(facet, p))
+    }
+
+    /// Whether a face is no wider than the slabs are deep.
+    fn is_needle(&self, mesh: &Mesh, face: FaceId) -> bool {
+        let [a, b, c] = mesh.triangle(face);
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        2.0 * mesh.area_vector(face).length() <= self.slabs.depth() * longest
+    }
+
+    /// The facet that a face lies on and agrees with best, or [`NONE`].
+    fn best_facet(&self, mesh: &Mesh, face: FaceId) -> u32 {
+        let lists = mesh.corners(face).map(|v| self.facets_of(v));
+        let shortest = lists.into_iter().min_by_key(|l| l.len()).unwrap_or_default();
+        let found = if shortest.len() <= LONG { self.best_of(mesh, face, shortest) } else { NONE };
+        if found != NONE {
+            return found;
+        }
+        // The face may lie on a facet of whose triangles no corner is one: beside an edge.
+        let [a, b, c] = mesh.triangle(face);
+        let mut around = Vec::new();
+        self.slabs.around((a + b + c) / 3.0, &mut around);
+        self.best_of(mesh, face, &around)
+    }
+
+    fn best_of(&self, mesh: &Mesh, face: FaceId, facets: &[u32]) -> u32 {
+        let area_vector = mesh.area_vector(face);
+        let tilted = self.is_needle(mesh, face);
+        let mut best = (f64::NEG_INFINITY, NONE);
+        for &facet in facets {
+            let agreement = self.slabs.normal(facet).dot(area_vector);
+            if (agreement >= 0.0 || tilted)
+                && agreement > best.0
+                && self.holds_face(mesh, facet, face)
+            {
+                best = (agreement, facet);
+            }
+        }
+        best.1
+    }
+}
+
+/// For each vertex the facets that it lies on, in compressed rows.
+fn facets_of_vertices(mesh: &Mesh, hull: &ConvexHull, slabs: &Slabs) -> (Vec<u32>, Vec<u32>) {
+    let (around_starts, around) = facets_around_corners(hull);
+    let mut starts = Vec::with_capacity(mesh.vertices().len() + 1);
+    let mut facets = Vec::new();
+    let mut next_corner = 0;
+    starts.push(0);
+    for (v, &p) in mesh.vertices().iter().enumerate() {
+        // Both are numbered alike: the sources ascend.
+        if hull.sources().get(next_corner) == Some(&VertexId(v as u32)) {
+            let row = around_starts[next_corner] as usize..around_starts[next_corner + 1] as usize;
+            let first = facets.len();
+            facets.extend_from_slice(&around[row]);
+            facets[first..].sort_unstable();
+            let kept = dedup_from(&mut facets, first);
+            facets.truncate(kept);
+            next_corner += 1;
+        } else {
+            slabs.around(p, &mut facets);
+        }
+        starts.push(facets.len() as u32);
+    }
+    (starts, facets)
+}
+
+/// Drops repetitions of the sorted tail; its new end.
+fn dedup_from(list: &mut [u32], first: usize) -> usize {
+    let mut end = first;
+    for i in first..list.len() {
+        if i == first || list[i] != list[end - 1] {
+            list[end] = list[i];
+            end += 1;
+        }
+    }
+    end
+}
+
+/// For each corner of the hull the facets of its triangles, with repetitions, in compressed rows.
+fn facets_around_corners(hull: &ConvexHull) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; hull.vertex_count() + 1];
+    let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
+    for (_, v) in corners() {
+        starts[v.index() + 1] += 1;
+    }
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut fill = starts.clone();
+    let mut facets = vec![0; 3 * hull.triangle_count()];
+    for (t, v) in corners() {
+        facets[fill[v.index()] as usize] = hull.facet_of_triangle(t).0;
+        fill[v.index()] += 1;
+    }
+    (starts, facets)
+}
+
+/// The longest side of a face, the first of equals.
+fn longest_side(mesh: &Mesh, face: FaceId) -> HalfEdgeId {
+    let corners = mesh.triangle(face);
+    let length = |c: usize| (corners[(c + 1) % 3] - corners[c]).length_squared();
+    let longest = (1..3).fold(0, |best, c| if length(c) > length(best) { c } else { best });
+    HalfEdgeId::of(face, longest)
+}

@@ -1,0 +1,223 @@
+//! In which facets' slabs a point lies.
+//!
+//! A facet's *slab* is the layer of the hull beneath its supporting plane, as deep as the facet is
+//! thick and at least [`SLAB`] times the hull's flatness. Whoever lies in it is as good as on the
+//! facet: nothing that rounding can make of a planar side lies deeper.
+//!
+//! Whether a point lies in a slab is one comparison of `f64` numbers that depend on the facet and the
+//! point alone, never on the order of visits, and scales with powers of two to the bit. The height of
+//! a point is rounded, by a bound that is a small part of the slab's depth; so the answer is sharp
+//! except within rounding of the slab's floor, where either is right.
+
+use cranny_exact::{Aabb, DVec3};
+
+use crate::hull::{ConvexHull, FacetId};
+
+/// Least depth of a slab in units of the hull's flatness. Facets are merged up to one flatness; points
+/// of the same planar side that are not extreme, rounded on their own, may lie as deep again. Smaller
+/// than 2, and the middle of a planar side stored in single precision is a dent
+/// (`sides_rounded_to_single_precision_are_flat`); larger, and pockets that much deeper are skin.
+const SLAB: f64 = 2.0;
+
+/// Nodes of the level below that a node of the finder spans.
+const FANOUT: usize = 8;
+
+/// The slabs of a hull and a tree of boxes over its facets.
+#[derive(Debug)]
+pub(crate) struct Slabs {
+    slabs: Vec<Slab>,
+    /// Facets in the order of the nodes on the lowest level.
+    order: Vec<u32>,
+    /// Level by level from the facets up; each node spans [`FANOUT`] of the level below.
+    levels: Vec<Vec<Node>>,
+    depth: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slab {
+    normal: DVec3,
+    floor: f64,
+}
+
+/// What some facets have in common.
+///
+/// A box around them is not enough: those of long, slanted facets hold most of the body. So a node also
+/// bounds normals and floors. Sums and products round monotonically: the bound of a height, computed as
+/// heights are, is no less than any height that it bounds, rounding included.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Aabb,
+    normals: Aabb,
+    floor: f64,
+}
+
+impl Node {
+    fn union(&self, other: &Self) -> Self {
+        Self {
+            bounds: self.bounds.union(&other.bounds),
+            normals: self.normals.union(&other.normals),
+            floor: self.floor.min(other.floor),
+        }
+    }
+
+    /// Whether a point may lie in one of the slabs.
+    fn may_hold(&self, p: DVec3) -> bool {
+        let highest = (self.normals.min * p).max(self.normals.max * p);
+        highest.x + highest.y + highest.z >= self.floor && self.bounds.contains_point(p)
+    }
+}
+
+impl Slabs {
+    /// Prepares the facets of a hull: O(n log n).
+    pub(crate) fn of(hull: &ConvexHull) -> Self {
+        let depth = SLAB * hull.flatness();
+        let slabs = hull
+            .facets()
+            .map(|f| Slab { normal: f.normal, floor: f.offset - f.thickness.max(depth) })
+            .collect();
+        Self { slabs, order: Vec::new(), levels: Vec::new(), depth }
+    }
+
+    /// The least depth of a slab.
+    pub(crate) fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    /// Whether a point of the hull lies in the slab of a facet.
+    #[inline]
+    pub(crate) fn holds(&self, facet: u32, p: DVec3) -> bool {
+        let slab = &self.slabs[facet as usize];
+        slab.normal.dot(p) >= slab.floor
+    }
+
+    pub(crate) fn normal(&self, facet: u32) -> DVec3 {
+        self.slabs[facet as usize].normal
+    }
+
+    /// Builds the tree that [`around`](Self::around) descends.
+    pub(crate) fn prepare_finder(&mut self, hull: &ConvexHull) {
+        let facet_box = |f: u32| {
+            let triangles = hull.facet(FacetId(f)).triangles;
+            let corners = triangles.iter().flat_map(|&t| hull.triangle(t as usize));
+            // Corners lie up to a slab's depth beside the facet's polygon.
+            Aabb::of_points(corners.map(|v| hull.position(v))).grown(self.depth)
+        };
+        let node = |f: u32| {
+            let slab = self.slabs[f as usize];
+            let normals = Aabb { min: slab.normal, max: slab.normal };
+            Node { bounds: facet_box(f), normals, floor: slab.floor }
+        };
+        let nodes: Vec<Node> = (0..self.slabs.len() as u32).map(node).collect();
+        let bounds = hull.bounds();
+        let mut order: Vec<(u64, u32)> = nodes
+            .iter()
+            .enumerate()
+            .map(|(f, n)| (curve_position(n.bounds.center(), &bounds), f as u32))
+            .collect();
+        order.sort_unstable();
+        self.order = order.into_iter().map(|(_, f)| f).collect();
+        self.levels = vec![self.order.iter().map(|&f| nodes[f as usize]).collect()];
+        while let Some(below) = self.levels.last().filter(|l| l.len() > 1) {
+            let unite = |group: &[Node]| group.iter().skip(1).fold(group[0], |all, b| all.union(b));
+            let level = below.chunks(FANOUT).map(unite).collect();
+            self.levels.push(level);
+        }
+    }
+
+    /// The facets in whose slabs and boxes a point lies, ascending, appended to `found`.
+    pub(crate) fn around(&self, p: DVec3, found: &mut Vec<u32>) {
+        let first = found.len();
+        let mut open: Vec<(usize, usize)> = Vec::with_capacity(4 * FANOUT);
+        if let Some(top) = self.levels.iter().rposition(|level| !level.is_empty()) {
+            open.push((top, 0));
+        }
+        while let Some((level, at)) = open.pop() {
+            if !self.levels[level][at].may_hold(p) {
+                continue;
+            }
+            if level == 0 {
+                found.push(self.order[at]);
+            } else {
+                let end = (FANOUT * (at + 1)).min(self.levels[level - 1].len());
+                open.extend((FANOUT * at..end).map(|below| (level - 1, below)));
+            }
+        }
+        found[first..].sort_unstable();
+    }
+}
+
+/// The place along a Z-order curve (Morton 1966) of 2^16 cells an axis over the box.
+fn curve_position(p: DVec3, bounds: &Aabb) -> u64 {
+    let cells = f64::from(1u32 << 16) - 1.0;
+    let extent = bounds.max - bounds.min;
+    let cell = |axis: usize| {
+        let share = (p[axis] - bounds.min[axis]) / extent[axis];
+        // A flat box gives NaN: the cast makes it cell 0.
+        (share * cells) as u64
+    };
+    spread(cell(0)) | spread(cell(1)) << 1 | spread(cell(2)) << 2
+}
+
+/// The lowest 16 bits, two zeros after each.
+fn spread(mut bits: u64) -> u64 {
+    bits = bits.min(0xffff);
+    bits = (bits | bits << 16) & 0x0000_ff00_00ff;
+    bits = (bits | bits << 8) & 0x00f0_0f00_f00f;
+    bits = (bits | bits << 4) & 0x0c30_c30c_30c3;
+    (bits | bits << 2) & 0x2492_4924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(n: i32) -> Vec<DVec3> {
+        let range = move || (0..=n).map(f64::from);
+        range()
+            .flat_map(|x| range().flat_map(move |y| range().map(move |z| DVec3::new(x, y, z))))
+            .collect()
+    }
+
+    #[test]
+    fn bits_are_spread_by_three() {
+        assert_eq!(spread(0b1011), 0b1_000_001_001);
+        assert_eq!(spread(0xffff).count_ones(), 16);
+        assert_eq!(spread(1 << 15), 1 << 45);
+    }
+
+    #[test]
+    fn points_of_a_cube_lie_in_as_many_slabs_as_they_have_sides() {
+        let points = grid(4);
+        let hull = ConvexHull::of_points(&points);
+        let mut slabs = Slabs::of(&hull);
+        slabs.prepare_finder(&hull);
+        for p in points {
+            let mut found = Vec::new();
+            slabs.around(p, &mut found);
+            let sides = p.to_array().iter().filter(|&&c| c == 0.0 || c == 4.0).count();
+            assert_eq!(found.len(), sides, "{p}");
+            assert!(found.iter().all(|&f| slabs.holds(f, p)));
+        }
+    }
+
+    #[test]
+    fn the_finder_agrees_with_looking_at_every_facet() {
+        // A prism over a 40-gon has facets of very different sizes.
+        let ring = (0..40).map(|k| {
+            let t = f64::from(k) - 19.5;
+            DVec3::new(t, 25.0 - t * t / 20.0, 0.0)
+        });
+        let points: Vec<DVec3> = ring.flat_map(|p| [p, p + 30.0 * DVec3::Z]).collect();
+        let hull = ConvexHull::of_points(&points);
+        let mut slabs = Slabs::of(&hull);
+        slabs.prepare_finder(&hull);
+        let midpoints = points.windows(3).map(|w| 0.5 * (w[0] + w[2]));
+        for p in midpoints.chain(points.iter().copied()) {
+            let mut found = Vec::new();
+            slabs.around(p, &mut found);
+            let all: Vec<u32> =
+                (0..hull.facet_count() as u32).filter(|&f| slabs.holds(f, p)).collect();
+            assert_eq!(found, all, "{p}");
+        }
+    }
+}
