@@ -109,6 +109,10 @@ impl Concavities {
                 other => return Err(format!("face {} is filed under {other:?}", f.0)),
             }
         }
+        let lids: usize = self.iter().map(|c| c.lids().map(|l| l.caps.len()).sum::<usize>()).sum();
+        if lids != self.cap_order.len() {
+            return Err("some lid is listed under no concavity, or twice".into());
+        }
         let faces: usize = self.iter().map(|c| c.faces.len()).sum();
         if faces != self.faces.len() {
             return Err("some face is listed twice".into());
@@ -119,7 +123,7 @@ impl Concavities {
             match (cap.concavity, cap.lid) {
                 (None, None) => skin += 1,
                 (Some(c), Some(l)) if self.lid(l).concavity == c => {
-                    if !self.lid(l).caps.contains(&id) || !self.get(c).caps.contains(&id) {
+                    if self.lid(l).caps.binary_search(&id).is_err() {
                         return Err(format!("cap triangle {} is not listed by its lid", id.0));
                     }
                 }
