@@ -6,19 +6,18 @@
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
 //!    ([`topology`](Model::topology)), 3. hull ([`hull`](Model::hull)), 4. features: convex, concavity,
 //!    boundary ([`features`](Model::features)), 5. caps, concavities and their boundary loops
-//!    ([`concavities`](Model::concavities)), 6. trees ([`tree`](Model::tree); one over all faces now,
-//!    one per concavity to come), 7. envelopes, 8. patches ([`patches`](Model::patches)), 9. mass
-//!    ([`mass_properties`](Model::mass_properties)).
-//!
-//! Stage 7 is not built yet; nothing that exists pretends to be it.
+//!    ([`concavities`](Model::concavities)), 6. trees ([`tree`](Model::tree) over all faces,
+//!    [`concavity_trees`](Model::concavity_trees)), 7. envelopes ([`envelopes`](Model::envelopes)),
+//!    8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
 
 use std::sync::Arc;
 
-use cranny_exact::{Aabb, Tolerance};
+use cranny_exact::{Aabb, DVec3, Tolerance};
 use thiserror::Error;
 
 use crate::caps::CapSurface;
 use crate::concavity::Concavities;
+use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features};
 use crate::hull::{ConvexHull, FLATNESS};
 use crate::ids::FaceId;
@@ -32,7 +31,7 @@ use crate::resolution::default_weld_distance;
 use crate::scan::faces::has_no_area;
 use crate::scan::scan;
 use crate::topology::Topology;
-use crate::tree::FaceTree;
+use crate::tree::{FaceForest, FaceTree};
 use crate::weld::weld;
 
 /// How to prepare a model.
@@ -158,7 +157,7 @@ pub enum BuildError {
 pub enum Stage {
     /// Weld, repair, adjacency.
     Repair,
-    /// Box trees and patches.
+    /// The box tree over all faces, and patches.
     Trees,
     /// Scan for findings.
     Scan,
@@ -168,9 +167,17 @@ pub enum Stage {
     Classify,
     /// Caps, concavities, boundary loops.
     Caps,
+    /// A box tree for each concavity.
+    ConcavityTrees,
+    /// Envelopes of concavities.
+    Envelopes,
     /// All done.
     Done,
 }
+
+/// Faces a leaf of the trees over concavities. One: 1.8 times the bytes and box tests; four: twice the
+/// triangle tests.
+const CONCAVITY_LEAF_SIZE: usize = 2;
 
 /// A prepared body. Cheap to clone; `Send` and `Sync`.
 #[derive(Clone, Debug)]
@@ -184,6 +191,8 @@ struct Parts {
     features: Features,
     concavities: Concavities,
     tree: FaceTree,
+    concavity_trees: FaceForest,
+    envelopes: Envelopes,
     patches: Patches,
     mass: Option<MassProperties>,
     radius: f64,
@@ -258,6 +267,11 @@ impl Model {
         observe(Stage::Caps);
         let caps = CapSurface::build(&mesh, &topology, &hull, &assignment, &ridges);
         let concavities = Concavities::of(&mesh, &topology, &hull, &features, caps);
+        observe(Stage::ConcavityTrees);
+        let groups = concavities.iter().map(|concavity| concavity.faces);
+        let concavity_trees = FaceForest::over(&mesh, groups, CONCAVITY_LEAF_SIZE);
+        observe(Stage::Envelopes);
+        let envelopes = envelopes(&mesh, &concavities);
         let radius = mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up();
         let digest = digest(&mesh);
         observe(Stage::Done);
@@ -268,6 +282,8 @@ impl Model {
             features,
             concavities,
             tree,
+            concavity_trees,
+            envelopes,
             patches,
             mass,
             radius,
@@ -320,6 +336,18 @@ impl Model {
         &self.0.tree
     }
 
+    /// A box tree for each of the [`concavities`](Self::concavities), by their ids.
+    #[must_use]
+    pub fn concavity_trees(&self) -> &FaceForest {
+        &self.0.concavity_trees
+    }
+
+    /// An envelope for each of the [`concavities`](Self::concavities), by their ids.
+    #[must_use]
+    pub fn envelopes(&self) -> &Envelopes {
+        &self.0.envelopes
+    }
+
     /// The surface in connected patches of nearly one normal.
     #[must_use]
     pub fn patches(&self) -> &Patches {
@@ -361,6 +389,19 @@ impl Model {
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
+}
+
+/// An envelope for each concavity, which opens through its lids.
+fn envelopes(mesh: &Mesh, concavities: &Concavities) -> Envelopes {
+    let openings: Vec<Vec<DVec3>> = concavities
+        .iter()
+        .map(|concavity| concavity.lids().map(|lid| lid.opening).collect())
+        .collect();
+    let pockets = concavities
+        .iter()
+        .zip(&openings)
+        .map(|(concavity, openings)| Pocket { faces: concavity.faces, openings });
+    Envelopes::of(mesh, pockets, &EnvelopeOptions::default())
 }
 
 fn digest(mesh: &Mesh) -> [u8; 32] {

@@ -39,8 +39,10 @@ pub(crate) struct Times {
     pub(crate) classify: Duration,
     /// Caps, concavities, boundary loops.
     pub(crate) caps: Duration,
-    /// Box trees.
+    /// Box trees, over all faces and of each concavity, and patches.
     pub(crate) trees: Duration,
+    /// Envelopes of concavities.
+    pub(crate) envelopes: Duration,
 }
 
 /// Reads a mesh file, scales it about the origin and prepares the model.
@@ -112,7 +114,8 @@ impl Stopwatch {
                 Stage::Hull => &mut times.hull,
                 Stage::Classify => &mut times.classify,
                 Stage::Caps => &mut times.caps,
-                Stage::Trees => &mut times.trees,
+                Stage::Trees | Stage::ConcavityTrees => &mut times.trees,
+                Stage::Envelopes => &mut times.envelopes,
                 Stage::Done => return,
             };
             *spent += began.elapsed();

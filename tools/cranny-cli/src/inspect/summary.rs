@@ -129,7 +129,7 @@ pub(super) struct TimesLine {
     pub(super) classify: f64,
     pub(super) caps: f64,
     pub(super) trees: f64,
-    envelopes: Option<f64>,
+    pub(super) envelopes: f64,
 }
 
 /// Something that was asked for and could not be done.
@@ -179,7 +179,7 @@ impl Summary {
                 classify: ms(times.classify),
                 caps: ms(times.caps),
                 trees: ms(times.trees),
-                envelopes: None,
+                envelopes: ms(times.envelopes),
             },
             notes: notes.clone(),
             outputs: Vec::new(),
