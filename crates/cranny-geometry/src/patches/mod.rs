@@ -12,8 +12,8 @@
 //! Needles, thinner than 2^-30 of their length, have no normal that rounding leaves alone: they go with
 //! a neighbour, are counted in [`Patch::needles`], and the cone does not speak for them.
 //!
-//! How faces are chosen stands in `grow`. Cost: near-linear, about 0.3 microseconds a face with
-//! the trees.
+//! How faces are chosen stands in `grow`. Cost: near-linear, about half a microsecond a
+//! face, a third of it for the trees.
 
 mod cone;
 mod grow;
@@ -99,7 +99,7 @@ impl<I: Copy> Lists<I> {
 impl Patches {
     /// Faces per leaf of a patch's tree. Fewer: more nodes than the few that a search for one
     /// nearest point opens; more: more triangle pairs in each pair of leaves.
-    pub const LEAF_SIZE: usize = 4;
+    pub const LEAF_SIZE: usize = 8;
 
     /// Divides the faces of a mesh whose adjacency is `topology`.
     #[must_use]
