@@ -104,14 +104,14 @@ impl Patches {
     /// Divides the faces of a mesh whose adjacency is `topology`.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
-        let grow::Partition { patch_of, axes } = grow::partition(mesh, topology);
-        let count = axes.len();
+        let grow::Partition { patch_of, patches: grown } = grow::partition(mesh, topology);
+        let count = grown.len();
         let faces = Lists::of(count, (0..).map(FaceId).zip(patch_of.iter().copied()));
         let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
-        let patches: Vec<Patch> = axes
+        let patches: Vec<Patch> = grown
             .iter()
             .enumerate()
-            .map(|(p, &axis)| Patch::of(mesh, trees.faces(p), axis))
+            .map(|(p, grown)| Patch::of(mesh, trees.faces(p), grown.cone))
             .collect();
 
         let lowest = |faces: &mut dyn Iterator<Item = FaceId>| {

@@ -24,7 +24,7 @@ pub(crate) fn descend(
     let mut counts = Counts::default();
     let mut stack = vec![(0u32, 0u32)];
     // Where boxes stand along the axes of their bodies, one rotation serves all pairs.
-    let fixed = (!trees[0].kind.oriented).then(|| first_from_second.linear);
+    let fixed = (!trees[0].kind.oriented).then_some(first_from_second.linear);
     while let Some((a, b)) = stack.pop() {
         let (node, other) = (&trees[0].nodes[a as usize], &trees[1].nodes[b as usize]);
         counts.box_tests += 1;
