@@ -15,8 +15,8 @@ mod report;
 mod solid;
 mod stopwatch;
 mod support;
-mod walk;
 mod trees;
+mod walk;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
