@@ -175,10 +175,6 @@ pub enum Stage {
     Done,
 }
 
-/// Faces a leaf of the trees over concavities. One: 1.8 times the bytes and box tests; four: twice the
-/// triangle tests.
-const CONCAVITY_LEAF_SIZE: usize = 2;
-
 /// A prepared body. Cheap to clone; `Send` and `Sync`.
 #[derive(Clone, Debug)]
 pub struct Model(Arc<Parts>);
@@ -269,7 +265,7 @@ impl Model {
         let concavities = Concavities::of(&mesh, &topology, &hull, &features, caps);
         observe(Stage::ConcavityTrees);
         let groups = concavities.iter().map(|concavity| concavity.faces);
-        let concavity_trees = FaceForest::over(&mesh, groups, CONCAVITY_LEAF_SIZE);
+        let concavity_trees = FaceForest::over(&mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
         observe(Stage::Envelopes);
         let envelopes = envelopes(&mesh, &concavities);
         let radius = mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up();

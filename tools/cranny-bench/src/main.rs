@@ -15,6 +15,7 @@ mod report;
 mod solid;
 mod stopwatch;
 mod support;
+mod trees;
 mod walk;
 
 use std::io::{self, Write};
@@ -55,6 +56,8 @@ enum Command {
     Walk,
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
+    /// Kinds of box trees by what they open; patches; envelopes beside a box tree
+    Trees,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Support => support::measure(cli.quick),
         Command::Walk => walk::measure(cli.quick),
         Command::Prepare => prepare::measure(cli.quick),
+        Command::Trees => trees::measure(cli.quick),
     };
     match print(&report, cli.format) {
         Ok(()) => ExitCode::SUCCESS,

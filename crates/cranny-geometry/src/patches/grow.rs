@@ -42,7 +42,7 @@ pub(super) struct Limits {
 #[derive(Clone, Copy)]
 pub(super) struct Growing {
     /// `None` while the patch holds nothing but needles.
-    cone: Option<NormalCone>,
+    pub(super) cone: Option<NormalCone>,
     bounds: Aabb,
     /// Square of the diagonal of its largest face's box.
     face_squared: f64,
@@ -90,11 +90,11 @@ impl Limits {
     }
 }
 
-/// A patch number for each face, counted in the order of the patches' lowest faces, and the axis of
-/// each patch.
+/// A patch number for each face, counted in the order of the patches' lowest faces, and what each patch
+/// has grown to.
 pub(super) struct Partition {
     pub(super) patch_of: Vec<u32>,
-    pub(super) axes: Vec<Option<NormalCone>>,
+    pub(super) patches: Vec<Growing>,
 }
 
 /// Calls `visit` with the other faces along an edge of a face, for each of its three edges.
@@ -123,16 +123,16 @@ pub(super) fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
     let (mut patch_of, mut patches) = grown(mesh, topology, &limits);
     let sets = merged(&limits, borders(mesh, topology, &patch_of), &mut patches);
     let mut number = vec![u32::MAX; patches.len()];
-    let mut axes = Vec::new();
+    let mut joined = Vec::new();
     for patch in &mut patch_of {
         let set = sets[*patch as usize] as usize;
         if number[set] == u32::MAX {
-            number[set] = axes.len() as u32;
-            axes.push(patches[set].cone);
+            number[set] = joined.len() as u32;
+            joined.push(patches[set]);
         }
         *patch = number[set];
     }
-    Partition { patch_of, axes }
+    Partition { patch_of, patches: joined }
 }
 
 fn grown(mesh: &Mesh, topology: &Topology, limits: &Limits) -> (Vec<u32>, Vec<Growing>) {
@@ -244,4 +244,30 @@ fn borders(mesh: &Mesh, topology: &Topology, patch_of: &[u32]) -> Vec<Border> {
     }
     collect(&mut borders);
     borders
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::DVec3;
+
+    #[test]
+    fn no_two_neighbours_could_be_one_patch() {
+        // Rough ground: a grid of heights that look random.
+        let height = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 28) * 0.06;
+        let side = 40;
+        let vertex = |i: u32| DVec3::new(f64::from(i % side), f64::from(i / side), height(i));
+        let square = |i: u32| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]];
+        let corners = (0..side * (side - 1)).filter(|i| i % side < side - 1);
+        let vertices = (0..side * side).map(vertex).collect();
+        let mesh = Mesh::new(vertices, corners.flat_map(square).collect()).unwrap();
+        let topology = Topology::of(&mesh);
+        let Partition { patch_of, patches } = partition(&mesh, &topology);
+        assert!(patches.len() > 20 && patches.len() < mesh.faces().len() / 4);
+        let limits = Limits::of(&mesh);
+        for border in borders(&mesh, &topology, &patch_of) {
+            let [a, b] = [border.own, border.other].map(|p| patches[p as usize]);
+            assert!(limits.joined(&a, &b).is_none(), "{} and {}", border.own, border.other);
+        }
+    }
 }

@@ -12,8 +12,8 @@
 //! Needles, thinner than 2^-30 of their length, have no normal that rounding leaves alone: they go with
 //! a neighbour, are counted in [`Patch::needles`], and the cone does not speak for them.
 //!
-//! How faces are chosen stands in `grow`. Cost: near-linear, about 0.3 microseconds a face with
-//! the trees.
+//! How faces are chosen stands in `grow`. Cost: near-linear, about half a microsecond a
+//! face, a third of it for the trees.
 
 mod cone;
 mod grow;
@@ -99,19 +99,19 @@ impl<I: Copy> Lists<I> {
 impl Patches {
     /// Faces per leaf of a patch's tree. Fewer: more nodes than the few that a search for one
     /// nearest point opens; more: more triangle pairs in each pair of leaves.
-    pub const LEAF_SIZE: usize = 4;
+    pub const LEAF_SIZE: usize = 8;
 
     /// Divides the faces of a mesh whose adjacency is `topology`.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
-        let grow::Partition { patch_of, axes } = grow::partition(mesh, topology);
-        let count = axes.len();
+        let grow::Partition { patch_of, patches: grown } = grow::partition(mesh, topology);
+        let count = grown.len();
         let faces = Lists::of(count, (0..).map(FaceId).zip(patch_of.iter().copied()));
         let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
-        let patches: Vec<Patch> = axes
+        let patches: Vec<Patch> = grown
             .iter()
             .enumerate()
-            .map(|(p, &axis)| Patch::of(mesh, trees.faces(p), axis))
+            .map(|(p, grown)| Patch::of(mesh, trees.faces(p), grown.cone))
             .collect();
 
         let lowest = |faces: &mut dyn Iterator<Item = FaceId>| {

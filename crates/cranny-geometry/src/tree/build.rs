@@ -121,7 +121,7 @@ impl Extent {
 fn split<I: Copy + Ord>(items: &mut [Item<I>], extent: &Extent) -> [Extent; 2] {
     let size = extent.centers.max - extent.centers.min;
     let axis = size.max_position();
-    let bins = items.len().clamp(4, BINS);
+    let bins = (items.len() / 2).clamp(4, BINS);
     let scale = bins as f64 / size[axis];
     if items.len() > 2 && scale.is_finite() {
         let low = extent.centers.min[axis];

@@ -17,6 +17,10 @@ pub struct FaceForest {
 }
 
 impl FaceForest {
+    /// Faces a leaf for trees over concavities. One: 1.8 times the bytes and box tests, and queries
+    /// up to a third slower; four: twice the triangle tests (`cranny-bench trees`, README).
+    pub const DEFAULT_LEAF_SIZE: usize = 2;
+
     /// Builds a tree over each group, with at most `leaf_size >= 1` faces a leaf.
     ///
     /// Cost: O(n log m) for n faces in groups of at most m.
