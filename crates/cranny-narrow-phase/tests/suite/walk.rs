@@ -2,6 +2,7 @@
 
 use cranny_exact::{DQuat, DVec3, Pose, RigidMap};
 use cranny_geometry::Mesh;
+use cranny_geometry::hull::HullVertexId;
 use cranny_narrow_phase::walk::{
     HullFeature, Relation, WalkCounters, WalkError, WalkState, walk_hulls,
 };
@@ -286,6 +287,25 @@ fn a_body_that_sinks_into_another_keeps_its_features() {
         assert!((found.separation.lo - gap).abs() < 1e-13, "gap {gap}: {found:?}");
         assert_eq!(kinds(found.features), ['f', 'v']);
         assert!(found.normal.distance(DVec3::Z) < 1e-14);
+    }
+}
+
+#[test]
+fn a_walk_that_starts_on_the_far_side_goes_on_inside() {
+    // Below the top facet's plane, over it, and yet below the box: the pseudo-internal regions lead from
+    // the top facet to the bottom one, and nothing has to be searched.
+    let (cube, point) = (cuboid(DVec3::ONE), Body::of(&[DVec3::ZERO]));
+    let vertex = HullFeature::Vertex(HullVertexId(0));
+    let facets = cube.graph.features().filter(|f| matches!(f, HullFeature::Facet(_)));
+    for facet in facets {
+        let (mut state, mut counters) =
+            (WalkState::starting_at([facet, vertex]), WalkCounters::default());
+        let map = at(0.2, 0.1, -3.0);
+        let (a, b) = (cube.walkable(), point.walkable());
+        let found = walk_hulls(a, b, &map, &mut state, &mut counters).unwrap();
+        assert!(found.separation.contains(2.0), "{found:?}");
+        assert_eq!(kinds(found.features), ['f', 'v']);
+        assert_eq!((counters.searches, counters.cycles), (0, 0), "from {facet:?}");
     }
 }
 
