@@ -347,6 +347,47 @@ fn a_face_without_area_that_stitches_a_t_vertex_goes() {
 }
 
 #[test]
+fn faces_without_area_on_faces_without_area_are_seen_through() {
+    let seeded = edited(&with_t_vertices(&cuboid(), 0, 4, DVec3::ZERO), |vertices, faces| {
+        let third = vertices.len() as u32 - 1;
+        let [first, second] = [third - 2, third - 1];
+        let [a, b] = [faces[12][0], faces[0][1]];
+        // From the neighbour's long side to two halves, from each of these to two quarters.
+        faces.extend([[b, second, a], [second, first, a], [b, third, second]]);
+    });
+    let (_, before) = built(&seeded, Repair::None);
+    assert_eq!((before.closed, kinds(&before)["zero_area_face"]), (true, 3));
+    let (model, after) = built(&seeded, Repair::Safe);
+    assert_eq!((kinds(&after), volume(&after)), (BTreeMap::new(), Some(64.0)));
+    assert_eq!(model.mesh().faces().len(), 12 + 2 * 3);
+    assert_same_surface(&seeded, &model, &after);
+}
+
+#[test]
+fn moves_do_not_add_up() {
+    // A face below an edge, its two corners 0.9 of the distance off the edge's ends; a vertex on
+    // the edge's other side, 0.9 above it: within the distance once the corners are welded.
+    let vertices = [
+        [0.0, 0.0, 0.0],
+        [4.0, 0.0, 0.0],
+        [2.0, 0.0009, 0.0],
+        [2.0, 2.0, 0.0],
+        [0.0, -0.0009, 0.0],
+        [4.0, -0.0009, 0.0],
+        [2.0, -2.0, 0.0],
+        [2.0, 2.0, 2.0],
+    ];
+    let faces = vec![[0, 2, 3], [2, 1, 3], [5, 4, 6], [0, 3, 7], [3, 1, 7]];
+    let mesh = Mesh::new(vertices.map(DVec3::from_array).to_vec(), faces).unwrap();
+    let (model, report) = within(&mesh, Repair::Safe, 0.001);
+    assert_eq!(repaired(&report), [(RepairKind::WeldedNearVertices, 2)]);
+    assert_same_surface(&mesh, &model, &report);
+    // Twice the distance allows for both.
+    let (_, report) = within(&mesh, Repair::Safe, 0.002);
+    assert_eq!(report.repairs[1].kind, RepairKind::SplitEdges);
+}
+
+#[test]
 fn a_collapsed_face_that_nothing_covers_stays() {
     let lone = edited(&cuboid(), |vertices, faces| {
         let n = vertices.len() as u32;
