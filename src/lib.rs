@@ -98,7 +98,8 @@ pub use cranny_shapes as shapes;
 /// What most programs that ask about pairs want.
 ///
 /// Names that several crates use for things of their own (`BodySpec`, `BodyKind`, `Detector`) are left
-/// to their crates.
+/// to their crates. rapier's prelude has a `Pose` of its own: beside that one, name which is meant
+/// (`use cranny::exact::Pose;`).
 pub mod prelude {
     pub use cranny_exact::{Aabb, DQuat, DVec3, Pose};
     pub use cranny_geometry::{BuildOptions, Mesh, Model};

@@ -13,8 +13,8 @@ pub struct RunSummary {
     pub scene_hash: String,
     /// Who detected contacts.
     pub detector: String,
-    /// How exactly.
-    pub accuracy: String,
+    /// How exactly; `None` for rapier's own detectors, which state nothing.
+    pub accuracy: Option<String>,
     /// Threads used.
     pub threads: u32,
     /// The scene's seed.

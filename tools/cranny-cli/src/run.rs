@@ -121,7 +121,8 @@ fn text(summary: &RunSummary) -> String {
     let mut lines = Lines::default();
     let ending = if summary.interrupted { ", interrupted" } else { "" };
     lines.add("scene", format!("{} (seed {})", summary.scene, summary.seed));
-    lines.add("detector", format!("{}, {}", summary.detector, summary.accuracy));
+    let accuracy = summary.accuracy.as_ref().map_or(String::new(), |level| format!(", {level}"));
+    lines.add("detector", format!("{}{accuracy}", summary.detector));
     lines.add(
         "simulated",
         format!(
@@ -150,8 +151,13 @@ fn text(summary: &RunSummary) -> String {
     lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
     lines.add("deepest", deepest(summary));
     if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
-        let loss = 100.0 * energy.loss;
-        lines.add("energy", format!("gained at most {:.3} %, lost {loss:.3} %", 100.0 * drift));
+        let end = if energy.loss < 0.0 { "above" } else { "below" };
+        let value = format!(
+            "at most {:.3} % above its start, {:.3} % {end} it at the end",
+            100.0 * drift,
+            100.0 * energy.loss.abs()
+        );
+        lines.add("energy", value);
     }
     for helix in &summary.helices {
         let value = format!(

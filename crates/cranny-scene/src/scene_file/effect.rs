@@ -13,20 +13,14 @@ use super::values::NotNegative;
 const AVAILABLE: [&str; 3] = ["Trigger", "Contacts", "Response"];
 
 /// What later versions will.
-const LATER: [&str; 9] = [
-    "Proximity",
-    "Penetration",
-    "Continuous",
-    "Deformation",
-    "ForceFeedback",
-    "Sound",
-    "Friction",
-    "Restitution",
-    "Joints",
-];
+const LATER: [&str; 6] =
+    ["Proximity", "Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"];
 
 /// What is asked for elsewhere: the effect and how.
-const ELSEWHERE: [(&str, &str); 2] = [
+const ELSEWHERE: [(&str, &str); 5] = [
+    ("Friction", "by the `friction` of a body's `material`; Response uses it"),
+    ("Restitution", "by the `restitution` of a body's `material`; Response uses it"),
+    ("Joints", "by the scene's field `joints`; Response uses them"),
     ("Recording", "by the scene's field `record` and the command's flag --record"),
     ("Rendering", "by the scene's field `cameras` and the command's flags --frames and --preview"),
 ];

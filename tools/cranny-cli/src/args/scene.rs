@@ -49,11 +49,11 @@ pub(crate) struct RunArgs {
     pub(crate) accuracy: AccuracyArg,
 
     /// Simulated time in seconds [default: the scene's `duration`]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) duration: Option<f64>,
 
     /// Length of a step in seconds [default: the scene's `step`]
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) dt: Option<f64>,
 
     /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]

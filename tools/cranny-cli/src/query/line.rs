@@ -95,7 +95,7 @@ impl Line {
         let depth = self
             .regions
             .as_ref()
-            .map(|regions| regions.iter().filter_map(|region| region.depth).fold(0.0, f64::max));
+            .and_then(|regions| regions.iter().filter_map(|region| region.depth).reduce(f64::max));
         let count = self.regions.as_ref().map_or_else(|| "-".to_owned(), |r| r.len().to_string());
         let (distance, depth) = (number(self.distance), number(depth));
         format!(
