@@ -22,7 +22,7 @@ pub(super) fn show(text: &str) -> Result<Show, String> {
         Some((what, level)) => (what, Some(level)),
         None => (text, None),
     };
-    let number = |of: fn(usize) -> Show, word: &str| match level.map(str::parse) {
+    let number = |of: fn(usize) -> Show, word: &str| match level.map(str::parse::<usize>) {
         Some(Ok(level)) => Ok(of(level)),
         Some(Err(_)) => Err(format!("a {word} is a number from 0, as in {what}:0")),
         None => Err(format!("which {word}? Say {what}:0, or a higher number")),

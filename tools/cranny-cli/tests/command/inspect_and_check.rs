@@ -29,7 +29,10 @@ fn a_sound_mesh_has_volume_and_no_findings() {
     assert_eq!(report["hull"]["facets"], 6);
     assert_eq!(report["hull"]["volume"], 8.0);
     assert_eq!(report["features"]["convex_sets"], 1);
-    assert_eq!((&report["patches"], report["concavities"].as_array().unwrap().len()), (&6.into(), 0));
+    assert_eq!(
+        (&report["patches"], report["concavities"].as_array().unwrap().len()),
+        (&6.into(), 0)
+    );
     assert_eq!(report["skin_volume"], 0.0);
     assert!(report["time_ms"]["hull"].as_f64().unwrap() > 0.0);
     for stage in ["read", "repair", "classify", "caps", "trees", "envelopes"] {

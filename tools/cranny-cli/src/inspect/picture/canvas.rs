@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{EdgeKind, FaceId, Model};
-use cranny_render::{
-    Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette,
-};
+use cranny_render::{Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette};
 
 use super::coloring;
 
@@ -54,7 +52,11 @@ impl<'m> Canvas<'m> {
 
     /// Paints each face in the colour of its region, neighbours in different ones; faces of no region
     /// keep their colour. Returns the colours of the regions, as numbers of the palette.
-    pub(super) fn paint(&mut self, region: impl Fn(FaceId) -> Option<u32>, regions: usize) -> Vec<usize> {
+    pub(super) fn paint(
+        &mut self,
+        region: impl Fn(FaceId) -> Option<u32>,
+        regions: usize,
+    ) -> Vec<usize> {
         let of_faces: Vec<_> = (0..self.faces.len() as u32).map(|f| region(FaceId(f))).collect();
         let colors = coloring::colors(self.model.topology(), of_faces.clone(), regions);
         for (face, region) in self.faces.iter_mut().zip(of_faces) {
@@ -99,7 +101,8 @@ impl<'m> Canvas<'m> {
 
     /// Lets the lines from number `first` on show faintly through what hides them.
     pub(super) fn let_lines_shine_through(&mut self, first: usize) {
-        let faint = |line: &Line| Line { color: line.color.with_alpha(HIDDEN), on_top: true, ..*line };
+        let faint =
+            |line: &Line| Line { color: line.color.with_alpha(HIDDEN), on_top: true, ..*line };
         let through: Vec<Line> = self.list.lines[first..].iter().map(faint).collect();
         self.list.lines.extend(through);
     }
@@ -143,6 +146,6 @@ impl<'m> Canvas<'m> {
             "orange lines: edges along which orientations contradict",
             "violet lines: edges of more than two faces",
         ];
-        self.legend.extend(words.iter().zip(seen).filter(|w| w.1).map(|w| w.0.to_owned()));
+        self.legend.extend(words.into_iter().zip(seen).filter(|w| w.1).map(|w| w.0.to_owned()));
     }
 }

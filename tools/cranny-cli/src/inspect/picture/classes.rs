@@ -90,8 +90,7 @@ fn boxes(model: &Model, tree: usize, level: usize) -> Vec<Aabb> {
 /// The faces of concavities in colours, and their loops. Returns the colours.
 fn draw_concavities(canvas: &mut Canvas<'_>) -> Vec<usize> {
     let (mesh, concavities) = (canvas.model.mesh(), canvas.model.concavities());
-    let colors =
-        canvas.paint(|face| concavities.of_face(face).map(|id| id.0), concavities.len());
+    let colors = canvas.paint(|face| concavities.of_face(face).map(|id| id.0), concavities.len());
     canvas.explain_colors("concavities", &colors);
     for rim in concavities.iter().flat_map(|concavity| concavity.loops()) {
         let corners: Vec<DVec3> = rim.vertices.iter().map(|&v| mesh.position(v)).collect();

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use cranny_geometry::{FaceId, HalfEdgeId, Topology};
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Topology};
 
 /// Colours that are told apart at a glance, and their names.
 const HUES: [&str; 8] = ["blue", "orange", "green", "red", "violet", "cyan", "yellow", "pink"];
@@ -27,7 +27,7 @@ pub(super) fn colors(
 ) -> Vec<usize> {
     let nearest = spread(topology, region_of_face);
     let mut neighbours = vec![BTreeSet::new(); regions];
-    for edge in (0..topology.edges().len() as u32).map(cranny_geometry::EdgeId) {
+    for edge in (0..topology.edges().len() as u32).map(EdgeId) {
         let around = topology.half_edges(edge);
         let mut met = around.iter().filter_map(|h| nearest[h.face().index()]);
         if let Some(first) = met.next() {
@@ -96,11 +96,14 @@ mod tests {
         let topology = Topology::of(&mesh);
         let count = mesh.faces().len();
         let colors = colors(&topology, (0..count as u32).map(Some).collect(), count);
-        for edge in (0..topology.edges().len() as u32).map(cranny_geometry::EdgeId) {
+        for edge in (0..topology.edges().len() as u32).map(EdgeId) {
             let [a, b] = topology.half_edges(edge) else { panic!("a sphere is closed") };
             assert_ne!(colors[a.face().index()], colors[b.face().index()]);
         }
         assert!(colors.iter().all(|&color| color < HUES.len()));
-        assert_eq!((name(3), name(8), name(17)), ("red".into(), "dark blue".into(), "darker orange".into()));
+        assert_eq!(
+            (name(3), name(8), name(17)),
+            ("red".into(), "dark blue".into(), "darker orange".into())
+        );
     }
 }

@@ -59,6 +59,9 @@ mod tests {
     fn things_are_counted_in_one_or_many() {
         assert_eq!(counted(1, "isolated vertex"), "1 isolated vertex");
         assert_eq!(counted(2, "isolated vertex"), "2 isolated vertices");
-        assert_eq!((counted(0, "lid"), counted(3, "vertex")), ("0 lids".into(), "3 vertices".into()));
+        assert_eq!(
+            (counted(0, "lid"), counted(3, "vertex")),
+            ("0 lids".into(), "3 vertices".into())
+        );
     }
 }
