@@ -137,7 +137,7 @@ mod tests {
         };
         let size = ImageSize::new(320, 240).unwrap();
         let torus = Torus { major_segments: 24, minor_segments: 8, ..Torus::default() };
-        let ball = GolfBall { dimples: 12, triangles: 1_280, ..GolfBall::default() };
+        let ball = GolfBall { dimples: 24, triangles: 5_000, coverage: 0.4, ..GolfBall::default() };
         for mesh in [cup(), torus.build().unwrap(), ball.build().unwrap()] {
             let shows =
                 [Show::Classes, Show::Patches, Show::Boxes(1), Show::Envelope(0), Show::Findings];

@@ -1,5 +1,7 @@
 //! The concavities: in a line, and the largest of them in a table.
 
+use cranny_geometry::hull::FLATNESS;
+
 use super::super::summary::{ConcavityLine, Summary};
 use super::words::{counted, number};
 
@@ -13,7 +15,7 @@ const HEAD: [&str; 10] =
 pub(super) fn in_short(summary: &Summary) -> String {
     let all = &summary.concavities;
     let skin = match summary.skin_volume {
-        0.0 => String::new(),
+        rounding if rounding.abs() <= FLATNESS * summary.hull.volume => String::new(),
         volume => format!("; skin {}", number(volume)),
     };
     if all.is_empty() {
