@@ -1,6 +1,7 @@
 //! What can be asked: the arguments of each command.
 
 mod scene;
+mod show;
 
 use std::path::PathBuf;
 
@@ -8,6 +9,8 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use cranny_geometry::Repair;
 
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
+pub(crate) use show::Show;
+use show::show;
 
 /// Exact collision detection for bodies that are not convex.
 ///
@@ -41,7 +44,7 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// Do two meshes meet? Verdict, distance and contact regions at each of a list of poses
     Query(QueryArgs),
-    /// What is known of a mesh: defects and repairs, hull, sizes and times
+    /// What is known of a mesh: defects and repairs, hull, concavities, sizes and times
     Inspect(InspectArgs),
     /// Read a scene file and all that it names, and say whether it is right
     Check(CheckArgs),
@@ -160,9 +163,14 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_negative_numbers = true)]
     pub(crate) weld: Option<f64>,
 
-    /// Draw the mesh, its hull and its open and non-manifold edges
+    /// Draw the mesh; what the colours mean is told in the report
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
+
+    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:LAYER or findings (see below)
+    /// [default: classes]
+    #[arg(long, value_name = "WHAT", value_parser = show, requires = "render")]
+    pub(crate) show: Option<Show>,
 
     /// Save the prepared model.
     #[arg(long, value_name = "MODEL", hide = true)]
@@ -180,14 +188,32 @@ a closed mesh that is inside out is turned.
   full  safe, and shells in shells become cavities, double faces within the solid are dropped
 Holes are never filled. Findings are those that remain.
 
-In the picture, the hull is a blue veil; open edges are red, edges of more than two faces violet,
-and edges along which the faces' orientations contradict orange.
-Patches and envelopes are not reported by this version: with --format json their fields are null.
+Concavities are what the hull covers and the body does not fill. A pocket has one lid, a passage (a
+through-hole) several, a void none; an island is a piece inside another's pocket; an opening has a
+lid and no faces beneath: the mesh is open there. With --format json all are listed, by id:
+  faces, loops, lids  how many; loops are its rims
+  cap_area, area      of its lids together, and of its faces
+  pocket_volume       between them; negative for an island
+  parent              what surrounds one without a lid, or null
+  tree_nodes          boxes of its tree; envelope_layers, envelope_depth, envelope_facets likewise
+skin_volume is what else lies between hull and body: pockets as thin as rounding.
+bytes is null in this version.
+
+Pictures:
+  classes         on the hull grey; concavities in colours, their caps translucent, loops dark
+  patches         the surface's patches; neighbours differ in colour
+  boxes:LEVEL     the boxes of a level of the concavities' trees, from 0, the roots
+  envelope:LAYER  a layer of the concavities' envelopes, from 0, the first below the cap; each face in the
+                  colour of the facet that it lies beneath
+  findings        the faces concerned, and a dot at each
+In all of them, open edges are red, edges of more than two faces violet, and edges along which the
+faces' orientations contradict orange.
 
 Examples:
   cranny inspect nut.obj
   cranny inspect nut.obj --repair safe --weld 2e-6
   cranny inspect house.glb --render house.png
+  cranny inspect cup.obj --render cup.png --show envelope:0
   cranny inspect nut.obj --format json";
 
 /// What may be mended.

@@ -40,8 +40,11 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
     let mut summary = Summary::new(&args.mesh, &loaded);
     let mut failed = None;
     if let Some(path) = &args.render {
-        match picture::draw(&loaded.model, path) {
-            Ok(()) => summary.outputs.push(path.display().to_string()),
+        match picture::draw(&loaded.model, &loaded.report, args.show.unwrap_or_default(), path) {
+            Ok(legend) => {
+                summary.outputs.push(path.display().to_string());
+                summary.legend = legend;
+            }
             Err(picture::Trouble::NoGraphics(why)) => {
                 tracing::warn!("no picture: {why}");
                 summary.skipped.push(Skipped { what: path.display().to_string(), why });

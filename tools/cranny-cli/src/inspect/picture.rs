@@ -1,38 +1,26 @@
-//! The picture of `cranny inspect --render`: the body, its hull, and the edges that are not sound.
+//! The picture of `cranny inspect --render`: the body in colours, and what is asked to be shown with it.
+
+mod canvas;
+mod classes;
+mod coloring;
+mod envelope;
+mod findings;
 
 use std::fmt::Display;
 use std::path::Path;
-use std::sync::Arc;
 
-use cranny_exact::{DVec3, Pose};
-use cranny_geometry::hull::HullKind;
-use cranny_geometry::{EdgeKind, Model};
+use cranny_geometry::{Model, Report};
 use cranny_render::{
-    Camera, Color, DrawList, DrawMesh, DrawMeshError, Ground, ImageSize, Instance, Line, Preset,
-    RenderError, Renderer, RendererOptions,
+    Camera, DrawList, DrawMeshError, ImageSize, Preset, RenderError, Renderer, RendererOptions,
 };
 
+use crate::args::Show;
 use crate::failure::Failure;
 use crate::progress;
+use canvas::Canvas;
 
 /// Width and height in pixels.
 const SIZE: [u32; 2] = [1280, 960];
-
-const BODY: Color = Color::rgb(176, 182, 190);
-const HULL: Color = Color { r: 70, g: 130, b: 220, a: 48 };
-const OPEN: Color = Color::rgb(220, 40, 40);
-const CONTRADICTORY: Color = Color::rgb(240, 140, 0);
-const NON_MANIFOLD: Color = Color::rgb(200, 0, 180);
-
-/// Pixels.
-const LINE_WIDTH: f32 = 2.5;
-
-/// Opacity with which a marked edge shows through what hides it.
-const HIDDEN: u8 = 70;
-
-/// The hull is drawn larger by this factor, about its centroid. Smaller, and depth rounding mixes it
-/// with the faces that lie on it; larger, and the gap shows.
-const VEIL: f64 = 1.004;
 
 /// Why there is no picture.
 pub(super) enum Trouble {
@@ -42,8 +30,13 @@ pub(super) enum Trouble {
     Failed(Failure),
 }
 
-/// Draws a model and writes the picture as PNG: whole, or not at all.
-pub(super) fn draw(model: &Model, path: &Path) -> Result<(), Trouble> {
+/// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours mean.
+pub(super) fn draw(
+    model: &Model,
+    report: &Report,
+    show: Show,
+    path: &Path,
+) -> Result<Vec<String>, Trouble> {
     // Told before a graphics adapter is looked for, so that it is told where there is none, too.
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -65,73 +58,100 @@ pub(super) fn draw(model: &Model, path: &Path) -> Result<(), Trouble> {
         Trouble::Failed(Failure::run(format!("picture {}: {error}", path.display())))
     };
     let size = ImageSize::new(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
-    let list = draw_list(model).map_err(|error| failed(&error))?;
+    let (list, legend) = draw_list(model, report, show).map_err(|error| failed(&error))?;
     let camera =
         Camera::fitted_to(Preset::Isometric, &list, size).map_err(|error| failed(&error))?;
     let image = renderer.render(&list, &camera, size).map_err(|error| failed(&error))?;
     image.save_png(path).map_err(|error| Trouble::Failed(Failure::run(error)))?;
     waiting.finish_and_clear();
-    Ok(())
+    Ok(legend)
 }
 
-fn draw_list(model: &Model) -> Result<DrawList, DrawMeshError> {
-    let mut list = DrawList::new();
-    let mut body = |mesh: DrawMesh, color: Color| {
-        list.instances.push(Instance { mesh: Arc::new(mesh), pose: Pose::IDENTITY, color });
-    };
-    let mesh = model.mesh();
-    body(DrawMesh::new(mesh.vertices(), mesh.faces())?, BODY);
-    let hull = model.hull();
-    if let (HullKind::Volume, Some(center)) = (hull.kind(), hull.centroid()) {
-        let triangles: Vec<[u32; 3]> =
-            (0..hull.triangle_count()).map(|i| hull.triangle(i).map(|v| v.0)).collect();
-        let corners: Vec<DVec3> =
-            hull.positions().iter().map(|&p| center + VEIL * (p - center)).collect();
-        body(DrawMesh::new(&corners, &triangles)?, HULL);
+fn draw_list(
+    model: &Model,
+    report: &Report,
+    show: Show,
+) -> Result<(DrawList, Vec<String>), DrawMeshError> {
+    let mut canvas = Canvas::new(model);
+    match show {
+        Show::Classes => classes::draw_classes(&mut canvas),
+        Show::Patches => classes::draw_patches(&mut canvas),
+        Show::Boxes(level) => classes::draw_boxes(&mut canvas, level),
+        Show::Envelope(layer) => envelope::draw_layer(&mut canvas, layer),
+        Show::Findings => findings::draw_findings(&mut canvas, &report.findings),
     }
-    list.ground = Some(Ground::under(&list.bounds()));
-    for edge in model.topology().edges() {
-        if let Some(color) = mark(edge.kind) {
-            let ends = [edge.from, edge.to].map(|vertex| mesh.position(vertex));
-            list.push_line(ends[0], ends[1], color, LINE_WIDTH);
-            let shining_through = Line {
-                from: ends[0],
-                to: ends[1],
-                color: color.with_alpha(HIDDEN),
-                width: [LINE_WIDTH; 2],
-                on_top: true,
-            };
-            list.lines.push(shining_through);
-        }
-    }
-    Ok(list)
-}
-
-/// The colour of an edge that is not sound.
-fn mark(kind: EdgeKind) -> Option<Color> {
-    match kind {
-        EdgeKind::Manifold => None,
-        EdgeKind::Open => Some(OPEN),
-        EdgeKind::Contradictory => Some(CONTRADICTORY),
-        EdgeKind::Balanced | EdgeKind::Tangled => Some(NON_MANIFOLD),
-    }
+    canvas.finish()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cranny_exact::DVec3;
     use cranny_geometry::{BuildOptions, Mesh};
+    use cranny_render::{Color, palette};
+    use cranny_shapes::{Cup, GolfBall, Torus};
+
+    fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {
+        let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        draw_list(&model, &report, show).unwrap()
+    }
+
+    fn cup() -> Mesh {
+        Cup { segments: 16, ..Cup::default() }.build().unwrap()
+    }
 
     #[test]
-    fn body_hull_and_open_edges_are_drawn() {
+    fn open_edges_and_the_opening_above_them_are_drawn() {
         let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
         let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]]; // one side missing
-        let mesh = Mesh::new(vertices, faces).unwrap();
-        let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
-        let list = draw_list(&model).unwrap();
-        assert_eq!(list.instances.len(), 2);
-        assert_eq!(list.instances[1].mesh.triangle_count(), 4);
-        assert_eq!(list.lines.iter().filter(|line| line.color == OPEN).count(), 3);
+        let (list, legend) = drawn(Mesh::new(vertices, faces).unwrap(), Show::Classes);
+        let red = Color::rgb(220, 40, 40);
+        assert_eq!(list.lines.iter().filter(|line| line.color == red).count(), 3);
         assert_eq!(list.lines.iter().filter(|line| line.on_top).count(), 3);
+        let [body, caps] = list.instances.as_slice() else { panic!("{legend:?}") };
+        assert_eq!((body.mesh.triangle_count(), caps.mesh.triangle_count()), (3, 1));
+        assert!(!caps.color.is_opaque());
+        assert!(legend.iter().any(|words| words.contains("open edges")), "{legend:?}");
+    }
+
+    #[test]
+    fn a_cup_has_one_loop_one_lid_and_boxes_by_level() {
+        let ink = |list: &DrawList| list.lines.iter().filter(|l| l.color == canvas::INK).count();
+        let (list, legend) = drawn(cup(), Show::Classes);
+        assert_eq!(ink(&list), 16);
+        // The lid, a polygon of 16 corners.
+        assert_eq!(list.instances[1].mesh.triangle_count(), 14);
+        assert!(legend.contains(&"concavities: 0 blue".to_owned()), "{legend:?}");
+        for level in 0..3 {
+            let (list, _) = drawn(cup(), Show::Boxes(level));
+            let lines = list.lines.iter().filter(|line| line.color == palette(0)).count();
+            assert_eq!(lines, 12 << level);
+        }
+    }
+
+    #[test]
+    fn every_view_of_a_body_is_a_picture_of_its_own() {
+        let Ok(mut renderer) = Renderer::new(&RendererOptions::default()) else {
+            println!("skipped: no graphics adapter");
+            return;
+        };
+        let size = ImageSize::new(320, 240).unwrap();
+        let torus = Torus { major_segments: 24, minor_segments: 8, ..Torus::default() };
+        let ball = GolfBall { dimples: 24, triangles: 5_000, coverage: 0.4, ..GolfBall::default() };
+        for mesh in [cup(), torus.build().unwrap(), ball.build().unwrap()] {
+            let shows =
+                [Show::Classes, Show::Patches, Show::Boxes(1), Show::Envelope(0), Show::Findings];
+            let pictures = shows.map(|show| {
+                let (list, _) = drawn(mesh.clone(), show);
+                let camera = Camera::fitted_to(Preset::Isometric, &list, size).unwrap();
+                renderer.render(&list, &camera, size).unwrap()
+            });
+            for (i, picture) in pictures.iter().enumerate() {
+                for other in &pictures[..i] {
+                    let changed = picture.difference(other, 8).unwrap();
+                    assert!(changed.differing > 0.005, "{:?}: {changed:?}", shows[i]);
+                }
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use cranny_geometry::concavity::Concavity;
-use cranny_geometry::{Finding, MeetingScan, Model, RepairRecord};
+use cranny_geometry::{Envelope, Envelopes, Finding, MeetingScan, Model, RepairRecord};
 use serde::Serialize;
 
 use crate::model_file::LoadedModel;
@@ -39,13 +39,15 @@ pub(super) struct Summary {
     pub(super) concavities: Vec<ConcavityLine>,
     /// Volume between the hull and the faces on it.
     pub(super) skin_volume: f64,
-    /// Not determined yet.
-    patches: Option<usize>,
+    pub(super) patches: usize,
     /// Models are not encoded yet.
     bytes: Option<usize>,
     pub(super) time_ms: TimesLine,
     pub(super) notes: Vec<String>,
     pub(super) outputs: Vec<String>,
+    /// What the colours of the picture mean: for people.
+    #[serde(skip)]
+    pub(super) legend: Vec<String>,
     pub(super) skipped: Vec<Skipped>,
 }
 
@@ -112,11 +114,13 @@ pub(super) struct ConcavityLine {
     pub(super) cap_area: f64,
     pub(super) area: f64,
     pub(super) pocket_volume: f64,
+    /// Of one without a lid, what surrounds it.
     pub(super) parent: Option<u32>,
-    /// Not determined yet.
-    tree_nodes: Option<usize>,
-    /// Not determined yet.
-    envelope_layers: Option<usize>,
+    pub(super) tree_nodes: usize,
+    pub(super) envelope_layers: usize,
+    /// How many layers lie one beneath the other, at most.
+    pub(super) envelope_depth: usize,
+    pub(super) envelope_facets: usize,
 }
 
 /// Milliseconds a stage.
@@ -167,9 +171,13 @@ impl Summary {
             repairs: report.repairs.iter().map(RepairLine::new).collect(),
             hull: HullLine::new(model),
             features: FeaturesLine::new(model),
-            concavities: model.concavities().iter().map(|c| ConcavityLine::new(&c)).collect(),
+            concavities: model
+                .concavities()
+                .iter()
+                .map(|concavity| ConcavityLine::new(model, &concavity))
+                .collect(),
             skin_volume: model.concavities().skin().volume,
-            patches: None,
+            patches: model.patches().len(),
             bytes: None,
             time_ms: TimesLine {
                 read: ms(times.read),
@@ -183,6 +191,7 @@ impl Summary {
             },
             notes: notes.clone(),
             outputs: Vec::new(),
+            legend: Vec::new(),
             skipped: Vec::new(),
         }
     }
@@ -229,7 +238,10 @@ impl FeaturesLine {
 }
 
 impl ConcavityLine {
-    fn new(concavity: &Concavity<'_>) -> Self {
+    fn new(model: &Model, concavity: &Concavity<'_>) -> Self {
+        let index = concavity.id().index();
+        let envelopes = model.envelopes();
+        let layers = Layers::of(envelopes, &envelopes.envelope(index));
         Self {
             id: concavity.id().0,
             kind: concavity.kind.as_str(),
@@ -240,9 +252,34 @@ impl ConcavityLine {
             area: concavity.measures.face_area,
             pocket_volume: concavity.measures.pocket_volume,
             parent: concavity.parent.map(|id| id.0),
-            tree_nodes: None,
-            envelope_layers: None,
+            tree_nodes: model.concavity_trees().nodes(index).len(),
+            envelope_layers: layers.count,
+            envelope_depth: layers.depth,
+            envelope_facets: layers.facets,
         }
+    }
+}
+
+/// The size of an envelope.
+#[derive(Default)]
+struct Layers {
+    count: usize,
+    depth: usize,
+    facets: usize,
+}
+
+impl Layers {
+    fn of(all: &Envelopes, envelope: &Envelope<'_>) -> Self {
+        let mut layers = Self::default();
+        let mut open: Vec<_> = envelope.first_layer().map(|first| (first, 1)).into_iter().collect();
+        while let Some((layer, depth)) = open.pop() {
+            layers.count += 1;
+            layers.depth = layers.depth.max(depth);
+            layers.facets += all.layer(layer).len();
+            let beneath = all.layer(layer).filter_map(|facet| all.layer_beneath(facet));
+            open.extend(beneath.map(|layer| (layer, depth + 1)));
+        }
+        layers
     }
 }
 

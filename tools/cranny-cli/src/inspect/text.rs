@@ -1,6 +1,10 @@
 //! The page that `cranny inspect` prints for people.
 
+mod concavities;
+mod words;
+
 use super::summary::{FindingLine, Summary};
+use words::{counted, number, point};
 
 /// So many findings of one kind are listed; the rest is counted.
 const LISTED: usize = 3;
@@ -36,18 +40,27 @@ pub(super) fn page(summary: &Summary) -> String {
         format!("area {}, volume {}{}", number(hull.area), number(hull.volume), share(summary)),
     );
     row("", format!("facets up to {} thick", number(hull.thickness_max)));
-    row("on it", counted(summary.features.convex_sets, "convex set"));
-    row("off it", concavities(summary));
+    row("on it", on_the_hull(summary));
+    row("off it", concavities::in_short(summary));
+    row("patches", summary.patches.to_string());
     let time = &summary.time_ms;
     row(
         "time",
         format!(
             "read {:.1} ms, repair {:.1} ms, trees {:.1} ms, scan {:.1} ms, hull {:.1} ms, \
-             features {:.1} ms, caps {:.1} ms",
-            time.read, time.repair, time.trees, time.scan, time.hull, time.classify, time.caps
+             features {:.1} ms, caps {:.1} ms, envelopes {:.1} ms",
+            time.read,
+            time.repair,
+            time.trees,
+            time.scan,
+            time.hull,
+            time.classify,
+            time.caps,
+            time.envelopes
         ),
     );
     row("digest", summary.digest.clone());
+    concavities::table(&mut lines, &summary.concavities);
     list(&mut lines, "notes from reading", summary.notes.iter().cloned());
     list(&mut lines, "repairs", summary.repairs.iter().map(|repair| repair.text.clone()));
     findings(&mut lines, &summary.findings);
@@ -55,6 +68,7 @@ pub(super) fn page(summary: &Summary) -> String {
         lines.push("  - too many faces meet: the search for them was given up".to_owned());
     }
     list(&mut lines, "written", summary.outputs.iter().cloned());
+    list(&mut lines, "in the picture", summary.legend.iter().cloned());
     list(&mut lines, "skipped", summary.skipped.iter().map(|s| format!("{}: {}", s.what, s.why)));
     lines.join("\n")
 }
@@ -107,18 +121,20 @@ fn share(summary: &Summary) -> String {
     }
 }
 
-/// How many concavities of each kind there are, and how much they hold.
-fn concavities(summary: &Summary) -> String {
-    let all = &summary.concavities;
-    if all.is_empty() {
-        return "nothing: no concavity".to_owned();
+/// The convex sets, and what borders them.
+fn on_the_hull(summary: &Summary) -> String {
+    let features = &summary.features;
+    let mut parts = vec![counted(features.convex_sets, "convex set")];
+    for (count, what) in [
+        (features.boundary_edges, "boundary edge"),
+        (features.ridges, "ridge"),
+        (features.isolated_vertices, "isolated vertex"),
+    ] {
+        if count > 0 {
+            parts.push(counted(count, what));
+        }
     }
-    let of_kind = |kind: &str| all.iter().filter(|c| c.kind == kind).count();
-    let kinds = ["pocket", "passage", "void", "island", "opening"];
-    let counts = kinds.iter().filter(|kind| of_kind(kind) > 0);
-    let counts: Vec<String> = counts.map(|kind| counted(of_kind(kind), kind)).collect();
-    let pockets: f64 = all.iter().map(|c| c.pocket_volume).sum();
-    format!("{}; pockets hold {}", counts.join(", "), number(pockets))
+    parts.join(", ")
 }
 
 fn list(lines: &mut Vec<String>, title: &str, entries: impl Iterator<Item = String>) {
@@ -172,56 +188,9 @@ fn place(finding: &FindingLine) -> String {
     format!("      at {at}, size {size}, {what} {}{more}", named.join(", "))
 }
 
-/// Six significant digits, plain where that is short.
-fn number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        size if (1e-3..1e6).contains(&size) => {
-            let whole = size.log10().floor() as i32;
-            let digits = (5 - whole).max(0) as usize;
-            let text = format!("{value:.digits$}");
-            match text.contains('.') {
-                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-                false => text,
-            }
-        }
-        _ => format!("{value:.5e}"),
-    }
-}
-
-fn point(p: [f64; 3]) -> String {
-    let [x, y, z] = p.map(number);
-    format!("({x}, {y}, {z})")
-}
-
-fn counted(count: usize, what: &str) -> String {
-    match (count, what) {
-        (1, _) => format!("1 {what}"),
-        (_, "vertex") => format!("{count} vertices"),
-        _ => format!("{count} {what}s"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_have_six_digits_and_no_tail() {
-        let cases = [
-            (0.0, "0"),
-            (1.0, "1"),
-            (-2.5, "-2.5"),
-            (1.0 / 3.0, "0.333333"),
-            (123_456.7, "123457"),
-            (100.0, "100"),
-            (1e-7, "1.00000e-7"),
-            (2e9, "2.00000e9"),
-        ];
-        for (value, text) in cases {
-            assert_eq!(number(value), text);
-        }
-    }
 
     #[test]
     fn findings_are_counted_by_kind_and_the_first_few_listed() {

@@ -2,7 +2,7 @@
 
 use cranny_exact::DVec3;
 use cranny_geometry::Mesh;
-use cranny_shapes::{Cuboid, LPrism};
+use cranny_shapes::{Cuboid, Cup, LPrism};
 
 use crate::harness::{Folder, cranny, run, run_command};
 
@@ -29,9 +29,15 @@ fn a_sound_mesh_has_volume_and_no_findings() {
     assert_eq!(report["hull"]["facets"], 6);
     assert_eq!(report["hull"]["volume"], 8.0);
     assert_eq!(report["features"]["convex_sets"], 1);
-    assert!(report["patches"].is_null());
+    assert_eq!(
+        (&report["patches"], report["concavities"].as_array().unwrap().len()),
+        (&6.into(), 0)
+    );
+    assert!(report["skin_volume"].as_f64().unwrap().abs() < 1e-14);
     assert!(report["time_ms"]["hull"].as_f64().unwrap() > 0.0);
-    assert!(report["time_ms"]["caps"].as_f64().is_some());
+    for stage in ["read", "repair", "classify", "caps", "trees", "envelopes"] {
+        assert!(report["time_ms"][stage].as_f64().is_some(), "{stage}");
+    }
 
     let text = run(&["inspect", &mesh]);
     for words in
@@ -95,6 +101,38 @@ fn the_picture_is_written_whole_or_reported_as_skipped() {
         }
     }
     assert!(!folder.path("l.png.partial").exists());
+}
+
+#[test]
+fn each_view_is_a_picture_with_a_legend_of_its_own() {
+    let folder = Folder::new();
+    let mesh = folder.mesh("cup.obj", &Cup { segments: 16, ..Cup::default() }.build().unwrap());
+    let picture = folder.path("cup.png");
+    let mut pictures = Vec::new();
+    for (show, words) in [
+        ("classes", "concavities: 0 blue"),
+        ("patches", "patches in colours"),
+        ("boxes:1", "level 1 of the concavities' trees: 2"),
+        ("envelope:0", "layer 0 of the envelopes"),
+        ("findings", "blue: coplanar adjacent"),
+    ] {
+        let mut command = cranny();
+        command.args(["inspect", &mesh, "--show", show, "--render"]).arg(&picture);
+        let outcome = run_command(&mut command);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        if !picture.exists() {
+            println!("skipped: {}", outcome.stdout);
+            return;
+        }
+        assert!(outcome.stdout.contains(words), "{words:?} is missing in\n{}", outcome.stdout);
+        pictures.push(std::fs::read(&picture).unwrap());
+    }
+    pictures.sort();
+    pictures.dedup();
+    assert_eq!(pictures.len(), 5);
+    let refused = run(&["inspect", &mesh, "--show", "classes"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("--render"), "{refused:?}");
 }
 
 #[test]

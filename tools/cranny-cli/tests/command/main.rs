@@ -6,6 +6,7 @@ mod corpus;
 mod dyadic;
 mod harness;
 mod inspect_and_check;
+mod inspect_concavities;
 mod query;
 mod repair;
 mod touching;

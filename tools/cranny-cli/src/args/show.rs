@@ -1,0 +1,61 @@
+//! What the picture of `cranny inspect` shows.
+
+/// What is drawn of a model, besides the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Show {
+    /// What lies on the hull; concavities with their caps and boundary loops.
+    #[default]
+    Classes,
+    /// The patches from which contacts are drawn.
+    Patches,
+    /// The boxes of one level of the concavities' trees, 0 the roots.
+    Boxes(usize),
+    /// One layer of the concavities' envelopes, 0 the first, next to the cap.
+    Envelope(usize),
+    /// Where findings are.
+    Findings,
+}
+
+/// Reads `classes`, `patches`, `boxes:LEVEL`, `envelope:LAYER` or `findings`.
+pub(super) fn show(text: &str) -> Result<Show, String> {
+    let (what, level) = match text.split_once(':') {
+        Some((what, level)) => (what, Some(level)),
+        None => (text, None),
+    };
+    let number = |of: fn(usize) -> Show, word: &str| match level.map(str::parse::<usize>) {
+        Some(Ok(level)) => Ok(of(level)),
+        Some(Err(_)) => Err(format!("a {word} is a number from 0, as in {what}:0")),
+        None => Err(format!("which {word}? Say {what}:0, or a higher number")),
+    };
+    match (what, level) {
+        ("classes", None) => Ok(Show::Classes),
+        ("patches", None) => Ok(Show::Patches),
+        ("findings", None) => Ok(Show::Findings),
+        ("boxes", _) => number(Show::Boxes, "level"),
+        ("envelope", _) => number(Show::Envelope, "layer"),
+        ("classes" | "patches" | "findings", Some(_)) => Err(format!("{what} has no levels")),
+        _ => Err("choose classes, patches, boxes:LEVEL, envelope:LAYER or findings".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shown_is_read_with_its_level() {
+        assert_eq!(show("classes"), Ok(Show::Classes));
+        assert_eq!(show("boxes:3"), Ok(Show::Boxes(3)));
+        assert_eq!(show("envelope:0"), Ok(Show::Envelope(0)));
+        for (text, reason) in [
+            ("boxes", "which level"),
+            ("boxes:-1", "from 0"),
+            ("envelope:", "from 0"),
+            ("patches:1", "no levels"),
+            ("hull", "choose classes"),
+            ("", "choose classes"),
+        ] {
+            assert!(show(text).unwrap_err().contains(reason), "{text}");
+        }
+    }
+}

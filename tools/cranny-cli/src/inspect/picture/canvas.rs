@@ -1,0 +1,151 @@
+//! A picture in the making: the body's faces with their colours, and what is drawn over them.
+
+use std::sync::Arc;
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::{EdgeKind, FaceId, Model};
+use cranny_render::{Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette};
+
+use super::coloring;
+
+/// Of what has no colour of its own.
+pub(super) const GREY: Color = Color::rgb(186, 191, 198);
+/// Loops and borders.
+pub(super) const INK: Color = Color::rgb(28, 32, 40);
+
+const OPEN: Color = Color::rgb(220, 40, 40);
+const CONTRADICTORY: Color = Color::rgb(240, 140, 0);
+const NON_MANIFOLD: Color = Color::rgb(200, 0, 180);
+
+/// Pixels.
+pub(super) const LINE_WIDTH: f32 = 2.5;
+
+/// Opacity with which a line shows through what hides it.
+const HIDDEN: u8 = 70;
+
+/// Opacity of caps and envelopes.
+const GLASS: u8 = 84;
+
+/// So many entries of a legend are spelt out.
+const SPELT: usize = 12;
+
+/// What is drawn, and what it means.
+pub(super) struct Canvas<'m> {
+    pub(super) model: &'m Model,
+    pub(super) faces: Vec<Color>,
+    pub(super) list: DrawList,
+    pub(super) legend: Vec<String>,
+    glass: (Vec<DVec3>, Vec<[u32; 3]>, Vec<Color>),
+}
+
+impl<'m> Canvas<'m> {
+    /// A grey body.
+    pub(super) fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            faces: vec![GREY; model.mesh().faces().len()],
+            list: DrawList::new(),
+            legend: Vec::new(),
+            glass: (Vec::new(), Vec::new(), Vec::new()),
+        }
+    }
+
+    /// Paints each face in the colour of its region, neighbours in different ones; faces of no region
+    /// keep their colour. Returns the colours of the regions, as numbers of the palette.
+    pub(super) fn paint(
+        &mut self,
+        region: impl Fn(FaceId) -> Option<u32>,
+        regions: usize,
+    ) -> Vec<usize> {
+        let of_faces: Vec<_> = (0..self.faces.len() as u32).map(|f| region(FaceId(f))).collect();
+        let colors = coloring::colors(self.model.topology(), of_faces.clone(), regions);
+        for (face, region) in self.faces.iter_mut().zip(of_faces) {
+            if let Some(region) = region {
+                *face = palette(colors[region as usize]);
+            }
+        }
+        colors
+    }
+
+    /// A line of the legend that names the colours of things by their numbers.
+    pub(super) fn explain_colors(&mut self, what: &str, colors: &[usize]) {
+        let names = colors.iter().enumerate().take(SPELT);
+        let names: Vec<_> = names.map(|(id, &c)| format!("{id} {}", coloring::name(c))).collect();
+        let more = match colors.len().saturating_sub(SPELT) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        if !names.is_empty() {
+            self.legend.push(format!("{what}: {}{more}", names.join(", ")));
+        }
+    }
+
+    /// Adds a translucent convex polygon, counter-clockwise seen from where it is brightest.
+    pub(super) fn add_glass(&mut self, polygon: &[DVec3], color: Color) {
+        let (corners, faces, colors) = &mut self.glass;
+        let first = corners.len() as u32;
+        corners.extend(polygon);
+        for i in 2..polygon.len() as u32 {
+            faces.push([first, first + i - 1, first + i]);
+            colors.push(color);
+        }
+    }
+
+    /// Adds a closed line.
+    pub(super) fn add_loop(&mut self, corners: &[DVec3], color: Color, width: f32) {
+        let next = corners.iter().cycle().skip(1);
+        for (&from, &to) in corners.iter().zip(next) {
+            self.list.push_line(from, to, color, width);
+        }
+    }
+
+    /// Lets the lines from number `first` on show faintly through what hides them.
+    pub(super) fn let_lines_shine_through(&mut self, first: usize) {
+        let faint =
+            |line: &Line| Line { color: line.color.with_alpha(HIDDEN), on_top: true, ..*line };
+        let through: Vec<Line> = self.list.lines[first..].iter().map(faint).collect();
+        self.list.lines.extend(through);
+    }
+
+    /// Marks the edges that are not sound, and hands over what is drawn and its legend.
+    pub(super) fn finish(mut self) -> Result<(DrawList, Vec<String>), DrawMeshError> {
+        self.mark_edges();
+        let mesh = self.model.mesh();
+        let body = DrawMesh::with_face_colors(mesh.vertices(), mesh.faces(), &self.faces)?;
+        let (corners, faces, colors) = &self.glass;
+        let glass = DrawMesh::with_face_colors(corners, faces, colors)?;
+        let mut add = |mesh: DrawMesh, color: Color| {
+            let instance = Instance { mesh: Arc::new(mesh), pose: Pose::IDENTITY, color };
+            self.list.instances.push(instance);
+        };
+        add(body, Color::WHITE);
+        if !faces.is_empty() {
+            add(glass, Color::WHITE.with_alpha(GLASS));
+        }
+        self.list.ground = Some(Ground::under(&self.list.bounds()));
+        Ok((self.list, self.legend))
+    }
+
+    fn mark_edges(&mut self) {
+        let (mesh, first) = (self.model.mesh(), self.list.lines.len());
+        let mut seen = [false; 3];
+        for edge in self.model.topology().edges() {
+            let (color, kind) = match edge.kind {
+                EdgeKind::Manifold => continue,
+                EdgeKind::Open => (OPEN, 0),
+                EdgeKind::Contradictory => (CONTRADICTORY, 1),
+                EdgeKind::Balanced | EdgeKind::Tangled => (NON_MANIFOLD, 2),
+            };
+            seen[kind] = true;
+            let [from, to] = [edge.from, edge.to].map(|vertex| mesh.position(vertex));
+            self.list.push_line(from, to, color, LINE_WIDTH);
+        }
+        self.let_lines_shine_through(first);
+        let words = [
+            "red lines: open edges",
+            "orange lines: edges along which orientations contradict",
+            "violet lines: edges of more than two faces",
+        ];
+        self.legend.extend(words.into_iter().zip(seen).filter(|w| w.1).map(|w| w.0.to_owned()));
+    }
+}

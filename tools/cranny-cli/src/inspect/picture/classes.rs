@@ -1,0 +1,135 @@
+//! What lies on the hull and what does not: classes, patches, boxes.
+
+use cranny_exact::{Aabb, DVec3};
+use cranny_geometry::{Content, EdgeId, Model};
+use cranny_render::{Color, Point, palette};
+
+use super::canvas::{Canvas, INK, LINE_WIDTH};
+
+const HULL: Color = Color { r: 40, g: 90, b: 170, a: 120 };
+
+/// With more facets than this, their outlines would cover the picture.
+const OUTLINED_FACETS: usize = 2_000;
+
+/// Pixels.
+const THIN: f32 = 1.0;
+
+/// Concavities in colours, each beneath its translucent cap, and their boundary loops.
+pub(super) fn draw_classes(canvas: &mut Canvas<'_>) {
+    let model = canvas.model;
+    let mesh = model.mesh();
+    canvas.legend.push("grey: faces on the hull".to_owned());
+    let colors = draw_concavities(canvas);
+    for cap in model.concavities().caps() {
+        if let Some(concavity) = cap.concavity {
+            let corners = cap.corners.map(|v| mesh.position(v));
+            canvas.add_glass(&corners, palette(colors[concavity.index()]));
+        }
+    }
+    if !colors.is_empty() {
+        canvas.legend.push("translucent: caps; dark lines: boundary loops".to_owned());
+    }
+    draw_facets(canvas);
+    let isolated = model.features().isolated_vertices();
+    if !isolated.is_empty() {
+        canvas.legend.push("dark dots: vertices on the hull without a face on it".to_owned());
+    }
+    for &vertex in isolated {
+        let position = mesh.position(vertex);
+        canvas.list.points.push(Point { position, color: INK, radius: 4.0, on_top: false });
+    }
+}
+
+/// Patches in colours, and their borders.
+pub(super) fn draw_patches(canvas: &mut Canvas<'_>) {
+    let model = canvas.model;
+    let patches = model.patches();
+    canvas.paint(|face| Some(patches.patch_of_face(face).0), patches.len());
+    for (id, edge) in (0..).map(EdgeId).zip(model.topology().edges()) {
+        let mut around = model.topology().half_edges(id).iter();
+        let first = around.next().map(|h| patches.patch_of_face(h.face()));
+        if around.any(|h| Some(patches.patch_of_face(h.face())) != first) {
+            let [from, to] = [edge.from, edge.to].map(|vertex| model.mesh().position(vertex));
+            canvas.list.push_line(from, to, INK, THIN);
+        }
+    }
+    let count = patches.len();
+    canvas.legend.push(format!("{count} patches in colours; neighbours differ"));
+}
+
+/// The boxes of one level of the concavities' trees; of branches that end before, the leaves.
+pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
+    let colors = draw_concavities(canvas);
+    let first = canvas.list.lines.len();
+    let mut count = 0;
+    for (tree, &color) in colors.iter().enumerate() {
+        for bounds in boxes(canvas.model, tree, level) {
+            canvas.list.push_box(&bounds, palette(color), THIN);
+            count += 1;
+        }
+    }
+    canvas.let_lines_shine_through(first);
+    canvas.legend.push(format!("boxes of level {level} of the concavities' trees: {count}"));
+}
+
+fn boxes(model: &Model, tree: usize, level: usize) -> Vec<Aabb> {
+    let trees = model.concavity_trees();
+    let mut open: Vec<_> = trees.root(tree).map(|root| (root, 0)).into_iter().collect();
+    let mut found = Vec::new();
+    while let Some((node, depth)) = open.pop() {
+        match trees.arena().content(node) {
+            Content::Inner { left, right } if depth < level => {
+                open.extend([(right, depth + 1), (left, depth + 1)]);
+            }
+            _ => found.push(trees.arena().node(node).bounds),
+        }
+    }
+    found
+}
+
+/// The faces of concavities in colours, and their loops. Returns the colours.
+fn draw_concavities(canvas: &mut Canvas<'_>) -> Vec<usize> {
+    let (mesh, concavities) = (canvas.model.mesh(), canvas.model.concavities());
+    let colors = canvas.paint(|face| concavities.of_face(face).map(|id| id.0), concavities.len());
+    canvas.explain_colors("concavities", &colors);
+    for rim in concavities.iter().flat_map(|concavity| concavity.loops()) {
+        let corners: Vec<DVec3> = rim.vertices.iter().map(|&v| mesh.position(v)).collect();
+        canvas.add_loop(&corners, INK, LINE_WIDTH);
+    }
+    colors
+}
+
+/// The outlines of the hull's facets, each edge once.
+fn draw_facets(canvas: &mut Canvas<'_>) {
+    let hull = canvas.model.hull();
+    if hull.facet_count() > OUTLINED_FACETS {
+        return;
+    }
+    for (id, facet) in (0..).zip(hull.facets()) {
+        let next = facet.corners.iter().cycle().skip(1);
+        for ((&from, &to), neighbour) in facet.corners.iter().zip(next).zip(facet.neighbours) {
+            if neighbour.0 > id {
+                canvas.list.push_line(hull.position(from), hull.position(to), HULL, THIN);
+            }
+        }
+    }
+    canvas.legend.push("thin blue lines: edges of the hull".to_owned());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_geometry::BuildOptions;
+    use cranny_shapes::Cup;
+
+    #[test]
+    fn boxes_divide_level_by_level_until_the_leaves() {
+        let mesh = Cup::default().build().unwrap();
+        let model = Model::build(mesh, &BuildOptions::default()).unwrap().0;
+        for level in 0..4 {
+            assert_eq!(boxes(&model, 0, level).len(), 1 << level);
+        }
+        let leaves = model.concavity_trees().nodes(0).len().div_ceil(2);
+        assert_eq!(boxes(&model, 0, 1_000).len(), leaves);
+    }
+}

@@ -1,0 +1,136 @@
+//! Layers of envelopes: the convex cores that they enclose, and what lies beneath each facet.
+
+use cranny_exact::{Aabb, DVec3};
+use cranny_geometry::envelope::{EnvelopeFacet, HalfSpace};
+use cranny_geometry::{EnvelopeFacetId, Envelopes, FaceId, LayerId};
+use cranny_render::palette;
+
+use super::canvas::Canvas;
+
+/// Pixels.
+const OUTLINE: f32 = 1.5;
+
+/// A facet to be drawn.
+struct Shown {
+    facet: EnvelopeFacetId,
+    /// Counter-clockwise seen from the pocket; empty where other facets cut all of it away.
+    polygon: Vec<DVec3>,
+}
+
+/// The facets of one layer, and the faces in the colours of the facets that they lie beneath; where
+/// an envelope ends before, its last layer.
+pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
+    let envelopes = canvas.model.envelopes();
+    let mut shown = Vec::new();
+    for index in 0..envelopes.len() {
+        let envelope = envelopes.envelope(index);
+        if let Some(first) = envelope.first_layer() {
+            collect(envelopes, first, depth, envelope.bounds(), envelope.lids(), &mut shown);
+        }
+    }
+    let mut facet_of = vec![None; canvas.faces.len()];
+    for (number, Shown { facet, .. }) in (0..).zip(&shown) {
+        for face in envelopes.faces_beneath(*facet) {
+            facet_of[face.index()] = Some(number);
+        }
+    }
+    let colors = canvas.paint(|face: FaceId| facet_of[face.index()], shown.len());
+    for (Shown { polygon, .. }, color) in shown.iter().zip(colors) {
+        canvas.add_glass(polygon, palette(color));
+        canvas.add_loop(polygon, palette(color), OUTLINE);
+    }
+    let count = shown.len();
+    canvas.legend.push(format!("layer {depth} of the envelopes, translucent: {count} facets"));
+    canvas.legend.push("faces have the colour of the facet that they lie beneath".to_owned());
+}
+
+fn collect(
+    all: &Envelopes,
+    layer: LayerId,
+    depth: usize,
+    within: &Aabb,
+    limits: &[HalfSpace],
+    shown: &mut Vec<Shown>,
+) {
+    for facet in all.layer(layer) {
+        let EnvelopeFacet { beneath, bounds, .. } = all.facet(facet);
+        match all.layer_beneath(facet).filter(|_| depth > 0) {
+            Some(next) => collect(all, next, depth - 1, bounds, &[*beneath], shown),
+            None => {
+                let mut polygon = square(beneath, within);
+                clip_to_box(&mut polygon, within);
+                for limit in limits {
+                    clip(&mut polygon, limit.normal, limit.offset);
+                }
+                for other in all.layer(layer).filter(|&other| other != facet) {
+                    let HalfSpace { normal, offset } = all.facet(other).beneath;
+                    clip(&mut polygon, -normal, -offset);
+                }
+                shown.push(Shown { facet, polygon });
+            }
+        }
+    }
+}
+
+/// A square of the half-space's boundary that covers all of it within the box.
+fn square(plane: &HalfSpace, bounds: &Aabb) -> Vec<DVec3> {
+    let HalfSpace { normal, offset } = *plane;
+    let center = bounds.center();
+    let middle = center + (offset - normal.dot(center)) * normal;
+    let (u, v) = normal.any_orthonormal_pair();
+    let reach = bounds.diagonal();
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| middle + reach * (x * u + y * v))
+        .to_vec()
+}
+
+fn clip_to_box(polygon: &mut Vec<DVec3>, bounds: &Aabb) {
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        clip(polygon, axis, bounds.max.dot(axis));
+        clip(polygon, -axis, -bounds.min.dot(axis));
+    }
+}
+
+/// Keeps what has `normal · x <= offset` of a convex polygon (Sutherland and Hodgman 1974).
+fn clip(polygon: &mut Vec<DVec3>, normal: DVec3, offset: f64) {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (i, &to) in polygon.iter().enumerate() {
+        let from = polygon[(i + polygon.len() - 1) % polygon.len()];
+        let [before, after] = [from, to].map(|p| normal.dot(p) - offset);
+        if (before > 0.0) != (after > 0.0) {
+            kept.push(from + before / (before - after) * (to - from));
+        }
+        if after <= 0.0 {
+            kept.push(to);
+        }
+    }
+    *polygon = kept;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(polygon: &[DVec3]) -> f64 {
+        let fan = (2..polygon.len())
+            .map(|i| (polygon[i - 1] - polygon[0]).cross(polygon[i] - polygon[0]));
+        0.5 * fan.sum::<DVec3>().length()
+    }
+
+    #[test]
+    fn a_plane_is_cut_to_its_part_of_a_box() {
+        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::new(2.0, 3.0, 4.0) };
+        let level = HalfSpace { normal: DVec3::Z, offset: 1.0 };
+        let mut polygon = square(&level, &bounds);
+        clip_to_box(&mut polygon, &bounds);
+        assert!((area(&polygon) - 6.0).abs() < 1e-12, "{polygon:?}");
+        let counter_clockwise = (polygon[1] - polygon[0]).cross(polygon[2] - polygon[1]);
+        assert!(counter_clockwise.z > 0.0);
+        clip(&mut polygon, DVec3::X, 0.5);
+        assert!((area(&polygon) - 1.5).abs() < 1e-12, "{polygon:?}");
+        clip(&mut polygon, DVec3::X, -1.0);
+        assert!(polygon.is_empty());
+        clip(&mut polygon, DVec3::X, 9.0);
+        assert!(polygon.is_empty());
+    }
+}

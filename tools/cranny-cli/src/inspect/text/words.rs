@@ -1,0 +1,67 @@
+//! Numbers, points and plurals.
+
+/// Six significant digits, plain where that is short.
+pub(super) fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e6).contains(&size) => {
+            let whole = size.log10().floor() as i32;
+            let digits = (5 - whole).max(0) as usize;
+            let text = format!("{value:.digits$}");
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+                false => text,
+            }
+        }
+        _ => format!("{value:.5e}"),
+    }
+}
+
+/// Between brackets.
+pub(super) fn point(p: [f64; 3]) -> String {
+    let [x, y, z] = p.map(number);
+    format!("({x}, {y}, {z})")
+}
+
+/// One, or many with the plural.
+pub(super) fn counted(count: usize, what: &str) -> String {
+    match (count, what) {
+        (1, _) => format!("1 {what}"),
+        _ if what.ends_with("vertex") => {
+            format!("{count} {}vertices", what.trim_end_matches("vertex"))
+        }
+        _ => format!("{count} {what}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_six_digits_and_no_tail() {
+        let cases = [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-2.5, "-2.5"),
+            (1.0 / 3.0, "0.333333"),
+            (123_456.7, "123457"),
+            (100.0, "100"),
+            (1e-7, "1.00000e-7"),
+            (2e9, "2.00000e9"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn things_are_counted_in_one_or_many() {
+        assert_eq!(counted(1, "isolated vertex"), "1 isolated vertex");
+        assert_eq!(counted(2, "isolated vertex"), "2 isolated vertices");
+        assert_eq!(
+            (counted(0, "lid"), counted(3, "vertex")),
+            ("0 lids".into(), "3 vertices".into())
+        );
+    }
+}
