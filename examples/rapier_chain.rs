@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         simulation.step();
         // The very answers that the solver's contacts came from.
         for pair in simulation.contact_pairs() {
-            let depths = pair.answer.regions.iter().filter_map(|region| region.depth);
+            let depths = pair.answer.contacts.iter().map(|contact| -contact.separation);
             deepest = depths.fold(deepest, f64::max);
         }
     }

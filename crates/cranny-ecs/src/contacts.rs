@@ -105,7 +105,8 @@ fn take_contacts(
         };
         answer.regions.retain(|region| region.deepest.separation <= margin);
         answer.contacts.retain(|contact| contact.separation <= margin);
-        if !answer.regions.is_empty() {
+        // A solver's answers carry contacts without regions.
+        if !answer.regions.is_empty() || !answer.contacts.is_empty() {
             contacts.pairs.push(ContactPair { a, b, poses: detector.poses(a, b), answer });
         }
     }
@@ -120,8 +121,10 @@ fn share_contacts(
         *share = BodyContacts::default();
     }
     for pair in &contacts.pairs {
-        let points: usize = pair.answer.regions.iter().map(|region| region.points.len()).sum();
-        let depth = pair.answer.regions.iter().filter_map(|r| r.depth).fold(0.0, f64::max);
+        let points = pair.answer.contacts.len();
+        let depths = pair.answer.regions.iter().filter_map(|r| r.depth);
+        let depths = depths.chain(pair.answer.contacts.iter().map(|c| -c.separation));
+        let depth = depths.fold(0.0, f64::max);
         for id in [pair.a, pair.b] {
             let Some(record) = bodies.get(id) else { continue };
             if let Ok(mut share) = shares.get_mut(record.entity) {

@@ -145,8 +145,8 @@ impl Palette {
                 list.instances.push(Instance { mesh: mesh.clone(), pose, color: *color });
             }
         }
-        let regions = contacts.iter().flat_map(|c| &c.pairs).flat_map(|pair| &pair.answer.regions);
-        for point in regions.flat_map(|region| &region.points).take(MARKS_MAX) {
+        let pairs = contacts.iter().flat_map(|c| &c.pairs);
+        for point in pairs.flat_map(|pair| &pair.answer.contacts).take(MARKS_MAX) {
             let color = if point.separation > 0.0 { NEAR } else { MEETING };
             list.push_contact(
                 0.5 * (point.point_a + point.point_b),

@@ -58,7 +58,7 @@ pub use ids::{
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, Flatness, Model, Stage};
-pub use patches::{NormalCone, Patch, PatchTree, Patches};
+pub use patches::{NormalCone, Patch, PatchTree, Patches, Slab};
 pub use repair::Repair;
 pub use repair::proof::ProofError;
 pub use report::{Element, Finding, FindingKind, MeetingScan, RepairKind, RepairRecord, Report};

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
 use crate::closest::closest;
+use crate::contacts::{ContactMemory, near_patches};
 use crate::containment::{Solidity, solidity};
 use crate::memory::PairMemory;
 use crate::near::near_regions;
@@ -55,7 +56,10 @@ pub fn query(
     let [a, b] = accepted(a, b)?;
     check_lengths(&query.demand)?;
     let mut pair = Pair::new(a, b, &mut memory.posed);
-    Ok(answer(&mut pair, &query.demand))
+    Ok(match query.demand {
+        Demand::Contacts { margin } => contacts(&mut pair, margin, &mut memory.contacts),
+        demand => answer(&mut pair, &demand),
+    })
 }
 
 /// The bodies at poses that a [`Pair`] may rely on.
@@ -134,10 +138,34 @@ fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
         {
             out.separation = Interval::around(-depth, depth_error);
         }
-        if matches!(demand, Demand::Contacts { .. }) && out.separation == Interval::WHOLE {
-            out.separation = gap_seen(&out, pair.length_error());
-        }
     }
+    out.counters = counters;
+    out
+}
+
+/// Contacts for a solver, and the verdict that comes with them.
+fn contacts(pair: &mut Pair, margin: f64, memory: &mut ContactMemory) -> Answer {
+    let mut counters = Counters::default();
+    let near = near_patches(pair, margin, memory, &mut counters);
+    let mut out = blank();
+    out.surface = strongest(&near.meeting);
+    out.triangle_pairs = near.meeting.len() as u32;
+    let Solidity { solid, contained } = solidity(pair, out.surface, &near.meeting, &mut counters);
+    (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
+    out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
+    if solid && out.contacts.first().is_none_or(|c| c.separation >= 0.0) {
+        // Faces laid into each other, open surfaces: no vertex is inside, no edges cross.
+        let (regions, _) = meeting_regions(pair, &near.meeting, solid, &mut counters);
+        out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
+        // Stable: ties keep an order that does not depend on which body is called A.
+        out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
+        out.regions = regions;
+    }
+    out.separation = if solid && out.surface != Meeting::None {
+        Interval { lo: f64::NEG_INFINITY, hi: 0.0 }
+    } else {
+        gap_seen(&out, pair.length_error())
+    };
     out.counters = counters;
     out
 }

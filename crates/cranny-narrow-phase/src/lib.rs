@@ -23,7 +23,8 @@
 //! gaps with `triangle_distance`. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
-//! matters. `impact` finds when two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
+//! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
+//! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
 //! [`walk`] follows the closest features of two convex hulls from frame to frame.
 //!
 //! ```
@@ -45,6 +46,7 @@
 mod answer;
 pub mod brute_force;
 mod closest;
+mod contacts;
 mod containment;
 mod depth;
 mod descent;

@@ -12,24 +12,10 @@ use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, EdgeId, FaceId, VertexId};
 
 use crate::answer::{Contact, Counters, Feature};
+use crate::contacts::facing::{PARALLEL, faces_towards, in_cone, in_wedge, is_sharp, over};
 use crate::descent::for_each_near_pair;
 use crate::pair::{Pair, Side};
-use crate::touch::mean_normal;
 use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
-
-/// Squared sine of the angle below which two edges count as parallel: their nearest points are not
-/// unique, and vertices stand for them. Larger: crossed edges at small angles are missed; smaller:
-/// the contact's normal is lost in rounding.
-const PARALLEL: f64 = 1e-6;
-
-/// By how much, as a sine (30 degrees), a vertex's neighbours may be nearer to a face that the vertex
-/// stands before. Smaller: a tilted box loses the corners that will touch next; larger: flat vertices
-/// of a floor stop what slides along it.
-const NEIGHBOUR_LEAD: f64 = 0.5;
-
-/// How far outside the wedge of an edge's two faces a direction may lie and still count as within,
-/// as a sine. Zero would drop contacts of smooth meshes by rounding.
-const WEDGE_SLACK: f64 = 1e-9;
 
 /// All contacts between surfaces that are apart by more than 0 and at most `margin`, grouped into
 /// regions, in the pair's frame.
@@ -41,12 +27,6 @@ pub(crate) fn near_regions(pair: &Pair, margin: f64, counters: &mut Counters) ->
         ControlFlow::Continue(())
     });
     finder.regions()
-}
-
-/// Whether a point that is as far from a face's plane as `height` (times the length of `raw`, the
-/// plane's normal) stands over its rim rather than beside it.
-fn over(height: f64, separation: f64, raw: DVec3) -> bool {
-    height >= (1.0 - WEDGE_SLACK) * separation * raw.length()
 }
 
 struct Finder<'a, 'b> {
@@ -135,7 +115,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         let towards = if part == Part::Inside || over(height, separation, raw) {
             // A vertex that stands over a face counts also where its neighbours are nearer: a tilted
             // box lands on all its corners.
-            if !self.faces_towards(side, vertex, -outward) {
+            if !faces_towards(self.pair, side, vertex, -outward) {
                 return None;
             }
             -outward
@@ -143,10 +123,10 @@ impl<'a, 'b> Finder<'a, 'b> {
             // Beside the face: only where both features are the nearest of their bodies.
             let towards = (foot - p) / separation;
             let faces_it = separation > self.pair.length_error()
-                && self.in_cone(side, vertex, towards)
+                && in_cone(self.pair, side, vertex, towards)
                 && match its {
-                    Feature::Vertex(w) => self.in_cone(side.other(), w, -towards),
-                    Feature::Edge(e) => self.in_wedge(side.other(), e, -towards),
+                    Feature::Vertex(w) => in_cone(self.pair, side.other(), w, -towards),
+                    Feature::Edge(e) => in_wedge(self.pair, side.other(), e, -towards),
                     Feature::Face(_) => false,
                 };
             if !faces_it {
@@ -163,19 +143,6 @@ impl<'a, 'b> Finder<'a, 'b> {
             }
         };
         self.once(contact.id, |_| Some(contact))
-    }
-
-    /// Whether a vertex can be what touches along `direction`: some face at it looks that way (the
-    /// back of a thin part does not touch), and no neighbour is much farther that way (a vertex in
-    /// the middle of a floor is not what stops a box that slides along it).
-    fn faces_towards(&self, side: Side, vertex: VertexId, direction: DVec3) -> bool {
-        let p = self.pair.position(side, vertex);
-        let faces = self.pair.topology(side).faces_at(vertex);
-        faces.iter().any(|&f| self.pair.area_vector(side, f).dot(direction) > 0.0)
-            && faces.iter().flat_map(|&f| self.pair.mesh(side).corners(f)).all(|q| {
-                let edge = self.pair.position(side, q) - p;
-                direction.dot(edge) <= NEIGHBOUR_LEAD * edge.length()
-            })
     }
 
     fn edge_edge(&mut self, e: EdgeId, g: EdgeId, [p, q]: [[DVec3; 2]; 2]) -> Option<usize> {
@@ -200,51 +167,15 @@ impl<'a, 'b> Finder<'a, 'b> {
             let gap = point_b - point_a;
             let separation = gap.length();
             // A flat edge touches nothing before its ends do, or the edges around it.
-            let sharp = finder.is_sharp(Side::First, e) && finder.is_sharp(Side::Second, g);
+            let sharp =
+                is_sharp(finder.pair, Side::First, e) && is_sharp(finder.pair, Side::Second, g);
             if !sharp || separation > finder.margin || separation <= finder.pair.length_error() {
                 return None;
             }
             let normal = gap / separation;
-            let faces_it = finder.in_wedge(Side::First, e, normal)
-                && finder.in_wedge(Side::Second, g, -normal);
+            let faces_it = in_wedge(finder.pair, Side::First, e, normal)
+                && in_wedge(finder.pair, Side::Second, g, -normal);
             faces_it.then_some(Contact { id, point_a, point_b, normal, separation })
-        })
-    }
-
-    /// Whether all edges at a vertex fall away from a direction that does not lead into the body.
-    fn in_cone(&self, side: Side, vertex: VertexId, direction: DVec3) -> bool {
-        let p = self.pair.position(side, vertex);
-        let faces = self.pair.topology(side).faces_at(vertex);
-        let falls_away = |q: DVec3| direction.dot(q - p) <= WEDGE_SLACK * (q - p).length();
-        faces.iter().flat_map(|&f| self.pair.triangle(side, f)).all(falls_away)
-            && self.faces_towards(side, vertex, direction)
-    }
-
-    /// Whether an edge is more than a line drawn on a plane.
-    fn is_sharp(&self, side: Side, edge: EdgeId) -> bool {
-        let [h, g] = *self.pair.topology(side).half_edges(edge) else { return true };
-        let (n, m) = (self.pair.normal(side, h.face()), self.pair.normal(side, g.face()));
-        n.dot(m) <= 0.0 || n.cross(m).length() > WEDGE_SLACK
-    }
-
-    /// Whether a direction lies between the outward normals of an edge's faces: both faces fall away
-    /// from it, and it does not lead into the body.
-    fn in_wedge(&self, side: Side, edge: EdgeId, direction: DVec3) -> bool {
-        // At a reflex edge both faces fall away from what leads inside. The sum of the normals tells;
-        // each of them by itself would refuse half of what a sharp edge can touch.
-        if mean_normal(self.pair, side, Feature::Edge(edge)).dot(direction) < 0.0 {
-            return false;
-        }
-        let around = self.pair.topology(side).half_edges(edge);
-        around.iter().all(|&h| {
-            let [a, b, c] = self.pair.triangle(side, h.face());
-            let corners = [a, b, c];
-            let start = corners[h.corner()];
-            let end = corners[(h.corner() + 1) % 3];
-            let apex = corners[(h.corner() + 2) % 3];
-            let along = (end - start).normalize_or_zero();
-            let into = (apex - start) - along * along.dot(apex - start);
-            direction.dot(into) <= WEDGE_SLACK * into.length()
         })
     }
 

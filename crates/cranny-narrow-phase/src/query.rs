@@ -26,8 +26,10 @@ pub enum Demand {
         /// 'at least this').
         below: Option<f64>,
     },
-    /// The verdict of `Intersects`, and contacts for a solver, each with the normal of its own point,
-    /// with the regions that they stand for. No distance is measured.
+    /// The verdict of `Intersects`, and contacts for a solver: for each pair of patches that come
+    /// within the margin the nearest points, with the normal of their own place, or as many as span
+    /// a patch that is large. No distance is measured, and regions are told only where solids
+    /// overlap in a way that no vertex or edge can say.
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
         margin: f64,

@@ -2,11 +2,13 @@
 //!
 //! A manifold has one normal, and rapier solves at most four of its points. So contacts whose normals
 //! agree share a manifold, and every other contact gets one of its own: no normal is ever averaged.
-//! Impulses of the last step are carried over by feature ids, or else by place.
+//! Impulses of the last step are carried over by ids (for two meshes those of their patches, which
+//! stay while the nearest features change) and place, or else by place alone.
 
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, Pose};
+use cranny_geometry::PatchId;
 use cranny_narrow_phase::{Contact, Feature};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::parry::query::{ContactManifold, TrackedContact};
@@ -17,23 +19,28 @@ use crate::convert::{narrow, wide};
 /// rapier's manifold with rapier's data.
 pub(crate) type Manifold = ContactManifold<ContactManifoldData, ContactData>;
 
-/// Cosine of the angle (0.8 degrees) within which normals share a manifold. Larger: a curved flank
+/// Cosine of the angle (0.03 degrees) within which normals share a manifold. Larger: a curved flank
 /// gets normals that are not its own, and 0.3 degrees already cost a turning nut motion; smaller:
 /// flat contacts fall apart into single points by rounding.
-const SAME_NORMAL: f64 = 0.999_9;
+const SAME_NORMAL: f64 = 0.999_999_9;
+
+/// Cosine of the angle (8 degrees) within which a contact takes over the impulse of an earlier one
+/// without its ids. Larger: impulses turn round corners; smaller: they are lost where a body rolls.
+const SAME_WAY: f64 = 0.99;
 
 /// Points of a manifold at most: rapier solves no more.
 const MAX_POINTS: usize = 4;
 
 /// Replaces the manifolds by those of the given contacts (coordinates of the first shape's frame,
-/// normals from first to second), keeping impulses.
+/// normals from first to second), keeping impulses. `ids` names each contact from step to step.
 pub(crate) fn rebuild(
     contacts: &[Contact],
+    ids: impl Fn(&Contact) -> (PackedFeatureId, PackedFeatureId),
     first_from_second: &Pose,
     reach: f64,
     manifolds: &mut Vec<Manifold>,
 ) {
-    let memory = Impulses::of(manifolds);
+    let mut memory = Impulses::of(manifolds);
     let map = first_from_second.world_from_body();
     let inverse = map.inverse();
     let mut groups: Vec<(DVec3, Vec<&Contact>)> = Vec::new();
@@ -53,11 +60,12 @@ pub(crate) fn rebuild(
         manifold.local_n1 = narrow(normal);
         manifold.local_n2 = narrow(inverse.apply_vector(-normal));
         for contact in members {
+            let (first, second) = ids(contact);
             let mut point = TrackedContact::new(
                 narrow(contact.point_a),
                 narrow(inverse.apply(contact.point_b)),
-                packed(contact.id.0),
-                packed(contact.id.1),
+                first,
+                second,
                 contact.separation as f32,
             );
             point.data = memory.recall(&point, normal, reach);
@@ -76,9 +84,14 @@ pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
     }
 }
 
+/// A patch, for contacts between patches. Told as a face, of which there are at least as many.
+pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
+    PackedFeatureId::face(patch.0)
+}
+
 /// What the solver learned in the last step.
 struct Impulses {
-    by_id: HashMap<(PackedFeatureId, PackedFeatureId), ContactData>,
+    by_id: HashMap<(PackedFeatureId, PackedFeatureId), Vec<(DVec3, ContactData)>>,
     by_place: Vec<(DVec3, DVec3, ContactData)>,
 }
 
@@ -87,31 +100,32 @@ impl Impulses {
         let mut out = Self { by_id: HashMap::new(), by_place: Vec::new() };
         for manifold in manifolds {
             for point in &manifold.points {
-                out.by_id.insert((point.fid1, point.fid2), point.data);
-                out.by_place.push((wide(point.local_p1), wide(manifold.local_n1), point.data));
+                let place = wide(point.local_p1);
+                out.by_id.entry((point.fid1, point.fid2)).or_default().push((place, point.data));
+                out.by_place.push((place, wide(manifold.local_n1), point.data));
             }
         }
         out
     }
 
+    /// Each impulse is handed on by ids once at most.
     fn recall(
-        &self,
+        &mut self,
         point: &TrackedContact<ContactData>,
         normal: DVec3,
         reach: f64,
     ) -> ContactData {
-        if let Some(data) = self.by_id.get(&(point.fid1, point.fid2)) {
-            return *data;
-        }
         let place = wide(point.local_p1);
+        let away = |p: &DVec3| (*p - place).length_squared();
+        if let Some(same) = self.by_id.get_mut(&(point.fid1, point.fid2)) {
+            let nearest =
+                (0..same.len()).min_by(|&i, &j| away(&same[i].0).total_cmp(&away(&same[j].0)));
+            return nearest.map_or_else(ContactData::default, |i| same.swap_remove(i).1);
+        }
         self.by_place
             .iter()
-            .filter(|(p, n, _)| {
-                n.dot(normal) >= SAME_NORMAL && (*p - place).length_squared() <= reach * reach
-            })
-            .min_by(|x, y| {
-                (x.0 - place).length_squared().total_cmp(&(y.0 - place).length_squared())
-            })
+            .filter(|(p, n, _)| n.dot(normal) >= SAME_WAY && away(p) <= reach * reach)
+            .min_by(|x, y| away(&x.0).total_cmp(&away(&y.0)))
             .map_or_else(ContactData::default, |(_, _, data)| *data)
     }
 }

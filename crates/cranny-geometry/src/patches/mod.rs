@@ -17,6 +17,7 @@
 
 mod cone;
 mod grow;
+mod slab;
 mod top;
 
 use std::collections::BTreeSet;
@@ -25,6 +26,7 @@ use cranny_exact::{Aabb, DVec3};
 
 use self::cone::Measured;
 pub use self::cone::NormalCone;
+pub use self::slab::Slab;
 pub use self::top::PatchTree;
 use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
@@ -60,6 +62,8 @@ pub struct Patches {
     vertices: Lists<VertexId>,
     edges: Lists<EdgeId>,
     trees: FaceForest,
+    /// One a node of the trees' arena.
+    slabs: Vec<Slab>,
     top: PatchTree,
 }
 
@@ -128,9 +132,20 @@ impl Patches {
             .collect();
         let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));
         let edges = Lists::of(count, (0..).map(EdgeId).zip(patch_of_edge.iter().map(|p| p.0)));
+        let slabs = Slab::of_nodes(mesh, trees.arena());
         let top = PatchTree::over(&patches);
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
-        Self { patches, patch_of_face, patch_of_vertex, patch_of_edge, vertices, edges, trees, top }
+        Self {
+            patches,
+            patch_of_face,
+            patch_of_vertex,
+            patch_of_edge,
+            vertices,
+            edges,
+            trees,
+            slabs,
+            top,
+        }
     }
 
     /// Number of patches; at least 1.
@@ -200,6 +215,12 @@ impl Patches {
         &self.trees
     }
 
+    /// A plane above all faces beneath a node of the arena of [`trees`](Self::trees).
+    #[must_use]
+    pub fn slab(&self, node: u32) -> &Slab {
+        &self.slabs[node as usize]
+    }
+
     /// The tree over the patches.
     #[must_use]
     pub fn top(&self) -> &PatchTree {
@@ -220,6 +241,9 @@ impl Patches {
         let faces = Lists::of(count, owners);
         self.trees.validate(mesh, (0..count).map(|p| faces.get(p)))?;
         self.top.validate(&self.patches)?;
+        if self.slabs != Slab::of_nodes(mesh, self.trees.arena()) {
+            return Err("a slab is not what its faces make".into());
+        }
         for (id, patch) in (0..).map(PatchId).zip(&self.patches) {
             self.validate_patch(id, patch, mesh, topology)?;
         }

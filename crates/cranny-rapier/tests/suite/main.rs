@@ -6,6 +6,7 @@ mod fallback;
 mod manifolds;
 mod mass;
 mod motion;
+mod nut;
 mod pairs;
 mod queries;
 mod resting;

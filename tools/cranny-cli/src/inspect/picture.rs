@@ -130,6 +130,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::print_stdout, reason = "says why it did nothing")]
     fn every_view_of_a_body_is_a_picture_of_its_own() {
         let Ok(mut renderer) = Renderer::new(&RendererOptions::default()) else {
             println!("skipped: no graphics adapter");

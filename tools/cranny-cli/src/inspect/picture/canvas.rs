@@ -29,6 +29,12 @@ const GLASS: u8 = 84;
 /// So many entries of a legend are spelt out.
 const SPELT: usize = 12;
 
+/// Half way to white, so that a cap is told from what lies beneath it.
+pub(super) fn lightened(color: Color) -> Color {
+    let [r, g, b] = [color.r, color.g, color.b].map(|channel| channel.midpoint(u8::MAX));
+    Color { r, g, b, ..color }
+}
+
 /// What is drawn, and what it means.
 pub(super) struct Canvas<'m> {
     pub(super) model: &'m Model,

@@ -4,7 +4,7 @@ use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{Content, EdgeId, Model};
 use cranny_render::{Color, Point, palette};
 
-use super::canvas::{Canvas, INK, LINE_WIDTH};
+use super::canvas::{Canvas, INK, LINE_WIDTH, lightened};
 
 const HULL: Color = Color { r: 40, g: 90, b: 170, a: 120 };
 
@@ -23,7 +23,7 @@ pub(super) fn draw_classes(canvas: &mut Canvas<'_>) {
     for cap in model.concavities().caps() {
         if let Some(concavity) = cap.concavity {
             let corners = cap.corners.map(|v| mesh.position(v));
-            canvas.add_glass(&corners, palette(colors[concavity.index()]));
+            canvas.add_glass(&corners, lightened(palette(colors[concavity.index()])));
         }
     }
     if !colors.is_empty() {

@@ -1,0 +1,81 @@
+//! Which directions a feature of a body can be touched along, judged in the full mesh.
+//!
+//! A contact is real only where its direction lies in the cones of outward normals of both features:
+//! what a vertex in the middle of a floor, or the diagonal of a square, would stop is stopped by what
+//! stands around it, and sideways by nothing.
+
+use cranny_exact::DVec3;
+use cranny_geometry::{EdgeId, VertexId};
+
+use crate::answer::Feature;
+use crate::pair::{Pair, Side};
+use crate::touch::mean_normal;
+
+/// By how much, as a sine (30 degrees), a vertex's neighbours may be nearer to a face that the vertex
+/// stands before. Smaller: a tilted box loses the corners that will touch next; larger: flat vertices
+/// of a floor stop what slides along it.
+const NEIGHBOUR_LEAD: f64 = 0.5;
+
+/// How far outside the wedge of an edge's two faces a direction may lie and still count as within,
+/// as a sine. Zero would drop contacts of smooth meshes by rounding.
+pub(crate) const WEDGE_SLACK: f64 = 1e-9;
+
+/// Squared sine of the angle below which two edges count as parallel: their nearest points are not
+/// unique, and vertices stand for them. Larger: crossed edges at small angles are missed; smaller:
+/// the contact's normal is lost in rounding.
+pub(crate) const PARALLEL: f64 = 1e-6;
+
+/// Whether a point that is as far from a face's plane as `height` (times the length of `raw`, the
+/// plane's normal) stands over its rim rather than beside it.
+pub(crate) fn over(height: f64, separation: f64, raw: DVec3) -> bool {
+    height >= (1.0 - WEDGE_SLACK) * separation * raw.length()
+}
+
+/// Whether a vertex can be what touches along `direction`: some face at it looks that way (the
+/// back of a thin part does not touch), and no neighbour is much farther that way (a vertex in
+/// the middle of a floor is not what stops a box that slides along it).
+pub(crate) fn faces_towards(pair: &Pair, side: Side, vertex: VertexId, direction: DVec3) -> bool {
+    let p = pair.position(side, vertex);
+    let faces = pair.topology(side).faces_at(vertex);
+    faces.iter().any(|&f| pair.area_vector(side, f).dot(direction) > 0.0)
+        && faces.iter().flat_map(|&f| pair.mesh(side).corners(f)).all(|q| {
+            let edge = pair.position(side, q) - p;
+            direction.dot(edge) <= NEIGHBOUR_LEAD * edge.length()
+        })
+}
+
+/// Whether all edges at a vertex fall away from a direction that does not lead into the body.
+pub(crate) fn in_cone(pair: &Pair, side: Side, vertex: VertexId, direction: DVec3) -> bool {
+    let p = pair.position(side, vertex);
+    let faces = pair.topology(side).faces_at(vertex);
+    let falls_away = |q: DVec3| direction.dot(q - p) <= WEDGE_SLACK * (q - p).length();
+    faces.iter().flat_map(|&f| pair.triangle(side, f)).all(falls_away)
+        && faces_towards(pair, side, vertex, direction)
+}
+
+/// Whether an edge is more than a line drawn on a plane.
+pub(crate) fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
+    let [h, g] = *pair.topology(side).half_edges(edge) else { return true };
+    let (n, m) = (pair.normal(side, h.face()), pair.normal(side, g.face()));
+    n.dot(m) <= 0.0 || n.cross(m).length() > WEDGE_SLACK
+}
+
+/// Whether a direction lies between the outward normals of an edge's faces: both faces fall away
+/// from it, and it does not lead into the body.
+pub(crate) fn in_wedge(pair: &Pair, side: Side, edge: EdgeId, direction: DVec3) -> bool {
+    // At a reflex edge both faces fall away from what leads inside. The sum of the normals tells;
+    // each of them by itself would refuse half of what a sharp edge can touch.
+    if mean_normal(pair, side, Feature::Edge(edge)).dot(direction) < 0.0 {
+        return false;
+    }
+    let around = pair.topology(side).half_edges(edge);
+    around.iter().all(|&h| {
+        let corners = pair.triangle(side, h.face());
+        let start = corners[h.corner()];
+        let end = corners[(h.corner() + 1) % 3];
+        let apex = corners[(h.corner() + 2) % 3];
+        let along = (end - start).normalize_or_zero();
+        let into = (apex - start) - along * along.dot(apex - start);
+        direction.dot(into) <= WEDGE_SLACK * into.length()
+    })
+}

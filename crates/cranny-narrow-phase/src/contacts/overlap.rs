@@ -1,0 +1,180 @@
+//! Contacts where solids overlap: each vertex inside has its way out, each crossing of edges its depth.
+//!
+//! Vertices inside are reached from the faces that cross, along edges, and told exactly. The nearest
+//! point of the other surface is the shortest local way out; at a face its direction is the face's
+//! normal. Edges that cross, each dipping under the other, are parted along their common normal.
+//!
+//! What this does not see is left to the caller: a tip that has passed the middle of a thin part, whose
+//! far side is nearer than the one it came in by, has no contact here.
+
+use std::collections::{BTreeSet, HashSet};
+
+use cranny_exact::{DVec3, WeightedPoint};
+use cranny_geometry::{Content, FaceId, VertexId};
+
+use super::facing::faces_towards;
+use super::feature_pair::edge_edge;
+use crate::answer::{Contact, Counters, Feature};
+use crate::inside::{Location, locate};
+use crate::pair::{Pair, Side};
+use crate::surface::FacePair;
+use crate::triangle_distance::closest_on_triangle;
+
+/// How much deeper than the nearest way out of either edge's point the crossing of two edges may be.
+/// Two square edges meeting corner on need 1.42. Smaller: these get no contact; larger: edges on
+/// opposite sides of a thin bar are pressed through it.
+const DETOUR: f64 = 2.0;
+
+/// The nearest point of a surface.
+struct Nearest {
+    distance: f64,
+    foot: DVec3,
+    feature: Feature,
+    face: FaceId,
+}
+
+/// All contacts of negative separation that vertices and edges about the crossing faces make.
+pub(super) fn overlaps(pair: &Pair, meeting: &[FacePair], counters: &mut Counters) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for side in Side::BOTH {
+        if pair.model(side.other()).is_closed() {
+            vertices_inside(pair, side, meeting, counters, &mut contacts);
+        }
+    }
+    if Side::BOTH.iter().all(|&side| pair.model(side).is_closed()) {
+        edges_crossing(pair, meeting, counters, &mut contacts);
+    }
+    contacts
+}
+
+fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> bool {
+    locate(pair, side, &WeightedPoint::at(p), counters) == Location::Inside
+}
+
+fn vertices_inside(
+    pair: &Pair,
+    side: Side,
+    meeting: &[FacePair],
+    counters: &mut Counters,
+    contacts: &mut Vec<Contact>,
+) {
+    let mesh = pair.mesh(side);
+    let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
+    let mut front: Vec<VertexId> = meeting.iter().flat_map(|p| mesh.corners(own(p))).collect();
+    let mut seen: HashSet<VertexId> = HashSet::new();
+    while let Some(vertex) = front.pop() {
+        let p = pair.position(side, vertex);
+        if !seen.insert(vertex) || !is_inside(pair, side.other(), p, counters) {
+            continue;
+        }
+        let faces = pair.topology(side).faces_at(vertex);
+        front.extend(faces.iter().flat_map(|&f| mesh.corners(f)).filter(|v| !seen.contains(v)));
+        contacts.extend(way_out(pair, side, vertex, p, counters));
+    }
+}
+
+/// The contact of a vertex inside the other solid with the nearest point of its surface.
+fn way_out(
+    pair: &Pair,
+    side: Side,
+    vertex: VertexId,
+    p: DVec3,
+    counters: &mut Counters,
+) -> Option<Contact> {
+    let nearest = nearest_on(pair, side.other(), p, counters);
+    let outward = match nearest.feature {
+        Feature::Face(face) => pair.normal(side.other(), face),
+        _ if nearest.distance > pair.length_error() => (nearest.foot - p) / nearest.distance,
+        // On a rim to rounding: the face that was found there is as good as its neighbours.
+        _ => pair.normal(side.other(), nearest.face),
+    };
+    if outward == DVec3::ZERO || !faces_towards(pair, side, vertex, -outward) {
+        return None;
+    }
+    let told = Contact {
+        id: (Feature::Vertex(vertex), nearest.feature),
+        point_a: p,
+        point_b: nearest.foot,
+        normal: -outward,
+        separation: -nearest.distance,
+    };
+    Some(if side == Side::First { told } else { told.swapped() })
+}
+
+fn edges_crossing(
+    pair: &Pair,
+    meeting: &[FacePair],
+    counters: &mut Counters,
+    contacts: &mut Vec<Contact>,
+) {
+    let sides = |side, face| [0, 1, 2].map(|i| pair.edge(side, face, i));
+    let crossing: BTreeSet<_> = meeting
+        .iter()
+        .flat_map(|p| {
+            let others = sides(Side::Second, p.second);
+            sides(Side::First, p.first).into_iter().flat_map(move |e| others.map(|g| (e, g)))
+        })
+        .collect();
+    for (e, g) in crossing {
+        let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
+        let dips = |side: Side, p: DVec3, counters: &mut Counters| {
+            -contact.separation <= DETOUR * nearest_on(pair, side, p, counters).distance
+                && is_inside(pair, side, p, counters)
+        };
+        if contact.separation < 0.0
+            && dips(Side::Second, contact.point_a, counters)
+            && dips(Side::First, contact.point_b, counters)
+        {
+            contacts.push(contact);
+        }
+    }
+}
+
+/// The point of a body's surface nearest to a point of the pair's frame; ties go to the lowest face.
+fn nearest_on(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> Nearest {
+    let tree = pair.model(side).tree();
+    let local = match side {
+        Side::First => p,
+        Side::Second => pair.first_from_second.inverse().apply(p),
+    };
+    let bound = |node: u32| {
+        let b = &tree.node(node).bounds;
+        let beside = (b.min - local).max(local - b.max).max(DVec3::ZERO);
+        (beside.length() - pair.culling_error()).max(0.0)
+    };
+    let mut best: Option<Nearest> = None;
+    let mut stack = vec![(0.0, 0u32)];
+    while let Some((lower, node)) = stack.pop() {
+        let limit = best.as_ref().map_or(f64::INFINITY, |b| b.distance);
+        if lower > limit {
+            continue;
+        }
+        counters.node_tests += 1;
+        if let Content::Inner { left, right } = tree.content(node) {
+            let mut children = [left, right].map(|child| (bound(child), child));
+            if children[0].0 < children[1].0 {
+                children.swap(0, 1);
+            }
+            stack.extend(children.into_iter().filter(|child| child.0 <= limit));
+            continue;
+        }
+        for &face in tree.leaf_faces(node) {
+            let (foot, part) = closest_on_triangle(p, &pair.triangle(side, face));
+            let distance = (foot - p).length();
+            let wins = best
+                .as_ref()
+                .is_none_or(|b| distance < b.distance || (distance <= b.distance && face < b.face));
+            if wins {
+                let feature = part.feature(pair.model(side), face);
+                best = Some(Nearest { distance, foot, feature, face });
+            }
+        }
+    }
+    // A mesh has faces, so there is a nearest one.
+    best.unwrap_or(Nearest {
+        distance: f64::INFINITY,
+        foot: p,
+        feature: Feature::Face(FaceId(0)),
+        face: FaceId(0),
+    })
+}

@@ -1,0 +1,347 @@
+//! Contacts for a solver: one per pair of patches, judged by brute force over all features.
+
+use std::f64::consts::PI;
+
+use cranny_exact::{DQuat, DVec3, Meeting, Pose};
+use cranny_geometry::{EdgeId, FaceId, Mesh, Model, PatchId, VertexId};
+use cranny_narrow_phase::{
+    Answer, Contact, Demand, Feature, PairMemory, Part, Placed, Query, brute_force::brute_force,
+    closest_on_segments, closest_on_triangle, query,
+};
+use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
+use cranny_testkit::Rng;
+
+use crate::measure::{from_surface, world_triangles};
+use crate::solids::{at, model, octahedron, shape};
+
+fn contacts_with(a: Placed, b: Placed, margin: f64, memory: &mut PairMemory) -> Answer {
+    query(a, b, &Query::of(Demand::Contacts { margin }), memory).unwrap()
+}
+
+fn contacts(a: Placed, b: Placed, margin: f64) -> Answer {
+    contacts_with(a, b, margin, &mut PairMemory::default())
+}
+
+fn turn(rng: &mut Rng) -> DQuat {
+    DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), rng.unit() + 1.5).normalize()
+}
+
+fn bodies() -> Vec<Model> {
+    vec![
+        shape(Cuboid::default()),
+        shape(Cup { segments: 12, ..Cup::default() }),
+        shape(Torus { major_segments: 16, minor_segments: 8, ..Torus::default() }),
+        shape(GolfBall { dimples: 0, triangles: 320, ..GolfBall::default() }),
+        model(octahedron()),
+    ]
+}
+
+/// What holds of every contact, whatever the position.
+fn check(a: Placed, b: Placed, margin: f64, answer: &Answer) {
+    let (faces_a, faces_b) = (world_triangles(a), world_triangles(b));
+    let tiny = 1e-12 * (a.model.radius() + b.model.radius() + 10.0);
+    for c in &answer.contacts {
+        assert!(c.separation <= margin + tiny, "{c:?}");
+        assert!((c.normal.length() - 1.0).abs() < 1e-12, "{c:?}");
+        assert!((c.point_b - c.point_a - c.normal * c.separation).length() < tiny, "{c:?}");
+        assert!(from_surface(c.point_a, &faces_a) < tiny, "{c:?}");
+        assert!(from_surface(c.point_b, &faces_b) < tiny, "{c:?}");
+    }
+    assert!(answer.contacts.is_sorted_by(|x, y| x.separation <= y.separation));
+}
+
+/// Two points, each nearest to the other in the whole of the other's surface: such contacts cannot be
+/// left out.
+struct Mutual {
+    patches: (PatchId, PatchId),
+    separation: f64,
+}
+
+/// All of them within a margin, by brute force over vertices, faces and edges.
+fn mutual(a: Placed, b: Placed, margin: f64) -> Vec<Mutual> {
+    let placed = [a, b];
+    let triangles = [world_triangles(a), world_triangles(b)];
+    let maps = placed.map(|p| p.pose.world_from_body());
+    let point = |side: usize, v: VertexId| maps[side].apply(placed[side].model.mesh().position(v));
+    let nearest = |p: DVec3, side: usize, d: f64| from_surface(p, &triangles[side]) >= d - 1e-12;
+    let mut found = Vec::new();
+    for side in [0, 1] {
+        let (own, its) = (placed[side].model, placed[1 - side].model);
+        for v in (0..own.mesh().vertices().len() as u32).map(VertexId) {
+            let p = point(side, v);
+            for (f, t) in (0..).map(FaceId).zip(&triangles[1 - side]) {
+                let (foot, part) = closest_on_triangle(p, t);
+                let d = (foot - p).length();
+                let above = (t[1] - t[0]).cross(t[2] - t[0]).dot(p - foot) > 0.0;
+                if part == Part::Inside
+                    && d <= margin
+                    && above
+                    && nearest(p, 1 - side, d)
+                    && nearest(foot, side, d)
+                {
+                    let own = own.patches().patch_of_vertex(v).unwrap();
+                    let its = its.patches().patch_of_face(f);
+                    let patches = if side == 0 { (own, its) } else { (its, own) };
+                    found.push(Mutual { patches, separation: d });
+                }
+            }
+        }
+    }
+    let segments = |side: usize| -> Vec<(EdgeId, [DVec3; 2])> {
+        let edges = placed[side].model.topology().edges();
+        (0..)
+            .map(EdgeId)
+            .zip(edges.iter().map(|e| [point(side, e.from), point(side, e.to)]))
+            .collect()
+    };
+    let others = segments(1);
+    for (e, p) in segments(0) {
+        for (g, q) in &others {
+            let (s, t) = closest_on_segments(&p, q);
+            let (x, y) = (p[0] + (p[1] - p[0]) * s, q[0] + (q[1] - q[0]) * t);
+            let (d, inside) = ((y - x).length(), |t: f64| t > 1e-9 && t < 1.0 - 1e-9);
+            let (u, v) = ((p[1] - p[0]).normalize(), (q[1] - q[0]).normalize());
+            let crossed = u.cross(v).length() > 0.01;
+            if crossed
+                && inside(s)
+                && inside(t)
+                && d <= margin
+                && nearest(x, 1, d)
+                && nearest(y, 0, d)
+            {
+                let own = a.model.patches().patch_of_edge(e);
+                found.push(Mutual {
+                    patches: (own, b.model.patches().patch_of_edge(*g)),
+                    separation: d,
+                });
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_mutually_nearest_pair_has_its_contact() {
+    let (bodies, mut rng) = (bodies(), Rng::new(77));
+    let mut seen = 0;
+    for _ in 0..150 {
+        let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
+        let a =
+            Placed { model: a, pose: Pose { rotation: turn(&mut rng), translation: DVec3::ZERO } };
+        let far = turn(&mut rng) * DVec3::new(0.0, 0.0, 1.0 + rng.unit().abs());
+        let b = Placed { model: b, pose: Pose { rotation: turn(&mut rng), translation: far } };
+        let truth = brute_force(a, b).unwrap();
+        if truth.surface != Meeting::None || truth.distance > 1.0 {
+            continue;
+        }
+        let margin = truth.distance + 0.1;
+        let answer = contacts(a, b, margin);
+        assert_eq!((answer.surface, answer.triangle_pairs), (truth.surface, truth.triangle_pairs));
+        check(a, b, margin, &answer);
+        assert!((answer.contacts[0].separation - truth.distance).abs() < 1e-9, "{truth:?}");
+        assert!(answer.separation.hi >= truth.distance && answer.separation.lo <= truth.distance);
+        for expected in mutual(a, b, margin) {
+            seen += 1;
+            let of_patches = |c: &&Contact| c.patches(a.model, b.model) == expected.patches;
+            let nearest = answer.contacts.iter().find(of_patches);
+            let nearest = nearest.unwrap_or_else(|| panic!("none of {:?}", expected.patches));
+            assert!(nearest.separation <= expected.separation + 1e-9, "{nearest:?}");
+        }
+    }
+    assert!(seen > 30, "{seen}");
+}
+
+#[test]
+fn warm_is_cold_and_exchanging_the_bodies_exchanges_the_answer() {
+    let (bodies, mut rng) = (bodies(), Rng::new(5));
+    let (mut met, mut apart) = (0, 0);
+    for _ in 0..12 {
+        let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
+        let (mut memory, mut other) = (PairMemory::default(), PairMemory::default());
+        let mut pose = Pose {
+            rotation: turn(&mut rng),
+            translation: turn(&mut rng) * DVec3::new(0.0, 0.0, 1.2),
+        };
+        for step in 0..25 {
+            let small = if step % 10 == 9 { 0.5 } else { 0.02 };
+            let spin =
+                DQuat::from_xyzw(small * rng.unit(), small * rng.unit(), small * rng.unit(), 1.0);
+            pose.rotation = (spin.normalize() * pose.rotation).normalize();
+            pose.translation += small * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            let a = Placed { model: a, pose: Pose::IDENTITY };
+            let b = Placed { model: b, pose };
+            let truth = brute_force(a, b).unwrap();
+            let cold = contacts(a, b, 0.1);
+            let mut warm = contacts_with(a, b, 0.1, &mut memory);
+            let mut swapped = contacts_with(b, a, 0.1, &mut other).swapped();
+            (warm.counters, swapped.counters) = (cold.counters, cold.counters);
+            assert_eq!(warm, cold);
+            assert_eq!(swapped, cold);
+            assert_eq!((cold.surface, cold.triangle_pairs), (truth.surface, truth.triangle_pairs));
+            check(a, b, 0.1, &cold);
+            if cold.solid && cold.contained.is_none() {
+                met += 1;
+                assert!(cold.contacts[0].separation <= 0.0, "{:?}", cold.contacts);
+            } else {
+                apart += 1;
+            }
+        }
+    }
+    assert!(met > 30 && apart > 30, "{met} {apart}");
+}
+
+#[test]
+fn memory_of_other_models_means_nothing() {
+    let bodies = bodies();
+    let mut memory = PairMemory::default();
+    for (i, j) in [(1, 2), (0, 4), (2, 2), (4, 1)] {
+        let (a, b) = (at(&bodies[i], 0.0, 0.0, 0.0), at(&bodies[j], 0.7, 0.1, 0.9));
+        let (mut warm, cold) = (contacts_with(a, b, 0.3, &mut memory), contacts(a, b, 0.3));
+        warm.counters = cold.counters;
+        assert_eq!(warm, cold);
+    }
+}
+
+/// A square floor at z = 0, `n` by `n` cells, one thick.
+fn floor(n: u32) -> Model {
+    let side = n + 1;
+    let level = |z: f64| {
+        (0..side * side).map(move |i| {
+            DVec3::new(f64::from(i % side), f64::from(i / side), z)
+                - DVec3::new(0.5, 0.5, 0.0) * f64::from(n)
+        })
+    };
+    let vertices: Vec<DVec3> = level(0.0).chain(level(-1.0)).collect();
+    let below = side * side;
+    let mut faces = Vec::new();
+    for i in (0..n).flat_map(|y| (0..n).map(move |x| y * side + x)) {
+        let quad = [i, i + 1, i + side + 1, i + side];
+        for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
+            faces.push([quad[a], quad[b], quad[c]]);
+            faces.push([below + quad[a], below + quad[c], below + quad[b]]);
+        }
+    }
+    for k in 0..n {
+        for (p, q) in [
+            (k, k + 1),
+            (n + k * side, n + (k + 1) * side),
+            (n * side + k + 1, n * side + k),
+            ((k + 1) * side, k * side),
+        ] {
+            faces.extend([[q, p, below + p], [q, below + p, below + q]]);
+        }
+    }
+    let floor = model(Mesh::new(vertices, faces).unwrap());
+    assert!(floor.is_closed());
+    floor
+}
+
+#[test]
+fn a_floor_of_many_triangles_stops_nothing_sideways() {
+    let (floor, unit) = (floor(16), shape(Cuboid { size: [2.5, 2.5, 1.0] }));
+    let mut memory = PairMemory::default();
+    for step in 0..60 {
+        let (x, y) = (-3.0 + 0.1 * f64::from(step), 0.037 * f64::from(step));
+        for lift in [0.01, 1e-9, 0.0, -0.001, -0.02] {
+            let answer = contacts_with(
+                at(&floor, 0.0, 0.0, 0.0),
+                at(&unit, x, y, 0.5 + lift),
+                0.05,
+                &mut memory,
+            );
+            assert!(answer.contacts.len() >= 4, "{lift}: {:?}", answer.contacts);
+            for c in &answer.contacts {
+                assert!((c.normal - DVec3::Z).length() < 1e-9, "{lift}: {c:?}");
+                assert!((c.separation - lift).abs() < 1e-12, "{lift}: {c:?}");
+            }
+            for (dx, dy) in [(-1.25, -1.25), (1.25, -1.25), (-1.25, 1.25), (1.25, 1.25)] {
+                let corner = DVec3::new(x + dx, y + dy, lift);
+                // It stands on as much as lies beneath it, to a cell of the floor.
+                let near = |c: &Contact| (c.point_b - corner).length() < 1.1;
+                assert!(answer.contacts.iter().any(near), "{lift}: nothing near {corner}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_dips_into_a_plate_is_sent_back_whence_it_came() {
+    let plate = shape(Cuboid { size: [4.0, 4.0, 0.1] });
+    let spike = model(octahedron());
+    for depth in [-0.02, 1e-6, 0.01, 0.04] {
+        let answer = contacts(at(&plate, 0.0, 0.0, 0.0), at(&spike, 0.3, 0.2, 1.05 - depth), 0.05);
+        let [c] = &answer.contacts[..] else { panic!("{depth}: {:?}", answer.contacts) };
+        assert_eq!(c.normal, DVec3::Z);
+        assert!((c.separation + depth).abs() < 1e-12, "{c:?}");
+        assert_eq!(answer.solid, depth > 0.0);
+    }
+    // Past the middle the far side is nearer, but no face at the tip looks back: the region tells.
+    let answer = contacts(at(&plate, 0.0, 0.0, 0.0), at(&spike, 0.3, 0.2, 1.05 - 0.07), 0.05);
+    assert!((answer.contacts[0].normal - DVec3::Z).length() < 1e-9);
+    assert!((answer.contacts[0].separation + 0.07).abs() < 1e-9);
+}
+
+#[test]
+fn crossed_edges_that_overlap_are_parted_along_their_common_normal() {
+    // As in `gaps`: square bars on edge, at right angles.
+    let bar = shape(Cuboid { size: [0.5, 0.5, 4.0] });
+    let lying = DQuat::from_xyzw(0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt());
+    let on_edge = DQuat::from_axis_angle(DVec3::Y, PI / 4.0) * lying;
+    let across = DQuat::from_axis_angle(DVec3::Z, PI / 2.0) * on_edge;
+    let reach = 0.5 * 0.5 * 2f64.sqrt();
+    let lower = Placed { model: &bar, pose: Pose { rotation: on_edge, translation: DVec3::ZERO } };
+    for depth in [-0.01, 1e-6, 0.01, 0.1] {
+        let translation = DVec3::new(0.1, 0.2, 2.0 * reach - depth);
+        let upper = Placed { model: &bar, pose: Pose { rotation: across, translation } };
+        let answer = contacts(lower, upper, 0.02);
+        assert_eq!(answer.contacts.len(), 1, "{depth}: {:#?}", answer.contacts);
+        let c = &answer.contacts[0];
+        assert!(matches!(c.id, (Feature::Edge(_), Feature::Edge(_))), "{c:?}");
+        assert!((c.normal - DVec3::Z).length() < 1e-9, "{c:?}");
+        assert!((c.separation + depth).abs() < 1e-12, "{c:?}");
+    }
+}
+
+/// What turned-in faces make of each other needs no vertex inside: the regions tell then.
+#[test]
+fn solids_that_share_their_faces_still_have_a_contact() {
+    let unit = shape(Cuboid::default());
+    for offset in [DVec3::ZERO, DVec3::new(0.25, 0.0, 0.0)] {
+        let answer =
+            contacts(at(&unit, 0.0, 0.0, 0.0), at(&unit, offset.x, offset.y, offset.z), 0.01);
+        assert!(answer.solid);
+        assert!(answer.contacts[0].separation <= 0.0, "{:?}", answer.contacts);
+    }
+}
+
+#[test]
+fn a_nut_along_its_helix_has_contacts_all_around_and_none_is_off() {
+    let bolt = shape(IsoBolt { segments: 48, ..IsoBolt::default() });
+    let nut = shape(IsoNut { segments: 48, ..IsoNut::default() });
+    let mut memory = PairMemory::default();
+    for step in 0..6 {
+        let angle = 0.026 * f64::from(step);
+        let rise = 20.0 + angle / PI;
+        let pose = Pose {
+            rotation: DQuat::from_rotation_z(angle),
+            translation: DVec3::new(0.01, 0.02, rise),
+        };
+        let (a, b) = (at(&bolt, 0.0, 0.0, 0.0), Placed { model: &nut, pose });
+        let answer = contacts_with(a, b, 0.08, &mut memory);
+        assert_eq!(answer.surface, Meeting::None);
+        let distance = query(a, b, &Query::of(Demand::Distance { below: None }), &mut memory);
+        let distance = distance.unwrap().distance.unwrap();
+        assert!((answer.contacts[0].separation - distance).abs() < 1e-9);
+        assert!((60..600).contains(&answer.contacts.len()), "{}", answer.contacts.len());
+        // Both flanks stand at 60 degrees to the axis.
+        let on_flank = |c: &&Contact| {
+            let z = c.normal.z.abs();
+            (z - 0.75f64.sqrt()).abs() < 0.03
+        };
+        let flanks = answer.contacts.iter().filter(on_flank).count();
+        assert!(2 * flanks > answer.contacts.len(), "{flanks} of {}", answer.contacts.len());
+        let mut cold = contacts(a, b, 0.08);
+        cold.counters = answer.counters;
+        assert_eq!(cold, answer);
+    }
+}
