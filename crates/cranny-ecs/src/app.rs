@@ -1,6 +1,5 @@
 //! A scene that runs, for programs that know nothing of bevy.
 
-#[cfg(any(feature = "record", feature = "render"))]
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

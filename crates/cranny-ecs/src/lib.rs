@@ -38,7 +38,6 @@ mod effects;
 mod error;
 mod kinematics;
 mod motion;
-#[cfg(any(feature = "record", feature = "render"))]
 mod outputs;
 #[cfg(feature = "render")]
 mod painting;

@@ -1,12 +1,12 @@
 //! Whether outputs can be written, asked before anything is simulated.
 
-use std::fs::{self, OpenOptions};
-use std::io;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::SceneAppError;
 
-fn refused(path: &Path, error: &io::Error) -> SceneAppError {
+#[cfg(any(feature = "record", feature = "render"))]
+fn refused(path: &Path, error: &std::io::Error) -> SceneAppError {
     SceneAppError::Output { path: path.to_owned(), why: error.to_string() }
 }
 
@@ -57,6 +57,7 @@ fn place(path: &Path) -> PathBuf {
 /// # Errors
 ///
 /// [`SceneAppError::Output`] with the path and what the system says.
+#[cfg(any(feature = "record", feature = "render"))]
 pub(crate) fn probe_file(path: &Path) -> Result<(), SceneAppError> {
     if path.is_dir() {
         let why = "it is a folder: name a file in it".to_owned();
@@ -70,7 +71,7 @@ pub(crate) fn probe_file(path: &Path) -> Result<(), SceneAppError> {
     let mut probe = name.to_owned();
     probe.push(".probe");
     let probe = path.with_file_name(probe);
-    OpenOptions::new()
+    fs::OpenOptions::new()
         .write(true)
         .create(true)
         .truncate(true)
@@ -97,6 +98,7 @@ pub(crate) fn prepare_folder(path: &Path) -> Result<(), SceneAppError> {
 mod tests {
     use super::*;
 
+    #[cfg(any(feature = "record", feature = "render"))]
     #[test]
     fn a_file_that_exists_is_left_as_it_is_and_no_probe_stays() {
         let folder = tempfile::tempdir().unwrap();
@@ -125,6 +127,7 @@ mod tests {
         }
     }
 
+    #[cfg(any(feature = "record", feature = "render"))]
     #[test]
     fn what_cannot_be_written_is_named() {
         let folder = tempfile::tempdir().unwrap();
