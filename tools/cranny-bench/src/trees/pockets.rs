@@ -148,13 +148,17 @@ fn opened(cases: &[Case]) -> Table {
     Table { title: "envelopes beside a box tree (leaves of 4 in both)", columns, rows }
 }
 
+/// How far below the unit sphere a vertex lies at least that belongs to a dimple. Smaller: rounding makes
+/// dimples of the sphere; larger: their rims are lost.
+const BELOW_THE_SPHERE: f64 = 1e-9;
+
 /// All dimples of a golf ball.
 fn dimples(quick: bool) -> Result<Table, ShapeError> {
     let mesh = solid::golf_ball(if quick { 10_000 } else { 100_000 })?;
     let topology = Topology::of(&mesh);
     let low = |f: usize| {
         let t = mesh.triangle(FaceId(f as u32));
-        t.iter().any(|p| p.length() < 1.0 - 1e-9)
+        t.iter().any(|p| p.length() < 1.0 - BELOW_THE_SPHERE)
     };
     let mut sets = DisjointSets::new(mesh.faces().len());
     for edge in (0..topology.edges().len() as u32).map(EdgeId) {

@@ -162,10 +162,14 @@ impl Tree {
         let corners: Vec<DVec3> = self.faces[a..b].iter().flat_map(|&f| mesh.triangle(f)).collect();
         let axes = principal_axes(&corners);
         let bounds = Aabb::of_points(corners.iter().map(|&p| axes.transpose() * p));
-        let slack = DVec3::splat(1e-12 * mesh.bounds().diagonal());
+        let slack = DVec3::splat(BOX_SLACK * mesh.bounds().diagonal());
         Volume { center: axes * bounds.center(), half: bounds.half_extents() + slack, axes }
     }
 }
+
+/// What turning into a box's frame and back rounds at most, as a share of the mesh's diagonal, amply.
+/// Smaller, and a box misses its faces by an ulp; larger, and it is wider than need be.
+const BOX_SLACK: f64 = 1e-12;
 
 fn surface(b: &Aabb) -> f64 {
     let e = b.max - b.min;
