@@ -29,6 +29,7 @@
 mod boundary;
 mod caps;
 pub mod concavity;
+mod deform;
 pub mod envelope;
 pub mod features;
 pub mod hull;
@@ -48,6 +49,7 @@ mod weld;
 mod winding;
 
 pub use concavity::Concavities;
+pub use deform::{ChangeSet, DeformError, Work};
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
 pub use features::Features;
 pub use hull::ConvexHull;
@@ -63,4 +65,4 @@ pub use repair::Repair;
 pub use repair::proof::ProofError;
 pub use report::{Element, Finding, FindingKind, MeetingScan, RepairKind, RepairRecord, Report};
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
-pub use tree::{Content, FaceForest, FaceTree, Node};
+pub use tree::{Content, FaceForest, FaceTree, Node, NodeChanges};

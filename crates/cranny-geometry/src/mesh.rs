@@ -99,6 +99,12 @@ impl Mesh {
         self
     }
 
+    /// Moves a vertex to a place inside the domain.
+    pub(crate) fn set_position(&mut self, vertex: VertexId, position: DVec3) {
+        debug_assert!(check_point(position).is_ok());
+        self.vertices[vertex.index()] = position;
+    }
+
     /// Vertex positions in the body's frame.
     #[must_use]
     pub fn vertices(&self) -> &[DVec3] {

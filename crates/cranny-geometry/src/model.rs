@@ -17,6 +17,7 @@ use thiserror::Error;
 
 use crate::caps::CapSurface;
 use crate::concavity::Concavities;
+use crate::deform::Workshop;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features};
 use crate::hull::{ConvexHull, FLATNESS};
@@ -179,22 +180,29 @@ pub enum Stage {
 #[derive(Clone, Debug)]
 pub struct Model(Arc<Parts>);
 
-#[derive(Debug)]
-struct Parts {
-    mesh: Mesh,
-    topology: Topology,
-    hull: ConvexHull,
-    features: Features,
-    concavities: Concavities,
-    tree: FaceTree,
-    concavity_trees: FaceForest,
-    envelopes: Envelopes,
-    patches: Patches,
-    mass: Option<MassProperties>,
-    radius: f64,
-    digest: [u8; 32],
+/// What a model consists of.
+#[derive(Clone, Debug)]
+pub(crate) struct Parts {
+    pub(crate) mesh: Mesh,
+    pub(crate) topology: Topology,
+    pub(crate) hull: ConvexHull,
+    pub(crate) features: Features,
+    pub(crate) concavities: Concavities,
+    pub(crate) tree: FaceTree,
+    pub(crate) concavity_trees: FaceForest,
+    pub(crate) envelopes: Envelopes,
+    pub(crate) patches: Patches,
+    pub(crate) mass: Option<MassProperties>,
+    pub(crate) radius: f64,
+    pub(crate) digest: [u8; 32],
     /// The filed face of each face; `None` where all are as filed.
-    filed_faces: Option<Vec<FaceId>>,
+    pub(crate) filed_faces: Option<Vec<FaceId>>,
+    /// How flat is flat, relative to the largest coordinate magnitude.
+    pub(crate) flatness: f64,
+    /// Faces per leaf of the tree.
+    pub(crate) leaf_size: usize,
+    /// What deformations need beside; none before the first.
+    pub(crate) workshop: Option<Box<Workshop>>,
 }
 
 impl Model {
@@ -268,8 +276,7 @@ impl Model {
         let concavity_trees = FaceForest::over(&mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
         observe(Stage::Envelopes);
         let envelopes = envelopes(&mesh, &concavities);
-        let radius = mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up();
-        let digest = digest(&mesh);
+        let (radius, digest) = (radius(&mesh), digest(&mesh));
         observe(Stage::Done);
         let parts = Parts {
             mesh,
@@ -285,6 +292,9 @@ impl Model {
             radius,
             digest,
             filed_faces,
+            flatness: report.flatness,
+            leaf_size: options.leaf_size,
+            workshop: None,
         };
         Ok((Self(Arc::new(parts)), report))
     }
@@ -380,6 +390,15 @@ impl Model {
         self.0.digest
     }
 
+    pub(crate) fn parts(&self) -> &Parts {
+        &self.0
+    }
+
+    /// The parts of this model alone: a copy, where they are shared.
+    pub(crate) fn parts_mut(&mut self) -> &mut Parts {
+        Arc::make_mut(&mut self.0)
+    }
+
     /// Whether both are the very same shared model (not only equal ones).
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
@@ -387,12 +406,19 @@ impl Model {
     }
 }
 
+/// For each concavity how its lids open.
+pub(crate) fn openings(concavities: &Concavities) -> Vec<Vec<DVec3>> {
+    concavities.iter().map(|c| c.lids().map(|lid| lid.opening).collect()).collect()
+}
+
+/// No vertex is farther than this from the origin.
+pub(crate) fn radius(mesh: &Mesh) -> f64 {
+    mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up()
+}
+
 /// An envelope for each concavity, which opens through its lids.
 fn envelopes(mesh: &Mesh, concavities: &Concavities) -> Envelopes {
-    let openings: Vec<Vec<DVec3>> = concavities
-        .iter()
-        .map(|concavity| concavity.lids().map(|lid| lid.opening).collect())
-        .collect();
+    let openings = openings(concavities);
     let pockets = concavities
         .iter()
         .zip(&openings)
@@ -400,7 +426,7 @@ fn envelopes(mesh: &Mesh, concavities: &Concavities) -> Envelopes {
     Envelopes::of(mesh, pockets, &EnvelopeOptions::default())
 }
 
-fn digest(mesh: &Mesh) -> [u8; 32] {
+pub(crate) fn digest(mesh: &Mesh) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
     hasher.update(&(mesh.vertices().len() as u64).to_le_bytes());
     for p in mesh.vertices() {

@@ -16,6 +16,7 @@
 mod chain;
 mod interface;
 mod triangulate;
+mod update;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
@@ -50,7 +51,8 @@ impl CapSurface {
         assignment: &Assignment,
         ridges: &[RidgeOnFacet],
     ) -> Self {
-        let mut chains = open_chains(mesh, topology, hull, assignment);
+        let facets = 0..hull.facet_count() as u32;
+        let mut chains = open_chains(mesh, topology, hull, assignment, facets);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
         let mut surface = Self { facet_starts: vec![0], ..Self::default() };
         for (facet, chain) in chains {
@@ -114,17 +116,18 @@ impl CapSurface {
     }
 }
 
-/// The chains of the facets that the mesh does not cover edge for edge, by facet.
+/// The chains of those among some facets that the mesh does not cover edge for edge, by facet.
 fn open_chains(
     mesh: &Mesh,
     topology: &Topology,
     hull: &ConvexHull,
     assignment: &Assignment,
+    facets: impl Iterator<Item = u32>,
 ) -> Vec<(u32, Vec<ChainEdge>)> {
     let (starts, faces) = faces_of_facets(&assignment.facet_of_face, hull.facet_count());
     let mut chains = Vec::new();
     let mut chain = Vec::new();
-    for id in 0..hull.facet_count() as u32 {
+    for id in facets {
         let faces = &faces[starts[id as usize] as usize..starts[id as usize + 1] as usize];
         let facet = hull.facet(FacetId(id));
         if let ([face], [triangle]) = (faces, facet.triangles)

@@ -25,13 +25,13 @@ const BLANK: Record = Record {
 };
 
 /// What the steps below look at.
-struct Input<'a> {
-    mesh: &'a Mesh,
-    topology: &'a Topology,
-    hull: &'a ConvexHull,
-    features: &'a Features,
+pub(super) struct Input<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) topology: &'a Topology,
+    pub(super) hull: &'a ConvexHull,
+    pub(super) features: &'a Features,
     /// Volumes are measured from here: the less, the less they round.
-    center: DVec3,
+    pub(super) center: DVec3,
 }
 
 impl Concavities {
@@ -61,7 +61,7 @@ impl Input<'_> {
         self.mesh.vertices()[vertex as usize]
     }
 
-    fn cap_triangle(&self, caps: &CapSurface, cap: usize) -> [DVec3; 3] {
+    pub(super) fn cap_triangle(&self, caps: &CapSurface, cap: usize) -> [DVec3; 3] {
         caps.triangles[cap].map(|v| self.position(v))
     }
 
@@ -329,12 +329,12 @@ impl Input<'_> {
     }
 
     /// Signed volume between a triangle and the centre.
-    fn volume_below(&self, corners: [DVec3; 3]) -> f64 {
+    pub(super) fn volume_below(&self, corners: [DVec3; 3]) -> f64 {
         let [a, b, c] = corners.map(|p| p - self.center);
         a.dot(b.cross(c)) / 6.0
     }
 
-    fn name(&self, all: &mut Concavities) {
+    pub(super) fn name(&self, all: &mut Concavities) {
         for i in 0..all.records.len() {
             let concavity = all.get(ConcavityId(i as u32));
             let closed = concavity.loops().len() == 0;
@@ -350,7 +350,7 @@ impl Input<'_> {
     }
 
     /// Finds what surrounds concavities without lids.
-    fn nest(&self, all: &mut Concavities) {
+    pub(super) fn nest(&self, all: &mut Concavities) {
         if all.len() < 2 || all.iter().all(|c| c.lids().len() > 0) {
             return;
         }
@@ -375,6 +375,6 @@ impl Input<'_> {
     }
 }
 
-fn twice_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
+pub(super) fn twice_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }

@@ -14,6 +14,7 @@
 mod build;
 mod components;
 mod nesting;
+mod update;
 mod validate;
 
 use cranny_exact::DVec3;

@@ -56,7 +56,7 @@ impl Envelopes {
         all
     }
 
-    fn add(&mut self, mesh: &Mesh, pocket: &Pocket, items: &mut Vec<Item>) {
+    pub(super) fn add(&mut self, mesh: &Mesh, pocket: &Pocket, items: &mut Vec<Item>) {
         items.clear();
         items.extend(pocket.faces.iter().map(|&f| Item::of(mesh, f)));
         let bounds = Aabb::of_points(items.iter().flat_map(|item| item.corners));

@@ -31,6 +31,7 @@
 mod build;
 mod cluster;
 mod thing;
+mod update;
 mod validate;
 mod walk;
 

@@ -11,6 +11,8 @@
 //! Cost: the facets of extreme vertices are those of the hull's triangles around them; every other
 //! vertex asks the tree over the facets, O(log n) as a rule.
 
+use std::collections::BTreeMap;
+
 use super::slabs::Slabs;
 use crate::hull::ConvexHull;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
@@ -25,13 +27,15 @@ pub(crate) const NONE: u32 = u32::MAX;
 const LONG: usize = 64;
 
 /// The facets of vertices and faces.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Assignment {
     /// The facet that each face lies on, or [`NONE`].
     pub(crate) facet_of_face: Vec<u32>,
     starts: Vec<u32>,
     facets: Vec<u32>,
-    slabs: Slabs,
+    /// The facets of vertices that have moved since the rows above were written.
+    pub(super) moved: BTreeMap<u32, Vec<u32>>,
+    pub(super) slabs: Slabs,
 }
 
 impl Assignment {
@@ -40,7 +44,8 @@ impl Assignment {
         let mut slabs = Slabs::of(hull);
         slabs.prepare_finder(hull);
         let (starts, facets) = facets_of_vertices(mesh, hull, &slabs);
-        let mut assignment = Self { facet_of_face: Vec::new(), starts, facets, slabs };
+        let mut assignment =
+            Self { facet_of_face: Vec::new(), starts, facets, moved: BTreeMap::new(), slabs };
         assignment.assign(mesh, topology);
         assignment
     }
@@ -48,6 +53,9 @@ impl Assignment {
     /// The facets that a vertex lies on, ascending; none off the hull. Of an extreme vertex those of
     /// the triangles around it.
     pub(crate) fn facets_of(&self, vertex: VertexId) -> &[u32] {
+        if let Some(facets) = self.moved.get(&vertex.0) {
+            return facets;
+        }
         let v = vertex.index();
         &self.facets[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
@@ -81,23 +89,39 @@ impl Assignment {
     }
 
     fn assign(&mut self, mesh: &Mesh, topology: &Topology) {
-        let mut needles = Vec::new();
         self.facet_of_face = vec![NONE; mesh.faces().len()];
-        for f in (0..mesh.faces().len() as u32).map(FaceId) {
-            if mesh.corners(f).iter().any(|&v| self.facets_of(v).is_empty()) {
-                continue;
-            }
-            if self.is_needle(mesh, f) {
-                needles.push(f);
-            } else {
-                self.facet_of_face[f.index()] = self.best_facet(mesh, f);
-            }
-        }
+        let faces = (0..mesh.faces().len() as u32).map(FaceId);
+        let needles = self.assign_wide(mesh, faces);
         self.assign_needles(mesh, topology, &needles);
     }
 
+    /// Places faces that are not needles; returns the needles among those whose corners are on the hull.
+    pub(super) fn assign_wide(
+        &mut self,
+        mesh: &Mesh,
+        faces: impl Iterator<Item = FaceId>,
+    ) -> Vec<FaceId> {
+        let mut needles = Vec::new();
+        for f in faces {
+            self.facet_of_face[f.index()] = NONE;
+            if self.may_lie_on_a_facet(mesh, f) {
+                if self.is_needle(mesh, f) {
+                    needles.push(f);
+                } else {
+                    self.facet_of_face[f.index()] = self.best_facet(mesh, f);
+                }
+            }
+        }
+        needles
+    }
+
+    /// Whether every corner is on the hull.
+    pub(super) fn may_lie_on_a_facet(&self, mesh: &Mesh, face: FaceId) -> bool {
+        mesh.corners(face).iter().all(|&v| !self.facets_of(v).is_empty())
+    }
+
     /// Each needle follows the faces across longest edges to the first that is none.
-    fn assign_needles(&mut self, mesh: &Mesh, topology: &Topology, needles: &[FaceId]) {
+    pub(super) fn assign_needles(&mut self, mesh: &Mesh, topology: &Topology, needles: &[FaceId]) {
         let mut settled = vec![false; needles.len()];
         for (first, &needle) in needles.iter().enumerate() {
             let mut trail = Vec::new();
@@ -124,7 +148,7 @@ impl Assignment {
     }
 
     /// Whether a face is no wider than the slabs are deep.
-    fn is_needle(&self, mesh: &Mesh, face: FaceId) -> bool {
+    pub(super) fn is_needle(&self, mesh: &Mesh, face: FaceId) -> bool {
         let [a, b, c] = mesh.triangle(face);
         let longest = (b - a).length().max((c - b).length()).max((a - c).length());
         2.0 * mesh.area_vector(face).length() <= self.slabs.depth() * longest

@@ -13,11 +13,13 @@
 
 mod assign;
 mod slabs;
+mod update;
 
 pub(crate) use assign::{Assignment, NONE};
+pub(crate) use update::Reassigned;
 
 use crate::hull::FacetId;
-use crate::ids::{ConvexSetId, EdgeId, FaceId, VertexId};
+use crate::ids::{ConvexSetId, EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::{DisjointSets, Topology};
 
@@ -68,35 +70,17 @@ impl Features {
         topology: &Topology,
         assignment: &Assignment,
     ) -> (Self, Vec<RidgeOnFacet>) {
-        let on_hull = |f: FaceId| assignment.facet_of_face[f.index()] != NONE;
         let (set_of_face, sets) = convex_sets(topology, &assignment.facet_of_face);
         let mut ridges = Vec::new();
         let mut ridges_on_facets = Vec::new();
         let mut edges = Vec::with_capacity(topology.edges().len());
-        for (e, edge) in topology.edges().iter().enumerate() {
-            let e = EdgeId(e as u32);
-            let around = topology.half_edges(e);
-            let convex = around.iter().filter(|h| on_hull(h.face())).count();
-            edges.push(match convex {
-                0 => {
-                    let facets = if edge.from == edge.to {
-                        Vec::new() // the short side of a collapsed face
-                    } else {
-                        assignment.facets_of_segment(mesh, [edge.from, edge.to])
-                    };
-                    let ends = [edge.from.0, edge.to.0];
-                    ridges_on_facets
-                        .extend(facets.iter().map(|&facet| RidgeOnFacet { facet, ends }));
-                    if facets.is_empty() {
-                        Feature::Concavity
-                    } else {
-                        ridges.push(e);
-                        Feature::Convex
-                    }
-                }
-                n if n == around.len() => Feature::Convex,
-                _ => Feature::Boundary,
-            });
+        for e in (0..topology.edges().len() as u32).map(EdgeId) {
+            let (feature, on_facets) = judge_edge(mesh, topology, assignment, e);
+            edges.push(feature);
+            if !on_facets.is_empty() {
+                ridges.push(e);
+                ridges_on_facets.extend(on_facets);
+            }
         }
         let mut isolated = Vec::new();
         let mut on_ridge = vec![false; mesh.vertices().len()];
@@ -106,18 +90,11 @@ impl Features {
             on_ridge[edge.to.index()] = true;
         }
         let vertex = |v: VertexId| {
-            let faces = topology.faces_at(v);
-            match faces.iter().filter(|&&f| on_hull(f)).count() {
-                0 if assignment.facets_of(v).is_empty() => Feature::Concavity,
-                0 => {
-                    if !on_ridge[v.index()] {
-                        isolated.push(v);
-                    }
-                    Feature::Convex
-                }
-                n if n == faces.len() => Feature::Convex,
-                _ => Feature::Boundary,
+            let (feature, alone) = judge_vertex(topology, assignment, v);
+            if alone && !on_ridge[v.index()] {
+                isolated.push(v);
             }
+            feature
         };
         let vertices = (0..mesh.vertices().len() as u32).map(VertexId).map(vertex).collect();
         ridges_on_facets.sort_unstable();
@@ -233,6 +210,44 @@ impl Features {
             }
         }
         Ok(())
+    }
+}
+
+/// Where an edge lies, and the facets that it lies on if it is a ridge.
+fn judge_edge(
+    mesh: &Mesh,
+    topology: &Topology,
+    assignment: &Assignment,
+    id: EdgeId,
+) -> (Feature, Vec<RidgeOnFacet>) {
+    let around = topology.half_edges(id);
+    let on_hull = |h: &&HalfEdgeId| assignment.facet_of_face[h.face().index()] != NONE;
+    match around.iter().filter(on_hull).count() {
+        0 => {
+            let edge = topology.edges()[id.index()];
+            if edge.from == edge.to {
+                return (Feature::Concavity, Vec::new()); // the short side of a collapsed face
+            }
+            let facets = assignment.facets_of_segment(mesh, [edge.from, edge.to]);
+            let ends = [edge.from.0, edge.to.0];
+            let ridges: Vec<_> =
+                facets.into_iter().map(|facet| RidgeOnFacet { facet, ends }).collect();
+            let feature = if ridges.is_empty() { Feature::Concavity } else { Feature::Convex };
+            (feature, ridges)
+        }
+        n if n == around.len() => (Feature::Convex, Vec::new()),
+        _ => (Feature::Boundary, Vec::new()),
+    }
+}
+
+/// Where a vertex lies, and whether it lies on the hull without a convex face.
+fn judge_vertex(topology: &Topology, assignment: &Assignment, v: VertexId) -> (Feature, bool) {
+    let faces = topology.faces_at(v);
+    match faces.iter().filter(|f| assignment.facet_of_face[f.index()] != NONE).count() {
+        0 if assignment.facets_of(v).is_empty() => (Feature::Concavity, false),
+        0 => (Feature::Convex, true),
+        n if n == faces.len() => (Feature::Convex, false),
+        _ => (Feature::Boundary, false),
     }
 }
 

@@ -23,7 +23,7 @@ const SLAB: f64 = 2.0;
 const FANOUT: usize = 8;
 
 /// The slabs of a hull and a tree of boxes over its facets.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Slabs {
     slabs: Vec<Slab>,
     /// Facets in the order of the nodes on the lowest level.

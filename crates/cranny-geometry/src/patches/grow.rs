@@ -10,10 +10,11 @@
 //! Cost: O(n) for growth, O(p log p) for merging p patches. Only the order of faces, ratios of lengths
 //! and angles decide: scaling by a power of two changes nothing.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use cranny_exact::Aabb;
 
+use super::Patch;
 use super::cone::{NormalCone, unit_normal};
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
@@ -50,6 +51,23 @@ pub(super) struct Growing {
 }
 
 impl Growing {
+    /// A patch that has stopped growing.
+    pub(super) fn finished(mesh: &Mesh, patch: &Patch, faces: &[FaceId]) -> Self {
+        let has_normal = (patch.needles as usize) < faces.len();
+        let squares = faces.iter().map(|&f| diagonal_squared(&Aabb::of_points(mesh.triangle(f))));
+        Self {
+            cone: has_normal.then_some(patch.cone),
+            bounds: patch.bounds,
+            face_squared: squares.fold(0.0, f64::max),
+            faces: faces.len() as u32,
+        }
+    }
+
+    /// Whether its box keeps the limit.
+    pub(super) fn fits(&self, limits: &Limits) -> bool {
+        diagonal_squared(&self.bounds) <= limits.diagonal_squared(self.face_squared)
+    }
+
     pub(super) fn alone(mesh: &Mesh, face: FaceId) -> Self {
         let cone = unit_normal(mesh, face).map(NormalCone::of_direction);
         let bounds = Aabb::of_points(mesh.triangle(face));
@@ -70,6 +88,11 @@ impl Limits {
     /// The largest square of a diagonal for a patch whose largest face has this one.
     pub(super) fn diagonal_squared(&self, face_squared: f64) -> f64 {
         self.diagonal_squared.max(BEYOND_LARGEST_FACE * face_squared)
+    }
+
+    /// Whether a patch in this box is small enough whatever its faces.
+    pub(super) fn allow(&self, bounds: &Aabb) -> bool {
+        diagonal_squared(bounds) <= self.diagonal_squared
     }
 
     /// Both together, if the limits allow.
@@ -120,50 +143,121 @@ pub(super) fn for_each_neighbor(
 /// Divides all faces of a mesh.
 pub(super) fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
     let limits = Limits::of(mesh);
-    let (mut patch_of, mut patches) = grown(mesh, topology, &limits);
-    let sets = merged(&limits, borders(mesh, topology, &patch_of), &mut patches);
-    let mut number = vec![u32::MAX; patches.len()];
-    let mut joined = Vec::new();
-    for patch in &mut patch_of {
-        let set = sets[*patch as usize] as usize;
-        if number[set] == u32::MAX {
-            number[set] = joined.len() as u32;
-            joined.push(patches[set]);
-        }
-        *patch = number[set];
-    }
-    Partition { patch_of, patches: joined }
+    let (patch_of, patches) = grown(mesh, topology, &limits);
+    Partition { patch_of, patches }.merged(mesh, topology, &limits)
 }
 
-fn grown(mesh: &Mesh, topology: &Topology, limits: &Limits) -> (Vec<u32>, Vec<Growing>) {
-    const NONE: u32 = u32::MAX;
-    let count = mesh.faces().len();
-    let mut patch_of = vec![NONE; count];
-    let mut patches = Vec::new();
-    let mut front = VecDeque::new();
-    for seed in 0..count {
-        if patch_of[seed] != NONE {
-            continue;
+impl Partition {
+    /// Joins what fits together, and numbers patches in the order of their lowest faces.
+    pub(super) fn merged(mut self, mesh: &Mesh, topology: &Topology, limits: &Limits) -> Self {
+        let borders = borders(mesh, topology, &self.patch_of);
+        let sets = merged(limits, borders, &mut self.patches);
+        let mut number = vec![NONE; self.patches.len()];
+        let mut joined = Vec::new();
+        for patch in &mut self.patch_of {
+            let set = sets[*patch as usize] as usize;
+            if number[set] == NONE {
+                number[set] = joined.len() as u32;
+                joined.push(self.patches[set]);
+            }
+            *patch = number[set];
         }
-        let id = patches.len() as u32;
-        let mut patch = Growing::alone(mesh, FaceId(seed as u32));
-        patch_of[seed] = id;
-        front.push_back(FaceId(seed as u32));
-        while let Some(face) = front.pop_front() {
-            for_each_neighbor(topology, face, |_, next| {
-                if patch_of[next.index()] != NONE {
-                    return;
-                }
-                if let Some(larger) = limits.joined(&patch, &Growing::alone(mesh, next)) {
-                    patch = larger;
-                    patch_of[next.index()] = id;
-                    front.push_back(next);
-                }
-            });
-        }
-        patches.push(patch);
+        Self { patch_of: self.patch_of, patches: joined }
     }
-    (patch_of, patches)
+}
+
+/// Faces that have no patch yet.
+trait Free {
+    fn has(&self, face: FaceId) -> bool;
+    fn take(&mut self, face: FaceId);
+}
+
+/// Patch numbers of all faces, and the number that those taken get.
+struct Numbering {
+    patch_of: Vec<u32>,
+    number: u32,
+}
+
+impl Free for Numbering {
+    fn has(&self, face: FaceId) -> bool {
+        self.patch_of[face.index()] == NONE
+    }
+
+    fn take(&mut self, face: FaceId) {
+        self.patch_of[face.index()] = self.number;
+    }
+}
+
+impl Free for BTreeSet<FaceId> {
+    fn has(&self, face: FaceId) -> bool {
+        self.contains(&face)
+    }
+
+    fn take(&mut self, face: FaceId) {
+        self.remove(&face);
+    }
+}
+
+/// No patch.
+const NONE: u32 = u32::MAX;
+
+fn grown(mesh: &Mesh, topology: &Topology, limits: &Limits) -> (Vec<u32>, Vec<Growing>) {
+    let count = mesh.faces().len();
+    let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
+    let mut patches = Vec::new();
+    for seed in (0..count as u32).map(FaceId) {
+        if numbering.has(seed) {
+            patches.push(grow_from(seed, mesh, topology, limits, &mut numbering, |_| {}));
+            numbering.number += 1;
+        }
+    }
+    (numbering.patch_of, patches)
+}
+
+/// Patches grown from some faces alone: more than one where they no longer make a patch.
+pub(super) fn divided(
+    mesh: &Mesh,
+    topology: &Topology,
+    limits: &Limits,
+    faces: &[FaceId],
+) -> Vec<(Growing, Vec<FaceId>)> {
+    let mut left: BTreeSet<FaceId> = faces.iter().copied().collect();
+    let mut patches = Vec::new();
+    while let Some(&seed) = left.first() {
+        let mut taken = Vec::new();
+        let patch = grow_from(seed, mesh, topology, limits, &mut left, |f| taken.push(f));
+        patches.push((patch, taken));
+    }
+    patches
+}
+
+/// Grows one patch, breadth-first.
+fn grow_from(
+    seed: FaceId,
+    mesh: &Mesh,
+    topology: &Topology,
+    limits: &Limits,
+    free: &mut impl Free,
+    mut taken: impl FnMut(FaceId),
+) -> Growing {
+    let mut patch = Growing::alone(mesh, seed);
+    let mut front = VecDeque::from([seed]);
+    free.take(seed);
+    taken(seed);
+    while let Some(face) = front.pop_front() {
+        for_each_neighbor(topology, face, |_, next| {
+            if !free.has(next) {
+                return;
+            }
+            if let Some(larger) = limits.joined(&patch, &Growing::alone(mesh, next)) {
+                patch = larger;
+                free.take(next);
+                taken(next);
+                front.push_back(next);
+            }
+        });
+    }
+    patch
 }
 
 /// Joins small patches to neighbours, smallest first, until no limit allows any more; returns the set

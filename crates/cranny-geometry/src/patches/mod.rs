@@ -19,6 +19,7 @@ mod cone;
 mod grow;
 mod slab;
 mod top;
+mod update;
 
 use std::collections::BTreeSet;
 
@@ -108,10 +109,24 @@ impl Patches {
     /// Divides the faces of a mesh whose adjacency is `topology`.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
-        let grow::Partition { patch_of, patches: grown } = grow::partition(mesh, topology);
-        let count = grown.len();
-        let faces = Lists::of(count, (0..).map(FaceId).zip(patch_of.iter().copied()));
+        let partition = grow::partition(mesh, topology);
+        let count = partition.patches.len();
+        let faces = Lists::of(count, (0..).map(FaceId).zip(partition.patch_of.iter().copied()));
         let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
+        let slabs = Slab::of_nodes(mesh, trees.arena());
+        Self::assemble(mesh, topology, partition, trees, slabs)
+    }
+
+    /// From a partition, trees over its parts, and the slabs of these.
+    fn assemble(
+        mesh: &Mesh,
+        topology: &Topology,
+        partition: grow::Partition,
+        trees: FaceForest,
+        slabs: Vec<Slab>,
+    ) -> Self {
+        let grow::Partition { patch_of, patches: grown } = partition;
+        let count = grown.len();
         let patches: Vec<Patch> = grown
             .iter()
             .enumerate()
@@ -132,7 +147,6 @@ impl Patches {
             .collect();
         let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));
         let edges = Lists::of(count, (0..).map(EdgeId).zip(patch_of_edge.iter().map(|p| p.0)));
-        let slabs = Slab::of_nodes(mesh, trees.arena());
         let top = PatchTree::over(&patches);
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
         Self {

@@ -3,6 +3,8 @@
 //! Where two surfaces lie along each other, boxes of slanted faces are thicker than the gap. A plane
 //! above the faces is not: the heights of two such planes bound the gap between two nodes.
 
+use std::ops::Range;
+
 use cranny_exact::DVec3;
 
 use crate::mesh::Mesh;
@@ -21,19 +23,24 @@ pub struct Slab {
 impl Slab {
     /// Those of all nodes of an arena, in its order. Cost: O(n log n).
     pub(super) fn of_nodes(mesh: &Mesh, arena: &FaceTree) -> Vec<Self> {
-        let count = arena.nodes().len();
+        Self::of_trees(mesh, arena, 0..arena.nodes().len())
+    }
+
+    /// Those of the nodes of some whole trees, which stand together in the arena.
+    pub(super) fn of_trees(mesh: &Mesh, arena: &FaceTree, nodes: Range<usize>) -> Vec<Self> {
+        let (first, count) = (nodes.start, nodes.len());
         let (mut areas, mut ranges) = (vec![DVec3::ZERO; count], vec![[0, 0]; count]);
         let mut slabs = vec![Self { normal: DVec3::ZERO, height: 0.0 }; count];
         // Children stand behind their parents, and the faces beneath a node side by side.
         for node in (0..count).rev() {
-            (areas[node], ranges[node]) = match arena.content(node as u32) {
+            (areas[node], ranges[node]) = match arena.content((first + node) as u32) {
                 Content::Leaf { start, end } => {
                     let range = [start as usize, end as usize];
                     let faces = &arena.faces()[range[0]..range[1]];
                     (faces.iter().map(|&f| mesh.area_vector(f)).sum(), range)
                 }
                 Content::Inner { left, right } => {
-                    let (left, right) = (left as usize, right as usize);
+                    let (left, right) = (left as usize - first, right as usize - first);
                     let range = [
                         ranges[left][0].min(ranges[right][0]),
                         ranges[left][1].max(ranges[right][1]),

@@ -1,7 +1,7 @@
 //! Many trees in one array: one a concavity, or one a patch.
 
 use super::build::Grower;
-use super::{Content, FaceTree, Node, face_boxes};
+use super::{Content, FaceTree, GrownAreas, MovedFace, Node, NodeChanges, face_boxes};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -38,6 +38,58 @@ impl FaceForest {
             starts.push([arena.nodes.len() as u32, arena.faces.len() as u32]);
         }
         Self { arena, starts }
+    }
+
+    /// The same trees but for those of some groups: the tree over group `i` is tree `kept(i)` of this
+    /// forest, where there is one, moved; the others are built.
+    ///
+    /// Cost: copying, and O(n log m) for the faces of the groups that are built.
+    pub(crate) fn updated<'g>(
+        &self,
+        mesh: &Mesh,
+        groups: impl IntoIterator<Item = &'g [FaceId]>,
+        leaf_size: usize,
+        kept: impl Fn(usize) -> Option<usize>,
+    ) -> Self {
+        let mut grower = Grower::new(leaf_size);
+        let mut arena = FaceTree { nodes: Vec::new(), faces: Vec::new() };
+        let mut starts = vec![[0, 0]];
+        for (group, faces) in groups.into_iter().enumerate() {
+            match kept(group) {
+                Some(tree) => {
+                    let [from_node, from_face] = self.starts[tree];
+                    let (nodes, held) = (arena.nodes.len() as u32, arena.faces.len() as u32);
+                    arena.nodes.extend(self.nodes(tree).iter().map(|&node| {
+                        let inner = node.count == 0;
+                        let (from, to) = if inner { (from_node, nodes) } else { (from_face, held) };
+                        Node { content: node.content - from + to, ..node }
+                    }));
+                    arena.faces.extend_from_slice(self.faces(tree));
+                }
+                None => grower.grow(face_boxes(mesh, faces), &mut arena.nodes, &mut arena.faces),
+            }
+            starts.push([arena.nodes.len() as u32, arena.faces.len() as u32]);
+        }
+        Self { arena, starts }
+    }
+
+    /// [`FaceTree::refit`] of one tree.
+    pub(crate) fn refit(
+        &mut self,
+        tree: usize,
+        mesh: &Mesh,
+        moved: &[MovedFace],
+        leaf_size: usize,
+        grown: &mut GrownAreas,
+        changes: &mut NodeChanges,
+    ) -> bool {
+        self.root(tree)
+            .is_none_or(|root| self.arena.refit(root, mesh, moved, leaf_size, grown, changes))
+    }
+
+    /// The range of nodes of tree `tree < len()`.
+    pub(crate) fn node_range(&self, tree: usize) -> std::ops::Range<usize> {
+        self.starts[tree][0] as usize..self.starts[tree + 1][0] as usize
     }
 
     /// Number of trees.

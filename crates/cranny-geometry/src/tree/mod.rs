@@ -6,11 +6,14 @@
 
 mod build;
 mod forest;
+mod refit;
 
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::Grower;
 pub use self::forest::FaceForest;
+pub use self::refit::NodeChanges;
+pub(crate) use self::refit::{GrownAreas, MovedFace};
 
 use crate::ids::FaceId;
 use crate::mesh::Mesh;

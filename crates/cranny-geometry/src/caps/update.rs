@@ -1,0 +1,82 @@
+//! Caps after some facets have other faces on them, or faces that have moved. The hull is the same.
+//!
+//! The cap of a facet depends on its own chain and on where its edges are divided, which the facets
+//! across these edges have a say in. So the caps of the facets named and of those across their edges
+//! are made again, from the chains of these and of one more ring around them.
+
+use std::collections::BTreeSet;
+
+use super::{CapSurface, divide_alike, open_chains, ridges_of};
+use crate::features::{Assignment, RidgeOnFacet};
+use crate::hull::{ConvexHull, FacetId};
+use crate::ids::{CapId, HalfEdgeId};
+use crate::mesh::Mesh;
+use crate::topology::Topology;
+
+impl CapSurface {
+    /// The caps after the faces on the facets `stale`, ascending, or the ridges there, have changed or
+    /// moved; and how many facets were looked at.
+    ///
+    /// Cost: O(n log n) in the faces and triangles of these facets, and a pass over the facets of all
+    /// faces and over all cap triangles, which are copied.
+    pub(crate) fn updated(
+        &self,
+        mesh: &Mesh,
+        topology: &Topology,
+        hull: &ConvexHull,
+        assignment: &Assignment,
+        ridges: &[RidgeOnFacet],
+        stale: &[u32],
+    ) -> (Self, usize) {
+        let stale: BTreeSet<u32> = with_neighbours(hull, &stale.iter().copied().collect());
+        let around = with_neighbours(hull, &stale);
+        let mut chains = open_chains(mesh, topology, hull, assignment, around.iter().copied());
+        divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
+
+        let mut updated = Self { facet_starts: vec![0], ..Self::default() };
+        let mut chains = chains.into_iter().peekable();
+        for facet in 0..hull.facet_count() as u32 {
+            let chain = chains.next_if(|(id, _)| *id == facet).map(|(_, chain)| chain);
+            if !stale.contains(&facet) {
+                updated.copy(self, facet);
+            } else if let Some(chain) = chain.filter(|chain| !chain.is_empty()) {
+                let id = FacetId(facet);
+                updated.cover(mesh, hull.facet(id), id, &chain, ridges_of(ridges, facet));
+            }
+            updated.facet_starts.push(updated.triangles.len() as u32);
+        }
+        (updated, around.len())
+    }
+
+    /// Appends the caps of a facet as they are in `other`.
+    fn copy(&mut self, other: &Self, facet: u32) {
+        let range = other.of_facet(FacetId(facet));
+        if range.is_empty() {
+            return;
+        }
+        let first = self.triangles.len() as u32;
+        let row = range.start as usize..range.end as usize;
+        self.triangles.extend_from_slice(&other.triangles[row]);
+        let from = other.negative.partition_point(|cap| cap.0 < range.start);
+        let to = other.negative.partition_point(|cap| cap.0 < range.end);
+        let negative = &other.negative[from..to];
+        self.negative.extend(negative.iter().map(|cap| CapId(cap.0 - range.start + first)));
+        if other.crossed.binary_search(&FacetId(facet)).is_ok() {
+            self.crossed.push(FacetId(facet));
+        }
+    }
+}
+
+/// Some facets and those across their edges.
+fn with_neighbours(hull: &ConvexHull, facets: &BTreeSet<u32>) -> BTreeSet<u32> {
+    let mut around = facets.clone();
+    for &facet in facets {
+        for &t in hull.facet(FacetId(facet)).triangles {
+            around.extend(
+                (3 * t..3 * t + 3)
+                    .map(|h| hull.facet_of_triangle(hull.twin(HalfEdgeId(h)).index() / 3).0),
+            );
+        }
+    }
+    around
+}

@@ -1,0 +1,109 @@
+//! What a deformation is asked for and tells: errors, changes, work.
+
+use cranny_exact::DomainError;
+use thiserror::Error;
+
+use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
+use crate::tree::NodeChanges;
+
+/// Moves that are refused; the model is as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum DeformError {
+    /// A vertex that the mesh does not have.
+    #[error(
+        "move {at} names vertex {}, but the mesh has {vertices} vertices (numbered from 0)", vertex.0
+    )]
+    UnknownVertex {
+        /// Which move.
+        at: usize,
+        /// The vertex named.
+        vertex: VertexId,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A vertex that is moved twice.
+    #[error("vertex {} is moved more than once", vertex.0)]
+    MovedTwice {
+        /// Which.
+        vertex: VertexId,
+    },
+    /// A place outside the domain.
+    #[error("vertex {}: {source}", vertex.0)]
+    Coordinate {
+        /// The vertex.
+        vertex: VertexId,
+        /// What is wrong with its new place.
+        source: DomainError,
+    },
+    /// No face would have an area.
+    #[error("after these moves all {faces} faces have zero area")]
+    OnlyDegenerateFaces {
+        /// Number of faces.
+        faces: usize,
+    },
+    /// A closed body would be turned inside out.
+    #[error("after these moves the body is inside out: its volume is {volume:?}")]
+    InsideOut {
+        /// What its volume would be.
+        volume: f64,
+    },
+}
+
+/// What a deformation has changed, for whoever keeps something about the model.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChangeSet {
+    /// Vertices that are in another place; ascending.
+    pub vertices: Vec<VertexId>,
+    /// Faces with such a vertex; ascending.
+    pub faces: Vec<FaceId>,
+    /// Faces that came onto the hull or left it; ascending.
+    pub reclassified: Vec<FaceId>,
+    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers.
+    pub hull: bool,
+    /// For each concavity before, by its id, the id of the one that has the same faces; `None` where there
+    /// is no such.
+    pub concavities: Vec<Option<ConcavityId>>,
+    /// Concavities, by their ids afterwards, that have another shape than before: faces or caps of them
+    /// have moved, or are others. Ascending.
+    pub reshaped: Vec<ConcavityId>,
+    /// For each patch before, by its id, the id of the one that has the same faces; `None` where there is
+    /// no such.
+    pub patches: Vec<Option<PatchId>>,
+    /// Nodes of [`Model::tree`](crate::Model::tree).
+    pub tree: NodeChanges,
+    /// Nodes of the arena of [`Model::concavity_trees`](crate::Model::concavity_trees).
+    pub concavity_trees: NodeChanges,
+    /// Nodes of the arena of the [trees of patches](crate::Patches::trees).
+    pub patch_trees: NodeChanges,
+    /// What was done.
+    pub work: Work,
+}
+
+impl ChangeSet {
+    /// Whether the model is as it was.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+}
+
+/// How much geometry a deformation has looked at: figures that do not depend on the machine.
+///
+/// Passes that only number things (a few nanoseconds a face) are not counted; where they happen stands
+/// with [`Model::deform`](crate::Model::deform).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Faces judged: on the hull or not.
+    pub faces: usize,
+    /// Facets of the hull whose caps were looked at.
+    pub facets: usize,
+    /// Triangles of the hull whose planes were measured.
+    pub hull_triangles: usize,
+    /// Nodes of trees, all kinds, whose boxes were computed.
+    pub nodes: usize,
+    /// Faces of concavities whose envelopes were built.
+    pub enveloped: usize,
+    /// Faces of patches that were measured.
+    pub patched: usize,
+}

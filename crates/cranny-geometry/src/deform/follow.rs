@@ -1,0 +1,271 @@
+//! A deformation under way: stage after stage follows the moved vertices.
+
+use cranny_exact::Aabb;
+use cranny_exact::DVec3;
+
+use super::{ChangeSet, Workshop};
+use crate::caps::CapSurface;
+use crate::concavity::Concavities;
+use crate::envelope::Pocket;
+use crate::features::{Assignment, Features, NONE, Reassigned};
+use crate::hull::{ConvexHull, HullKind, Location};
+use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
+use crate::mass::MassProperties;
+use crate::model::{Parts, digest, openings, radius};
+use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
+
+pub(super) struct Deformation<'a> {
+    parts: &'a mut Parts,
+    workshop: &'a mut Workshop,
+    moved: Vec<MovedFace>,
+    change: ChangeSet,
+}
+
+impl<'a> Deformation<'a> {
+    /// Moves the vertices, whose faces are `faces`; both ascending.
+    pub(super) fn begin(
+        parts: &'a mut Parts,
+        workshop: &'a mut Workshop,
+        moves: &[(VertexId, DVec3)],
+        faces: Vec<FaceId>,
+    ) -> Self {
+        let old =
+            |&face: &FaceId| MovedFace { face, old: Aabb::of_points(parts.mesh.triangle(face)) };
+        let moved = faces.iter().map(old).collect();
+        for &(vertex, place) in moves {
+            parts.mesh.set_position(vertex, place);
+        }
+        let vertices = moves.iter().map(|m| m.0).collect();
+        Self {
+            parts,
+            workshop,
+            moved,
+            change: ChangeSet { vertices, faces, ..ChangeSet::default() },
+        }
+    }
+
+    pub(super) fn run(mut self) -> ChangeSet {
+        self.fit_tree();
+        self.follow_with_patches();
+        if self.keeps_hull() {
+            self.classify_moved();
+        } else {
+            self.rebuild_hull();
+        }
+        self.measure();
+        let nodes = [&self.change.tree, &self.change.concavity_trees, &self.change.patch_trees];
+        self.change.work.nodes = nodes.iter().map(|n| n.count()).sum();
+        self.change
+    }
+
+    fn fit_tree(&mut self) {
+        let Parts { mesh, tree, leaf_size, .. } = &mut *self.parts;
+        let (grown, changes) = (&mut self.workshop.tree, &mut self.change.tree);
+        if tree.refit(0, mesh, &self.moved, *leaf_size, grown, changes) {
+            changes.settle();
+        } else {
+            *tree = FaceTree::of(mesh, *leaf_size);
+            *grown = GrownAreas::of(tree);
+            *changes = NodeChanges { renumbered: true, ..NodeChanges::default() };
+        }
+    }
+
+    fn follow_with_patches(&mut self) {
+        let Parts { mesh, topology, patches, .. } = &mut *self.parts;
+        let size = |p: usize| patches.faces(PatchId(p as u32)).len();
+        let sizes: Vec<usize> = (0..patches.len()).map(size).collect();
+        let update = patches.update(mesh, topology, &self.moved, &mut self.workshop.patch_trees);
+        self.change.work.patched = update.touched.iter().map(|&p| sizes[p as usize]).sum();
+        self.change.patches = update.map;
+        self.change.patch_trees = update.nodes;
+    }
+
+    /// Whether the hull is that of the moved mesh too; the lowest of the vertices in one place stands
+    /// for all.
+    fn keeps_hull(&self) -> bool {
+        let Parts { mesh, hull, .. } = &*self.parts;
+        hull.kind() == HullKind::Volume
+            && self.change.vertices.iter().all(|&v| {
+                let place = mesh.position(v);
+                hull.vertex_of_source(v).is_none()
+                    && match hull.locate(place) {
+                        Location::Inside => true,
+                        Location::On => !hull.positions().contains(&place),
+                        Location::Outside => false,
+                    }
+            })
+    }
+
+    /// The hull is as it was: faces that have moved may come onto it, or leave it.
+    fn classify_moved(&mut self) {
+        let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
+        let Workshop { assignment, ridges, .. } = &mut *self.workshop;
+        let ChangeSet { vertices, faces, .. } = &self.change;
+        let (reassigned, judged) = assignment.update(mesh, topology, vertices, faces);
+        let isolated = features.isolated_vertices().to_vec();
+        let mut facets = features.update(mesh, topology, assignment, faces, &reassigned, ridges);
+        facets.extend(reassigned.iter().flat_map(|change| [change.before, change.after]));
+        facets.extend(faces.iter().map(|f| assignment.facet_of_face[f.index()]));
+        facets.retain(|&facet| facet != NONE);
+        facets.sort_unstable();
+        facets.dedup();
+        self.change.work.faces = judged;
+        self.change.reclassified =
+            reassigned.iter().filter(|r| Reassigned::changes_class(r)).map(|r| r.face).collect();
+
+        if facets.is_empty() && isolated == features.isolated_vertices() {
+            self.remeasure_concavities();
+            return;
+        }
+        let caps = concavities.cap_surface();
+        let (caps, looked_at) = caps.updated(mesh, topology, hull, assignment, ridges, &facets);
+        self.change.work.facets = looked_at;
+        self.renumber_concavities(caps);
+    }
+
+    /// The hull is another one.
+    fn rebuild_hull(&mut self) {
+        let Parts { mesh, topology, hull, features, flatness, .. } = &mut *self.parts;
+        *hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
+        let assignment = Assignment::of(mesh, topology, hull);
+        let (classified, ridges) = Features::of(mesh, topology, &assignment);
+        let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
+        let before = std::mem::replace(features, classified);
+        let faces = (0..mesh.faces().len() as u32).map(FaceId);
+        self.change.reclassified =
+            faces.filter(|&f| before.is_convex(f) != features.is_convex(f)).collect();
+        self.change.hull = true;
+        self.change.work.faces = mesh.faces().len();
+        self.change.work.facets = hull.facet_count();
+        self.change.work.hull_triangles = hull.triangle_count();
+        self.workshop.assignment = assignment;
+        self.workshop.ridges = ridges;
+        self.renumber_concavities(caps);
+    }
+
+    /// Faces beneath caps have moved, and nothing else that concavities consist of.
+    fn remeasure_concavities(&mut self) {
+        let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
+        let of_faces = self.change.faces.iter().filter_map(|&f| concavities.of_face(f));
+        let mut reshaped: Vec<ConcavityId> = of_faces.collect();
+        reshaped.sort_unstable();
+        reshaped.dedup();
+        concavities.remeasure(mesh, topology, hull, features, &reshaped);
+        self.change.concavities = concavities.iter().map(|c| Some(c.id())).collect();
+        self.change.reshaped = reshaped;
+        let same: Vec<Option<usize>> = (0..concavities.len()).map(Some).collect();
+        let openings = openings(concavities);
+        self.follow_with_trees(&same);
+        self.follow_with_envelopes(&same, &openings);
+    }
+
+    /// Faces or caps are others.
+    fn renumber_concavities(&mut self, caps: CapSurface) {
+        let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
+        let new = Concavities::of(mesh, topology, hull, features, caps);
+        let old = std::mem::replace(concavities, new);
+        let has_faces_of = |i: u32| {
+            let faces = concavities.get(ConcavityId(i)).faces;
+            let before = old.of_face(*faces.first()?)?;
+            (old.get(before).faces == faces).then_some(before)
+        };
+        let same: Vec<Option<ConcavityId>> =
+            (0..concavities.len() as u32).map(has_faces_of).collect();
+        let mut map = vec![None; old.len()];
+        for (id, before) in (0..).map(ConcavityId).zip(&same) {
+            match before {
+                Some(before) => {
+                    map[before.index()] = Some(id);
+                    if !self.has_same_caps(&old, *before, id) {
+                        self.change.reshaped.push(id);
+                    }
+                }
+                None => self.change.reshaped.push(id),
+            }
+        }
+        let concavities = &self.parts.concavities;
+        let moved = self.change.faces.iter().filter_map(|&f| concavities.of_face(f));
+        self.change.reshaped.extend(moved);
+        self.change.reshaped.sort_unstable();
+        self.change.reshaped.dedup();
+        self.change.concavities = map;
+        let same: Vec<Option<usize>> = same.iter().map(|s| s.map(ConcavityId::index)).collect();
+        let openings = openings(&old);
+        self.follow_with_trees(&same);
+        self.follow_with_envelopes(&same, &openings);
+    }
+
+    /// Whether a concavity has the caps that it had, in the same place.
+    fn has_same_caps(&self, old: &Concavities, before: ConcavityId, id: ConcavityId) -> bool {
+        let new = &self.parts.concavities;
+        let (a, b) = (old.get(before).caps, new.get(id).caps);
+        a.len() == b.len()
+            && a.iter().zip(b).all(|(&a, &b)| {
+                let corners = old.cap(a).corners;
+                corners == new.cap(b).corners
+                    && corners.iter().all(|v| self.change.vertices.binary_search(v).is_err())
+            })
+    }
+
+    /// `same`: for each concavity the one before that has the same faces.
+    fn follow_with_trees(&mut self, same: &[Option<usize>]) {
+        let Parts { mesh, concavities, concavity_trees: trees, .. } = &mut *self.parts;
+        let grown = &mut self.workshop.concavity_trees;
+        let changes = &mut self.change.concavity_trees;
+        let groups = || concavities.iter().map(|c| c.faces);
+        const LEAF_SIZE: usize = FaceForest::DEFAULT_LEAF_SIZE;
+        let in_place =
+            same.len() == trees.len() && same.iter().enumerate().all(|(i, s)| *s == Some(i));
+        if !in_place {
+            let new = trees.updated(mesh, groups(), LEAF_SIZE, |i| same[i]);
+            *grown = grown.carried(trees, &new, |i| same[i]);
+            *trees = new;
+        }
+        let mut bad = Vec::new();
+        for &id in &self.change.reshaped {
+            let within = |m: &&MovedFace| concavities.of_face(m.face) == Some(id);
+            let moved: Vec<MovedFace> = self.moved.iter().filter(within).copied().collect();
+            let i = id.index();
+            let is_well = same[i].is_none()
+                || moved.is_empty()
+                || trees.refit(i, mesh, &moved, LEAF_SIZE, grown, changes);
+            if !is_well {
+                bad.push(i);
+            }
+        }
+        changes.settle();
+        if !bad.is_empty() {
+            let kept = |i: usize| (!bad.contains(&i)).then_some(i);
+            let new = trees.updated(mesh, groups(), LEAF_SIZE, kept);
+            *grown = grown.carried(trees, &new, kept);
+            *trees = new;
+        }
+        if !in_place || !bad.is_empty() {
+            *changes = NodeChanges { renumbered: true, ..NodeChanges::default() };
+        }
+    }
+
+    /// `openings`: how the lids of each concavity before opened.
+    fn follow_with_envelopes(&mut self, same: &[Option<usize>], before: &[Vec<DVec3>]) {
+        let Parts { mesh, concavities, envelopes, .. } = &mut *self.parts;
+        let openings = openings(concavities);
+        let mut moved = vec![false; concavities.len()];
+        for concavity in self.change.faces.iter().filter_map(|&f| concavities.of_face(f)) {
+            moved[concavity.index()] = true;
+        }
+        let kept = |i: usize| same[i].filter(|&old| !moved[i] && before[old] == openings[i]);
+        let built = concavities.iter().filter(|c| kept(c.id().index()).is_none());
+        self.change.work.enveloped = built.map(|c| c.faces.len()).sum();
+        let pockets = concavities.iter().zip(&openings);
+        let pockets = pockets.map(|(c, openings)| Pocket { faces: c.faces, openings });
+        *envelopes = envelopes.updated(mesh, pockets, kept);
+    }
+
+    fn measure(&mut self) {
+        let Parts { mesh, mass, radius: farthest, digest: hash, .. } = &mut *self.parts;
+        if let Some(mass) = mass {
+            *mass = MassProperties::of(mesh);
+        }
+        (*farthest, *hash) = (radius(mesh), digest(mesh));
+    }
+}
