@@ -32,6 +32,7 @@ pub mod concavity;
 mod deform;
 pub mod envelope;
 pub mod features;
+mod flatness;
 pub mod hull;
 mod ids;
 mod mass;
@@ -52,6 +53,7 @@ pub use concavity::Concavities;
 pub use deform::{ChangeSet, DeformError, Work};
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
 pub use features::Features;
+pub use flatness::Flatness;
 pub use hull::ConvexHull;
 pub use ids::{
     CapId, ComponentId, ConcavityId, ConvexSetId, EdgeId, EnvelopeFacetId, FaceId, HalfEdgeId,
@@ -59,7 +61,7 @@ pub use ids::{
 };
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
-pub use model::{BuildError, BuildOptions, Flatness, Model, Stage};
+pub use model::{BuildError, BuildOptions, Model, Stage};
 pub use patches::{NormalCone, Patch, PatchTree, Patches, Slab};
 pub use repair::Repair;
 pub use repair::proof::ProofError;

@@ -20,7 +20,8 @@ use crate::concavity::Concavities;
 use crate::deform::Workshop;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features};
-use crate::hull::{ConvexHull, FLATNESS};
+use crate::flatness::Flatness;
+use crate::hull::ConvexHull;
 use crate::ids::FaceId;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
@@ -52,48 +53,6 @@ pub struct BuildOptions {
     pub self_intersections: bool,
     /// How flat is flat. Default: [`Flatness::Auto`].
     pub flatness: Flatness,
-}
-
-/// How far from a plane, relative to the largest coordinate magnitude, points may lie that are meant to
-/// lie in it: the rounding of the coordinates as they were stored. Facets of the hull are merged by it,
-/// and what lies no deeper beneath them is on the hull.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Flatness {
-    /// [`Single`](Self::Single) where every coordinate is a number of single precision, for then it
-    /// probably was stored as one, otherwise [`Double`](Self::Double). Which was taken is in the report.
-    #[default]
-    Auto,
-    /// Coordinates are rounded to `f64`: [`FLATNESS`].
-    Double,
-    /// Coordinates are rounded to `f32`: [`Flatness::SINGLE`].
-    Single,
-    /// This much; at least 0, `NaN` counting as 0.
-    Relative(f64),
-}
-
-impl Flatness {
-    /// Rounding to `f32` moves a point by up to 2^-24 of each coordinate, so of a plane's points, the
-    /// plane being given by three of them, up to a few times that. Smaller, and the quads of a torus
-    /// stored so are not flat (`a_torus_is_one_passage_however_it_is_rounded`); larger, and shallow
-    /// marks on a surface are taken for rounding.
-    pub const SINGLE: f64 = 2e-7;
-
-    /// As a number, for this mesh.
-    #[must_use]
-    pub fn resolve(self, mesh: &Mesh) -> f64 {
-        match self {
-            Self::Auto if mesh.vertices().iter().all(|p| is_single(p.to_array())) => Self::SINGLE,
-            Self::Auto | Self::Double => FLATNESS,
-            Self::Single => Self::SINGLE,
-            Self::Relative(flatness) => flatness.max(0.0),
-        }
-    }
-}
-
-/// Whether the coordinates have no more digits than single precision holds, whatever their scale.
-fn is_single(point: [f64; 3]) -> bool {
-    const DIGITS_BEYOND_SINGLE: u64 = (1 << (52 - 23)) - 1;
-    point.iter().all(|x| x.to_bits() & DIGITS_BEYOND_SINGLE == 0)
 }
 
 impl BuildOptions {

@@ -88,6 +88,75 @@ fn a_torus_is_one_passage_however_it_is_rounded() {
     }
 }
 
+/// As a file keeps it that writes so many decimals.
+fn rounded_to_decimals(mesh: &Mesh, decimals: usize) -> Mesh {
+    let written = |x: f64| format!("{x:.decimals$}").parse::<f64>().unwrap();
+    moved(mesh, |p| DVec3::from_array(p.to_array().map(written)))
+}
+
+/// As a file keeps it that writes so many significant digits.
+fn rounded_to_digits(mesh: &Mesh, digits: usize) -> Mesh {
+    let places = digits - 1;
+    let written = |x: f64| format!("{x:.places$e}").parse::<f64>().unwrap();
+    moved(mesh, |p| DVec3::from_array(p.to_array().map(written)))
+}
+
+#[test]
+fn decimals_make_no_dents() {
+    let passage = (ConcavityKind::Passage, 2, 2);
+    let torus = Torus { major_segments: 40, minor_segments: 10, ..Torus::default() };
+    let mut teeth = vec![(ConcavityKind::Pocket, 1, 1); 16];
+    teeth.push(passage);
+    let bodies = [
+        (torus.build().unwrap(), vec![passage]),
+        (Gear::default().build().unwrap(), teeth),
+        (Sphere { segments: 24, rings: 12, ..Sphere::default() }.build().unwrap(), vec![]),
+    ];
+    for (mesh, expected) in bodies {
+        for mesh in [mesh.clone(), turned(&mesh)] {
+            for decimals in 4..=6 {
+                let model = closed_checked(&rounded_to_decimals(&mesh, decimals));
+                assert_eq!(census(&model), expected, "{decimals} decimals");
+                let model = closed_checked(&rounded_to_digits(&mesh, decimals + 1));
+                assert_eq!(census(&model), expected, "{} digits", decimals + 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quadrilateral_divided_the_other_way_is_no_dent() {
+    // The top of a cube, one corner lower: the hull folds it from 5 to 6, the mesh from 4 to 7, which
+    // makes a dent half as deep as the corner is low. Facets merge up to 1, slabs are 2 deep.
+    let built = |low: f64| {
+        let corner =
+            |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
+        let mut vertices: Vec<DVec3> = (0..8).map(corner).collect();
+        vertices[7].z -= low * 1e-3;
+        let sides = [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let mut faces = vec![[4, 5, 7], [4, 7, 6]];
+        faces.extend(sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]));
+        let options =
+            BuildOptions { flatness: Flatness::Relative(1e-3), ..BuildOptions::default() };
+        let model = Model::build(Mesh::new(vertices, faces).unwrap(), &options).unwrap().0;
+        let (features, all) = (model.features(), model.concavities());
+        all.validate(model.mesh(), model.topology(), model.hull(), features).unwrap();
+        (model.hull().facet_count(), census(&model), all.negative_caps().len())
+    };
+    assert_eq!(built(0.5), (6, vec![], 0));
+    assert_eq!(built(1.5), (7, vec![], 0));
+    assert_eq!(built(3.0), (7, vec![(ConcavityKind::Pocket, 1, 1)], 0));
+}
+
+#[test]
+fn shallow_pockets_on_a_lattice_stay() {
+    // Whole numbers: a hole a thousandth of the body's size deep, in a plate that reaches to 2000.
+    let plate = bodies::gridded_cuboid([3, 3, 2], |x, y| (x, y) == (1, 1));
+    let deep = |p: DVec3| DVec3::new(p.x * 500.0, p.y * 500.0, p.z);
+    let model = closed_checked(&moved(&plate, deep));
+    assert_eq!(census(&model), [(ConcavityKind::Passage, 2, 2)]);
+}
+
 #[test]
 fn vessels_are_counted_by_hand() {
     let pocket = |loops| (ConcavityKind::Pocket, 1, loops);
@@ -326,6 +395,13 @@ fn flatness_is_chosen_by_the_coordinates() {
     assert_eq!(flatness(&mesh, Flatness::Auto), cranny_geometry::hull::FLATNESS);
     assert_eq!(flatness(&single, Flatness::Auto), Flatness::SINGLE);
     assert_eq!(flatness(&single, Flatness::Double), cranny_geometry::hull::FLATNESS);
+    // The default torus reaches to 1.4: its largest coordinate decides.
+    let largest = mesh.vertices().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let decimals = |n| flatness(&rounded_to_decimals(&mesh, n), Flatness::Auto) * largest;
+    assert!((decimals(6) - 2e-6).abs() < 1e-11 && (decimals(5) - 2e-5).abs() < 1e-9);
+    assert_eq!(decimals(3) / largest, Flatness::DECIMAL_LIMIT);
+    assert!((decimals(9) - 2e-9).abs() < 1e-14);
+    assert_eq!(flatness(&rounded_to_digits(&mesh, 9), Flatness::Auto), Flatness::SINGLE);
     assert_eq!(flatness(&mesh, Flatness::Relative(-1.0)), 0.0);
     assert_eq!(flatness(&mesh, Flatness::Relative(f64::NAN)), 0.0);
 }

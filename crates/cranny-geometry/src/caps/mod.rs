@@ -15,6 +15,7 @@
 
 mod chain;
 mod interface;
+mod straddle;
 mod triangulate;
 mod update;
 
@@ -27,6 +28,7 @@ use crate::mesh::Mesh;
 use crate::topology::Topology;
 use chain::{ChainEdge, Origin, cancel};
 use interface::Divisions;
+use straddle::drop_straddled;
 pub(crate) use triangulate::outlines;
 
 /// The cap triangles of a hull, by facet.
@@ -54,6 +56,7 @@ impl CapSurface {
         let facets = 0..hull.facet_count() as u32;
         let mut chains = open_chains(mesh, topology, hull, assignment, facets);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
+        drop_straddled(mesh, hull, &mut chains, assignment.depth());
         let mut surface = Self { facet_starts: vec![0], ..Self::default() };
         for (facet, chain) in chains {
             if chain.is_empty() {

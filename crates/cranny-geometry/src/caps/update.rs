@@ -1,11 +1,13 @@
 //! Caps after some facets have other faces on them, or faces that have moved. The hull is the same.
 //!
-//! The cap of a facet depends on its own chain and on where its edges are divided, which the facets
-//! across these edges have a say in. So the caps of the facets named and of those across their edges
-//! are made again, from the chains of these and of one more ring around them.
+//! The cap of a facet depends on its own chain, on where its edges are divided, which the facets
+//! across these edges have a say in, and on which pieces of the chains of these are its own opposites. So
+//! the caps of the facets named and of two rings of facets around them are made again, from the
+//! chains of these and of two more rings.
 
 use std::collections::BTreeSet;
 
+use super::straddle::drop_straddled;
 use super::{CapSurface, divide_alike, open_chains, ridges_of};
 use crate::features::{Assignment, RidgeOnFacet};
 use crate::hull::{ConvexHull, FacetId};
@@ -28,10 +30,12 @@ impl CapSurface {
         ridges: &[RidgeOnFacet],
         stale: &[u32],
     ) -> (Self, usize) {
-        let stale: BTreeSet<u32> = with_neighbours(hull, &stale.iter().copied().collect());
-        let around = with_neighbours(hull, &stale);
+        let stale = stale.iter().copied().collect();
+        let stale = with_neighbours(hull, &with_neighbours(hull, &stale));
+        let around = with_neighbours(hull, &with_neighbours(hull, &stale));
         let mut chains = open_chains(mesh, topology, hull, assignment, around.iter().copied());
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
+        drop_straddled(mesh, hull, &mut chains, assignment.depth());
 
         let mut updated = Self { facet_starts: vec![0], ..Self::default() };
         let mut chains = chains.into_iter().peekable();

@@ -5,6 +5,9 @@
 //! own, the lowest id among equals. A face whose corners are all on the hull, but on no facet together,
 //! crosses the interior: it belongs to a concavity.
 //!
+//! A face that equals a triangle of the hull lies on that triangle's facet, whichever agrees better: so
+//! both cancel where caps are made.
+//!
 //! A *needle*, not wider than the slab is deep, has a normal made of rounding. It goes where the face
 //! across its longest edge went, for there it belongs whichever way it was rounded.
 //!
@@ -13,6 +16,7 @@
 
 use std::collections::BTreeMap;
 
+use super::corners::Corners;
 use super::slabs::Slabs;
 use crate::hull::ConvexHull;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
@@ -35,6 +39,7 @@ pub(crate) struct Assignment {
     facets: Vec<u32>,
     /// The facets of vertices that have moved since the rows above were written.
     pub(super) moved: BTreeMap<u32, Vec<u32>>,
+    corners: Corners,
     pub(super) slabs: Slabs,
 }
 
@@ -44,8 +49,14 @@ impl Assignment {
         let mut slabs = Slabs::of(hull);
         slabs.prepare_finder(hull);
         let (starts, facets) = facets_of_vertices(mesh, hull, &slabs);
-        let mut assignment =
-            Self { facet_of_face: Vec::new(), starts, facets, moved: BTreeMap::new(), slabs };
+        let mut assignment = Self {
+            facet_of_face: Vec::new(),
+            starts,
+            facets,
+            moved: BTreeMap::new(),
+            corners: Corners::of(mesh, hull),
+            slabs,
+        };
         assignment.assign(mesh, topology);
         assignment
     }
@@ -103,8 +114,9 @@ impl Assignment {
     ) -> Vec<FaceId> {
         let mut needles = Vec::new();
         for f in faces {
-            self.facet_of_face[f.index()] = NONE;
-            if self.may_lie_on_a_facet(mesh, f) {
+            let equal = self.corners.facet_of_equal(mesh.corners(f));
+            self.facet_of_face[f.index()] = equal.unwrap_or(NONE);
+            if equal.is_none() && self.may_lie_on_a_facet(mesh, f) {
                 if self.is_needle(mesh, f) {
                     needles.push(f);
                 } else {

@@ -1,0 +1,67 @@
+//! How flat is flat: by how much coordinates, rounded as they were stored, leave the plane they were meant for.
+
+use crate::hull::FLATNESS;
+use crate::mesh::Mesh;
+use crate::resolution::{decimal_step, is_single, largest};
+
+/// How far from a plane, relative to the largest coordinate magnitude, points may lie that are meant to
+/// lie in it: the rounding of the coordinates as they were stored. Facets of the hull are merged by it,
+/// and what lies no deeper beneath them is on the hull.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Flatness {
+    /// Read off the coordinates; which flatness was taken is in the report.
+    ///
+    /// Numbers written with few decimals or few significant digits give [`DECIMAL_STEPS`](Self::DECIMAL_STEPS)
+    /// of the last digit of the largest, at most [`DECIMAL_LIMIT`](Self::DECIMAL_LIMIT) and at least
+    /// what follows: [`Single`](Self::Single) where every coordinate has no more than nine digits, with
+    /// which such numbers are written, or is a number of single precision; otherwise
+    /// [`Double`](Self::Double). Scaled or turned after it was read, a mesh no longer shows how it was
+    /// written: then say it by [`Relative`](Self::Relative).
+    #[default]
+    Auto,
+    /// Coordinates are rounded to `f64`: [`FLATNESS`].
+    Double,
+    /// Coordinates are rounded to `f32`: [`Flatness::SINGLE`].
+    Single,
+    /// This much; at least 0, `NaN` counting as 0.
+    Relative(f64),
+}
+
+impl Flatness {
+    /// Rounding to `f32` moves a point by up to 2^-24 of each coordinate, so of a plane's points, the
+    /// plane being given by three of them, up to a few times that. Smaller, and the quads of a torus
+    /// stored so are not flat (`a_torus_is_one_passage_however_it_is_rounded`); larger, and shallow
+    /// marks on a surface are taken for rounding.
+    pub const SINGLE: f64 = 2e-7;
+
+    /// Rounding to a decimal grid moves a point by up to half a diagonal of a cell, 0.87 of a step, and
+    /// so the plane through three others. Smaller, and a torus written with six decimals has dents
+    /// (`decimals_make_no_dents`); larger, and marks a few steps deep are taken for rounding.
+    pub const DECIMAL_STEPS: f64 = 2.0;
+
+    /// On a coarse lattice (whole numbers) the step says nothing of precision. Smaller, and nuts of 15 mm
+    /// written in metres with six decimals, a step of 7e-5, have dents; larger, and pockets
+    /// of a thousandth of the body are taken for rounding (`shallow_pockets_on_a_lattice_stay`).
+    pub const DECIMAL_LIMIT: f64 = 1.5e-4;
+
+    /// The step of nine digits is no less than this share of the largest number. Smaller, and all large
+    /// numbers of double precision, whole as they are, pass for written ones; larger, and numbers of
+    /// single precision that were written so are taken for exact.
+    const NINE_DIGITS: f64 = 1e-9;
+
+    /// As a number, for this mesh.
+    #[must_use]
+    pub fn resolve(self, mesh: &Mesh) -> f64 {
+        match self {
+            Self::Auto => {
+                let step = decimal_step(mesh).map_or(0.0, |step| step / largest(mesh));
+                let is_single = is_single(mesh) || step >= Self::NINE_DIGITS;
+                let binary = if is_single { Self::SINGLE } else { FLATNESS };
+                binary.max((Self::DECIMAL_STEPS * step).min(Self::DECIMAL_LIMIT))
+            }
+            Self::Double => FLATNESS,
+            Self::Single => Self::SINGLE,
+            Self::Relative(flatness) => flatness.max(0.0),
+        }
+    }
+}
