@@ -6,6 +6,7 @@
 //! whenever it comes back to a vertex that it has passed. Every loop is simple: it passes each vertex
 //! once.
 
+use crate::codec::{Flaw, Reader, Writer, check, check_below, check_rows};
 use crate::ids::VertexId;
 
 /// The simple loops of a chain, in compressed rows.
@@ -28,6 +29,24 @@ impl Loops {
 
     pub(crate) fn row(&self, i: usize) -> std::ops::Range<usize> {
         self.starts[i] as usize..self.starts[i + 1] as usize
+    }
+
+    pub(crate) fn encode(&self, out: &mut Writer) {
+        let Self { starts, vertices, touches } = self;
+        out.list(starts);
+        out.list(vertices);
+        out.codes(touches);
+    }
+
+    /// Reads loops over `count` vertices.
+    pub(crate) fn decode(input: &mut Reader, count: usize) -> Result<Self, Flaw> {
+        let (starts, vertices): (Vec<u32>, Vec<VertexId>) = (input.list()?, input.list()?);
+        let touches: Vec<bool> = input.codes()?;
+        check_rows(&starts, starts.len().saturating_sub(1), vertices.len())?;
+        check(starts.is_sorted_by(|a, b| a < b), "a loop is empty")?;
+        check_below(vertices.iter().map(|v| v.0), count, "a loop's vertex is not there")?;
+        check(touches.len() == vertices.len(), "a loop has a vertex too many or too few")?;
+        Ok(Self { starts, vertices, touches })
     }
 
     /// Appends a loop.

@@ -1,5 +1,7 @@
 //! Typed indices. Each counts from 0 within one mesh.
 
+use crate::codec::plain_struct;
+
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
@@ -13,6 +15,8 @@ macro_rules! id {
                 self.0 as usize
             }
         }
+
+        plain_struct!($name(u32));
     };
 }
 

@@ -102,7 +102,8 @@ impl Mesh {
     /// Moves a vertex to a place inside the domain.
     pub(crate) fn set_position(&mut self, vertex: VertexId, position: DVec3) {
         debug_assert!(check_point(position).is_ok());
-        self.vertices[vertex.index()] = position;
+        // As in `weld`: no zero has a sign.
+        self.vertices[vertex.index()] = position + DVec3::ZERO;
     }
 
     /// Vertex positions in the body's frame.

@@ -8,6 +8,7 @@
 //! has a winding number. That is what *closed* means here; it holds for two boxes that share an edge
 //! (four faces around it), which a test for 'exactly two faces' would refuse.
 
+use crate::codec::{Flaw, Reader, Writer, check, check_below};
 use crate::ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
@@ -103,17 +104,16 @@ impl Topology {
     /// Builds the adjacency of a mesh in O(n log n).
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
-        let faces = mesh.faces();
-        let ends = |h: HalfEdgeId| {
-            let f = faces[h.face().index()];
-            (f[h.corner()], f[(h.corner() + 1) % 3])
-        };
-        let mut around: Vec<HalfEdgeId> = (0..3 * faces.len() as u32).map(HalfEdgeId).collect();
-        around.sort_unstable_by_key(|&h| {
-            let (a, b) = ends(h);
-            (a.min(b), a.max(b), h.0)
-        });
+        let half_edges = 3 * mesh.faces().len() as u32;
+        let mut around: Vec<HalfEdgeId> = (0..half_edges).map(HalfEdgeId).collect();
+        around.sort_unstable_by_key(|&h| place_of(mesh, h));
+        Self::of_sorted(mesh, around)
+    }
 
+    /// From all half-edges, sorted by [`place_of`]. Near linear.
+    fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> Self {
+        let faces = mesh.faces();
+        let ends = |h: HalfEdgeId| ends_of(mesh, h);
         let mut edges = Vec::with_capacity(around.len() / 2);
         let mut edge_of = vec![EdgeId(0); around.len()];
         let mut twins = vec![u32::MAX; around.len()];
@@ -158,6 +158,33 @@ impl Topology {
             component_of,
             components,
         }
+    }
+
+    /// Writes the order of half-edges, which is what takes time to find.
+    pub(crate) fn encode(&self, out: &mut Writer) {
+        let Self {
+            around,
+            edges: _,
+            edge_of: _,
+            twins: _,
+            vertex_starts: _,
+            vertex_faces: _,
+            component_of: _,
+            components: _,
+        } = self;
+        out.list(around);
+    }
+
+    /// Reads the adjacency of a mesh.
+    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
+        let around: Vec<HalfEdgeId> = input.list()?;
+        let count = 3 * mesh.faces().len();
+        check(around.len() == count, "it is not one of all half-edges")?;
+        check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
+        // As many as there are, strictly ascending: each once.
+        let is_sorted = around.is_sorted_by(|&g, &h| place_of(mesh, g) < place_of(mesh, h));
+        check(is_sorted, "half-edges are not sorted")?;
+        Ok(Self::of_sorted(mesh, around))
     }
 
     /// All edges, sorted by their ends.
@@ -259,6 +286,18 @@ impl Topology {
         }
         Ok(())
     }
+}
+
+/// Where a half-edge runs from and to.
+fn ends_of(mesh: &Mesh, h: HalfEdgeId) -> (u32, u32) {
+    let corners = mesh.faces()[h.face().index()];
+    (corners[h.corner()], corners[h.next().corner()])
+}
+
+/// By this, half-edges are sorted: by edge, along an edge by number.
+fn place_of(mesh: &Mesh, h: HalfEdgeId) -> (u32, u32, u32) {
+    let (a, b) = ends_of(mesh, h);
+    (a.min(b), a.max(b), h.0)
 }
 
 fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {

@@ -40,7 +40,8 @@ pub(crate) fn weld(mesh: &Mesh) -> Welded {
                 let next = vertices.len() as u32;
                 let id = *first_at.entry(key).or_insert(next);
                 if id == next {
-                    vertices.push(p);
+                    // Boxes then do not depend on the order in which zeros of both signs are met.
+                    vertices.push(p + DVec3::ZERO);
                 } else {
                     duplicates += 1;
                 }
@@ -70,5 +71,16 @@ mod tests {
         assert_eq!(welded.mesh.faces(), [[0, 1, 2], [0, 2, 3]]);
         assert_eq!((welded.duplicates, welded.unreferenced), (2, 1));
         assert_eq!(welded.new_id, [0, 1, 2, 0, 2, 3, UNREFERENCED]);
+    }
+
+    #[test]
+    fn no_zero_keeps_a_sign() {
+        let mesh = Mesh::new(vec![DVec3::new(-0.0, 1.0, -2.0); 3], vec![[0, 1, 2]]).unwrap();
+        let welded = weld(&mesh);
+        assert_eq!(welded.mesh.vertices().len(), 1);
+        assert_eq!(
+            welded.mesh.vertices()[0].to_array().map(f64::to_bits),
+            [0.0, 1.0, -2.0].map(f64::to_bits)
+        );
     }
 }

@@ -14,6 +14,7 @@
 //! Cost: O(n log n) in the faces and triangles of facets that are not wholly covered.
 
 mod chain;
+mod codec;
 mod interface;
 mod straddle;
 mod triangulate;

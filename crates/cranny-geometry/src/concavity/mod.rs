@@ -12,6 +12,7 @@
 //! Cost: O(n log n), near linear where most faces are far from any rim.
 
 mod build;
+mod codec;
 mod components;
 mod nesting;
 mod update;

@@ -30,6 +30,7 @@
 
 mod build;
 mod cluster;
+mod codec;
 mod thing;
 mod update;
 mod validate;

@@ -12,6 +12,7 @@
 //! Cost: O(n log n), as a rule less than the hull itself.
 
 mod assign;
+mod codec;
 mod corners;
 mod slabs;
 mod update;

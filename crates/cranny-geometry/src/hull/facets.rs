@@ -82,11 +82,11 @@ pub(super) struct Plane {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FacetLayer {
     pub(super) tolerance: f64,
-    planes: Vec<Plane>,
-    facet_of: Vec<u32>,
-    triangle_starts: Vec<u32>,
-    triangles: Vec<u32>,
-    outlines: Outlines,
+    pub(super) planes: Vec<Plane>,
+    pub(super) facet_of: Vec<u32>,
+    pub(super) triangle_starts: Vec<u32>,
+    pub(super) triangles: Vec<u32>,
+    pub(super) outlines: Outlines,
 }
 
 impl FacetLayer {
@@ -129,7 +129,7 @@ impl FacetLayer {
 }
 
 /// Triangles grouped by facet, in compressed rows.
-fn rows(facet_of: &[u32], facets: usize) -> (Vec<u32>, Vec<u32>) {
+pub(super) fn rows(facet_of: &[u32], facets: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0u32; facets + 1];
     for &f in facet_of {
         starts[f as usize + 1] += 1;

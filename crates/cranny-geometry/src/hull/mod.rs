@@ -25,6 +25,7 @@
 //! assert_eq!(hull.position(top), DVec3::ONE);
 //! ```
 
+mod codec;
 mod facets;
 mod locate;
 mod measures;
@@ -78,6 +79,17 @@ pub enum HullKind {
 }
 
 impl HullKind {
+    /// Whether a hull of this dimension can have as many vertices and triangles.
+    fn allows(self, vertices: usize, triangles: usize) -> bool {
+        match self {
+            Self::Empty => (vertices, triangles) == (0, 0),
+            Self::Point => (vertices, triangles) == (1, 0),
+            Self::Segment => (vertices, triangles) == (2, 0),
+            Self::Polygon => vertices >= 3 && triangles + 4 == 2 * vertices,
+            Self::Volume => vertices >= 4 && triangles + 4 == 2 * vertices,
+        }
+    }
+
     /// As written in reports: `"empty"`, `"point"`, `"segment"`, `"polygon"` or `"volume"`.
     #[must_use]
     pub fn as_str(self) -> &'static str {

@@ -13,9 +13,9 @@ use super::quickhull::{Surface, next};
 /// Corners and neighbours of all facets, in compressed rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Outlines {
-    starts: Vec<u32>,
-    corners: Vec<HullVertexId>,
-    neighbours: Vec<FacetId>,
+    pub(super) starts: Vec<u32>,
+    pub(super) corners: Vec<HullVertexId>,
+    pub(super) neighbours: Vec<FacetId>,
 }
 
 impl Outlines {

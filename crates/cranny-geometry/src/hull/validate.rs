@@ -66,14 +66,7 @@ impl ConvexHull {
 
     fn validate_counts(&self, found: &mut Vec<HullViolation>) {
         let (vertices, triangles) = (self.vertex_count(), self.triangle_count());
-        let possible = match self.kind {
-            HullKind::Empty => (vertices, triangles) == (0, 0),
-            HullKind::Point => (vertices, triangles) == (1, 0),
-            HullKind::Segment => (vertices, triangles) == (2, 0),
-            HullKind::Polygon => vertices >= 3 && triangles + 4 == 2 * vertices,
-            HullKind::Volume => vertices >= 4 && triangles + 4 == 2 * vertices,
-        };
-        if !possible || self.surface.twins.len() != 3 * triangles {
+        if !self.kind.allows(vertices, triangles) || self.surface.twins.len() != 3 * triangles {
             found.push(HullViolation::WrongCounts { kind: self.kind, vertices, triangles });
         }
     }

@@ -15,6 +15,7 @@
 //! How faces are chosen stands in `grow`. Cost: near-linear, about half a microsecond a
 //! face, a third of it for the trees.
 
+mod codec;
 mod cone;
 mod grow;
 mod slab;
@@ -126,15 +127,27 @@ impl Patches {
         slabs: Vec<Slab>,
     ) -> Self {
         let grow::Partition { patch_of, patches: grown } = partition;
-        let count = grown.len();
         let patches: Vec<Patch> = grown
             .iter()
             .enumerate()
             .map(|(p, grown)| Patch::of(mesh, trees.faces(p), grown.cone))
             .collect();
+        let patch_of_face = patch_of.into_iter().map(PatchId).collect();
+        Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs)
+    }
 
+    /// Adds what follows from which face is in which patch.
+    fn assembled(
+        mesh: &Mesh,
+        topology: &Topology,
+        patches: Vec<Patch>,
+        patch_of_face: Vec<PatchId>,
+        trees: FaceForest,
+        slabs: Vec<Slab>,
+    ) -> Self {
+        let count = patches.len();
         let lowest = |faces: &mut dyn Iterator<Item = FaceId>| {
-            faces.map(|f| patch_of[f.index()]).min().unwrap_or(u32::MAX)
+            faces.map(|f| patch_of_face[f.index()].0).min().unwrap_or(u32::MAX)
         };
         let patch_of_vertex: Vec<u32> = (0..mesh.vertices().len() as u32)
             .map(|v| lowest(&mut topology.faces_at(VertexId(v)).iter().copied()))
@@ -148,7 +161,6 @@ impl Patches {
         let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));
         let edges = Lists::of(count, (0..).map(EdgeId).zip(patch_of_edge.iter().map(|p| p.0)));
         let top = PatchTree::over(&patches);
-        let patch_of_face = patch_of.into_iter().map(PatchId).collect();
         Self {
             patches,
             patch_of_face,

@@ -11,9 +11,9 @@ use crate::mesh::Mesh;
 /// as one would a [`FaceTree`], beginning at a [`root`](Self::root).
 #[derive(Clone, Debug)]
 pub struct FaceForest {
-    arena: FaceTree,
+    pub(super) arena: FaceTree,
     /// First node and first face of each tree, and the ends.
-    starts: Vec<[u32; 2]>,
+    pub(super) starts: Vec<[u32; 2]>,
 }
 
 impl FaceForest {

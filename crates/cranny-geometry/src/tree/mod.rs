@@ -5,12 +5,14 @@
 //! [`FaceTree`] is one tree, [`FaceForest`] many in one array (one a concavity, one a patch).
 
 mod build;
+mod codec;
 mod forest;
 mod refit;
 
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::Grower;
+pub(crate) use self::codec::Once;
 pub use self::forest::FaceForest;
 pub use self::refit::NodeChanges;
 pub(crate) use self::refit::{GrownAreas, MovedFace};

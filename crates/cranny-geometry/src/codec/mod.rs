@@ -1,0 +1,182 @@
+//! How prepared structures become bytes and come back: little-endian, flat, the same on every machine.
+//!
+//! A model file ([`crate::model`]'s `file`) is a head and sections; the codec of a section stands beside
+//! the structure it is of. What is written is what cannot be had more cheaply from what was read before:
+//! boxes, rows of indices and adjacency are made again while loading, so they cannot lie.
+//!
+//! **Nothing that is read is believed.** A checksum tells accidents, not malice: whoever writes a file can
+//! write its checksum. So every index, range, order and float is checked where it is read, with the
+//! structure's own needs in mind: no later code may panic, or run in circles, for what a file says.
+//! Memory is bounded by the bytes present: a list is as long as the bytes that follow allow.
+
+mod reader;
+mod writer;
+
+pub(crate) use reader::Reader;
+pub(crate) use writer::Writer;
+
+use std::fmt;
+
+use cranny_exact::DVec3;
+
+/// What is wrong with a section.
+#[derive(Debug)]
+pub(crate) struct Flaw(pub(crate) String);
+
+impl<T: fmt::Display> From<T> for Flaw {
+    fn from(what: T) -> Self {
+        Self(what.to_string())
+    }
+}
+
+/// A condition on what was read.
+pub(crate) fn check(holds: bool, flaw: &str) -> Result<(), Flaw> {
+    if holds { Ok(()) } else { Err(flaw.into()) }
+}
+
+/// Something of fixed size.
+pub(crate) trait Plain: Copy {
+    /// Bytes.
+    const SIZE: usize;
+    /// Appends its bytes.
+    fn put(self, out: &mut Vec<u8>);
+    /// From exactly [`SIZE`](Self::SIZE) bytes.
+    fn get(bytes: &[u8]) -> Self;
+}
+
+macro_rules! number {
+    ($($number:ty),*) => {$(
+        impl Plain for $number {
+            const SIZE: usize = size_of::<$number>();
+
+            fn put(self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
+
+            fn get(bytes: &[u8]) -> Self {
+                let mut own = [0; Self::SIZE];
+                own.copy_from_slice(bytes);
+                Self::from_le_bytes(own)
+            }
+        }
+    )*};
+}
+number!(u8, u32, u64, f64);
+
+impl<T: Plain, const N: usize> Plain for [T; N] {
+    const SIZE: usize = N * T::SIZE;
+
+    fn put(self, out: &mut Vec<u8>) {
+        self.into_iter().for_each(|item| item.put(out));
+    }
+
+    fn get(bytes: &[u8]) -> Self {
+        std::array::from_fn(|i| T::get(&bytes[i * T::SIZE..(i + 1) * T::SIZE]))
+    }
+}
+
+impl Plain for DVec3 {
+    const SIZE: usize = 24;
+
+    fn put(self, out: &mut Vec<u8>) {
+        self.to_array().put(out);
+    }
+
+    fn get(bytes: &[u8]) -> Self {
+        Self::from_array(Plain::get(bytes))
+    }
+}
+
+/// Makes a struct [`Plain`], field by field: a field left out does not compile.
+macro_rules! plain_struct {
+    ($name:ident($kind:ty)) => {
+        impl $crate::codec::Plain for $name {
+            const SIZE: usize = <$kind as $crate::codec::Plain>::SIZE;
+
+            fn put(self, out: &mut Vec<u8>) {
+                let Self(own) = self;
+                $crate::codec::Plain::put(own, out);
+            }
+
+            fn get(bytes: &[u8]) -> Self {
+                Self($crate::codec::Plain::get(bytes))
+            }
+        }
+    };
+    ($name:ident { $($field:ident: $kind:ty),* $(,)? }) => {
+        impl $crate::codec::Plain for $name {
+            const SIZE: usize = 0 $(+ <$kind as $crate::codec::Plain>::SIZE)*;
+
+            fn put(self, out: &mut Vec<u8>) {
+                let Self { $($field),* } = self;
+                $($crate::codec::Plain::put($field, out);)*
+            }
+
+            #[allow(unused_assignments, reason = "the last field advances for nobody")]
+            fn get(bytes: &[u8]) -> Self {
+                let mut at = 0;
+                $(
+                    let size = <$kind as $crate::codec::Plain>::SIZE;
+                    let $field = $crate::codec::Plain::get(&bytes[at..at + size]);
+                    at += size;
+                )*
+                Self { $($field),* }
+            }
+        }
+    };
+}
+pub(crate) use plain_struct;
+
+/// One of a few things, written as a byte.
+pub(crate) trait Coded: Copy {
+    /// Its byte.
+    fn code(self) -> u8;
+    /// The thing with this byte, if there is one.
+    fn of_code(code: u8) -> Option<Self>;
+}
+
+/// Numbers the variants of an enum: one left out does not compile.
+macro_rules! coded {
+    ($name:ty { $($variant:pat => $code:literal => $value:expr),* $(,)? }) => {
+        impl $crate::codec::Coded for $name {
+            fn code(self) -> u8 {
+                match self { $($variant => $code),* }
+            }
+
+            fn of_code(code: u8) -> Option<Self> {
+                match code { $($code => Some($value),)* _ => None }
+            }
+        }
+    };
+}
+pub(crate) use coded;
+
+coded!(bool { false => 0 => false, true => 1 => true });
+
+/// Whether starts of rows, as many as rows and one more, cover `count` members in order.
+pub(crate) fn check_rows(starts: &[u32], rows: usize, count: usize) -> Result<(), Flaw> {
+    check(starts.len() == rows + 1, "there are too many or too few rows")?;
+    check(starts[0] == 0, "the first row does not begin at 0")?;
+    check(starts[rows] as usize == count, "the last row does not end at the end")?;
+    check(starts.is_sorted(), "rows overlap")
+}
+
+/// Whether all are below a limit.
+pub(crate) fn check_below(
+    indices: impl IntoIterator<Item = u32>,
+    limit: usize,
+    flaw: &str,
+) -> Result<(), Flaw> {
+    check(indices.into_iter().all(|i| (i as usize) < limit), flaw)
+}
+
+/// Whether a vector has length 1, to rounding.
+pub(crate) fn is_unit(v: DVec3) -> bool {
+    const ROUNDING: f64 = 16.0 * f64::EPSILON;
+    (v.length_squared() - 1.0).abs() <= ROUNDING
+}
+
+/// Whether a number is one, and not negative.
+pub(crate) fn is_size(x: f64) -> bool {
+    x.is_finite() && x >= 0.0
+}

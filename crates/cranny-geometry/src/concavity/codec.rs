@@ -1,0 +1,244 @@
+//! Concavities as bytes: who owns each face and cap, and what was measured. What lists of members follow
+//! from that is made again.
+
+use cranny_exact::DVec3;
+
+use super::{Border, Concavities, ConcavityKind, LidRecord, MIXED, Measures, Record, SOLID, Skin};
+use crate::boundary::Loops;
+use crate::caps::CapSurface;
+use crate::codec::{Coded, Flaw, Reader, Writer, check, check_below, coded, plain_struct};
+use crate::features::{Features, NONE};
+use crate::hull::{ConvexHull, FacetId};
+use crate::ids::{CapId, ConcavityId, FaceId};
+use crate::mesh::Mesh;
+
+coded!(ConcavityKind {
+    Self::Pocket => 0 => Self::Pocket,
+    Self::Passage => 1 => Self::Passage,
+    Self::Void => 2 => Self::Void,
+    Self::Island => 3 => Self::Island,
+    Self::Opening => 4 => Self::Opening,
+});
+coded!(Border {
+    Self::Convex => 0 => Self::Convex,
+    Self::Ridge => 1 => Self::Ridge,
+    Self::Open => 2 => Self::Open,
+});
+plain_struct!(Skin { volume: f64, area: f64, caps: u32 });
+plain_struct!(Measures { cap_area: f64, face_area: f64, pocket_volume: f64, opening: DVec3 });
+
+/// What is written of a concavity.
+#[derive(Clone, Copy)]
+struct Head {
+    kind: u8,
+    parent: u32,
+    first_loop: u32,
+    measures: Measures,
+}
+plain_struct!(Head { kind: u8, parent: u32, first_loop: u32, measures: Measures });
+
+/// What is written of a lid.
+#[derive(Clone, Copy)]
+struct LidHead {
+    concavity: ConcavityId,
+    first_outline: u32,
+    area: f64,
+    opening: DVec3,
+}
+plain_struct!(LidHead { concavity: ConcavityId, first_outline: u32, area: f64, opening: DVec3 });
+
+impl Record {
+    fn head(&self) -> Head {
+        let &Self { kind, parent, first_face: _, first_cap: _, first_lid: _, first_loop, measures } =
+            self;
+        Head { kind: kind.code(), parent, first_loop, measures }
+    }
+}
+
+impl LidRecord {
+    fn head(&self) -> LidHead {
+        let &Self { concavity, first_cap: _, first_outline, area, opening } = self;
+        LidHead { concavity, first_outline, area, opening }
+    }
+}
+
+impl Concavities {
+    pub(crate) fn encode(&self, out: &mut Writer) {
+        let Self {
+            records,
+            faces: _,
+            concavity_of_face,
+            caps,
+            cap_order: _,
+            concavity_of_cap: _,
+            lid_of_cap,
+            lids,
+            loops,
+            borders,
+            outlines,
+            outline_facets,
+            cover,
+            skin,
+        } = self;
+        out.items(records.len(), records.iter().map(Record::head));
+        out.items(lids.len(), lids.iter().map(LidRecord::head));
+        out.list(concavity_of_face);
+        caps.encode(out);
+        out.list(lid_of_cap);
+        loops.encode(out);
+        out.codes(borders);
+        outlines.encode(out);
+        out.list(outline_facets);
+        out.list(cover);
+        out.one(*skin);
+    }
+
+    /// Reads the concavities of a mesh.
+    pub(crate) fn decode(
+        input: &mut Reader,
+        mesh: &Mesh,
+        hull: &ConvexHull,
+        features: &Features,
+    ) -> Result<Self, Flaw> {
+        let (vertices, facets) = (mesh.vertices().len(), hull.facet_count());
+        let (heads, lid_heads): (Vec<Head>, Vec<LidHead>) = (input.list()?, input.list()?);
+        let concavity_of_face: Vec<u32> = input.list()?;
+        let caps = CapSurface::decode(input, vertices, facets)?;
+        let lid_of_cap: Vec<u32> = input.list()?;
+        let loops = Loops::decode(input, vertices)?;
+        let borders: Vec<Border> = input.codes()?;
+        let outlines = Loops::decode(input, vertices)?;
+        let (outline_facets, cover): (Vec<FacetId>, Vec<u32>) = (input.list()?, input.list()?);
+        let skin: Skin = input.one()?;
+
+        check(concavity_of_face.len() == mesh.faces().len(), "an owner for each face is needed")?;
+        let faces = (0..).map(FaceId).zip(&concavity_of_face);
+        let is_owned = |(face, &owner): (FaceId, &u32)| match owner {
+            NONE => features.is_convex(face),
+            owner => !features.is_convex(face) && (owner as usize) < heads.len(),
+        };
+        check(faces.clone().all(is_owned), "a face is neither convex nor of a concavity, or both")?;
+        check(lid_of_cap.len() == caps.triangles.len(), "a lid for each cap triangle is needed")?;
+        let lids_of_caps = lid_of_cap.iter().copied().filter(|&lid| lid != NONE);
+        check_below(lids_of_caps, lid_heads.len(), "a lid is not there")?;
+        check(borders.len() == loops.vertices.len(), "a border for each edge is needed")?;
+        check(outline_facets.len() == outlines.len(), "a facet for each outline is needed")?;
+        check_below(outline_facets.iter().map(|f| f.0), facets, "an outline's facet is not there")?;
+        check(cover.len() == facets, "what covers each facet is needed")?;
+        let covering = cover.iter().copied().filter(|&c| c != SOLID && c != MIXED);
+        check_below(covering, heads.len(), "a facet is covered by what is not there")?;
+
+        let mut records = records_of(&heads, loops.len())?;
+        let mut lids = lids_of(&lid_heads, records.len(), outlines.len())?;
+        let (starts, faces) = gathered(&concavity_of_face, records.len());
+        let (cap_starts, cap_order) = gathered(&lid_of_cap, lids.len());
+        for (lid, start) in lids.iter_mut().zip(cap_starts) {
+            lid.first_cap = start;
+        }
+        for (i, (record, start)) in records.iter_mut().zip(starts).enumerate() {
+            let lid = lids.partition_point(|l| l.concavity.index() < i);
+            record.first_face = start;
+            record.first_lid = lid as u32;
+            record.first_cap = lids.get(lid).map_or(cap_order.len() as u32, |l| l.first_cap);
+        }
+        let concavity_of_cap = lid_of_cap
+            .iter()
+            .map(|&lid| lids.get(lid as usize).map_or(NONE, |lid| lid.concavity.0))
+            .collect();
+        let skin_caps = lid_of_cap.iter().filter(|&&lid| lid == NONE).count();
+        check(skin.caps as usize == skin_caps, "caps of skin are miscounted")?;
+        check(skin.volume.is_finite() && skin.area.is_finite(), "the skin has no size")?;
+        Ok(Self {
+            records,
+            faces: faces.into_iter().map(FaceId).collect(),
+            concavity_of_face,
+            caps,
+            cap_order: cap_order.into_iter().map(CapId).collect(),
+            concavity_of_cap,
+            lid_of_cap,
+            lids,
+            loops,
+            borders,
+            outlines,
+            outline_facets,
+            cover,
+            skin,
+        })
+    }
+}
+
+fn records_of(heads: &[Head], loops: usize) -> Result<Vec<Record>, Flaw> {
+    check(heads.is_sorted_by_key(|h| h.first_loop), "loops are not in order")?;
+    check(heads.first().map_or(loops, |h| h.first_loop as usize) == 0, "a loop is of nobody")?;
+    check(heads.last().is_none_or(|h| h.first_loop as usize <= loops), "a loop is not there")?;
+    let record = |&Head { kind, parent, first_loop, measures }: &Head| {
+        let kind = ConcavityKind::of_code(kind).ok_or("a concavity is of no known kind")?;
+        let Measures { cap_area, face_area, pocket_volume, opening } = measures;
+        let is_measured = [cap_area, face_area, pocket_volume].iter().all(|x| x.is_finite())
+            && opening.is_finite();
+        check(is_measured, "a concavity has no size")?;
+        Ok(Record { kind, parent, first_face: 0, first_cap: 0, first_lid: 0, first_loop, measures })
+    };
+    let records = heads.iter().map(record).collect::<Result<Vec<_>, Flaw>>()?;
+    check_parents(&records)?;
+    Ok(records)
+}
+
+/// Nobody is among his own ancestors: each walk ends, at someone without a parent or on the path of an
+/// earlier walk. O(n).
+fn check_parents(records: &[Record]) -> Result<(), Flaw> {
+    const UNSEEN: u32 = u32::MAX;
+    let mut walk_of = vec![UNSEEN; records.len()];
+    for walk in 0..records.len() as u32 {
+        let mut at = walk;
+        while at != NONE {
+            let seen = walk_of.get_mut(at as usize).ok_or("a parent is not there")?;
+            if *seen != UNSEEN {
+                check(*seen != walk, "a concavity is its own ancestor")?;
+                break;
+            }
+            *seen = walk;
+            at = records[at as usize].parent;
+        }
+    }
+    Ok(())
+}
+
+fn lids_of(heads: &[LidHead], records: usize, outlines: usize) -> Result<Vec<LidRecord>, Flaw> {
+    check_below(heads.iter().map(|l| l.concavity.0), records, "a lid's concavity is not there")?;
+    check(heads.is_sorted_by_key(|l| l.concavity), "lids are not in order")?;
+    check(heads.is_sorted_by_key(|l| l.first_outline), "outlines are not in order")?;
+    let first = heads.first().map_or(outlines, |l| l.first_outline as usize);
+    check(first == 0, "an outline is of no lid")?;
+    check(heads.last().is_none_or(|l| l.first_outline as usize <= outlines), "lids lack outlines")?;
+    let is_measured = |l: &LidHead| l.area.is_finite() && l.opening.is_finite();
+    check(heads.iter().all(is_measured), "a lid has no size")?;
+    let lid = |&LidHead { concavity, first_outline, area, opening }: &LidHead| LidRecord {
+        concavity,
+        first_cap: 0,
+        first_outline,
+        area,
+        opening,
+    };
+    Ok(heads.iter().map(lid).collect())
+}
+
+/// The members of each owner, ascending, owner by owner, and where they begin; those of [`NONE`] are left
+/// out.
+fn gathered(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; count + 1];
+    for &owner in owners.iter().filter(|&&owner| owner != NONE) {
+        starts[owner as usize + 1] += 1;
+    }
+    for i in 0..count {
+        starts[i + 1] += starts[i];
+    }
+    let mut fill = starts.clone();
+    let mut members = vec![0; starts[count] as usize];
+    for (member, &owner) in (0..).zip(owners).filter(|&(_, &owner)| owner != NONE) {
+        members[fill[owner as usize] as usize] = member;
+        fill[owner as usize] += 1;
+    }
+    starts.pop();
+    (starts, members)
+}

@@ -1,0 +1,203 @@
+//! Envelopes as bytes. Boxes are made again.
+
+use cranny_exact::{Aabb, DVec3};
+
+use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head};
+use crate::codec::{Flaw, Reader, Writer, check, is_unit, plain_struct};
+use crate::concavity::Concavities;
+use crate::ids::FaceId;
+use crate::mesh::Mesh;
+use crate::tree::Once;
+
+plain_struct!(HalfSpace { normal: DVec3, offset: f64 });
+
+/// What is written of a facet.
+#[derive(Clone, Copy)]
+struct FacetRecord {
+    beneath: HalfSpace,
+    reach: f64,
+    faces: [u32; 2],
+    layer: u32,
+}
+plain_struct!(FacetRecord { beneath: HalfSpace, reach: f64, faces: [u32; 2], layer: u32 });
+
+/// What is written of an envelope as a whole.
+#[derive(Clone, Copy)]
+struct HeadRecord {
+    axis: DVec3,
+    lids: [u32; 2],
+    layer: u32,
+}
+plain_struct!(HeadRecord { axis: DVec3, lids: [u32; 2], layer: u32 });
+
+impl Envelopes {
+    pub(crate) fn encode(&self, out: &mut Writer) {
+        let Self { heads, layers, facets, faces, lids, options } = self;
+        let &EnvelopeOptions { width, leaf_faces } = options;
+        let head = |&Head { axis, bounds: _, lids, layer }: &Head| HeadRecord { axis, lids, layer };
+        let facet = |&EnvelopeFacet { beneath, bounds: _, reach, faces, layer }: &EnvelopeFacet| {
+            FacetRecord { beneath, reach, faces, layer }
+        };
+        out.items(heads.len(), heads.iter().map(head));
+        out.list(layers);
+        out.items(facets.len(), facets.iter().map(facet));
+        out.list(faces);
+        out.list(lids);
+        out.one([width, leaf_faces].map(|n| n as u64));
+    }
+
+    /// Reads an envelope for each concavity.
+    pub(crate) fn decode(
+        input: &mut Reader,
+        mesh: &Mesh,
+        concavities: &Concavities,
+    ) -> Result<Self, Flaw> {
+        let (heads, layers): (Vec<HeadRecord>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
+        let (facets, faces): (Vec<FacetRecord>, Vec<FaceId>) = (input.list()?, input.list()?);
+        let lids: Vec<HalfSpace> = input.list()?;
+        let [width, leaf_faces]: [u64; 2] = input.one()?;
+
+        check(heads.len() == concavities.len(), "an envelope for each concavity is needed")?;
+        check(lids.iter().all(HalfSpace::is_sound), "a lid has no plane")?;
+        let facet = |&FacetRecord { beneath, reach, faces, layer }: &FacetRecord| {
+            check(beneath.is_sound() && reach.is_finite(), "a facet has no plane")?;
+            Ok(EnvelopeFacet { beneath, bounds: Aabb::EMPTY, reach, faces, layer })
+        };
+        let head = |&HeadRecord { axis, lids: [from, to], layer }: &HeadRecord| {
+            check(is_unit(axis), "an axis has no direction")?;
+            check(from <= to && to as usize <= lids.len(), "a lid is not there")?;
+            Ok(Head { axis, bounds: Aabb::EMPTY, lids: [from, to], layer })
+        };
+        let mut read = Self {
+            heads: heads.iter().map(head).collect::<Result<_, Flaw>>()?,
+            layers,
+            facets: facets.iter().map(facet).collect::<Result<_, Flaw>>()?,
+            faces,
+            lids,
+            options: EnvelopeOptions {
+                width: usize::try_from(width)?,
+                leaf_faces: usize::try_from(leaf_faces)?,
+            },
+        };
+        read.check_faces(mesh, concavities)?;
+        read.check_layers(concavities)?;
+        read.enclose(mesh);
+        Ok(read)
+    }
+
+    /// Each envelope holds the faces of its concavity, one envelope behind the other.
+    fn check_faces(&self, mesh: &Mesh, concavities: &Concavities) -> Result<(), Flaw> {
+        let mut once = Once::new(mesh.faces().len());
+        let mut rest = self.faces.as_slice();
+        for concavity in concavities.iter() {
+            let (own, others) =
+                rest.split_at_checked(concavity.faces.len()).ok_or("faces are missing")?;
+            rest = others;
+            for &face in own {
+                once.see(face)?;
+                let owner = concavities.of_face(face);
+                check(owner == Some(concavity.id()), "a face is of another concavity")?;
+            }
+        }
+        check(rest.is_empty(), "faces are of no concavity")
+    }
+
+    /// Layers nest: each hangs beneath one envelope or facet, that facet in an earlier layer, and divides
+    /// its faces.
+    fn check_layers(&self, concavities: &Concavities) -> Result<(), Flaw> {
+        let mut next_facet = 0;
+        for &[from, to] in &self.layers {
+            check(from == next_facet && from < to, "layers are not in order, or empty")?;
+            next_facet = to;
+        }
+        check(next_facet as usize == self.facets.len(), "a facet is in no layer")?;
+
+        /// In place of a range: nobody has named the layer yet.
+        const NOBODY: [u32; 2] = [u32::MAX; 2];
+        let mut above = vec![NOBODY; self.layers.len()];
+        let mut hang = |layer: u32, faces: [u32; 2]| {
+            let place = above.get_mut(layer as usize).ok_or("a layer is not there")?;
+            check(*place == NOBODY, "a layer hangs twice")?;
+            *place = faces;
+            Ok::<(), Flaw>(())
+        };
+        let mut start = 0;
+        let mut first_layers = Vec::new();
+        for (head, concavity) in self.heads.iter().zip(concavities.iter()) {
+            let end = start + concavity.faces.len() as u32;
+            match (start == end, head.layer) {
+                (true, u32::MAX) => {}
+                (false, layer) if layer != u32::MAX => {
+                    hang(layer, [start, end])?;
+                    first_layers.push(layer);
+                }
+                _ => return Err("an envelope has faces or a layer, not both".into()),
+            }
+            start = end;
+        }
+        check(first_layers.is_sorted(), "envelopes are not in order")?;
+        first_layers.push(self.layers.len() as u32);
+        for (index, &[from, to]) in (0..).zip(&self.layers) {
+            let next = first_layers.partition_point(|&first| first <= index);
+            let end = *first_layers.get(next).ok_or("a layer is of no envelope")?;
+            for facet in &self.facets[from as usize..to as usize] {
+                if facet.layer != u32::MAX {
+                    let is_beneath = (index + 1..end).contains(&facet.layer);
+                    check(is_beneath, "a layer hangs beneath a later one, or another envelope's")?;
+                    hang(facet.layer, facet.faces)?;
+                }
+            }
+        }
+        let mut parts: Vec<[u32; 2]> = Vec::new();
+        for (&[from, to], &whole) in self.layers.iter().zip(&above) {
+            check(whole != NOBODY, "a layer hangs nowhere")?;
+            let layer = &self.facets[from as usize..to as usize];
+            check(layer.is_sorted_by(|a, b| a.reach >= b.reach), "facets are not in order")?;
+            parts.clear();
+            parts.extend(layer.iter().map(|facet| facet.faces));
+            parts.sort_unstable();
+            check(divides(&parts, whole), "a layer does not divide the faces above it")?;
+        }
+        Ok(())
+    }
+
+    /// Puts boxes around what is beneath; each layer is behind the facet that it hangs from.
+    fn enclose(&mut self, mesh: &Mesh) {
+        let Self { heads, layers, facets, faces, .. } = self;
+        let around = |facets: &[EnvelopeFacet], [from, to]: [u32; 2]| {
+            let layer = &facets[from as usize..to as usize];
+            layer.iter().fold(Aabb::EMPTY, |all, facet| all.union(&facet.bounds))
+        };
+        for index in (0..facets.len()).rev() {
+            let EnvelopeFacet { faces: [from, to], layer, .. } = facets[index];
+            facets[index].bounds = match layers.get(layer as usize) {
+                Some(&beneath) => around(facets, beneath),
+                None => {
+                    let faces = &faces[from as usize..to as usize];
+                    Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)))
+                }
+            };
+        }
+        for head in heads {
+            if let Some(&first) = layers.get(head.layer as usize) {
+                head.bounds = around(facets, first);
+            }
+        }
+    }
+}
+
+/// Whether sorted ranges, none of them empty, make up a whole.
+fn divides(parts: &[[u32; 2]], whole: [u32; 2]) -> bool {
+    let mut at = whole[0];
+    parts.iter().all(|&[from, to]| {
+        let follows = from == at && to > from;
+        at = to;
+        follows
+    }) && at == whole[1]
+}
+
+impl HalfSpace {
+    fn is_sound(&self) -> bool {
+        is_unit(self.normal) && self.offset.is_finite()
+    }
+}

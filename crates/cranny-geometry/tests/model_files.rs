@@ -1,0 +1,369 @@
+//! Saved models come back to the bit; whatever else is read is refused, or harmless.
+
+mod meshes;
+
+use cranny_exact::{Aabb, DVec3};
+use cranny_geometry::concavity::Cover;
+use cranny_geometry::envelope::Thing;
+use cranny_geometry::hull::{FacetId, HullVertexId};
+use cranny_geometry::{
+    BuildOptions, CapId, DecodeError, EdgeId, FaceId, HalfEdgeId, Mesh, Model, PatchId, Repair,
+    VertexId,
+};
+use cranny_shapes::{
+    Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, PyramidInCavity, Shape, Torus,
+};
+use cranny_testkit::Rng;
+use meshes::{corpus, soup, turned};
+
+/// Head of a file: magic, version, 0, length, checksum.
+const HEAD: usize = 56;
+
+fn built(mesh: &Mesh) -> Model {
+    Model::build(mesh.clone(), &BuildOptions::default()).unwrap().0
+}
+
+/// A cube in a cube, turned inside out: a void.
+fn hollow_cube() -> Mesh {
+    let cube = |size| Cuboid { size: [size; 3] }.build().unwrap();
+    let inner = cube(1.0);
+    let faces = inner.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    cube(3.0).joined(&Mesh::new(inner.vertices().to_vec(), faces).unwrap())
+}
+
+fn flat_square() -> Mesh {
+    let vertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let vertices = vertices.map(|[x, y]| DVec3::new(x, y, -0.0)).to_vec();
+    Mesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+}
+
+/// Bodies with every kind of concavity, an open surface, a plate, and soups.
+fn bodies() -> Vec<Mesh> {
+    let mut rng = Rng::new(5);
+    let mut bodies = vec![
+        Cuboid::default().build().unwrap(),
+        Cup::default().build().unwrap(),
+        turned(
+            &Torus { major_segments: 24, minor_segments: 12, ..Torus::default() }.build().unwrap(),
+        ),
+        NestedShells { segments: 24, ..NestedShells::default() }.build().unwrap(),
+        PyramidInCavity::default().build().unwrap(),
+        turned(&IsoNut { segments: 18, ..IsoNut::default() }.build().unwrap()),
+        GolfBall { dimples: 12, triangles: 1_000, ..GolfBall::default() }.build().unwrap(),
+        Gear::default().build().unwrap(),
+        hollow_cube(),
+        flat_square(),
+    ];
+    let mut open = Cup::default().build().unwrap();
+    open = Mesh::new(open.vertices().to_vec(), open.faces()[5..].to_vec()).unwrap();
+    bodies.push(open);
+    for faces in [6, 20, 60] {
+        bodies.extend((0..4).map(|_| soup(&mut rng, faces)));
+    }
+    bodies.retain(|mesh| Model::build(mesh.clone(), &BuildOptions::default()).is_ok());
+    bodies
+}
+
+/// Everything in a model, coordinates to the last digit and zeros with their signs.
+fn shown(model: &Model) -> String {
+    format!(
+        "{:?}",
+        (
+            (model.mesh(), model.topology(), model.hull(), model.features(), model.concavities()),
+            (model.tree(), model.concavity_trees(), model.envelopes(), model.patches()),
+            (model.mass_properties(), model.radius(), model.digest()),
+        )
+    )
+}
+
+#[test]
+fn a_model_comes_back_to_the_bit() {
+    for mesh in bodies() {
+        let model = built(&mesh);
+        let bytes = model.encode();
+        let back = Model::decode(&bytes).unwrap_or_else(|error| panic!("{error}"));
+        assert!(shown(&back) == shown(&model));
+        assert!(back.encode() == bytes);
+        assert!(Model::is_encoded(&bytes) && back.digest() == model.digest());
+    }
+}
+
+#[test]
+fn every_generator_comes_back_to_the_bit() {
+    for shape in Shape::defaults() {
+        let model = built(&shape.build().unwrap());
+        let back = Model::decode(&model.encode()).unwrap();
+        assert!(shown(&back) == shown(&model), "{}", shape.name());
+    }
+}
+
+#[test]
+fn repaired_and_coarse_models_come_back() {
+    let mut mesh = Cup::default().build().unwrap();
+    mesh = mesh.clone().joined(&mesh); // every face twice: one of each goes
+    let options = BuildOptions { repair: Repair::Full, leaf_size: 300, ..BuildOptions::default() };
+    let (model, report) = Model::build(mesh, &options).unwrap();
+    assert!(report.faces < report.filed_faces);
+    let back = Model::decode(&model.encode()).unwrap();
+    assert!(shown(&back) == shown(&model));
+    let last = FaceId(report.faces as u32 - 1);
+    assert_eq!(back.filed_face(last), model.filed_face(last));
+}
+
+#[test]
+fn deformed_models_come_back() {
+    for mut model in bodies().iter().map(built) {
+        let mut rng = Rng::new(8);
+        for _ in 0..4 {
+            let Ok(_) = model.deform(&a_few_moves(&model, &mut rng)) else { continue };
+            let back = Model::decode(&model.encode()).unwrap_or_else(|e| panic!("{e}"));
+            assert!(shown(&back) == shown(&model));
+        }
+    }
+}
+
+/// Moves a few vertices by a tenth of the body's size, some of them onto a plane through the origin.
+fn a_few_moves(model: &Model, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
+    let size = 0.1 * model.radius();
+    let first = rng.below(model.mesh().vertices().len());
+    let some = model.mesh().vertices().iter().enumerate().skip(first).take(3);
+    some.map(|(v, &p)| {
+        let mut by = || size * (rng.unit() - 0.5);
+        (VertexId(v as u32), (p + DVec3::new(by(), by(), by())) * DVec3::new(-0.0, 1.0, 1.0))
+    })
+    .collect()
+}
+
+#[test]
+fn corpus_models_come_back() {
+    for (name, mesh) in corpus() {
+        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        let Ok((model, _)) = Model::build(mesh, &options) else { continue };
+        let bytes = model.encode();
+        let back = Model::decode(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(back.encode() == bytes, "{name}");
+    }
+}
+
+#[test]
+fn what_is_no_model_is_told_from_what_was_damaged() {
+    let bytes = built(&Cuboid::default().build().unwrap()).encode();
+    assert_eq!(Model::decode(b"").unwrap_err(), DecodeError::NotAModel);
+    assert_eq!(Model::decode(b"v 0 0 0\nv 1 0 0\n").unwrap_err(), DecodeError::NotAModel);
+    let with = |at: usize, byte: u8| {
+        let mut other = bytes.clone();
+        other[at] = byte;
+        Model::decode(&other).unwrap_err()
+    };
+    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 1 });
+    assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
+    assert_eq!(with(30, !bytes[30]), DecodeError::Checksum);
+    let stated = bytes.len() as u64;
+    let longer = [bytes.as_slice(), &[0]].concat();
+    assert_eq!(
+        Model::decode(&longer).unwrap_err(),
+        DecodeError::Length { found: longer.len(), stated }
+    );
+}
+
+#[test]
+fn a_file_cut_off_anywhere_is_refused_checksum_or_not() {
+    let bytes = built(&PyramidInCavity::default().build().unwrap()).encode();
+    for length in (0..HEAD + 40).chain((HEAD..bytes.len()).step_by(7)) {
+        let error = Model::decode(&bytes[..length]).unwrap_err();
+        let expected = match length {
+            0..8 => DecodeError::NotAModel,
+            8..HEAD => DecodeError::Length { found: length, stated: HEAD as u64 },
+            _ => DecodeError::Length { found: length, stated: bytes.len() as u64 },
+        };
+        assert_eq!(error, expected);
+        if length >= HEAD {
+            let error = Model::decode(&sealed(bytes[..length].to_vec())).unwrap_err();
+            assert!(matches!(error, DecodeError::Section { .. }), "{length}: {error}");
+        }
+    }
+}
+
+/// The file with the length and the checksum that it should have.
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let length = bytes.len() as u64;
+    bytes[16..24].copy_from_slice(&length.to_le_bytes());
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&bytes[..24]).update(&bytes[HEAD..]);
+    let checksum = *hasher.finalize().as_bytes();
+    bytes[24..HEAD].copy_from_slice(&checksum);
+    bytes
+}
+
+/// Where the bodies of sections are.
+fn sections(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let (mut found, mut at) = (Vec::new(), HEAD);
+    while at < bytes.len() {
+        let length = u64::from_le_bytes(bytes[at + 4..at + 12].try_into().unwrap()) as usize;
+        found.push(at + 12..at + 12 + length);
+        at += 12 + length;
+    }
+    found
+}
+
+/// Changes a few bytes of a section as somebody would who wants to do harm.
+fn harmed(bytes: &[u8], rng: &mut Rng) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    let sections = sections(&bytes);
+    let section = sections[rng.below(sections.len())].clone();
+    for _ in 0..1 + rng.below(2) {
+        let at = section.start + rng.below(section.len());
+        let room = section.end - at;
+        let from = section.start + rng.below(section.len());
+        match rng.below(6) {
+            0 => bytes[at] ^= 1 << rng.below(8),
+            1 => bytes[at] = rng.bits() as u8,
+            2 if room >= 4 => {
+                let small = [0, 1, 2, u32::MAX, u32::MAX - 1, rng.below(400) as u32];
+                let small = small[rng.below(small.len())];
+                bytes[at..at + 4].copy_from_slice(&small.to_le_bytes());
+            }
+            3 if room >= 8 => {
+                let odd = [f64::NAN, f64::INFINITY, -0.0, 1e300, -1e300, 5e-324, 0.5];
+                bytes[at..at + 8].copy_from_slice(&odd[rng.below(odd.len())].to_le_bytes());
+            }
+            4 if room >= 4 && section.end - from >= 4 => bytes.copy_within(from..from + 4, at),
+            _ => bytes.swap(at, from),
+        }
+    }
+    sealed(bytes)
+}
+
+#[test]
+fn whoever_writes_a_right_checksum_does_no_harm() {
+    let mut rng = Rng::new(11);
+    let mut accepted = 0;
+    for mesh in bodies().iter().filter(|mesh| mesh.faces().len() < 700) {
+        let bytes = built(mesh).encode();
+        for _ in 0..400 {
+            let other = harmed(&bytes, &mut rng);
+            match Model::decode(&other) {
+                Err(DecodeError::Section { .. }) => {}
+                Err(error) => panic!("{error}"),
+                Ok(model) => {
+                    accepted += 1;
+                    assert!(model.encode() == other);
+                    use_all(&model);
+                }
+            }
+        }
+    }
+    // Some change is always harmless: the last digit of a coordinate, say.
+    assert!(accepted > 100, "{accepted}");
+}
+
+#[test]
+fn random_bytes_are_no_model() {
+    let mut rng = Rng::new(3);
+    let head = built(&Cuboid::default().build().unwrap()).encode()[..HEAD].to_vec();
+    for length in 0..2_000 {
+        let mut bytes = head.clone();
+        bytes.extend((0..length).map(|_| rng.bits() as u8));
+        assert!(matches!(Model::decode(&sealed(bytes)), Err(DecodeError::Section { .. })));
+    }
+}
+
+/// Asks a model everything: nothing panics, nothing runs for ever.
+fn use_all(model: &Model) {
+    let mesh = model.mesh();
+    let bounds = model.bounds();
+    let everywhere = |_: &Aabb| true;
+    let mut faces = 0;
+    model.tree().visit(everywhere, |_| faces += 1);
+    assert_eq!(faces, mesh.faces().len());
+    for h in (0..3 * mesh.faces().len() as u32).map(HalfEdgeId) {
+        let edge = model.topology().edge_of(h);
+        assert!(model.topology().half_edges(edge).contains(&h));
+        let _ = (model.topology().twin(h), model.topology().component_of(h.face()));
+    }
+    use_hull(model, bounds.center());
+    use_concavities(model);
+    let patches = model.patches();
+    for face in (0..mesh.faces().len() as u32).map(FaceId) {
+        let patch = patches.patch_of_face(face);
+        assert!(patches.faces(patch).contains(&face));
+        let _ = (model.features().facet_of(face), model.features().convex_set_of(face));
+        let _ = model.filed_face(face);
+    }
+    for patch in (0..patches.len() as u32).map(PatchId) {
+        let root = patches.trees().root(patch.index()).unwrap();
+        patches.trees().arena().visit_from(root, everywhere, |face| {
+            assert_eq!(patches.patch_of_face(face), patch);
+        });
+        let _ = (patches.vertices(patch), patches.edges(patch), patches.slab(root));
+    }
+    for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
+        let _ = (patches.patch_of_vertex(vertex), model.features().vertex(vertex));
+    }
+    for edge in (0..model.topology().edges().len() as u32).map(EdgeId) {
+        let _ = (patches.patch_of_edge(edge), model.features().edge(edge));
+    }
+    let _ = (patches.top().len(), model.mass_properties(), model.radius());
+}
+
+fn use_hull(model: &Model, center: DVec3) {
+    let hull = model.hull();
+    for (i, &p) in hull.positions().iter().enumerate() {
+        let direction = p - center;
+        let top = hull.support(direction, Some(HullVertexId(i as u32))).unwrap();
+        assert!(direction.dot(hull.position(top)) >= direction.dot(p));
+        let _ = hull.locate(p);
+    }
+    for facet in hull.facets() {
+        for (&corner, &neighbour) in facet.corners.iter().zip(facet.neighbours) {
+            let _ = (hull.position(corner), hull.facet(neighbour).normal);
+        }
+        for &triangle in facet.triangles {
+            let _ = hull.triangle(triangle as usize);
+        }
+    }
+    let _ = (hull.volume(), hull.area(), hull.centroid());
+}
+
+fn use_concavities(model: &Model) {
+    let concavities = model.concavities();
+    for concavity in concavities.iter() {
+        let mut ancestor = concavity.parent;
+        while let Some(id) = ancestor {
+            ancestor = concavities.get(id).parent;
+        }
+        for lid in concavity.lids() {
+            assert_eq!(lid.concavity, concavity.id());
+            let corners: usize = lid.outlines().map(|(_, outline)| outline.len()).sum();
+            assert!(corners <= 3 * concavities.cap_count() + model.mesh().vertices().len());
+            for &cap in lid.caps {
+                assert_eq!(concavities.cap(cap).lid, Some(lid.id()));
+            }
+        }
+        for boundary in concavity.loops() {
+            for &vertex in boundary.vertices {
+                let _ = model.mesh().position(vertex);
+            }
+            assert_eq!(boundary.vertices.len(), boundary.borders.len());
+        }
+        let index = concavity.id().index();
+        assert_eq!(model.concavity_trees().faces(index).len(), concavity.faces.len());
+        let envelope = model.envelopes().envelope(index);
+        let corners = model.mesh().vertices();
+        let thing = Thing::of_points(corners, 0.0);
+        let mut seen = 0;
+        envelope.for_each_face(&thing, |_| seen += 1);
+        assert!(seen <= concavity.faces.len());
+        if let Some(layer) = envelope.first_layer() {
+            let _ = envelope.track(layer, &thing, None);
+        }
+    }
+    for cap in (0..concavities.cap_count() as u32).map(CapId) {
+        let _ = concavities.cap(cap);
+    }
+    for facet in (0..model.hull().facet_count() as u32).map(FacetId) {
+        if let Cover::Lid(concavity) = concavities.cover(facet) {
+            let _ = concavities.get(concavity);
+        }
+    }
+}
