@@ -303,12 +303,6 @@ fn what_is_skipped(
             "it detects for the solver, and the scene asks for no Response",
         );
     }
-    if let Some((margin, reach)) = plugins.effects().cut_margin() {
-        skip(
-            format!("contacts more than {reach} apart (a margin of {margin} is asked for)"),
-            "pairs with Response are detected once, by the solver's step, which looks no farther",
-        );
-    }
     let mimics = scene.joints.iter().filter(|joint| joint.mimic.is_some()).count();
     if responds && mimics > 0 {
         skip(

@@ -80,7 +80,7 @@ impl DetectionPlugin {
         effects: &EffectTable,
     ) -> Result<Self, SceneAppError> {
         let mut world = PairWorld::new();
-        world.set_scene_effects(&effects.for_world())?;
+        world.set_scene_effects(&scene.effects)?;
         for (body, model) in scene.bodies.iter().zip(models) {
             world.insert(BodySpec {
                 name: body.name.clone(),

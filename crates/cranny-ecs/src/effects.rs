@@ -63,8 +63,6 @@ pub struct EffectTable {
     bodies: Vec<BodyEffects>,
     pairs: BTreeMap<(BodyId, BodyId), Vec<Effect>>,
     excluded: BTreeSet<(BodyId, BodyId)>,
-    /// How far apart surfaces may be for the solver to tell exact contacts; `None` where it does not.
-    solver_reach: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -207,46 +205,14 @@ impl EffectTable {
         self.of_pair(a, b).any(|(effect, _)| EffectKind::of(effect) == Some(kind))
     }
 
-    /// Says how far apart surfaces may be for the solver to tell exact contacts. A pair with
-    /// `Response` is detected once, by the solver: farther contacts are not reported for it.
-    #[cfg(feature = "rapier")]
-    pub(crate) fn set_solver_reach(&mut self, reach: f64) {
-        self.solver_reach = Some(reach);
-    }
-
-    /// The scene's effects as the world is to know them: where every pair is the solver's, it need
-    /// not look farther than the solver does.
-    pub(crate) fn for_world(&self) -> Vec<Effect> {
-        let responds = self.scene.contains(&Effect::Response);
-        let reach = self.solver_reach.filter(|_| responds).unwrap_or(f64::INFINITY);
-        let within = |effect: &Effect| match *effect {
-            Effect::Contacts { margin } => Effect::Contacts { margin: margin.min(reach) },
-            other => other,
-        };
-        self.scene.iter().map(within).collect()
-    }
-
-    /// The largest margin that a pair with `Response` asks for, and how far the solver looks, where
-    /// that is less.
-    pub(crate) fn cut_margin(&self) -> Option<(f64, f64)> {
-        let reach = self.solver_reach?;
-        let margins = self.all().filter_map(|effect| match *effect {
-            Effect::Contacts { margin } if margin > reach => Some(margin),
-            _ => None,
-        });
-        margins.reduce(f64::max).map(|margin| (margin, reach))
-    }
-
     /// The margin up to which contacts of a pair are reported; `None` where nobody asks for any.
-    /// Not more than the solver's reach for a pair that it detects exactly.
     #[must_use]
     pub fn contact_margin(&self, a: BodyId, b: BodyId) -> Option<f64> {
-        let reach = self.solver_reach.filter(|_| self.asks(EffectKind::Response, a, b));
         let margins = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
             Effect::Contacts { margin } => Some(margin),
             _ => None,
         });
-        margins.reduce(f64::max).map(|margin| margin.min(reach.unwrap_or(f64::INFINITY)))
+        margins.reduce(f64::max)
     }
 }
 

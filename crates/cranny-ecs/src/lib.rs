@@ -10,9 +10,9 @@
 //! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the last
 //!   step [`CrannyEnd`] reports the final ones, newly detected.
 //! - A pair with `Response` is detected once, inside the solver's step, and everybody else is told
-//!   ([`DetectionSystems::Supply`]); only where the solver's detector gives no exact answer, or kept
-//!   an old one, the world asks for itself. Contacts are then reported up to the solver's prediction
-//!   distance, even if a larger margin is asked for; [`RunSummary::skipped`] says so.
+//!   ([`DetectionSystems::Supply`]). What `Contacts` asks beyond what the solver needs (regions, a
+//!   wider margin) is asked there too, at the same pose, and moves no body. Where the solver's
+//!   detector gives no exact answer, kept an old one or did not look at a pair, the world asks.
 //! - Steps are driven by hand: no wall clock changes a result, and order is by stable [`BodyId`]s.
 //! - Removing a body is seen at once, by observers, in whatever schedule it happens.
 //!

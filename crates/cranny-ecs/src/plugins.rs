@@ -71,21 +71,17 @@ impl CrannyPlugins {
             });
         }
         let models = build_models(scene)?;
-        #[cfg_attr(not(feature = "rapier"), expect(unused_mut, reason = "a solver has a reach"))]
-        let mut effects = EffectTable::of(scene)?;
+        let effects = EffectTable::of(scene)?;
         let detects = effects.names(EffectKind::Trigger) || effects.names(EffectKind::Contacts);
         #[cfg(feature = "rapier")]
         let (response, simulated) = if effects.names(EffectKind::Response) {
-            let mut rigid = crate::simulation::RigidScene::new(
+            let rigid = crate::simulation::RigidScene::new(
                 scene,
                 &models,
                 &effects,
                 options.detector,
                 options.length_unit,
             )?;
-            if let Some(reach) = rigid.reach() {
-                effects.set_solver_reach(reach);
-            }
             let simulated = rigid.ids.clone();
             (Some(crate::response::ResponsePlugin::new(rigid, detects)), simulated)
         } else {

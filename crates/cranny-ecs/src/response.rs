@@ -12,7 +12,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::Remove;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use cranny_narrow_phase::Answer;
+use cranny_narrow_phase::{Answer, Demand};
 use cranny_rapier::{BodyIndex, Detector as Detection, PairContacts, Simulation};
 use cranny_world::BodyId;
 
@@ -206,6 +206,12 @@ impl Plugin for ResponsePlugin {
             return; // built twice: the first build took it
         };
         let RigidScene { simulation, ids, detection } = scene;
+        let effects = app.world().resource::<EffectTable>().clone();
+        let body_of = ids.clone();
+        simulation.read_by(move |a, b| {
+            let [a, b] = [a, b].map(|index| body_of[index.0 as usize]);
+            effects.contact_margin(a, b).map_or(Demand::None, |margin| Demand::Regions { margin })
+        });
         let mut known = vec![Transform::IDENTITY; ids.len()];
         for (i, &id) in ids.iter().enumerate() {
             let index = BodyIndex(i as u32);
@@ -281,7 +287,8 @@ fn step_solver(mut bodies: ResMut<RigidBodies>, mut times: ResMut<PhaseTimes>) {
     let timings = bodies.simulation.timings_ms();
     times.broad += timings.broad;
     times.narrow += timings.narrow;
-    times.solver += (spent - timings.broad - timings.narrow).max(0.0);
+    times.report += timings.reading;
+    times.solver += (spent - timings.broad - timings.narrow - timings.reading).max(0.0);
     if bodies.detection == Detection::Cranny {
         let start = Instant::now();
         bodies.collect_answers();

@@ -23,15 +23,6 @@ pub(crate) struct RigidScene {
 }
 
 impl RigidScene {
-    /// How far apart surfaces may be for the solver's step to tell exact contacts; `None` where its
-    /// detector tells none.
-    pub(crate) fn reach(&mut self) -> Option<f64> {
-        let prediction = self.simulation.parameters_mut().prediction_distance();
-        (self.detection == Detector::Cranny).then_some(prediction.into())
-    }
-}
-
-impl RigidScene {
     /// Inserts the bodies that have a partner to respond to, their joints and exclusions.
     ///
     /// Poses go in as the `Transform`s have them.

@@ -36,8 +36,9 @@ pub struct RunSummary {
     /// Contact points of a step: those that the solver got, or those reported where there is none.
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
-    /// each step, and at the end where `Contacts` are asked for. Depth 0 and no names where nothing
-    /// overlapped; `None` where no exact answer tells depths.
+    /// each step, and at the end where `Contacts` are asked for: the depth of regions then, otherwise of
+    /// the solver's contacts, which is at most that. Depth 0 and no names where nothing overlapped;
+    /// `None` where no exact answer tells depths.
     pub deepest: Option<DeepestSummary>,
     /// The greatest gain of mechanical energy over the start, relative to [`EnergySummary::scale`];
     /// 0 or more. `None` without a solver.

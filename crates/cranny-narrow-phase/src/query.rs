@@ -64,6 +64,26 @@ impl Demand {
         }
     }
 
+    /// Whether an answer to this demand tells all that the other asks. A larger margin covers a smaller
+    /// one: what lies beyond is the reader's to leave out.
+    #[must_use]
+    pub fn covers(self, other: Self) -> bool {
+        use Demand::{Contacts, Distance, Intersects, None, Regions};
+        match (self, other) {
+            (_, None) => true,
+            (None, _) => false,
+            (_, Intersects) | (Regions { .. }, Distance { .. }) => true,
+            (Distance { below: have }, Distance { below: want }) => match (have, want) {
+                (Option::None, _) => true,
+                (Some(have), Some(want)) => have >= want,
+                (Some(_), Option::None) => false,
+            },
+            (Contacts { margin: have }, Contacts { margin: want })
+            | (Regions { margin: have }, Regions { margin: want }) => have >= want,
+            _ => false,
+        }
+    }
+
     /// The margin up to which contacts are asked for, if they are.
     #[must_use]
     pub fn margin(&self) -> Option<f64> {
@@ -92,6 +112,24 @@ impl Query {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_answer_covers_what_it_tells() {
+        let (contacts, regions) =
+            (Demand::Contacts { margin: 0.1 }, Demand::Regions { margin: 0.1 });
+        let (whole, near) =
+            (Demand::Distance { below: None }, Demand::Distance { below: Some(1.0) });
+        for demand in [Demand::None, Demand::Intersects, whole, near, contacts, regions] {
+            assert!(demand.covers(demand) && demand.covers(Demand::None));
+            assert_eq!(Demand::None.covers(demand), demand == Demand::None);
+            assert!(demand == Demand::None || demand.covers(Demand::Intersects));
+        }
+        assert!(regions.covers(whole) && whole.covers(near) && !near.covers(whole));
+        // Regions are not drawn from patches, nor patches from regions.
+        assert!(!regions.covers(contacts) && !contacts.covers(regions) && !contacts.covers(near));
+        assert!(regions.covers(Demand::Regions { margin: 0.05 }));
+        assert!(!regions.covers(Demand::Regions { margin: 0.2 }));
+    }
 
     #[test]
     fn joining_takes_the_larger_demand_and_margin() {

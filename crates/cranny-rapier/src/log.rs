@@ -1,16 +1,18 @@
 //! What the detector answered inside rapier's step, for everybody else who wants to know.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use cranny_exact::Pose;
-use cranny_narrow_phase::Answer;
+use cranny_narrow_phase::{Answer, Demand};
 
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
 pub struct LoggedAnswer {
-    /// In the frame of the first shape.
+    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by) asks
+    /// for what that does not tell.
     pub answer: Arc<Answer>,
     /// The relative pose that it was computed from.
     pub first_from_second: Pose,
@@ -26,7 +28,23 @@ pub struct AnswerLog(Arc<Mutex<Entries>>);
 struct Entries {
     step: u64,
     answers: BTreeMap<(u32, u32), LoggedAnswer>,
+    reader: Reader,
+    /// For the solver, since last asked.
     spent: Duration,
+    /// For the reader beyond that, in this step.
+    reading: Duration,
+}
+
+/// What somebody wants to read about pairs, by their tags.
+type DemandOf = dyn Fn(u32, u32) -> Demand + Send + Sync;
+
+#[derive(Clone, Default)]
+struct Reader(Option<Arc<DemandOf>>);
+
+impl fmt::Debug for Reader {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "Reader" } else { "nobody" })
+    }
 }
 
 impl AnswerLog {
@@ -39,6 +57,7 @@ impl AnswerLog {
     pub fn begin_step(&self) -> u64 {
         let mut entries = self.entries();
         entries.step += 1;
+        entries.reading = Duration::ZERO;
         entries.step
     }
 
@@ -77,13 +96,34 @@ impl AnswerLog {
         self.len() == 0
     }
 
-    /// Time spent in contact detection since this was last asked.
+    /// Says what a reader of the log asks about a pair of tags, in either order, from now on. It is
+    /// answered in the same step, at the same pose, whenever what the solver asks does not
+    /// [cover](Demand::covers) it; the solver's contacts do not depend on it.
+    pub fn read_by(&self, demand: impl Fn(u32, u32) -> Demand + Send + Sync + 'static) {
+        self.entries().reader = Reader(Some(Arc::new(demand)));
+    }
+
+    /// What the reader asks about a pair.
+    pub(crate) fn demand(&self, first: u32, second: u32) -> Demand {
+        let reader = self.entries().reader.clone();
+        reader.0.map_or(Demand::None, |demand| demand(first, second))
+    }
+
+    /// Time spent in contact detection for the solver since this was last asked.
     pub fn take_time(&self) -> Duration {
         std::mem::take(&mut self.entries().spent)
     }
 
-    pub(crate) fn add_time(&self, spent: Duration) {
-        self.entries().spent += spent;
+    /// Time that the [reader](Self::read_by) cost beyond that, in the step that began last.
+    #[must_use]
+    pub fn reading_time(&self) -> Duration {
+        self.entries().reading
+    }
+
+    pub(crate) fn add_time(&self, spent: Duration, reading: Duration) {
+        let mut entries = self.entries();
+        entries.spent += spent;
+        entries.reading += reading;
     }
 
     pub(crate) fn put(&self, tags: (u32, u32), answer: Arc<Answer>, first_from_second: Pose) {

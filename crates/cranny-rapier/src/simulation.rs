@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose, PoseError};
 use cranny_geometry::Model;
-use cranny_narrow_phase::Answer;
+use cranny_narrow_phase::{Answer, Demand};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
@@ -194,6 +194,8 @@ pub struct Timings {
     pub broad: f64,
     /// Narrow phase, contact detection included.
     pub narrow: f64,
+    /// What [`Simulation::read_by`] cost besides: questions that the solver does not ask.
+    pub reading: f64,
     /// Constraints solver.
     pub solver: f64,
     /// The whole step.
@@ -456,6 +458,14 @@ impl Simulation {
         energy
     }
 
+    /// Says what somebody wants to read, from now on, about a pair of bodies in
+    /// [`contact_pairs`](Self::contact_pairs): it is answered in the step, at the poses that the solver's
+    /// contacts come from, where what the solver asks does not [cover](Demand::covers) it. How bodies move
+    /// does not depend on it.
+    pub fn read_by(&self, demand: impl Fn(BodyIndex, BodyIndex) -> Demand + Send + Sync + 'static) {
+        self.log.read_by(move |first, second| demand(BodyIndex(first), BodyIndex(second)));
+    }
+
     /// What the detector said of each pair that rapier asked about in the last step, or whose older
     /// contacts it kept (bodies asleep, contacts recycled), by ascending bodies. Empty for detectors
     /// other than ours.
@@ -514,10 +524,12 @@ impl Simulation {
     #[must_use]
     pub fn timings_ms(&self) -> Timings {
         let counters = &self.pipeline.counters;
+        let reading = 1e3 * self.log.reading_time().as_secs_f64();
         Timings {
             broad: counters.cd.broad_phase_time.time_ms()
                 + counters.cd.final_broad_phase_time.time_ms(),
-            narrow: counters.cd.narrow_phase_time.time_ms(),
+            narrow: (counters.cd.narrow_phase_time.time_ms() - reading).max(0.0),
+            reading,
             solver: counters.stages.solver_time.time_ms(),
             step: counters.step_time_ms(),
         }

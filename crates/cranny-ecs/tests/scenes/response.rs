@@ -1,11 +1,15 @@
 //! Rigid bodies.
 
+use std::sync::Arc;
+
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::DVec3;
+use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::Detector as Detection;
+use cranny_shapes::Torus;
 use cranny_world::description::{BodyKind, Effect, PairDescription};
 
 use crate::build::{cube, drop, scene};
@@ -132,12 +136,69 @@ fn a_moved_transform_moves_the_rigid_body_and_a_despawned_one_meets_nothing() {
     assert!(height(&app, "box") < -1.0);
 }
 
+/// A plank falls past a fixed post, never nearer to it than 0.3.
 #[test]
-fn farther_contacts_than_the_solver_sees_are_said_to_be_left_out() {
-    let far = [Effect::Response, Effect::Contacts { margin: 0.5 }];
-    let app = SceneApp::new(&drop(&far), &RunOptions::default()).unwrap();
-    let summary = app.finish().unwrap();
-    assert!(summary.skipped[0].what.contains("0.5"), "{:?}", summary.skipped);
+fn contacts_are_told_as_far_as_they_are_asked_for_though_the_solver_looks_less_far() {
+    let bodies = vec![
+        cube("post", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO),
+        cube("plank", BodyKind::Dynamic, DVec3::new(1.3, 0.0, 0.1), DVec3::ZERO),
+    ];
+    let effects = |margin| [Effect::Response, Effect::Contacts { margin }];
+    for (margin, told) in [(0.5, true), (0.29, false)] {
+        let description = scene(bodies.clone(), &effects(margin));
+        let mut app = SceneApp::new(&description, &RunOptions::default()).unwrap();
+        app.step().unwrap();
+        let report = app.app().world().resource::<ContactReport>();
+        let separations: Vec<f64> = report
+            .pairs
+            .iter()
+            .flat_map(|p| &p.answer.regions)
+            .map(|r| r.deepest.separation)
+            .collect();
+        assert_eq!(!separations.is_empty(), told, "{margin}: {separations:?}");
+        assert!(separations.iter().all(|s| (s - 0.3).abs() < 1e-6), "{separations:?}");
+        assert!(app.finish().unwrap().skipped.is_empty());
+    }
+}
+
+/// Fine meshes are asked patch by patch for the solver; regions, curves and depths are told all the
+/// same, and are those of a query at the poses told with them.
+#[test]
+fn contacts_of_fine_meshes_are_regions_with_curves_too() {
+    let mut lying = cube("lying", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+    let mut falling = cube("falling", BodyKind::Dynamic, DVec3::new(0.3, 0.1, 0.399), DVec3::ZERO);
+    for body in [&mut lying, &mut falling] {
+        body.collision = Arc::new(Torus::default().build().unwrap());
+    }
+    let margin = 0.02;
+    let effects = [Effect::Response, Effect::Contacts { margin }];
+    let mut app =
+        SceneApp::new(&scene(vec![lying, falling], &effects), &RunOptions::default()).unwrap();
+    let (mut curves, mut depth) = (0, 0.0f64);
+    for _ in 0..24 {
+        app.step().unwrap();
+        let world = app.app().world();
+        let stats = world.resource::<Detected>().report.as_ref().unwrap().stats;
+        assert_eq!(stats.queried_pairs, 0, "detected a second time");
+        for pair in &world.resource::<ContactReport>().pairs {
+            let models = [pair.a, pair.b]
+                .map(|id| world.resource::<Bodies>().get(id).unwrap().model.clone());
+            let [a, b] = [0, 1].map(|i| Placed { model: &models[i], pose: pair.poses[i] });
+            let ask = Query::of(Demand::Regions { margin });
+            let direct = query(a, b, &ask, &mut PairMemory::default()).unwrap();
+            assert_eq!(pair.answer.regions.len(), direct.regions.len());
+            for (told, direct) in pair.answer.regions.iter().zip(&direct.regions) {
+                assert_eq!(told.curves.len(), direct.curves.len());
+                let [told, direct] =
+                    [told, direct].map(|r| r.depth.unwrap_or(-r.deepest.separation));
+                assert!((told - direct).abs() < 1e-9, "{told}, not {direct}");
+                depth = depth.max(told);
+            }
+            curves += pair.answer.regions.iter().map(|r| r.curves.len()).sum::<usize>();
+        }
+    }
+    assert!(curves > 0 && depth > 0.0, "{curves} curves, depth {depth}");
+    assert_eq!(app.finish().unwrap().deepest.unwrap().depth, depth);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Three rings that hold each other.
 
 use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_narrow_phase::Demand;
 use cranny_rapier::{BodyIndex, BodyKind, BodySpec, Simulation, SimulationOptions};
 use cranny_shapes::Torus;
 
@@ -50,6 +51,8 @@ fn three_rings_stay_linked() {
             simulation.insert(&body).expect("a ring")
         })
         .collect();
+    // Depth of whole regions: a contact's is at most that.
+    simulation.read_by(|_, _| Demand::Regions { margin: 0.0 });
     let linked = |simulation: &Simulation| {
         [0, 1].map(|k| linking(&simulation.pose(rings[k]), &simulation.pose(rings[k + 1])).abs())
     };
@@ -61,8 +64,9 @@ fn three_rings_stay_linked() {
         assert_eq!(linked(&simulation), [1, 1], "in step {step}");
         for pair in simulation.contact_pairs() {
             touched += pair.answer.contacts.len();
-            let depths = pair.answer.contacts.iter().map(|c| -c.separation);
-            deepest = depths.fold(deepest, f64::max);
+            for depth in pair.answer.regions.iter().filter_map(|r| r.depth) {
+                deepest = deepest.max(depth);
+            }
         }
     }
     assert!(touched > 100, "the rings hang on nothing");

@@ -32,7 +32,19 @@ fn heap(options: SimulationOptions) -> (Simulation, Vec<cranny_geometry::Model>)
 
 #[test]
 fn answers_are_those_of_a_direct_query_at_the_told_poses() {
+    compare_with_direct_queries(false);
+}
+
+#[test]
+fn a_reader_is_told_regions_in_the_same_step() {
+    compare_with_direct_queries(true);
+}
+
+fn compare_with_direct_queries(read: bool) {
     let (mut simulation, models) = heap(SimulationOptions::default());
+    if read {
+        simulation.read_by(|_, _| Demand::Regions { margin: 0.0 });
+    }
     let (mut checked, mut overlapping, mut contacts) = (0, 0, 0);
     for step in 0..150 {
         let before: Vec<Pose> =
@@ -62,13 +74,27 @@ fn answers_are_those_of_a_direct_query_at_the_told_poses() {
                 pose: pair.poses[k],
             };
             let (a, b) = (placed(0, pair.a), placed(1, pair.b));
-            let ask = Query::of(Demand::Regions { margin: 0.0 });
-            let direct = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
+            let ask = |demand| {
+                query(a, b, &Query::of(demand), &mut PairMemory::default()).expect("valid poses")
+            };
+            let direct = ask(Demand::Regions { margin: 0.0 });
             let told = &pair.answer;
             assert_eq!(told.surface, direct.surface, "step {step}");
             assert_eq!((told.solid, told.contained), (direct.solid, direct.contained));
-            // A solver's contacts measure no distance, but none is nearer than that, and of surfaces
-            // that are apart the nearest is among them.
+            if read {
+                // Everything that a reader asked for.
+                let meeting: Vec<_> = told.regions.iter().filter(|r| r.depth.is_some()).collect();
+                let expected: Vec<_> =
+                    direct.regions.iter().filter(|r| r.depth.is_some()).collect();
+                assert_eq!(meeting.len(), expected.len(), "step {step}");
+                for (r, s) in meeting.iter().zip(&expected) {
+                    let (r, s) = (r.depth.unwrap_or(0.0), s.depth.unwrap_or(0.0));
+                    assert!((r - s).abs() < 1e-9, "step {step}: depth {r} is not {s}");
+                    overlapping += 1;
+                }
+            }
+            // No solver's contact is nearer than the distance, and of surfaces that are apart the
+            // nearest is among them.
             let distance = direct.distance.expect("asked for");
             let least = told.contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min);
             if distance > 0.0 && !told.contacts.is_empty() {
@@ -93,6 +119,24 @@ fn answers_are_those_of_a_direct_query_at_the_told_poses() {
     assert!(simulation.narrow_phase_seconds() > 0.0);
     assert_eq!(simulation.narrow_phase_seconds(), 0.0, "told once");
     assert!(simulation.timings_ms().step > 0.0);
+}
+
+#[test]
+fn bodies_move_the_same_whoever_reads() {
+    let poses = |read: bool| {
+        let (mut simulation, models) = heap(SimulationOptions::default());
+        if read {
+            simulation.read_by(|_, _| Demand::Regions { margin: 0.05 });
+        }
+        let mut cost = 0.0;
+        for _ in 0..90 {
+            simulation.step();
+            cost += simulation.timings_ms().reading;
+        }
+        assert_eq!(cost > 0.0, read);
+        (0..models.len()).map(|k| simulation.pose(BodyIndex(k as u32))).collect::<Vec<_>>()
+    };
+    assert_eq!(poses(false), poses(true));
 }
 
 #[test]
