@@ -233,6 +233,10 @@ impl SceneApp {
 /// nanoseconds); longer ones leave the range in which it can move anything.
 const STEPS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
 
+/// A duration that is longer than a number of steps by less than this share of one means that number:
+/// 5 s are 1200 steps of 0.0041667 s.
+const STEP_SHARE: f64 = 1e-3;
+
 /// Every single file that a run writes.
 fn outputs(options: &RunOptions) -> Vec<&Path> {
     #[cfg_attr(
@@ -262,9 +266,7 @@ fn step_count(step: f64, duration: f64) -> Result<u64, SceneAppError> {
     if !(duration >= 0.0 && duration.is_finite()) {
         return refused("the duration must be finite and at least 0");
     }
-    // A duration within a thousandth of a step of a multiple means the multiple: 5 s are 1200 steps
-    // of 0.0041667 s.
-    let count = (duration / step - 1e-3).ceil().max(0.0);
+    let count = (duration / step - STEP_SHARE).ceil().max(0.0);
     if count > f64::from(u32::MAX) {
         return refused("it has more than 4 billion steps");
     }
