@@ -1,7 +1,8 @@
 //! The one prepared thing: everything that is known of a body before it moves.
 //!
-//! A [`Model`] is immutable and shared (`Arc` inside). It is filled in stages, each a module of this
-//! crate; the stages of the full method stand here in order, so that one sees where the next belongs:
+//! A [`Model`] is shared (`Arc` inside) and never changes but by [`Model::deform`]. It is filled in
+//! stages, each a module of this crate; the stages of the full method stand here in order, so that one
+//! sees where the next belongs:
 //!
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
 //!    ([`topology`](Model::topology)), 3. hull ([`hull`](Model::hull)), 4. features: convex, concavity,

@@ -208,6 +208,21 @@ fn a_shared_model_stays_as_it_was() {
 }
 
 #[test]
+fn a_model_from_a_file_is_deformed_like_the_one_it_was_saved_from() {
+    let mut model = model(turned(&Cup::default().build().unwrap()));
+    let mut rng = Rng::new(5);
+    for step in 0..4 {
+        let mut loaded = Model::decode(&model.encode()).unwrap();
+        let moves = random_moves(model.mesh(), &mut rng);
+        let done = model.deform(&moves);
+        // Trees may have been regrown for what happened before the file was written.
+        assert_eq!(loaded.deform(&moves).is_ok(), done.is_ok());
+        assert_equals_rebuild(&loaded, &format!("step {step}"));
+        equal::assert_equal(&loaded, &model, &format!("step {step}"));
+    }
+}
+
+#[test]
 fn bad_moves_are_refused_and_change_nothing() {
     let mut model = model(Cuboid::default().build().unwrap());
     let before = model.clone();
@@ -295,6 +310,32 @@ fn work_follows_the_dent_not_the_mesh() {
     assert!(large.nodes <= 2 * small.nodes, "{small:?}, {large:?}");
     let (more, wide) = pressed(20_000, 5.0);
     assert!(more > 2 * same && wide.faces > 2 * large.faces, "{large:?}, {wide:?}");
+}
+
+/// Vertices of a smooth body pushed in and pulled out: what is measured follows these.
+#[test]
+fn a_hull_is_repaired_where_it_was_dented() {
+    let work = |segments: u32| {
+        let sphere = Sphere { radius: 1.0, segments, rings: segments / 2 };
+        let mesh = turned(&sphere.build().unwrap());
+        let mut model = model(mesh.clone());
+        let bounds = mesh.bounds();
+        // Away from the six sides of the box, which decides how flat is flat.
+        let inner = |v: &VertexId| {
+            let share = (mesh.position(*v) - bounds.center()).abs() / (bounds.max - bounds.min);
+            share.max_element() < 0.32
+        };
+        let v = (0..mesh.vertices().len() as u32).map(VertexId).find(inner).unwrap();
+        let mut most = 0;
+        for factor in [0.99, 1.001, 0.9, 1.0] {
+            let change = deformed(&mut model, &[(v, factor * mesh.position(v))], "sphere");
+            assert!(change.hull && change.work.hull_triangles > 0);
+            most = most.max(change.work.hull_triangles + change.work.facets + change.work.faces);
+        }
+        (most, model.hull().triangle_count())
+    };
+    let ((small, few), (large, many)) = (work(24), work(96));
+    assert!(many > 10 * few && large <= 2 * small, "{small} of {few}, {large} of {many}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Caps after some facets have other faces on them, or faces that have moved. The hull is the same.
+//! Caps after some facets have other faces on them, or faces that have moved, or are new.
 //!
 //! The cap of a facet depends on its own chain, on where its edges are divided, which the facets
 //! across these edges have a say in, and on which pieces of the chains of these are its own opposites. So
@@ -16,8 +16,8 @@ use crate::mesh::Mesh;
 use crate::topology::Topology;
 
 impl CapSurface {
-    /// The caps after the faces on the facets `stale`, ascending, or the ridges there, have changed or
-    /// moved; and how many facets were looked at.
+    /// The caps after the faces on the facets `stale`, or the ridges there, have changed or moved, or
+    /// these facets are new; and how many facets were looked at. `before` names what each facet was.
     ///
     /// Cost: O(n log n) in the faces and triangles of these facets, and a pass over the facets of all
     /// faces and over all cap triangles, which are copied.
@@ -29,6 +29,7 @@ impl CapSurface {
         assignment: &Assignment,
         ridges: &[RidgeOnFacet],
         stale: &[u32],
+        before: &[u32],
     ) -> (Self, usize) {
         let stale = stale.iter().copied().collect();
         let stale = with_neighbours(hull, &with_neighbours(hull, &stale));
@@ -42,7 +43,7 @@ impl CapSurface {
         for facet in 0..hull.facet_count() as u32 {
             let chain = chains.next_if(|(id, _)| *id == facet).map(|(_, chain)| chain);
             if !stale.contains(&facet) {
-                updated.copy(self, facet);
+                updated.copy(self, before[facet as usize], facet);
             } else if let Some(chain) = chain.filter(|chain| !chain.is_empty()) {
                 let id = FacetId(facet);
                 updated.cover(mesh, hull.facet(id), id, &chain, ridges_of(ridges, facet));
@@ -52,9 +53,9 @@ impl CapSurface {
         (updated, around.len())
     }
 
-    /// Appends the caps of a facet as they are in `other`.
-    fn copy(&mut self, other: &Self, facet: u32) {
-        let range = other.of_facet(FacetId(facet));
+    /// Appends the caps of a facet, which is `before` in `other`.
+    fn copy(&mut self, other: &Self, before: u32, facet: u32) {
+        let range = other.of_facet(FacetId(before));
         if range.is_empty() {
             return;
         }
@@ -65,7 +66,7 @@ impl CapSurface {
         let to = other.negative.partition_point(|cap| cap.0 < range.end);
         let negative = &other.negative[from..to];
         self.negative.extend(negative.iter().map(|cap| CapId(cap.0 - range.start + first)));
-        if other.crossed.binary_search(&FacetId(facet)).is_ok() {
+        if other.crossed.binary_search(&FacetId(before)).is_ok() {
             self.crossed.push(FacetId(facet));
         }
     }

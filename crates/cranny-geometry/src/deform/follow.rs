@@ -7,8 +7,8 @@ use super::{ChangeSet, Workshop};
 use crate::caps::CapSurface;
 use crate::concavity::Concavities;
 use crate::envelope::Pocket;
-use crate::features::{Assignment, Features, NONE, Reassigned};
-use crate::hull::{ConvexHull, HullKind, Location};
+use crate::features::{Judged, NONE};
+use crate::hull::{Followed, GONE, HullKind, Location};
 use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
 use crate::mass::MassProperties;
 use crate::model::{Parts, digest, openings, radius};
@@ -50,7 +50,7 @@ impl<'a> Deformation<'a> {
         if self.keeps_hull() {
             self.classify_moved();
         } else {
-            self.rebuild_hull();
+            self.follow_hull();
         }
         self.measure();
         let nodes = [&self.change.tree, &self.change.concavity_trees, &self.change.patch_trees];
@@ -98,48 +98,64 @@ impl<'a> Deformation<'a> {
 
     /// The hull is as it was: faces that have moved may come onto it, or leave it.
     fn classify_moved(&mut self) {
+        let Parts { mesh, topology, features, .. } = &*self.parts;
+        let ChangeSet { vertices, faces, .. } = &self.change;
+        let assignment = &mut self.workshop.assignment;
+        let judged = assignment.update(mesh, topology, features, vertices, faces);
+        let before: Vec<u32> = (0..self.parts.hull.facet_count() as u32).collect();
+        self.close_pockets(&judged, Vec::new(), &before);
+    }
+
+    /// The hull is another one, here and there.
+    fn follow_hull(&mut self) {
+        let Parts { mesh, topology, hull, features, tree, flatness, .. } = &mut *self.parts;
+        let Workshop { assignment, ridges, .. } = &mut *self.workshop;
+        let vertices = &self.change.vertices;
+        let near = |bounds: &Aabb| {
+            let mut found = Vec::new();
+            let corners = |f: FaceId| mesh.corners(f).into_iter();
+            let inside = |v: &VertexId| bounds.contains_point(mesh.position(*v));
+            tree.visit(|b| b.overlaps(bounds), |f| found.extend(corners(f).filter(inside)));
+            found
+        };
+        let Followed { hull: new, facets: map, measured } =
+            hull.followed(mesh.vertices(), vertices, *flatness, near);
+        let old = std::mem::replace(hull, new);
+        self.change.hull = true;
+        self.change.work.hull_triangles = measured;
+        let sources = old.sources();
+        let judged =
+            assignment.follow(mesh, topology, features, hull, sources, &map, vertices, ridges);
+        let mut before = vec![GONE; hull.facet_count()];
+        for (old, &new) in (0..).zip(&map).filter(|&(_, &new)| new != GONE) {
+            before[new as usize] = old;
+        }
+        let new = (0..).zip(&before).filter(|&(_, &before)| before == GONE).map(|(f, _)| f);
+        self.close_pockets(&judged, new.collect(), &before);
+    }
+
+    /// Features, caps and concavities, after faces were judged. `stale` are facets whose caps are to be
+    /// made anyway, `before` names what each facet was.
+    fn close_pockets(&mut self, judged: &Judged, mut stale: Vec<u32>, before: &[u32]) {
         let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
         let Workshop { assignment, ridges, .. } = &mut *self.workshop;
-        let ChangeSet { vertices, faces, .. } = &self.change;
-        let (reassigned, judged) = assignment.update(mesh, topology, vertices, faces);
         let isolated = features.isolated_vertices().to_vec();
-        let mut facets = features.update(mesh, topology, assignment, faces, &reassigned, ridges);
-        facets.extend(reassigned.iter().flat_map(|change| [change.before, change.after]));
-        facets.extend(faces.iter().map(|f| assignment.facet_of_face[f.index()]));
-        facets.retain(|&facet| facet != NONE);
-        facets.sort_unstable();
-        facets.dedup();
-        self.change.work.faces = judged;
-        self.change.reclassified =
-            reassigned.iter().filter(|r| Reassigned::changes_class(r)).map(|r| r.face).collect();
+        stale.extend(features.update(mesh, topology, assignment, judged, ridges));
+        stale.extend(judged.reassigned.iter().flat_map(|change| [change.before, change.after]));
+        stale.extend(self.change.faces.iter().map(|f| assignment.facet_of_face[f.index()]));
+        stale.retain(|&facet| facet != NONE);
+        self.change.work.faces = judged.faces.len();
+        let turned = judged.reassigned.iter().filter(|change| change.changes_class);
+        self.change.reclassified = turned.map(|change| change.face).collect();
 
-        if facets.is_empty() && isolated == features.isolated_vertices() {
+        if !self.change.hull && stale.is_empty() && isolated == features.isolated_vertices() {
             self.remeasure_concavities();
             return;
         }
         let caps = concavities.cap_surface();
-        let (caps, looked_at) = caps.updated(mesh, topology, hull, assignment, ridges, &facets);
+        let (caps, looked_at) =
+            caps.updated(mesh, topology, hull, assignment, ridges, &stale, before);
         self.change.work.facets = looked_at;
-        self.renumber_concavities(caps);
-    }
-
-    /// The hull is another one.
-    fn rebuild_hull(&mut self) {
-        let Parts { mesh, topology, hull, features, flatness, .. } = &mut *self.parts;
-        *hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
-        let assignment = Assignment::of(mesh, topology, hull);
-        let (classified, ridges) = Features::of(mesh, topology, &assignment);
-        let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
-        let before = std::mem::replace(features, classified);
-        let faces = (0..mesh.faces().len() as u32).map(FaceId);
-        self.change.reclassified =
-            faces.filter(|&f| before.is_convex(f) != features.is_convex(f)).collect();
-        self.change.hull = true;
-        self.change.work.faces = mesh.faces().len();
-        self.change.work.facets = hull.facet_count();
-        self.change.work.hull_triangles = hull.triangle_count();
-        self.workshop.assignment = assignment;
-        self.workshop.ridges = ridges;
         self.renumber_concavities(caps);
     }
 

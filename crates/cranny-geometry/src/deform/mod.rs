@@ -1,10 +1,12 @@
 //! Deformation: vertices of a prepared model are moved, and what depends on them follows.
 //!
-//! What follows, in the order of [`Model::build`]: boxes of trees are fitted again, patches with a
-//! moved face are measured, and divided where they have become too bent. If no vertex of the hull has
-//! moved and none has left it, by exact signs, the hull stays, and only moved faces are classified
-//! again; caps are made again on the facets that these lie on and on those beside them; trees
-//! and envelopes of untouched concavities are kept.
+//! What follows, in this order: boxes of trees are fitted again, from the moved faces up, and parts of
+//! trees that have become bad are grown again. Patches with a moved face are measured, and divided where
+//! they have become too bent. The hull stays if no vertex of it has moved and none has left it, by exact
+//! signs; otherwise its surface is repaired around the vertices that moved in or out. Faces are
+//! classified again that have moved or lay on facets that are gone, or may lie on new ones; caps are made
+//! again on the facets of these and beside them; trees and envelopes of untouched concavities are kept.
+//! If all that moved lies beneath caps, concavities are only measured.
 //!
 //! The adjacency of faces knows no positions and never changes.
 
@@ -59,21 +61,34 @@ impl Model {
     /// and this model's flatness, and as long as no two vertices coincide (a rebuild would weld them; a
     /// deformation keeps vertices, faces and edges as they are):
     ///
-    /// - the hull has the same vertices and the same exact shape. Where four or more of them lie in a
-    ///   plane, it may be triangulated otherwise; triangles and facets may be numbered otherwise;
-    /// - vertices, edges and faces are classified the same; convex sets, concavities, their faces and
-    ///   boundary loops are the same and have the same ids, and lids cover the same;
+    /// - the hull has the same vertices and the same exact shape; its merged facets have the same vertices,
+    ///   and planes that agree to rounding. Within a facet it may be triangulated otherwise; triangles
+    ///   and facets may be numbered otherwise;
+    /// - vertices, edges and faces are classified the same. A needle on the edge between two facets may
+    ///   be counted to either;
+    /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
+    ///   have the same boundary; lids and cap triangles may be numbered otherwise;
     /// - all sizes and the mass properties agree to rounding, box, radius and digest to the bit;
-    /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes likewise;
-    /// - patches keep their promises, but may be others: see [`ChangeSet::patches`].
+    /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes hold the same;
+    /// - patches keep their promises, but may be others: growth is greedy, and one face more or less
+    ///   would move every border behind it. See [`ChangeSet::patches`].
     ///
     /// # Cost
     ///
     /// The first deformation also classifies the mesh once more. Each looks at the moved faces, the
-    /// facets, concavities and patches that these belong to, and what these border on; see [`Work`].
-    /// Where a face comes onto the hull or leaves it, concavities are numbered anew; where the hull
-    /// changes, it is built anew and everything classified. Mass, radius and digest, and copying flat
-    /// arrays, take a pass of a few nanoseconds a face.
+    /// facets, concavities and patches that these belong to, and what these border on: [`Work`] counts
+    /// it. Beside that there are passes over flat arrays, of a few nanoseconds an element:
+    ///
+    /// - always over vertices and faces, for mass, radius, digest and the limits of patches, and
+    ///   over what is copied of envelopes;
+    /// - over the hull's triangles for each moved vertex, until the first that has it above, as long as
+    ///   the hull stays; where it changes, over vertices, triangles and facets to number them anew;
+    /// - over all faces, edges and caps where a cap changes, to number concavities anew, and where a
+    ///   patch is divided.
+    ///
+    /// Where the box of the hull changes, so does what counts as flat, and all facets are measured and
+    /// everything is classified. Where a hull's surface cannot be repaired (a vertex inside a flat
+    /// facet comes out, vertices coincide, the body is flat) it is built anew.
     ///
     /// # Errors
     ///

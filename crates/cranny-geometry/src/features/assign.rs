@@ -39,7 +39,7 @@ pub(crate) struct Assignment {
     facets: Vec<u32>,
     /// The facets of vertices that have moved since the rows above were written.
     pub(super) moved: BTreeMap<u32, Vec<u32>>,
-    corners: Corners,
+    pub(super) corners: Corners,
     pub(super) slabs: Slabs,
 }
 
@@ -104,6 +104,12 @@ impl Assignment {
         let faces = (0..mesh.faces().len() as u32).map(FaceId);
         let needles = self.assign_wide(mesh, faces);
         self.assign_needles(mesh, topology, &needles);
+    }
+
+    /// Takes over rows that hold for all vertices.
+    pub(super) fn replace_rows(&mut self, starts: Vec<u32>, facets: Vec<u32>) {
+        (self.starts, self.facets) = (starts, facets);
+        self.moved.clear();
     }
 
     /// Places faces that are not needles; returns the needles among those whose corners are on the hull.
@@ -200,7 +206,7 @@ impl Assignment {
 
 /// For each vertex the facets that it lies on, in compressed rows.
 fn facets_of_vertices(mesh: &Mesh, hull: &ConvexHull, slabs: &Slabs) -> (Vec<u32>, Vec<u32>) {
-    let (around_starts, around) = facets_around_corners(hull);
+    let rings = Rings::of(hull);
     let mut starts = Vec::with_capacity(mesh.vertices().len() + 1);
     let mut facets = Vec::new();
     let mut next_corner = 0;
@@ -208,12 +214,7 @@ fn facets_of_vertices(mesh: &Mesh, hull: &ConvexHull, slabs: &Slabs) -> (Vec<u32
     for (v, &p) in mesh.vertices().iter().enumerate() {
         // Both are numbered alike: the sources ascend.
         if hull.sources().get(next_corner) == Some(&VertexId(v as u32)) {
-            let row = around_starts[next_corner] as usize..around_starts[next_corner + 1] as usize;
-            let first = facets.len();
-            facets.extend_from_slice(&around[row]);
-            facets[first..].sort_unstable();
-            let kept = dedup_from(&mut facets, first);
-            facets.truncate(kept);
+            rings.append(next_corner, &mut facets);
             next_corner += 1;
         } else {
             slabs.around(p, &mut facets);
@@ -236,22 +237,39 @@ fn dedup_from(list: &mut [u32], first: usize) -> usize {
 }
 
 /// For each corner of the hull the facets of its triangles, with repetitions, in compressed rows.
-fn facets_around_corners(hull: &ConvexHull) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; hull.vertex_count() + 1];
-    let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
-    for (_, v) in corners() {
-        starts[v.index() + 1] += 1;
+pub(super) struct Rings {
+    starts: Vec<u32>,
+    facets: Vec<u32>,
+}
+
+impl Rings {
+    pub(super) fn of(hull: &ConvexHull) -> Self {
+        let mut starts = vec![0u32; hull.vertex_count() + 1];
+        let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
+        for (_, v) in corners() {
+            starts[v.index() + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let mut fill = starts.clone();
+        let mut facets = vec![0; 3 * hull.triangle_count()];
+        for (t, v) in corners() {
+            facets[fill[v.index()] as usize] = hull.facet_of_triangle(t).0;
+            fill[v.index()] += 1;
+        }
+        Self { starts, facets }
     }
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
+
+    /// Appends the facets around a corner, ascending, each once.
+    pub(super) fn append(&self, corner: usize, facets: &mut Vec<u32>) {
+        let first = facets.len();
+        let row = self.starts[corner] as usize..self.starts[corner + 1] as usize;
+        facets.extend_from_slice(&self.facets[row]);
+        facets[first..].sort_unstable();
+        let kept = dedup_from(facets, first);
+        facets.truncate(kept);
     }
-    let mut fill = starts.clone();
-    let mut facets = vec![0; 3 * hull.triangle_count()];
-    for (t, v) in corners() {
-        facets[fill[v.index()] as usize] = hull.facet_of_triangle(t).0;
-        fill[v.index()] += 1;
-    }
-    (starts, facets)
 }
 
 /// The longest side of a face, the first of equals.

@@ -18,7 +18,7 @@ mod slabs;
 mod update;
 
 pub(crate) use assign::{Assignment, NONE};
-pub(crate) use update::Reassigned;
+pub(crate) use update::Judged;
 
 use crate::hull::FacetId;
 use crate::ids::{ConvexSetId, EdgeId, FaceId, HalfEdgeId, VertexId};

@@ -1,93 +1,209 @@
-//! Features after some vertices have moved and the hull has not changed.
+//! Features after some vertices have moved.
 //!
 //! A face's facet depends on its corners alone, a needle's also on the faces that it hangs together
 //! with over other needles. An edge depends on its faces and its ends, a vertex on its faces and on the
-//! edges around it. So what is looked at again is the faces of moved vertices, the needles beside them,
-//! and the edges and corners of all these. Only where a face comes onto the hull or leaves it the convex
-//! sets are counted anew: a pass over all edges, a few nanoseconds each.
+//! edges around it. So what is looked at again is the faces of vertices that have moved or lie on other
+//! facets than before, the needles beside them, and the edges and corners of all these. Only where a
+//! face comes onto the hull or leaves it the convex sets are counted anew: a pass over all edges, a few
+//! nanoseconds each.
 
 use std::collections::BTreeSet;
 
-use super::assign::{Assignment, NONE};
+use cranny_exact::Aabb;
+
+use super::assign::{Assignment, NONE, Rings};
+use super::corners::Corners;
+use super::slabs::Slabs;
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
+use crate::hull::{ConvexHull, FacetId, GONE};
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 
-/// A face that lies on another facet than it did, and that one; [`NONE`] for none.
+/// A face that lies on another facet than it did, or was judged because its facet is gone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Reassigned {
     pub(crate) face: FaceId,
+    /// The facet that it lay on, as it is numbered now; [`NONE`] for none that is still there.
     pub(crate) before: u32,
+    /// The facet that it lies on; [`NONE`] for none.
     pub(crate) after: u32,
+    /// Whether it came onto the hull or left it.
+    pub(crate) changes_class: bool,
 }
 
-impl Reassigned {
-    /// Whether the face came onto the hull or left it.
-    pub(crate) fn changes_class(&self) -> bool {
-        (self.before == NONE) != (self.after == NONE)
-    }
+/// What was judged again.
+pub(crate) struct Judged {
+    /// All faces judged.
+    pub(crate) faces: BTreeSet<FaceId>,
+    /// Those that are on another facet, ascending.
+    pub(crate) reassigned: Vec<Reassigned>,
 }
 
 impl Assignment {
-    /// Judges moved vertices and the faces that they take along again. `moved` are no vertices of the
-    /// hull; `faces` are all that have one of them, ascending. Returns the faces whose facet has changed,
-    /// ascending, and how many were judged.
+    /// After vertices have moved that were and are none of the hull, which is the same: judges them and
+    /// `faces`, all that have one of them. `features` are still those before.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
+        features: &Features,
         moved: &[VertexId],
         faces: &[FaceId],
-    ) -> (Vec<Reassigned>, usize) {
+    ) -> Judged {
         for &v in moved {
             let mut found = Vec::new();
             self.slabs.around(mesh.position(v), &mut found);
             self.moved.insert(v.0, found);
         }
-        let mut judged: BTreeSet<FaceId> = faces.iter().copied().collect();
-        let mut front = faces.to_vec();
+        self.judge(mesh, topology, features, faces.iter().copied().collect())
+    }
+
+    /// After vertices have moved and the hull has changed: `map` names what each facet before has become,
+    /// `sources` the vertices of the hull before, ascending. `features` are still those before, `ridges`
+    /// are renumbered.
+    ///
+    /// Cost: what is judged, and passes over all vertices and facets.
+    pub(crate) fn follow(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        features: &Features,
+        hull: &ConvexHull,
+        sources: &[VertexId],
+        map: &[u32],
+        moved: &[VertexId],
+        ridges: &mut Vec<RidgeOnFacet>,
+    ) -> Judged {
+        self.slabs = Slabs::of(hull);
+        self.slabs.prepare_finder(hull);
+        self.corners = Corners::of(mesh, hull);
+        let mut disturbed = self.renumber_vertices(mesh, hull, sources, map, moved);
+        disturbed.extend(moved);
+        ridges.retain_mut(|ridge| {
+            ridge.facet = map[ridge.facet as usize];
+            let is_gone = ridge.facet == GONE;
+            if is_gone {
+                disturbed.extend(ridge.ends.map(VertexId));
+            }
+            !is_gone
+        });
+        ridges.sort_unstable();
+        let mut faces: BTreeSet<FaceId> =
+            disturbed.iter().flat_map(|&v| topology.faces_at(v)).copied().collect();
+        for (face, facet) in (0..).map(FaceId).zip(&mut self.facet_of_face) {
+            if *facet != NONE {
+                *facet = map[*facet as usize];
+                if *facet == GONE {
+                    *facet = NONE;
+                    faces.insert(face);
+                }
+            }
+        }
+        self.judge(mesh, topology, features, faces)
+    }
+
+    /// Writes the rows of all vertices anew; returns the vertices that lie on other facets than before.
+    fn renumber_vertices(
+        &mut self,
+        mesh: &Mesh,
+        hull: &ConvexHull,
+        sources: &[VertexId],
+        map: &[u32],
+        moved: &[VertexId],
+    ) -> BTreeSet<VertexId> {
+        let rings = Rings::of(hull);
+        let new_slabs = self.bounds_of_new(hull, map);
+        let mut disturbed = BTreeSet::new();
+        let (mut starts, mut facets) = (vec![0], Vec::new());
+        let mut before = Vec::new();
+        let mut was = sources.iter().peekable();
+        let mut is = hull.sources().iter().enumerate().peekable();
+        for (v, &p) in (0..).map(VertexId).zip(mesh.vertices()) {
+            before.clear();
+            before.extend(self.facets_of(v).iter().map(|&f| map[f as usize]));
+            before.sort_unstable();
+            let first = facets.len();
+            let was_corner = was.next_if_eq(&&v).is_some();
+            if let Some((corner, _)) = is.next_if(|(_, source)| **source == v) {
+                rings.append(corner, &mut facets);
+            } else if was_corner
+                || before.last() == Some(&GONE)
+                || new_slabs.contains_point(p)
+                || moved.binary_search(&v).is_ok()
+            {
+                self.slabs.around(p, &mut facets);
+            } else {
+                facets.extend_from_slice(&before);
+            }
+            if facets[first..] != before {
+                disturbed.insert(v);
+            }
+            starts.push(facets.len() as u32);
+        }
+        self.replace_rows(starts, facets);
+        disturbed
+    }
+
+    /// A box around the slabs of all facets that were not there before.
+    fn bounds_of_new(&self, hull: &ConvexHull, map: &[u32]) -> Aabb {
+        let mut is_old = vec![false; hull.facet_count()];
+        map.iter().filter(|&&f| f != GONE).for_each(|&f| is_old[f as usize] = true);
+        let new = (0..).map(FacetId).zip(is_old).filter(|&(_, is_old)| !is_old).map(|(f, _)| f);
+        let triangles = new.flat_map(|f| hull.facet(f).triangles);
+        let corners = triangles.flat_map(|&t| hull.triangle(t as usize));
+        Aabb::of_points(corners.map(|v| hull.position(v))).grown(self.slabs.depth())
+    }
+
+    /// Places faces, and needles that hang on them, again.
+    fn judge(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        features: &Features,
+        mut faces: BTreeSet<FaceId>,
+    ) -> Judged {
+        let mut front: Vec<FaceId> = faces.iter().copied().collect();
         while let Some(face) = front.pop() {
             for twin in (0..3).filter_map(|c| topology.twin(HalfEdgeId::of(face, c))) {
                 let beside = twin.face();
                 let hangs_on =
                     self.may_lie_on_a_facet(mesh, beside) && self.is_needle(mesh, beside);
-                if hangs_on && judged.insert(beside) {
+                if hangs_on && faces.insert(beside) {
                     front.push(beside);
                 }
             }
         }
-        let before: Vec<u32> = judged.iter().map(|f| self.facet_of_face[f.index()]).collect();
-        let needles = self.assign_wide(mesh, judged.iter().copied());
+        let before: Vec<u32> = faces.iter().map(|f| self.facet_of_face[f.index()]).collect();
+        let needles = self.assign_wide(mesh, faces.iter().copied());
         self.assign_needles(mesh, topology, &needles);
-        let changed = judged.iter().zip(before).filter_map(|(&face, before)| {
+        let changed = faces.iter().zip(before).filter_map(|(&face, before)| {
             let after = self.facet_of_face[face.index()];
-            (after != before).then_some(Reassigned { face, before, after })
+            let changes_class = features.is_convex(face) != (after != NONE);
+            let change = Reassigned { face, before, after, changes_class };
+            (after != before || changes_class).then_some(change)
         });
-        (changed.collect(), judged.len())
+        Judged { reassigned: changed.collect(), faces }
     }
 }
 
 impl Features {
-    /// Follows an [`Assignment::update`] of the same faces. `ridges` lists ridges by facet, and is kept
+    /// Follows an [`Assignment`] that has judged faces again. `ridges` lists ridges by facet, and is kept
     /// so; returned are the facets whose ridges have changed, ascending.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         assignment: &Assignment,
-        faces: &[FaceId],
-        reassigned: &[Reassigned],
+        judged: &Judged,
         ridges: &mut Vec<RidgeOnFacet>,
     ) -> Vec<u32> {
-        for change in reassigned {
-            self.facet_of_face[change.face.index()] = change.after;
-        }
-        if reassigned.iter().any(Reassigned::changes_class) {
+        self.facet_of_face.clone_from(&assignment.facet_of_face);
+        self.slab_depth = assignment.depth();
+        if judged.reassigned.iter().any(|change| change.changes_class) {
             (self.set_of_face, self.sets) = convex_sets(topology, &self.facet_of_face);
         }
-        let looked_at: BTreeSet<FaceId> =
-            faces.iter().copied().chain(reassigned.iter().map(|c| c.face)).collect();
+        let looked_at = &judged.faces;
         let edges: BTreeSet<EdgeId> = looked_at
             .iter()
             .flat_map(|&f| (0..3).map(move |c| topology.edge_of(HalfEdgeId::of(f, c))))

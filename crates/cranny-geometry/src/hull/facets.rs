@@ -106,6 +106,36 @@ impl FacetLayer {
             growth.run();
         }
         let Growth { facet_of, planes, .. } = growth;
+        Self::assemble(tolerance, positions, surface, facet_of, planes)
+    }
+
+    /// The facets of a surface that follows the one before, within the same box: `before` names for each
+    /// triangle the one that it was, `fresh` lists the places of new vertices. Facets around which
+    /// nothing is new keep their planes. Returns also what has become of each facet before, and how
+    /// many triangles were not kept.
+    pub(super) fn followed(
+        &self,
+        before: &[u32],
+        positions: &[DVec3],
+        surface: &Surface,
+        graph: &SupportGraph,
+        fresh: &[DVec3],
+    ) -> (Self, Vec<u32>, usize) {
+        let mut growth = Growth::new(positions, surface, graph, self.tolerance);
+        let map = growth.keep(self, before, fresh);
+        let measured = growth.facet_of.iter().filter(|&&f| f == UNASSIGNED).count();
+        growth.run();
+        let Growth { facet_of, planes, .. } = growth;
+        (Self::assemble(self.tolerance, positions, surface, facet_of, planes), map, measured)
+    }
+
+    fn assemble(
+        tolerance: f64,
+        positions: &[DVec3],
+        surface: &Surface,
+        facet_of: Vec<u32>,
+        planes: Vec<Plane>,
+    ) -> Self {
         let (triangle_starts, triangles) = rows(&facet_of, planes.len());
         let outlines = Outlines::new(positions, surface, &facet_of, planes.len(), tolerance);
         Self { tolerance, planes, facet_of, triangle_starts, triangles, outlines }
@@ -201,9 +231,55 @@ impl<'a> Growth<'a> {
         }
     }
 
+    /// Takes over the facets of the layer before that nothing new touches; returns where they are now.
+    fn keep(&mut self, old: &FacetLayer, before: &[u32], fresh: &[DVec3]) -> Vec<u32> {
+        let mut is_disturbed = vec![false; self.positions.len()];
+        for (corners, _) in
+            self.surface.triangles.iter().zip(before).filter(|&(_, &b)| b == UNASSIGNED)
+        {
+            corners.iter().for_each(|&v| is_disturbed[v as usize] = true);
+        }
+        let mut left = vec![0; old.len()];
+        for (corners, &b) in self.surface.triangles.iter().zip(before) {
+            if b != UNASSIGNED && !corners.iter().any(|&v| is_disturbed[v as usize]) {
+                left[old.facet_of[b as usize] as usize] += 1;
+            }
+        }
+        let around = Aabb::of_points(fresh.iter().copied());
+        let is_kept = |facet: usize| {
+            let row = old.triangle_starts[facet + 1] - old.triangle_starts[facet];
+            left[facet] == row && self.holds_beneath(&old.planes[facet], &around, fresh)
+        };
+        let kept: Vec<bool> = (0..old.len()).map(is_kept).collect();
+        let mut map = vec![UNASSIGNED; old.len()];
+        for (t, &b) in before.iter().enumerate().filter(|&(_, &b)| b != UNASSIGNED) {
+            let facet = old.facet_of[b as usize] as usize;
+            if kept[facet] {
+                if map[facet] == UNASSIGNED {
+                    map[facet] = self.planes.len() as u32;
+                    self.planes.push(old.planes[facet]);
+                }
+                self.facet_of[t] = map[facet];
+            }
+        }
+        map
+    }
+
+    /// Whether new vertices, which lie in a box, are certainly below a plane.
+    fn holds_beneath(&self, plane: &Plane, around: &Aabb, fresh: &[DVec3]) -> bool {
+        let most = plane.offset - self.graph.rounding(plane.normal);
+        let highest = (plane.normal * around.min).max(plane.normal * around.max);
+        // Sums and products round monotonically: no height is above that of the box.
+        highest.x + highest.y + highest.z <= most
+            || fresh.iter().all(|&p| plane.normal.dot(p) <= most)
+    }
+
     fn run(&mut self) {
         let mut seeds = Vec::new();
         for t in 0..self.surface.triangles.len() as u32 {
+            if self.facet_of[t as usize] != UNASSIGNED {
+                continue;
+            }
             if self.triangles.is_apart(self.surface, t) {
                 let plane = self.plane_of_one(t, self.normal_of(t));
                 self.take(&[t], plane);

@@ -31,11 +31,13 @@ mod locate;
 mod measures;
 mod outline;
 mod quickhull;
+mod repair;
 mod shapes;
 mod side;
 mod sieve;
 mod span;
 mod support;
+mod update;
 mod validate;
 
 use cranny_exact::{Aabb, DVec3, DomainError, check_point};
@@ -48,6 +50,7 @@ pub use locate::Location;
 use quickhull::Surface;
 use span::{Projection, Span};
 use support::SupportGraph;
+pub(crate) use update::{Followed, GONE};
 pub use validate::HullViolation;
 
 /// A vertex of a hull, numbered from 0 in the order of the input points.
@@ -221,17 +224,10 @@ impl ConvexHull {
         kind: HullKind,
         points: &[DVec3],
         vertices: &[u32],
-        mut surface: Surface,
+        surface: Surface,
         flatness: f64,
     ) -> Self {
-        let mut local = vec![0; points.len()];
-        for (id, &v) in vertices.iter().enumerate() {
-            local[v as usize] = id as u32;
-        }
-        for corner in surface.triangles.iter_mut().flatten() {
-            *corner = local[*corner as usize];
-        }
-        let positions: Vec<DVec3> = vertices.iter().map(|&v| points[v as usize]).collect();
+        let (positions, surface) = update::renumbered(points, vertices, surface);
         let graph = SupportGraph::new(&positions, &surface);
         let facets = FacetLayer::new(kind, &positions, &surface, &graph, flatness);
         Self {

@@ -54,6 +54,12 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
     of_subset(points, &extreme).map_or(surface, |(surface, _)| surface)
 }
 
+/// [`exact_hull`] of few points; `None` if they are coplanar.
+pub(super) fn hull_of_some(points: &[DVec3]) -> Option<Surface> {
+    let Span::Space(simplex) = span_of(points) else { return None };
+    Some(exact_hull(points, simplex))
+}
+
 /// The hull of points that are not coplanar, and those of its vertices, sorted, that lie inside an edge
 /// or a facet of it.
 fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
