@@ -6,7 +6,7 @@ use cranny_geometry::FaceId;
 use crate::answer::{Counters, Feature};
 use crate::descent::{BoxTest, Opened, opened};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::triangle_distance;
+use crate::triangle_distance::{Nearest, triangle_distance};
 
 /// The nearest points of two surfaces that do not meet.
 #[derive(Clone, Copy, Debug)]
@@ -15,61 +15,112 @@ pub(crate) struct Closest {
     /// In the pair's frame: on the first, on the second.
     pub(crate) points: [DVec3; 2],
     pub(crate) features: [Feature; 2],
+    pub(crate) faces: [FaceId; 2],
 }
 
-/// Finds the nearest points, if they are less than `below` apart. Ties go to the lowest faces.
-pub(crate) fn closest(pair: &Pair, below: f64, counters: &mut Counters) -> Option<Closest> {
+/// The nearest faces so far. Ties go to the lowest faces, so the order of offers does not matter.
+pub(crate) struct NearestFaces<'p, 'm> {
+    pair: &'p Pair<'m>,
+    below: f64,
+    /// No pair of faces farther apart than this can win.
+    limit: f64,
+    best: Option<([FaceId; 2], Nearest)>,
+    /// Unit, from the first's nearest point to the second's: the best guess of what keeps other
+    /// faces apart as well.
+    toward: DVec3,
+    error: f64,
+}
+
+impl<'p, 'm> NearestFaces<'p, 'm> {
+    /// Looks for faces less than `below` apart.
+    pub(crate) fn less_than(pair: &'p Pair<'m>, below: f64) -> Self {
+        let (limit, error) = (below, pair.length_error());
+        Self { pair, below, limit, best: None, toward: DVec3::ZERO, error }
+    }
+
+    pub(crate) fn limit(&self) -> f64 {
+        self.limit
+    }
+
+    /// Takes note of a pair of faces; returns a lower bound of their distance.
+    pub(crate) fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
+        let pair = self.pair;
+        let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
+        let along = |p: &DVec3| self.toward.dot(*p);
+        let highest = first.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+        let gap = second.iter().map(along).fold(f64::INFINITY, f64::min) - highest - self.error;
+        if gap > self.limit {
+            return gap;
+        }
+        counters.triangle_tests += 1;
+        let nearest = triangle_distance(&first, &second);
+        let distance = nearest.squared.sqrt();
+        let wins = match &self.best {
+            None => distance < self.below,
+            Some((faces, n)) => {
+                nearest.squared < n.squared || (nearest.squared <= n.squared && [f, g] < *faces)
+            }
+        };
+        if wins {
+            self.limit = distance;
+            self.toward = (nearest.points[1] - nearest.points[0]).normalize_or_zero();
+            self.best = Some(([f, g], nearest));
+        }
+        distance - self.error
+    }
+
+    pub(crate) fn found(self) -> Option<Closest> {
+        let (faces, nearest) = self.best?;
+        let feature = |side: Side| {
+            let i = side.index();
+            nearest.parts[i].feature(self.pair.model(side), faces[i])
+        };
+        Some(Closest {
+            distance: nearest.squared.sqrt(),
+            points: nearest.points,
+            features: Side::BOTH.map(feature),
+            faces,
+        })
+    }
+}
+
+/// Searches all faces; the fewer, the nearer those are that have been offered before.
+pub(crate) fn search(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
     let boxes = BoxTest::of(pair);
     let (first, second) = (pair.model(Side::First).tree(), pair.model(Side::Second).tree());
     let bound =
         |a: u32, b: u32| boxes.distance_lower(&first.node(a).bounds, &second.node(b).bounds);
-    let mut best: Option<((FaceId, FaceId), crate::triangle_distance::Nearest)> = None;
-    let mut least = below;
     let mut stack = vec![(bound(0, 0), 0u32, 0u32)];
+    counters.node_tests += 1;
     while let Some((lower, a, b)) = stack.pop() {
-        if lower > least {
+        if lower > nearest.limit() {
             continue;
         }
-        counters.node_tests += 1;
         let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
         let children = match opened(first.content(a), second.content(b), box_a, box_b) {
             Opened::First(left, right) => [(left, b), (right, b)],
             Opened::Second(left, right) => [(a, left), (a, right)],
             Opened::Neither => {
                 for &f in first.leaf_faces(a) {
-                    let triangle = pair.triangle(Side::First, f);
                     for &g in second.leaf_faces(b) {
-                        counters.triangle_tests += 1;
-                        let nearest = triangle_distance(&triangle, &pair.triangle(Side::Second, g));
-                        let distance = nearest.squared.sqrt();
-                        let wins = match &best {
-                            None => distance < below,
-                            Some((faces, n)) => {
-                                nearest.squared < n.squared
-                                    || (nearest.squared <= n.squared && (f, g) < *faces)
-                            }
-                        };
-                        if wins {
-                            least = distance;
-                            best = Some(((f, g), nearest));
-                        }
+                        nearest.offer(f, g, counters);
                     }
                 }
                 continue;
             }
         };
+        counters.node_tests += 2;
         let mut children = children.map(|(a, b)| (bound(a, b), a, b));
         if children[0].0 < children[1].0 {
             children.swap(0, 1); // the nearer one is popped first
         }
-        stack.extend(children.into_iter().filter(|child| child.0 <= least));
+        stack.extend(children.into_iter().filter(|child| child.0 <= nearest.limit()));
     }
-    best.map(|((f, g), nearest)| Closest {
-        distance: nearest.squared.sqrt(),
-        points: nearest.points,
-        features: [
-            nearest.parts[0].feature(pair.model(Side::First), f),
-            nearest.parts[1].feature(pair.model(Side::Second), g),
-        ],
-    })
+}
+
+/// Finds the nearest points, if they are less than `below` apart. Ties go to the lowest faces.
+pub(crate) fn closest(pair: &Pair, below: f64, counters: &mut Counters) -> Option<Closest> {
+    let mut nearest = NearestFaces::less_than(pair, below);
+    search(pair, &mut nearest, counters);
+    nearest.found()
 }

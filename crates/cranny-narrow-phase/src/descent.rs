@@ -13,48 +13,64 @@ use crate::answer::Counters;
 use crate::pair::{Pair, Side};
 
 /// The oriented-box tests of a pair, with what they need precomputed.
+///
+/// Boxes are compared by their doubled centers and extents, which are sums of their ends; what these
+/// sums round off is part of the [culling error](Pair::culling_error).
 pub(crate) struct BoxTest {
     rotation: DMat3,
+    inverse: DMat3,
     absolute: DMat3,
-    translation: DVec3,
+    inverse_absolute: DMat3,
+    twice_translation: DVec3,
     error: f64,
 }
 
 impl BoxTest {
     pub(crate) fn of(pair: &Pair) -> Self {
         let map = pair.first_from_second;
-        let abs = |v: DVec3| v.abs();
         let m = map.linear;
+        let absolute = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
         Self {
             rotation: m,
-            absolute: DMat3::from_cols(abs(m.x_axis), abs(m.y_axis), abs(m.z_axis)),
-            translation: map.translation,
+            inverse: m.transpose(),
+            absolute,
+            inverse_absolute: absolute.transpose(),
+            twice_translation: 2.0 * map.translation,
             error: pair.culling_error(),
         }
     }
 
+    /// From the first box's center to the second's, doubled, and the gaps along the first's axes.
+    #[inline]
+    fn along_first(&self, first: &Aabb, second: &Aabb) -> (DVec3, DVec3) {
+        let center = self.rotation * (second.min + second.max) + self.twice_translation;
+        let offset = center - (first.min + first.max);
+        let reach = (first.max - first.min) + self.absolute * (second.max - second.min);
+        (offset, offset.abs() - reach)
+    }
+
+    #[inline]
+    fn along_second(&self, offset: DVec3, first: &Aabb, second: &Aabb) -> DVec3 {
+        let reach = (second.max - second.min) + self.inverse_absolute * (first.max - first.min);
+        (self.inverse * offset).abs() - reach
+    }
+
     /// Whether the boxes are certainly more than `margin` apart.
+    #[inline]
     pub(crate) fn apart(&self, first: &Aabb, second: &Aabb, margin: f64) -> bool {
-        let (ha, hb) = (first.half_extents(), second.half_extents());
-        let d = self.rotation * second.center() + self.translation - first.center();
-        let slack = margin + self.error;
-        if (d.abs() - ha - self.absolute * hb).max_element() > slack {
-            return true;
-        }
-        let along_second = self.rotation.transpose() * d;
-        let reach = self.absolute.transpose() * ha;
-        (along_second.abs() - hb - reach).max_element() > slack
+        let slack = 2.0 * (margin + self.error);
+        let (offset, gap) = self.along_first(first, second);
+        gap.max_element() > slack || self.along_second(offset, first, second).max_element() > slack
     }
 
     /// A lower bound of the distance between what the boxes hold.
+    #[inline]
     pub(crate) fn distance_lower(&self, first: &Aabb, second: &Aabb) -> f64 {
-        let (ha, hb) = (first.half_extents(), second.half_extents());
-        let d = self.rotation * second.center() + self.translation - first.center();
-        let gap_first = (d.abs() - ha - self.absolute * hb).max(DVec3::ZERO);
-        let along_second = self.rotation.transpose() * d;
-        let gap_second =
-            (along_second.abs() - hb - self.absolute.transpose() * ha).max(DVec3::ZERO);
-        (gap_first.length().max(gap_second.length()) - self.error).max(0.0)
+        let (offset, gap) = self.along_first(first, second);
+        let beside = self.along_second(offset, first, second);
+        let [along_first, along_second] =
+            [gap, beside].map(|gap| gap.max(DVec3::ZERO).length_squared());
+        (0.5 * along_first.max(along_second).sqrt() - self.error).max(0.0)
     }
 }
 
@@ -68,16 +84,17 @@ pub(crate) fn for_each_near_pair(
 ) {
     let boxes = BoxTest::of(pair);
     let (first, second) = (pair.model(Side::First).tree(), pair.model(Side::Second).tree());
+    let apart = |a: u32, b: u32| boxes.apart(&first.node(a).bounds, &second.node(b).bounds, margin);
+    counters.node_tests += 1;
+    if apart(0, 0) {
+        return;
+    }
     let mut stack = vec![(0u32, 0u32)];
     while let Some((a, b)) = stack.pop() {
-        counters.node_tests += 1;
         let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
-        if boxes.apart(box_a, box_b, margin) {
-            continue;
-        }
-        match opened(first.content(a), second.content(b), box_a, box_b) {
-            Opened::First(left, right) => stack.extend([(right, b), (left, b)]),
-            Opened::Second(left, right) => stack.extend([(a, right), (a, left)]),
+        let children = match opened(first.content(a), second.content(b), box_a, box_b) {
+            Opened::First(left, right) => [(right, b), (left, b)],
+            Opened::Second(left, right) => [(a, right), (a, left)],
             Opened::Neither => {
                 for &f in first.leaf_faces(a) {
                     for &g in second.leaf_faces(b) {
@@ -86,8 +103,11 @@ pub(crate) fn for_each_near_pair(
                         }
                     }
                 }
+                continue;
             }
-        }
+        };
+        counters.node_tests += 2;
+        stack.extend(children.into_iter().filter(|&(a, b)| !apart(a, b)));
     }
 }
 
@@ -102,6 +122,7 @@ pub(crate) enum Opened {
 }
 
 /// Opens the larger of two nodes, or the one that can be opened.
+#[inline]
 pub(crate) fn opened(a: Content, b: Content, box_a: &Aabb, box_b: &Aabb) -> Opened {
     let size = |b: &Aabb| (b.max - b.min).length_squared();
     match (a, b) {

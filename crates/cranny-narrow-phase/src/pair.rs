@@ -36,7 +36,8 @@ impl Side {
     }
 }
 
-/// Posed vertices of the second model; a slot counts only if it carries the present epoch.
+/// Vertices of a second body that has grown or shrunk, whose places cost more than posing; a slot
+/// counts only if it carries the present epoch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PosedVertices {
     slots: Vec<Cell<(u32, DVec3)>>,
@@ -78,7 +79,6 @@ impl<'a> Pair<'a> {
         let key = |p: &Placed| (p.model.digest(), p.pose.bits());
         let swapped = key(&b) < key(&a);
         let (first, second) = if swapped { (b, a) } else { (a, b) };
-        posed.restart(second.model.mesh().vertices().len());
         Self {
             models: [first.model, second.model],
             first_from_second: RigidMap::between(&first.pose, &second.pose),
@@ -92,7 +92,9 @@ impl<'a> Pair<'a> {
     /// The same pair with the second body moved by `offset` (first's frame) and grown by `bulge`
     /// (shrunk if negative), every vertex along the mean normal of its faces.
     pub(crate) fn shifted(&mut self, offset: DVec3, bulge: f64) -> Pair<'_> {
-        self.posed.restart(self.models[1].mesh().vertices().len());
+        if bulge != 0.0 {
+            self.posed.restart(self.models[1].mesh().vertices().len());
+        }
         let mut first_from_second = self.first_from_second;
         first_from_second.translation += offset;
         Pair {
@@ -103,11 +105,6 @@ impl<'a> Pair<'a> {
             swapped: self.swapped,
             posed: self.posed,
         }
-    }
-
-    /// Forgets posed vertices, as after a shift.
-    pub(crate) fn repose(&mut self) {
-        self.posed.restart(self.models[1].mesh().vertices().len());
     }
 
     pub(crate) fn model(&self, side: Side) -> &'a Model {
@@ -127,18 +124,18 @@ impl<'a> Pair<'a> {
         let p = self.mesh(side).position(vertex);
         match side {
             Side::First => p,
+            // Posing costs less than looking up what was posed.
+            Side::Second if self.bulge == 0.0 => self.first_from_second.apply(p),
             Side::Second => {
                 let slot = &self.posed.slots[vertex.index()];
                 let (epoch, posed) = slot.get();
                 if epoch == self.posed.epoch {
                     return posed;
                 }
-                let mut posed = self.first_from_second.apply(p);
-                if self.bulge != 0.0 {
-                    posed += self.bulge * self.vertex_normal(vertex);
-                }
-                slot.set((self.posed.epoch, posed));
-                posed
+                let place =
+                    self.first_from_second.apply(p) + self.bulge * self.vertex_normal(vertex);
+                slot.set((self.posed.epoch, place));
+                place
             }
         }
     }
@@ -195,9 +192,14 @@ impl<'a> Pair<'a> {
         64.0 * f64::EPSILON * self.scale()
     }
 
-    /// By how much a posed vertex may leave the posed box of what holds it.
+    /// By how much a posed vertex may leave the posed box of what holds it, and by how much more a
+    /// length measured in one body's frame may differ from that in the other's.
+    ///
+    /// In units of half an ulp of [`scale`](Self::scale): a posed vertex rounds 8 times, a box's
+    /// center and extents, doubled, 30 times together; a rotation matrix made of accepted quaternions
+    /// is off by at most 64. A hundred in all; 256 leave room.
     pub(crate) fn culling_error(&self) -> f64 {
-        self.length_error() + self.bulge.abs()
+        2.0 * self.length_error() + self.bulge.abs()
     }
 
     /// The box of a whole body in the pair's frame, rounded outward.

@@ -70,7 +70,6 @@ pub(crate) fn meeting_regions(
         return (closed_regions(pair, &here), rounding);
     }
     let regions = regions_beside(pair, counters);
-    pair.repose();
     match regions {
         Some(regions) => (regions, rounding + BESIDE_ERROR * pair.scale()),
         // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.

@@ -10,6 +10,7 @@
 
 mod cloud;
 mod hulls;
+mod pairs;
 mod prepare;
 mod report;
 mod solid;
@@ -54,6 +55,12 @@ enum Command {
     Support,
     /// Closest features of hull pairs in motion, against parry's GJK
     Walk,
+    /// Pairs of meshes in slow motion, with memory and without, against parry
+    Pairs {
+        /// Only scenes whose name contains this
+        #[arg(long, value_name = "PART", default_value = "")]
+        only: String,
+    },
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
     /// Kinds of box trees by what they open; patches; envelopes beside a box tree
@@ -74,6 +81,7 @@ fn main() -> ExitCode {
         Command::Hulls { only } => hulls::measure(cli.quick, only),
         Command::Support => support::measure(cli.quick),
         Command::Walk => walk::measure(cli.quick),
+        Command::Pairs { only } => pairs::measure(cli.quick, only),
         Command::Prepare => prepare::measure(cli.quick),
         Command::Trees => trees::measure(cli.quick),
     };

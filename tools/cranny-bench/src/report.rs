@@ -29,6 +29,8 @@ pub(crate) enum Cell {
     Time(f64),
     /// Nanoseconds.
     Nanos(f64),
+    /// Microseconds.
+    Micros(f64),
     /// How many times one is of another.
     Ratio(f64),
     /// An exponent.
@@ -42,7 +44,9 @@ impl Cell {
         match self {
             Self::Text(text) => json!(text),
             Self::Count(n) => json!(n),
-            Self::Time(x) | Self::Nanos(x) | Self::Ratio(x) | Self::Slope(x) => json!(x),
+            Self::Time(x) | Self::Nanos(x) | Self::Micros(x) | Self::Ratio(x) | Self::Slope(x) => {
+                json!(x)
+            }
             Self::Absent => Value::Null,
         }
     }
@@ -55,6 +59,7 @@ impl fmt::Display for Cell {
             Self::Count(n) => n.to_string(),
             Self::Time(seconds) => format!("{:.3} ms", seconds * 1e3),
             Self::Nanos(nanos) => format!("{nanos:.0} ns"),
+            Self::Micros(micros) => format!("{micros:.2} us"),
             Self::Ratio(ratio) => format!("{ratio:.2}x"),
             Self::Slope(slope) => format!("{slope:.2}"),
             Self::Absent => "-".into(),
