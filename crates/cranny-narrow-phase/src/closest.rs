@@ -89,15 +89,15 @@ pub(crate) fn search(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Cou
     let boxes = BoxTest::of(pair);
     let (first, second) = (pair.model(Side::First).tree(), pair.model(Side::Second).tree());
     let bound =
-        |a: u32, b: u32| boxes.distance_lower(&first.node(a).bounds, &second.node(b).bounds);
-    let mut stack = vec![(bound(0, 0), 0u32, 0u32)];
+        |(a, b): (u32, u32)| boxes.bound_and_guess(&first.node(a).bounds, &second.node(b).bounds);
+    let mut stack = vec![(bound((0, 0)).0, 0u32, 0u32)];
     counters.node_tests += 1;
     while let Some((lower, a, b)) = stack.pop() {
         if lower > nearest.limit() {
             continue;
         }
         let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
-        let children = match opened(first.content(a), second.content(b), box_a, box_b) {
+        let mut children = match opened(first.content(a), second.content(b), box_a, box_b) {
             Opened::First(left, right) => [(left, b), (right, b)],
             Opened::Second(left, right) => [(a, left), (a, right)],
             Opened::Neither => {
@@ -110,11 +110,17 @@ pub(crate) fn search(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Cou
             }
         };
         counters.node_tests += 2;
-        let mut children = children.map(|(a, b)| (bound(a, b), a, b));
-        if children[0].0 < children[1].0 {
-            children.swap(0, 1); // the nearer one is popped first
+        let mut bounds = children.map(bound);
+        if bounds[0] < bounds[1] {
+            // The nearer one is popped first.
+            children.swap(0, 1);
+            bounds.swap(0, 1);
         }
-        stack.extend(children.into_iter().filter(|child| child.0 <= nearest.limit()));
+        for ((lower, _), (a, b)) in bounds.into_iter().zip(children) {
+            if lower <= nearest.limit() {
+                stack.push((lower, a, b));
+            }
+        }
     }
 }
 
