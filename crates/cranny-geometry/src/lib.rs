@@ -62,7 +62,7 @@ pub use ids::{
 };
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
-pub use model::{BuildError, BuildOptions, DecodeError, Model, Stage};
+pub use model::{BuildError, BuildOptions, DecodeError, Model, ModelTag, Stage};
 pub use patches::{NormalCone, Patch, PatchTree, Patches, Slab};
 pub use repair::Repair;
 pub use repair::proof::ProofError;

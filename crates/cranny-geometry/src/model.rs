@@ -13,7 +13,7 @@
 
 mod file;
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use cranny_exact::{Aabb, DVec3, Tolerance};
 use thiserror::Error;
@@ -378,6 +378,27 @@ pub(crate) fn openings(concavities: &Concavities) -> Vec<Vec<DVec3>> {
 /// No vertex is farther than this from the origin.
 pub(crate) fn radius(mesh: &Mesh) -> f64 {
     mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up()
+}
+
+/// Names one prepared model without keeping it alive: for memories that hold numbers of its faces and
+/// nodes. A clone of the model has the same name; an equal one that was built apart has another, and so
+/// does what a deformation makes of it.
+#[derive(Clone, Debug)]
+pub struct ModelTag(Weak<Parts>);
+
+impl ModelTag {
+    /// The name of a model.
+    #[must_use]
+    pub fn of(model: &Model) -> Self {
+        Self(Arc::downgrade(&model.0))
+    }
+
+    /// Whether this is the model's name.
+    #[must_use]
+    pub fn is_of(&self, model: &Model) -> bool {
+        // The tag holds on to the place, so no other model can have come to stand there.
+        std::ptr::eq(self.0.as_ptr(), Arc::as_ptr(&model.0))
+    }
 }
 
 /// An envelope for each concavity, which opens through its lids.

@@ -1,5 +1,7 @@
 //! What is answered about a pair.
 
+use std::ops::AddAssign;
+
 use cranny_exact::{DVec3, Interval, Meeting, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, VertexId};
 
@@ -153,6 +155,26 @@ pub struct Counters {
     pub triangle_tests: u64,
     /// Points classified against a solid.
     pub inside_tests: u64,
+    /// Pairs of nodes kept from the last query that had to be looked at again.
+    pub front_tested: u64,
+    /// Pairs of nodes that were added to what is kept, since others had come too near.
+    pub front_split: u64,
+    /// Blocks of kept pairs that were found anew.
+    pub front_rebuilt: u64,
+    /// Times that a search from the top was cheaper than what memory had to offer.
+    pub bypassed: u64,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.node_tests += other.node_tests;
+        self.triangle_tests += other.triangle_tests;
+        self.inside_tests += other.inside_tests;
+        self.front_tested += other.front_tested;
+        self.front_split += other.front_split;
+        self.front_rebuilt += other.front_rebuilt;
+        self.bypassed += other.bypassed;
+    }
 }
 
 impl Answer {

@@ -123,10 +123,3 @@ pub(crate) fn search(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Cou
         }
     }
 }
-
-/// Finds the nearest points, if they are less than `below` apart. Ties go to the lowest faces.
-pub(crate) fn closest(pair: &Pair, below: f64, counters: &mut Counters) -> Option<Closest> {
-    let mut nearest = NearestFaces::less_than(pair, below);
-    search(pair, &mut nearest, counters);
-    nearest.found()
-}

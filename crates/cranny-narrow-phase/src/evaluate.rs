@@ -4,16 +4,16 @@ use cranny_exact::{Interval, Meeting, PoseError};
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
-use crate::closest::closest;
 use crate::contacts::{ContactMemory, near_patches};
 use crate::containment::{Solidity, solidity};
+use crate::front::coherent::Coherent;
 use crate::memory::PairMemory;
 use crate::near::near_regions;
 use crate::pair::{Pair, Side};
 use crate::query::{Demand, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::meeting_regions;
-use crate::surface::{FacePair, meeting_pairs, strongest, surface_verdict};
+use crate::surface::{FacePair, strongest};
 use crate::triangle_distance::triangle_distance;
 
 /// A question that cannot be answered.
@@ -58,7 +58,7 @@ pub fn query(
     let mut pair = Pair::new(a, b, &mut memory.posed);
     Ok(match query.demand {
         Demand::Contacts { margin } => contacts(&mut pair, margin, &mut memory.contacts),
-        demand => answer(&mut pair, &demand),
+        demand => answer(&mut pair, &demand, &mut memory.coherent),
     })
 }
 
@@ -96,28 +96,30 @@ fn blank() -> Answer {
     }
 }
 
-fn answer(pair: &mut Pair, demand: &Demand) -> Answer {
+fn answer(pair: &mut Pair, demand: &Demand, coherent: &mut Coherent) -> Answer {
     let mut out = blank();
     if *demand == Demand::None {
         return out;
     }
+    coherent.begin(pair);
     let mut counters = Counters::default();
     let wants_regions = demand.margin().is_some();
     // Pairs are enumerated only for contacts; a verdict ends at the first crossing.
     let pairs = if wants_regions {
-        let pairs = meeting_pairs(pair, &mut counters);
+        let pairs = coherent.meetings(pair, &mut counters);
         out.surface = strongest(&pairs);
         pairs
     } else {
-        let (surface, touching) = surface_verdict(pair, &mut counters);
+        let only_verdict = *demand == Demand::Intersects;
+        let (surface, touching) = coherent.verdict(pair, only_verdict, &mut counters);
         out.surface = surface;
         touching
     };
-    let Solidity { solid, contained } = solidity(pair, out.surface, &pairs, &mut counters);
+    let Solidity { solid, contained } = coherent.solidity(pair, out.surface, &pairs, &mut counters);
     out.solid = solid;
     out.contained = contained.map(|c| pair.ordered_containment(c));
     if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
-        measure(pair, demand, &pairs, &mut out, &mut counters);
+        measure(pair, demand, &pairs, coherent, &mut out, &mut counters);
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
@@ -185,6 +187,7 @@ fn measure(
     pair: &Pair,
     demand: &Demand,
     pairs: &[FacePair],
+    coherent: &mut Coherent,
     out: &mut Answer,
     counters: &mut Counters,
 ) {
@@ -194,7 +197,7 @@ fn measure(
         // The least pair that meets is the witness. A verdict alone ends at the first crossing that it
         // comes across, and has not seen all pairs.
         let all = match (demand, out.surface) {
-            (Demand::Distance { .. }, Surface::Cross) => &meeting_pairs(pair, counters),
+            (Demand::Distance { .. }, Surface::Cross) => &coherent.meetings(pair, counters),
             _ => pairs,
         };
         out.witnesses = all.first().map(|p| meeting_witnesses(pair, p));
@@ -204,7 +207,7 @@ fn measure(
         Demand::Distance { below: Some(below) } => *below,
         _ => f64::INFINITY,
     };
-    match closest(pair, below, counters) {
+    match coherent.closest(pair, below, counters) {
         Some(found) => {
             out.distance = Some(found.distance);
             out.separation = Interval::around(found.distance, pair.length_error());

@@ -20,7 +20,7 @@
 //! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
 //! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside`,
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
-//! gaps with `triangle_distance`. `intersection` chains the segments of
+//! gaps with `triangle_distance`; `front` keeps from frame to frame what these searches leave. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
@@ -51,6 +51,7 @@ mod containment;
 mod depth;
 mod descent;
 mod evaluate;
+mod front;
 mod impact;
 mod inside;
 mod intersection;

@@ -31,18 +31,17 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
     found
 }
 
-/// The verdict alone, and what it needs of the touching pairs; ends at the first crossing.
+/// The verdict alone, and what it needs of the touching pairs; ends at the first crossing, which
+/// comes with them.
 pub(crate) fn surface_verdict(pair: &Pair, counters: &mut Counters) -> (Surface, Vec<FacePair>) {
     let (mut surface, mut touching) = (Meeting::None, Vec::new());
     for_each_near_pair(pair, 0.0, counters, |first, second, counters| {
         let meeting = classified(pair, first, second, counters);
         surface = surface.max(meeting);
-        match meeting {
-            Meeting::Cross => return ControlFlow::Break(()),
-            Meeting::Touch => touching.push(FacePair { first, second, meeting }),
-            Meeting::None => {}
+        if meeting.meets() {
+            touching.push(FacePair { first, second, meeting });
         }
-        ControlFlow::Continue(())
+        if meeting == Meeting::Cross { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     touching.sort_unstable();
     (surface, touching)

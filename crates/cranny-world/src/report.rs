@@ -107,10 +107,7 @@ impl StepStats {
         // Where regions are told, the answer's contacts are their points, told again.
         self.contacts += if in_regions > 0 { in_regions } else { answer.contacts.len() };
         self.regions += answer.regions.len();
-        let Counters { node_tests, triangle_tests, inside_tests } = answer.counters;
-        self.counters.node_tests += node_tests;
-        self.counters.triangle_tests += triangle_tests;
-        self.counters.inside_tests += inside_tests;
+        self.counters += answer.counters;
         let depth = depth(answer);
         if depth > self.deepest.map_or(0.0, |d| d.depth) {
             self.deepest = Some(Deepest { depth, a: pair.a, b: pair.b });

@@ -2,6 +2,7 @@
 //! method: rationals, brute force, closed forms, or a motion that must part the bodies.
 
 mod agreement;
+mod coherence;
 mod contacts;
 mod demands;
 mod depth;

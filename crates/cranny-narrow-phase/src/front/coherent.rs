@@ -1,0 +1,226 @@
+//! What a pair remembers of its last query, and how the next one uses it.
+//!
+//! Three things: the front; the faces that crossed last, looked at first where a verdict is enough;
+//! the faces that were nearest last, whose distance bounds the next one. And while surfaces part, on
+//! a way that the front proves free of meetings, what lies inside what stays.
+
+use cranny_exact::{Meeting, classify_triangles};
+use cranny_geometry::{FaceId, ModelTag};
+
+use super::Front;
+use super::quests::Meetings;
+use crate::answer::{Counters, Surface};
+use crate::closest::{Closest, NearestFaces, search};
+use crate::containment::{Solidity, solidity};
+use crate::pair::{Pair, Side};
+use crate::surface::{FacePair, meeting_pairs, surface_verdict};
+
+/// Crossing faces that are kept at most. More: more to look at before giving up; fewer: a search
+/// whenever the last of them have parted.
+const KEPT_CROSSINGS: usize = 8;
+
+/// When a front is worth building: not for a single query, and not while motion outruns it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pace {
+    asked: bool,
+    /// Queries to answer without a front.
+    wait: u32,
+    /// How many will be, after the next failure.
+    patience: u32,
+}
+
+impl Pace {
+    /// The longest wait: one front in so many queries is built in vain, at a third more than a descent.
+    const LONGEST: u32 = 63;
+
+    fn allows_front(&mut self) -> bool {
+        if !self.asked || self.wait > 0 {
+            (self.asked, self.wait) = (true, self.wait.saturating_sub(1));
+            return false;
+        }
+        true
+    }
+
+    fn outrun(&mut self) {
+        self.wait = self.patience;
+        self.patience = (2 * self.patience + 1).min(Self::LONGEST);
+    }
+
+    fn kept_up(&mut self) {
+        self.patience /= 2;
+    }
+}
+
+/// What is kept of a pair.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Coherent {
+    /// Whose nodes and faces are meant.
+    models: Option<[ModelTag; 2]>,
+    front: Option<Front>,
+    /// The front's odometers show this query's pose.
+    advanced: bool,
+    crossing: Vec<[FaceId; 2]>,
+    nearest: Option<[FaceId; 2]>,
+    /// What lies inside what, at the front's pose, where the surfaces did not meet.
+    apart: Option<Solidity>,
+    pace: Pace,
+}
+
+impl Coherent {
+    /// Begins a query; forgets what was known of other models.
+    pub(crate) fn begin(&mut self, pair: &Pair) {
+        let models = Side::BOTH.map(|side| pair.model(side));
+        let same = |tags: &[ModelTag; 2]| tags.iter().zip(models).all(|(tag, m)| tag.is_of(m));
+        if !self.models.as_ref().is_some_and(same) {
+            *self = Self { models: Some(models.map(ModelTag::of)), ..Self::default() };
+        }
+        self.advanced = false;
+    }
+
+    /// The front, moved to this pose; `None` if there is none that is worth its while.
+    fn ready(&mut self, pair: &Pair, limit: f64, counters: &mut Counters) -> Option<&mut Front> {
+        let front = self.front.as_mut()?;
+        if !self.advanced {
+            front.advance(pair);
+            self.advanced = true;
+        }
+        if front.is_exhausted(pair, limit) {
+            counters.bypassed += 1;
+            self.pace.outrun();
+            self.front = None;
+        } else if front.is_sparse() {
+            self.front = None;
+        } else {
+            self.pace.kept_up();
+        }
+        self.front.as_mut()
+    }
+
+    /// The verdict on the surfaces, and what the verdict on the solids needs of the touching pairs.
+    /// `build`: nothing finer will be asked, so a front may be built for it.
+    pub(crate) fn verdict(
+        &mut self,
+        pair: &Pair,
+        build: bool,
+        counters: &mut Counters,
+    ) -> (Surface, Vec<FacePair>) {
+        if self.still_cross(pair, counters) {
+            self.apart = None;
+            return (Meeting::Cross, Vec::new());
+        }
+        let mut quest = Meetings::new(pair, true);
+        let unbroken = if let Some(front) = self.ready(pair, 0.0, counters) {
+            front.refresh(pair, &mut quest, counters)
+        } else if build && self.pace.allows_front() {
+            self.front = Front::of(pair, &mut quest, counters);
+            self.advanced = true;
+            false
+        } else {
+            self.apart = None;
+            let (surface, touching) = surface_verdict(pair, counters);
+            if surface == Meeting::Cross {
+                self.remember_crossings(&touching);
+            }
+            return (surface, touching);
+        };
+        self.apart = self.apart.filter(|_| unbroken);
+        let (surface, mut found) = (quest.surface, quest.found);
+        found.sort_unstable();
+        if surface == Meeting::Cross {
+            self.remember_crossings(&found);
+        }
+        (surface, found)
+    }
+
+    /// All pairs of faces that meet, by ascending ids.
+    pub(crate) fn meetings(&mut self, pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
+        let mut quest = Meetings::new(pair, false);
+        let unbroken = if let Some(front) = self.ready(pair, 0.0, counters) {
+            front.refresh(pair, &mut quest, counters)
+        } else if self.pace.allows_front() {
+            self.front = Front::of(pair, &mut quest, counters);
+            self.advanced = true;
+            false
+        } else {
+            self.apart = None;
+            return meeting_pairs(pair, counters);
+        };
+        self.apart = self.apart.filter(|_| unbroken);
+        let mut found = quest.found;
+        found.sort_unstable();
+        self.remember_crossings(&found);
+        found
+    }
+
+    /// What the surfaces' meeting means for the solids.
+    pub(crate) fn solidity(
+        &mut self,
+        pair: &Pair,
+        surface: Surface,
+        touching: &[FacePair],
+        counters: &mut Counters,
+    ) -> Solidity {
+        if surface != Meeting::None {
+            self.apart = None;
+            return solidity(pair, surface, touching, counters);
+        }
+        *self.apart.get_or_insert_with(|| solidity(pair, surface, touching, counters))
+    }
+
+    /// The nearest points of surfaces that do not meet, if they are less than `below` apart.
+    pub(crate) fn closest(
+        &mut self,
+        pair: &Pair,
+        below: f64,
+        counters: &mut Counters,
+    ) -> Option<Closest> {
+        let mut nearest = NearestFaces::less_than(pair, below);
+        if let Some([f, g]) = self.nearest {
+            nearest.offer(f, g, counters);
+        }
+        if let Some(front) = self.ready(pair, nearest.limit(), counters) {
+            front.refresh(pair, &mut nearest, counters);
+        } else if nearest.limit() < f64::INFINITY && self.pace.allows_front() {
+            self.front = Front::of(pair, &mut nearest, counters);
+            self.advanced = true;
+        } else {
+            self.pace.asked = true;
+            search(pair, &mut nearest, counters);
+        }
+        let found = nearest.found();
+        self.nearest = found.map(|f| f.faces).or(self.nearest);
+        found
+    }
+
+    /// Whether faces that crossed before still do.
+    fn still_cross(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
+        let crosses = |&[f, g]: &[FaceId; 2]| {
+            counters.triangle_tests += 1;
+            classify_triangles(&pair.triangle(Side::First, f), &pair.triangle(Side::Second, g))
+                == Meeting::Cross
+        };
+        match self.crossing.iter().position(crosses) {
+            Some(i) => {
+                self.crossing.swap(0, i);
+                true
+            }
+            None => {
+                self.crossing.clear();
+                false
+            }
+        }
+    }
+
+    /// Keeps some of the crossing pairs, evenly spread.
+    fn remember_crossings(&mut self, pairs: &[FacePair]) {
+        let crossing = || pairs.iter().filter(|p| p.meeting == Meeting::Cross);
+        let stride = crossing().count().div_ceil(KEPT_CROSSINGS).max(1);
+        self.crossing.clear();
+        self.crossing.extend(crossing().step_by(stride).map(|p| [p.first, p.second]));
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.front.as_ref().map_or(0, Front::bytes)
+            + self.crossing.capacity() * size_of::<[FaceId; 2]>()
+    }
+}

@@ -1,0 +1,76 @@
+//! How far a body can have moved, seen from the other, between two poses of a pair.
+//!
+//! What counts is the step `(M₁ − M₀) x + (t₁ − t₀)` of a point `x` of the second body, in the first's
+//! frame; no angle is taken out of it. For points within `r` of `c` it is at most the step of `c` plus
+//! `‖M₁ − M₀‖ r`, and the difference of two rotations stretches by its Frobenius norm over √2: it is
+//! a half turn's share of a rotation in one plane and nothing along the third axis.
+//!
+//! Either body may be thought to move. A point of the first steps, seen from the second, as far as
+//! the point of the second's frame that is where it is: so the bound of whichever ball is smaller, or
+//! nearer to the axis, holds.
+
+use cranny_exact::{Aabb, DMat3, DVec3, RigidMap};
+
+use crate::pair::Pair;
+
+/// By how much the Frobenius norm of a difference of two accepted rotation matrices may exceed that of
+/// the rotations which they round. Smaller, and a step could be underestimated; larger, and bodies
+/// that move by less than that spend slack for nothing.
+const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
+
+/// What lies within a distance of a point of a body's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    /// Around a box; its roundings are part of the step's error.
+    pub(super) fn around(bounds: &Aabb) -> Self {
+        Self { center: bounds.center(), radius: 0.5 * bounds.diagonal() }
+    }
+}
+
+/// The motion of a pair from one query to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    turn: DMat3,
+    shift: DVec3,
+    stretch: f64,
+    second_from_first: RigidMap,
+    error: f64,
+}
+
+impl Motion {
+    /// From the relative pose `before` to that of the pair; `None` where they are the same.
+    pub(super) fn since(before: &RigidMap, pair: &Pair) -> Option<Self> {
+        let now = pair.first_from_second;
+        if *before == now {
+            return None;
+        }
+        let turn = now.linear - before.linear;
+        let columns = [turn.x_axis, turn.y_axis, turn.z_axis];
+        let frobenius = columns.map(DVec3::length_squared).iter().sum::<f64>().sqrt();
+        let reach = before.translation.length() + now.translation.length();
+        Some(Self {
+            turn,
+            shift: now.translation - before.translation,
+            stretch: frobenius * 0.5f64.sqrt() + MATRIX_ERROR,
+            second_from_first: now.inverse(),
+            // Both poses round; so do matrices, which then are no more than nearly rigid.
+            error: 2.0 * pair.culling_error() + MATRIX_ERROR * reach,
+        })
+    }
+
+    /// No point of the balls, of the first body and of the second, has come nearer to the other body
+    /// by more than this.
+    pub(super) fn step(&self, balls: &[Ball; 2]) -> f64 {
+        let length = |ball: &Ball, center: DVec3| {
+            (self.turn * center + self.shift).length() + self.stretch * ball.radius
+        };
+        let as_first = length(&balls[0], self.second_from_first.apply(balls[0].center));
+        let as_second = length(&balls[1], balls[1].center);
+        as_first.min(as_second) + self.error
+    }
+}

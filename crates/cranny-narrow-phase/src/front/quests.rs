@@ -1,0 +1,101 @@
+//! What is asked of a front: which faces meet, and which are nearest.
+
+use cranny_exact::{DVec3, Meeting, classify_triangles};
+use cranny_geometry::FaceId;
+
+use super::Quest;
+use crate::answer::{Counters, Surface};
+use crate::closest::NearestFaces;
+use crate::pair::{Pair, Side};
+use crate::surface::FacePair;
+use crate::triangle_distance::triangle_distance;
+
+/// The pairs of faces that meet.
+pub(super) struct Meetings<'p, 'm> {
+    pair: &'p Pair<'m>,
+    /// The first crossing is enough.
+    only_verdict: bool,
+    pub(super) surface: Surface,
+    pub(super) found: Vec<FacePair>,
+}
+
+impl<'p, 'm> Meetings<'p, 'm> {
+    pub(super) fn new(pair: &'p Pair<'m>, only_verdict: bool) -> Self {
+        Self { pair, only_verdict, surface: Meeting::None, found: Vec::new() }
+    }
+
+    /// Looks at two faces; returns a lower bound of their separation.
+    fn look(&mut self, first: FaceId, second: FaceId, counters: &mut Counters) -> f64 {
+        counters.triangle_tests += 1;
+        let triangles =
+            [self.pair.triangle(Side::First, first), self.pair.triangle(Side::Second, second)];
+        let meeting = classify_triangles(&triangles[0], &triangles[1]);
+        if meeting.meets() {
+            self.surface = self.surface.max(meeting);
+            self.found.push(FacePair { first, second, meeting });
+            return 0.0;
+        }
+        parting(&triangles) - self.pair.length_error()
+    }
+}
+
+impl Quest for Meetings<'_, '_> {
+    fn limit(&self) -> f64 {
+        0.0
+    }
+
+    fn leaves(&mut self, first: &[FaceId], second: &[FaceId], counters: &mut Counters) -> f64 {
+        let mut least = f64::INFINITY;
+        for &f in first {
+            for &g in second {
+                least = least.min(self.look(f, g, counters));
+            }
+        }
+        least.max(0.0)
+    }
+
+    fn is_done(&self) -> bool {
+        self.only_verdict && self.surface == Meeting::Cross
+    }
+}
+
+/// How far apart two triangles are that do not meet: along the normal of either, or truly where
+/// neither parts them.
+fn parting(triangles: &[[DVec3; 3]; 2]) -> f64 {
+    let along = triangles.iter().map(|[a, b, c]| {
+        let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
+        let [first, second] = triangles.map(|t| t.map(|p| normal.dot(p)));
+        (least(second) - most(first)).max(least(first) - most(second))
+    });
+    let gap = along.fold(0.0, f64::max);
+    if gap > 0.0 { gap } else { triangle_distance(&triangles[0], &triangles[1]).squared.sqrt() }
+}
+
+fn least([a, b, c]: [f64; 3]) -> f64 {
+    a.min(b).min(c)
+}
+
+fn most([a, b, c]: [f64; 3]) -> f64 {
+    a.max(b).max(c)
+}
+
+/// The nearest faces.
+impl Quest for NearestFaces<'_, '_> {
+    fn limit(&self) -> f64 {
+        NearestFaces::limit(self)
+    }
+
+    fn leaves(&mut self, first: &[FaceId], second: &[FaceId], counters: &mut Counters) -> f64 {
+        let mut least = f64::INFINITY;
+        for &f in first {
+            for &g in second {
+                least = least.min(self.offer(f, g, counters));
+            }
+        }
+        least.max(0.0)
+    }
+
+    fn is_done(&self) -> bool {
+        false
+    }
+}

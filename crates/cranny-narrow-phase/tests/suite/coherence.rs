@@ -1,0 +1,246 @@
+//! Warm = cold = brute force on every frame, whatever the motion and whatever is done to the memory.
+
+use cranny_exact::{DQuat, DVec3, Meeting, Pose};
+use cranny_geometry::Model;
+use cranny_narrow_phase::brute_force::brute_force;
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
+use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, NestedShells, Sphere, Torus};
+use cranny_testkit::Rng;
+
+use crate::solids::{ask, shape};
+
+fn bodies() -> Vec<(&'static str, Model)> {
+    vec![
+        ("cuboid", shape(Cuboid::default())),
+        ("sphere", shape(Sphere { segments: 10, rings: 6, ..Sphere::default() })),
+        ("torus", shape(Torus { major_segments: 18, minor_segments: 8, ..Torus::default() })),
+        ("cup", shape(Cup { segments: 12, ..Cup::default() })),
+        ("shells", shape(NestedShells { segments: 7, ..NestedShells::default() })),
+        ("comb", shape(Comb::default())),
+        ("speck", shape(Cuboid { size: [0.06, 0.05, 0.04] })),
+        ("golf ball", shape(GolfBall { dimples: 0, triangles: 180, ..GolfBall::default() })),
+    ]
+}
+
+fn direction(rng: &mut Rng) -> DVec3 {
+    loop {
+        let v = DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        if (0.01..=1.0).contains(&v.length_squared()) {
+            return v.normalize();
+        }
+    }
+}
+
+/// A walk that keeps near the first body: it drifts, turns, rests, turns back and jumps.
+struct Walk {
+    pose: Pose,
+    drift: DVec3,
+    spin: DQuat,
+}
+
+impl Walk {
+    fn new(rng: &mut Rng, reach: f64) -> Self {
+        let far = [0.05, 0.5, 0.8, 0.8][rng.below(4)] * reach;
+        let pose = Pose { rotation: DQuat::IDENTITY, translation: far * direction(rng) };
+        let mut walk = Self { pose, drift: DVec3::ZERO, spin: DQuat::IDENTITY };
+        walk.turn(rng, reach);
+        walk
+    }
+
+    fn turn(&mut self, rng: &mut Rng, reach: f64) {
+        let pace = [1e-9, 1e-4, 1e-3, 1e-2][rng.below(4)];
+        let home = self.pose.translation.length() > 0.9 * reach;
+        let way = if home { -self.pose.translation.normalize() } else { direction(rng) };
+        self.drift = pace * reach * way;
+        self.spin = DQuat::from_axis_angle(direction(rng), pace);
+    }
+
+    fn step(&mut self, rng: &mut Rng, reach: f64) {
+        match rng.below(40) {
+            0 => *self = Self::new(rng, reach),
+            1 => (self.drift, self.spin) = (-self.drift, self.spin.conjugate()),
+            2 => (self.drift, self.spin) = (DVec3::ZERO, DQuat::IDENTITY),
+            3..=5 => self.turn(rng, reach),
+            _ => {}
+        }
+        self.pose.translation += self.drift;
+        self.pose.rotation = (self.spin * self.pose.rotation).normalize();
+    }
+}
+
+/// What does not depend on history: all but counters.
+fn told(answer: &Answer) -> Answer {
+    Answer { counters: Default::default(), ..answer.clone() }
+}
+
+fn demand(rng: &mut Rng, distance: f64) -> Demand {
+    match rng.below(6) {
+        0 | 1 => Demand::Intersects,
+        2 | 3 => Demand::Distance { below: None },
+        4 => Demand::Distance { below: Some(distance * [0.5, 1.0, 1.5][rng.below(3)]) },
+        _ => Demand::Regions { margin: 0.0 },
+    }
+}
+
+#[test]
+fn memory_never_changes_an_answer() {
+    let bodies = bodies();
+    let mut rng = Rng::new(11);
+    let mut seen = [0; 3];
+    let (mut contained, mut rested, mut bypassed) = (0, 0, 0);
+    for round in 0..60 {
+        let (name_a, a) = &bodies[round % bodies.len()];
+        let (name_b, b) = &bodies[rng.below(bodies.len())];
+        let reach = a.radius() + b.radius();
+        let at = Pose {
+            rotation: DQuat::from_axis_angle(direction(&mut rng), 1.0),
+            translation: DVec3::ONE,
+        };
+        let mut walk = Walk::new(&mut rng, reach);
+        let mut memory = PairMemory::default();
+        let mut distance = reach;
+        // Some walks ask one thing throughout, others anything.
+        let habit = (round % 3 != 0).then(|| demand(&mut rng, distance));
+        for frame in 0..60 {
+            walk.step(&mut rng, reach);
+            if rng.below(8) == 0 {
+                continue; // a call is skipped
+            }
+            match rng.below(30) {
+                0 => memory.clear(),
+                1 => memory = memory.clone(),
+                _ => {}
+            }
+            let placed_a = Placed { model: a, pose: at };
+            let placed_b = Placed { model: b, pose: at.compose(&walk.pose) };
+            let demand = habit.unwrap_or_else(|| demand(&mut rng, distance));
+            let swapped = rng.below(5) == 0;
+            let pair = if swapped { [placed_b, placed_a] } else { [placed_a, placed_b] };
+            let warm = query(pair[0], pair[1], &Query::of(demand), &mut memory).unwrap();
+            let cold = ask(pair[0], pair[1], demand);
+            let what = format!("{name_a} and {name_b}, round {round}, frame {frame}, {demand:?}");
+            assert_eq!(told(&warm), told(&cold), "{what}");
+            if frame % 8 == 0 {
+                let slow = brute_force(placed_a, placed_b).unwrap();
+                assert_eq!(warm.surface, slow.surface, "{what}");
+                if matches!(demand, Demand::Distance { below: None } | Demand::Regions { .. }) {
+                    assert_eq!(warm.distance, Some(slow.distance), "{what}");
+                }
+                if matches!(demand, Demand::Regions { .. }) {
+                    assert_eq!(warm.triangle_pairs, slow.triangle_pairs, "{what}");
+                }
+            }
+            distance = cold.distance.filter(|d| d.is_finite()).unwrap_or(distance);
+            seen[warm.surface as usize] += 1;
+            contained += u32::from(warm.contained.is_some());
+            rested += u32::from(warm.counters.node_tests * 4 < cold.counters.node_tests);
+            bypassed += warm.counters.bypassed;
+        }
+    }
+    assert!(seen[Meeting::None as usize] > 600 && seen[Meeting::Cross as usize] > 400, "{seen:?}");
+    assert!(contained > 20 && rested > 400 && bypassed > 20, "{contained} {rested} {bypassed}");
+}
+
+#[test]
+fn a_pair_of_equal_models_may_change_its_order() {
+    // Canonical order then is that of pose bits, which changes as they pass the origin.
+    let torus = shape(Torus { major_segments: 18, minor_segments: 8, ..Torus::default() });
+    let mut memory = PairMemory::default();
+    let slant = DQuat::from_axis_angle(DVec3::X, 1.2);
+    for frame in 0..120 {
+        let x = 0.001 * (f64::from(frame) - 60.0);
+        let (a, b) = (
+            Placed { model: &torus, pose: Pose::at(DVec3::new(x, 0.0, 0.0)) },
+            Placed {
+                model: &torus,
+                pose: Pose { rotation: slant, translation: DVec3::new(-x + 1.0, 0.0, 0.0) },
+            },
+        );
+        for demand in [Demand::Intersects, Demand::Distance { below: None }] {
+            let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
+            assert_eq!(told(&warm), told(&ask(a, b, demand)), "frame {frame}");
+        }
+    }
+}
+
+#[test]
+fn a_calm_pair_is_hardly_looked_at() {
+    let ball = shape(GolfBall { dimples: 36, triangles: 2_000, ..GolfBall::default() });
+    let mut memory = PairMemory::default();
+    let a = Placed { model: &ball, pose: Pose::IDENTITY };
+    for demand in [Demand::Intersects, Demand::Distance { below: None }] {
+        let (mut warm, mut cold) = (0, 0);
+        for frame in 0..100 {
+            let turn = DQuat::from_axis_angle(DVec3::Y, 0.0005 * f64::from(frame));
+            let b = Placed {
+                model: &ball,
+                pose: Pose { rotation: turn, translation: DVec3::new(1.2, 1.3, 1.1) },
+            };
+            let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
+            assert_eq!(answer.surface, Meeting::None);
+            if frame >= 10 {
+                let work = |x: &Answer| x.counters.node_tests + x.counters.triangle_tests;
+                warm += work(&answer);
+                cold += work(&ask(a, b, demand));
+            }
+        }
+        assert!(warm * 8 < cold, "{demand:?}: {warm} of {cold}");
+    }
+    assert!(memory.bytes() > 0);
+    memory.clear();
+    assert_eq!(memory.bytes(), 0);
+}
+
+#[test]
+fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
+    let bolt = IsoBolt { segments: 36, length: Some(16.0), ..IsoBolt::default() };
+    let nut = IsoNut { segments: 36, height: Some(6.0), clearance: 0.4, ..IsoNut::default() };
+    let (bolt, nut) = (shape(bolt), shape(nut));
+    let a = Placed { model: &bolt, pose: Pose::IDENTITY };
+    let mut memory = PairMemory::default();
+    let posed = |turn: f64, lift: f64| Pose {
+        rotation: DQuat::from_axis_angle(DVec3::Z, turn * std::f64::consts::TAU),
+        translation: DVec3::new(0.0, 0.0, 8.0 + 2.0 * turn + lift),
+    };
+    for frame in 0..40 {
+        let turn = f64::from(frame) * [0.0003, 0.004][usize::from(frame >= 20)];
+        let b = Placed { model: &nut, pose: posed(turn, 0.0) };
+        let answer = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
+        assert_eq!((answer.surface, answer.solid), (Meeting::None, false), "frame {frame}");
+    }
+    let b = Placed { model: &nut, pose: posed(0.1, 0.5) };
+    let answer = query(a, b, &Query::of(Demand::Regions { margin: 0.0 }), &mut memory).unwrap();
+    assert!(answer.triangle_pairs > 100, "{}", answer.triangle_pairs);
+}
+
+#[test]
+fn what_is_inside_stays_inside_until_it_crosses() {
+    let cup = shape(Cup { segments: 24, ..Cup::default() });
+    let sphere = shape(Sphere { segments: 10, rings: 6, ..Sphere::default() });
+    let speck = shape(Cuboid { size: [0.1, 0.1, 0.1] });
+    let mut memory = PairMemory::default();
+    let mut inside = 0;
+    for frame in 0..400 {
+        // From the middle of the sphere through its surface and back.
+        let out = 1.5 * (f64::from(frame % 200) / 100.0 - 1.0).abs();
+        let (a, b) = (
+            Placed { model: &sphere, pose: Pose::IDENTITY },
+            Placed { model: &speck, pose: Pose::at(DVec3::new(out, 0.1, 0.05)) },
+        );
+        let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
+        assert_eq!(told(&warm), told(&ask(a, b, Demand::Intersects)), "frame {frame}");
+        inside += u32::from(warm.contained.is_some());
+    }
+    assert!((60..350).contains(&inside), "{inside}");
+    // Models change: numbers of the old ones mean nothing.
+    for model in [&cup, &speck, &sphere, &cup] {
+        let (a, b) = (
+            Placed { model: &sphere, pose: Pose::IDENTITY },
+            Placed { model, pose: Pose::at(DVec3::new(0.4, 0.2, 0.1)) },
+        );
+        for _ in 0..3 {
+            let warm = query(a, b, &Query::of(Demand::Distance { below: None }), &mut memory);
+            assert_eq!(told(&warm.unwrap()), told(&ask(a, b, Demand::Distance { below: None })));
+        }
+    }
+}
