@@ -25,9 +25,10 @@ pub(crate) struct NearestFaces<'p, 'm> {
     /// No pair of faces farther apart than this can win.
     limit: f64,
     best: Option<([FaceId; 2], Nearest)>,
-    /// Unit, from the first's nearest point to the second's: the best guess of what keeps other
-    /// faces apart as well.
+    /// Unit, from the first to the second between the nearest faces measured, be they near enough or not:
+    /// what keeps these apart keeps most others apart.
     toward: DVec3,
+    least_measured: f64,
     error: f64,
 }
 
@@ -35,7 +36,15 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
     /// Looks for faces less than `below` apart.
     pub(crate) fn less_than(pair: &'p Pair<'m>, below: f64) -> Self {
         let (limit, error) = (below, pair.length_error());
-        Self { pair, below, limit, best: None, toward: DVec3::ZERO, error }
+        Self {
+            pair,
+            below,
+            limit,
+            best: None,
+            toward: DVec3::ZERO,
+            least_measured: f64::INFINITY,
+            error,
+        }
     }
 
     pub(crate) fn limit(&self) -> f64 {
@@ -55,6 +64,10 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         counters.triangle_tests += 1;
         let nearest = triangle_distance(&first, &second);
         let distance = nearest.squared.sqrt();
+        if distance < self.least_measured {
+            self.least_measured = distance;
+            self.toward = (nearest.points[1] - nearest.points[0]).normalize_or_zero();
+        }
         let wins = match &self.best {
             None => distance < self.below,
             Some((faces, n)) => {
@@ -63,7 +76,6 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         };
         if wins {
             self.limit = distance;
-            self.toward = (nearest.points[1] - nearest.points[0]).normalize_or_zero();
             self.best = Some(([f, g], nearest));
         }
         distance - self.error

@@ -4,7 +4,8 @@
 //! piece more than t ahead of the second. The largest such lead is attained over a vertex of one
 //! piece and a face of the other, or over two edges that cross when seen along n; the curves' points
 //! and segments are vertices and edges of both. They bound faces that reach beyond the piece: an
-//! answer off the piece is refused.
+//! answer off the piece is refused. What lies over what is told by footprints, so the cost is near
+//! linear in the pieces.
 
 use std::collections::HashMap;
 
@@ -12,6 +13,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
+use crate::footprints::Footprints;
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
 use crate::pieces::{Cut, Piece};
@@ -101,6 +103,9 @@ impl View<'_, '_> {
             .map(|&f| Ranged::new(f, self.pair.triangle(other, f).map(|p| sign * self.height(p))))
             .collect();
         faces.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.cmp(&y.what)));
+        let triangles: Vec<[DVec3; 3]> =
+            faces.iter().map(|f| self.pair.triangle(other, f.what)).collect();
+        let footprints = Footprints::of(self.normal, &triangles);
         let vertices = cut.pieces[side.index()].vertices.iter();
         let inner = vertices.map(|&v| (Feature::Vertex(v), self.pair.position(side, v), true));
         // Every node of closed curves is the start of a segment.
@@ -112,13 +117,12 @@ impl View<'_, '_> {
         for (own, p, keep) in inner.chain(rim) {
             let height = sign * self.height(p);
             let mut best: Option<(f64, FaceId, DVec3)> = None;
-            for face in &faces {
+            for &i in footprints.over(p) {
+                let (face, triangle) = (&faces[i as usize], &triangles[i as usize]);
                 if height - face.low <= best.map_or(0.0, |b| b.0) {
                     break;
                 }
-                let Some(foot) = self.foot(p, &self.pair.triangle(other, face.what)) else {
-                    continue;
-                };
+                let Some(foot) = self.foot(p, triangle) else { continue };
                 let lead = height - sign * self.height(foot);
                 if lead > best.map_or(0.0, |b| b.0)
                     && self.borders.on_piece(self.pair, other, face.what, foot)
@@ -143,8 +147,12 @@ impl View<'_, '_> {
         first.sort_by(|x, y| y.high.total_cmp(&x.high).then(x.what.0.cmp(&y.what.0)));
         second.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
         let keep = first.len().saturating_mul(second.len()) <= MAX_EDGE_PAIRS_KEPT;
+        let segments: Vec<[DVec3; 2]> = second.iter().map(|g| g.what.1).collect();
+        let footprints = Footprints::of(self.normal, &segments);
+        let mut beside: Vec<u32> = Vec::new();
         for e in &first {
-            for g in &second {
+            footprints.beside(&e.what.1, &mut beside);
+            for g in beside.iter().map(|&i| &second[i as usize]) {
                 let floor = if keep { 0.0 } else { leads.best() };
                 if e.high - g.low <= floor {
                     break;

@@ -21,7 +21,7 @@
 //! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside`,
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
 //! gaps with `triangle_distance`; `front` keeps from frame to frame what these searches leave. `intersection` chains the segments of
-//! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece, `touch` and
+//! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
@@ -51,6 +51,7 @@ mod containment;
 mod depth;
 mod descent;
 mod evaluate;
+mod footprints;
 mod front;
 mod impact;
 mod inside;

@@ -120,6 +120,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Position of a vertex in the pair's frame.
+    #[inline]
     pub(crate) fn position(&self, side: Side, vertex: VertexId) -> DVec3 {
         let p = self.mesh(side).position(vertex);
         match side {
@@ -148,6 +149,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Corners of a face in the pair's frame.
+    #[inline]
     pub(crate) fn triangle(&self, side: Side, face: FaceId) -> [DVec3; 3] {
         self.mesh(side).corners(face).map(|v| self.position(side, v))
     }

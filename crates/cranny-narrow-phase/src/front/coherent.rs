@@ -27,6 +27,8 @@ struct Pace {
     wait: u32,
     /// How many will be, after the next failure.
     patience: u32,
+    /// Queries that the front has kept up with since patience last changed.
+    calm: u32,
 }
 
 impl Pace {
@@ -44,10 +46,14 @@ impl Pace {
     fn outrun(&mut self) {
         self.wait = self.patience;
         self.patience = (2 * self.patience + 1).min(Self::LONGEST);
+        self.calm = 0;
     }
 
     fn kept_up(&mut self) {
-        self.patience /= 2;
+        self.calm += 1;
+        if self.calm > self.patience {
+            (self.calm, self.patience) = (0, self.patience / 2);
+        }
     }
 }
 
@@ -104,6 +110,7 @@ impl Coherent {
         build: bool,
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
+        let crossed = !self.crossing.is_empty();
         if self.still_cross(pair, counters) {
             self.apart = None;
             return (Meeting::Cross, Vec::new());
@@ -111,7 +118,7 @@ impl Coherent {
         let mut quest = Meetings::new(pair, true);
         let unbroken = if let Some(front) = self.ready(pair, 0.0, counters) {
             front.refresh(pair, &mut quest, counters)
-        } else if build && self.pace.allows_front() {
+        } else if build && !crossed && self.pace.allows_front() {
             self.front = Front::of(pair, &mut quest, counters);
             self.advanced = true;
             false
@@ -192,23 +199,31 @@ impl Coherent {
         found
     }
 
-    /// Whether faces that crossed before still do.
+    /// Whether faces that crossed before still do, or some beside them: a curve in which surfaces cross
+    /// leaves a face for one that shares a corner with it, mostly while the other face stays.
     fn still_cross(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
-        let crosses = |&[f, g]: &[FaceId; 2]| {
+        let mut crosses = |&[f, g]: &[FaceId; 2]| {
             counters.triangle_tests += 1;
             classify_triangles(&pair.triangle(Side::First, f), &pair.triangle(Side::Second, g))
                 == Meeting::Cross
         };
-        match self.crossing.iter().position(crosses) {
-            Some(i) => {
-                self.crossing.swap(0, i);
-                true
-            }
-            None => {
-                self.crossing.clear();
-                false
-            }
+        if let Some(i) = self.crossing.iter().position(&mut crosses) {
+            self.crossing.drain(..i);
+            return true;
         }
+        let beside = |side: Side, face: FaceId| {
+            let corners = pair.mesh(side).corners(face);
+            corners.into_iter().flat_map(move |v| pair.topology(side).faces_at(v).iter().copied())
+        };
+        let found = self.crossing.first().and_then(|&[f, g]| {
+            let mut neighbours = beside(Side::First, f)
+                .map(|f| [f, g])
+                .chain(beside(Side::Second, g).map(|g| [f, g]));
+            neighbours.find(&mut crosses)
+        });
+        self.crossing.clear();
+        self.crossing.extend(found);
+        found.is_some()
     }
 
     /// Keeps some of the crossing pairs, evenly spread.

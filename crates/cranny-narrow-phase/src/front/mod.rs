@@ -44,6 +44,11 @@ pub(crate) trait Quest {
 /// A front of more entries is not kept: 24 bytes each.
 const MOST_ENTRIES: usize = 4 << 20;
 
+/// A descent tests two pairs of nodes for each entry that it leaves. A spent entry costs itself and, as it
+/// opens, about four more: one in so many spent is half of a descent. Fewer: what could have rested is
+/// looked for from the top; more: fast motion pays for memory that it cannot use.
+const SPENT_SHARE: usize = 5;
+
 /// Blocks are merged, by a descent from the top, when they hold fewer entries than this on average, a
 /// quarter of what fits. (After a descent, any two neighbours together hold more than a block does.)
 const SPARSE: usize = block::CAPACITY / 4;
@@ -83,12 +88,10 @@ impl Front {
         self.map = pair.first_from_second;
     }
 
-    /// Whether looking at what is spent costs more than half of what a descent does, or so much has been
-    /// left behind that a descent pays.
+    /// Whether what is spent costs more than half of what a descent does.
     pub(crate) fn is_exhausted(&self, pair: &Pair, limit: f64) -> bool {
         let error = pair.culling_error();
-        // A descent tests two pairs for each entry; a spent entry costs two tests, or more.
-        let bearable = self.entries / 2;
+        let bearable = self.entries / SPENT_SHARE;
         let mut spent = 0;
         for block in &self.blocks {
             spent += block.spent_entries(limit, error);

@@ -22,7 +22,7 @@ const CONTACT: [Demand; 2] = [Demand::Intersects, Demand::Regions { margin: 0.0 
 pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
     let frames = if quick { 200 } else { 1_000 };
     let sizes: &[u32] = if quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000] };
-    let mut out: Vec<(String, Box<dyn Fn() -> Built>, Vec<Demand>)> = Vec::new();
+    let mut out: Vec<(String, Builder, Vec<Demand>)> = Vec::new();
     for &size in sizes {
         for (what, gap, demands) in [("near", 0.03, NEAR), ("contact", -0.02, CONTACT)] {
             let sized = |shape: &str| format!("{shape} {}k {what}", size / 1_000);
@@ -54,6 +54,9 @@ pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
 }
 
 type Built = Result<([Mesh; 2], Vec<Pose>), ShapeError>;
+
+/// A scene, built when its turn comes.
+type Builder = Box<dyn Fn() -> Built>;
 
 /// Balls of diameter 1; the second spins about a slanted axis while its middle stays.
 fn golf_balls(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {

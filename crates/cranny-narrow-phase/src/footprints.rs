@@ -1,0 +1,184 @@
+//! Things by where they stand, seen along a direction: a grid in the plane at right angles to it.
+//!
+//! A thing is listed in every cell that its footprint's box meets. The grid has about as many cells as
+//! things, or fewer if these are long: no more than [`LISTINGS`] listings a thing. So what stands over a
+//! point is found in constant time where things are of a size and in no crowd.
+
+use cranny_exact::DVec3;
+
+/// Listings a thing on average, at most. More: memory; fewer: coarser grids around long things.
+const LISTINGS: usize = 12;
+
+/// By what part of the plane's extent a box is grown: far more than rounding moves a coordinate, far less
+/// than a cell. Smaller, and a point on a rim could be sought in the next cell; larger, and cells hold
+/// what stands beside them.
+const SLACK: f64 = 1e-9;
+
+/// Things listed by the cells of a plane.
+pub(crate) struct Footprints {
+    axes: [DVec3; 2],
+    low: [f64; 2],
+    /// Cells a length.
+    scale: [f64; 2],
+    slack: f64,
+    cells: usize,
+    /// Where each cell's list begins, row by row, and the end of the last.
+    starts: Vec<u32>,
+    listed: Vec<u32>,
+}
+
+impl Footprints {
+    /// Lists things by the corners of their outlines, seen along `normal` (unit).
+    ///
+    /// Cost: linear in the things, for each time that the grid proves too fine.
+    pub(crate) fn of(normal: DVec3, outlines: &[impl AsRef<[DVec3]>]) -> Self {
+        let axes: [DVec3; 2] = normal.any_orthonormal_pair().into();
+        let mut plane = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for p in outlines.iter().flat_map(AsRef::as_ref) {
+            for (i, axis) in axes.iter().enumerate() {
+                plane[0][i] = plane[0][i].min(axis.dot(*p));
+                plane[1][i] = plane[1][i].max(axis.dot(*p));
+            }
+        }
+        let extent = [0, 1].map(|i| (plane[1][i] - plane[0][i]).max(0.0));
+        let mut grid = Self {
+            axes,
+            low: plane[0],
+            scale: [0.0; 2],
+            slack: SLACK * (extent[0] + extent[1]),
+            cells: (outlines.len() as f64).sqrt().ceil().max(1.0) as usize,
+            starts: Vec::new(),
+            listed: Vec::new(),
+        };
+        loop {
+            grid.scale = extent.map(|e| if e > 0.0 { grid.cells as f64 / e } else { 0.0 });
+            let boxes = outlines.iter().map(|o| grid.span(o.as_ref()));
+            let listings: usize = boxes.map(|[[a, b], [c, d]]| (b - a + 1) * (d - c + 1)).sum();
+            if grid.cells == 1 || listings <= LISTINGS * outlines.len() {
+                break;
+            }
+            grid.cells = grid.cells.div_ceil(2);
+        }
+        grid.list(outlines);
+        grid
+    }
+
+    /// First and last column, first and last row of a box around points.
+    fn span(&self, points: &[DVec3]) -> [[usize; 2]; 2] {
+        [0, 1].map(|i| {
+            let along = |p: &DVec3| self.axes[i].dot(*p);
+            let least = points.iter().map(along).fold(f64::INFINITY, f64::min);
+            let most = points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+            // A cast saturates: what lies before the first cell counts as in it.
+            let cell = |x: f64| (((x - self.low[i]) * self.scale[i]) as usize).min(self.cells - 1);
+            [cell(least - self.slack), cell(most + self.slack)]
+        })
+    }
+
+    fn list(&mut self, outlines: &[impl AsRef<[DVec3]>]) {
+        let spans: Vec<_> = outlines.iter().map(|o| self.span(o.as_ref())).collect();
+        let cells = self.cells;
+        let cells_of = |&[[left, right], [bottom, top]]: &[[usize; 2]; 2]| {
+            (bottom..=top).flat_map(move |row| (left..=right).map(move |c| row * cells + c))
+        };
+        self.starts = vec![0; cells * cells + 1];
+        for cell in spans.iter().flat_map(cells_of) {
+            self.starts[cell + 1] += 1;
+        }
+        for cell in 0..cells * cells {
+            self.starts[cell + 1] += self.starts[cell];
+        }
+        self.listed = vec![0; self.starts[cells * cells] as usize];
+        let mut next = self.starts.clone();
+        for (thing, span) in spans.iter().enumerate() {
+            for cell in cells_of(span) {
+                self.listed[next[cell] as usize] = thing as u32;
+                next[cell] += 1;
+            }
+        }
+    }
+
+    fn cell(&self, cell: usize) -> &[u32] {
+        &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// Numbers, ascending, of all things whose footprints may hold that of a point, and of some more.
+    pub(crate) fn over(&self, p: DVec3) -> &[u32] {
+        let [[column, _], [row, _]] = self.span(&[p]);
+        self.cell(row * self.cells + column)
+    }
+
+    /// Replaces `found` by the numbers, ascending, of all things whose footprints may meet that of an
+    /// outline, and of some more.
+    pub(crate) fn beside(&self, outline: &[DVec3], found: &mut Vec<u32>) {
+        found.clear();
+        let [[left, right], [bottom, top]] = self.span(outline);
+        for row in bottom..=top {
+            for column in left..=right {
+                found.extend_from_slice(self.cell(row * self.cells + column));
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `n` by `n` unit squares in the plane z = x, seen from above.
+    fn squares(n: u32) -> Vec<[DVec3; 4]> {
+        let at = |x: u32, y: u32| DVec3::new(f64::from(x), f64::from(y), f64::from(x));
+        let square = |i: u32| {
+            let (x, y) = (i % n, i / n);
+            [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]
+        };
+        (0..n * n).map(square).collect()
+    }
+
+    #[test]
+    fn what_stands_over_a_point_is_listed_and_little_else() {
+        let grid = Footprints::of(DVec3::Z, &squares(20));
+        for (x, y) in [(0.5, 0.5), (7.25, 3.5), (19.5, 19.5)] {
+            let over = grid.over(DVec3::new(x, y, -7.0));
+            assert!(over.contains(&(y as u32 * 20 + x as u32)), "{x} {y}: {over:?}");
+            assert!(over.len() <= 9, "{over:?}");
+        }
+        // On a rim: both neighbours.
+        let over = grid.over(DVec3::new(5.0, 5.5, 0.0));
+        assert!(over.contains(&104) && over.contains(&105), "{over:?}");
+    }
+
+    #[test]
+    fn an_outline_finds_every_neighbour_once() {
+        let grid = Footprints::of(DVec3::Z, &squares(20));
+        let mut found = vec![7];
+        grid.beside(&[DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 9.5, 3.0)], &mut found);
+        let column = (2..10).map(|y| y * 20 + 2);
+        assert!(column.clone().all(|i| found.contains(&i)), "{found:?}");
+        assert!(found.is_sorted_by(|a, b| a < b) && found.len() <= 40, "{found:?}");
+    }
+
+    #[test]
+    fn long_things_make_the_grid_coarser_and_nothing_is_lost() {
+        let needle = |i: u32| {
+            let y = 0.01 * f64::from(i);
+            [DVec3::new(0.0, y, 0.0), DVec3::new(100.0, 100.0 + y, 0.0)]
+        };
+        let needles: Vec<_> = (0..300).map(needle).collect();
+        let grid = Footprints::of(DVec3::Z, &needles);
+        assert!(grid.listed.len() <= LISTINGS * 300);
+        let mut found = Vec::new();
+        grid.beside(&[DVec3::new(50.0, 40.0, 0.0), DVec3::new(50.0, 60.0, 0.0)], &mut found);
+        assert_eq!(found.len(), 300);
+    }
+
+    #[test]
+    fn nothing_and_points_in_one_place_are_no_trouble() {
+        let none: [[DVec3; 3]; 0] = [];
+        assert!(Footprints::of(DVec3::Z, &none).over(DVec3::ONE).is_empty());
+        let grid = Footprints::of(DVec3::Z, &[[DVec3::ONE; 3]; 5]);
+        assert_eq!(grid.over(DVec3::ONE), [0, 1, 2, 3, 4]);
+    }
+}
