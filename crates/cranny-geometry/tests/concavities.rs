@@ -10,8 +10,8 @@ use concavities::check::{checked, closed_checked};
 use cranny_exact::{DMat3, DQuat, DVec3};
 use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::features::Feature;
-use cranny_geometry::hull::FacetId;
-use cranny_geometry::{BuildOptions, CapId, FaceId, Flatness, Mesh, Model};
+use cranny_geometry::hull::{FacetId, HullKind};
+use cranny_geometry::{BuildOptions, CapId, ConvexHull, FaceId, Flatness, Mesh, Model};
 use cranny_shapes::{
     Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, NestedShells, PyramidInCavity, Shape,
     Sphere, Torus, UPrism,
@@ -476,6 +476,33 @@ fn random_bodies_keep_the_invariants() {
         closed_checked(&body);
         closed_checked(&turned(&body));
         closed_checked(&rounded_to_single(&turned(&body)));
+    }
+}
+
+/// The hull of some points, as a mesh of its triangles.
+fn hull_of(points: &[DVec3]) -> Option<Mesh> {
+    let hull = ConvexHull::of_points(points);
+    let corners = |t: usize| hull.triangle(t).map(|v| v.0);
+    let faces = (0..hull.triangle_count()).map(corners).collect();
+    (hull.kind() == HullKind::Volume).then(|| Mesh::new(hull.positions().to_vec(), faces).unwrap())
+}
+
+#[test]
+fn hulls_of_lattice_points_are_convex_however_they_are_rounded() {
+    let mut rng = Rng::new(8);
+    for round in 0..120 {
+        let reach = rng.between(1, 6);
+        let mut point = || DVec3::from_array([0; 3].map(|_| f64::from(rng.between(-reach, reach))));
+        let points: Vec<DVec3> = (0..40).map(|_| point()).collect();
+        let Some(mesh) = hull_of(&points) else { continue };
+        let turned = turned(&mesh);
+        for mesh in
+            four_ways(&mesh).into_iter().chain([rounded_to_decimals(&turned, 4 + round % 3)])
+        {
+            let model = closed_checked(&mesh);
+            assert_eq!(model.features().convex_sets().len(), 1, "round {round}");
+            assert_eq!(census(&model), [], "round {round}");
+        }
     }
 }
 

@@ -66,16 +66,10 @@ impl Input<'_> {
     }
 
     /// Numbers components by their least elements, and lids by their least caps. What has no faces and
-    /// consists of needles is skin and gets no number.
+    /// covers nothing is skin and gets no number.
     fn number(&self, mut components: Components, caps: CapSurface) -> Concavities {
         let (faces, count) = (self.mesh.faces().len(), caps.triangles.len());
-        let mut is_skin = vec![true; count];
-        for cap in 0..count {
-            let root = components.of_cap(cap);
-            if root >= faces && !self.is_needle(self.cap_triangle(&caps, cap)) {
-                is_skin[root - faces] = false;
-            }
-        }
+        let is_skin = self.skin(&mut components, &caps);
         let mut number_of_root = vec![NONE; faces + count];
         let mut records = Vec::new();
         let mut number = |root: usize| {
@@ -136,9 +130,23 @@ impl Input<'_> {
         }
     }
 
-    fn is_needle(&self, [a, b, c]: [DVec3; 3]) -> bool {
-        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-        (b - a).cross(c - a).length() <= self.features.slab_depth() * longest
+    /// For each component of caps without faces, by its least cap, whether it covers no more than a strip
+    /// along its edges as wide as slabs are deep: needles, and what faces that straddle facets cover too
+    /// often here and too little there.
+    fn skin(&self, components: &mut Components, caps: &CapSurface) -> Vec<bool> {
+        let faces = self.mesh.faces().len();
+        let mut covered = vec![0.0; caps.triangles.len()];
+        let mut strip = vec![0.0; caps.triangles.len()];
+        for cap in 0..caps.triangles.len() {
+            let Some(root) = components.of_cap(cap).checked_sub(faces) else { continue };
+            let corners @ [a, b, c] = self.cap_triangle(caps, cap);
+            let is_negative = caps.negative.binary_search(&CapId(cap as u32)).is_ok();
+            let sign = if is_negative { -1.0 } else { 1.0 };
+            covered[root] += sign * 0.5 * twice_area_vector(corners).length();
+            let length = (b - a).length() + (c - b).length() + (a - c).length();
+            strip[root] += self.features.slab_depth() * length;
+        }
+        covered.iter().zip(strip).map(|(covered, strip)| covered.abs() <= strip).collect()
     }
 
     fn gather_faces(&self, all: &mut Concavities) {

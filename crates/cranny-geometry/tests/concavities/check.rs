@@ -7,7 +7,12 @@ use cranny_geometry::{BuildOptions, FaceId, Mesh, Model};
 
 /// Builds and validates.
 pub(crate) fn checked(mesh: &Mesh) -> Model {
-    let (model, _) = Model::build(mesh.clone(), &BuildOptions::default()).unwrap();
+    checked_with(mesh, &BuildOptions::default())
+}
+
+/// [`checked`], with other options.
+pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
+    let (model, _) = Model::build(mesh.clone(), options).unwrap();
     model.features().validate(model.mesh(), model.topology()).unwrap();
     let (topology, hull) = (model.topology(), model.hull());
     model.concavities().validate(model.mesh(), topology, hull, model.features()).unwrap();
@@ -17,7 +22,12 @@ pub(crate) fn checked(mesh: &Mesh) -> Model {
 
 /// As [`checked`]; and what only a closed mesh promises: volumes and areas add up, no opening.
 pub(crate) fn closed_checked(mesh: &Mesh) -> Model {
-    let model = checked(mesh);
+    closed_checked_with(mesh, &BuildOptions::default())
+}
+
+/// [`closed_checked`], with other options.
+pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
+    let model = checked_with(mesh, options);
     assert!(model.is_closed());
     let all = model.concavities();
     assert!(all.iter().all(|c| c.kind != ConcavityKind::Opening));

@@ -1,0 +1,117 @@
+//! The invariants of concavities and caps on every mesh of the corpus, where `CRANNY_CORPUS` names its
+//! folder: as stored, scaled, renumbered, turned.
+#![allow(clippy::print_stderr, reason = "a skipped test must say so")]
+
+#[path = "../../cranny-geometry/tests/concavities/bodies.rs"]
+#[allow(dead_code, reason = "the tests that they are shared with use the others")]
+mod bodies;
+#[path = "../../cranny-geometry/tests/concavities/check.rs"]
+#[allow(dead_code, reason = "the tests that they are shared with use the others")]
+mod check;
+
+use std::path::PathBuf;
+
+use check::{checked_with, closed_checked_with};
+use cranny_exact::{DMat3, DQuat, DVec3};
+use cranny_geometry::{BuildOptions, FaceId, Flatness, Mesh, Model};
+use cranny_scene::{MeshFormat, read_mesh};
+use cranny_testkit::Rng;
+
+/// Every mesh with its name, and the options that take the flatness which was read off it as stored.
+fn corpus() -> Vec<(String, Mesh, BuildOptions)> {
+    let Some(folder) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
+        eprintln!("skipped: CRANNY_CORPUS not set");
+        return Vec::new();
+    };
+    let (mut found, mut folders) = (Vec::new(), vec![folder]);
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if MeshFormat::of_path(&path).is_some() {
+                let mesh = read_mesh(&path).unwrap().mesh;
+                let flatness = Flatness::Relative(Flatness::Auto.resolve(&mesh));
+                let options =
+                    BuildOptions { flatness, self_intersections: false, ..Default::default() };
+                found.push((path.display().to_string(), mesh, options));
+            }
+        }
+    }
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    found
+}
+
+/// Builds, and checks what this mesh promises.
+fn checked(name: &str, mesh: &Mesh, options: &BuildOptions) -> Option<Model> {
+    let (model, report) = Model::build(mesh.clone(), options).ok()?;
+    eprintln!("{name}: {} faces, closed: {}", report.faces, report.closed);
+    Some(match report.closed {
+        true => closed_checked_with(mesh, options),
+        false => {
+            drop(model);
+            checked_with(mesh, options)
+        }
+    })
+}
+
+fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
+    Mesh::new(mesh.vertices().iter().map(|&p| to(p)).collect(), mesh.faces().to_vec()).unwrap()
+}
+
+/// The faces of each concavity with its kind and its number of lids, by the names that `name` gives to
+/// faces; sorted. (Into how many loops a boundary that touches itself is split is a matter of numbers.)
+fn classes(model: &Model, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
+    let class = |c: cranny_geometry::concavity::Concavity<'_>| {
+        let mut class: Vec<usize> = c.faces.iter().map(|&f| name(f)).collect();
+        class.sort_unstable();
+        class.extend([c.lids().len(), c.kind as usize]);
+        class
+    };
+    let mut all: Vec<_> = model.concavities().iter().map(class).collect();
+    all.sort_unstable();
+    all
+}
+
+#[test]
+fn as_stored_and_scaled_by_powers_of_two() {
+    for (name, mesh, options) in corpus() {
+        let Some(model) = checked(&name, &mesh, &options) else { continue };
+        let scale = 2f64.powi(-9);
+        let scaled = checked(&name, &moved(&mesh, |p| scale * p), &options).unwrap();
+        assert_eq!(classes(&model, FaceId::index), classes(&scaled, FaceId::index), "{name}");
+    }
+}
+
+#[test]
+fn turned_the_pockets_hold_as_much() {
+    let turn = DMat3::from_quat(DQuat::from_xyzw(0.3, -0.5, 0.2, 0.79).normalize());
+    for (name, mesh, options) in corpus() {
+        let Some(model) = checked(&name, &mesh, &options).filter(Model::is_closed) else {
+            continue;
+        };
+        let turned = checked(&name, &moved(&mesh, |p| turn * p), &options).unwrap();
+        let volume = |model: &Model| -> f64 {
+            model.concavities().iter().map(|c| c.measures.pocket_volume).sum()
+        };
+        let hull = model.hull();
+        let skin = model.features().slab_depth().max(turned.features().slab_depth()) * hull.area();
+        let gained = volume(&model) - volume(&turned);
+        assert!(gained.abs() <= 2.0 * skin, "{name}: {gained:e} gained, skin {skin:e}");
+    }
+}
+
+#[test]
+fn renumbered_the_pockets_are_the_same() {
+    let mut rng = Rng::new(3);
+    for (name, mesh, options) in corpus() {
+        let Some(model) = checked(&name, &mesh, &options) else { continue };
+        let (renumbered, names) = bodies::renumbered(&mesh, &mut rng);
+        let other = checked(&name, &renumbered, &options).unwrap();
+        let (own, others) = (classes(&model, FaceId::index), classes(&other, |f| names[f.index()]));
+        if model.is_closed() {
+            assert!(own == others, "{name}: {} concavities, then {}", own.len(), others.len());
+        }
+        // Along open edges of a surface, which face belongs with which cap is a matter of numbers.
+        assert_eq!(own.len(), others.len(), "{name}");
+    }
+}
