@@ -133,7 +133,8 @@ impl Mesh {
     /// Corner positions of a face, in order.
     #[must_use]
     pub fn triangle(&self, face: FaceId) -> [DVec3; 3] {
-        self.faces[face.index()].map(|i| self.vertices[i as usize])
+        let [a, b, c] = self.faces[face.index()];
+        [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
     /// The area vector of a face: half the cross product of two edges, along its outward normal.

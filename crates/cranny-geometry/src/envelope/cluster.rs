@@ -54,6 +54,15 @@ const FLAT: f64 = 1.0 / 1024.0;
 /// miss the gaps between groups of faces; smaller: layers get deep and lopsided.
 const LEAST_SHARE: f64 = 0.125;
 
+/// Large parts are judged by about this many of their items, which costs divide them and what their
+/// planes face; the planes themselves hold all. Smaller, and parts divide worse; larger, and most of the
+/// time of building goes into judging.
+const SAMPLE: usize = 256;
+
+fn sample(items: &[Item]) -> impl Iterator<Item = &Item> {
+    items.iter().step_by(items.len().div_ceil(SAMPLE).max(1))
+}
+
 /// Divides at least one item into at most `options.width` parts and orders the items by parts.
 pub(super) fn clusters(
     items: &mut [Item],
@@ -79,8 +88,8 @@ pub(super) fn clusters(
 impl Cluster {
     fn of(items: &[Item], start: usize, end: usize, opening: &Opening) -> Self {
         let part = &items[start..end];
-        let sum: DVec3 = part.iter().map(|item| item.area * item.normal).sum();
-        let total: f64 = part.iter().map(|item| item.area).sum();
+        let sum: DVec3 = sample(part).map(|item| item.area * item.normal).sum();
+        let total: f64 = sample(part).map(|item| item.area).sum();
         // Where normals cancel (around a whole hole) no plane is good; the part is divided anyway.
         let axis = opening.axis;
         let mean = if sum.length() > FLAT * total { sum.normalize() } else { axis };
@@ -88,7 +97,7 @@ impl Cluster {
         let stands = opening.is_through && upright.length() > LEAST_UPRIGHT;
         let normal = if stands { upright.normalize() } else { mean };
         let (mut low, mut high, mut bounds) = (f64::INFINITY, f64::NEG_INFINITY, Aabb::EMPTY);
-        for corner in part.iter().flat_map(|item| item.corners) {
+        for corner in sample(part).flat_map(|item| item.corners) {
             let along = normal.dot(corner);
             (low, high) = (low.min(along), high.max(along));
             bounds = Aabb { min: bounds.min.min(corner), max: bounds.max.max(corner) };
@@ -140,7 +149,7 @@ fn widest(
     key: impl Fn(&Item, DVec3) -> f64,
 ) -> (DVec3, [f64; 2]) {
     let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    for item in items {
+    for item in sample(items) {
         for (range, &axis) in ranges.iter_mut().zip(frame) {
             let k = key(item, axis);
             *range = [range[0].min(k), range[1].max(k)];

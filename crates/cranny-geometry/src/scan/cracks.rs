@@ -4,11 +4,12 @@
 //! (or more) short ones on the other: no crack is seen, yet no edge is matched. Only unmatched edges
 //! are searched: where every edge is matched there is nothing to join.
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::DVec3;
 
+use super::row::Row;
 use crate::ids::{EdgeId, VertexId};
 use crate::mesh::Mesh;
-use crate::near::{corners_along, corners_near, distance, foot};
+use crate::near::{corners_along, distance, foot};
 use crate::report::{Finding, FindingKind};
 use crate::topology::{Edge, Topology};
 use crate::tree::FaceTree;
@@ -92,16 +93,17 @@ pub(crate) fn near(
     weld_distance: f64,
     among: impl Fn(VertexId) -> bool,
 ) -> Vec<Near> {
+    let row = Row::of(mesh, among);
     let mut found: Vec<Near> = Vec::new();
     let mut follows = vec![false; mesh.vertices().len()];
-    for vertex in (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| among(v)) {
+    for vertex in (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| row.holds(v)) {
         let p = mesh.position(vertex);
-        let around = Aabb { min: p, max: p }.grown(weld_distance);
-        let nearest = corners_near(mesh, tree, &around)
+        let nearest = row
+            .beside(mesh, tree, vertex, weld_distance)
             .into_iter()
-            .filter(|&v| v < vertex && among(v) && !follows[v.index()])
+            .filter(|&v| v < vertex && row.holds(v) && !follows[v.index()])
             .map(|leader| Near { vertex, leader, distance: distance(mesh.position(leader), p) })
-            .min_by(|a, b| a.distance.total_cmp(&b.distance))
+            .min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.leader.cmp(&b.leader)))
             .filter(|near| near.distance <= weld_distance);
         if let Some(near) = nearest {
             follows[vertex.index()] = true;

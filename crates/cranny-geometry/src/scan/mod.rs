@@ -9,6 +9,7 @@ pub(crate) mod cracks;
 mod edges;
 pub(crate) mod faces;
 mod meetings;
+mod row;
 pub(crate) mod shells;
 
 use cranny_exact::{DVec3, Sign};

@@ -1,0 +1,95 @@
+//! Vertices in a row along one direction: what is near each other is near each other there.
+
+use cranny_exact::{Aabb, DVec3};
+
+use crate::ids::VertexId;
+use crate::mesh::Mesh;
+use crate::near::corners_near;
+use crate::tree::FaceTree;
+
+/// A direction in which few places tie: on lattices, and along edges and sides of bodies, others have
+/// thousands in one place. Shorter than 1, so that no two places are
+/// farther apart in the row than they are.
+const ALONG: DVec3 = DVec3::new(0.467_913, 0.703_511, 0.533_877);
+
+/// Longer stretches of the row than this are not searched but replaced by a question to the tree: side
+/// by side across the row, vertices must not take quadratic time.
+const LONG: usize = 64;
+
+/// Some vertices by their places in the row.
+pub(super) struct Row {
+    order: Vec<(f64, VertexId)>,
+    /// By vertex; `usize::MAX` for others.
+    rank: Vec<usize>,
+    /// What bounds the rounding of places.
+    rounding: f64,
+}
+
+impl Row {
+    pub(super) fn of(mesh: &Mesh, among: impl Fn(VertexId) -> bool) -> Self {
+        let vertices = (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| among(v));
+        let mut order: Vec<(f64, VertexId)> =
+            vertices.map(|v| (ALONG.dot(mesh.position(v)), v)).collect();
+        order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut rank = vec![usize::MAX; mesh.vertices().len()];
+        for (i, &(_, v)) in order.iter().enumerate() {
+            rank[v.index()] = i;
+        }
+        let largest = mesh.vertices().iter().fold(0.0f64, |m, p| m.max(p.abs().max_element()));
+        // Five roundings of sums that are less than twice the largest coordinate, for either place.
+        Self { order, rank, rounding: 16.0 * f64::EPSILON * largest }
+    }
+
+    pub(super) fn holds(&self, v: VertexId) -> bool {
+        self.rank[v.index()] != usize::MAX
+    }
+
+    /// Vertices that may be within the distance of another, that one among them.
+    pub(super) fn beside(
+        &self,
+        mesh: &Mesh,
+        tree: &FaceTree,
+        v: VertexId,
+        distance: f64,
+    ) -> Vec<VertexId> {
+        let at = self.rank[v.index()];
+        let reach = distance + self.rounding;
+        let place = self.order[at].0;
+        let near = |entry: &&(f64, VertexId)| (entry.0 - place).abs() <= reach;
+        let before = self.order[..at].iter().rev().take_while(near);
+        let behind = self.order[at..].iter().take_while(near);
+        let found: Vec<VertexId> = before.chain(behind).map(|e| e.1).take(LONG + 1).collect();
+        if found.len() <= LONG {
+            return found;
+        }
+        let p = mesh.position(v);
+        corners_near(mesh, tree, &Aabb { min: p, max: p }.grown(distance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_row_finds_what_the_tree_finds() {
+        // Two copies of a grid, a hair apart, and so many vertices in one place as no stretch holds.
+        let grid = |k: i32| DVec3::new(f64::from(k % 7), f64::from(k / 7 % 7), f64::from(k / 49));
+        let shifted = |k| grid(k) + DVec3::new(0.0, 1e-9, -1e-9);
+        let crowd = (0..100).map(|k| DVec3::new(9.0, 9.0, 1e-12 * f64::from(k)));
+        let vertices: Vec<DVec3> =
+            (0..343).map(grid).chain((0..343).map(shifted)).chain(crowd).collect();
+        let faces = (0..vertices.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]);
+        let mesh = Mesh::new(vertices.clone(), faces.collect()).unwrap();
+        let tree = FaceTree::of(&mesh, 1);
+        let row = Row::of(&mesh, |_| true);
+        let count = 3 * (vertices.len() as u32 / 3);
+        for v in (0..count).map(VertexId) {
+            let p = mesh.position(v);
+            let found = row.beside(&mesh, &tree, v, 2e-9);
+            for near in corners_near(&mesh, &tree, &Aabb { min: p, max: p }.grown(2e-9)) {
+                assert!(found.contains(&near), "{near:?} beside {v:?}");
+            }
+        }
+    }
+}
