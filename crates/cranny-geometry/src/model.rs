@@ -234,6 +234,8 @@ impl Model {
         let (features, ridges) = Features::of(&mesh, &topology, &assignment);
         observe(Stage::Caps);
         let caps = CapSurface::build(&mesh, &topology, &hull, &assignment, &ridges);
+        report.findings.extend(caps.findings(&mesh, &hull));
+        report.findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
         let concavities = Concavities::of(&mesh, &topology, &hull, &features, caps);
         observe(Stage::ConcavityTrees);
         let groups = concavities.iter().map(|concavity| concavity.faces);

@@ -149,6 +149,12 @@ pub enum FindingKind {
     NestedSolid,
     /// More than one component, summed up.
     SeveralShells,
+    /// A side of the hull that faces cover more than once, or beyond its rim: caps there count negative.
+    /// The vertices of these caps. Their area.
+    NegativeCap,
+    /// A side of the hull on which the rims of faces cross each other: its caps overlap. The corners of
+    /// the side. How thick it is.
+    CrossedCap,
 }
 
 const SURFACE: &str = "no containment, depth, area or mass: the component is a surface";
@@ -178,6 +184,8 @@ impl FindingKind {
             Self::Cavity => "cavity",
             Self::NestedSolid => "nested_solid",
             Self::SeveralShells => "several_shells",
+            Self::NegativeCap => "negative_cap",
+            Self::CrossedCap => "crossed_cap",
         }
     }
 
@@ -185,7 +193,11 @@ impl FindingKind {
     #[must_use]
     pub fn element(self) -> Element {
         match self {
-            Self::NonManifoldVertex | Self::TVertex | Self::NearVertices => Element::Vertex,
+            Self::NonManifoldVertex
+            | Self::TVertex
+            | Self::NearVertices
+            | Self::NegativeCap
+            | Self::CrossedCap => Element::Vertex,
             Self::NonOrientable
             | Self::InsideOut
             | Self::Cavity
@@ -223,6 +235,12 @@ impl FindingKind {
             Self::InsideOut => {
                 &["the component counts as negative volume; normals of its contacts point inwards"]
             }
+            Self::NegativeCap => &[
+                "a lid's area is less than what it covers by what is covered too often; volumes are right",
+            ],
+            Self::CrossedCap => &[
+                "a point there may lie beneath several lids, so more is opened than need be; volumes are right",
+            ],
             Self::NestedSolid => {
                 &["its volume counts twice: once of its own, once of the component around it"]
             }

@@ -11,7 +11,9 @@ use cranny_exact::{DMat3, DQuat, DVec3};
 use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::features::Feature;
 use cranny_geometry::hull::{FacetId, HullKind};
-use cranny_geometry::{BuildOptions, CapId, ConvexHull, FaceId, Flatness, Mesh, Model};
+use cranny_geometry::{
+    BuildOptions, CapId, ConvexHull, FaceId, FindingKind, Flatness, Mesh, Model,
+};
 use cranny_shapes::{
     Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, NestedShells, PyramidInCavity, Shape,
     Sphere, Torus, UPrism,
@@ -382,6 +384,13 @@ fn faces_that_cover_a_side_twice_count_negative() {
     assert_eq!(all.negative_caps().len(), 1);
     assert!(all.crossed_facets().is_empty());
     assert!((all.iter().map(|c| c.measures.cap_area).sum::<f64>() + 0.125).abs() < 1e-15);
+
+    let (_, report) = Model::build(model.mesh().clone(), &BuildOptions::default()).unwrap();
+    let found = report.findings.iter().find(|f| f.kind == FindingKind::NegativeCap).unwrap();
+    let corners: Vec<u32> = (8..11).collect();
+    assert_eq!((&found.ids, found.measure), (&corners, 0.125));
+    assert!((found.at - DVec3::new(0.25 / 3.0, -0.25 / 3.0, 0.5)).length() < 1e-15);
+    assert!(!report.is_sound());
 }
 
 #[test]

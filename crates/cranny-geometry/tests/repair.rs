@@ -154,10 +154,19 @@ fn flat_edges_are_one_finding() {
 
 #[test]
 fn copies_of_faces_go() {
+    // On the hull, what lies twice in one place also makes a negative cap.
+    let without_caps = |report: &Report| {
+        let mut found = kinds(report);
+        found.remove("negative_cap");
+        found
+    };
     for base in [cuboid(), torus()] {
         let twice = edited(&base, |_, faces| faces.push(faces[5]));
         let (_, before) = built(&twice, Repair::None);
-        assert_eq!(kinds(&before), [("duplicate_faces", 1), ("non_manifold_edge", 3)].into());
+        assert_eq!(
+            without_caps(&before),
+            [("duplicate_faces", 1), ("non_manifold_edge", 3)].into()
+        );
         let (model, after) = built(&twice, Repair::Safe);
         assert_eq!(kinds(&after), BTreeMap::new());
         assert_eq!(repaired(&after), [(RepairKind::DroppedCoincidentFaces, 1)]);
@@ -169,7 +178,7 @@ fn copies_of_faces_go() {
             faces.extend([[b, c, a], [a, c, b]]);
         });
         let (_, before) = built(&there_and_back, Repair::None);
-        assert_eq!(kinds(&before), [("opposite_faces", 1), ("non_manifold_edge", 3)].into());
+        assert_eq!(without_caps(&before), [("opposite_faces", 1), ("non_manifold_edge", 3)].into());
         let (model, after) = built(&there_and_back, Repair::Safe);
         assert_eq!(
             (kinds(&after), model.mesh().faces().len()),

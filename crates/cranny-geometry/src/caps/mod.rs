@@ -15,6 +15,7 @@
 
 mod chain;
 mod codec;
+mod findings;
 mod interface;
 mod straddle;
 mod triangulate;
