@@ -209,14 +209,7 @@ impl Model {
             let turned = RepairRecord::new(RepairKind::TurnedRightSideOut, mesh.faces().len());
             report.repairs.push(turned);
         }
-        report.vertices = mesh.vertices().len();
-        report.faces = mesh.faces().len();
-        report.components = topology.components().len();
-        report.closed = topology.is_closed();
-        report.oriented = topology.is_oriented();
-        report.area =
-            (0..mesh.faces().len() as u32).map(|f| mesh.area_vector(FaceId(f)).length()).sum();
-        report.volume = mass.map(|m| m.volume);
+        describe(&mesh, &topology, mass.as_ref(), &mut report);
 
         observe(Stage::Trees);
         let tree = FaceTree::of(&mesh, options.leaf_size);
@@ -263,6 +256,27 @@ impl Model {
             workshop: None,
         };
         Ok((Self(Arc::new(parts)), report))
+    }
+
+    /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it, for a
+    /// model that was loaded. What was mended before the model was saved is not known any more.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError::WeldDistance`], as [`build`](Self::build).
+    pub fn survey(&self, options: &BuildOptions) -> Result<Report, BuildError> {
+        let Parts { mesh, topology, tree, mass, flatness, .. } = &*self.0;
+        let mut report = Report {
+            filed_vertices: mesh.vertices().len(),
+            filed_faces: mesh.faces().len(),
+            weld_distance: options.weld_distance(mesh)?,
+            flatness: *flatness,
+            ..Report::default()
+        };
+        describe(mesh, topology, mass.as_ref(), &mut report);
+        (report.findings, report.meetings) =
+            scan(mesh, topology, tree, report.weld_distance, options.self_intersections);
+        Ok(report)
     }
 
     /// The mended mesh. Face ids are those that were filed unless repairs other than
@@ -375,6 +389,18 @@ impl Model {
 /// For each concavity how its lids open.
 pub(crate) fn openings(concavities: &Concavities) -> Vec<Vec<DVec3>> {
     concavities.iter().map(|c| c.lids().map(|lid| lid.opening).collect()).collect()
+}
+
+/// Counts and measures what is prepared.
+fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, report: &mut Report) {
+    report.vertices = mesh.vertices().len();
+    report.faces = mesh.faces().len();
+    report.components = topology.components().len();
+    report.closed = topology.is_closed();
+    report.oriented = topology.is_oriented();
+    report.area =
+        (0..mesh.faces().len() as u32).map(|f| mesh.area_vector(FaceId(f)).length()).sum();
+    report.volume = mass.map(|m| m.volume);
 }
 
 /// No vertex is farther than this from the origin.

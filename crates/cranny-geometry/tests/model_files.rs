@@ -98,6 +98,20 @@ fn every_generator_comes_back_to_the_bit() {
 }
 
 #[test]
+fn a_loaded_model_is_surveyed_as_it_was_when_built() {
+    for mesh in bodies() {
+        let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        let back = Model::decode(&model.encode()).unwrap();
+        let mut survey = back.survey(&BuildOptions::default()).unwrap();
+        assert_eq!(survey.filed_faces, report.faces);
+        // What was filed and mended is not saved.
+        survey.filed_vertices = report.filed_vertices;
+        survey.repairs.clone_from(&report.repairs);
+        assert_eq!(survey, report);
+    }
+}
+
+#[test]
 fn repaired_and_coarse_models_come_back() {
     let mut mesh = Cup::default().build().unwrap();
     mesh = mesh.clone().joined(&mesh); // every face twice: one of each goes

@@ -31,14 +31,14 @@ pub(crate) fn measure(quick: bool) -> Report {
         notes: vec![
             "decomposition: parry's VHACD::decompose and compute_exact_convex_hulls, both at their defaults, f32".into(),
             "same run, same meshes, in turns; medians of thread CPU time; ratio = decomposition / cranny".into(),
-            "load: from a saved model; '-' while there is no such thing".into(),
+            "load: Model::decode of what Model::encode made, in turns with building; build / load likewise".into(),
         ],
         tables: vec![
             Table {
                 title: "Against parry",
                 columns: vec![
                     "mesh", "triangles", "cranny", "decomposition", "ratio", "hull alone",
-                    "cranny / hull", "parry hull", "load",
+                    "cranny / hull", "parry hull", "load", "build / load",
                 ],
                 rows: peers,
             },
@@ -91,6 +91,14 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
             keep(parts.compute_exact_convex_hulls(&points, mesh.faces()));
         }],
     );
+    let saved =
+        Model::build(mesh.clone(), &BuildOptions::default()).map(|(model, _)| model.encode());
+    let [built, load] = race(
+        Patience::of(quick),
+        [&mut || build(mesh), &mut || {
+            keep(saved.as_ref().map(|bytes| Model::decode(bytes)));
+        }],
+    );
     vec![
         Cell::Text(name.into()),
         Cell::Count(mesh.faces().len()),
@@ -100,12 +108,13 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
         Cell::Time(hull),
         Cell::Ratio(ours / hull),
         Cell::Time(parry_hull),
-        Cell::Absent,
+        Cell::Time(load),
+        Cell::Ratio(built / load),
     ]
 }
 
 fn refused(name: &str, error: &str) -> Vec<Cell> {
-    let mut row = vec![Cell::Absent; 9];
+    let mut row = vec![Cell::Absent; 10];
     row[0] = Cell::Text(format!("{name}: {error}"));
     row
 }

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use cranny_geometry::Repair;
 
+use crate::model_file::is_model;
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
 pub(crate) use show::Show;
 use show::show;
@@ -83,11 +84,11 @@ pub(crate) enum AccuracyArg {
 #[derive(Debug, Args)]
 #[command(after_help = QUERY_NOTES)]
 pub(crate) struct QueryArgs {
-    /// Mesh A (.obj, .stl, .ply, .off, .gltf, .glb, .dae)
+    /// Mesh A (.obj, .stl, .ply, .off, .gltf, .glb, .dae) or saved model (.cranny)
     #[arg(value_name = "A")]
     pub(crate) mesh_a: PathBuf,
 
-    /// Mesh B; may be the same file
+    /// Mesh or model B; may be the same file
     #[arg(value_name = "B")]
     pub(crate) mesh_b: PathBuf,
 
@@ -150,7 +151,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = INSPECT_NOTES)]
 pub(crate) struct InspectArgs {
-    /// Mesh (.obj, .stl, .ply, .off, .gltf, .glb, .dae)
+    /// Mesh (.obj, .stl, .ply, .off, .gltf, .glb, .dae) or saved model (.cranny)
     #[arg(value_name = "MESH")]
     pub(crate) mesh: PathBuf,
 
@@ -172,8 +173,9 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_parser = show, requires = "render")]
     pub(crate) show: Option<Show>,
 
-    /// Save the prepared model.
-    #[arg(long, value_name = "MODEL", hide = true)]
+    /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without preparing it
+    /// again
+    #[arg(long, value_name = "MODEL.cranny", value_parser = saved_model)]
     pub(crate) save: Option<PathBuf>,
 }
 
@@ -197,7 +199,7 @@ lid and no faces beneath: the mesh is open there. With --format json all are lis
   parent              what surrounds one without a lid, or null
   tree_nodes          boxes of its tree; envelope_layers, envelope_depth, envelope_facets likewise
 skin_volume is what else lies between hull and body: pockets as thin as rounding.
-bytes is null in this version.
+bytes is the size of the saved model, null without --save.
 
 Pictures:
   classes         on the hull grey; concavities in colours, their caps translucent, loops dark
@@ -212,6 +214,7 @@ faces' orientations contradict orange.
 Examples:
   cranny inspect nut.obj
   cranny inspect nut.obj --repair safe --weld 2e-6
+  cranny inspect nut.obj --save nut.cranny
   cranny inspect house.glb --render house.png
   cranny inspect cup.obj --render cup.png --show envelope:0
   cranny inspect nut.obj --format json";
@@ -253,6 +256,15 @@ fn accuracy(text: &str) -> Result<AccuracyArg, String> {
             Err("levels other than `exact` come with a later version".to_owned())
         }
         _ => Err("no such level; `exact` is the only one so far".to_owned()),
+    }
+}
+
+/// Models are known by their names when they are given in place of meshes.
+fn saved_model(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match is_model(&path) {
+        true => Ok(path),
+        false => Err("a saved model's name ends in .cranny, by which it is known again".to_owned()),
     }
 }
 

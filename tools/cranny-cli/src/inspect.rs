@@ -4,13 +4,15 @@ mod picture;
 mod summary;
 mod text;
 
+use std::path::Path;
+
 use cranny_ecs::check_outputs;
 use cranny_exact::Tolerance;
 use cranny_geometry::BuildOptions;
 
 use crate::args::{Format, InspectArgs};
 use crate::failure::Failure;
-use crate::model_file::load;
+use crate::model_file::{load_with_report, save};
 use crate::output::Output;
 use summary::{Skipped, Summary};
 
@@ -18,27 +20,30 @@ use summary::{Skipped, Summary};
 ///
 /// # Errors
 ///
-/// A mesh that cannot be read, a picture that cannot be written (its report is printed all the same),
+/// A mesh that cannot be read, a picture or a model that cannot be written (the report is printed all the same),
 /// standard output that cannot be written. Without a graphics adapter the report says that the
 /// picture was skipped.
 pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), Failure> {
-    if let Some(path) = &args.save {
-        return Err(Failure::input(format!(
-            "--save {}: saving prepared models comes with a later version; leave the option out",
-            path.display()
-        )));
-    }
-    if let Some(path) = &args.render {
-        check_outputs(&[path], &[&args.mesh]).map_err(Failure::input)?;
-    }
+    let outputs: Vec<&Path> =
+        [&args.render, &args.save].into_iter().flatten().map(|p| &**p).collect();
+    check_outputs(&outputs, &[&args.mesh]).map_err(Failure::input)?;
     let options = BuildOptions {
         repair: args.repair.into(),
         tolerance: args.weld.map(|weld_distance| Tolerance { weld_distance }),
         ..BuildOptions::default()
     };
-    let loaded = load(&args.mesh, 1.0, &options)?;
+    let loaded = load_with_report(&args.mesh, &options)?;
     let mut summary = Summary::new(&args.mesh, &loaded);
     let mut failed = None;
+    if let Some(path) = &args.save {
+        match save(&loaded.model, path) {
+            Ok(bytes) => {
+                summary.bytes = Some(bytes);
+                summary.outputs.push(path.display().to_string());
+            }
+            Err(failure) => failed = Some(failure),
+        }
+    }
     if let Some(path) = &args.render {
         match picture::draw(&loaded.model, &loaded.report, args.show.unwrap_or_default(), path) {
             Ok(legend) => {

@@ -1,4 +1,6 @@
-//! From the name of a mesh file to a prepared model.
+//! From the name of a mesh file, or of a saved model, to a prepared model.
+
+mod saved;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -9,6 +11,7 @@ use cranny_scene::{MeshFile, MeshFileError, read_mesh};
 
 use crate::failure::Failure;
 use crate::progress;
+pub(crate) use saved::{is_model, save};
 
 /// A model, where it came from and what was found on the way.
 pub(crate) struct LoadedModel {
@@ -45,17 +48,40 @@ pub(crate) struct Times {
     pub(crate) envelopes: Duration,
 }
 
+/// Prepares the model of a mesh file, scaled about the origin, or loads a saved one.
+///
+/// # Errors
+///
+/// As [`prepare`]; a broken model file, or a scale for one.
+pub(crate) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Model, Failure> {
+    match is_model(path) {
+        true => saved::load(path, scale, options),
+        false => prepare(path, scale, options).map(|loaded| loaded.model),
+    }
+}
+
+/// [`load`], and what was found: a saved model is scanned for it.
+///
+/// # Errors
+///
+/// As [`load`].
+pub(crate) fn load_with_report(
+    path: &Path,
+    options: &BuildOptions,
+) -> Result<LoadedModel, Failure> {
+    match is_model(path) {
+        true => saved::load_with_report(path, options),
+        false => prepare(path, 1.0, options),
+    }
+}
+
 /// Reads a mesh file, scales it about the origin and prepares the model.
 ///
 /// # Errors
 ///
 /// A missing or broken file, a mesh that leaves the coordinate domain when scaled, one that has no
 /// face with an area, or a weld distance that is too large for it.
-pub(crate) fn load(
-    path: &Path,
-    scale: f64,
-    options: &BuildOptions,
-) -> Result<LoadedModel, Failure> {
+fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedModel, Failure> {
     let waiting = progress::spinner(format!("reading {}", path.display()));
     let start = Instant::now();
     let MeshFile { mesh, format, notes, .. } = read_mesh(path).map_err(unreadable)?;

@@ -106,7 +106,7 @@ impl Model {
     }
 
     /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always gives the
-    /// same bytes, about 130 a face. Cost: linear.
+    /// same bytes, about 180 a face. Cost: linear.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let Parts {
@@ -164,8 +164,11 @@ impl Model {
     /// From bytes that [`encode`](Self::encode) made.
     ///
     /// Bytes from anywhere may be given, with a right checksum or not: either they are refused, or the
-    /// model can be used like any other, and its answers are only as true as the bytes. Memory is bounded
-    /// by a small multiple of their number. Cost: linear.
+    /// model can be read and queried like any other, and its answers are only as true as the bytes. Memory
+    /// is bounded by a small multiple of their number. Cost: linear.
+    ///
+    /// [`deform`](Self::deform) builds on what stages of preparation promise each other, which is not
+    /// proved here: deform loaded models only where the file's writer is trusted.
     ///
     /// # Errors
     ///

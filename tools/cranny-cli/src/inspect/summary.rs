@@ -40,8 +40,8 @@ pub(super) struct Summary {
     /// Volume between the hull and the faces on it.
     pub(super) skin_volume: f64,
     pub(super) patches: usize,
-    /// Models are not encoded yet.
-    bytes: Option<usize>,
+    /// Of the saved model; null where none was saved.
+    pub(super) bytes: Option<usize>,
     pub(super) time_ms: TimesLine,
     pub(super) notes: Vec<String>,
     pub(super) outputs: Vec<String>,

@@ -9,4 +9,5 @@ mod inspect_and_check;
 mod inspect_concavities;
 mod query;
 mod repair;
+mod saved_models;
 mod touching;

@@ -1,0 +1,84 @@
+//! Model files that somebody changed, with a right checksum: they are refused, or are models that can be
+//! written back as they were and asked anything.
+
+#![no_main]
+
+use std::sync::LazyLock;
+
+use cranny_fuzz::{Bytes, ask};
+use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_shapes::{Cuboid, Cup, NestedShells, PyramidInCavity, Torus};
+use libfuzzer_sys::fuzz_target;
+
+/// Magic, version, 0, length; then the checksum.
+const BEFORE_CHECKSUM: usize = 24;
+const HEAD: usize = BEFORE_CHECKSUM + 32;
+
+static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
+    let small = |mesh: Result<Mesh, _>| mesh.expect("a generator with sound parameters");
+    let cup = small(Cup { segments: 8, ..Cup::default() }.build());
+    let open = Mesh::new(cup.vertices().to_vec(), cup.faces()[3..].to_vec()).expect("a part");
+    let meshes = [
+        small(Cuboid::default().build()),
+        small(PyramidInCavity::default().build()),
+        small(Torus { major_segments: 6, minor_segments: 5, ..Torus::default() }.build()),
+        small(NestedShells { segments: 6, ..NestedShells::default() }.build()),
+        cup,
+        open,
+    ];
+    let encode = |mesh| {
+        Model::build(mesh, &BuildOptions::default()).expect("a sound mesh").0.encode()
+    };
+    meshes.into_iter().map(encode).collect()
+});
+
+fn sealed(mut file: Vec<u8>) -> Vec<u8> {
+    if file.len() >= HEAD {
+        let length = file.len() as u64;
+        file[BEFORE_CHECKSUM - 8..BEFORE_CHECKSUM].copy_from_slice(&length.to_le_bytes());
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&file[..BEFORE_CHECKSUM]).update(&file[HEAD..]);
+        file[BEFORE_CHECKSUM..HEAD].copy_from_slice(hasher.finalize().as_bytes());
+    }
+    file
+}
+
+/// A real file after some edits, or the bytes as they are.
+fn file(data: &[u8]) -> Vec<u8> {
+    let mut bytes = Bytes(data);
+    let Some(mut file) = FILES.get(bytes.byte() as usize % 8).cloned() else {
+        return bytes.0.to_vec();
+    };
+    while !bytes.is_empty() {
+        let (edit, at) = (bytes.byte(), HEAD + bytes.word() as usize % (file.len() - HEAD));
+        let value = bytes.word();
+        match edit % 6 {
+            0 => file[at] = value as u8,
+            1 => file[at] ^= 1 << (value % 8),
+            2 if at + 4 <= file.len() => file[at..at + 4].copy_from_slice(&value.to_le_bytes()),
+            3 if at + 4 <= file.len() => {
+                let small = value % 256;
+                file[at..at + 4].copy_from_slice(&small.to_le_bytes());
+            }
+            4 => {
+                let from = HEAD + value as usize % (file.len() - HEAD);
+                file.swap(at, from);
+            }
+            _ => {
+                let length = (value as usize % 16).min(file.len() - at);
+                if file.len() > HEAD + length {
+                    file.drain(at..at + length);
+                }
+            }
+        }
+    }
+    file
+}
+
+fuzz_target!(|data: &[u8]| {
+    let file = sealed(file(data));
+    if let Ok(model) = Model::decode(&file) {
+        assert!(model.encode() == file, "a file that is read is the one that would be written");
+        ask(&model);
+    }
+});

@@ -1,0 +1,36 @@
+//! Any faces over a few points of a lattice become a model whose every invariant holds, which comes back
+//! from its bytes, and which can be asked.
+
+#![no_main]
+
+use cranny_fuzz::{Bytes, ask, mesh};
+use cranny_geometry::{BuildOptions, FaceId, Model, Repair};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| {
+    let mut bytes = Bytes(data);
+    let repair = [Repair::None, Repair::Safe, Repair::Full][bytes.byte() as usize % 3];
+    let Some(mesh) = mesh(&mut bytes, 48) else { return };
+    let options = BuildOptions { repair, ..BuildOptions::default() };
+    let Ok((model, _)) = Model::build(mesh, &options) else { return };
+    validate(&model).expect("an invariant");
+    let file = model.encode();
+    let back = Model::decode(&file).expect("a model that was just saved");
+    assert!(back.encode() == file && back.digest() == model.digest());
+    ask(&model);
+});
+
+fn validate(model: &Model) -> Result<(), String> {
+    let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
+    topology.validate(mesh)?;
+    let violations = hull.validate(mesh.vertices());
+    if !violations.is_empty() {
+        return Err(format!("{violations:?}"));
+    }
+    model.features().validate(mesh, topology)?;
+    model.concavities().validate(mesh, topology, hull, model.features())?;
+    let all: Vec<FaceId> = (0..mesh.faces().len() as u32).map(FaceId).collect();
+    model.tree().validate(mesh, &all)?;
+    model.concavity_trees().validate(mesh, model.concavities().iter().map(|c| c.faces))?;
+    model.patches().validate(mesh, topology)
+}

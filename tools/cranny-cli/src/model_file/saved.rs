@@ -1,0 +1,93 @@
+//! Saved models: written whole or not at all, and loaded in place of meshes.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use cranny_geometry::{BuildOptions, Model, Repair};
+
+use super::{LoadedModel, Times};
+use crate::failure::Failure;
+
+/// How the names of saved models end.
+const EXTENSION: &str = "cranny";
+
+/// Whether a file is a saved model, by its name.
+pub(crate) fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+}
+
+/// Loads a saved model.
+///
+/// # Errors
+///
+/// A missing or broken file; a scale or a repair, which need the mesh.
+pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Model, Failure> {
+    let needs_mesh = |what: &str| {
+        Err(Failure::input(format!(
+            "model file {}: {what} needs the mesh that it was prepared from. Name the mesh file, or leave the option out.",
+            path.display()
+        )))
+    };
+    if scale != 1.0 {
+        return needs_mesh("a scale");
+    }
+    if options.repair != Repair::None {
+        return needs_mesh("--repair");
+    }
+    let bytes = fs::read(path).map_err(|error| {
+        let kind = error.kind();
+        let advice = "Check its name and whether it may be read.";
+        let message =
+            format!("model file {}: it cannot be read ({error}). {advice}", path.display());
+        Failure::unreadable(message, kind)
+    })?;
+    Model::decode(&bytes)
+        .map_err(|error| Failure::input(format!("model file {}: {error}.", path.display())))
+}
+
+/// Loads a saved model and scans it.
+///
+/// # Errors
+///
+/// As [`load`]; a weld distance that is too large for it.
+pub(super) fn load_with_report(
+    path: &Path,
+    options: &BuildOptions,
+) -> Result<LoadedModel, Failure> {
+    let start = Instant::now();
+    let model = load(path, 1.0, options)?;
+    let mut times = Times { read: start.elapsed(), ..Times::default() };
+    let start = Instant::now();
+    let report = model.survey(options).map_err(|error| {
+        Failure::input(format!("model file {}: {error}. Choose another --weld.", path.display()))
+    })?;
+    times.scan = start.elapsed();
+    let notes = vec!["saved models do not say what was mended before".to_owned()];
+    Ok(LoadedModel { model, report, format: "saved model", notes, times })
+}
+
+/// Writes a model under a partial name, which is its own when all is there; returns the number of bytes.
+///
+/// # Errors
+///
+/// Where it cannot be written; no partial file stays.
+pub(crate) fn save(model: &Model, path: &Path) -> Result<usize, Failure> {
+    let bytes = model.encode();
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = PathBuf::from(partial);
+    let written = fs::File::create(&partial)
+        .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| fs::rename(&partial, path));
+    written.map_err(|error| {
+        // The first failure is the one to tell.
+        let _ = fs::remove_file(&partial);
+        Failure::run(format!(
+            "model file {}: it cannot be written ({error}). Check the folder, its rights and its space.",
+            path.display()
+        ))
+    })?;
+    Ok(bytes.len())
+}

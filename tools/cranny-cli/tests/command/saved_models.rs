@@ -1,0 +1,81 @@
+//! Models are saved once and loaded in place of their meshes.
+
+use cranny_shapes::{Cuboid, Cup};
+
+use crate::harness::{Folder, argument, run};
+
+const POSES: &str = r#"[{}, {"b": [1,0,0,0.25, 0,1,0,0, 0,0,1,0.5, 0,0,0,1]}]"#;
+
+#[test]
+fn a_saved_model_answers_as_its_mesh_does() {
+    let folder = Folder::new();
+    let mesh = folder.mesh("cup.obj", &Cup::default().build().unwrap());
+    let cube = folder.mesh("cube.obj", &Cuboid { size: [0.1; 3] }.build().unwrap());
+    let poses = folder.write("poses.json", POSES);
+    let model = argument(&folder.path("cup.cranny"));
+    let saved = &run(&["inspect", &mesh, "--save", &model, "--format", "json"]).json_lines()[0];
+    let size = std::fs::metadata(&model).unwrap().len();
+    assert_eq!(saved["bytes"], size);
+    assert_eq!(saved["outputs"][0], model.as_str());
+
+    let loaded = &run(&["inspect", &model, "--format", "json"]).json_lines()[0];
+    assert_eq!(loaded["format"], "saved model");
+    for same in ["digest", "faces", "volume", "area", "findings", "hull", "concavities", "patches"]
+    {
+        assert_eq!(loaded[same], saved[same], "{same}");
+    }
+
+    let answers = |a: &str| {
+        let mut lines = run(&["query", a, &cube, "--poses", &poses]).json_lines();
+        for line in &mut lines {
+            line["micros"].take();
+        }
+        lines
+    };
+    assert_eq!(answers(&model), answers(&mesh));
+}
+
+#[test]
+fn a_broken_model_is_refused_with_what_to_do() {
+    let folder = Folder::new();
+    let mesh = folder.mesh("cube.obj", &Cuboid::default().build().unwrap());
+    let path = folder.path("cube.CRANNY");
+    let model = argument(&path);
+    assert_eq!(run(&["inspect", &mesh, "--save", &model]).code, Some(0));
+    let bytes = std::fs::read(&path).unwrap();
+
+    let cut = folder.write("cut.cranny", &bytes[..bytes.len() - 1]);
+    run(&["inspect", &cut]).assert_refused(2, &["cut.cranny", "cut off", "Copy"]);
+    let mut other = bytes.clone();
+    other[100] ^= 1;
+    let damaged = folder.write("damaged.cranny", other);
+    run(&["inspect", &damaged]).assert_refused(2, &["damaged.cranny", "checksum"]);
+    let text = folder.write("text.cranny", "v 0 0 0\n");
+    run(&["inspect", &text]).assert_refused(2, &["text.cranny", "no saved model", "--save"]);
+    run(&["inspect", "nowhere.cranny"]).assert_refused(2, &["nowhere.cranny"]);
+
+    let poses = folder.write("poses.json", "[{}]");
+    run(&["query", &model, &mesh, "--poses", &poses, "--scale-a", "2"])
+        .assert_refused(2, &["a scale needs the mesh"]);
+    run(&["inspect", &model, "--repair", "safe"]).assert_refused(2, &["--repair needs the mesh"]);
+}
+
+#[test]
+fn nothing_but_an_older_model_is_replaced() {
+    let folder = Folder::new();
+    let mesh = folder.mesh("cube.obj", &Cuboid::default().build().unwrap());
+    let model = argument(&folder.path("cube.cranny"));
+    for _ in 0..2 {
+        assert_eq!(run(&["inspect", &mesh, "--save", &model]).code, Some(0));
+    }
+    run(&["inspect", &model, "--save", &model]).assert_refused(2, &["it is the input"]);
+    let named = run(&["inspect", &mesh, "--save", &mesh]);
+    assert_eq!(named.code, Some(2));
+    assert!(named.stderr.contains(".cranny"), "{named:?}");
+    let nowhere = argument(&folder.path("no/such/folder.cranny"));
+    let failed = run(&["inspect", &mesh, "--save", &nowhere]);
+    assert_eq!(failed.code, Some(1));
+    assert!(failed.stdout.contains("vertices") && failed.stderr.contains("cannot be written"));
+    let left = std::fs::read_dir(folder.path(".")).unwrap().count();
+    assert_eq!(left, 2, "no partial file stays");
+}
