@@ -242,3 +242,36 @@ fn gathered(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
     starts.pop();
     (starts, members)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nested(parents: &[u32]) -> bool {
+        let record = |&parent: &u32| Record {
+            kind: ConcavityKind::Void,
+            parent,
+            first_face: 0,
+            first_cap: 0,
+            first_lid: 0,
+            first_loop: 0,
+            measures: Measures::default(),
+        };
+        check_parents(&parents.iter().map(record).collect::<Vec<_>>()).is_ok()
+    }
+
+    #[test]
+    fn ancestors_end() {
+        assert!(
+            nested(&[]) && nested(&[NONE]) && nested(&[1, 2, NONE, 2]) && nested(&[NONE, 0, 1])
+        );
+        assert!(!nested(&[0]) && !nested(&[1, 0]) && !nested(&[NONE, 2, 3, 1]));
+        assert!(!nested(&[7]));
+    }
+
+    #[test]
+    fn members_are_gathered_by_owner() {
+        let (starts, members) = gathered(&[2, NONE, 0, 2], 3);
+        assert_eq!((starts, members), (vec![0, 1, 1], vec![2, 0, 3]));
+    }
+}

@@ -129,3 +129,41 @@ impl<'a> Shape<'a> {
         Ok(nodes)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The right children of inner nodes, and how the shape of a tree over `size` faces ends.
+    fn shape(counts: &[u32], size: usize) -> Result<Vec<u32>, String> {
+        let mut shape = Shape::new(counts);
+        shape.tree(0, size).map_err(|Flaw(what)| what)?;
+        let inner = shape.nodes.iter().filter(|n| n.count == 0);
+        Ok(inner.map(|n| n.content).collect())
+    }
+
+    #[test]
+    fn counts_in_depth_first_order_are_a_tree_or_none() {
+        assert_eq!(shape(&[5], 5), Ok(vec![]));
+        // Root, left inner with two leaves, right leaf.
+        assert_eq!(shape(&[0, 0, 1, 2, 3], 6), Ok(vec![4, 3]));
+        for (counts, size, flaw) in [
+            (vec![0, 0, 0, 0], 4, "lacks nodes"),
+            (vec![0, 1], 1, "lacks nodes"),
+            (vec![], 1, "lacks nodes"),
+            (vec![1, 1], 2, "fewer faces"),
+            (vec![0, 1, 1], 3, "fewer faces"),
+            (vec![0, 1, u32::MAX], 3, "more faces"),
+        ] {
+            let error = shape(&counts, size).unwrap_err();
+            assert!(error.contains(flaw), "{counts:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_face_is_seen_once() {
+        let mut once = Once::new(65);
+        assert!(once.see(FaceId(64)).is_ok() && once.see(FaceId(0)).is_ok());
+        assert!(once.see(FaceId(64)).is_err() && once.see(FaceId(65)).is_err());
+    }
+}
