@@ -227,8 +227,7 @@ impl Model {
         let (features, ridges) = Features::of(&mesh, &topology, &assignment);
         observe(Stage::Caps);
         let caps = CapSurface::build(&mesh, &topology, &hull, &assignment, &ridges);
-        report.findings.extend(caps.findings(&mesh, &hull));
-        report.findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
+        report.add(caps.findings(&mesh, &hull));
         let concavities = Concavities::of(&mesh, &topology, &hull, &features, caps);
         observe(Stage::ConcavityTrees);
         let groups = concavities.iter().map(|concavity| concavity.faces);
@@ -265,7 +264,7 @@ impl Model {
     ///
     /// [`BuildError::WeldDistance`], as [`build`](Self::build).
     pub fn survey(&self, options: &BuildOptions) -> Result<Report, BuildError> {
-        let Parts { mesh, topology, tree, mass, flatness, .. } = &*self.0;
+        let Parts { mesh, topology, hull, concavities, tree, mass, flatness, .. } = &*self.0;
         let mut report = Report {
             filed_vertices: mesh.vertices().len(),
             filed_faces: mesh.faces().len(),
@@ -276,6 +275,7 @@ impl Model {
         describe(mesh, topology, mass.as_ref(), &mut report);
         (report.findings, report.meetings) =
             scan(mesh, topology, tree, report.weld_distance, options.self_intersections);
+        report.add(concavities.surface().findings(mesh, hull));
         Ok(report)
     }
 

@@ -46,6 +46,12 @@ impl Report {
     pub fn is_sound(&self) -> bool {
         self.findings.iter().all(|finding| finding.kind.limits().is_empty())
     }
+
+    /// Adds findings: what limits answers stays first, kind by kind.
+    pub(crate) fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        self.findings.extend(findings);
+        self.findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
+    }
 }
 
 /// How far the search for faces that cross, touch or overlap each other went.
