@@ -66,6 +66,8 @@ pub(crate) struct Coherent {
     /// The front's odometers show this query's pose.
     advanced: bool,
     crossing: Vec<[FaceId; 2]>,
+    /// The last crossing was found from the top: motion is too fast to follow it from face to face.
+    searched: bool,
     nearest: Option<[FaceId; 2]>,
     /// What lies inside what, at the front's pose, where the surfaces did not meet.
     apart: Option<Solidity>,
@@ -125,6 +127,7 @@ impl Coherent {
         } else {
             self.apart = None;
             let (surface, touching) = surface_verdict(pair, counters);
+            self.searched = crossed;
             if surface == Meeting::Cross {
                 self.remember_crossings(&touching);
             }
@@ -209,13 +212,15 @@ impl Coherent {
         };
         if let Some(i) = self.crossing.iter().position(&mut crosses) {
             self.crossing.drain(..i);
+            self.searched = false;
             return true;
         }
         let beside = |side: Side, face: FaceId| {
             let corners = pair.mesh(side).corners(face);
             corners.into_iter().flat_map(move |v| pair.topology(side).faces_at(v).iter().copied())
         };
-        let found = self.crossing.first().and_then(|&[f, g]| {
+        let followed = self.crossing.first().filter(|_| !self.searched);
+        let found = followed.and_then(|&[f, g]| {
             let mut neighbours = beside(Side::First, f)
                 .map(|f| [f, g])
                 .chain(beside(Side::Second, g).map(|g| [f, g]));

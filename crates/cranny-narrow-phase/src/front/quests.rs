@@ -26,16 +26,22 @@ impl<'p, 'm> Meetings<'p, 'm> {
 
     /// Looks at two faces; returns a lower bound of their separation.
     fn look(&mut self, first: FaceId, second: FaceId, counters: &mut Counters) -> f64 {
-        counters.triangle_tests += 1;
+        let error = self.pair.length_error();
         let triangles =
             [self.pair.triangle(Side::First, first), self.pair.triangle(Side::Second, second)];
+        counters.triangle_tests += 1;
+        // A gap beyond rounding along either normal is proof enough, and gives slack.
+        let gap = gap_along_normals(&triangles) - error;
+        if gap > 0.0 {
+            return gap;
+        }
         let meeting = classify_triangles(&triangles[0], &triangles[1]);
         if meeting.meets() {
             self.surface = self.surface.max(meeting);
             self.found.push(FacePair { first, second, meeting });
             return 0.0;
         }
-        parting(&triangles) - self.pair.length_error()
+        triangle_distance(&triangles[0], &triangles[1]).squared.sqrt() - error
     }
 }
 
@@ -59,16 +65,14 @@ impl Quest for Meetings<'_, '_> {
     }
 }
 
-/// How far apart two triangles are that do not meet: along the normal of either, or truly where
-/// neither parts them.
-fn parting(triangles: &[[DVec3; 3]; 2]) -> f64 {
+/// How far apart two triangles are along the normal of either; 0 or less if they overlap along both.
+fn gap_along_normals(triangles: &[[DVec3; 3]; 2]) -> f64 {
     let along = triangles.iter().map(|[a, b, c]| {
         let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
         let [first, second] = triangles.map(|t| t.map(|p| normal.dot(p)));
         (least(second) - most(first)).max(least(first) - most(second))
     });
-    let gap = along.fold(0.0, f64::max);
-    if gap > 0.0 { gap } else { triangle_distance(&triangles[0], &triangles[1]).squared.sqrt() }
+    along.fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn least([a, b, c]: [f64; 3]) -> f64 {
