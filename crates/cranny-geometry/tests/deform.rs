@@ -11,7 +11,7 @@ use cranny_geometry::{
 use cranny_shapes::{Cuboid, Cup, GolfBall, NestedShells, Shape, Sphere, Torus, UPrism};
 use cranny_testkit::Rng;
 use equal::{assert_equals_rebuild, options};
-use meshes::turned;
+use meshes::{corpus, turned};
 
 fn model(mesh: Mesh) -> Model {
     Model::build(mesh, &options()).unwrap().0
@@ -247,6 +247,26 @@ fn bad_moves_are_refused_and_change_nothing() {
         .map(|i| (VertexId(i), before.mesh().position(VertexId(i)) * DVec3::new(-1.0, 1.0, 1.0)))
         .collect();
     assert!(matches!(refused(&mut model, &mirrored), DeformError::InsideOut { .. }));
+}
+
+/// Real meshes: open ones, soups, many shells.
+#[test]
+fn meshes_of_the_corpus_follow_too() {
+    let mut rng = Rng::new(13);
+    for (name, mesh) in corpus() {
+        if mesh.faces().len() > 1500 {
+            continue;
+        }
+        let Ok((built, _)) = Model::build(mesh, &options()) else { continue };
+        // A mesh that was turned right side out is numbered anew when it is built again.
+        let mut model = model(built.mesh().clone());
+        for step in 0..3 {
+            let moves = random_moves(model.mesh(), &mut rng);
+            if model.deform(&moves).is_ok() {
+                assert_equals_rebuild(&model, &format!("{name} step {step}"));
+            }
+        }
+    }
 }
 
 #[test]
