@@ -108,7 +108,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "N", hide = true, value_parser = later)]
     pub(crate) budget: Option<String>,
 
-    /// Forget everything between one pose and the next (answers are the same, only slower)
+    /// Forget everything between one pose and the next: the same answers, slower where poses are close
     #[arg(long)]
     pub(crate) cold: bool,
 

@@ -53,6 +53,10 @@ enum PoseFileError {
     NoMatrix { index: usize, body: &'static str, found: String },
     #[error("pose {index}, body {body:?}: {source}")]
     NotRigid { index: usize, body: &'static str, source: cranny_exact::PoseError },
+    #[error(
+        "pose {index}, body {body:?}: the last row is {row:?} where 0, 0, 0, 1 must stand: the matrix looks column-major; write it row by row"
+    )]
+    ColumnMajor { index: usize, body: &'static str, row: [f64; 4] },
 }
 
 fn parse_poses(text: &str) -> Result<Vec<PosePair>, PoseFileError> {
@@ -89,7 +93,16 @@ fn pose(index: usize, body: &'static str, value: &Value) -> Result<Pose, PoseFil
     let matrix: Option<[f64; 16]> = numbers.and_then(|numbers| numbers.try_into().ok());
     let matrix =
         matrix.ok_or_else(|| PoseFileError::NoMatrix { index, body, found: described(value) })?;
-    Pose::from_row_major(&matrix).map_err(|source| PoseFileError::NotRigid { index, body, source })
+    Pose::from_row_major(&matrix).map_err(|source| {
+        let turned = std::array::from_fn(|i| matrix[4 * (i % 4) + i / 4]);
+        match Pose::from_row_major(&turned) {
+            Ok(_) => {
+                let row = [matrix[12], matrix[13], matrix[14], matrix[15]];
+                PoseFileError::ColumnMajor { index, body, row }
+            }
+            Err(_) => PoseFileError::NotRigid { index, body, source },
+        }
+    })
 }
 
 /// A value, in a few words.
@@ -134,6 +147,15 @@ mod tests {
         assert_eq!(poses[0][0], Pose::IDENTITY);
         assert_eq!(poses[1], [poses[0][1], Pose::IDENTITY]);
         assert_eq!(poses[2], [Pose::IDENTITY; 2]);
+    }
+
+    #[test]
+    fn a_matrix_written_column_by_column_is_told_as_such() {
+        let text = complaint(r#"[{"b": [1,0,0,0, 0,1,0,0, 0,0,1,0, 3,0,0,1]}]"#);
+        assert!(text.contains("column-major") && text.contains("3.0, 0.0, 0.0, 1.0"), "{text}");
+        // Scaled as well: no rigid motion either way.
+        let text = complaint(r#"[{"b": [2,0,0,0, 0,2,0,0, 0,0,2,0, 3,0,0,1]}]"#);
+        assert!(!text.contains("column-major"), "{text}");
     }
 
     #[test]

@@ -65,7 +65,7 @@ fn ring_of_tori() -> String {
             list(&rotation)
         );
     }
-    s + "    ],\n    effects: [Response(), Contacts(margin: 0.05)],\n    cameras: [(name: \"main\", look_at: (eye: (11, -15, 1), target: (0, 0, -2.2), field_of_view: 0.68)), (name: \"front\", preset: Front)],\n    record: (every: 4),\n)\n"
+    s + "    ],\n    effects: [Response(), Contacts(margin: 0.01)],\n    cameras: [(name: \"main\", look_at: (eye: (11, -15, 1), target: (0, 0, -2.2), field_of_view: 0.68)), (name: \"front\", preset: Front)],\n    record: (every: 4),\n)\n"
 }
 
 fn nut_on_bolt() -> String {
@@ -92,7 +92,7 @@ fn nut_on_bolt() -> String {
             material: (friction: 0),
         ),
     ],
-    effects: [Response(), Contacts(margin: 0.05)],
+    effects: [Response(), Contacts(margin: 0.01)],
     cameras: [(name: \"main\", preset: Isometric), (name: \"side\", preset: Side)],
     record: (every: 4),
 )

@@ -76,7 +76,7 @@ fn the_ring_is_closed_linked_and_apart() {
     let scene = &loaded.description;
     let expected: Vec<String> = (0..12).map(|i| format!("torus_{i}")).collect();
     assert_eq!(names(scene), expected);
-    assert_eq!(scene.effects, [Effect::Response, Effect::Contacts { margin: 0.05 }]);
+    assert_eq!(scene.effects, [Effect::Response, Effect::Contacts { margin: 0.01 }]);
     assert_eq!((scene.duration, scene.gravity), (5.0, DVec3::new(0.0, 0.0, -9.81)));
     assert!((scene.step - 1.0 / 240.0).abs() < 1e-15);
     for (i, body) in scene.bodies.iter().enumerate() {

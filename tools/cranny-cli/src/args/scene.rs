@@ -48,7 +48,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "LEVEL", default_value = "exact", value_parser = accuracy)]
     pub(crate) accuracy: AccuracyArg,
 
-    /// Simulated time in seconds [default: the scene's `duration`]
+    /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) duration: Option<f64>,
 
@@ -60,7 +60,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
 
-    /// Number of threads; results do not depend on it
+    /// Number of threads: only 1 so far
     #[arg(long, value_name = "N", default_value = "1")]
     pub(crate) threads: NonZeroUsize,
 
