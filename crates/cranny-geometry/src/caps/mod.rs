@@ -23,7 +23,7 @@ mod update;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
-use crate::features::{Assignment, NONE, RidgeOnFacet};
+use crate::features::{Assignment, NONE, RidgeOnFacet, least_first};
 use crate::hull::{ConvexHull, Facet, FacetId};
 use crate::ids::{CapId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
@@ -93,6 +93,13 @@ impl CapSurface {
         ridges: &[RidgeOnFacet],
     ) {
         let projection = Projection::along(facet.normal);
+        if let Some(corners) = single_triangle(chain).filter(|_| ridges.is_empty()) {
+            let [a, b, c] = corners.map(|v| projection.apply(mesh.position(VertexId(v))));
+            if orient2d(a, b, c) == Sign::Positive {
+                self.triangles.push(corners);
+                return;
+            }
+        }
         let mut vertices: Vec<u32> = chain.iter().flat_map(|e| e.ends).collect();
         vertices.extend(ridges.iter().flat_map(|r| r.ends));
         vertices.sort_unstable();
@@ -119,6 +126,16 @@ impl CapSurface {
             self.triangles.push(corners.map(|i| vertices[i as usize]));
         }
     }
+}
+
+/// The corners of the triangle that a chain runs around, from the lowest, if it is one.
+fn single_triangle(chain: &[ChainEdge]) -> Option<[u32; 3]> {
+    let &[first, second, third] = chain else { return None };
+    let [a, b] = first.ends;
+    let (next, last) = if second.ends[0] == b { (second, third) } else { (third, second) };
+    let c = next.ends[1];
+    let runs_around = next.ends[0] == b && last.ends == [c, a] && c != a;
+    runs_around.then(|| least_first([a, b, c]))
 }
 
 /// The chains of those among some facets that the mesh does not cover edge for edge, by facet.

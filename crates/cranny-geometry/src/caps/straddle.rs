@@ -10,8 +10,6 @@
 //! is covered too often. What tells them apart is the areas, each measured along the normal of its own
 //! facet: only pieces whose areas add up to nothing are dropped.
 
-use std::collections::BTreeMap;
-
 use super::chain::ChainEdge;
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::VertexId;
@@ -26,41 +24,86 @@ pub(super) fn drop_straddled(
     chains: &mut [(u32, Vec<ChainEdge>)],
     depth: f64,
 ) {
-    let mut pieces: BTreeMap<Vec<[u32; 2]>, u32> = BTreeMap::new();
-    for (facet, chain) in chains.iter() {
-        pieces.extend(pieces_of(chain).into_iter().map(|piece| (piece, *facet)));
-    }
+    let pieces = Pieces::of(chains);
     let covers_nothing = |piece: &[[u32; 2]], facets: [u32; 2]| {
         let [own, other] = facets.map(|f| covered(mesh, hull, f, piece));
         (own - other).abs() <= depth * length(mesh, piece)
     };
-    for (facet, chain) in chains.iter_mut().filter(|(_, chain)| !chain.is_empty()) {
-        for piece in pieces_of(chain) {
-            let mut opposite: Vec<[u32; 2]> = piece.iter().map(|&[a, b]| [b, a]).collect();
-            opposite.sort_unstable();
-            let partner =
-                pieces.get(&opposite).filter(|&other| are_neighbours(hull, *facet, *other));
-            if partner.is_some_and(|&other| covers_nothing(&piece, [*facet, other])) {
-                chain.retain(|edge| piece.binary_search(&edge.ends).is_err());
-            }
+    for (piece, &(chain, _)) in pieces.pieces.iter().enumerate() {
+        let piece = pieces.edges(piece);
+        let (facet, chain) = &mut chains[chain];
+        let partner = pieces.facet_of_opposite(piece).filter(|&f| are_neighbours(hull, *facet, f));
+        if partner.is_some_and(|other| covers_nothing(piece, [*facet, other])) {
+            chain.retain(|edge| piece.binary_search(&edge.ends).is_err());
         }
     }
 }
 
-/// The connected pieces of a chain; of each the edges, ascending.
-fn pieces_of(chain: &[ChainEdge]) -> Vec<Vec<[u32; 2]>> {
-    let mut vertices: Vec<u32> = chain.iter().flat_map(|e| e.ends).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let place = |v: u32| vertices.partition_point(|&u| u < v);
-    let mut joined = DisjointSets::new(vertices.len());
-    for edge in chain {
-        joined.union(place(edge.ends[0]), place(edge.ends[1]));
+/// The connected pieces of chains.
+struct Pieces {
+    /// Of each the chain, and where its edges end.
+    pieces: Vec<(usize, usize)>,
+    /// The edges of one piece behind those of the other, ascending in each.
+    edges: Vec<[u32; 2]>,
+    /// The least edge of each piece, the piece, and the facet of its chain; ascending.
+    least: Vec<([u32; 2], u32, u32)>,
+}
+
+impl Pieces {
+    fn of(chains: &[(u32, Vec<ChainEdge>)]) -> Self {
+        let mut all = Self { pieces: Vec::new(), edges: Vec::new(), least: Vec::new() };
+        let mut vertices: Vec<u32> = Vec::new();
+        let mut edges: Vec<(usize, [u32; 2])> = Vec::new();
+        for (index, (facet, chain)) in chains.iter().enumerate() {
+            vertices.clear();
+            vertices.extend(chain.iter().flat_map(|e| e.ends));
+            vertices.sort_unstable();
+            vertices.dedup();
+            let place = |v: u32| vertices.partition_point(|&u| u < v);
+            let mut joined = DisjointSets::new(vertices.len());
+            for edge in chain {
+                joined.union(place(edge.ends[0]), place(edge.ends[1]));
+            }
+            edges.clear();
+            edges.extend(chain.iter().map(|e| (joined.find(place(e.ends[0])), e.ends)));
+            edges.sort_unstable();
+            for piece in edges.chunk_by(|e, f| e.0 == f.0) {
+                all.least.push((piece[0].1, all.pieces.len() as u32, *facet));
+                all.edges.extend(piece.iter().map(|e| e.1));
+                all.pieces.push((index, all.edges.len()));
+            }
+        }
+        all.least.sort_unstable();
+        all
     }
-    let mut edges: Vec<(usize, [u32; 2])> =
-        chain.iter().map(|e| (joined.find(place(e.ends[0])), e.ends)).collect();
-    edges.sort_unstable();
-    edges.chunk_by(|e, f| e.0 == f.0).map(|piece| piece.iter().map(|e| e.1).collect()).collect()
+
+    fn edges(&self, piece: usize) -> &[[u32; 2]] {
+        let start = piece.checked_sub(1).map_or(0, |before| self.pieces[before].1);
+        &self.edges[start..self.pieces[piece].1]
+    }
+
+    /// The facet whose chain has just the opposite edges as a piece; of several the highest.
+    fn facet_of_opposite(&self, piece: &[[u32; 2]]) -> Option<u32> {
+        let least = piece.iter().map(|&[a, b]| [b, a]).min()?;
+        let first = self.least.partition_point(|l| l.0 < least);
+        let alike = self.least[first..].iter().take_while(|l| l.0 == least);
+        let mut opposite: Vec<[u32; 2]> = Vec::new();
+        let mut found = None;
+        for &(_, other, facet) in alike {
+            let edges = self.edges(other as usize);
+            if edges.len() != piece.len() {
+                continue;
+            }
+            if opposite.is_empty() {
+                opposite.extend(piece.iter().map(|&[a, b]| [b, a]));
+                opposite.sort_unstable();
+            }
+            if edges == opposite {
+                found = Some(facet);
+            }
+        }
+        found
+    }
 }
 
 fn are_neighbours(hull: &ConvexHull, facet: u32, other: u32) -> bool {

@@ -150,18 +150,11 @@ impl Input<'_> {
     }
 
     fn gather_faces(&self, all: &mut Concavities) {
-        let mut faces: Vec<(u32, u32)> = all
-            .concavity_of_face
-            .iter()
-            .enumerate()
-            .filter(|&(_, &c)| c != NONE)
-            .map(|(f, &c)| (c, f as u32))
-            .collect();
-        faces.sort_unstable();
-        for (i, record) in all.records.iter_mut().enumerate() {
-            record.first_face = faces.partition_point(|&(c, _)| (c as usize) < i) as u32;
+        let (starts, faces) = rows(&all.concavity_of_face, all.records.len());
+        for (record, &start) in all.records.iter_mut().zip(&starts) {
+            record.first_face = start;
         }
-        all.faces = faces.into_iter().map(|(_, f)| FaceId(f)).collect();
+        all.faces = faces.into_iter().map(FaceId).collect();
     }
 
     /// The boundary of each concavity's faces, split into simple loops.
@@ -232,39 +225,31 @@ impl Input<'_> {
 
     /// Orders caps by concavity and lid, and traces the lids' outlines.
     fn gather_caps(&self, all: &mut Concavities) {
-        let mut order: Vec<(u32, u32)> = all
-            .lid_of_cap
-            .iter()
-            .enumerate()
-            .filter(|&(_, &lid)| lid != NONE)
-            .map(|(cap, &lid)| (lid, cap as u32))
-            .collect();
-        order.sort_unstable();
-        let mut at = 0;
+        let (starts, order) = rows(&all.lid_of_cap, all.lids.len());
         for (i, record) in all.records.iter_mut().enumerate() {
-            record.first_cap = at as u32;
             record.first_lid = all.lids.partition_point(|l| l.concavity.index() < i) as u32;
-            at += order[at..]
-                .partition_point(|&(lid, _)| all.lids[lid as usize].concavity.index() <= i);
+            record.first_cap = starts[record.first_lid as usize];
         }
-        let mut at = 0;
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
         for lid in 0..all.lids.len() {
-            all.lids[lid].first_cap = at as u32;
-            let count = order[at..].partition_point(|&(l, _)| l as usize <= lid);
+            all.lids[lid].first_cap = starts[lid];
             all.lids[lid].first_outline = all.outlines.len() as u32;
-            // A facet's triangles stand together.
-            let facet = |&(_, cap): &(u32, u32)| all.caps.facet_of(CapId(cap));
-            for piece in order[at..at + count].chunk_by(|a, b| facet(a) == facet(b)) {
-                let triangles: Vec<[u32; 3]> =
-                    piece.iter().map(|&(_, cap)| all.caps.triangles[cap as usize]).collect();
+            let mut caps = &order[starts[lid] as usize..starts[lid + 1] as usize];
+            while let Some(&first) = caps.first() {
+                let facet = all.caps.facet_of(CapId(first));
+                // Caps ascend, and a facet's stand together.
+                let end = all.caps.of_facet(facet).end;
+                let (piece, rest) = caps.split_at(caps.partition_point(|&cap| cap < end));
+                caps = rest;
+                triangles.clear();
+                triangles.extend(piece.iter().map(|&cap| all.caps.triangles[cap as usize]));
                 for outline in outlines(&triangles) {
                     all.outlines.push(&outline);
                 }
-                all.outline_facets.resize(all.outlines.len(), facet(&piece[0]));
+                all.outline_facets.resize(all.outlines.len(), facet);
             }
-            at += count;
         }
-        all.cap_order = order.into_iter().map(|(_, cap)| CapId(cap)).collect();
+        all.cap_order = order.into_iter().map(CapId).collect();
         let mut bears_faces = vec![false; self.hull.facet_count()];
         for face in (0..self.mesh.faces().len() as u32).map(FaceId) {
             if let Some(facet) = self.features.facet_of(face) {
@@ -381,6 +366,26 @@ impl Input<'_> {
             record.parent = parent.map_or(NONE, |p| p as u32);
         }
     }
+}
+
+/// The members of each owner, ascending, in compressed rows; those owned by [`NONE`] are left out.
+fn rows(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
+    let owned = || (0u32..).zip(owners).filter(|&(_, &owner)| owner != NONE);
+    let mut starts = vec![0u32; count + 1];
+    for (_, &owner) in owned() {
+        starts[owner as usize + 1] += 1;
+    }
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut fill = starts.clone();
+    let mut members = vec![0; starts[count] as usize];
+    for (member, &owner) in owned() {
+        let at = &mut fill[owner as usize];
+        members[*at as usize] = member;
+        *at += 1;
+    }
+    (starts, members)
 }
 
 pub(super) fn twice_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {

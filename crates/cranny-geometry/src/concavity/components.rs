@@ -10,7 +10,7 @@ use crate::caps::CapSurface;
 use crate::features::Features;
 use crate::ids::{EdgeId, FaceId};
 use crate::mesh::Mesh;
-use crate::topology::{DisjointSets, Topology};
+use crate::topology::{DisjointSets, Edge, Topology};
 
 /// Which elements belong together. Element `f` is a face, element `faces + c` a cap triangle.
 pub(super) struct Components {
@@ -20,7 +20,7 @@ pub(super) struct Components {
 }
 
 /// A half-edge of a cap triangle, by the edge.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy)]
 struct CapEdge {
     ends: (u32, u32),
     backward: bool,
@@ -42,11 +42,16 @@ impl Components {
             lids: DisjointSets::new(caps.triangles.len()),
         };
         let mut has_cap = vec![false; topology.edges().len()];
+        let (mut at, mut off) = (0, Vec::new());
+        // Edges of caps and of the mesh stand in one order.
         for group in cap_edges(caps).chunk_by(|a, b| a.ends == b.ends) {
-            let edge = edge_between(topology, group[0].ends);
-            let off = edge.map(|e| off_hull(mesh, topology, features, e)).unwrap_or_default();
-            if let Some(edge) = edge {
-                has_cap[edge.index()] = true;
+            let ends = |e: &Edge| (e.from.0, e.to.0);
+            let edges = &topology.edges()[at..];
+            at += edges.iter().take_while(|e| ends(e) < group[0].ends).count();
+            off.clear();
+            if topology.edges().get(at).is_some_and(|e| ends(e) == group[0].ends) {
+                has_cap[at] = true;
+                off_hull(mesh, topology, features, EdgeId(at as u32), &mut off);
             }
             joined.join_at_cap(group, &off);
         }
@@ -109,19 +114,17 @@ impl Components {
         };
         let (forward, backward) = (count(false), count(true));
         let is_rim = !off.is_empty() && forward.0 == forward.1 && backward.0 == backward.1;
+        let faces = self.faces;
         if is_rim {
             for way in [false, true] {
                 let of_caps = caps.iter().filter(|c| c.backward == way).map(|c| c.cap as usize);
                 let of_faces = off.iter().filter(|f| f.1 == way).map(|f| f.0);
-                let elements: Vec<usize> =
-                    of_caps.map(|c| self.faces + c).chain(of_faces).collect();
-                self.unite(elements.into_iter());
+                self.unite(of_caps.map(|c| faces + c).chain(of_faces));
             }
             return;
         }
-        let of_caps = caps.iter().map(|c| self.faces + c.cap as usize);
-        let elements: Vec<usize> = of_caps.chain(off.iter().map(|f| f.0)).collect();
-        self.unite(elements.into_iter());
+        let of_caps = caps.iter().map(|c| faces + c.cap as usize);
+        self.unite(of_caps.chain(off.iter().map(|f| f.0)));
         for pair in caps.windows(2) {
             self.lids.union(pair[0].cap as usize, pair[1].cap as usize);
         }
@@ -144,7 +147,11 @@ fn cap_edges(caps: &CapSurface) -> Vec<CapEdge> {
             cap: cap as u32,
         }));
     }
-    edges.sort_unstable();
+    let key = |e: &CapEdge| {
+        let [low, high, cap] = [e.ends.0, e.ends.1, e.cap].map(u64::from);
+        (low << 32 | high, u64::from(e.backward) << 32 | cap)
+    };
+    edges.sort_unstable_by_key(key);
     edges
 }
 
@@ -154,17 +161,19 @@ pub(super) fn edge_between(topology: &Topology, ends: (u32, u32)) -> Option<Edge
     found.ok().map(|e| EdgeId(e as u32))
 }
 
-/// The off-hull faces at an edge, and whether they run it backward.
+/// Appends the off-hull faces at an edge, and whether they run it backward.
 fn off_hull(
     mesh: &Mesh,
     topology: &Topology,
     features: &Features,
     edge: EdgeId,
-) -> Vec<(usize, bool)> {
+    off: &mut Vec<(usize, bool)>,
+) {
     let from = topology.edges()[edge.index()].from;
     let half_edges = topology.half_edges(edge).iter();
-    half_edges
-        .filter(|h| !features.is_convex(h.face()))
-        .map(|h| (h.face().index(), mesh.corners(h.face())[h.corner()] != from))
-        .collect()
+    off.extend(
+        half_edges
+            .filter(|h| !features.is_convex(h.face()))
+            .map(|h| (h.face().index(), mesh.corners(h.face())[h.corner()] != from)),
+    );
 }

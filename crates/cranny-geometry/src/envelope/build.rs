@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::cluster::{Cluster, Item, Opening, clusters};
+use super::cluster::{Cluster, Item, Opening, Scratch, clusters};
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head, Pocket};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
@@ -17,13 +17,19 @@ const MEANINGLESS: f64 = 1.0 / 1024.0;
 impl HalfSpace {
     /// The smallest half-space with this normal (a unit vector, to rounding) that certainly holds the points.
     pub(super) fn holding(normal: DVec3, points: impl Iterator<Item = DVec3>) -> Self {
-        let (mut most, mut size) = (f64::NEG_INFINITY, DVec3::ZERO);
+        let (mut most, mut bounds) = (f64::NEG_INFINITY, Aabb::EMPTY);
         for p in points {
             most = most.max(normal.dot(p));
-            size = size.max(p.abs());
+            bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
         }
+        Self::above(normal, most, &bounds)
+    }
+
+    /// The same from the largest inner product of points with the normal, as computed, and their box.
+    fn above(normal: DVec3, most: f64, bounds: &Aabb) -> Self {
         // Three products and two sums round by half an ulp of at most the sum of absolute products; the
         // last term stands for products that underflow.
+        let size = bounds.min.abs().max(bounds.max.abs());
         let rounding = 2.0 * f64::EPSILON * normal.abs().dot(size) + f64::MIN_POSITIVE;
         Self { normal, offset: (most + rounding).next_up() }
     }
@@ -73,15 +79,15 @@ impl Envelopes {
         self.heads.push(Head { axis: opening.axis, bounds, lids, layer });
 
         let offset = self.faces.len();
-        let mut waiting = VecDeque::new();
+        let (mut scratch, mut waiting) = (Scratch::default(), VecDeque::new());
         if !items.is_empty() {
             let whole = [0, items.len()];
-            self.add_layer(items, whole, offset, &opening, &mut waiting);
+            self.add_layer(items, whole, offset, &opening, &mut scratch, &mut waiting);
         }
         while let Some(facet) = waiting.pop_front() {
             let range = self.facets[facet].faces.map(|f| f as usize - offset);
             self.facets[facet].layer = self.layers.len() as u32;
-            self.add_layer(items, range, offset, &opening, &mut waiting);
+            self.add_layer(items, range, offset, &opening, &mut scratch, &mut waiting);
         }
         self.faces.extend(items.iter().map(|item| item.face));
     }
@@ -94,17 +100,23 @@ impl Envelopes {
         [start, end]: [usize; 2],
         offset: usize,
         opening: &Opening,
+        scratch: &mut Scratch,
         waiting: &mut VecDeque<usize>,
     ) {
-        let parts = clusters(&mut items[start..end], opening, &self.options);
+        let parts = clusters(&mut items[start..end], opening, &self.options, scratch);
         let first = self.facets.len();
         for Cluster { start: from, end: to, normal, .. } in parts {
             let (from, to) = (start + from, start + to);
-            let corners = || items[from..to].iter().flat_map(|item| item.corners);
+            let (mut height, mut reach) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+            let mut bounds = Aabb::EMPTY;
+            for p in items[from..to].iter().flat_map(|item| item.corners) {
+                (height, reach) = (height.max(normal.dot(p)), reach.max(opening.axis.dot(p)));
+                bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
+            }
             self.facets.push(EnvelopeFacet {
-                beneath: HalfSpace::holding(normal, corners()),
-                bounds: Aabb::of_points(corners()),
-                reach: HalfSpace::holding(opening.axis, corners()).offset,
+                beneath: HalfSpace::above(normal, height, &bounds),
+                bounds,
+                reach: HalfSpace::above(opening.axis, reach, &bounds).offset,
                 faces: [(offset + from) as u32, (offset + to) as u32],
                 layer: u32::MAX,
             });
@@ -137,7 +149,9 @@ impl Opening {
         let is_through = openings.len() > 1 && sum.length() <= MEANINGLESS * total;
         let direction = if is_through { largest.and_then(unit) } else { unit(sum) };
         let size = bounds.max - bounds.min;
-        Self { axis: direction.unwrap_or_else(|| DVec3::AXES[size.min_position()]), is_through }
+        let axis = direction.unwrap_or_else(|| DVec3::AXES[size.min_position()]);
+        let (across, around) = axis.any_orthonormal_pair();
+        Self { axis, frame: [axis, across, around], is_through }
     }
 }
 

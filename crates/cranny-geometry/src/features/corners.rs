@@ -66,7 +66,8 @@ impl Corners {
     }
 }
 
-fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+/// A triangle from its least corner.
+pub(crate) fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
     } else if b <= c {

@@ -18,6 +18,7 @@ mod slabs;
 mod update;
 
 pub(crate) use assign::{Assignment, NONE};
+pub(crate) use corners::least_first;
 pub(crate) use update::Judged;
 
 use crate::hull::FacetId;

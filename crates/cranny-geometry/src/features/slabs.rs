@@ -9,6 +9,8 @@
 //! a point is rounded, by a bound that is a small part of the slab's depth; so the answer is sharp
 //! except within rounding of the slab's floor, where either is right.
 
+use std::ops::Range;
+
 use cranny_exact::{Aabb, DVec3};
 
 use crate::hull::{ConvexHull, FacetId};
@@ -62,8 +64,11 @@ impl Node {
 
     /// Whether a point may lie in one of the slabs.
     fn may_hold(&self, p: DVec3) -> bool {
+        if !self.bounds.contains_point(p) {
+            return false;
+        }
         let highest = (self.normals.min * p).max(self.normals.max * p);
-        highest.x + highest.y + highest.z >= self.floor && self.bounds.contains_point(p)
+        highest.x + highest.y + highest.z >= self.floor
     }
 }
 
@@ -109,13 +114,13 @@ impl Slabs {
         };
         let nodes: Vec<Node> = (0..self.slabs.len() as u32).map(node).collect();
         let bounds = hull.bounds();
-        let mut order: Vec<(u64, u32)> = nodes
-            .iter()
-            .enumerate()
-            .map(|(f, n)| (curve_position(n.bounds.center(), &bounds), f as u32))
+        // A place on the curve and a facet in one number.
+        let mut order: Vec<u64> = (0u64..)
+            .zip(&nodes)
+            .map(|(f, n)| curve_position(n.bounds.center(), &bounds) << 32 | f)
             .collect();
         order.sort_unstable();
-        self.order = order.into_iter().map(|(_, f)| f).collect();
+        self.order = order.into_iter().map(|place| place as u32).collect();
         self.levels = vec![self.order.iter().map(|&f| nodes[f as usize]).collect()];
         while let Some(below) = self.levels.last().filter(|l| l.len() > 1) {
             let unite = |group: &[Node]| group.iter().skip(1).fold(group[0], |all, b| all.union(b));
@@ -127,11 +132,15 @@ impl Slabs {
     /// The facets in whose slabs and boxes a point lies, ascending, appended to `found`.
     pub(crate) fn around(&self, p: DVec3, found: &mut Vec<u32>) {
         let first = found.len();
-        let mut open: Vec<(usize, usize)> = Vec::with_capacity(4 * FANOUT);
         if let Some(top) = self.levels.iter().rposition(|level| !level.is_empty()) {
-            open.push((top, 0));
+            self.beneath(top, 0..self.levels[top].len(), p, found);
         }
-        while let Some((level, at)) = open.pop() {
+        found[first..].sort_unstable();
+    }
+
+    /// Appends the facets beneath some nodes of a level whose slabs hold the point.
+    fn beneath(&self, level: usize, nodes: Range<usize>, p: DVec3, found: &mut Vec<u32>) {
+        for at in nodes {
             if !self.levels[level][at].may_hold(p) {
                 continue;
             }
@@ -139,16 +148,15 @@ impl Slabs {
                 found.push(self.order[at]);
             } else {
                 let end = (FANOUT * (at + 1)).min(self.levels[level - 1].len());
-                open.extend((FANOUT * at..end).map(|below| (level - 1, below)));
+                self.beneath(level - 1, FANOUT * at..end, p, found);
             }
         }
-        found[first..].sort_unstable();
     }
 }
 
-/// The place along a Z-order curve (Morton 1966) of 2^16 cells an axis over the box.
+/// The place along a Z-order curve (Morton 1966) of 2^10 cells an axis over the box: 30 bits.
 fn curve_position(p: DVec3, bounds: &Aabb) -> u64 {
-    let cells = f64::from(1u32 << 16) - 1.0;
+    let cells = f64::from(1u32 << 10) - 1.0;
     let extent = bounds.max - bounds.min;
     let cell = |axis: usize| {
         let share = (p[axis] - bounds.min[axis]) / extent[axis];

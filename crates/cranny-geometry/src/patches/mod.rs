@@ -30,7 +30,7 @@ use self::cone::Measured;
 pub use self::cone::NormalCone;
 pub use self::slab::Slab;
 pub use self::top::PatchTree;
-use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
+use crate::ids::{EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 use crate::tree::FaceForest;
@@ -88,8 +88,9 @@ impl<I: Copy> Lists<I> {
             starts[p] += starts[p - 1];
         }
         let mut cursor = starts.clone();
-        let any = owned.clone().next().map(|(member, _)| member);
-        let mut members: Vec<I> = any.into_iter().cycle().take(starts[patches] as usize).collect();
+        let any = owned.clone().next();
+        let count = starts[patches] as usize;
+        let mut members = any.map_or(Vec::new(), |(member, _)| vec![member; count]);
         for (member, patch) in owned {
             members[cursor[patch as usize] as usize] = member;
             cursor[patch as usize] += 1;
@@ -114,7 +115,8 @@ impl Patches {
         let count = partition.patches.len();
         let faces = Lists::of(count, (0..).map(FaceId).zip(partition.patch_of.iter().copied()));
         let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
-        let slabs = Slab::of_nodes(mesh, trees.arena());
+        let ranges = (0..count).map(|p| trees.node_range(p));
+        let slabs = Slab::of_trees(mesh, trees.arena(), ranges);
         Self::assemble(mesh, topology, partition, trees, slabs)
     }
 
@@ -146,18 +148,17 @@ impl Patches {
         slabs: Vec<Slab>,
     ) -> Self {
         let count = patches.len();
-        let lowest = |faces: &mut dyn Iterator<Item = FaceId>| {
-            faces.map(|f| patch_of_face[f.index()].0).min().unwrap_or(u32::MAX)
-        };
-        let patch_of_vertex: Vec<u32> = (0..mesh.vertices().len() as u32)
-            .map(|v| lowest(&mut topology.faces_at(VertexId(v)).iter().copied()))
-            .collect();
-        let patch_of_edge: Vec<PatchId> = (0..topology.edges().len() as u32)
-            .map(|e| {
-                let around = topology.half_edges(EdgeId(e)).iter();
-                PatchId(lowest(&mut around.map(|h| h.face())))
-            })
-            .collect();
+        let mut patch_of_vertex = vec![u32::MAX; mesh.vertices().len()];
+        let mut patch_of_edge = vec![PatchId(u32::MAX); topology.edges().len()];
+        for (face, &patch) in (0..).map(FaceId).zip(&patch_of_face) {
+            for (corner, vertex) in mesh.corners(face).into_iter().enumerate() {
+                let of_vertex = &mut patch_of_vertex[vertex.index()];
+                *of_vertex = patch.0.min(*of_vertex);
+                let edge = topology.edge_of(HalfEdgeId::of(face, corner));
+                let of_edge = &mut patch_of_edge[edge.index()];
+                *of_edge = patch.min(*of_edge);
+            }
+        }
         let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));
         let edges = Lists::of(count, (0..).map(EdgeId).zip(patch_of_edge.iter().map(|p| p.0)));
         let top = PatchTree::over(&patches);
@@ -267,7 +268,8 @@ impl Patches {
         let faces = Lists::of(count, owners);
         self.trees.validate(mesh, (0..count).map(|p| faces.get(p)))?;
         self.top.validate(&self.patches)?;
-        if self.slabs != Slab::of_nodes(mesh, self.trees.arena()) {
+        let ranges = (0..count).map(|p| self.trees.node_range(p));
+        if self.slabs != Slab::of_trees(mesh, self.trees.arena(), ranges) {
             return Err("a slab is not what its faces make".into());
         }
         for (id, patch) in (0..).map(PatchId).zip(&self.patches) {

@@ -21,40 +21,59 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// Those of all nodes of an arena, in its order. Cost: O(n log n).
-    pub(super) fn of_nodes(mesh: &Mesh, arena: &FaceTree) -> Vec<Self> {
-        Self::of_trees(mesh, arena, 0..arena.nodes().len())
-    }
-
-    /// Those of the nodes of some whole trees, which stand together in the arena.
-    pub(super) fn of_trees(mesh: &Mesh, arena: &FaceTree, nodes: Range<usize>) -> Vec<Self> {
-        let (first, count) = (nodes.start, nodes.len());
-        let (mut areas, mut ranges) = (vec![DVec3::ZERO; count], vec![[0, 0]; count]);
-        let mut slabs = vec![Self { normal: DVec3::ZERO, height: 0.0 }; count];
-        // Children stand behind their parents, and the faces beneath a node side by side.
-        for node in (0..count).rev() {
-            (areas[node], ranges[node]) = match arena.content((first + node) as u32) {
-                Content::Leaf { start, end } => {
-                    let range = [start as usize, end as usize];
-                    let faces = &arena.faces()[range[0]..range[1]];
-                    (faces.iter().map(|&f| mesh.area_vector(f)).sum(), range)
-                }
-                Content::Inner { left, right } => {
-                    let (left, right) = (left as usize - first, right as usize - first);
-                    let range = [
-                        ranges[left][0].min(ranges[right][0]),
-                        ranges[left][1].max(ranges[right][1]),
-                    ];
-                    (areas[left] + areas[right], range)
-                }
-            };
-            let normal = areas[node].normalize_or_zero();
-            let faces = &arena.faces()[ranges[node][0]..ranges[node][1]];
-            let heights = faces.iter().flat_map(|&f| mesh.triangle(f)).map(|p| normal.dot(p));
-            slabs[node] = Self { normal, height: heights.fold(f64::NEG_INFINITY, f64::max) };
+    /// Those of the nodes of some whole trees of an arena, given by their ranges, one tree's behind the
+    /// other's. Cost: O(n log n).
+    pub(super) fn of_trees(
+        mesh: &Mesh,
+        arena: &FaceTree,
+        trees: impl IntoIterator<Item = Range<usize>>,
+    ) -> Vec<Self> {
+        let mut slabs = Vec::new();
+        let mut beneath: Vec<Beneath> = Vec::new();
+        let mut corners: Vec<[DVec3; 3]> = Vec::new();
+        for nodes in trees {
+            let at = slabs.len();
+            slabs.resize(at + nodes.len(), Self { normal: DVec3::ZERO, height: 0.0 });
+            beneath.clear();
+            beneath.resize(nodes.len(), Beneath { area: DVec3::ZERO, faces: [0, 0] });
+            // In leaf order: each is looked up once, and read once a level.
+            corners.clear();
+            for node in nodes.clone() {
+                let faces = arena.leaf_faces(node as u32);
+                beneath[node - nodes.start].faces = [corners.len(), corners.len() + faces.len()];
+                corners.extend(faces.iter().map(|&f| mesh.triangle(f)));
+            }
+            // Children stand behind their parents, and the faces beneath a node side by side.
+            for node in (0..nodes.len()).rev() {
+                let own = match arena.content((nodes.start + node) as u32) {
+                    Content::Leaf { .. } => {
+                        let faces @ [start, end] = beneath[node].faces;
+                        let area = |&[a, b, c]: &[DVec3; 3]| 0.5 * (b - a).cross(c - a);
+                        Beneath { area: corners[start..end].iter().map(area).sum(), faces }
+                    }
+                    Content::Inner { left, right } => {
+                        let [left, right] =
+                            [left, right].map(|n| beneath[n as usize - nodes.start]);
+                        let faces = [left.faces[0], right.faces[1]];
+                        Beneath { area: left.area + right.area, faces }
+                    }
+                };
+                beneath[node] = own;
+                let normal = own.area.normalize_or_zero();
+                let held = corners[own.faces[0]..own.faces[1]].iter().flatten();
+                let height = held.map(|&p| normal.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+                slabs[at + node] = Self { normal, height };
+            }
         }
         slabs
     }
+}
+
+/// What is beneath a node: the sum of area vectors, and which faces of the tree.
+#[derive(Clone, Copy)]
+struct Beneath {
+    area: DVec3,
+    faces: [usize; 2],
 }
 
 #[cfg(test)]
@@ -69,7 +88,7 @@ mod tests {
         let vertices = vertices.map(DVec3::from_array).to_vec();
         let mesh = Mesh::new(vertices, vec![[0, 1, 2], [1, 3, 2]]).unwrap();
         let tree = FaceTree::over(&mesh, &[FaceId(0), FaceId(1)], 1);
-        let slabs = Slab::of_nodes(&mesh, &tree);
+        let slabs = Slab::of_trees(&mesh, &tree, std::iter::once(0..tree.nodes().len()));
         assert_eq!(slabs.len(), 3);
         assert_eq!(slabs[0], Slab { normal: DVec3::Z, height: 2.0 });
         for (node, slab) in slabs.iter().enumerate().skip(1) {

@@ -79,7 +79,7 @@ impl Patches {
     fn measure(&mut self, mesh: &Mesh, p: usize, grown: &Growing) {
         self.patches[p] = Patch::of(mesh, self.trees.faces(p), grown.cone);
         let range = self.trees.node_range(p);
-        let slabs = Slab::of_trees(mesh, self.trees.arena(), range.clone());
+        let slabs = Slab::of_trees(mesh, self.trees.arena(), [range.clone()]);
         self.slabs[range].copy_from_slice(&slabs);
     }
 
@@ -130,7 +130,7 @@ impl Patches {
                 }
                 None => {
                     let range = trees.node_range(new);
-                    slabs.extend(Slab::of_trees(mesh, trees.arena(), range));
+                    slabs.extend(Slab::of_trees(mesh, trees.arena(), [range]));
                 }
             }
         }

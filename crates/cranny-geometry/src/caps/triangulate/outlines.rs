@@ -1,5 +1,7 @@
 //! The polygonal outlines of a set of triangles.
 
+use crate::features::least_first;
+
 /// The loops that bound a set of triangles, each running as the triangles' own sides do; together they
 /// are the signed boundary. A loop visits no vertex twice and starts at its lowest; loops are sorted.
 ///
@@ -8,6 +10,13 @@
 /// the triangles there, so parts that merely touch at a vertex have loops of their own. Triangles with a
 /// repeated corner play no part. Cost: `O(t log t)` for `t` triangles.
 pub(crate) fn outlines(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    if let &[[a, b, c]] = triangles
+        && a != b
+        && b != c
+        && c != a
+    {
+        return vec![least_first([a, b, c]).to_vec()];
+    }
     let triangles: Vec<[u32; 3]> =
         triangles.iter().copied().filter(|[a, b, c]| a != b && b != c && c != a).collect();
     let twins = Twins::new(&triangles);
@@ -75,6 +84,12 @@ impl Twins {
 
 /// Cuts a closed walk wherever it comes back to a vertex.
 fn split_at_repeated_vertices(walk: Vec<u32>, loops: &mut Vec<Vec<u32>>) {
+    let mut sorted = walk.clone();
+    sorted.sort_unstable();
+    if sorted.is_sorted_by(|a, b| a < b) {
+        loops.push(walk);
+        return;
+    }
     let mut place = std::collections::BTreeMap::new();
     let mut open: Vec<u32> = Vec::with_capacity(walk.len());
     for v in walk {
