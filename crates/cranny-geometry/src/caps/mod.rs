@@ -23,7 +23,7 @@ mod update;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
-use crate::features::{Assignment, NONE, RidgeOnFacet, least_first};
+use crate::features::{Assignment, NONE, RidgeOnFacet};
 use crate::hull::{ConvexHull, Facet, FacetId};
 use crate::ids::{CapId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
@@ -94,9 +94,14 @@ impl CapSurface {
     ) {
         let projection = Projection::along(facet.normal);
         if let Some(corners) = single_triangle(chain).filter(|_| ridges.is_empty()) {
-            let [a, b, c] = corners.map(|v| projection.apply(mesh.position(VertexId(v))));
+            let points = corners.map(|v| projection.apply(mesh.position(VertexId(v))));
+            let [a, b, c] = points;
             if orient2d(a, b, c) == Sign::Positive {
-                self.triangles.push(corners);
+                // As a sweep would make it: the rightmost corner in the middle.
+                let right =
+                    |i: usize, j: usize| (points[i].x, points[i].y) > (points[j].x, points[j].y);
+                let last = (1..3).fold(0, |last, i| if right(i, last) { i } else { last });
+                self.triangles.push([2, 0, 1].map(|turn| corners[(last + turn) % 3]));
                 return;
             }
         }
@@ -128,14 +133,14 @@ impl CapSurface {
     }
 }
 
-/// The corners of the triangle that a chain runs around, from the lowest, if it is one.
+/// The corners of the triangle that a chain runs around, if it is one.
 fn single_triangle(chain: &[ChainEdge]) -> Option<[u32; 3]> {
     let &[first, second, third] = chain else { return None };
     let [a, b] = first.ends;
     let (next, last) = if second.ends[0] == b { (second, third) } else { (third, second) };
     let c = next.ends[1];
     let runs_around = next.ends[0] == b && last.ends == [c, a] && c != a;
-    runs_around.then(|| least_first([a, b, c]))
+    runs_around.then_some([a, b, c])
 }
 
 /// The chains of those among some facets that the mesh does not cover edge for edge, by facet.
