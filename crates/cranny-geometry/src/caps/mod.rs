@@ -95,13 +95,8 @@ impl CapSurface {
         let projection = Projection::along(facet.normal);
         if let Some(corners) = single_triangle(chain).filter(|_| ridges.is_empty()) {
             let points = corners.map(|v| projection.apply(mesh.position(VertexId(v))));
-            let [a, b, c] = points;
-            if orient2d(a, b, c) == Sign::Positive {
-                // As a sweep would make it: the rightmost corner in the middle.
-                let right =
-                    |i: usize, j: usize| (points[i].x, points[i].y) > (points[j].x, points[j].y);
-                let last = (1..3).fold(0, |last, i| if right(i, last) { i } else { last });
-                self.triangles.push([2, 0, 1].map(|turn| corners[(last + turn) % 3]));
+            if let Some(triangle) = as_swept(corners, points) {
+                self.triangles.push(triangle);
                 return;
             }
         }
@@ -141,6 +136,18 @@ fn single_triangle(chain: &[ChainEdge]) -> Option<[u32; 3]> {
     let c = next.ends[1];
     let runs_around = next.ends[0] == b && last.ends == [c, a] && c != a;
     runs_around.then_some([a, b, c])
+}
+
+/// What a sweep makes of a counter-clockwise triangle; `None` where it is not one.
+fn as_swept(corners: [u32; 3], points: [DVec2; 3]) -> Option<[u32; 3]> {
+    let [a, b, c] = points;
+    if orient2d(a, b, c) != Sign::Positive {
+        return None;
+    }
+    // The corner that the sweep comes to last stands in the middle.
+    let is_behind = |i: usize, j: usize| (points[i].x, points[i].y) > (points[j].x, points[j].y);
+    let last = (1..3).fold(0, |last, i| if is_behind(i, last) { i } else { last });
+    Some([2, 0, 1].map(|turn| corners[(last + turn) % 3]))
 }
 
 /// The chains of those among some facets that the mesh does not cover edge for edge, by facet.
@@ -280,5 +287,36 @@ impl Projection {
 
     pub(crate) fn apply(self, p: DVec3) -> DVec2 {
         DVec2::new(p[self.kept[0]], p[self.kept[1]])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chain(edges: [[u32; 2]; 3]) -> [ChainEdge; 3] {
+        edges.map(|ends| ChainEdge::new(ends, Origin::Mesh))
+    }
+
+    #[test]
+    fn a_triangle_needs_no_sweep() {
+        let points = [[0.0, 0.0], [2.0, 1.0], [2.0, -1.0], [0.0, 3.0]].map(DVec2::from_array);
+        for [a, b, c] in [[0, 2, 1], [1, 0, 2], [2, 1, 3], [0, 1, 3], [3, 0, 2]] {
+            for edges in [[[a, b], [b, c], [c, a]], [[b, c], [a, b], [c, a]]] {
+                let corners = single_triangle(&chain(edges)).unwrap();
+                let of_sweep = triangulate::triangulate(&points, &edges, &[]);
+                let quick = as_swept(corners, corners.map(|v| points[v as usize]));
+                assert_eq!((of_sweep.triangles, of_sweep.exact), (vec![quick.unwrap()], true));
+            }
+            let clockwise = [c, b, a];
+            assert_eq!(as_swept(clockwise, clockwise.map(|v| points[v as usize])), None);
+        }
+    }
+
+    #[test]
+    fn three_edges_that_do_not_run_around_are_no_triangle() {
+        assert_eq!(single_triangle(&chain([[0, 1], [1, 2], [0, 2]])), None);
+        assert_eq!(single_triangle(&chain([[0, 1], [1, 0], [0, 1]])), None);
+        assert_eq!(single_triangle(&chain([[0, 1], [2, 3], [3, 0]])), None);
     }
 }
