@@ -251,7 +251,7 @@ fn harmed(bytes: &[u8], rng: &mut Rng) -> Vec<u8> {
 #[test]
 fn whoever_writes_a_right_checksum_does_no_harm() {
     let mut rng = Rng::new(11);
-    let mut accepted = 0;
+    let (mut accepted, mut deformed) = (0, 0);
     for mesh in bodies().iter().filter(|mesh| mesh.faces().len() < 700) {
         let bytes = built(mesh).encode();
         for _ in 0..400 {
@@ -259,16 +259,23 @@ fn whoever_writes_a_right_checksum_does_no_harm() {
             match Model::decode(&other) {
                 Err(DecodeError::Section { .. }) => {}
                 Err(error) => panic!("{error}"),
-                Ok(model) => {
+                Ok(mut model) => {
                     accepted += 1;
                     assert!(model.encode() == other);
                     use_all(&model);
+                    let moves = a_few_moves(&model, &mut rng);
+                    if model.deform(&moves).is_ok() {
+                        deformed += 1;
+                        use_all(&model);
+                        let saved = model.encode();
+                        assert!(Model::decode(&saved).is_ok_and(|m| m.encode() == saved));
+                    }
                 }
             }
         }
     }
     // Some change is always harmless: the last digit of a coordinate, say.
-    assert!(accepted > 100, "{accepted}");
+    assert!(accepted > 100 && deformed > 100, "{accepted}, {deformed}");
 }
 
 #[test]

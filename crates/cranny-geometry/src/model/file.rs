@@ -127,6 +127,7 @@ impl Model {
             flatness,
             leaf_size,
             // Made when it is needed.
+            only_read: _,
             workshop: _,
         } = &*self.0;
         let mut out = Writer::default();
@@ -167,8 +168,8 @@ impl Model {
     /// model can be read and queried like any other, and its answers are only as true as the bytes. Memory
     /// is bounded by a small multiple of their number. Cost: linear.
     ///
-    /// [`deform`](Self::deform) builds on what stages of preparation promise each other, which is not
-    /// proved here: deform loaded models only where the file's writer is trusted.
+    /// [`deform`](Self::deform) builds on more than is proved here, and so believes nothing but the mesh:
+    /// the first deformation of a loaded model prepares it again.
     ///
     /// # Errors
     ///
@@ -222,6 +223,7 @@ impl Model {
             filed_faces,
             flatness,
             leaf_size,
+            only_read: true,
             workshop: None,
         };
         Ok(Self(Arc::new(parts)))
