@@ -89,7 +89,7 @@ impl<I: Copy> Lists<I> {
         }
         let mut cursor = starts.clone();
         let any = owned.clone().next().map(|(member, _)| member);
-        let mut members: Vec<I> = any.into_iter().cycle().take(starts[patches] as usize).collect();
+        let mut members = any.map_or_else(Vec::new, |any| vec![any; starts[patches] as usize]);
         for (member, patch) in owned {
             members[cursor[patch as usize] as usize] = member;
             cursor[patch as usize] += 1;
@@ -146,16 +146,17 @@ impl Patches {
         slabs: Vec<Slab>,
     ) -> Self {
         let count = patches.len();
-        let lowest = |faces: &mut dyn Iterator<Item = FaceId>| {
-            faces.map(|f| patch_of_face[f.index()].0).min().unwrap_or(u32::MAX)
-        };
+        let patch_of = |face: FaceId| patch_of_face[face.index()].0;
         let patch_of_vertex: Vec<u32> = (0..mesh.vertices().len() as u32)
-            .map(|v| lowest(&mut topology.faces_at(VertexId(v)).iter().copied()))
+            .map(|v| {
+                let around = topology.faces_at(VertexId(v)).iter();
+                around.fold(u32::MAX, |lowest, &f| lowest.min(patch_of(f)))
+            })
             .collect();
         let patch_of_edge: Vec<PatchId> = (0..topology.edges().len() as u32)
             .map(|e| {
                 let around = topology.half_edges(EdgeId(e)).iter();
-                PatchId(lowest(&mut around.map(|h| h.face())))
+                PatchId(around.fold(u32::MAX, |lowest, h| lowest.min(patch_of(h.face()))))
             })
             .collect();
         let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));
