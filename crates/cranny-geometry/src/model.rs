@@ -165,6 +165,9 @@ pub(crate) struct Parts {
     pub(crate) flatness: f64,
     /// Faces per leaf of the tree.
     pub(crate) leaf_size: usize,
+    /// Whether it was read from bytes and never deformed, so that of what was prepared only the mesh is
+    /// sure.
+    pub(crate) only_read: bool,
     /// What deformations need beside; none before the first.
     pub(crate) workshop: Option<Box<Workshop>>,
 }
@@ -222,18 +225,9 @@ impl Model {
         observe(Stage::Hull);
         report.flatness = options.flatness.resolve(&mesh);
         let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
-        observe(Stage::Classify);
-        let assignment = Assignment::of(&mesh, &topology, &hull);
-        let (features, ridges) = Features::of(&mesh, &topology, &assignment);
-        observe(Stage::Caps);
-        let caps = CapSurface::build(&mesh, &topology, &hull, &assignment, &ridges);
-        report.add(caps.findings(&mesh, &hull));
-        let concavities = Concavities::of(&mesh, &topology, &hull, &features, caps);
-        observe(Stage::ConcavityTrees);
-        let groups = concavities.iter().map(|concavity| concavity.faces);
-        let concavity_trees = FaceForest::over(&mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
-        observe(Stage::Envelopes);
-        let envelopes = envelopes(&mesh, &concavities);
+        let Covered { features, concavities, concavity_trees, envelopes } =
+            Covered::of(&mesh, &topology, &hull, observe);
+        report.add(concavities.surface().findings(&mesh, &hull));
         let (radius, digest) = (radius(&mesh), digest(&mesh));
         observe(Stage::Done);
         let parts = Parts {
@@ -252,6 +246,7 @@ impl Model {
             filed_faces,
             flatness: report.flatness,
             leaf_size: options.leaf_size,
+            only_read: false,
             workshop: None,
         };
         Ok((Self(Arc::new(parts)), report))
@@ -383,6 +378,36 @@ impl Model {
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Stages 4 to 7: what the hull covers, and whether the body fills it.
+pub(crate) struct Covered {
+    pub(crate) features: Features,
+    pub(crate) concavities: Concavities,
+    pub(crate) concavity_trees: FaceForest,
+    pub(crate) envelopes: Envelopes,
+}
+
+impl Covered {
+    pub(crate) fn of(
+        mesh: &Mesh,
+        topology: &Topology,
+        hull: &ConvexHull,
+        observe: &mut dyn FnMut(Stage),
+    ) -> Self {
+        observe(Stage::Classify);
+        let assignment = Assignment::of(mesh, topology, hull);
+        let (features, ridges) = Features::of(mesh, topology, &assignment);
+        observe(Stage::Caps);
+        let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
+        let concavities = Concavities::of(mesh, topology, hull, &features, caps);
+        observe(Stage::ConcavityTrees);
+        let groups = concavities.iter().map(|concavity| concavity.faces);
+        let concavity_trees = FaceForest::over(mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
+        observe(Stage::Envelopes);
+        let envelopes = envelopes(mesh, &concavities);
+        Self { features, concavities, concavity_trees, envelopes }
     }
 }
 

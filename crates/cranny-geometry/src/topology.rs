@@ -182,8 +182,8 @@ impl Topology {
         check(around.len() == count, "it is not one of all half-edges")?;
         check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
         // As many as there are, strictly ascending: each once.
-        let is_sorted = around.is_sorted_by(|&g, &h| place_of(mesh, g) < place_of(mesh, h));
-        check(is_sorted, "half-edges are not sorted")?;
+        let places = around.iter().map(|&h| place_of(mesh, h));
+        check(places.is_sorted_by(|g, h| g < h), "half-edges are not sorted")?;
         Ok(Self::of_sorted(mesh, around))
     }
 

@@ -24,23 +24,32 @@ impl<'a> Reader<'a> {
         self.take(T::SIZE).map(T::get)
     }
 
-    /// The bytes of a list whose items have `size` bytes: as many as are said to be there, if they are.
-    fn list_bytes(&mut self, size: usize) -> Result<&'a [u8], Flaw> {
-        let count: u64 = self.one()?;
+    /// The bytes of `count` items of `size` bytes, if they are there.
+    fn bytes_of(&mut self, count: u64, size: usize) -> Result<&'a [u8], Flaw> {
         let bytes = usize::try_from(count).ok().and_then(|count| count.checked_mul(size));
         self.take(bytes.ok_or("a list is longer than memory")?)
     }
 
-    /// A list.
+    /// A list: how many, then each.
     pub(crate) fn list<T: Plain>(&mut self) -> Result<Vec<T>, Flaw> {
-        Ok(self.list_bytes(T::SIZE)?.chunks_exact(T::SIZE).map(T::get).collect())
+        let count = self.one()?;
+        self.items(count)
+    }
+
+    /// As many things as are said to follow, if they do.
+    pub(crate) fn items<T: Plain>(&mut self, count: u64) -> Result<Vec<T>, Flaw> {
+        Ok(self.bytes_of(count, T::SIZE)?.chunks_exact(T::SIZE).map(T::get).collect())
     }
 
     /// A list of variants.
     pub(crate) fn codes<T: Coded>(&mut self) -> Result<Vec<T>, Flaw> {
-        let codes = self.list_bytes(1)?;
-        let all: Option<Vec<T>> = codes.iter().map(|&code| T::of_code(code)).collect();
-        Ok(all.ok_or("a byte stands for nothing known")?)
+        let count = self.one()?;
+        let codes = self.bytes_of(count, 1)?;
+        let mut all = Vec::with_capacity(codes.len());
+        for &code in codes {
+            all.push(T::of_code(code).ok_or("a byte stands for nothing known")?);
+        }
+        Ok(all)
     }
 
     /// One variant.
@@ -52,7 +61,8 @@ impl<'a> Reader<'a> {
     pub(crate) fn section(&mut self, tag: [u8; 4]) -> Result<Self, Flaw> {
         let found: [u8; 4] = self.one()?;
         check(found == tag, "another section stands in its place")?;
-        Ok(Self::new(self.list_bytes(1)?))
+        let length = self.one()?;
+        Ok(Self::new(self.bytes_of(length, 1)?))
     }
 
     /// That nothing is left.

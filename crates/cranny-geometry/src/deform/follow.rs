@@ -180,47 +180,11 @@ impl<'a> Deformation<'a> {
         let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
         let new = Concavities::of(mesh, topology, hull, features, caps);
         let old = std::mem::replace(concavities, new);
-        let has_faces_of = |i: u32| {
-            let faces = concavities.get(ConcavityId(i)).faces;
-            let before = old.of_face(*faces.first()?)?;
-            (old.get(before).faces == faces).then_some(before)
-        };
-        let same: Vec<Option<ConcavityId>> =
-            (0..concavities.len() as u32).map(has_faces_of).collect();
-        let mut map = vec![None; old.len()];
-        for (id, before) in (0..).map(ConcavityId).zip(&same) {
-            match before {
-                Some(before) => {
-                    map[before.index()] = Some(id);
-                    if !self.has_same_caps(&old, *before, id) {
-                        self.change.reshaped.push(id);
-                    }
-                }
-                None => self.change.reshaped.push(id),
-            }
-        }
-        let concavities = &self.parts.concavities;
-        let moved = self.change.faces.iter().filter_map(|&f| concavities.of_face(f));
-        self.change.reshaped.extend(moved);
-        self.change.reshaped.sort_unstable();
-        self.change.reshaped.dedup();
-        self.change.concavities = map;
+        let same = tell_concavities(&mut self.change, &old, concavities);
         let same: Vec<Option<usize>> = same.iter().map(|s| s.map(ConcavityId::index)).collect();
         let openings = openings(&old);
         self.follow_with_trees(&same);
         self.follow_with_envelopes(&same, &openings);
-    }
-
-    /// Whether a concavity has the caps that it had, in the same place.
-    fn has_same_caps(&self, old: &Concavities, before: ConcavityId, id: ConcavityId) -> bool {
-        let new = &self.parts.concavities;
-        let (a, b) = (old.get(before).caps, new.get(id).caps);
-        a.len() == b.len()
-            && a.iter().zip(b).all(|(&a, &b)| {
-                let corners = old.cap(a).corners;
-                corners == new.cap(b).corners
-                    && corners.iter().all(|v| self.change.vertices.binary_search(v).is_err())
-            })
     }
 
     /// `same`: for each concavity the one before that has the same faces.
@@ -284,4 +248,48 @@ impl<'a> Deformation<'a> {
         }
         (*farthest, *hash) = (radius(mesh), digest(mesh));
     }
+}
+
+/// Tells what has become of concavities, once the moved vertices and their faces are told. Returns for each
+/// of the new ones the old one that has the same faces.
+pub(super) fn tell_concavities(
+    change: &mut ChangeSet,
+    old: &Concavities,
+    new: &Concavities,
+) -> Vec<Option<ConcavityId>> {
+    let has_faces_of = |i: u32| {
+        let faces = new.get(ConcavityId(i)).faces;
+        let before = old.of_face(*faces.first()?)?;
+        (old.get(before).faces == faces).then_some(before)
+    };
+    let same: Vec<Option<ConcavityId>> = (0..new.len() as u32).map(has_faces_of).collect();
+    let mut map = vec![None; old.len()];
+    let mut reshaped: Vec<ConcavityId> =
+        change.faces.iter().filter_map(|&f| new.of_face(f)).collect();
+    for (id, before) in (0..).map(ConcavityId).zip(&same) {
+        if let Some(before) = before {
+            map[before.index()] = Some(id);
+        }
+        if !before.is_some_and(|before| has_same_caps(&change.vertices, [old, new], [before, id])) {
+            reshaped.push(id);
+        }
+    }
+    reshaped.sort_unstable();
+    reshaped.dedup();
+    (change.concavities, change.reshaped) = (map, reshaped);
+    same
+}
+
+/// Whether a concavity has the caps that it had, in the same place.
+fn has_same_caps(
+    moved: &[VertexId],
+    [old, new]: [&Concavities; 2],
+    [before, id]: [ConcavityId; 2],
+) -> bool {
+    let (a, b) = (old.get(before).caps, new.get(id).caps);
+    a.len() == b.len()
+        && a.iter().zip(b).all(|(&a, &b)| {
+            let corners = old.cap(a).corners;
+            corners == new.cap(b).corners && corners.iter().all(|v| moved.binary_search(v).is_err())
+        })
 }

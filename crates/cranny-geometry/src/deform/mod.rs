@@ -12,11 +12,13 @@
 
 mod change;
 mod follow;
+mod renew;
 
 use cranny_exact::{DVec3, check_point};
 
 pub use self::change::{ChangeSet, DeformError, Work};
 use self::follow::Deformation;
+use self::renew::Renewal;
 use crate::features::{Assignment, Features, RidgeOnFacet};
 use crate::ids::{FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
@@ -75,7 +77,8 @@ impl Model {
     ///
     /// # Cost
     ///
-    /// The first deformation also classifies the mesh once more. Each looks at the moved faces, the
+    /// The first deformation also classifies the mesh once more, and that of a model that was
+    /// [loaded](Self::decode) prepares it all again, but for the scan. Each looks at the moved faces, the
     /// facets, concavities and patches that these belong to, and what these border on: [`Work`] counts
     /// it. Beside that there are passes over flat arrays, of a few nanoseconds an element:
     ///
@@ -103,12 +106,16 @@ impl Model {
             return Ok(unchanged(self));
         }
         let parts = self.parts_mut();
+        let renewal = Renewal::of(parts);
         let mut workshop = match parts.workshop.take() {
             Some(workshop) => workshop,
             None => Box::new(Workshop::of(parts)),
         };
-        let change = Deformation::begin(parts, &mut workshop, &moves, faces).run();
+        let mut change = Deformation::begin(parts, &mut workshop, &moves, faces).run();
         parts.workshop = Some(workshop);
+        if let Some(renewal) = renewal {
+            renewal.tell(&mut change, parts);
+        }
         Ok(change)
     }
 }

@@ -59,9 +59,14 @@ impl Envelopes {
 
         check(heads.len() == concavities.len(), "an envelope for each concavity is needed")?;
         check(lids.iter().all(HalfSpace::is_sound), "a lid has no plane")?;
-        let facet = |&FacetRecord { beneath, reach, faces, layer }: &FacetRecord| {
-            check(beneath.is_sound() && reach.is_finite(), "a facet has no plane")?;
-            Ok(EnvelopeFacet { beneath, bounds: Aabb::EMPTY, reach, faces, layer })
+        let is_sound = |f: &FacetRecord| f.beneath.is_sound() && f.reach.is_finite();
+        check(facets.iter().all(is_sound), "a facet has no plane")?;
+        let facet = |&FacetRecord { beneath, reach, faces, layer }: &FacetRecord| EnvelopeFacet {
+            beneath,
+            bounds: Aabb::EMPTY,
+            reach,
+            faces,
+            layer,
         };
         let head = |&HeadRecord { axis, lids: [from, to], layer }: &HeadRecord| {
             check(is_unit(axis), "an axis has no direction")?;
@@ -71,7 +76,7 @@ impl Envelopes {
         let mut read = Self {
             heads: heads.iter().map(head).collect::<Result<_, Flaw>>()?,
             layers,
-            facets: facets.iter().map(facet).collect::<Result<_, Flaw>>()?,
+            facets: facets.iter().map(facet).collect(),
             faces,
             lids,
             options: EnvelopeOptions {

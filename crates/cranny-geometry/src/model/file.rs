@@ -1,18 +1,22 @@
 //! Model files: a prepared model as bytes, and back.
 //!
-//! A file is a head and sections. Head: [`MAGIC`], version, 0, length of the file, [BLAKE3] of what is
-//! before and behind it. Section: four letters, length of its body, body. Everything is little-endian,
-//! and the same model gives the same bytes on every machine. What a section says stands beside the
-//! structure that it is of (`codec`).
+//! A file is a head and sections. Head: [`MAGIC`], version, 0, length of the file, checksum. Section: four
+//! letters, length of its body, body. Everything is little-endian, and the same model gives the same
+//! bytes on every machine. What a section says stands beside the structure that it is of (`codec`).
+//!
+//! The checksum is the [BLAKE3] of what is before it, the model's digest, and what is behind it but for what
+//! the digest is of. That is the first section, the mesh, behind the number of faces; so nothing is
+//! hashed twice.
 //!
 //! [BLAKE3]: https://github.com/BLAKE3-team/BLAKE3-specs
 
 use std::sync::Arc;
 
+use cranny_exact::DVec3;
 use thiserror::Error;
 
-use super::{Model, Parts, digest, radius};
-use crate::codec::{Flaw, Reader, Writer, check, is_size};
+use super::{Model, Parts, radius};
+use crate::codec::{Flaw, Plain, Reader, Writer, check, is_size};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
 use crate::features::Features;
@@ -29,12 +33,15 @@ use crate::tree::{FaceForest, FaceTree};
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
 
 /// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What is before the checksum: magic, version, 0, length.
 const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;
 
 const HEAD: usize = BEFORE_CHECKSUM + 32;
+
+/// What is before the part of the mesh that is hashed by itself: head, tag, length, number of faces.
+const BEFORE_MESH: usize = HEAD + 4 + 8 + 8;
 
 /// The sections: their tags, and how errors name them.
 mod section {
@@ -127,6 +134,7 @@ impl Model {
             flatness,
             leaf_size,
             // Made when it is needed.
+            only_read: _,
             workshop: _,
         } = &*self.0;
         let mut out = Writer::default();
@@ -136,8 +144,11 @@ impl Model {
         out.one([0u8; 32]);
         let mut section = |(tag, _): Section, body: &dyn Fn(&mut Writer)| out.section(tag, body);
         section(section::MESH, &|out| {
-            out.list(mesh.vertices());
-            out.list(mesh.faces());
+            out.one(mesh.faces().len() as u64);
+            // `+ 0`: no zero has a sign, as in the digest.
+            let vertices = mesh.vertices().iter().map(|&p| p + DVec3::ZERO);
+            out.items(mesh.vertices().len(), vertices);
+            mesh.faces().iter().for_each(|&face| out.one(face));
         });
         section(section::TOPOLOGY, &|out| topology.encode(out));
         section(section::HULL, &|out| hull.encode(out));
@@ -156,7 +167,7 @@ impl Model {
         let mut bytes = out.into_bytes();
         let length = bytes.len() as u64;
         bytes[BEFORE_CHECKSUM - 8..BEFORE_CHECKSUM].copy_from_slice(&length.to_le_bytes());
-        let checksum = checksum(&bytes);
+        let (checksum, _) = checksum_and_digest(&bytes);
         bytes[BEFORE_CHECKSUM..HEAD].copy_from_slice(&checksum);
         bytes
     }
@@ -167,14 +178,14 @@ impl Model {
     /// model can be read and queried like any other, and its answers are only as true as the bytes. Memory
     /// is bounded by a small multiple of their number. Cost: linear.
     ///
-    /// [`deform`](Self::deform) builds on what stages of preparation promise each other, which is not
-    /// proved here: deform loaded models only where the file's writer is trusted.
+    /// [`deform`](Self::deform) builds on more than is proved here, and so believes nothing but the mesh:
+    /// the first deformation of a loaded model prepares it again.
     ///
     /// # Errors
     ///
     /// [`DecodeError`], which says what is wrong and what to do.
     pub fn decode(bytes: &[u8]) -> Result<Self, DecodeError> {
-        check_head(bytes)?;
+        let digest = check_head(bytes)?;
         let mut sections = Reader::new(&bytes[HEAD..]);
         let mesh = read(&mut sections, section::MESH, read_mesh)?;
         let topology = read(&mut sections, section::TOPOLOGY, |s| Topology::decode(s, &mesh))?;
@@ -205,7 +216,7 @@ impl Model {
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
         sections.end().map_err(|flaw| flawed(section::ORIGIN, flaw))?;
         let mass = topology.is_closed().then(|| MassProperties::of(&mesh));
-        let (radius, digest) = (radius(&mesh), digest(&mesh));
+        let radius = radius(&mesh);
         let parts = Parts {
             mesh,
             topology,
@@ -222,14 +233,15 @@ impl Model {
             filed_faces,
             flatness,
             leaf_size,
+            only_read: true,
             workshop: None,
         };
         Ok(Self(Arc::new(parts)))
     }
 }
 
-/// Everything but the sections.
-fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
+/// Everything but the sections. Returns the digest of the mesh.
+fn check_head(bytes: &[u8]) -> Result<[u8; 32], DecodeError> {
     if !Model::is_encoded(bytes) {
         return Err(DecodeError::NotAModel);
     }
@@ -244,15 +256,22 @@ fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
     if stated != bytes.len() as u64 {
         return Err(DecodeError::Length { found: bytes.len(), stated });
     }
-    if checksum(bytes) != stored { Err(DecodeError::Checksum) } else { Ok(()) }
+    let (checksum, digest) = checksum_and_digest(bytes);
+    if checksum == stored { Ok(digest) } else { Err(DecodeError::Checksum) }
 }
 
-/// Of all bytes but the checksum itself.
-fn checksum(bytes: &[u8]) -> [u8; 32] {
+/// The checksum, which depends on all other bytes, and the digest. Where the first section is said to be longer than
+/// the file, or too short for a mesh, there is nothing in it, and reading it will say so.
+fn checksum_and_digest(bytes: &[u8]) -> ([u8; 32], [u8; 32]) {
+    let length = bytes.get(HEAD + 4..HEAD + 12).map_or(0, u64::get);
+    let end = usize::try_from(length).ok().and_then(|length| length.checked_add(HEAD + 12));
+    let mesh = end.and_then(|end| bytes.get(BEFORE_MESH..end)).unwrap_or_default();
+    let behind = if mesh.is_empty() { HEAD } else { BEFORE_MESH + mesh.len() };
+    let digest = *blake3::hash(mesh).as_bytes();
     let mut hasher = blake3::Hasher::new();
-    hasher.update(&bytes[..BEFORE_CHECKSUM]);
-    hasher.update(&bytes[HEAD..]);
-    *hasher.finalize().as_bytes()
+    hasher.update(&bytes[..BEFORE_CHECKSUM]).update(&digest);
+    hasher.update(&bytes[HEAD..behind.min(BEFORE_MESH)]).update(&bytes[behind..]);
+    (*hasher.finalize().as_bytes(), digest)
 }
 
 fn flawed((_, section): Section, Flaw(flaw): Flaw) -> DecodeError {
@@ -275,7 +294,12 @@ fn read<T>(
 }
 
 fn read_mesh(input: &mut Reader) -> Result<Mesh, Flaw> {
-    let mesh = Mesh::new(input.list()?, input.list()?)?;
+    let count = input.one()?;
+    let vertices: Vec<DVec3> = input.list()?;
+    let is_digested = |x: f64| x != 0.0 || x.is_sign_positive();
+    let coordinates = vertices.iter().flat_map(|p| p.to_array());
+    check(coordinates.into_iter().all(is_digested), "a zero has a sign")?;
+    let mesh = Mesh::new(vertices, input.items(count)?)?;
     let is_flat = |f| has_no_area(&mesh, FaceId(f));
     check(!(0..mesh.faces().len() as u32).all(is_flat), "no face has an area")?;
     Ok(mesh)

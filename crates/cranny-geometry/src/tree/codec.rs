@@ -3,9 +3,11 @@
 //! Nodes stand in depth-first order, so the number of faces at each node, 0 for an inner one, says
 //! all about their shape.
 
+use std::ops::Range;
+
 use cranny_exact::Aabb;
 
-use super::{Content, FaceForest, FaceTree, Node};
+use super::{FaceForest, FaceTree, Node};
 use crate::codec::{Flaw, Reader, Writer, check};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
@@ -25,8 +27,8 @@ impl FaceTree {
         let mut once = Once::new(all);
         faces.iter().try_for_each(|&f| once.see(f))?;
         let mut shape = Shape::new(&counts);
-        shape.tree(0, all)?;
-        Ok(Self { nodes: shape.finish(mesh, &faces)?, faces })
+        shape.tree(0..all, |leaf| box_of(mesh, &faces[leaf]))?;
+        Ok(Self { nodes: shape.finish()?, faces })
     }
 }
 
@@ -49,13 +51,15 @@ impl FaceForest {
         let mut first = 0;
         for size in sizes {
             if size > 0 {
-                shape.tree(first, size as usize)?;
-                first += size as usize;
+                let end = first + size as usize;
+                check(end <= faces.len(), "trees have more faces than there are")?;
+                shape.tree(first..end, |leaf| box_of(mesh, &faces[leaf]))?;
+                first = end;
             }
             starts.push([shape.nodes.len() as u32, first as u32]);
         }
         check(first == faces.len(), "trees leave faces out")?;
-        let nodes = shape.finish(mesh, &faces)?;
+        let nodes = shape.finish()?;
         Ok(Self { arena: FaceTree { nodes, faces }, starts })
     }
 }
@@ -77,56 +81,71 @@ impl Once {
     }
 }
 
-/// Nodes without boxes, in the making.
+fn box_of(mesh: &Mesh, faces: &[FaceId]) -> Aabb {
+    Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)))
+}
+
+/// Nodes in the making.
 struct Shape<'a> {
     counts: &'a [u32],
     nodes: Vec<Node>,
-    /// Inner nodes that wait for their right child.
-    waiting: Vec<u32>,
+    /// Inner nodes above the one that comes next.
+    open: Vec<u32>,
 }
 
 impl<'a> Shape<'a> {
     fn new(counts: &'a [u32]) -> Self {
-        Self { counts, nodes: Vec::with_capacity(counts.len()), waiting: Vec::new() }
+        Self { counts, nodes: Vec::with_capacity(counts.len()), open: Vec::new() }
     }
 
-    /// Appends one tree, over `size >= 1` faces beginning at `first`.
-    fn tree(&mut self, first: usize, size: usize) -> Result<(), Flaw> {
-        let (mut at, end) = (first, first + size);
+    /// Appends one tree over some faces, at least one; `box_of` is asked for those of each leaf.
+    fn tree(
+        &mut self,
+        faces: Range<usize>,
+        box_of: impl Fn(Range<usize>) -> Aabb,
+    ) -> Result<(), Flaw> {
+        let mut at = faces.start;
         loop {
             let index = self.nodes.len();
             let count = *self.counts.get(index).ok_or("a tree lacks nodes")?;
             if count == 0 {
-                self.waiting.push(index as u32);
+                self.open.push(index as u32);
                 self.nodes.push(Node { bounds: Aabb::EMPTY, content: 0, count });
                 continue;
             }
-            check(count as usize <= end - at, "a tree has more faces in its leaves than it holds")?;
-            self.nodes.push(Node { bounds: Aabb::EMPTY, content: at as u32, count });
-            at += count as usize;
-            let Some(parent) = self.waiting.pop() else { break };
-            self.nodes[parent as usize].content = self.nodes.len() as u32;
+            check(
+                count as usize <= faces.end - at,
+                "a tree has more faces in its leaves than it holds",
+            )?;
+            let leaf = at..at + count as usize;
+            at = leaf.end;
+            self.nodes.push(Node { bounds: box_of(leaf), content: at as u32 - count, count });
+            if !self.close() {
+                break;
+            }
         }
-        check(at == end, "a tree has fewer faces in its leaves than it holds")
+        check(at == faces.end, "a tree has fewer faces in its leaves than it holds")
     }
 
-    /// Puts boxes around what the nodes hold.
-    fn finish(self, mesh: &Mesh, faces: &[FaceId]) -> Result<Vec<Node>, Flaw> {
-        let Self { counts, mut nodes, .. } = self;
-        check(nodes.len() == counts.len(), "nodes belong to no tree")?;
-        // Children stand behind their parents.
-        for index in (0..nodes.len()).rev() {
-            nodes[index].bounds = match nodes[index].content_at(index as u32) {
-                Content::Inner { left, right } => {
-                    nodes[left as usize].bounds.union(&nodes[right as usize].bounds)
-                }
-                Content::Leaf { start, end } => {
-                    let faces = &faces[start as usize..end as usize];
-                    Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)))
-                }
-            };
+    /// After a leaf: puts boxes around both children of inner nodes that are whole. Whether a right child
+    /// comes next.
+    fn close(&mut self) -> bool {
+        while let Some(parent) = self.open.pop() {
+            let (left, right) = (parent as usize + 1, self.nodes[parent as usize].content as usize);
+            if right == 0 {
+                self.nodes[parent as usize].content = self.nodes.len() as u32;
+                self.open.push(parent);
+                return true;
+            }
+            let bounds = self.nodes[left].bounds.union(&self.nodes[right].bounds);
+            self.nodes[parent as usize].bounds = bounds;
         }
-        Ok(nodes)
+        false
+    }
+
+    fn finish(self) -> Result<Vec<Node>, Flaw> {
+        check(self.nodes.len() == self.counts.len(), "nodes belong to no tree")?;
+        Ok(self.nodes)
     }
 }
 
@@ -137,7 +156,7 @@ mod tests {
     /// The right children of inner nodes, and how the shape of a tree over `size` faces ends.
     fn shape(counts: &[u32], size: usize) -> Result<Vec<u32>, String> {
         let mut shape = Shape::new(counts);
-        shape.tree(0, size).map_err(|Flaw(what)| what)?;
+        shape.tree(0..size, |_| Aabb::EMPTY).map_err(|Flaw(what)| what)?;
         let inner = shape.nodes.iter().filter(|n| n.count == 0);
         Ok(inner.map(|n| n.content).collect())
     }

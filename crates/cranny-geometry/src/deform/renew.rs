@@ -1,0 +1,102 @@
+//! The first deformation of a model that was read from bytes: all but its mesh is made again.
+//!
+//! Reading checks what queries need. A deformation needs more: that stages of preparation agree with each
+//! other, down to which facet each face lies on. Whoever forges a file can break that in ways that
+//! are as costly to find as to make good, so everything is made from the mesh. What
+//! [`Model::encode`](crate::Model::encode) wrote of a model as it was built comes out the same; a model
+//! that was deformed before it was saved may have other numbers afterwards, and the change set says so.
+
+use super::ChangeSet;
+use super::follow::tell_concavities;
+use crate::codec::Writer;
+use crate::concavity::Concavities;
+use crate::features::Features;
+use crate::hull::ConvexHull;
+use crate::ids::{FaceId, PatchId};
+use crate::model::{Covered, Parts};
+use crate::patches::Patches;
+use crate::tree::{FaceForest, FaceTree, NodeChanges};
+
+/// What was read, and whether something else was made in its place.
+pub(super) struct Renewal {
+    features: Features,
+    concavities: Concavities,
+    patches: Patches,
+    hull_differs: bool,
+    tree_differs: bool,
+    concavity_trees_differ: bool,
+    patches_differ: bool,
+}
+
+impl Renewal {
+    /// Makes everything again of a model that was only read.
+    pub(super) fn of(parts: &mut Parts) -> Option<Self> {
+        if !std::mem::take(&mut parts.only_read) {
+            return None;
+        }
+        let Parts { mesh, topology, flatness, leaf_size, .. } = &*parts;
+        let tree = FaceTree::of(mesh, *leaf_size);
+        let patches = Patches::of(mesh, topology);
+        let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
+        let Covered { features, concavities, concavity_trees, envelopes } =
+            Covered::of(mesh, topology, &hull, &mut |_| {});
+        let hull = std::mem::replace(&mut parts.hull, hull);
+        let tree = std::mem::replace(&mut parts.tree, tree);
+        let concavity_trees = std::mem::replace(&mut parts.concavity_trees, concavity_trees);
+        let patches = std::mem::replace(&mut parts.patches, patches);
+        parts.envelopes = envelopes;
+        Some(Self {
+            hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
+            tree_differs: differ([&tree, &parts.tree], FaceTree::encode),
+            concavity_trees_differ: differ(
+                [&concavity_trees, &parts.concavity_trees],
+                FaceForest::encode,
+            ),
+            patches_differ: differ([&patches, &parts.patches], Patches::encode),
+            features: std::mem::replace(&mut parts.features, features),
+            concavities: std::mem::replace(&mut parts.concavities, concavities),
+            patches,
+        })
+    }
+
+    /// Tells of a deformation what has become of what was read.
+    pub(super) fn tell(&self, change: &mut ChangeSet, parts: &Parts) {
+        change.hull |= self.hull_differs;
+        for (differs, nodes) in [
+            (self.tree_differs, &mut change.tree),
+            (self.concavity_trees_differ, &mut change.concavity_trees),
+            (self.patches_differ, &mut change.patch_trees),
+        ] {
+            if differs {
+                *nodes = NodeChanges { renumbered: true, ..NodeChanges::default() };
+            }
+        }
+        let turned = |f: &FaceId| self.features.is_convex(*f) != parts.features.is_convex(*f);
+        let all = (0..parts.mesh.faces().len() as u32).map(FaceId);
+        change.reclassified = all.filter(turned).collect();
+        tell_concavities(change, &self.concavities, &parts.concavities);
+        change.patches = same_patches(&self.patches, &parts.patches);
+    }
+}
+
+/// Whether two things are not the same to the last bit.
+fn differ<T>(both: [&T; 2], encode: impl Fn(&T, &mut Writer)) -> bool {
+    let [a, b] = both.map(|thing| {
+        let mut out = Writer::default();
+        encode(thing, &mut out);
+        out.into_bytes()
+    });
+    a != b
+}
+
+/// For each patch that was read the one with the same faces.
+fn same_patches(read: &Patches, made: &Patches) -> Vec<Option<PatchId>> {
+    let same = |id: PatchId| {
+        let faces = read.faces(id);
+        let other = made.patch_of_face(*faces.first()?);
+        let is_same = made.faces(other).len() == faces.len()
+            && faces.iter().all(|&f| made.patch_of_face(f) == other);
+        is_same.then_some(other)
+    };
+    (0..read.len() as u32).map(PatchId).map(same).collect()
+}
