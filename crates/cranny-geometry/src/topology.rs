@@ -101,33 +101,38 @@ impl HalfEdgeId {
 }
 
 impl Topology {
-    /// Builds the adjacency of a mesh in O(n log n).
+    /// Builds the adjacency of a mesh. Near linear where few edges end at each vertex, O(n log n) in any
+    /// case.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
-        let half_edges = 3 * mesh.faces().len() as u32;
-        let mut around: Vec<HalfEdgeId> = (0..half_edges).map(HalfEdgeId).collect();
-        around.sort_unstable_by_key(|&h| place_of(mesh, h));
-        Self::of_sorted(mesh, around)
+        Self::of_sorted(mesh, sorted_half_edges(mesh))
     }
 
     /// From all half-edges, sorted by [`place_of`]. Near linear.
     fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> Self {
         let faces = mesh.faces();
-        let ends = |h: HalfEdgeId| ends_of(mesh, h);
         let mut edges = Vec::with_capacity(around.len() / 2);
         let mut edge_of = vec![EdgeId(0); around.len()];
         let mut twins = vec![u32::MAX; around.len()];
-        let undirected = |h: HalfEdgeId| {
-            let (a, b) = ends(h);
-            (a.min(b), a.max(b))
-        };
-        let mut first = 0;
-        for group in around.chunk_by(|&g, &h| undirected(g) == undirected(h)) {
-            let (from, to) = undirected(group[0]);
-            let forward = group.iter().filter(|&&h| ends(h).0 == from).count();
+        let mut rest = &around[..];
+        while let Some(&leader) = rest.first() {
+            let (from, to) = ascending(ends_of(mesh, leader));
+            let edge = EdgeId(edges.len() as u32);
+            let (mut count, mut forward) = (0, 0);
+            for &h in rest {
+                let ends = ends_of(mesh, h);
+                if ascending(ends) != (from, to) {
+                    break;
+                }
+                edge_of[h.index()] = edge;
+                count += 1;
+                forward += usize::from(ends.0 == from);
+            }
+            let group;
+            (group, rest) = rest.split_at(count);
             // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
-            let balanced = from == to || 2 * forward == group.len();
-            let kind = match (group.len(), balanced) {
+            let balanced = from == to || 2 * forward == count;
+            let kind = match (count, balanced) {
                 (1, false) => EdgeKind::Open,
                 (2, true) => EdgeKind::Manifold,
                 (2, false) => EdgeKind::Contradictory,
@@ -138,12 +143,9 @@ impl Topology {
                 twins[group[0].index()] = group[1].0;
                 twins[group[1].index()] = group[0].0;
             }
-            for h in group {
-                edge_of[h.index()] = EdgeId(edges.len() as u32);
-            }
-            let count = group.len() as u32;
-            edges.push(Edge { from: VertexId(from), to: VertexId(to), kind, first, count });
-            first += count;
+            let first = (around.len() - rest.len() - count) as u32;
+            let (from, to) = (VertexId(from), VertexId(to));
+            edges.push(Edge { from, to, kind, first, count: count as u32 });
         }
 
         let (vertex_starts, vertex_faces) = faces_of_vertices(mesh);
@@ -296,8 +298,37 @@ fn ends_of(mesh: &Mesh, h: HalfEdgeId) -> (u32, u32) {
 
 /// By this, half-edges are sorted: by edge, along an edge by number.
 fn place_of(mesh: &Mesh, h: HalfEdgeId) -> (u32, u32, u32) {
-    let (a, b) = ends_of(mesh, h);
-    (a.min(b), a.max(b), h.0)
+    let (from, to) = ascending(ends_of(mesh, h));
+    (from, to, h.0)
+}
+
+fn ascending((a, b): (u32, u32)) -> (u32, u32) {
+    (a.min(b), a.max(b))
+}
+
+/// All half-edges, sorted by [`place_of`]: dealt out to their lesser ends, and sorted there.
+fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
+    let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(ascending);
+    // Where the next half-edge of each vertex goes; in the end, where those of the next vertex begin.
+    let mut places = vec![0u32; mesh.vertices().len() + 1];
+    for (from, _) in mesh.faces().iter().flat_map(sides) {
+        places[from as usize + 1] += 1;
+    }
+    for v in 1..places.len() {
+        places[v] += places[v - 1];
+    }
+    let mut keys = vec![0u64; 3 * mesh.faces().len()];
+    for (h, (from, to)) in (0u64..).zip(mesh.faces().iter().flat_map(sides)) {
+        let place = &mut places[from as usize];
+        keys[*place as usize] = u64::from(to) << 32 | h;
+        *place += 1;
+    }
+    let mut start = 0;
+    for &end in &places[..mesh.vertices().len()] {
+        keys[start as usize..end as usize].sort_unstable();
+        start = end;
+    }
+    keys.into_iter().map(|key| HalfEdgeId(key as u32)).collect()
 }
 
 fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
@@ -406,6 +437,19 @@ mod tests {
         assert_eq!(topology.edges().len(), 6);
         assert!((0..12).all(|h| topology.twin(HalfEdgeId(h)).is_some()));
         assert_eq!(topology.faces_at(VertexId(0)), [FaceId(0), FaceId(1), FaceId(3)]);
+    }
+
+    #[test]
+    fn half_edges_are_sorted_by_edge_then_number() {
+        // Edges of many faces, contradictory and collapsed ones, a vertex that no face names.
+        let faces: Vec<[u32; 3]> = (0..90u32)
+            .map(|i| [i * 7 % 5, i * i % 11, if i % 3 == 0 { 12 } else { i % 7 }])
+            .collect();
+        let mesh = Mesh::new(points(14), faces).unwrap();
+        let mut expected: Vec<HalfEdgeId> = (0..270).map(HalfEdgeId).collect();
+        expected.sort_by_key(|&h| place_of(&mesh, h));
+        assert_eq!(sorted_half_edges(&mesh), expected);
+        Topology::of(&mesh).validate(&mesh).unwrap();
     }
 
     #[test]

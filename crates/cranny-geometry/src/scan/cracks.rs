@@ -95,12 +95,14 @@ pub(crate) fn near(
 ) -> Vec<Near> {
     let row = Row::of(mesh, among);
     let mut found: Vec<Near> = Vec::new();
+    let mut beside = Vec::new();
     let mut follows = vec![false; mesh.vertices().len()];
     for vertex in (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| row.holds(v)) {
         let p = mesh.position(vertex);
-        let nearest = row
-            .beside(mesh, tree, vertex, weld_distance)
-            .into_iter()
+        row.beside(mesh, tree, vertex, weld_distance, &mut beside);
+        let nearest = beside
+            .iter()
+            .copied()
             .filter(|&v| v < vertex && row.holds(v) && !follows[v.index()])
             .map(|leader| Near { vertex, leader, distance: distance(mesh.position(leader), p) })
             .min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.leader.cmp(&b.leader)))

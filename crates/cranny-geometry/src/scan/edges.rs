@@ -3,6 +3,7 @@
 use cranny_exact::{DVec3, orient3d};
 
 use super::meetings::overlap_in_plane;
+use super::stars::Star;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
@@ -32,11 +33,14 @@ pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
 }
 
 /// Vertices at which faces hang together in more than one fan.
-pub(super) fn pinched(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
+pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &[Star]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut spokes: Vec<(VertexId, usize)> = Vec::new();
     let mut fan_of: Vec<usize> = Vec::new();
     for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
+        if stars[vertex.index()] != Star::Torn {
+            continue; // one ring is one fan
+        }
         let faces = topology.faces_at(vertex);
         spokes.clear();
         for (i, &face) in faces.iter().enumerate() {
@@ -107,6 +111,7 @@ pub(super) fn flat(mesh: &Mesh, topology: &Topology, without_area: &[bool]) -> O
 
 #[cfg(test)]
 mod tests {
+    use super::super::stars::stars;
     use super::*;
 
     fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> (Mesh, Topology) {
@@ -122,10 +127,25 @@ mod tests {
     #[test]
     fn a_bow_tie_is_pinched_and_a_fan_is_not() {
         let (tie, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 3, 4]]);
-        let found = pinched(&tie, &topology);
+        let found = pinched(&tie, &topology, &stars(&tie, &topology));
         assert_eq!((found.len(), found[0].ids[0], found[0].measure), (1, 0, 2.0));
         let (fan, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 1, 3], [0, 3, 4]]);
-        assert!(pinched(&fan, &topology).is_empty());
+        assert!(pinched(&fan, &topology, &stars(&fan, &topology)).is_empty());
+    }
+
+    #[test]
+    fn solids_that_share_a_corner_are_pinched_there() {
+        // Two closed tetrahedra, each a ring of three faces around vertex 0.
+        let sides: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let other = sides.map(|f| f.map(|v| if v == 0 { 0 } else { v + 3 }));
+        let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let opposite = corners.map(|p| p.map(|x: f64| -x));
+        let vertices = [&[[0.0; 3]], &corners[..], &opposite[..]].concat();
+        let (single, topology) = mesh(&vertices[..4], &sides);
+        assert!(pinched(&single, &topology, &stars(&single, &topology)).is_empty());
+        let (double, topology) = mesh(&vertices, &[sides, other].concat());
+        let found = pinched(&double, &topology, &stars(&double, &topology));
+        assert_eq!((found.len(), found[0].ids[0], found[0].measure), (1, 0, 2.0));
     }
 
     #[test]

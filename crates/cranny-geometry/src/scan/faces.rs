@@ -18,7 +18,8 @@ pub(crate) fn has_no_area(mesh: &Mesh, face: FaceId) -> bool {
 pub(super) fn thin(mesh: &Mesh, without_area: &[bool], weld_distance: f64) -> Vec<Finding> {
     let finding = |face: FaceId| {
         let [a, b, c] = mesh.triangle(face);
-        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        let sides = [b - a, c - b, a - c].map(DVec3::length_squared);
+        let longest = sides.into_iter().fold(0.0, f64::max).sqrt();
         let (kind, measure) = if without_area[face.index()] {
             (FindingKind::ZeroAreaFace, longest)
         } else {
@@ -40,6 +41,11 @@ pub(crate) fn coincident(mesh: &Mesh, topology: &Topology) -> Vec<Vec<FaceId>> {
         let around = topology.half_edges(crate::ids::EdgeId(e as u32));
         if around.len() < 2 || edge.from == edge.to {
             continue;
+        }
+        if let [h, other] = around
+            && across(*h) != across(*other)
+        {
+            continue; // nearly every edge
         }
         let mut faces: Vec<_> = around.iter().map(|&h| (across(h), h.face())).collect();
         faces.sort_unstable();

@@ -11,6 +11,7 @@ use cranny_exact::{
     orient3d,
 };
 
+use super::stars::Star;
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind, MeetingScan};
@@ -23,10 +24,12 @@ const TESTS_A_FACE: usize = 64;
 const TESTS_AT_LEAST: usize = 1 << 23;
 
 /// Judges all pairs of faces but those that `left_out` names (faces without area, all but one of
-/// those in one place). A mere touch that `explained` knows the reason of is not reported.
+/// those in one place). A mere touch that `explained` knows the reason of is not reported. Faces around a
+/// vertex whose star is spread out need no judgement: most pairs whose boxes overlap.
 pub(super) fn meetings(
     mesh: &Mesh,
     tree: &FaceTree,
+    stars: &[Star],
     left_out: &[bool],
     explained: impl Fn(FaceId, FaceId) -> bool,
 ) -> (Vec<Finding>, MeetingScan) {
@@ -37,20 +40,28 @@ pub(super) fn meetings(
         if tests > limit {
             return (findings(mesh, found), MeetingScan::Stopped { tests });
         }
-        if i != j && !tree.node(i).bounds.overlaps(&tree.node(j).bounds) {
-            continue;
-        }
+        let mut push = |i: u32, j: u32| {
+            if tree.node(i).bounds.overlaps(&tree.node(j).bounds) {
+                stack.push((i, j));
+            }
+        };
         match (tree.content(i), tree.content(j)) {
             (Content::Inner { left, right }, _) if i == j => {
-                stack.extend([(left, left), (right, right), (left, right)]);
+                push(left, left);
+                push(right, right);
+                push(left, right);
             }
             // The larger box is opened; a leaf cannot be.
             (Content::Inner { left, right }, other)
                 if matches!(other, Content::Leaf { .. }) || is_larger(tree, i, j) =>
             {
-                stack.extend([(left, j), (right, j)]);
+                push(left, j);
+                push(right, j);
             }
-            (_, Content::Inner { left, right }) => stack.extend([(i, left), (i, right)]),
+            (_, Content::Inner { left, right }) => {
+                push(i, left);
+                push(i, right);
+            }
             _ => {
                 for (n, &f) in tree.leaf_faces(i).iter().enumerate() {
                     let rest = if i == j { n + 1 } else { 0 };
@@ -60,7 +71,7 @@ pub(super) fn meetings(
                             continue;
                         }
                         let pair = [f.min(g), f.max(g)];
-                        if let Some(kind) = judge(mesh, pair)
+                        if let Some(kind) = judge(mesh, stars, pair)
                             && !(kind == FindingKind::SelfTouch && explained(f, g))
                         {
                             found.push((kind, pair));
@@ -93,9 +104,15 @@ fn findings(mesh: &Mesh, mut found: Vec<(FindingKind, [FaceId; 2])>) -> Vec<Find
 }
 
 /// How two faces with area meet, apart from what they share by right.
-fn judge(mesh: &Mesh, [f, g]: [FaceId; 2]) -> Option<FindingKind> {
+fn judge(mesh: &Mesh, stars: &[Star], [f, g]: [FaceId; 2]) -> Option<FindingKind> {
+    let corners = mesh.corners(f);
+    let shared = shared_corners(corners, mesh.corners(g));
+    if let SharedCorners::One(i, _) | SharedCorners::More { shared: i, .. } = shared
+        && stars[corners[i].index()] == Star::Spread
+    {
+        return None;
+    }
     let (a, b) = (mesh.triangle(f), mesh.triangle(g));
-    let shared = shared_corners(mesh.corners(f), mesh.corners(g));
     match shared {
         SharedCorners::None => {
             let meeting = classify_triangles(&a, &b);
@@ -111,7 +128,7 @@ fn judge(mesh: &Mesh, [f, g]: [FaceId; 2]) -> Option<FindingKind> {
                 || classify_segment_triangle(&b_side, &a).meets();
             meet.then(|| kind_of(classify_triangles(&a, &b), &a, &b))
         }
-        SharedCorners::More(apex) => {
+        SharedCorners::More { apex, .. } => {
             if seen_beside(&a, &b, apex) {
                 return None;
             }
@@ -121,12 +138,12 @@ fn judge(mesh: &Mesh, [f, g]: [FaceId; 2]) -> Option<FindingKind> {
     }
 }
 
-/// The corners that two faces share: none, one (its place in each), or two and more (a corner of the
-/// second that is not shared, if any).
+/// The corners that two faces share: none, one (its place in each), or two and more (the place of one of
+/// them in the first, and of a corner of the second that is not shared, if any).
 enum SharedCorners {
     None,
     One(usize, usize),
-    More(usize),
+    More { shared: usize, apex: usize },
 }
 
 fn shared_corners(
@@ -146,9 +163,9 @@ fn shared_corners(
         }
     }
     match (count, place) {
+        (_, None) => SharedCorners::None,
         (1, Some((i, j))) => SharedCorners::One(i, j),
-        (0, _) => SharedCorners::None,
-        _ => SharedCorners::More(apex),
+        (_, Some((shared, _))) => SharedCorners::More { shared, apex },
     }
 }
 
@@ -213,7 +230,7 @@ fn wedge_parted(a: &[DVec2; 3], b: &[DVec2; 3]) -> bool {
     !turn.is_zero() && (beyond(a[0], a[1]) || beyond(a[2], a[0]))
 }
 
-fn without(p: DVec3, axis: usize) -> DVec2 {
+pub(super) fn without(p: DVec3, axis: usize) -> DVec2 {
     DVec2::new(p[(axis + 1) % 3], p[(axis + 2) % 3])
 }
 
@@ -254,7 +271,7 @@ mod tests {
         let vertices: Vec<DVec3> = vertices.iter().map(|&p| DVec3::from_array(p)).collect();
         let judged = |faces: [[u32; 3]; 2]| {
             let mesh = Mesh::new(vertices.clone(), faces.to_vec()).unwrap();
-            judge(&mesh, [FaceId(0), FaceId(1)])
+            judge(&mesh, &[Star::Torn; 9], [FaceId(0), FaceId(1)])
         };
         let [[a, b, c], [p, q, r]] = faces;
         let kind = judged(faces);
@@ -326,9 +343,10 @@ mod tests {
             faces.push([n, n + 1, n + 2]);
         }
         let mesh = Mesh::new(vertices, faces).unwrap();
+        let stars = [Star::Torn; 63];
         for leaf_size in [1, 3, 100] {
             let tree = FaceTree::of(&mesh, leaf_size);
-            let (found, scan) = meetings(&mesh, &tree, &[false; 21], |_, _| false);
+            let (found, scan) = meetings(&mesh, &tree, &stars, &[false; 21], |_, _| false);
             let pairs: Vec<_> = found.iter().map(|f| f.ids.clone()).collect();
             assert_eq!(pairs, (1..21).map(|i| vec![0, i]).collect::<Vec<_>>());
             assert_eq!(scan, MeetingScan::Complete);

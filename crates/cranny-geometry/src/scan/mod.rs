@@ -11,6 +11,7 @@ pub(crate) mod faces;
 mod meetings;
 mod row;
 pub(crate) mod shells;
+mod stars;
 
 use cranny_exact::{DVec3, Sign};
 
@@ -34,11 +35,12 @@ pub(crate) fn scan(
     let in_one_place = faces::coincident(mesh, topology);
     let t_vertices = cracks::t_vertices(mesh, topology, tree, weld_distance);
     let near = cracks::near(mesh, tree, weld_distance, |_| true);
+    let stars = stars::stars(mesh, topology);
 
     let mut findings = faces::thin(mesh, &without_area, weld_distance);
     findings.extend(faces::in_one_place(mesh, &in_one_place));
     findings.extend(edges::unsound(mesh, topology));
-    findings.extend(edges::pinched(mesh, topology));
+    findings.extend(edges::pinched(mesh, topology, &stars));
     findings.extend(cracks::t_vertex_findings(mesh, topology, &t_vertices));
     findings.extend(cracks::near_findings(mesh, &near));
     findings.extend(shell_findings(mesh, topology, tree));
@@ -55,7 +57,7 @@ pub(crate) fn scan(
             !reasons.is_empty() && (touches(f, g) || touches(g, f))
         };
         let found;
-        (found, meetings) = meetings::meetings(mesh, tree, &left_out, explained);
+        (found, meetings) = meetings::meetings(mesh, tree, &stars, &left_out, explained);
         findings.extend(found);
     }
     findings.extend(edges::flat(mesh, topology, &without_area));

@@ -1,0 +1,176 @@
+//! The faces around each vertex: whether they are one ring, and whether that ring lies spread out.
+
+use cranny_exact::{DVec2, DVec3, orient2d};
+
+use super::meetings::without;
+use crate::ids::{HalfEdgeId, VertexId};
+use crate::mesh::Mesh;
+use crate::topology::Topology;
+
+/// How the faces at a vertex hang together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Star {
+    /// Not in one ring of twins: at a boundary, in several fans, next to a collapsed face, or unused.
+    Torn,
+    /// In one ring of twins.
+    Ring,
+    /// In one ring that, seen along an axis, goes around the vertex once without turning back. Seen so,
+    /// the faces lie side by side: two of them share the side that they have in common, or else the
+    /// vertex, and nothing more.
+    Spread,
+}
+
+/// The stars of all vertices. O(n).
+pub(super) fn stars(mesh: &Mesh, topology: &Topology) -> Vec<Star> {
+    let mut ring = Vec::new();
+    let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+    let star = |vertex| match (walk(mesh, topology, vertex, &mut ring), &ring) {
+        (false, _) => Star::Torn,
+        (true, ring) if is_spread(mesh, vertex, ring) => Star::Spread,
+        (true, _) => Star::Ring,
+    };
+    vertices.map(star).collect()
+}
+
+/// Walks from twin to twin around a vertex, noting the far end of each side; whether it came around and
+/// passed all faces there. Collapsed faces are in no ring: the side from a vertex to itself has no twin.
+fn walk(mesh: &Mesh, topology: &Topology, vertex: VertexId, ends: &mut Vec<VertexId>) -> bool {
+    ends.clear();
+    let faces = topology.faces_at(vertex);
+    let Some(&face) = faces.first() else { return false };
+    let Some(corner) = mesh.corners(face).iter().position(|&v| v == vertex) else { return false };
+    let start = HalfEdgeId::of(face, corner);
+    let mut half_edge = start;
+    while ends.len() < faces.len() {
+        let next = half_edge.next();
+        ends.push(mesh.corners(next.face())[next.corner()]);
+        // The side that ends at the vertex; its twin starts there.
+        match topology.twin(next.next()) {
+            Some(twin) if twin == start => return ends.len() == faces.len(),
+            Some(twin) => half_edge = twin,
+            None => return false,
+        }
+    }
+    false
+}
+
+/// Whether a ring of neighbours, seen along the axis nearest its normal, goes around the vertex once, all
+/// faces turning alike. Exact.
+fn is_spread(mesh: &Mesh, vertex: VertexId, ring: &[VertexId]) -> bool {
+    let middle = mesh.position(vertex);
+    let sides = || {
+        let last = ring.last().map(|&v| mesh.position(v));
+        let ends = ring.iter().map(|&v| mesh.position(v));
+        ends.scan(last, |before, end| before.replace(end).map(|before| (before, end)))
+    };
+    let normal: DVec3 = sides().map(|(p, q)| (p - middle).cross(q - middle)).sum();
+    let axis = normal.abs().max_position();
+    let center = without(middle, axis);
+    // Below the vertex, or level with it and behind: half of all directions.
+    let is_below = |p: DVec2| p.y < center.y || (p.y == center.y && p.x < center.x);
+    let mut turn = None;
+    // Every face turns by less than half a revolution, so it passes from above to below no more often
+    // than the ring comes around.
+    let mut descents = 0;
+    for (p, q) in sides() {
+        let [p, q] = [p, q].map(|p| without(p, axis));
+        let sign = orient2d(center, p, q);
+        if sign.is_zero() || *turn.get_or_insert(sign) != sign {
+            return false;
+        }
+        descents += usize::from(!is_below(p) && is_below(q));
+    }
+    descents == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A closed umbrella: vertex 0 under the tip, a ring of others, and a last one far below.
+    fn umbrella(tip: [f64; 3], ring: &[[f64; 3]]) -> (Mesh, Topology) {
+        let mut vertices = vec![DVec3::from_array(tip)];
+        vertices.extend(ring.iter().map(|&p| DVec3::from_array(p)));
+        vertices.push(DVec3::new(0.0, 0.0, -9.0));
+        let (n, below) = (ring.len() as u32, ring.len() as u32 + 1);
+        let sides = (0..n).map(|i| (1 + i, 1 + (i + 1) % n));
+        let faces = sides.flat_map(|(p, q)| [[0, p, q], [below, q, p]]).collect();
+        let mesh = Mesh::new(vertices, faces).unwrap();
+        let topology = Topology::of(&mesh);
+        (mesh, topology)
+    }
+
+    fn star_of_tip(tip: [f64; 3], ring: &[[f64; 3]]) -> Star {
+        let turned = |axis: usize, p: [f64; 3]| [p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]];
+        let stars: Vec<Star> = (0..3)
+            .map(|axis| {
+                let ring: Vec<[f64; 3]> = ring.iter().map(|&p| turned(axis, p)).collect();
+                let (mesh, topology) = umbrella(turned(axis, tip), &ring);
+                stars(&mesh, &topology)[0]
+            })
+            .collect();
+        assert!(stars.iter().all(|&star| star == stars[0]), "{stars:?}");
+        stars[0]
+    }
+
+    const SQUARE: [[f64; 3]; 4] =
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]];
+
+    #[test]
+    fn tents_and_saddles_are_spread() {
+        assert_eq!(star_of_tip([0.0, 0.0, 1.0], &SQUARE), Star::Spread);
+        assert_eq!(star_of_tip([0.5, 0.25, 0.0], &SQUARE), Star::Spread);
+        let saddle = [0.5, -0.5, 0.5, -0.5];
+        let saddle: Vec<[f64; 3]> =
+            SQUARE.iter().zip(saddle).map(|(&[x, y, _], z)| [x, y, z]).collect();
+        assert_eq!(star_of_tip([0.0; 3], &saddle), Star::Spread);
+        let reversed: Vec<[f64; 3]> = SQUARE.iter().rev().copied().collect();
+        assert_eq!(star_of_tip([0.0, 0.0, 1.0], &reversed), Star::Spread);
+    }
+
+    #[test]
+    fn what_turns_back_or_stands_upright_is_not() {
+        // Off the square: two faces turn the other way.
+        assert_eq!(star_of_tip([2.0, 0.0, 0.1], &SQUARE), Star::Ring);
+        // Right above a side: one face stands upright.
+        assert_eq!(star_of_tip([0.5, 0.5, 1.0], &SQUARE), Star::Ring);
+    }
+
+    #[test]
+    fn what_goes_around_twice_is_not_spread_though_all_turn_alike() {
+        let twice: Vec<[f64; 3]> = SQUARE
+            .iter()
+            .chain(&SQUARE)
+            .zip(0..)
+            .map(|(&[x, y, _], i)| [x, y, f64::from(i) / 8.0])
+            .collect();
+        let (mesh, topology) = umbrella([0.0; 3], &twice);
+        let ring: Vec<VertexId> = (1..=8).map(VertexId).collect();
+        let turns = (0..8).map(|i| {
+            let [p, q] = [ring[i], ring[(i + 1) % 8]].map(|v| mesh.position(v).truncate());
+            orient2d(DVec2::ZERO, p, q).as_i8()
+        });
+        assert!(turns.clone().all(|turn| turn == 1));
+        assert_eq!(stars(&mesh, &topology)[0], Star::Ring);
+    }
+
+    #[test]
+    fn solids_that_share_a_corner_and_open_fans_are_torn() {
+        // Two closed tetrahedra, each a ring of three faces around vertex 0.
+        let sides: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let other = sides.map(|f| f.map(|v| if v == 0 { 0 } else { v + 3 }));
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
+        let vertices = [&[DVec3::ZERO], &corners[..], &corners.map(|p| -p)].concat();
+        let torn = |faces: Vec<[u32; 3]>| {
+            let mesh = Mesh::new(vertices.clone(), faces).unwrap();
+            stars(&mesh, &Topology::of(&mesh)).iter().map(|&star| star == Star::Torn).collect()
+        };
+        let of_pair: Vec<bool> = torn([sides, other].concat());
+        assert_eq!(of_pair, [true, false, false, false, false, false, false]);
+        let of_open: Vec<bool> = torn(sides[1..].to_vec());
+        assert_eq!(of_open, [true, true, true, false, true, true, true]);
+        // The side 0-0 of a collapsed face, between two others.
+        let with_collapsed = [&sides[..], &[[0, 0, 1]]].concat();
+        assert!(torn(with_collapsed)[0]);
+    }
+}
