@@ -64,7 +64,8 @@ impl Model {
     /// deformation keeps vertices, faces and edges as they are):
     ///
     /// - the hull has the same vertices and the same exact shape; its merged facets have the same vertices,
-    ///   and planes that agree to rounding. Within a facet it may be triangulated otherwise; triangles
+    ///   and planes that agree to rounding (where flatness is wide, from about a thousandth, facets that a
+    ///   rebuild would grow from another seed may be merged otherwise). Within a facet it may be triangulated otherwise; triangles
     ///   and facets may be numbered otherwise;
     /// - vertices, edges and faces are classified the same. A needle on the edge between two facets may
     ///   be counted to either;

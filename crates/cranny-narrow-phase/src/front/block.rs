@@ -36,6 +36,8 @@ pub(super) struct Block {
     balls: [Ball; 2],
     odometer: f64,
     last_step: f64,
+    /// The longest way of the last step on the one screw motion that all blocks share; infinite if unknown.
+    last_way: f64,
     least: f64,
     /// Entries when it was built.
     built: usize,
@@ -183,6 +185,7 @@ impl Block {
             roots,
             odometer: 0.0,
             last_step: 0.0,
+            last_way: 0.0,
             least: 0.0,
             built: entries.len(),
             worn: 0,
@@ -199,6 +202,11 @@ impl Block {
     pub(super) fn advance(&mut self, motion: Option<&Motion>) {
         self.last_step = match motion {
             Some(motion) => motion.step(&self.balls),
+            None => 0.0,
+        };
+        self.last_way = match motion.map(Motion::way_factor) {
+            Some(Some(factor)) => factor * self.last_step,
+            Some(None) => f64::INFINITY,
             None => 0.0,
         };
         if self.last_step > 0.0 {
@@ -265,8 +273,7 @@ impl Block {
             opening.split += kept.len() - before - 1;
             // Somewhere on the way, what was left before and what was found now may both be spent.
             let left_before = entry.key - (self.odometer - self.last_step);
-            opening.unbroken &=
-                left_before.max(0.0) + nearest > self.last_step + 4.0 * ground.error;
+            opening.unbroken &= left_before.max(0.0) + nearest > self.last_way + 4.0 * ground.error;
         }
         std::mem::swap(&mut self.entries, kept);
         self.worn += opening.tested;

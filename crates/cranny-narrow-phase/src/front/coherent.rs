@@ -7,8 +7,8 @@
 use cranny_exact::{Meeting, classify_triangles};
 use cranny_geometry::{FaceId, ModelTag};
 
-use super::Front;
 use super::quests::Meetings;
+use super::{Front, Quest};
 use crate::answer::{Counters, Surface};
 use crate::closest::{Closest, NearestFaces, search};
 use crate::containment::{Solidity, solidity};
@@ -104,6 +104,15 @@ impl Coherent {
         self.front.as_mut()
     }
 
+    /// Descends from the top and keeps where that ends, unless that is more than is worth keeping.
+    fn keep_front(&mut self, pair: &Pair, quest: &mut impl Quest, counters: &mut Counters) {
+        self.front = Front::of(pair, quest, counters);
+        self.advanced = true;
+        if self.front.is_none() && !quest.is_done() {
+            self.pace.outrun();
+        }
+    }
+
     /// The verdict on the surfaces, and what the verdict on the solids needs of the touching pairs.
     /// `build`: nothing finer will be asked, so a front may be built for it.
     pub(crate) fn verdict(
@@ -121,8 +130,7 @@ impl Coherent {
         let unbroken = if let Some(front) = self.ready(pair, 0.0, counters) {
             front.refresh(pair, &mut quest, counters)
         } else if build && !crossed && self.pace.allows_front() {
-            self.front = Front::of(pair, &mut quest, counters);
-            self.advanced = true;
+            self.keep_front(pair, &mut quest, counters);
             false
         } else {
             self.apart = None;
@@ -148,8 +156,7 @@ impl Coherent {
         let unbroken = if let Some(front) = self.ready(pair, 0.0, counters) {
             front.refresh(pair, &mut quest, counters)
         } else if self.pace.allows_front() {
-            self.front = Front::of(pair, &mut quest, counters);
-            self.advanced = true;
+            self.keep_front(pair, &mut quest, counters);
             false
         } else {
             self.apart = None;
@@ -191,8 +198,7 @@ impl Coherent {
         if let Some(front) = self.ready(pair, nearest.limit(), counters) {
             front.refresh(pair, &mut nearest, counters);
         } else if nearest.limit() < f64::INFINITY && self.pace.allows_front() {
-            self.front = Front::of(pair, &mut nearest, counters);
-            self.advanced = true;
+            self.keep_front(pair, &mut nearest, counters);
         } else {
             self.pace.asked = true;
             search(pair, &mut nearest, counters);
