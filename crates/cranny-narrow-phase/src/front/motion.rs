@@ -69,7 +69,7 @@ impl Motion {
     /// An arc of angle θ is longer than its chord by (θ/2) / sin(θ/2), and `stretch` is 2 sin(θ/2): the
     /// factor is below 1 + stretch² / 16 up to a stretch of 1 (a turn of 60 degrees), doubled here.
     pub(super) fn way_factor(&self) -> Option<f64> {
-        (self.stretch <= 1.0).then(|| 1.0 + 0.125 * self.stretch * self.stretch)
+        (self.stretch <= 1.0).then_some(1.0 + 0.125 * self.stretch * self.stretch)
     }
 
     /// No point of the balls, of the first body and of the second, has come nearer to the other body
