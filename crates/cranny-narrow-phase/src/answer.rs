@@ -155,6 +155,8 @@ pub struct Counters {
     pub triangle_tests: u64,
     /// Points classified against a solid.
     pub inside_tests: u64,
+    /// Pairs of hull features that a walk looked at; only levels below `Exact` walk.
+    pub hull_steps: u64,
     /// Pairs of nodes kept from the last query that had to be looked at again.
     pub front_tested: u64,
     /// Pairs of nodes that were added to what is kept, since others had come too near.
@@ -170,6 +172,7 @@ impl AddAssign for Counters {
         self.node_tests += other.node_tests;
         self.triangle_tests += other.triangle_tests;
         self.inside_tests += other.inside_tests;
+        self.hull_steps += other.hull_steps;
         self.front_tested += other.front_tested;
         self.front_split += other.front_split;
         self.front_rebuilt += other.front_rebuilt;

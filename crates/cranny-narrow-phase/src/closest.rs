@@ -81,7 +81,12 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         distance - self.error
     }
 
-    pub(crate) fn found(self) -> Option<Closest> {
+    /// The nearest faces that were measured.
+    pub(crate) fn faces(&self) -> Option<[FaceId; 2]> {
+        self.best.map(|(faces, _)| faces)
+    }
+
+    pub(crate) fn found(&self) -> Option<Closest> {
         let (faces, nearest) = self.best?;
         let feature = |side: Side| {
             let i = side.index();

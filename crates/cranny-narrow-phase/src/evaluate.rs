@@ -71,7 +71,7 @@ pub(crate) fn accepted<'a>(a: Placed<'a>, b: Placed<'a>) -> Result<[Placed<'a>; 
     Ok([at(a, 'A')?, at(b, 'B')?])
 }
 
-fn check_lengths(demand: &Demand) -> Result<(), QueryError> {
+pub(crate) fn check_lengths(demand: &Demand) -> Result<(), QueryError> {
     let (what, value) = match *demand {
         Demand::Distance { below: Some(value) } => ("below", value),
         Demand::Contacts { margin } | Demand::Regions { margin } => ("margin", margin),
@@ -225,7 +225,7 @@ fn measure(
 }
 
 /// A common point of two faces that meet: an end of their intersection, or a corner of their overlap.
-fn meeting_witnesses(pair: &Pair, p: &FacePair) -> [Witness; 2] {
+pub(crate) fn meeting_witnesses(pair: &Pair, p: &FacePair) -> [Witness; 2] {
     let intersection = crate::intersection::intersect(pair, std::slice::from_ref(p));
     let (point, features) = match intersection.nodes.first() {
         Some(node) => (node.point, node.features),

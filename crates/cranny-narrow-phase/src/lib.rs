@@ -25,7 +25,8 @@
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
-//! [`walk`] follows the closest features of two convex hulls from frame to frame.
+//! [`walk`] follows the closest features of two convex hulls from frame to frame. `levels` tells what is
+//! certain of a pair when only so much may be spent on it: [`estimate`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -56,6 +57,7 @@ mod front;
 mod impact;
 mod inside;
 mod intersection;
+mod levels;
 mod memory;
 mod near;
 mod pair;
@@ -78,6 +80,7 @@ pub use impact::{
     Hit, Impact, ImpactCounters, ImpactError, ImpactOptions, LinearImpact, LinearLimits, MAX_TURN,
     Motion, Moving, linear_edge_edge, linear_vertex_face, time_of_impact,
 };
+pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
 pub use query::{Demand, Placed, Query};
 pub use reduce::reduce as reduce_contacts;

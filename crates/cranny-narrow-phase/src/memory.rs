@@ -2,6 +2,7 @@
 
 use crate::contacts::ContactMemory;
 use crate::front::coherent::Coherent;
+use crate::levels::Carried;
 use crate::pair::PosedVertices;
 
 /// Memory of one pair. Dropping it costs time, never a different answer.
@@ -14,13 +15,15 @@ pub struct PairMemory {
     pub(crate) posed: PosedVertices,
     pub(crate) contacts: ContactMemory,
     pub(crate) coherent: Coherent,
+    pub(crate) levels: Option<Box<Carried>>,
 }
 
 impl PairMemory {
     /// Heap bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.posed.bytes() + self.contacts.bytes() + self.coherent.bytes()
+        let levels = self.levels.as_ref().map_or(0, |carried| carried.bytes());
+        self.posed.bytes() + self.contacts.bytes() + self.coherent.bytes() + levels
     }
 
     /// Forgets everything.

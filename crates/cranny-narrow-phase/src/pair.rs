@@ -218,6 +218,11 @@ impl<'a> Pair<'a> {
         self.world_from_first.apply(p)
     }
 
+    /// The box of a box of the pair's frame in world coordinates, rounded outward.
+    pub(crate) fn world_bounds(&self, bounds: &Aabb) -> Aabb {
+        self.world_from_first.bounds(bounds)
+    }
+
     pub(crate) fn world_vector(&self, v: DVec3) -> DVec3 {
         self.world_from_first.apply_vector(v)
     }

@@ -18,7 +18,7 @@ use crate::descent::{BoxTest, Opened, opened};
 pub(super) const CAPACITY: usize = 64;
 
 /// A pair of nodes: one of the first tree, one of the second.
-pub(super) type Nodes = [u32; 2];
+pub(crate) type Nodes = [u32; 2];
 
 /// A pair of nodes that is not opened further.
 #[derive(Clone, Copy, Debug)]
@@ -55,11 +55,11 @@ pub(super) struct Opening {
 }
 
 /// The trees of a pair and the test of their boxes.
-pub(super) struct Ground<'a> {
-    pub(super) trees: [&'a FaceTree; 2],
-    pub(super) boxes: BoxTest,
+pub(crate) struct Ground<'a> {
+    pub(crate) trees: [&'a FaceTree; 2],
+    pub(crate) boxes: BoxTest,
     /// What posing may have eaten of any slack.
-    pub(super) error: f64,
+    pub(crate) error: f64,
 }
 
 impl Ground<'_> {

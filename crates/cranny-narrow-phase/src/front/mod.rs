@@ -17,14 +17,16 @@
 
 mod block;
 pub(crate) mod coherent;
-mod motion;
+pub(crate) mod motion;
 mod quests;
 
 use cranny_exact::RigidMap;
 use cranny_geometry::FaceId;
 
-use self::block::{Block, Entry, Ground, build};
+use self::block::{Block, Entry, build};
+pub(crate) use self::block::{Ground, Nodes};
 use self::motion::Motion;
+pub(crate) use self::quests::gap_along_normals;
 use crate::answer::Counters;
 use crate::descent::BoxTest;
 use crate::pair::{Pair, Side};
@@ -62,7 +64,7 @@ pub(crate) struct Front {
     entries: usize,
 }
 
-fn ground<'a>(pair: &Pair<'a>) -> Ground<'a> {
+pub(crate) fn ground<'a>(pair: &Pair<'a>) -> Ground<'a> {
     Ground {
         trees: Side::BOTH.map(|side| pair.model(side).tree()),
         boxes: BoxTest::of(pair),

@@ -20,21 +20,21 @@ const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
 
 /// What lies within a distance of a point of a body's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
-    pub(super) center: DVec3,
-    pub(super) radius: f64,
+pub(crate) struct Ball {
+    pub(crate) center: DVec3,
+    pub(crate) radius: f64,
 }
 
 impl Ball {
     /// Around a box; its roundings are part of the step's error.
-    pub(super) fn around(bounds: &Aabb) -> Self {
+    pub(crate) fn around(bounds: &Aabb) -> Self {
         Self { center: bounds.center(), radius: 0.5 * bounds.diagonal() }
     }
 }
 
 /// The motion of a pair from one query to the next.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
+pub(crate) struct Motion {
     turn: DMat3,
     shift: DVec3,
     stretch: f64,
@@ -44,7 +44,7 @@ pub(super) struct Motion {
 
 impl Motion {
     /// From the relative pose `before` to that of the pair; `None` where they are the same.
-    pub(super) fn since(before: &RigidMap, pair: &Pair) -> Option<Self> {
+    pub(crate) fn since(before: &RigidMap, pair: &Pair) -> Option<Self> {
         let now = pair.first_from_second;
         if *before == now {
             return None;
@@ -68,13 +68,13 @@ impl Motion {
     ///
     /// An arc of angle θ is longer than its chord by (θ/2) / sin(θ/2), and `stretch` is 2 sin(θ/2): the
     /// factor is below 1 + stretch² / 16 up to a stretch of 1 (a turn of 60 degrees), doubled here.
-    pub(super) fn way_factor(&self) -> Option<f64> {
+    pub(crate) fn way_factor(&self) -> Option<f64> {
         (self.stretch <= 1.0).then_some(1.0 + 0.125 * self.stretch * self.stretch)
     }
 
     /// No point of the balls, of the first body and of the second, has come nearer to the other body
     /// by more than this.
-    pub(super) fn step(&self, balls: &[Ball; 2]) -> f64 {
+    pub(crate) fn step(&self, balls: &[Ball; 2]) -> f64 {
         let length = |ball: &Ball, center: DVec3| {
             (self.turn * center + self.shift).length() + self.stretch * ball.radius
         };

@@ -66,7 +66,7 @@ impl Quest for Meetings<'_, '_> {
 }
 
 /// How far apart two triangles are along the normal of either; 0 or less if they overlap along both.
-fn gap_along_normals(triangles: &[[DVec3; 3]; 2]) -> f64 {
+pub(crate) fn gap_along_normals(triangles: &[[DVec3; 3]; 2]) -> f64 {
     let along = triangles.iter().map(|[a, b, c]| {
         let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
         let [first, second] = triangles.map(|t| t.map(|p| normal.dot(p)));

@@ -170,6 +170,17 @@ impl FeatureGraph {
         Some([h.facet()?, twin.facet()?])
     }
 
+    /// Heap bytes held.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.half_edges.as_slice())
+            + size_of_val(self.facets.as_slice())
+            + size_of_val(self.rim.as_slice())
+            + size_of_val(self.fan_starts.as_slice())
+            + size_of_val(self.fans.as_slice())
+            + size_of_val(self.rim_starts.as_slice())
+    }
+
     /// Every feature: vertices, then edges, then facets, by id. Vertices that the merged layer leaves out
     /// are among them.
     pub fn features(&self) -> impl Iterator<Item = HullFeature> {

@@ -22,7 +22,7 @@ fn bodies() -> Vec<(&'static str, Model)> {
     ]
 }
 
-fn direction(rng: &mut Rng) -> DVec3 {
+pub(crate) fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = DVec3::new(rng.unit(), rng.unit(), rng.unit());
         if (0.01..=1.0).contains(&v.length_squared()) {
@@ -32,14 +32,14 @@ fn direction(rng: &mut Rng) -> DVec3 {
 }
 
 /// A walk that keeps near the first body: it drifts, turns, rests, turns back and jumps.
-struct Walk {
-    pose: Pose,
+pub(crate) struct Walk {
+    pub(crate) pose: Pose,
     drift: DVec3,
     spin: DQuat,
 }
 
 impl Walk {
-    fn new(rng: &mut Rng, reach: f64) -> Self {
+    pub(crate) fn new(rng: &mut Rng, reach: f64) -> Self {
         let far = [0.05, 0.5, 0.8, 0.8][rng.below(4)] * reach;
         let pose = Pose { rotation: DQuat::IDENTITY, translation: far * direction(rng) };
         let mut walk = Self { pose, drift: DVec3::ZERO, spin: DQuat::IDENTITY };
@@ -55,7 +55,7 @@ impl Walk {
         self.spin = DQuat::from_axis_angle(direction(rng), pace);
     }
 
-    fn step(&mut self, rng: &mut Rng, reach: f64) {
+    pub(crate) fn step(&mut self, rng: &mut Rng, reach: f64) {
         match rng.below(40) {
             0 => *self = Self::new(rng, reach),
             1 => (self.drift, self.spin) = (-self.drift, self.spin.conjugate()),

@@ -11,6 +11,7 @@ mod gaps;
 mod impact;
 mod impact_linear;
 mod impact_sampled;
+mod levels;
 mod measure;
 mod regions;
 mod rounded;

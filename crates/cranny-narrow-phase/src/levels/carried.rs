@@ -1,0 +1,83 @@
+//! What estimates of a pair leave for the next one.
+
+use std::sync::Arc;
+
+use cranny_exact::{Interval, RigidMap};
+use cranny_geometry::{FaceId, ModelTag};
+
+use super::convex_nodes::ConvexNodes;
+use super::hull_gap::HullWalk;
+use super::refinement::Refinement;
+use crate::containment::Solidity;
+use crate::front::motion::{Ball, Motion};
+use crate::pair::{Pair, Side};
+
+/// Memory of a pair, as far as estimates are concerned. Bounds that were certain stay so: motion widens
+/// them by as much as it may have changed.
+#[derive(Clone, Debug)]
+pub(crate) struct Carried {
+    /// Whose nodes and faces are meant.
+    models: [ModelTag; 2],
+    /// The relative pose up to which motion is counted.
+    map: RigidMap,
+    pub(super) refinement: Refinement,
+    /// Holds the distance of the surfaces.
+    pub(super) distance: Interval,
+    /// What lies inside what, where the surfaces were certainly apart.
+    pub(super) apart: Option<Solidity>,
+    /// Faces that met last, or were nearest.
+    pub(super) faces: Option<[FaceId; 2]>,
+    pub(super) hulls: HullWalk,
+    pub(super) convex: Option<[Arc<ConvexNodes>; 2]>,
+}
+
+impl Carried {
+    fn new(pair: &Pair) -> Self {
+        Self {
+            models: Side::BOTH.map(|side| ModelTag::of(pair.model(side))),
+            map: pair.first_from_second,
+            refinement: Refinement::default(),
+            distance: Interval { lo: 0.0, hi: f64::INFINITY },
+            apart: None,
+            faces: None,
+            hulls: HullWalk::default(),
+            convex: None,
+        }
+    }
+
+    /// What is known of this pair at its pose.
+    pub(super) fn at<'c>(slot: &'c mut Option<Box<Self>>, pair: &Pair) -> &'c mut Self {
+        let same = |carried: &Self| {
+            Side::BOTH.iter().zip(&carried.models).all(|(&side, tag)| tag.is_of(pair.model(side)))
+        };
+        if !slot.as_ref().is_some_and(|carried| same(carried)) {
+            *slot = None;
+        }
+        let carried = slot.get_or_insert_with(|| Box::new(Self::new(pair)));
+        carried.advance(pair);
+        carried
+    }
+
+    fn advance(&mut self, pair: &Pair) {
+        let Some(motion) = Motion::since(&self.map, pair) else { return };
+        self.map = pair.first_from_second;
+        let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
+        let step = motion.step(&balls);
+        let Interval { lo, hi } = self.distance;
+        // On the way of the screw that joins the poses, surfaces that do not meet change no containment.
+        let way = motion.way_factor().map_or(f64::INFINITY, |factor| factor * step);
+        self.apart = self.apart.filter(|_| lo > way + 4.0 * pair.culling_error());
+        let lo = (lo - step).next_down().max(0.0);
+        self.distance = Interval { lo, hi: (hi + step).next_up() };
+        self.refinement.advance(step);
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        let convex = match &self.convex {
+            Some([a, b]) if Arc::ptr_eq(a, b) => a.bytes(),
+            Some([a, b]) => a.bytes() + b.bytes(),
+            None => 0,
+        };
+        size_of::<Self>() + self.refinement.bytes() + self.hulls.bytes() + convex
+    }
+}

@@ -1,0 +1,72 @@
+//! Which nodes of a body's tree hold faces on the hull.
+
+use std::sync::Arc;
+
+use cranny_geometry::{Content, FaceTree, Features, Model};
+
+use crate::pair::{Pair, Side};
+
+/// A bit for each node of a tree.
+#[derive(Clone, Debug)]
+pub(super) struct ConvexNodes(Vec<u64>);
+
+impl ConvexNodes {
+    /// Of both bodies of a pair; once for two bodies of one model. Linear.
+    pub(super) fn of_pair(pair: &Pair) -> [Arc<Self>; 2] {
+        let [a, b] = Side::BOTH.map(|side| pair.model(side));
+        let of = |m: &Model| Arc::new(Self::of(m.tree(), m.features()));
+        let first = of(a);
+        let second = if a.is_same(b) { Arc::clone(&first) } else { of(b) };
+        [first, second]
+    }
+
+    fn of(tree: &FaceTree, features: &Features) -> Self {
+        let mut nodes = Self(vec![0; tree.nodes().len().div_ceil(64)]);
+        // Children stand behind their parents.
+        for node in (0..tree.nodes().len() as u32).rev() {
+            let holds = match tree.content(node) {
+                Content::Inner { left, right } => nodes.has(left) || nodes.has(right),
+                Content::Leaf { .. } => {
+                    tree.leaf_faces(node).iter().any(|&f| features.is_convex(f))
+                }
+            };
+            nodes.0[node as usize / 64] |= u64::from(holds) << (node % 64);
+        }
+        nodes
+    }
+
+    pub(super) fn has(&self, node: u32) -> bool {
+        self.0[node as usize / 64] >> (node % 64) & 1 != 0
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.0.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_exact::DVec3;
+    use cranny_geometry::{BuildOptions, Mesh};
+
+    use super::*;
+
+    #[test]
+    fn a_node_holds_a_face_on_the_hull_if_one_beneath_it_does() {
+        // A tetrahedron, and a small one in its middle.
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let small = corners.map(|p| 0.1 * p + DVec3::splat(0.2));
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let inner = faces.map(|face| face.map(|v| v + 4));
+        let mesh = Mesh::new([corners, small].concat(), [faces, inner].concat()).unwrap();
+        let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        let (tree, features) = (model.tree(), model.features());
+        let nodes = ConvexNodes::of(tree, features);
+        for node in 0..tree.nodes().len() as u32 {
+            let mut holds = false;
+            tree.visit_from(node, |_| true, |f| holds |= f.0 < 4);
+            assert_eq!(nodes.has(node), holds, "{node}");
+        }
+        assert!(nodes.has(0) && (0..tree.nodes().len() as u32).any(|node| !nodes.has(node)));
+    }
+}
