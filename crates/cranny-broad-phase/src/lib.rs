@@ -23,8 +23,10 @@
 //! # Back ends
 //!
 //! [`SweepAndPrune`] costs about the number of moved boxes plus the number of end points that pass
-//! each other: best when few boxes move. The trait is the place for others; every back end must pass
-//! the conformance suite in `tests/conformance.rs`, pair for pair.
+//! each other: best when few boxes move. [`BoxTree`] costs about the number of boxes, however they
+//! move: best when many do. [`AdaptiveBroadPhase`] is the one or the other, by the swaps it counts.
+//! All three tell the same pairs and events; every back end must pass the conformance suite in
+//! `tests/conformance.rs`, pair for pair.
 //!
 //! ```
 //! use cranny_broad_phase::{BroadPhase, Motion, OverlapEvent, ProxyId, SweepAndPrune};
@@ -46,11 +48,19 @@
 //! # Ok::<(), cranny_broad_phase::BroadPhaseError>(())
 //! ```
 
+mod adaptive;
+mod box_tree;
 mod error;
+mod index;
+mod keeper;
 mod pairs;
+mod slots;
 mod sweep_and_prune;
 
+pub use adaptive::AdaptiveBroadPhase;
+pub use box_tree::BoxTree;
 pub use error::{BroadPhaseError, InvariantError};
+pub use keeper::PairKeeper;
 pub use sweep_and_prune::SweepAndPrune;
 
 use cranny_exact::Aabb;
@@ -109,8 +119,10 @@ pub struct BroadPhaseCounters {
     pub swaps: u64,
     /// Tests of one box against another.
     pub box_tests: u64,
-    /// 1 if motion was so large that everything was sorted anew, else 0.
+    /// 1 if everything was sorted, or the tree built, anew, else 0.
     pub rebuilds: u64,
+    /// 1 if a tree of boxes answered, or answers from the next update on; else 0.
+    pub tree: u64,
 }
 
 /// Finds overlapping pairs of boxes and keeps them from frame to frame.

@@ -20,7 +20,7 @@ fn unpack(pair: u64) -> OverlapPair {
 /// Pairs in a sorted array: iteration is in order by nature, and an update costs one merge, which
 /// copies whole runs between the few places that change.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PairSet {
+pub struct PairSet {
     pairs: Vec<OverlapPair>,
     spare: Vec<OverlapPair>,
 }

@@ -1,7 +1,8 @@
 //! What every back end must do, checked against brute force after every update.
 
 use cranny_broad_phase::{
-    BroadPhase, BroadPhaseError, Motion, OverlapEvent, OverlapPair, ProxyId, SweepAndPrune,
+    AdaptiveBroadPhase, BoxTree, BroadPhase, BroadPhaseError, Motion, OverlapEvent, OverlapPair,
+    ProxyId, SweepAndPrune,
 };
 use cranny_exact::{Aabb, DVec3};
 use proptest::prelude::*;
@@ -172,11 +173,15 @@ proptest! {
     #[test]
     fn any_calls_on_a_lattice_agree_with_brute_force(steps in steps(lattice_box().boxed())) {
         run::<SweepAndPrune>(&steps);
+        run::<BoxTree>(&steps);
+        run::<AdaptiveBroadPhase>(&steps);
     }
 
     #[test]
     fn any_calls_with_faces_ulps_apart_agree_with_brute_force(steps in steps(nasty_box().boxed())) {
         run::<SweepAndPrune>(&steps);
+        run::<BoxTree>(&steps);
+        run::<AdaptiveBroadPhase>(&steps);
     }
 }
 
@@ -206,7 +211,7 @@ fn shifted(aabb: Aabb, by: DVec3) -> Aabb {
 }
 
 /// 300 unit cubes in a space where each meets a few others, a third of them stationary.
-fn populated(random: &mut Lcg) -> Twins<SweepAndPrune> {
+fn populated<B: BroadPhase + Default>(random: &mut Lcg) -> Twins<B> {
     let mut twins = Twins::new();
     for id in 0..300 {
         let motion = if id % 3 == 0 { Motion::Stationary } else { Motion::Moving };
@@ -219,7 +224,7 @@ fn populated(random: &mut Lcg) -> Twins<SweepAndPrune> {
 #[test]
 fn small_random_motion_over_many_frames() {
     let mut random = Lcg(1);
-    let mut twins = populated(&mut random);
+    let mut twins = populated::<SweepAndPrune>(&mut random);
     let mut events = 0;
     for frame in 0..150 {
         let everyone = frame % 2 == 0;
@@ -238,7 +243,7 @@ fn small_random_motion_over_many_frames() {
 
 #[test]
 fn moving_together_swaps_nothing_and_tests_nothing() {
-    let mut twins = populated(&mut Lcg(2));
+    let mut twins = populated::<SweepAndPrune>(&mut Lcg(2));
     let ids: Vec<_> = twins.oracle.boxes.iter().map(|(&id, &(aabb, _))| (id, aabb)).collect();
     // A power of two above every coordinate, so that the sums keep order, ties included.
     for (id, aabb) in ids {
@@ -253,7 +258,7 @@ fn moving_together_swaps_nothing_and_tests_nothing() {
 #[test]
 fn a_world_that_teleports_is_sorted_anew() {
     let mut random = Lcg(3);
-    let mut twins = populated(&mut random);
+    let mut twins = populated::<SweepAndPrune>(&mut random);
     let ids: Vec<_> = twins.oracle.boxes.keys().copied().collect();
     // One that crosses the world is insertion-sorted ...
     twins.set_box(ids[7].0, shifted(random.cube(8.0), DVec3::splat(100.0)));
@@ -270,8 +275,14 @@ fn a_world_that_teleports_is_sorted_anew() {
 
 #[test]
 fn bulk_insertion_removal_and_waking() {
+    come_go_and_wake::<SweepAndPrune>();
+    come_go_and_wake::<BoxTree>();
+    come_go_and_wake::<AdaptiveBroadPhase>();
+}
+
+fn come_go_and_wake<B: BroadPhase + Default>() {
     let mut random = Lcg(4);
-    let mut twins = populated(&mut random);
+    let mut twins = populated::<B>(&mut random);
     for id in 0..300 {
         match id % 5 {
             0 => twins.remove(id * 17),
@@ -292,8 +303,13 @@ fn bulk_insertion_removal_and_waking() {
 
 #[test]
 fn a_proxy_replaced_under_its_id_is_compared_by_id() {
+    replace_one::<SweepAndPrune>();
+    replace_one::<BoxTree>();
+}
+
+fn replace_one<B: BroadPhase + Default>() {
     let cube = |x: f64| Aabb { min: DVec3::splat(x), max: DVec3::splat(x + 1.0) };
-    let mut twins = Twins::<SweepAndPrune>::new();
+    let mut twins = Twins::<B>::new();
     for id in 0..3 {
         twins.insert(id, cube(f64::from(id)), Motion::Moving);
     }
@@ -305,7 +321,7 @@ fn a_proxy_replaced_under_its_id_is_compared_by_id() {
 
 #[test]
 fn boxes_that_stand_still_are_not_touched() {
-    let mut twins = populated(&mut Lcg(5));
+    let mut twins = populated::<SweepAndPrune>(&mut Lcg(5));
     let ids: Vec<_> = twins.oracle.boxes.iter().map(|(&id, &(aabb, _))| (id, aabb)).collect();
     for (id, aabb) in ids {
         twins.set_box(id.0, aabb);
@@ -328,4 +344,83 @@ fn bad_boxes_are_refused_and_the_old_box_stays() {
     broad.insert(id, good, Motion::Moving).expect("a box");
     assert!(matches!(broad.set_box(id, Aabb::EMPTY), Err(BroadPhaseError::EmptyBox { .. })));
     assert_eq!(broad.aabb(id), Some(good));
+}
+
+/// Everybody shifts by up to `step` along each axis, at random.
+fn shift_all<B: BroadPhase + Default>(twins: &mut Twins<B>, random: &mut Lcg, step: f64) {
+    let boxes: Vec<_> = twins.oracle.boxes.iter().map(|(&id, &(aabb, _))| (id, aabb)).collect();
+    for (id, aabb) in boxes {
+        let by = random.point(2.0 * step) - DVec3::splat(step);
+        twins.set_box(id.0, shifted(aabb, by));
+    }
+}
+
+#[test]
+fn a_tree_is_looked_at_only_where_boxes_leave_their_room() {
+    let mut random = Lcg(6);
+    let mut twins = populated::<BoxTree>(&mut random);
+    assert_eq!(twins.tested.counters().rebuilds, 1);
+    let mut rebuilds = 0;
+    for _ in 0..100 {
+        shift_all(&mut twins, &mut random, 0.005);
+        twins.update();
+        let counters = twins.tested.counters();
+        assert!(counters.box_tests < 4_000, "{counters:?}");
+        rebuilds += counters.rebuilds;
+    }
+    assert!((1..10).contains(&rebuilds), "{rebuilds} rebuilds");
+}
+
+#[test]
+fn a_tree_follows_teleports_infinite_boxes_and_coincident_ones() {
+    let mut random = Lcg(7);
+    let mut twins = populated::<BoxTree>(&mut random);
+    let half_space = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::new(9.0, 4.0, 9.0) };
+    twins.insert(1, half_space, Motion::Stationary);
+    let far = Aabb { min: DVec3::splat(1e300), max: DVec3::splat(2e300) };
+    twins.insert(2, far, Motion::Moving);
+    twins.insert(3, shifted(far, DVec3::splat(1.5e300)), Motion::Moving);
+    assert!(twins.update().len() > 50);
+    for _ in 0..5 {
+        shift_all(&mut twins, &mut random, 20.0);
+        twins.update();
+    }
+    for id in 0..300 {
+        twins.set_box(id * 17, shifted(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, DVec3::ONE));
+    }
+    assert!(twins.update().len() > 10_000, "all meet all");
+    for _ in 0..3 {
+        shift_all(&mut twins, &mut random, 0.001);
+        twins.update();
+    }
+}
+
+#[test]
+fn the_adaptive_one_takes_the_tree_while_much_moves_far_and_gives_it_back() {
+    let mut random = Lcg(8);
+    let mut twins = populated::<AdaptiveBroadPhase>(&mut random);
+    let mut changes = Vec::new();
+    for frame in 0..120 {
+        // 40 updates each of small steps, large ones, and small ones again.
+        let step = if frame / 40 == 1 { 0.1 } else { 0.001 };
+        shift_all(&mut twins, &mut random, step);
+        twins.update();
+        let tree = twins.tested.counters().tree == 1;
+        if changes.last().map_or(tree, |&(_, last)| last != tree) {
+            changes.push((frame, tree));
+        }
+    }
+    let [(up, true), (down, false)] = changes[..] else { panic!("{changes:?}") };
+    assert!((41..60).contains(&up) && (81..100).contains(&down), "{changes:?}");
+}
+
+#[test]
+fn one_jolt_does_not_change_the_index() {
+    let mut random = Lcg(9);
+    let mut twins = populated::<AdaptiveBroadPhase>(&mut random);
+    for frame in 0..60 {
+        shift_all(&mut twins, &mut random, if frame % 6 == 0 { 1.0 } else { 0.001 });
+        twins.update();
+        assert_eq!(twins.tested.counters().tree, 0);
+    }
 }

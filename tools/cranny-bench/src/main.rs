@@ -8,6 +8,7 @@
 //! cargo run --release -p cranny-bench -- hulls --quick
 //! ```
 
+mod broad;
 mod cloud;
 mod hulls;
 mod pairs;
@@ -61,6 +62,8 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
+    /// Overlapping boxes in motion, against parry's `Bvh`
+    Broad,
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
     /// Kinds of box trees by what they open; patches; envelopes beside a box tree
@@ -82,6 +85,7 @@ fn main() -> ExitCode {
         Command::Support => support::measure(cli.quick),
         Command::Walk => walk::measure(cli.quick),
         Command::Pairs { only } => pairs::measure(cli.quick, only),
+        Command::Broad => broad::measure(cli.quick),
         Command::Prepare => prepare::measure(cli.quick),
         Command::Trees => trees::measure(cli.quick),
     };

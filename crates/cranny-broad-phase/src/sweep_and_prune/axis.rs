@@ -1,7 +1,7 @@
 //! One axis: the end points of all boxes along it, kept sorted by insertion sort.
 
-use super::slots::Slot;
 use crate::InvariantError;
+use crate::slots::Slot;
 
 /// One end of a box along an axis: `2 * slot`, plus 1 for the upper end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

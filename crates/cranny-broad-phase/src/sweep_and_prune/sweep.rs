@@ -1,7 +1,7 @@
 //! Finding the pairs of boxes that have just come: one walk along a sorted axis.
 
 use super::axis::{Axis, End};
-use super::slots::{Slot, Slots};
+use crate::slots::{Slot, Slots};
 use cranny_exact::{Aabb, DVec3};
 
 /// The faces of a box along the two axes that are not walked, side by side for fast scanning.

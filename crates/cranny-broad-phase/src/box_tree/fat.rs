@@ -1,0 +1,105 @@
+//! Fat boxes: a body's box in single precision, rounded outward, with room to move in.
+
+use cranny_exact::{Aabb, DVec3};
+use parry3d::bounding_volume::Aabb as FatBox;
+use parry3d::math::Vector;
+
+/// Coordinates are cut to this size. The cut keeps their order, so what overlaps still does; beyond it,
+/// products of three of the tree's extents would overflow single precision. Boxes that are farther out
+/// than this are candidates of each other.
+const FARTHEST: f64 = (1u64 << 40) as f64;
+
+/// For how many updates like the last one the room should last. Smaller: boxes leave it often, and
+/// each time are searched for anew; larger: more pairs of boxes are looked at for nothing. The table in
+/// the crate's README has both ends.
+const UPDATES: f64 = 16.0;
+
+/// The most room, as a share of the box's largest extent. Larger, and what is fast is near everything.
+const LARGEST_SHARE: f64 = 0.25;
+
+/// The least room of what has moved or may, as such a share: single precision alone gives none.
+const LEAST_SHARE: f64 = 1.0 / 64.0;
+
+/// The smallest box in single precision around another.
+pub(super) fn rounded(aabb: &Aabb) -> FatBox {
+    FatBox {
+        mins: vector(aabb.min.to_array().map(below)),
+        maxs: vector(aabb.max.to_array().map(above)),
+    }
+}
+
+/// A box with room for a body whose box was `before` and is `now`.
+pub(super) fn fattened(before: &Aabb, now: &Aabb) -> FatBox {
+    let step = (now.min - before.min).abs().max((now.max - before.max).abs()).max_element();
+    let size = (now.max - now.min).max_element();
+    // Infinite faces have no room and need none.
+    let [step, size] = [step, size].map(|x| if x.is_finite() { x } else { 0.0 });
+    let room = (UPDATES * step).clamp(LEAST_SHARE * size, LARGEST_SHARE * size).max(step);
+    let room = DVec3::splat(room);
+    rounded(&Aabb { min: now.min - room, max: now.max + room })
+}
+
+/// Whether the first box holds the second.
+pub(super) fn holds(outer: &FatBox, inner: &FatBox) -> bool {
+    outer.mins.cmple(inner.mins).all() && outer.maxs.cmpge(inner.maxs).all()
+}
+
+fn vector([x, y, z]: [f32; 3]) -> Vector {
+    Vector::new(x, y, z)
+}
+
+/// The largest number of single precision that is not above `x`, which is cut first.
+fn below(x: f64) -> f32 {
+    let cut = x.clamp(-FARTHEST, FARTHEST);
+    let near = cut as f32;
+    if f64::from(near) > cut { near.next_down() } else { near }
+}
+
+fn above(x: f64) -> f32 {
+    -below(-x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_goes_outward_and_keeps_what_fits() {
+        let third = 1.0 / 3.0;
+        assert!(f64::from(below(third)) < third && third < f64::from(above(third)));
+        assert_eq!(above(third), below(third).next_up());
+        assert_eq!([below(0.5), above(0.5), below(-0.0), above(0.0)], [0.5, 0.5, 0.0, 0.0]);
+        // Subnormal numbers of double precision round to zero or the least of single precision.
+        let tiny = f64::MIN_POSITIVE;
+        assert_eq!([below(tiny), above(-tiny)], [0.0, 0.0]);
+        assert!(above(tiny) > 0.0 && below(-tiny) < 0.0);
+    }
+
+    #[test]
+    fn what_is_too_far_out_is_cut_in_order() {
+        let limit = FARTHEST as f32;
+        assert_eq!([below(f64::INFINITY), above(1e300)], [limit, limit]);
+        assert_eq!([below(f64::NEG_INFINITY), above(-1e300)], [-limit, -limit]);
+    }
+
+    #[test]
+    fn room_follows_the_speed_between_its_bounds() {
+        let cube = |x: f64| Aabb { min: DVec3::splat(x), max: DVec3::splat(x + 1.0) };
+        let room = |step: f64| -f64::from(fattened(&cube(-step), &cube(0.0)).mins.x);
+        assert_eq!(room(0.0), LEAST_SHARE);
+        assert_eq!(room(1.0 / 128.0), 16.0 / 128.0);
+        assert_eq!(room(0.125), LARGEST_SHARE);
+        assert_eq!(room(8.0), 8.0);
+        let half_space = Aabb { min: DVec3::NEG_INFINITY, max: DVec3::new(1.0, 1.0, 0.0) };
+        assert_eq!(fattened(&half_space, &half_space), rounded(&half_space));
+    }
+
+    #[test]
+    fn a_fat_box_holds_its_box_and_not_one_beyond() {
+        let cube = |x: f64| Aabb { min: DVec3::splat(x), max: DVec3::splat(x + 1.0) };
+        let fat = fattened(&cube(0.0), &cube(0.0));
+        assert!(holds(&fat, &rounded(&cube(LEAST_SHARE))));
+        assert!(!holds(&fat, &rounded(&cube(LEAST_SHARE + 0.001))));
+        assert!(!holds(&fat, &rounded(&cube(-LEAST_SHARE - 0.001))));
+    }
+}

@@ -1,0 +1,310 @@
+//! Overlapping boxes from frame to frame: our back ends against parry's `Bvh`, exact and with a skin.
+//!
+//! Unit cubes at random, 2.8 partners each. All see the same boxes in every frame, and keep the list of
+//! pairs: ours the exact ones, sorted, with what began and ended; parry's tree the pairs of its own
+//! boxes, unsorted where it keeps none (exact), the difference merged in where it does (skin).
+
+use cpu_time::ThreadTime;
+use cranny_broad_phase::{
+    AdaptiveBroadPhase, BoxTree, BroadPhase, BroadPhaseError, Motion, ProxyId, SweepAndPrune,
+};
+use cranny_exact::{Aabb, DVec3};
+use parry3d::bounding_volume::{Aabb as Single, BoundingVolume};
+use parry3d::math::Vector;
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+
+use crate::report::{Cell, Report, Table};
+use crate::stopwatch::{keep, median};
+
+/// Partners of a box, on average.
+const PARTNERS: f64 = 2.8;
+
+/// The skin of parry's boxes, as a share of their size.
+const SKIN: f32 = 0.05;
+
+/// How the boxes of a scene move.
+#[derive(Clone, Copy)]
+enum Gait {
+    /// Along each axis by up to this share of their size, anew in each frame.
+    Random(f64),
+    /// By up to this along each axis, always the same way, back at the walls.
+    Straight(f64),
+}
+
+struct Case {
+    boxes: usize,
+    /// One in so many moves in a frame.
+    one_in: usize,
+    gait: Gait,
+}
+
+pub(crate) fn measure(quick: bool) -> Report {
+    let sizes: &[usize] = if quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000] };
+    let frames = if quick { 60 } else { 200 };
+    let gaits = [
+        (1, Gait::Random(0.01)),
+        (100, Gait::Random(0.01)),
+        (1, Gait::Straight(0.01)),
+        (1, Gait::Random(0.1)),
+    ];
+    let cases = sizes.iter().flat_map(|&boxes| {
+        gaits.into_iter().map(move |(one_in, gait)| Case { boxes, one_in, gait })
+    });
+    let rows = cases.map(|case| row(&case, if case.boxes > 50_000 { frames / 5 } else { frames }));
+    Report {
+        title: "Broad phase",
+        notes: vec![
+            "cranny: f64, exact, sorted pairs and events; parry: `Bvh`, f32; a skin is 5 % of a box's size".into(),
+            "same run, same boxes, in turns; medians of thread CPU time a frame, setting the boxes included; p99 in brackets: of the adaptive one".into(),
+            "ratio: the better of parry's two modes / the adaptive one".into(),
+        ],
+        tables: vec![Table {
+            title: "Unit cubes, 2.8 partners each",
+            columns: vec![
+                "boxes, motion", "swaps", "tests", "sweep", "tree", "adaptive", "p99", "is", "parry exact",
+                "parry skin", "exact / ad.", "skin / ad.",
+            ],
+            rows: rows.collect(),
+        }],
+    }
+}
+
+/// A linear congruential generator (Knuth's MMIX constants).
+struct Lcg(u64);
+
+impl Lcg {
+    fn unit(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit())
+    }
+}
+
+/// Cubes and how they go.
+struct Scene {
+    cubes: Vec<Aabb>,
+    ways: Vec<DVec3>,
+    edge: f64,
+    random: Lcg,
+}
+
+impl Scene {
+    fn new(boxes: usize) -> Self {
+        // Two unit cubes at random in a cube of edge L meet with probability (2 / L)^3.
+        let edge = 2.0 * (boxes as f64 / PARTNERS).cbrt();
+        let mut random = Lcg(42);
+        let mut cube = || {
+            let min = random.point() * edge;
+            Aabb { min, max: min + DVec3::ONE }
+        };
+        let cubes: Vec<Aabb> = (0..boxes).map(|_| cube()).collect();
+        let ways = (0..boxes).map(|_| 2.0 * random.point() - DVec3::ONE).collect();
+        Self { cubes, ways, edge, random }
+    }
+
+    /// Moves the cubes whose turn it is; their numbers.
+    fn step(&mut self, frame: usize, case: &Case) -> Vec<usize> {
+        let moved: Vec<usize> = (frame % case.one_in..case.boxes).step_by(case.one_in).collect();
+        for &i in &moved {
+            let by = match case.gait {
+                Gait::Random(size) => (2.0 * self.random.point() - DVec3::ONE) * size,
+                Gait::Straight(size) => {
+                    for axis in 0..3 {
+                        let place = self.cubes[i].min[axis];
+                        if (place < 0.0) != (self.ways[i][axis] > 0.0)
+                            && !(0.0..self.edge).contains(&place)
+                        {
+                            self.ways[i][axis] *= -1.0;
+                        }
+                    }
+                    self.ways[i] * size
+                }
+            };
+            let Aabb { min, max } = self.cubes[i];
+            self.cubes[i] = Aabb { min: min + by, max: max + by };
+        }
+        moved
+    }
+}
+
+/// What is timed: one frame's boxes in, pairs up to date.
+trait Contestant {
+    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]);
+    fn pairs(&self) -> usize;
+}
+
+impl<B: BroadPhase> Contestant for B {
+    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]) {
+        for &i in moved {
+            keep(self.set_box(ProxyId(i as u32), cubes[i]));
+        }
+        keep(self.update().len());
+    }
+
+    fn pairs(&self) -> usize {
+        BroadPhase::pairs(self).len()
+    }
+}
+
+fn filled<B: BroadPhase + Default>(cubes: &[Aabb]) -> Result<B, BroadPhaseError> {
+    let mut broad = B::default();
+    for (i, &cube) in cubes.iter().enumerate() {
+        broad.insert(ProxyId(i as u32), cube, Motion::Moving)?;
+    }
+    broad.update();
+    Ok(broad)
+}
+
+fn single(cube: &Aabb) -> Single {
+    let vector = |p: DVec3| Vector::new(p.x as f32, p.y as f32, p.z as f32);
+    Single { mins: vector(cube.min), maxs: vector(cube.max) }
+}
+
+/// parry's tree: leaves set, refitted, walked against itself as a whole.
+struct ExactTree {
+    tree: Bvh,
+    workspace: BvhWorkspace,
+    pairs: Vec<(u32, u32)>,
+}
+
+/// The same with a skin: only what changed is walked; pairs are kept, and dropped when the fat boxes part.
+struct SkinTree {
+    tree: Bvh,
+    workspace: BvhWorkspace,
+    pairs: Vec<u64>,
+    new: Vec<u64>,
+}
+
+fn tree_of(cubes: &[Aabb], skin: f32) -> Bvh {
+    let leaves = cubes.iter().enumerate().map(|(i, cube)| (i, single(cube).loosened(skin)));
+    Bvh::from_iter(BvhBuildStrategy::Binned, leaves)
+}
+
+impl Contestant for ExactTree {
+    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]) {
+        let Self { tree, workspace, pairs } = self;
+        for &i in moved {
+            tree.insert_or_update_partially(single(&cubes[i]), i as u32, 0.0);
+        }
+        tree.refit(workspace);
+        pairs.clear();
+        tree.traverse_bvtt_single_tree::<false>(workspace, &mut |a, b| pairs.push((a, b)));
+    }
+
+    fn pairs(&self) -> usize {
+        self.pairs.len()
+    }
+}
+
+impl Contestant for SkinTree {
+    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]) {
+        let Self { tree, workspace, pairs, new } = self;
+        for &i in moved {
+            tree.insert_or_update_partially(single(&cubes[i]), i as u32, SKIN);
+        }
+        tree.refit(workspace);
+        new.clear();
+        tree.traverse_bvtt_single_tree::<true>(workspace, &mut |a, b| {
+            new.push(u64::from(a.min(b)) << 32 | u64::from(a.max(b)));
+        });
+        pairs.retain(|&pair| {
+            let node = |leaf| tree.leaf_node(leaf);
+            let both = node((pair >> 32) as u32).zip(node(pair as u32));
+            both.is_some_and(|(a, b)| !(a.is_changed() || b.is_changed()) || a.intersects(b))
+        });
+        new.sort_unstable();
+        pairs.extend_from_slice(new);
+        pairs.sort();
+        pairs.dedup();
+    }
+
+    fn pairs(&self) -> usize {
+        self.pairs.len()
+    }
+}
+
+fn row(case: &Case, frames: usize) -> Vec<Cell> {
+    try_row(case, frames).unwrap_or_else(|error| {
+        let mut cells = vec![Cell::Absent; 12];
+        cells[0] = Cell::Text(error.to_string());
+        cells
+    })
+}
+
+fn try_row(case: &Case, frames: usize) -> Result<Vec<Cell>, BroadPhaseError> {
+    let mut scene = Scene::new(case.boxes);
+    let mut sweep: SweepAndPrune = filled(&scene.cubes)?;
+    let mut tree: BoxTree = filled(&scene.cubes)?;
+    let mut adaptive: AdaptiveBroadPhase = filled(&scene.cubes)?;
+    let mut exact = ExactTree {
+        tree: tree_of(&scene.cubes, 0.0),
+        workspace: BvhWorkspace::default(),
+        pairs: Vec::new(),
+    };
+    let mut skin = SkinTree {
+        tree: tree_of(&scene.cubes, SKIN),
+        workspace: BvhWorkspace::default(),
+        pairs: Vec::new(),
+        new: Vec::new(),
+    };
+    skin.tree.traverse_bvtt_single_tree::<false>(&mut skin.workspace, &mut |a, b| {
+        skin.pairs.push(u64::from(a.min(b)) << 32 | u64::from(a.max(b)));
+    });
+    skin.pairs.sort_unstable();
+    let mut times: [Vec<f64>; 5] = Default::default();
+    let (mut swaps, mut tests) = (Vec::new(), Vec::new());
+    // The adaptive one is given time to choose: what is timed is motion that goes on.
+    let settling = 20;
+    for frame in 0..frames + settling {
+        let moved = scene.step(frame, case);
+        let contestants: [&mut dyn Contestant; 5] =
+            [&mut sweep, &mut tree, &mut adaptive, &mut exact, &mut skin];
+        for (contestant, times) in contestants.into_iter().zip(&mut times) {
+            let start = ThreadTime::now();
+            contestant.frame(&moved, &scene.cubes);
+            if frame >= settling {
+                times.push(start.elapsed().as_secs_f64() * 1e6);
+            }
+        }
+        swaps.push(sweep.counters().swaps as f64);
+        tests.push(tree.counters().box_tests as f64);
+    }
+    assert_eq!(sweep.pairs(), tree.pairs(), "all tell the same pairs");
+    assert_eq!(sweep.pairs(), adaptive.pairs(), "all tell the same pairs");
+    // In single precision a pair or two may be others.
+    let (ours, theirs) = (Contestant::pairs(&sweep), exact.pairs());
+    assert!(ours.abs_diff(theirs) <= 1 + ours / 1000, "{ours} pairs, parry {theirs}");
+    assert!(skin.pairs() >= theirs, "a skin loses no pair");
+    let motion = match case.gait {
+        Gait::Random(size) => format!("random {} %", 100.0 * size),
+        Gait::Straight(size) => format!("straight {} %", 100.0 * size),
+    };
+    let is = if adaptive.counters().tree == 1 { "tree" } else { "sweep" };
+    let p99 = percentile(&times[2], 0.99);
+    let [sweep, tree, adaptive, exact, skin] = times.map(median);
+    Ok(vec![
+        Cell::Text(format!("{}, 1 in {} {motion}", case.boxes, case.one_in)),
+        Cell::Count(median(swaps) as usize),
+        Cell::Count(median(tests) as usize),
+        Cell::Micros(sweep),
+        Cell::Micros(tree),
+        Cell::Micros(adaptive),
+        Cell::Micros(p99),
+        Cell::Text(is.into()),
+        Cell::Micros(exact),
+        Cell::Micros(skin),
+        Cell::Ratio(exact / adaptive),
+        Cell::Ratio(skin / adaptive),
+    ])
+}
+
+fn percentile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let place = (share * sorted.len() as f64) as usize;
+    sorted.get(place.min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0)
+}
