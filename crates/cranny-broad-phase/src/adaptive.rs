@@ -23,10 +23,14 @@ pub type AdaptiveBroadPhase = crate::PairKeeper<Adaptive>;
 /// Swaps a box and update from which the tree is the better index. Smaller: trees in calm scenes,
 /// where a pass over the candidates costs more than the swaps; larger: axes that are mostly sorting.
 /// Measured by `cargo run --release -p cranny-bench -- broad`.
-const TREE_FROM: f64 = 4.0;
+const TREE_FROM: f64 = 1.0;
 
 /// Swaps a box and update up to which the axes are, once the tree is in use.
 const AXES_UP_TO: f64 = 0.5 * TREE_FROM;
+
+/// How many times the load from which the tree is better a sorting anew is taken to stand for, in case
+/// swaps were never counted. Smaller: back to the axes while things still fly about; larger: never back.
+const UNCOUNTED: f64 = 8.0;
 
 /// Updates in a row that must agree. Smaller: one jolt changes the index; larger: it follows late.
 const AGREEING: u32 = 8;
@@ -43,13 +47,13 @@ pub struct Adaptive {
 
 #[derive(Clone, Debug)]
 enum Either {
-    Axes(SortedAxes),
+    Axes(Box<SortedAxes>),
     Tree(Box<FatTree>),
 }
 
 impl Default for Either {
     fn default() -> Self {
-        Self::Axes(SortedAxes::default())
+        Self::Axes(Box::default())
     }
 }
 
@@ -63,8 +67,11 @@ impl Adaptive {
     fn speaks_against(&mut self, slots: &Slots, found: &Found) -> bool {
         let (boxes, way) = (slots.len() as f64, way(slots));
         match self.index {
-            // Sorted anew: more swaps than were worth counting.
-            Either::Axes(_) if found.counters.rebuilds > 0 => true,
+            Either::Axes(_) if found.counters.rebuilds > 0 => {
+                // Sorted anew: more swaps than were worth counting.
+                self.swaps_a_way = self.swaps_a_way.max(UNCOUNTED * TREE_FROM * boxes / way);
+                true
+            }
             Either::Axes(_) => {
                 let swaps = found.counters.swaps as f64;
                 if way > 0.0 {
@@ -101,7 +108,7 @@ impl Index for Adaptive {
             self.agreeing = 0;
             self.index = match self.index {
                 Either::Axes(_) => Either::Tree(Box::new(FatTree::of(slots))),
-                Either::Tree(_) => Either::Axes(SortedAxes::of(slots)),
+                Either::Tree(_) => Either::Axes(Box::new(SortedAxes::of(slots))),
             };
         }
         found.counters.tree = u64::from(self.is_tree());

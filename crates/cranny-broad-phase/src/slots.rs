@@ -9,7 +9,7 @@ use std::collections::hash_map::Entry;
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// Index of a box in the arrays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Slot(pub(crate) u32);
 
 impl Slot {
@@ -70,6 +70,8 @@ pub struct Slots {
     /// As of the last update; equal to `boxes` unless the slot awaits the next one.
     pub(crate) boxes_before: Vec<Aabb>,
     vacant: Vec<Slot>,
+    /// That was asked for last.
+    last: Slot,
     /// Slots that were inserted, moved, removed or switched since the last update.
     changed: Vec<Slot>,
     /// What happened to them, by slot.
@@ -85,8 +87,15 @@ impl Slots {
         self.slot_of.get(&id).copied()
     }
 
-    pub(crate) fn get(&self, id: ProxyId) -> Result<Slot, BroadPhaseError> {
-        self.find(id).ok_or(BroadPhaseError::UnknownProxy { id })
+    /// Tries the slot behind the last one first: callers go through their bodies in order, and mostly in
+    /// the order in which they inserted them.
+    pub(crate) fn get(&mut self, id: ProxyId) -> Result<Slot, BroadPhaseError> {
+        let next = Slot(self.last.0 + 1);
+        let is_next = self.ids.get(next.index()) == Some(&id)
+            && matches!(self.states[next.index()], State::Pending | State::Listed);
+        let slot = if is_next { Some(next) } else { self.find(id) };
+        self.last = slot.unwrap_or_default();
+        slot.ok_or(BroadPhaseError::UnknownProxy { id })
     }
 
     /// The slots that hold a box by now, in order.

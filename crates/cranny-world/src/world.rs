@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cranny_broad_phase::{BroadPhase, Motion, OverlapEvent, ProxyId, SweepAndPrune};
+use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query, query};
 
@@ -29,7 +29,7 @@ pub struct World {
     scene: Wish,
     pair_wishes: BTreeMap<Pair, Wish>,
     excluded: BTreeSet<Pair>,
-    broad_phase: SweepAndPrune,
+    broad_phase: AdaptiveBroadPhase,
     /// Of pairs whose boxes overlapped at the last step and about which something is asked.
     memories: BTreeMap<Pair, PairMemory>,
     supplied: BTreeMap<Pair, Answer>,

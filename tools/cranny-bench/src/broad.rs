@@ -6,7 +6,8 @@
 
 use cpu_time::ThreadTime;
 use cranny_broad_phase::{
-    AdaptiveBroadPhase, BoxTree, BroadPhase, BroadPhaseError, Motion, ProxyId, SweepAndPrune,
+    AdaptiveBroadPhase, BoxTree, BroadPhase, BroadPhaseCounters, BroadPhaseError, Motion, ProxyId,
+    SweepAndPrune,
 };
 use cranny_exact::{Aabb, DVec3};
 use parry3d::bounding_volume::{Aabb as Single, BoundingVolume};
@@ -38,7 +39,19 @@ struct Case {
     gait: Gait,
 }
 
-pub(crate) fn measure(quick: bool) -> Report {
+impl Case {
+    fn name(&self) -> String {
+        let who = if self.one_in == 1 { "all".into() } else { format!("1 in {}", self.one_in) };
+        let how = match self.gait {
+            Gait::Random(size) => format!("random {} %", 100.0 * size),
+            Gait::Straight(size) => format!("straight {} %", 100.0 * size),
+        };
+        format!("{}, {who} {how}", self.boxes)
+    }
+}
+
+/// Measures the scenes whose name contains `only`.
+pub(crate) fn measure(quick: bool, only: &str) -> Report {
     let sizes: &[usize] = if quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000] };
     let frames = if quick { 60 } else { 200 };
     let gaits = [
@@ -50,13 +63,15 @@ pub(crate) fn measure(quick: bool) -> Report {
     let cases = sizes.iter().flat_map(|&boxes| {
         gaits.into_iter().map(move |(one_in, gait)| Case { boxes, one_in, gait })
     });
-    let rows = cases.map(|case| row(&case, if case.boxes > 50_000 { frames / 5 } else { frames }));
+    let rows = cases
+        .filter(|case| case.name().contains(only))
+        .map(|case| row(&case, if case.boxes > 50_000 { frames / 5 } else { frames }));
     Report {
         title: "Broad phase",
         notes: vec![
             "cranny: f64, exact, sorted pairs and events; parry: `Bvh`, f32; a skin is 5 % of a box's size".into(),
-            "same run, same boxes, in turns; medians of thread CPU time a frame, setting the boxes included; p99 in brackets: of the adaptive one".into(),
-            "ratio: the better of parry's two modes / the adaptive one".into(),
+            "same run, same boxes, in turns of 20 frames; medians of thread CPU time a frame, setting the boxes included; p99: of the adaptive one".into(),
+            "ratios: parry's time / the adaptive one's".into(),
         ],
         tables: vec![Table {
             title: "Unit cubes, 2.8 partners each",
@@ -106,8 +121,8 @@ impl Scene {
         Self { cubes, ways, edge, random }
     }
 
-    /// Moves the cubes whose turn it is; their numbers.
-    fn step(&mut self, frame: usize, case: &Case) -> Vec<usize> {
+    /// Moves the cubes whose turn it is; their numbers, and where they are now.
+    fn step(&mut self, frame: usize, case: &Case) -> Step {
         let moved: Vec<usize> = (frame % case.one_in..case.boxes).step_by(case.one_in).collect();
         for &i in &moved {
             let by = match case.gait {
@@ -127,26 +142,42 @@ impl Scene {
             let Aabb { min, max } = self.cubes[i];
             self.cubes[i] = Aabb { min: min + by, max: max + by };
         }
-        moved
+        moved.into_iter().map(|i| (i as u32, self.cubes[i])).collect()
     }
 }
 
+/// The boxes that are elsewhere in a frame.
+type Step = Vec<(u32, Aabb)>;
+
+/// Frames that a contestant runs before the next one has its turn on the same frames: what it keeps is
+/// in the caches, as in a program that has one.
+const BLOCK: usize = 20;
+
 /// What is timed: one frame's boxes in, pairs up to date.
 trait Contestant {
-    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]);
-    fn pairs(&self) -> usize;
+    fn frame(&mut self, step: &Step);
+    fn pair_count(&self) -> usize;
+
+    fn counters(&self) -> BroadPhaseCounters {
+        BroadPhaseCounters::default()
+    }
 }
 
 impl<B: BroadPhase> Contestant for B {
-    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]) {
-        for &i in moved {
-            keep(self.set_box(ProxyId(i as u32), cubes[i]));
+    fn frame(&mut self, step: &Step) {
+        for &(id, cube) in step {
+            // Known ids and sound boxes: nothing is refused, and pairs are compared afterwards.
+            keep(self.set_box(ProxyId(id), cube));
         }
         keep(self.update().len());
     }
 
-    fn pairs(&self) -> usize {
-        BroadPhase::pairs(self).len()
+    fn pair_count(&self) -> usize {
+        self.pairs().len()
+    }
+
+    fn counters(&self) -> BroadPhaseCounters {
+        BroadPhase::counters(self)
     }
 }
 
@@ -185,26 +216,26 @@ fn tree_of(cubes: &[Aabb], skin: f32) -> Bvh {
 }
 
 impl Contestant for ExactTree {
-    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]) {
+    fn frame(&mut self, step: &Step) {
         let Self { tree, workspace, pairs } = self;
-        for &i in moved {
-            tree.insert_or_update_partially(single(&cubes[i]), i as u32, 0.0);
+        for (id, cube) in step {
+            tree.insert_or_update_partially(single(cube), *id, 0.0);
         }
         tree.refit(workspace);
         pairs.clear();
         tree.traverse_bvtt_single_tree::<false>(workspace, &mut |a, b| pairs.push((a, b)));
     }
 
-    fn pairs(&self) -> usize {
+    fn pair_count(&self) -> usize {
         self.pairs.len()
     }
 }
 
 impl Contestant for SkinTree {
-    fn frame(&mut self, moved: &[usize], cubes: &[Aabb]) {
+    fn frame(&mut self, step: &Step) {
         let Self { tree, workspace, pairs, new } = self;
-        for &i in moved {
-            tree.insert_or_update_partially(single(&cubes[i]), i as u32, SKIN);
+        for (id, cube) in step {
+            tree.insert_or_update_partially(single(cube), *id, SKIN);
         }
         tree.refit(workspace);
         new.clear();
@@ -222,7 +253,7 @@ impl Contestant for SkinTree {
         pairs.dedup();
     }
 
-    fn pairs(&self) -> usize {
+    fn pair_count(&self) -> usize {
         self.pairs.len()
     }
 }
@@ -257,37 +288,41 @@ fn try_row(case: &Case, frames: usize) -> Result<Vec<Cell>, BroadPhaseError> {
     skin.pairs.sort_unstable();
     let mut times: [Vec<f64>; 5] = Default::default();
     let (mut swaps, mut tests) = (Vec::new(), Vec::new());
-    // The adaptive one is given time to choose: what is timed is motion that goes on.
-    let settling = 20;
-    for frame in 0..frames + settling {
-        let moved = scene.step(frame, case);
-        let contestants: [&mut dyn Contestant; 5] =
-            [&mut sweep, &mut tree, &mut adaptive, &mut exact, &mut skin];
-        for (contestant, times) in contestants.into_iter().zip(&mut times) {
-            let start = ThreadTime::now();
-            contestant.frame(&moved, &scene.cubes);
-            if frame >= settling {
-                times.push(start.elapsed().as_secs_f64() * 1e6);
+    // The adaptive one is given a block to choose in: what is timed is motion that goes on.
+    for block in 0..=frames / BLOCK {
+        let steps: Vec<Step> = (0..BLOCK).map(|n| scene.step(block * BLOCK + n, case)).collect();
+        let mut run = |contestant: &mut dyn Contestant, turn: usize| {
+            for step in &steps {
+                let start = ThreadTime::now();
+                contestant.frame(step);
+                if block > 0 {
+                    times[turn].push(start.elapsed().as_secs_f64() * 1e6);
+                }
+                let counters = contestant.counters();
+                match turn {
+                    0 => swaps.push(counters.swaps as f64),
+                    1 => tests.push(counters.box_tests as f64),
+                    _ => {}
+                }
             }
-        }
-        swaps.push(sweep.counters().swaps as f64);
-        tests.push(tree.counters().box_tests as f64);
+        };
+        run(&mut sweep, 0);
+        run(&mut tree, 1);
+        run(&mut adaptive, 2);
+        run(&mut exact, 3);
+        run(&mut skin, 4);
     }
     assert_eq!(sweep.pairs(), tree.pairs(), "all tell the same pairs");
     assert_eq!(sweep.pairs(), adaptive.pairs(), "all tell the same pairs");
     // In single precision a pair or two may be others.
-    let (ours, theirs) = (Contestant::pairs(&sweep), exact.pairs());
+    let (ours, theirs) = (sweep.pair_count(), exact.pair_count());
     assert!(ours.abs_diff(theirs) <= 1 + ours / 1000, "{ours} pairs, parry {theirs}");
-    assert!(skin.pairs() >= theirs, "a skin loses no pair");
-    let motion = match case.gait {
-        Gait::Random(size) => format!("random {} %", 100.0 * size),
-        Gait::Straight(size) => format!("straight {} %", 100.0 * size),
-    };
-    let is = if adaptive.counters().tree == 1 { "tree" } else { "sweep" };
+    assert!(skin.pair_count() >= theirs, "a skin loses no pair");
+    let is = if BroadPhase::counters(&adaptive).tree == 1 { "tree" } else { "sweep" };
     let p99 = percentile(&times[2], 0.99);
     let [sweep, tree, adaptive, exact, skin] = times.map(median);
     Ok(vec![
-        Cell::Text(format!("{}, 1 in {} {motion}", case.boxes, case.one_in)),
+        Cell::Text(case.name()),
         Cell::Count(median(swaps) as usize),
         Cell::Count(median(tests) as usize),
         Cell::Micros(sweep),

@@ -63,7 +63,11 @@ enum Command {
         only: String,
     },
     /// Overlapping boxes in motion, against parry's `Bvh`
-    Broad,
+    Broad {
+        /// Only scenes whose name contains this
+        #[arg(long, value_name = "PART", default_value = "")]
+        only: String,
+    },
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
     /// Kinds of box trees by what they open; patches; envelopes beside a box tree
@@ -85,7 +89,7 @@ fn main() -> ExitCode {
         Command::Support => support::measure(cli.quick),
         Command::Walk => walk::measure(cli.quick),
         Command::Pairs { only } => pairs::measure(cli.quick, only),
-        Command::Broad => broad::measure(cli.quick),
+        Command::Broad { only } => broad::measure(cli.quick, only),
         Command::Prepare => prepare::measure(cli.quick),
         Command::Trees => trees::measure(cli.quick),
     };

@@ -21,7 +21,7 @@ const LARGEST_SHARE: f64 = 0.25;
 const LEAST_SHARE: f64 = 1.0 / 64.0;
 
 /// The smallest box in single precision around another.
-pub(super) fn rounded(aabb: &Aabb) -> FatBox {
+fn rounded(aabb: &Aabb) -> FatBox {
     FatBox {
         mins: vector(aabb.min.to_array().map(below)),
         maxs: vector(aabb.max.to_array().map(above)),
@@ -30,8 +30,7 @@ pub(super) fn rounded(aabb: &Aabb) -> FatBox {
 
 /// A box with room for a body whose box was `before` and is `now`.
 pub(super) fn fattened(before: &Aabb, now: &Aabb) -> FatBox {
-    let step = (now.min - before.min).abs().max((now.max - before.max).abs()).max_element();
-    let size = (now.max - now.min).max_element();
+    let (step, size) = (step(before, now), (now.max - now.min).max_element());
     // Infinite faces have no room and need none.
     let [step, size] = [step, size].map(|x| if x.is_finite() { x } else { 0.0 });
     let room = (UPDATES * step).clamp(LEAST_SHARE * size, LARGEST_SHARE * size).max(step);
@@ -39,9 +38,23 @@ pub(super) fn fattened(before: &Aabb, now: &Aabb) -> FatBox {
     rounded(&Aabb { min: now.min - room, max: now.max + room })
 }
 
-/// Whether the first box holds the second.
-pub(super) fn holds(outer: &FatBox, inner: &FatBox) -> bool {
-    outer.mins.cmple(inner.mins).all() && outer.maxs.cmpge(inner.maxs).all()
+/// The farthest that a face of a box has moved along its axis.
+pub(super) fn step(before: &Aabb, now: &Aabb) -> f64 {
+    (now.min - before.min).abs().max((now.max - before.max).abs()).max_element()
+}
+
+/// How many times its own size a box has moved, at most once: then it is anywhere.
+pub(super) fn wear(before: &Aabb, now: &Aabb) -> f64 {
+    let wear = step(before, now) / (now.max - now.min).max_element();
+    if wear <= 1.0 { wear } else { 1.0 }
+}
+
+/// Whether a fat box holds a box, or what the cut leaves of it.
+pub(super) fn holds(fat: &FatBox, aabb: &Aabb) -> bool {
+    let [low, high] = [fat.mins, fat.maxs].map(|v| DVec3::new(v.x.into(), v.y.into(), v.z.into()));
+    let limit = DVec3::splat(FARTHEST);
+    low.cmple(aabb.min.clamp(-limit, limit)).all()
+        && high.cmpge(aabb.max.clamp(-limit, limit)).all()
 }
 
 fn vector([x, y, z]: [f32; 3]) -> Vector {
@@ -98,8 +111,18 @@ mod tests {
     fn a_fat_box_holds_its_box_and_not_one_beyond() {
         let cube = |x: f64| Aabb { min: DVec3::splat(x), max: DVec3::splat(x + 1.0) };
         let fat = fattened(&cube(0.0), &cube(0.0));
-        assert!(holds(&fat, &rounded(&cube(LEAST_SHARE))));
-        assert!(!holds(&fat, &rounded(&cube(LEAST_SHARE + 0.001))));
-        assert!(!holds(&fat, &rounded(&cube(-LEAST_SHARE - 0.001))));
+        assert!(holds(&fat, &cube(LEAST_SHARE)));
+        assert!(!holds(&fat, &cube(LEAST_SHARE + 0.001)));
+        assert!(!holds(&fat, &cube(-LEAST_SHARE - 0.001)));
+        let far = Aabb { min: DVec3::splat(-1e300), max: DVec3::INFINITY };
+        assert!(holds(&rounded(&far), &far) && !holds(&fat, &far));
+    }
+
+    #[test]
+    fn wear_is_a_share_of_the_size_and_at_most_one() {
+        let cube = |x: f64| Aabb { min: DVec3::splat(x), max: DVec3::splat(x + 2.0) };
+        assert_eq!([wear(&cube(0.0), &cube(0.5)), wear(&cube(0.0), &cube(9.0))], [0.25, 1.0]);
+        let point = Aabb { min: DVec3::ONE, max: DVec3::ONE };
+        assert_eq!(wear(&point, &point), 1.0, "of a point nothing is known");
     }
 }

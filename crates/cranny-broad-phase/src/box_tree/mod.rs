@@ -2,21 +2,26 @@
 //!
 //! Every proxy has a *fat box*: its own, in single precision rounded outward, with room to move in. As
 //! long as a box stays within its fat box neither the tree nor the list of *candidates* (pairs of
-//! proxies whose fat boxes overlap) is touched; an update then is one pass over the candidates that
-//! compares the boxes themselves, in double precision. A box that leaves gets a new fat box, with
-//! room for several updates like the last one, and its candidates are searched for anew: one by one
-//! where few have left, by one walk of the tree against itself where many have.
+//! proxies whose fat boxes overlap) is touched. A box that leaves gets a new fat box, with room for
+//! several updates like the last one, and its candidates are searched for anew: one by one where few
+//! have left, by one walk of the tree against itself where many have. The room is the usual idea (Catto
+//! 2019, 'Dynamic Bounding Volume Hierarchies'); that it follows each body's own speed makes leaving
+//! rare for slow things and candidates few for quick ones.
 //!
-//! The idea of room is the usual one (Catto 2019, 'Dynamic Bounding Volume Hierarchies'); that it
-//! follows each body's own speed makes leaving rare for slow things and candidates few.
+//! Candidates are judged by the boxes themselves, in double precision, and only when they may have
+//! changed: by how much two boxes overlap, or are apart, tells how far they can move before they do.
+//! Bodies that move about as far as most need no word of their own: a common *travel* is summed up, and
+//! a candidate is due when the travel has reached its mark. Quicker ones are judged in every update.
 
+mod candidate;
 mod fat;
 
 use crate::index::{Found, Index};
 use crate::pairs::PairSet;
 use crate::slots::{Slot, Slots, State};
 use crate::{InvariantError, Motion};
-use fat::{fattened, holds, rounded};
+use candidate::Candidate;
+use fat::{fattened, holds, step, wear};
 use parry3d::bounding_volume::{Aabb as FatBox, BoundingVolume};
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
@@ -34,16 +39,21 @@ pub type BoxTree = crate::PairKeeper<FatTree>;
 /// walks for few.
 const WALK_SHARE: usize = 12;
 
-/// If more than one in so many fat boxes is new, the tree is built anew. Smaller: a poor tree after a
-/// teleport; larger: building where a walk would do.
-const BUILD_SHARE: usize = 3;
+/// The tree is built anew when the fat boxes that were put elsewhere have gone so many times their own
+/// size since, over all; a box that comes counts for one. Smaller: building where a refit would do;
+/// larger: walks through a tree whose boxes overlap.
+const LARGEST_WEAR: f64 = 0.5;
+
+/// A body is quick if it moved more than so many times as far as bodies did on average. Smaller: many
+/// are judged in every update; larger: the common travel grows beyond what most move.
+const QUICK: f64 = 1.5;
+
+/// The common travel is worth summing up if at least one in so many bodies moves; else those few are
+/// all called quick.
+const FEW_SHARE: usize = 8;
 
 /// What the tree grows a fat box by where it is to note the change; far below the room.
 const NOTED: f32 = f32::MIN_POSITIVE;
-
-/// Two proxies whose fat boxes overlap and whose kinds can be a pair.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Candidate(Slot, Slot);
 
 /// Fat boxes in a tree, and which of them overlap.
 #[derive(Clone, Default)]
@@ -58,22 +68,26 @@ pub struct FatTree {
     fates: Vec<Fate>,
     /// Fat boxes in the tree.
     leaves: usize,
-    /// Fat boxes that were put elsewhere since the tree was last built.
-    renewed: usize,
+    /// How far fat boxes were put elsewhere since the tree was last built, in their sizes.
+    wear: f64,
+    /// How far any body but the quick ones may have moved since the tree was built: faces, along an axis.
+    travel: f64,
+    /// By moved slot, in this update.
+    steps: Vec<f64>,
 }
 
-/// What becomes of a slot's candidates in this update.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What becomes of a slot's candidates in this update. Of two slots the later counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Fate {
-    /// Nothing: its box is where it was.
+    /// They are judged when they are due: its box moved no farther than the common travel.
     #[default]
     Kept,
-    /// Its box moved within its fat box: they are looked at.
-    Moved,
-    /// It has a new fat box: they are searched for anew.
-    Renewed,
+    /// They are judged: its box moved farther, within its fat box.
+    Quick,
     /// It may have more partners than before: they are searched for anew.
     Woken,
+    /// It has a new fat box: they are searched for anew.
+    Renewed,
     /// It leaves, and they with it.
     Gone,
 }
@@ -107,18 +121,23 @@ impl FatTree {
     fn decide(&mut self, slots: &Slots) -> Changes {
         self.make_room(slots);
         let (mut renewed, mut woken) = (slots.pending(), slots.switched_to(Motion::Moving));
-        for slot in slots.moved() {
+        let moved = slots.moved();
+        let stride = self.stride(&moved, slots);
+        for (&slot, &step) in moved.iter().zip(&self.steps) {
             let i = slot.index();
-            if holds(&self.fat[i], &rounded(&slots.boxes[i])) {
-                self.fates[i] = Fate::Moved;
-            } else {
+            if !holds(&self.fat[i], &slots.boxes[i]) {
                 renewed.push(slot);
+            } else if step > stride || step.is_nan() {
+                self.fates[i] = Fate::Quick;
             }
         }
+        self.wear += slots.pending().len() as f64;
         for slot in &renewed {
             let i = slot.index();
+            let (was, is) = (&slots.boxes_before[i], &slots.boxes[i]);
             self.fates[i] = Fate::Renewed;
-            self.fat[i] = fattened(&slots.boxes_before[i], &slots.boxes[i]);
+            self.fat[i] = fattened(was, is);
+            self.wear += wear(was, is);
         }
         woken.retain(|&slot| self.fate(slot) != Fate::Renewed);
         woken.iter().for_each(|slot| self.fates[slot.index()] = Fate::Woken);
@@ -131,23 +150,35 @@ impl FatTree {
         Changes { renewed, woken }
     }
 
-    /// Compares the boxes of all candidates of which one has moved, and drops those that are searched
-    /// for anew or can be no pair by now.
+    /// How far bodies may have moved in this update without being called quick; the common travel grows by
+    /// it. Leaves in `steps` how far each has.
+    fn stride(&mut self, moved: &[Slot], slots: &Slots) -> f64 {
+        self.steps.clear();
+        let step =
+            |slot: &Slot| step(&slots.boxes_before[slot.index()], &slots.boxes[slot.index()]);
+        self.steps.extend(moved.iter().map(step));
+        if moved.is_empty() || moved.len() * FEW_SHARE < self.leaves {
+            return 0.0;
+        }
+        let finite = self.steps.iter().filter(|step| step.is_finite());
+        let stride = QUICK * finite.sum::<f64>() / moved.len() as f64;
+        self.travel += stride;
+        stride
+    }
+
+    /// Judges all candidates that are due or have a quick member, and drops those that are searched for
+    /// anew or can be no pair by now.
     fn judge(&mut self, slots: &Slots, found: &mut Found) {
-        let Self { candidates, fates, .. } = self;
-        candidates.retain(|&Candidate(a, b)| {
-            let (i, j) = (a.index(), b.index());
-            let is = |fate| fates[i] == fate || fates[j] == fate;
-            if fates[i] == Fate::Kept && fates[j] == Fate::Kept {
-                return slots.can_pair(a, b);
+        let Self { candidates, fates, travel, .. } = self;
+        let has_settled = !slots.switched_to(Motion::Stationary).is_empty();
+        candidates.retain_mut(|candidate| {
+            let Candidate { slots: [a, b], .. } = *candidate;
+            let fate = fates[a.index()].max(fates[b.index()]);
+            if fate == Fate::Kept && !candidate.is_due(*travel) && !has_settled {
+                return true;
             }
-            if is(Fate::Gone) {
-                return false;
-            }
-            found.counters.box_tests += 1;
-            let did = slots.boxes_before[i].overlaps(&slots.boxes_before[j]);
-            if is(Fate::Renewed) || is(Fate::Woken) {
-                if did {
+            if fate >= Fate::Woken {
+                if candidate.held && fate != Fate::Gone {
                     found.ended.push(slots.key(a, b));
                 }
                 return false;
@@ -155,9 +186,11 @@ impl FatTree {
             if !slots.can_pair(a, b) {
                 return false;
             }
-            let does = slots.boxes[i].overlaps(&slots.boxes[j]);
-            if did != does {
-                let list = if does { &mut found.began } else { &mut found.ended };
+            let held = candidate.held;
+            candidate.judge(*travel, slots);
+            found.counters.box_tests += 1;
+            if candidate.held != held {
+                let list = if held { &mut found.ended } else { &mut found.began };
                 list.push(slots.key(a, b));
             }
             true
@@ -167,13 +200,11 @@ impl FatTree {
     /// Brings new fat boxes into the tree and finds the candidates of what is to be searched for anew.
     fn renew(&mut self, changes: &Changes, slots: &Slots, found: &mut Found) {
         let Changes { renewed, woken } = changes;
-        self.renewed += renewed.len();
-        let share = |of: usize| renewed.len() * of > self.leaves;
-        if share(BUILD_SHARE) || self.renewed > self.leaves {
+        if self.wear > LARGEST_WEAR * self.leaves as f64 {
             self.build(slots, found);
             return;
         }
-        if share(WALK_SHARE) {
+        if renewed.len() * WALK_SHARE > self.leaves {
             for slot in renewed {
                 self.tree.insert_or_update_partially(self.fat[slot.index()], slot.0, NOTED);
             }
@@ -198,7 +229,7 @@ impl FatTree {
             self.tree = Bvh::new();
             leaves.for_each(|(leaf, fat)| self.tree.insert(fat, leaf as u32));
         }
-        self.renewed = 0;
+        (self.wear, self.travel) = (0.0, 0.0);
         found.counters.rebuilds = 1;
         self.candidates.clear();
         self.walk::<false>(slots, found);
@@ -206,31 +237,27 @@ impl FatTree {
 
     /// Finds candidates by walking the tree against itself: all, or those of slots with new fat boxes.
     fn walk<const NEW_ONLY: bool>(&mut self, slots: &Slots, found: &mut Found) {
-        let Self { tree, workspace, candidates, fates, .. } = self;
+        let Self { tree, workspace, candidates, fates, travel, .. } = self;
         tree.traverse_bvtt_single_tree::<NEW_ONLY>(workspace, &mut |a, b| {
             let (a, b) = (Slot(a), Slot(b));
-            let is = |fate| fates[a.index()] == fate || fates[b.index()] == fate;
+            let fate = fates[a.index()].max(fates[b.index()]);
             // The tree may also have noted what is new since an earlier walk.
-            if slots.can_pair(a, b) && (!NEW_ONLY || is(Fate::Renewed)) {
-                candidates.push(Candidate(a.min(b), a.max(b)));
-                if is(Fate::Renewed) || is(Fate::Woken) {
-                    found.judge_new(a, b, slots);
-                }
+            if slots.can_pair(a, b) && (!NEW_ONLY || fate == Fate::Renewed) {
+                candidates.push(Candidate::found(a, b, *travel, slots, found));
             }
         });
     }
 
     /// Finds the candidates of one slot that is searched for anew. Two such find each other once.
     fn search(&mut self, slot: Slot, slots: &Slots, found: &mut Found) {
-        let Self { tree, candidates, fates, fat, .. } = self;
+        let Self { tree, candidates, fates, fat, travel, .. } = self;
         for other in tree.intersect_aabb(&fat[slot.index()]).map(Slot) {
             let is_mine = match (fates[slot.index()], fates[other.index()]) {
                 (Fate::Woken, Fate::Renewed) => false,
                 (own, others) => own != others || slot < other,
             };
             if is_mine && slots.can_pair(slot, other) {
-                candidates.push(Candidate(slot.min(other), slot.max(other)));
-                found.judge_new(slot, other, slots);
+                candidates.push(Candidate::found(slot, other, *travel, slots, found));
             }
         }
     }
@@ -240,15 +267,6 @@ impl FatTree {
 struct Changes {
     renewed: Vec<Slot>,
     woken: Vec<Slot>,
-}
-
-impl Found {
-    fn judge_new(&mut self, a: Slot, b: Slot, slots: &Slots) {
-        self.counters.box_tests += 1;
-        if slots.boxes[a.index()].overlaps(&slots.boxes[b.index()]) {
-            self.began.push(slots.key(a, b));
-        }
-    }
 }
 
 impl Index for FatTree {
@@ -276,17 +294,17 @@ impl Index for FatTree {
         )?;
         for &slot in &listed {
             let fat = &self.fat[slot.index()];
-            let now = rounded(&slots.boxes_before[slot.index()]);
-            InvariantError::unless(holds(fat, &now), || format!("{slot:?} is not in its fat box"))?;
+            let is_in = holds(fat, &slots.boxes_before[slot.index()]);
+            InvariantError::unless(is_in, || format!("{slot:?} is not in its fat box"))?;
             let node = self.tree.leaf_node(slot.0).map(|node| node.aabb());
-            InvariantError::unless(node.is_some_and(|node| holds(&node, fat)), || {
+            InvariantError::unless(node.is_some_and(|node| node.contains(fat)), || {
                 format!("the leaf of {slot:?} does not hold its fat box")
             })?;
             InvariantError::unless(self.fate(slot) == Fate::Kept, || {
                 format!("{slot:?} has a fate left over from the last update")
             })?;
         }
-        let mut candidates = self.candidates.clone();
+        let mut candidates: Vec<[Slot; 2]> = self.candidates.iter().map(|c| c.slots).collect();
         candidates.sort_unstable();
         let once = candidates.windows(2).all(|two| two[0] < two[1]);
         InvariantError::unless(once, || "a candidate is held twice".into())?;
@@ -297,7 +315,7 @@ impl Index for FatTree {
             for &b in &listed[n + 1..] {
                 let needed =
                     slots.can_pair(a, b) && self.fat[a.index()].intersects(&self.fat[b.index()]);
-                let held = candidates.binary_search(&Candidate(a, b)).is_ok();
+                let held = candidates.binary_search(&[a, b]).is_ok();
                 InvariantError::unless(held || !needed, || {
                     format!("{a:?} and {b:?} have fat boxes that overlap, and are no candidate")
                 })?;
