@@ -23,7 +23,7 @@ pub type AdaptiveBroadPhase = crate::PairKeeper<Adaptive>;
 /// Swaps a box and update from which the tree is the better index. Smaller: trees in calm scenes,
 /// where a pass over the candidates costs more than the swaps; larger: axes that are mostly sorting.
 /// Measured by `cargo run --release -p cranny-bench -- broad`.
-const TREE_FROM: f64 = 1.0;
+const TREE_FROM: f64 = 0.4;
 
 /// Swaps a box and update up to which the axes are, once the tree is in use.
 const AXES_UP_TO: f64 = 0.5 * TREE_FROM;
