@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec3, orient3d};
 
-use super::meetings::overlap_in_plane;
+use super::judge::overlap_in_plane;
 use super::stars::Star;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::mesh::Mesh;

@@ -6,12 +6,17 @@
 //! ([`MeetingScan::Stopped`](crate::MeetingScan::Stopped)).
 
 pub(crate) mod cracks;
+mod crowds;
 mod edges;
 pub(crate) mod faces;
+mod judge;
 mod meetings;
+mod outline;
+mod pairs;
 mod row;
 pub(crate) mod shells;
 mod stars;
+mod views;
 
 use cranny_exact::{DVec3, Sign};
 
@@ -57,7 +62,7 @@ pub(crate) fn scan(
             !reasons.is_empty() && (touches(f, g) || touches(g, f))
         };
         let found;
-        (found, meetings) = meetings::meetings(mesh, tree, &stars, &left_out, explained);
+        (found, meetings) = meetings::meetings(mesh, topology, tree, &stars, &left_out, explained);
         findings.extend(found);
     }
     findings.extend(edges::flat(mesh, topology, &without_area));

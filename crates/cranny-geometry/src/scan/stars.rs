@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec2, DVec3, orient2d};
 
-use super::meetings::without;
+use super::judge::without;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;

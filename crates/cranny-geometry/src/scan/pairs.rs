@@ -1,0 +1,69 @@
+//! A tree of boxes paired with itself: every two faces whose boxes overlap.
+
+use std::ops::ControlFlow;
+
+use crate::ids::FaceId;
+use crate::tree::{Content, Node};
+
+/// Calls `visit` with every two faces of different leaves, or of one, whose leaves' boxes overlap: each
+/// pair once. `opens` is asked of a node before its faces are paired with each other (twice the same
+/// node), and before those of two nodes are; what it refuses is passed over. `visit` may end the search.
+pub(super) fn overlapping_pairs(
+    nodes: &[Node],
+    faces: &[FaceId],
+    mut opens: impl FnMut(u32, u32) -> bool,
+    mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let content = |i: u32| nodes[i as usize].content_at(i);
+    let leaf = |start: u32, end: u32| &faces[start as usize..end as usize];
+    let mut stack = if nodes.is_empty() { Vec::new() } else { vec![(0u32, 0u32)] };
+    while let Some((i, j)) = stack.pop() {
+        if !opens(i, j) {
+            continue;
+        }
+        let mut push = |i: u32, j: u32| {
+            if nodes[i as usize].bounds.overlaps(&nodes[j as usize].bounds) {
+                stack.push((i, j));
+            }
+        };
+        match (content(i), content(j)) {
+            (Content::Inner { left, right }, _) if i == j => {
+                push(left, left);
+                push(right, right);
+                push(left, right);
+            }
+            (Content::Leaf { start, end }, _) if i == j => {
+                let all = leaf(start, end);
+                for (n, &f) in all.iter().enumerate() {
+                    all[n + 1..].iter().try_for_each(|&g| visit(f, g))?;
+                }
+            }
+            // The larger box is opened; a leaf cannot be.
+            (Content::Inner { left, right }, other)
+                if matches!(other, Content::Leaf { .. }) || is_larger(nodes, i, j) =>
+            {
+                push(left, j);
+                push(right, j);
+            }
+            (_, Content::Inner { left, right }) => {
+                push(i, left);
+                push(i, right);
+            }
+            (Content::Leaf { start, end }, Content::Leaf { start: from, end: to }) => {
+                for &f in leaf(start, end) {
+                    leaf(from, to).iter().try_for_each(|&g| visit(f, g))?;
+                }
+            }
+            (Content::Inner { .. }, Content::Leaf { .. }) => {} // opened above
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+fn is_larger(nodes: &[Node], i: u32, j: u32) -> bool {
+    let size = |n: u32| {
+        let b = nodes[n as usize].bounds;
+        (b.max - b.min).element_sum()
+    };
+    size(i) >= size(j)
+}
