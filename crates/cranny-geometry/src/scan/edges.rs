@@ -3,7 +3,7 @@
 use cranny_exact::{DVec3, orient3d};
 
 use super::judge::overlap_in_plane;
-use super::stars::Star;
+use super::stars::Stars;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
@@ -33,12 +33,12 @@ pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
 }
 
 /// Vertices at which faces hang together in more than one fan.
-pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &[Star]) -> Vec<Finding> {
+pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut spokes: Vec<(VertexId, usize)> = Vec::new();
     let mut fan_of: Vec<usize> = Vec::new();
     for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
-        if stars[vertex.index()] != Star::Torn {
+        if !stars.is_torn(vertex) {
             continue; // one ring is one fan
         }
         let faces = topology.faces_at(vertex);
@@ -95,7 +95,7 @@ pub(super) fn flat(mesh: &Mesh, topology: &Topology, without_area: &[bool]) -> O
         let apex = mesh.corners(g)[(around[1].corner() + 2) % 3];
         let [a, b, c] = mesh.triangle(f);
         let sound = |f: FaceId| !without_area[f.index()];
-        let coplanar = sound(f) && sound(g) && orient3d(a, b, c, mesh.position(apex)).is_zero();
+        let coplanar = sound(f) && sound(g) && in_one_plane([a, b, c, mesh.position(apex)]);
         if !coplanar || overlap_in_plane(&mesh.triangle(f), &mesh.triangle(g)) {
             continue;
         }
@@ -109,10 +109,48 @@ pub(super) fn flat(mesh: &Mesh, topology: &Topology, without_area: &[bool]) -> O
     (count > 0).then(|| Finding { kind, ids: Vec::new(), at, measure: longest, count })
 }
 
+/// Whether four points lie in one plane, exactly.
+///
+/// The predicate takes longest for zeros, and most planes of filed meshes run along axes: where all four
+/// have a coordinate in common, or two and two of them lie on lines along one axis, nothing is computed.
+fn in_one_plane([a, b, c, d]: [DVec3; 4]) -> bool {
+    let level = |axis: usize| a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis];
+    let on_line = |p: DVec3, q: DVec3, axis: usize| {
+        let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
+        p[i] == q[i] && p[j] == q[j]
+    };
+    let on_lines = |axis: usize| {
+        let pairs = [[a, b, c, d], [a, c, b, d], [a, d, b, c]];
+        pairs.iter().any(|&[p, q, r, s]| on_line(p, q, axis) && on_line(r, s, axis))
+    };
+    (0..3).any(level) || (0..3).any(on_lines) || orient3d(a, b, c, d).is_zero()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::stars::stars;
     use super::*;
+
+    #[test]
+    fn planes_along_axes_are_known_as_any_other() {
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let upright = [at(0.1, 0.7, 1.0), at(0.3, 0.2, 5.0), at(0.1, 0.7, 3.0), at(0.3, 0.2, 1.0)];
+        let level = [at(0.1, 0.7, 0.3), at(0.3, 0.2, 0.3), at(0.9, 0.4, 0.3), at(0.3, 0.8, 0.3)];
+        let slanted = [at(0.0, 0.0, 0.0), at(1.0, 0.0, 1.0), at(0.0, 1.0, 2.0), at(1.0, 1.0, 3.0)];
+        for axis in 0..3 {
+            let turned = |p: DVec3| at(p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]);
+            for flat in [upright, level, slanted] {
+                let [a, b, c, d] = flat.map(turned);
+                for points in [[a, b, c, d], [a, c, b, d], [b, c, d, a]] {
+                    assert!(in_one_plane(points));
+                    for moved in 0..4 {
+                        let mut points = points;
+                        points[moved] += 1e-9 * at(1.0, 2.0, 7.0);
+                        assert!(!in_one_plane(points), "{points:?}");
+                    }
+                }
+            }
+        }
+    }
 
     fn mesh(vertices: &[[f64; 3]], faces: &[[u32; 3]]) -> (Mesh, Topology) {
         let vertices = vertices.iter().map(|&p| DVec3::from_array(p)).collect();
@@ -127,10 +165,10 @@ mod tests {
     #[test]
     fn a_bow_tie_is_pinched_and_a_fan_is_not() {
         let (tie, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 3, 4]]);
-        let found = pinched(&tie, &topology, &stars(&tie, &topology));
+        let found = pinched(&tie, &topology, &Stars::of(&tie, &topology));
         assert_eq!((found.len(), found[0].ids[0], found[0].measure), (1, 0, 2.0));
         let (fan, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 1, 3], [0, 3, 4]]);
-        assert!(pinched(&fan, &topology, &stars(&fan, &topology)).is_empty());
+        assert!(pinched(&fan, &topology, &Stars::of(&fan, &topology)).is_empty());
     }
 
     #[test]
@@ -142,9 +180,9 @@ mod tests {
         let opposite = corners.map(|p| p.map(|x: f64| -x));
         let vertices = [&[[0.0; 3]], &corners[..], &opposite[..]].concat();
         let (single, topology) = mesh(&vertices[..4], &sides);
-        assert!(pinched(&single, &topology, &stars(&single, &topology)).is_empty());
+        assert!(pinched(&single, &topology, &Stars::of(&single, &topology)).is_empty());
         let (double, topology) = mesh(&vertices, &[sides, other].concat());
-        let found = pinched(&double, &topology, &stars(&double, &topology));
+        let found = pinched(&double, &topology, &Stars::of(&double, &topology));
         assert_eq!((found.len(), found[0].ids[0], found[0].measure), (1, 0, 2.0));
     }
 

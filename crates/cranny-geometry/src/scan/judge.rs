@@ -19,7 +19,7 @@ use crate::report::FindingKind;
 pub(super) fn judge(
     mesh: &Mesh,
     [f, g]: [FaceId; 2],
-    settled: impl Fn(VertexId) -> bool,
+    settled: impl FnOnce(VertexId) -> bool,
 ) -> Option<FindingKind> {
     let corners = mesh.corners(f);
     let shared = shared_corners(corners, mesh.corners(g));
@@ -31,6 +31,9 @@ pub(super) fn judge(
     let (a, b) = (mesh.triangle(f), mesh.triangle(g));
     match shared {
         SharedCorners::None => {
+            if seen_parted(&a, &b) {
+                return None;
+            }
             let meeting = classify_triangles(&a, &b);
             meeting.meets().then(|| kind_of(meeting, &a, &b))
         }
@@ -118,6 +121,20 @@ fn seen_apart(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let axis = dominant_axis(a);
     let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));
     wedge_parted(&a, &b) || wedge_parted(&b, &a)
+}
+
+/// Whether a line through a side of one of two triangles certainly parts them, seen along the axis
+/// nearest the normal of the first.
+fn seen_parted(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
+    let axis = dominant_axis(a);
+    let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));
+    let beyond = |a: &[DVec2; 3], b: &[DVec2; 3]| {
+        let turn = orient2d(a[0], a[1], a[2]);
+        let outside =
+            |i: usize| b.iter().all(|&p| orient2d(a[i], a[(i + 1) % 3], p) == turn.flipped());
+        !turn.is_zero() && (0..3).any(outside)
+    };
+    beyond(&a, &b) || beyond(&b, &a)
 }
 
 /// Whether two triangles that share a side lie on either side of it, seen along the axis nearest the

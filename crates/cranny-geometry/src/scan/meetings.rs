@@ -13,7 +13,7 @@ use cranny_exact::Aabb;
 use super::crowds::Crowds;
 use super::judge::judge;
 use super::pairs::overlapping_pairs;
-use super::stars::Star;
+use super::stars::Stars;
 use super::views::Views;
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
@@ -34,7 +34,7 @@ pub(super) fn meetings(
     mesh: &Mesh,
     topology: &Topology,
     tree: &FaceTree,
-    stars: &[Star],
+    stars: &mut Stars,
     left_out: &[bool],
     explained: impl Fn(FaceId, FaceId) -> bool,
 ) -> (Vec<Finding>, MeetingScan) {
@@ -50,7 +50,7 @@ pub(super) fn meetings(
             return ControlFlow::Continue(());
         }
         let pair = [f.min(g), f.max(g)];
-        let settled = |v: VertexId| !in_crowd && (stars[v.index()] == Star::Spread || crowds.holds(v));
+        let settled = |v: VertexId| !in_crowd && (stars.is_spread(v) || crowds.holds(v));
         if let Some(kind) = judge(mesh, pair, settled)
             && !(kind == FindingKind::SelfTouch && explained(f, g))
         {
@@ -59,7 +59,7 @@ pub(super) fn meetings(
         ControlFlow::Continue(())
     };
     let mut views = Views::of(mesh, topology, tree);
-    let opens = |i, j| if i == j { !views.is_clear(i) } else { !crowds.share(i, j) };
+    let opens = |i, j| if i == j { !views.is_clear(i) } else { !crowds.settle(i, j) };
     let ended = match crowds.pairs(|f, g| look_at(f, g, true)) {
         ControlFlow::Continue(()) => {
             overlapping_pairs(tree.nodes(), tree.faces(), opens, |f, g| look_at(f, g, false))
@@ -90,16 +90,18 @@ fn findings(mesh: &Mesh, mut found: Vec<(FindingKind, [FaceId; 2])>) -> Vec<Find
 mod tests {
     use cranny_exact::DVec3;
 
-    use super::super::stars::stars;
     use super::*;
 
     fn pairs_of(mesh: &Mesh, leaf_size: usize) -> Vec<[u32; 2]> {
         let topology = Topology::of(mesh);
         let tree = FaceTree::of(mesh, leaf_size);
-        let (stars, left_out) = (stars(mesh, &topology), vec![false; mesh.faces().len()]);
-        let (found, scan) = meetings(mesh, &topology, &tree, &stars, &left_out, |_, _| false);
+        let left_out = vec![false; mesh.faces().len()];
+        let mut stars = Stars::of(mesh, &topology);
+        let (found, scan) = meetings(mesh, &topology, &tree, &mut stars, &left_out, |_, _| false);
         assert_eq!(scan, MeetingScan::Complete);
-        found.iter().map(|f| [f.ids[0], f.ids[1]]).collect()
+        let mut pairs: Vec<_> = found.iter().map(|f| [f.ids[0], f.ids[1]]).collect();
+        pairs.sort_unstable();
+        pairs
     }
 
     fn judged_one_by_one(mesh: &Mesh) -> Vec<[u32; 2]> {
@@ -140,12 +142,35 @@ mod tests {
     }
 
     #[test]
+    fn a_cone_of_many_faces_is_searched_to_the_end() {
+        let count = 10_000;
+        let half = (0..count / 2).map(|i| {
+            let t = 4.0 * f64::from(i) / f64::from(count) - 1.0;
+            DVec3::new(1.0 - t * t, 2.0 * t, 0.0) / (1.0 + t * t)
+        });
+        let ring: Vec<DVec3> = half.clone().chain(half.map(|p| -p)).collect();
+        let next = |i: u32| 2 + (i + 1) % count;
+        let faces: Vec<_> =
+            (0..count).flat_map(|i| [[0, 2 + i, next(i)], [1, next(i), 2 + i]]).collect();
+        // Upright, and with a tip so far out that its star is not spread out along any axis.
+        for tip in [DVec3::Z, DVec3::new(3.0, 2.0, 0.5)] {
+            let tips = vec![tip, DVec3::new(0.1, 0.0, -0.1)];
+            let mesh = Mesh::new([tips, ring.clone()].concat(), faces.clone()).unwrap();
+            assert_eq!(pairs_of(&mesh, 1), Vec::<[u32; 2]>::new());
+        }
+    }
+
+    #[test]
     fn sheets_that_roll_up_or_fold_meet_as_when_judged_one_by_one() {
         let hash = |x: u32, y: u32| f64::from((x * 7919 + y * 104_729) % 97) / 97.0;
         let wavy = sheet(12, |x, y| hash(x, y) * DVec3::Z);
         assert_eq!(pairs_of(&wavy, 1), Vec::<[u32; 2]>::new());
         let crumpled = sheet(12, |x, y| DVec3::new(2.0 * hash(x, y), 2.0 * hash(y, x + 5), 0.5));
-        let folded = sheet(12, |x, _| f64::from(x.saturating_sub(6)) * DVec3::new(-1.5, 0.0, 0.1));
+        // Back over itself, and through.
+        let folded = sheet(12, |x, _| {
+            let k = f64::from(x.saturating_sub(6));
+            DVec3::new(-1.5 * k, 0.0, 0.1 * k * (3.0 - k))
+        });
         // Up a screw: seen along its axis the turns lie on each other; the last ones dip through.
         let screw = sheet(24, |x, y| {
             let at = f64::from(x) / 2.0;

@@ -5,6 +5,7 @@
 //! pairs of faces that meet, of which there can be more; that search gives up at a bound
 //! ([`MeetingScan::Stopped`](crate::MeetingScan::Stopped)).
 
+mod arcs;
 pub(crate) mod cracks;
 mod crowds;
 mod edges;
@@ -26,6 +27,7 @@ use crate::report::{Finding, FindingKind, MeetingScan};
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 use cracks::TVertex;
+use stars::Stars;
 
 /// The findings of a mesh, kind by kind, harmless ones last.
 pub(crate) fn scan(
@@ -40,7 +42,7 @@ pub(crate) fn scan(
     let in_one_place = faces::coincident(mesh, topology);
     let t_vertices = cracks::t_vertices(mesh, topology, tree, weld_distance);
     let near = cracks::near(mesh, tree, weld_distance, |_| true);
-    let stars = stars::stars(mesh, topology);
+    let mut stars = Stars::of(mesh, topology);
 
     let mut findings = faces::thin(mesh, &without_area, weld_distance);
     findings.extend(faces::in_one_place(mesh, &in_one_place));
@@ -62,7 +64,8 @@ pub(crate) fn scan(
             !reasons.is_empty() && (touches(f, g) || touches(g, f))
         };
         let found;
-        (found, meetings) = meetings::meetings(mesh, topology, tree, &stars, &left_out, explained);
+        (found, meetings) =
+            meetings::meetings(mesh, topology, tree, &mut stars, &left_out, explained);
         findings.extend(found);
     }
     findings.extend(edges::flat(mesh, topology, &without_area));

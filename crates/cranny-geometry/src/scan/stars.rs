@@ -9,27 +9,54 @@ use crate::topology::Topology;
 
 /// How the faces at a vertex hang together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Star {
+enum Star {
     /// Not in one ring of twins: at a boundary, in several fans, next to a collapsed face, or unused.
     Torn,
-    /// In one ring of twins.
+    /// In one ring of twins, not yet seen along an axis.
     Ring,
-    /// In one ring that, seen along an axis, goes around the vertex once without turning back. Seen so,
-    /// the faces lie side by side: two of them share the side that they have in common, or else the
-    /// vertex, and nothing more.
+    /// In one ring that does not lie [spread out](Stars::is_spread).
+    Bent,
+    /// In one ring that does.
     Spread,
 }
 
-/// The stars of all vertices. O(n).
-pub(super) fn stars(mesh: &Mesh, topology: &Topology) -> Vec<Star> {
-    let mut ring = Vec::new();
-    let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
-    let star = |vertex| match (walk(mesh, topology, vertex, &mut ring), &ring) {
-        (false, _) => Star::Torn,
-        (true, ring) if is_spread(mesh, vertex, ring) => Star::Spread,
-        (true, _) => Star::Ring,
-    };
-    vertices.map(star).collect()
+/// The stars of all vertices.
+pub(super) struct Stars<'a> {
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    /// Seen when first asked for.
+    stars: Vec<Star>,
+    ring: Vec<VertexId>,
+}
+
+impl<'a> Stars<'a> {
+    /// O(n).
+    pub(super) fn of(mesh: &'a Mesh, topology: &'a Topology) -> Self {
+        let mut ring = Vec::new();
+        let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+        let star = |v| if walk(mesh, topology, v, &mut ring) { Star::Ring } else { Star::Torn };
+        let stars = vertices.map(star).collect();
+        Self { mesh, topology, stars, ring }
+    }
+
+    /// Whether the faces at a vertex are not one ring of twins: at a boundary, in several fans, next to a
+    /// collapsed face, or where no face is.
+    pub(super) fn is_torn(&self, vertex: VertexId) -> bool {
+        self.stars[vertex.index()] == Star::Torn
+    }
+
+    /// Whether the faces at a vertex are one ring that, seen along an axis, goes around it once without
+    /// turning back. Seen so, the faces lie side by side: two of them share the side that they have in
+    /// common, or else the vertex, and nothing more. O(k) for k faces, when first asked.
+    pub(super) fn is_spread(&mut self, vertex: VertexId) -> bool {
+        let Self { mesh, topology, stars, ring } = self;
+        let star = &mut stars[vertex.index()];
+        if *star == Star::Ring {
+            let spread = walk(mesh, topology, vertex, ring) && is_spread(mesh, vertex, ring);
+            *star = if spread { Star::Spread } else { Star::Bent };
+        }
+        *star == Star::Spread
+    }
 }
 
 /// Walks from twin to twin around a vertex, noting the far end of each side; whether it came around and
@@ -100,13 +127,20 @@ mod tests {
         (mesh, topology)
     }
 
+    fn star_of(mesh: &Mesh, topology: &Topology, vertex: u32) -> Star {
+        let mut stars = Stars::of(mesh, topology);
+        let spread = stars.is_spread(VertexId(vertex));
+        assert_eq!(spread, stars.is_spread(VertexId(vertex)));
+        stars.stars[vertex as usize]
+    }
+
     fn star_of_tip(tip: [f64; 3], ring: &[[f64; 3]]) -> Star {
         let turned = |axis: usize, p: [f64; 3]| [p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]];
         let stars: Vec<Star> = (0..3)
             .map(|axis| {
                 let ring: Vec<[f64; 3]> = ring.iter().map(|&p| turned(axis, p)).collect();
                 let (mesh, topology) = umbrella(turned(axis, tip), &ring);
-                stars(&mesh, &topology)[0]
+                star_of(&mesh, &topology, 0)
             })
             .collect();
         assert!(stars.iter().all(|&star| star == stars[0]), "{stars:?}");
@@ -131,9 +165,9 @@ mod tests {
     #[test]
     fn what_turns_back_or_stands_upright_is_not() {
         // Off the square: two faces turn the other way.
-        assert_eq!(star_of_tip([2.0, 0.0, 0.1], &SQUARE), Star::Ring);
+        assert_eq!(star_of_tip([2.0, 0.0, 0.1], &SQUARE), Star::Bent);
         // Right above a side: one face stands upright.
-        assert_eq!(star_of_tip([0.5, 0.5, 1.0], &SQUARE), Star::Ring);
+        assert_eq!(star_of_tip([0.5, 0.5, 1.0], &SQUARE), Star::Bent);
     }
 
     #[test]
@@ -151,7 +185,7 @@ mod tests {
             orient2d(DVec2::ZERO, p, q).as_i8()
         });
         assert!(turns.clone().all(|turn| turn == 1));
-        assert_eq!(stars(&mesh, &topology)[0], Star::Ring);
+        assert_eq!(star_of(&mesh, &topology, 0), Star::Bent);
     }
 
     #[test]
@@ -163,7 +197,9 @@ mod tests {
         let vertices = [&[DVec3::ZERO], &corners[..], &corners.map(|p| -p)].concat();
         let torn = |faces: Vec<[u32; 3]>| {
             let mesh = Mesh::new(vertices.clone(), faces).unwrap();
-            stars(&mesh, &Topology::of(&mesh)).iter().map(|&star| star == Star::Torn).collect()
+            let topology = Topology::of(&mesh);
+            let stars = Stars::of(&mesh, &topology);
+            (0..mesh.vertices().len() as u32).map(|v| stars.is_torn(VertexId(v))).collect()
         };
         let of_pair: Vec<bool> = torn([sides, other].concat());
         assert_eq!(of_pair, [true, false, false, false, false, false, false]);
