@@ -72,6 +72,17 @@ pub fn check_point(point: DVec3) -> Result<(), DomainError> {
     Ok(())
 }
 
+/// Whether [`check_point`] has nothing to say of a point: without a branch, for loops over many.
+#[must_use]
+pub fn is_in_domain(point: DVec3) -> bool {
+    let is_accepted = |x: f64| {
+        let size = x.abs();
+        // Not so of infinities, nor of NaN, which is no smaller than anything.
+        (size <= MAX_COORDINATE) & ((size >= MIN_COORDINATE) | (size == 0.0))
+    };
+    is_accepted(point.x) & is_accepted(point.y) & is_accepted(point.z)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +91,18 @@ mod tests {
     fn the_limits_are_powers_of_two() {
         assert_eq!(MAX_COORDINATE, 2f64.powi(120));
         assert_eq!(MIN_COORDINATE, 2f64.powi(-200));
+    }
+
+    #[test]
+    fn both_ways_of_asking_agree() {
+        let edges = [MAX_COORDINATE, MIN_COORDINATE];
+        let around = edges.iter().flat_map(|x| [x.next_down(), *x, x.next_up()]);
+        let special = [0.0, 1.0, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, f64::from_bits(1)];
+        for x in around.chain(special).flat_map(|x| [x, -x]) {
+            for p in [DVec3::new(x, 1.0, 0.0), DVec3::new(0.0, x, 1.0), DVec3::new(1.0, 0.0, x)] {
+                assert_eq!(is_in_domain(p), check_point(p).is_ok(), "{p}");
+            }
+        }
     }
 
     #[test]

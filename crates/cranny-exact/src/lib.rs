@@ -33,7 +33,7 @@ mod triangle;
 mod weighted;
 
 pub use aabb::Aabb;
-pub use domain::{DomainError, check_point};
+pub use domain::{DomainError, check_point, is_in_domain};
 pub use glam::{DMat3, DQuat, DVec2, DVec3};
 pub use interval::Interval;
 pub use pose::{Pose, PoseError, RigidMap};

@@ -1,6 +1,6 @@
 //! Triangle meshes as they are read: vertices and index triples, checked but not yet understood.
 
-use cranny_exact::{Aabb, DVec3, DomainError, check_point};
+use cranny_exact::{Aabb, DVec3, DomainError, check_point, is_in_domain};
 use thiserror::Error;
 
 use crate::ids::{FaceId, VertexId};
@@ -74,12 +74,21 @@ impl Mesh {
         if faces.is_empty() {
             return Err(MeshError::NoFaces { vertices: vertices.len() });
         }
-        for (vertex, &p) in vertices.iter().enumerate() {
-            check_point(p).map_err(|source| MeshError::Coordinate { vertex, source })?;
+        // Short loops over all; whoever offends is searched for when it is known that somebody does.
+        let is_inside = vertices.iter().fold(true, |all, &p| all & is_in_domain(p));
+        if !is_inside {
+            for (vertex, &p) in vertices.iter().enumerate() {
+                check_point(p).map_err(|source| MeshError::Coordinate { vertex, source })?;
+            }
         }
-        for (face, corners) in faces.iter().enumerate() {
-            if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices.len()) {
-                return Err(MeshError::IndexOutOfRange { face, index, vertices: vertices.len() });
+        let count = vertices.len() as u32;
+        let is_there = |corners: &[u32; 3]| corners.iter().fold(true, |all, &i| all & (i < count));
+        if !faces.iter().fold(true, |all, corners| all & is_there(corners)) {
+            for (face, corners) in faces.iter().enumerate() {
+                if let Some(&index) = corners.iter().find(|&&i| i >= count) {
+                    let vertices = vertices.len();
+                    return Err(MeshError::IndexOutOfRange { face, index, vertices });
+                }
             }
         }
         Ok(Self { vertices, faces })

@@ -430,7 +430,8 @@ fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, rep
 
 /// No vertex is farther than this from the origin.
 pub(crate) fn radius(mesh: &Mesh) -> f64 {
-    mesh.vertices().iter().map(|p| p.length()).fold(0.0, f64::max).next_up()
+    // The root of a larger number is no smaller: one root, of the largest, is the largest root.
+    mesh.vertices().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt().next_up()
 }
 
 /// Names one prepared model without keeping it alive: for memories that hold numbers of its faces and

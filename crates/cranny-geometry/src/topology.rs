@@ -108,40 +108,50 @@ impl Topology {
         Self::of_sorted(mesh, sorted_half_edges(mesh))
     }
 
-    /// From all half-edges, sorted by [`place_of`]. Near linear.
+    /// From all half-edges, sorted by edge, along an edge by number. Near linear.
     fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> Self {
-        let faces = mesh.faces();
-        let mut edges = Vec::with_capacity(around.len() / 2);
+        let runs = runs_of(mesh);
+        let mut edges: Vec<Edge> = Vec::with_capacity(around.len() / 2);
         let mut edge_of = vec![EdgeId(0); around.len()];
         let mut twins = vec![u32::MAX; around.len()];
-        let mut rest = &around[..];
+        // Edges that are not between two faces and two vertices.
+        let mut odd: Vec<EdgeId> = Vec::new();
+        let mut rest = around.as_slice();
         while let Some(&leader) = rest.first() {
-            let (from, to) = ascending(ends_of(mesh, leader));
-            let edge = EdgeId(edges.len() as u32);
-            let (mut count, mut forward) = (0, 0);
-            for &h in rest {
-                let ends = ends_of(mesh, h);
-                if ascending(ends) != (from, to) {
-                    break;
+            let run = runs[leader.index()];
+            let (edge, (from, to)) = (EdgeId(edges.len() as u32), run.ends());
+            let is_along = |h: &HalfEdgeId| runs[h.index()].is_along(run);
+            let plain = match rest {
+                [_, other, others @ ..] if !others.first().is_some_and(is_along) => {
+                    Some(*other).filter(|h| runs[h.index()].is_opposite(run) && from != to)
                 }
-                edge_of[h.index()] = edge;
-                count += 1;
-                forward += usize::from(ends.0 == from);
-            }
+                _ => None,
+            };
+            let count = match plain {
+                Some(_) => 2,
+                None => rest.iter().take_while(|h| is_along(h)).count(),
+            };
             let group;
             (group, rest) = rest.split_at(count);
-            // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
-            let balanced = from == to || 2 * forward == count;
-            let kind = match (count, balanced) {
-                (1, false) => EdgeKind::Open,
-                (2, true) => EdgeKind::Manifold,
-                (2, false) => EdgeKind::Contradictory,
-                (_, true) => EdgeKind::Balanced,
-                (_, false) => EdgeKind::Tangled,
+            let kind = if let Some(other) = plain {
+                twins[leader.index()] = other.0;
+                twins[other.index()] = leader.0;
+                EdgeKind::Manifold
+            } else {
+                odd.push(edge);
+                let forward = group.iter().filter(|h| runs[h.index()].is_forward()).count();
+                // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
+                let balanced = from == to || 2 * forward == count;
+                match (count, balanced) {
+                    (1, false) => EdgeKind::Open,
+                    (2, true) => EdgeKind::Manifold,
+                    (2, false) => EdgeKind::Contradictory,
+                    (_, true) => EdgeKind::Balanced,
+                    (_, false) => EdgeKind::Tangled,
+                }
             };
-            if kind == EdgeKind::Manifold && from != to {
-                twins[group[0].index()] = group[1].0;
-                twins[group[1].index()] = group[0].0;
+            for h in group {
+                edge_of[h.index()] = edge;
             }
             let first = (around.len() - rest.len() - count) as u32;
             let (from, to) = (VertexId(from), VertexId(to));
@@ -149,7 +159,8 @@ impl Topology {
         }
 
         let (vertex_starts, vertex_faces) = faces_of_vertices(mesh);
-        let (component_of, components) = components(faces.len(), &edges, &around);
+        let odd: Vec<&Edge> = odd.iter().map(|e| &edges[e.index()]).collect();
+        let (component_of, components) = components(&twins, &odd, &around);
         Self {
             edges,
             around,
@@ -183,10 +194,13 @@ impl Topology {
         let count = 3 * mesh.faces().len();
         check(around.len() == count, "it is not one of all half-edges")?;
         check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
+        let read = Self::of_sorted(mesh, around);
         // As many as there are, strictly ascending: each once.
-        let places = around.iter().map(|&h| place_of(mesh, h));
-        check(places.is_sorted_by(|g, h| g < h), "half-edges are not sorted")?;
-        Ok(Self::of_sorted(mesh, around))
+        let ends = |e: &Edge| (e.from, e.to);
+        let is_sorted = read.edges.is_sorted_by(|a, b| ends(a) < ends(b))
+            && read.edges.iter().all(|e| read.row(e).is_sorted_by(|g, h| g < h));
+        check(is_sorted, "half-edges are not sorted")?;
+        Ok(read)
     }
 
     /// All edges, sorted by their ends.
@@ -204,8 +218,11 @@ impl Topology {
     /// The half-edges along an edge, by ascending id.
     #[must_use]
     pub fn half_edges(&self, edge: EdgeId) -> &[HalfEdgeId] {
-        let e = &self.edges[edge.index()];
-        &self.around[e.first as usize..(e.first + e.count) as usize]
+        self.row(&self.edges[edge.index()])
+    }
+
+    fn row(&self, edge: &Edge) -> &[HalfEdgeId] {
+        &self.around[edge.first as usize..(edge.first + edge.count) as usize]
     }
 
     /// The half-edge along the same manifold edge, in the other direction.
@@ -290,23 +307,48 @@ impl Topology {
     }
 }
 
-/// Where a half-edge runs from and to.
-fn ends_of(mesh: &Mesh, h: HalfEdgeId) -> (u32, u32) {
-    let corners = mesh.faces()[h.face().index()];
-    (corners[h.corner()], corners[h.next().corner()])
+/// How a half-edge runs, in one word: its lesser end, its greater end, and whether it runs from the lesser
+/// one. A vertex has a number below 2^30.
+#[derive(Clone, Copy)]
+struct Run(u64);
+
+impl Run {
+    fn new((a, b): (u32, u32)) -> Self {
+        Self(u64::from(a.min(b)) << 32 | u64::from(a.max(b)) << 1 | u64::from(a <= b))
+    }
+
+    fn ends(self) -> (u32, u32) {
+        ((self.0 >> 32) as u32, self.0 as u32 >> 1)
+    }
+
+    /// Whether it runs from the lesser end to the greater.
+    fn is_forward(self) -> bool {
+        self.0 & 1 == 1
+    }
+
+    fn is_along(self, other: Self) -> bool {
+        (self.0 ^ other.0) <= 1
+    }
+
+    fn is_opposite(self, other: Self) -> bool {
+        self.0 ^ other.0 == 1
+    }
 }
 
-/// By this, half-edges are sorted: by edge, along an edge by number.
-fn place_of(mesh: &Mesh, h: HalfEdgeId) -> (u32, u32, u32) {
-    let (from, to) = ascending(ends_of(mesh, h));
-    (from, to, h.0)
+/// How each half-edge runs.
+fn runs_of(mesh: &Mesh) -> Vec<Run> {
+    let mut runs = Vec::with_capacity(3 * mesh.faces().len());
+    for &[a, b, c] in mesh.faces() {
+        runs.extend([(a, b), (b, c), (c, a)].map(Run::new));
+    }
+    runs
 }
 
 fn ascending((a, b): (u32, u32)) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 
-/// All half-edges, sorted by [`place_of`]: dealt out to their lesser ends, and sorted there.
+/// All half-edges, sorted by edge, along an edge by number: dealt out to their lesser ends, and sorted there.
 fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
     let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(ascending);
     // Where the next half-edge of each vertex goes; in the end, where those of the next vertex begin.
@@ -350,32 +392,55 @@ fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
     (starts, faces)
 }
 
+/// Faces are labelled in turn like their neighbours before them; labels that meet are joined, and so are
+/// those around odd edges.
 fn components(
-    faces: usize,
-    edges: &[Edge],
+    twins: &[u32],
+    odd: &[&Edge],
     around: &[HalfEdgeId],
 ) -> (Vec<ComponentId>, Vec<Component>) {
-    let mut sets = DisjointSets::new(faces);
-    let group = |e: &Edge| &around[e.first as usize..(e.first + e.count) as usize];
-    for edge in edges {
-        for pair in group(edge).windows(2) {
-            sets.union(pair[0].face().index(), pair[1].face().index());
-        }
-    }
+    let mut labels: Vec<u32> = Vec::with_capacity(twins.len() / 3);
+    let mut sets = DisjointSets::new(0);
     let mut components: Vec<Component> = Vec::new();
-    let mut id_of_root = vec![u32::MAX; faces];
-    let component_of: Vec<ComponentId> = (0..faces)
-        .map(|f| {
-            let root = sets.find(f);
-            if id_of_root[root] == u32::MAX {
-                id_of_root[root] = components.len() as u32;
-                components.push(Component { first_face: FaceId(f as u32), faces: 0, closed: true });
-            }
-            components[id_of_root[root] as usize].faces += 1;
-            ComponentId(id_of_root[root])
-        })
-        .collect();
-    for edge in edges.iter().filter(|e| !e.kind.is_balanced()) {
+    let (faces, _) = twins.as_chunks::<3>();
+    for (face, twins) in (0..).map(FaceId).zip(faces) {
+        let before = twins.map(|twin| labels.get(twin as usize / 3).copied());
+        let mut of_neighbors = before.into_iter().flatten();
+        let label = of_neighbors.next().unwrap_or_else(|| {
+            components.push(Component { first_face: face, faces: 0, closed: true });
+            sets.add() as u32
+        });
+        for other in of_neighbors.filter(|&other| other != label) {
+            sets.union(label as usize, other as usize);
+        }
+        labels.push(label);
+    }
+    let group = |e: &Edge| &around[e.first as usize..(e.first + e.count) as usize];
+    let label_of = |h: HalfEdgeId| labels[h.face().index()] as usize;
+    for pair in odd.iter().flat_map(|edge| group(edge).windows(2)) {
+        sets.union(label_of(pair[0]), label_of(pair[1]));
+    }
+    // A set's least label is that of its least face.
+    let mut count = 0;
+    let mut component_of_label: Vec<ComponentId> = Vec::with_capacity(components.len());
+    for label in 0..components.len() {
+        let root = sets.find(label);
+        let component = if root == label {
+            components[count] = components[label];
+            count += 1;
+            ComponentId(count as u32 - 1)
+        } else {
+            component_of_label[root]
+        };
+        component_of_label.push(component);
+    }
+    components.truncate(count);
+    let component_of: Vec<ComponentId> =
+        labels.iter().map(|&label| component_of_label[label as usize]).collect();
+    for component in &component_of {
+        components[component.index()].faces += 1;
+    }
+    for edge in odd.iter().filter(|e| !e.kind.is_balanced()) {
         let component = component_of[group(edge)[0].face().index()];
         components[component.index()].closed = false;
     }
@@ -391,6 +456,13 @@ impl DisjointSets {
     #[must_use]
     pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
+    }
+
+    /// One more set of one member, whose number is returned.
+    fn add(&mut self) -> usize {
+        let member = self.0.len();
+        self.0.push(member as u32);
+        member
     }
 
     /// The least member of the set of `i < count`.
@@ -447,7 +519,11 @@ mod tests {
             .collect();
         let mesh = Mesh::new(points(14), faces).unwrap();
         let mut expected: Vec<HalfEdgeId> = (0..270).map(HalfEdgeId).collect();
-        expected.sort_by_key(|&h| place_of(&mesh, h));
+        expected.sort_by_key(|&h| {
+            let corners = mesh.corners(h.face());
+            let (from, to) = (corners[h.corner()].0, corners[h.next().corner()].0);
+            (ascending((from, to)), h)
+        });
         assert_eq!(sorted_half_edges(&mesh), expected);
         Topology::of(&mesh).validate(&mesh).unwrap();
     }

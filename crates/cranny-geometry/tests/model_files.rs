@@ -17,7 +17,7 @@ use cranny_testkit::Rng;
 use meshes::{corpus, soup, turned};
 
 /// Head of a file: magic, version, 0, length, checksum.
-const HEAD: usize = 56;
+const HEAD: usize = 32;
 
 fn built(mesh: &Mesh) -> Model {
     Model::build(mesh.clone(), &BuildOptions::default()).unwrap().0
@@ -169,15 +169,32 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Model::decode(&other).unwrap_err()
     };
-    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 2 });
+    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 3 });
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
-    assert_eq!(with(30, !bytes[30]), DecodeError::Checksum);
+    assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;
     let longer = [bytes.as_slice(), &[0]].concat();
     assert_eq!(
         Model::decode(&longer).unwrap_err(),
         DecodeError::Length { found: longer.len(), stated }
     );
+}
+
+#[test]
+fn no_flipped_bit_goes_unnoticed() {
+    let bytes = built(&Cuboid::default().build().unwrap()).encode();
+    for bit in 0..8 * bytes.len() {
+        let mut other = bytes.clone();
+        other[bit / 8] ^= 1 << (bit % 8);
+        let error = Model::decode(&other).unwrap_err();
+        let expected = match bit / 8 {
+            0..8 => matches!(error, DecodeError::NotAModel),
+            8..16 => matches!(error, DecodeError::Version { .. }),
+            16..24 => matches!(error, DecodeError::Length { .. }),
+            _ => error == DecodeError::Checksum,
+        };
+        assert!(expected, "bit {bit}: {error}");
+    }
 }
 
 #[test]
@@ -202,19 +219,22 @@ fn a_file_cut_off_anywhere_is_refused_checksum_or_not() {
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = bytes.len() as u64;
     bytes[16..24].copy_from_slice(&length.to_le_bytes());
-    // The mesh, without the number of its faces, is hashed by itself.
-    let length = bytes.get(HEAD + 4..HEAD + 12);
-    let end = length.map_or(0, |l| u64::from_le_bytes(l.try_into().unwrap()) as usize);
-    let end = end.saturating_add(HEAD + 12);
-    let mesh = bytes.get(HEAD + 20..end).unwrap_or_default();
-    let before = if mesh.is_empty() { &[][..] } else { &bytes[HEAD..HEAD + 20] };
-    let behind = if mesh.is_empty() { &bytes[HEAD..] } else { &bytes[end..] };
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&bytes[..24]).update(blake3::hash(mesh).as_bytes());
-    hasher.update(before).update(behind);
-    let checksum = *hasher.finalize().as_bytes();
-    bytes[24..HEAD].copy_from_slice(&checksum);
+    let sum = checksum(&bytes[HEAD..]);
+    bytes[24..HEAD].copy_from_slice(&sum.to_le_bytes());
     bytes
+}
+
+/// As the codec describes it, one word at a time.
+fn checksum(bytes: &[u8]) -> u64 {
+    let factor = 0x9E37_79B9_7F4A_7C15u64;
+    let step = |lane: u64, word: u64| (lane ^ word).wrapping_mul(factor).rotate_left(32);
+    let mut padded = bytes.to_vec();
+    padded.resize(bytes.len().next_multiple_of(64), 0);
+    let mut lanes: Vec<u64> = (1..=8).map(|i| factor.wrapping_mul(i)).collect();
+    for (i, word) in padded.chunks(8).enumerate() {
+        lanes[i % 8] = step(lanes[i % 8], u64::from_le_bytes(word.try_into().unwrap()));
+    }
+    lanes.into_iter().fold(0, step)
 }
 
 /// Where the bodies of sections are.

@@ -9,9 +9,11 @@
 //! structure's own needs in mind: no later code may panic, or run in circles, for what a file says.
 //! Memory is bounded by the bytes present: a list is as long as the bytes that follow allow.
 
+mod checksum;
 mod reader;
 mod writer;
 
+pub(crate) use checksum::checksum;
 pub(crate) use reader::Reader;
 pub(crate) use writer::Writer;
 
@@ -42,6 +44,11 @@ pub(crate) trait Plain: Copy {
     fn put(self, out: &mut Vec<u8>);
     /// From exactly [`SIZE`](Self::SIZE) bytes.
     fn get(bytes: &[u8]) -> Self;
+
+    /// From as many bytes as several take, one behind the other.
+    fn get_all(bytes: &[u8]) -> Vec<Self> {
+        bytes.chunks_exact(Self::SIZE).map(Self::get).collect()
+    }
 }
 
 macro_rules! number {
@@ -57,6 +64,12 @@ macro_rules! number {
                 let mut own = [0; Self::SIZE];
                 own.copy_from_slice(bytes);
                 Self::from_le_bytes(own)
+            }
+
+            // A copy, where memory is little-endian too.
+            fn get_all(bytes: &[u8]) -> Vec<Self> {
+                let (items, _) = bytes.as_chunks();
+                items.iter().map(|&item| Self::from_le_bytes(item)).collect()
             }
         }
     )*};
@@ -153,21 +166,22 @@ pub(crate) use coded;
 
 coded!(bool { false => 0 => false, true => 1 => true });
 
+/// Whether all are below a limit; looks at all, which is quicker than stopping at the first that is not.
+pub(crate) fn check_below(
+    indices: impl IntoIterator<Item = u32>,
+    limit: usize,
+    flaw: &str,
+) -> Result<(), Flaw> {
+    let limit = u32::try_from(limit).unwrap_or(u32::MAX);
+    check(!indices.into_iter().fold(false, |is_beyond, i| is_beyond | (i >= limit)), flaw)
+}
+
 /// Whether starts of rows, as many as rows and one more, cover `count` members in order.
 pub(crate) fn check_rows(starts: &[u32], rows: usize, count: usize) -> Result<(), Flaw> {
     check(starts.len() == rows + 1, "there are too many or too few rows")?;
     check(starts[0] == 0, "the first row does not begin at 0")?;
     check(starts[rows] as usize == count, "the last row does not end at the end")?;
     check(starts.is_sorted(), "rows overlap")
-}
-
-/// Whether all are below a limit.
-pub(crate) fn check_below(
-    indices: impl IntoIterator<Item = u32>,
-    limit: usize,
-    flaw: &str,
-) -> Result<(), Flaw> {
-    check(indices.into_iter().all(|i| (i as usize) < limit), flaw)
 }
 
 /// Whether a vector has length 1, to rounding.

@@ -19,6 +19,11 @@ impl<'a> Reader<'a> {
         Ok(taken)
     }
 
+    /// What has not been read.
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
     /// One thing.
     pub(crate) fn one<T: Plain>(&mut self) -> Result<T, Flaw> {
         self.take(T::SIZE).map(T::get)
@@ -38,17 +43,25 @@ impl<'a> Reader<'a> {
 
     /// As many things as are said to follow, if they do.
     pub(crate) fn items<T: Plain>(&mut self, count: u64) -> Result<Vec<T>, Flaw> {
-        Ok(self.bytes_of(count, T::SIZE)?.chunks_exact(T::SIZE).map(T::get).collect())
+        Ok(T::get_all(self.bytes_of(count, T::SIZE)?))
     }
 
     /// A list of variants.
     pub(crate) fn codes<T: Coded>(&mut self) -> Result<Vec<T>, Flaw> {
         let count = self.one()?;
         let codes = self.bytes_of(count, 1)?;
-        let mut all = Vec::with_capacity(codes.len());
-        for &code in codes {
-            all.push(T::of_code(code).ok_or("a byte stands for nothing known")?);
-        }
+        let unknown = "a byte stands for nothing known";
+        let Some(&first) = codes.first() else { return Ok(Vec::new()) };
+        let stand_in = T::of_code(first).ok_or(unknown)?;
+        let mut is_known = true;
+        // No way out of the loop, so that it stays short.
+        let of_code = |&code: &u8| {
+            let found = T::of_code(code);
+            is_known &= found.is_some();
+            found.unwrap_or(stand_in)
+        };
+        let all = codes.iter().map(of_code).collect();
+        check(is_known, unknown)?;
         Ok(all)
     }
 

@@ -7,7 +7,7 @@ use crate::codec::{Flaw, Reader, Writer, check, is_unit, plain_struct};
 use crate::concavity::Concavities;
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
-use crate::tree::Once;
+use crate::tree::check_each_once;
 
 plain_struct!(HalfSpace { normal: DVec3, offset: f64 });
 
@@ -92,17 +92,14 @@ impl Envelopes {
 
     /// Each envelope holds the faces of its concavity, one envelope behind the other.
     fn check_faces(&self, mesh: &Mesh, concavities: &Concavities) -> Result<(), Flaw> {
-        let mut once = Once::new(mesh.faces().len());
+        check_each_once(&self.faces, mesh.faces().len())?;
         let mut rest = self.faces.as_slice();
         for concavity in concavities.iter() {
             let (own, others) =
                 rest.split_at_checked(concavity.faces.len()).ok_or("faces are missing")?;
             rest = others;
-            for &face in own {
-                once.see(face)?;
-                let owner = concavities.of_face(face);
-                check(owner == Some(concavity.id()), "a face is of another concavity")?;
-            }
+            let is_own = |&face: &FaceId| concavities.of_face(face) == Some(concavity.id());
+            check(own.iter().all(is_own), "a face is of another concavity")?;
         }
         check(rest.is_empty(), "faces are of no concavity")
     }

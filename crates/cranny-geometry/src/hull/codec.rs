@@ -1,10 +1,11 @@
 //! Hulls as bytes: the surface and the facets; positions, neighbours and rows are made again.
 
-use cranny_exact::{DVec3, Sign};
+use cranny_exact::DVec3;
 
+use super::convexity::is_convex;
 use super::facets::{FacetLayer, Plane, rows};
 use super::outline::Outlines;
-use super::quickhull::{Surface, edge_sign};
+use super::quickhull::Surface;
 use super::support::SupportGraph;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId};
 use crate::codec::{
@@ -37,8 +38,8 @@ impl ConvexHull {
         out.list(excluded);
     }
 
-    /// Reads the hull of a mesh's vertices. That it is a closed surface without reflex edges is checked
-    /// exactly; not that it holds the other vertices.
+    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked exactly; not
+    /// that this holds the other vertices.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;
@@ -50,10 +51,7 @@ impl ConvexHull {
         check_below(corners.iter().copied(), positions.len(), "a corner is not there")?;
         check(kind.allows(positions.len(), surface.triangles.len()), "it has the wrong dimension")?;
         check_twins(&surface)?;
-        let bends_inward = |h: u32| edge_sign(&positions, &surface, h) == Sign::Positive;
-        let once = |&h: &u32| h < surface.twins[h as usize];
-        let reflex = (0..surface.twins.len() as u32).filter(once).any(bends_inward);
-        check(!reflex, "an edge bends inwards")?;
+        check(is_convex(kind, &positions, &surface), "it is not convex")?;
         let graph = SupportGraph::new(&positions, &surface);
         let facets = FacetLayer::decode(input, positions.len(), surface.triangles.len())?;
         let excluded: Vec<VertexId> = input.list()?;
@@ -68,12 +66,16 @@ fn check_twins(surface: &Surface) -> Result<(), Flaw> {
     let twins = &surface.twins;
     check(twins.len() == 3 * surface.triangles.len(), "half-edges lack twins")?;
     check_below(twins.iter().copied(), twins.len(), "a twin is not there")?;
-    let matches = |h: u32| {
-        let twin = twins[h as usize];
-        let [from, to] = surface.ends(h);
-        from != to && twins[twin as usize] == h && surface.ends(twin) == [to, from]
-    };
-    check((0..twins.len() as u32).all(matches), "half-edges and twins do not match")
+    let mut do_match = true;
+    for (first, &[a, b, c]) in (0u32..).step_by(3).zip(&surface.triangles) {
+        for (h, ends) in (first..).zip([[a, b], [b, c], [c, a]]) {
+            let twin = twins[h as usize];
+            do_match &= ends[0] != ends[1]
+                && twins[twin as usize] == h
+                && surface.ends(twin) == [ends[1], ends[0]];
+        }
+    }
+    check(do_match, "half-edges and twins do not match")
 }
 
 impl FacetLayer {

@@ -26,6 +26,7 @@
 //! ```
 
 mod codec;
+mod convexity;
 mod facets;
 mod locate;
 mod measures;

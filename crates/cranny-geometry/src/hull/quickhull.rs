@@ -133,7 +133,9 @@ impl Surface {
 
     /// Start and end of a half-edge.
     pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
-        [self.origin(half_edge), self.origin(next(half_edge))]
+        let corners = &self.triangles[half_edge as usize / 3];
+        let corner = half_edge as usize % 3;
+        [corners[corner], corners[[1, 2, 0][corner]]]
     }
 }
 

@@ -50,11 +50,13 @@ impl SupportGraph {
                 starts.push(starts[starts.len() - 1] + d);
             }
             neighbours.resize(3 * surface.triangles.len(), HullVertexId(0));
-            let mut fill: Vec<u32> = starts.clone();
-            for h in 0..surface.twins.len() as u32 {
-                let [from, to] = surface.ends(h);
-                neighbours[fill[from as usize] as usize] = HullVertexId(to);
-                fill[from as usize] += 1;
+            let mut fill: Vec<u32> = starts[..positions.len()].to_vec();
+            for &[a, b, c] in &surface.triangles {
+                for (from, to) in [(a, b), (b, c), (c, a)] {
+                    let place = &mut fill[from as usize];
+                    neighbours[*place as usize] = HullVertexId(to);
+                    *place += 1;
+                }
             }
             sort_rows(&mut starts, &mut neighbours);
         }
@@ -171,11 +173,35 @@ fn extremes(positions: &[DVec3]) -> [u32; 6] {
 }
 
 /// Sorts every row and closes the gaps that repeated entries leave (a plate has each diagonal twice).
+///
+/// Neighbourhood is mutual: whoever goes through the rows in order, and enters each row's number in the
+/// rows that it names, enters ascending numbers.
 fn sort_rows(starts: &mut [u32], neighbours: &mut Vec<HullVertexId>) {
+    let vertices = starts.len() - 1;
+    let mut sorted = vec![HullVertexId(0); neighbours.len()];
+    let mut fill = starts[..vertices].to_vec();
+    let mut is_repeated = false;
+    for from in 0..vertices {
+        let row = starts[from] as usize..starts[from + 1] as usize;
+        for to in &neighbours[row] {
+            let place = fill[to.index()] as usize;
+            fill[to.index()] += 1;
+            sorted[place] = HullVertexId(from as u32);
+            is_repeated |= place > starts[to.index()] as usize
+                && sorted[place - 1] == HullVertexId(from as u32);
+        }
+    }
+    *neighbours = sorted;
+    if is_repeated {
+        close_gaps(starts, neighbours);
+    }
+}
+
+/// Leaves one of equal entries, which stand side by side.
+fn close_gaps(starts: &mut [u32], neighbours: &mut Vec<HullVertexId>) {
     let (mut from, mut kept) = (0, 0);
     for end in &mut starts[1..] {
         let to = *end as usize;
-        neighbours[from..to].sort_unstable();
         let row = kept;
         for i in from..to {
             if kept == row || neighbours[kept - 1] != neighbours[i] {

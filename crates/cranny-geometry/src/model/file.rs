@@ -4,19 +4,17 @@
 //! letters, length of its body, body. Everything is little-endian, and the same model gives the same
 //! bytes on every machine. What a section says stands beside the structure that it is of (`codec`).
 //!
-//! The checksum is the [BLAKE3] of what is before it, the model's digest, and what is behind it but for what
-//! the digest is of. That is the first section, the mesh, behind the number of faces; so nothing is
-//! hashed twice.
-//!
-//! [BLAKE3]: https://github.com/BLAKE3-team/BLAKE3-specs
+//! The checksum ([`mod@crate::codec`]'s `checksum`) is of all that is behind the head; every value of the
+//! head but the checksum itself can only be one. The digest is not written: it is the hash of what the
+//! section of the mesh holds behind the number of faces.
 
 use std::sync::Arc;
 
-use cranny_exact::DVec3;
+use cranny_exact::{DMat3, DVec3};
 use thiserror::Error;
 
 use super::{Model, Parts, radius};
-use crate::codec::{Flaw, Plain, Reader, Writer, check, is_size};
+use crate::codec::{Flaw, Reader, Writer, check, checksum, is_size};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
 use crate::features::Features;
@@ -33,15 +31,12 @@ use crate::tree::{FaceForest, FaceTree};
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
 
 /// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// What is before the checksum: magic, version, 0, length.
 const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;
 
-const HEAD: usize = BEFORE_CHECKSUM + 32;
-
-/// What is before the part of the mesh that is hashed by itself: head, tag, length, number of faces.
-const BEFORE_MESH: usize = HEAD + 4 + 8 + 8;
+const HEAD: usize = BEFORE_CHECKSUM + 8;
 
 /// The sections: their tags, and how errors name them.
 mod section {
@@ -56,6 +51,7 @@ mod section {
     pub(super) const CONCAVITY_TREES: Section = (*b"CTRE", "trees of concavities");
     pub(super) const ENVELOPES: Section = (*b"ENVE", "envelopes");
     pub(super) const PATCHES: Section = (*b"PTCH", "patches");
+    pub(super) const MASS: Section = (*b"MASS", "mass");
     pub(super) const ORIGIN: Section = (*b"ORIG", "origin");
 }
 use section::Section;
@@ -126,8 +122,8 @@ impl Model {
             concavity_trees,
             envelopes,
             patches,
+            mass,
             // Made again from the mesh.
-            mass: _,
             radius: _,
             digest: _,
             filed_faces,
@@ -141,7 +137,7 @@ impl Model {
         out.one(MAGIC);
         out.one([VERSION, 0]);
         out.one(0u64);
-        out.one([0u8; 32]);
+        out.one(0u64);
         let mut section = |(tag, _): Section, body: &dyn Fn(&mut Writer)| out.section(tag, body);
         section(section::MESH, &|out| {
             out.one(mesh.faces().len() as u64);
@@ -158,6 +154,7 @@ impl Model {
         section(section::CONCAVITY_TREES, &|out| concavity_trees.encode(out));
         section(section::ENVELOPES, &|out| envelopes.encode(out));
         section(section::PATCHES, &|out| patches.encode(out));
+        section(section::MASS, &|out| out.list(&mass_numbers(mass.as_ref())));
         section(section::ORIGIN, &|out| {
             out.one(*flatness);
             out.one(*leaf_size as u64);
@@ -167,8 +164,8 @@ impl Model {
         let mut bytes = out.into_bytes();
         let length = bytes.len() as u64;
         bytes[BEFORE_CHECKSUM - 8..BEFORE_CHECKSUM].copy_from_slice(&length.to_le_bytes());
-        let (checksum, _) = checksum_and_digest(&bytes);
-        bytes[BEFORE_CHECKSUM..HEAD].copy_from_slice(&checksum);
+        let sum = checksum(&bytes[HEAD..]);
+        bytes[BEFORE_CHECKSUM..HEAD].copy_from_slice(&sum.to_le_bytes());
         bytes
     }
 
@@ -185,9 +182,9 @@ impl Model {
     ///
     /// [`DecodeError`], which says what is wrong and what to do.
     pub fn decode(bytes: &[u8]) -> Result<Self, DecodeError> {
-        let digest = check_head(bytes)?;
+        check_head(bytes)?;
         let mut sections = Reader::new(&bytes[HEAD..]);
-        let mesh = read(&mut sections, section::MESH, read_mesh)?;
+        let (mesh, digest) = read(&mut sections, section::MESH, read_mesh)?;
         let topology = read(&mut sections, section::TOPOLOGY, |s| Topology::decode(s, &mesh))?;
         let hull = read(&mut sections, section::HULL, |s| ConvexHull::decode(s, &mesh))?;
         let features = read(&mut sections, section::FEATURES, |s| {
@@ -212,10 +209,10 @@ impl Model {
             read(&mut sections, section::ENVELOPES, |s| Envelopes::decode(s, &mesh, &concavities))?;
         let patches =
             read(&mut sections, section::PATCHES, |s| Patches::decode(s, &mesh, &topology))?;
+        let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
         let (flatness, leaf_size, filed_faces) =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
         sections.end().map_err(|flaw| flawed(section::ORIGIN, flaw))?;
-        let mass = topology.is_closed().then(|| MassProperties::of(&mesh));
         let radius = radius(&mesh);
         let parts = Parts {
             mesh,
@@ -240,8 +237,8 @@ impl Model {
     }
 }
 
-/// Everything but the sections. Returns the digest of the mesh.
-fn check_head(bytes: &[u8]) -> Result<[u8; 32], DecodeError> {
+/// Everything but the sections.
+fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
     if !Model::is_encoded(bytes) {
         return Err(DecodeError::NotAModel);
     }
@@ -252,26 +249,11 @@ fn check_head(bytes: &[u8]) -> Result<[u8; 32], DecodeError> {
         return Err(DecodeError::Version { found: version, supported: VERSION });
     }
     let stated: u64 = head.one().map_err(cut_off)?;
-    let stored: [u8; 32] = head.one().map_err(cut_off)?;
+    let stored: u64 = head.one().map_err(cut_off)?;
     if stated != bytes.len() as u64 {
         return Err(DecodeError::Length { found: bytes.len(), stated });
     }
-    let (checksum, digest) = checksum_and_digest(bytes);
-    if checksum == stored { Ok(digest) } else { Err(DecodeError::Checksum) }
-}
-
-/// The checksum, which depends on all other bytes, and the digest. Where the first section is said to be longer than
-/// the file, or too short for a mesh, there is nothing in it, and reading it will say so.
-fn checksum_and_digest(bytes: &[u8]) -> ([u8; 32], [u8; 32]) {
-    let length = bytes.get(HEAD + 4..HEAD + 12).map_or(0, u64::get);
-    let end = usize::try_from(length).ok().and_then(|length| length.checked_add(HEAD + 12));
-    let mesh = end.and_then(|end| bytes.get(BEFORE_MESH..end)).unwrap_or_default();
-    let behind = if mesh.is_empty() { HEAD } else { BEFORE_MESH + mesh.len() };
-    let digest = *blake3::hash(mesh).as_bytes();
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(&bytes[..BEFORE_CHECKSUM]).update(&digest);
-    hasher.update(&bytes[HEAD..behind.min(BEFORE_MESH)]).update(&bytes[behind..]);
-    (*hasher.finalize().as_bytes(), digest)
+    if checksum(&bytes[HEAD..]) == stored { Ok(()) } else { Err(DecodeError::Checksum) }
 }
 
 fn flawed((_, section): Section, Flaw(flaw): Flaw) -> DecodeError {
@@ -293,16 +275,44 @@ fn read<T>(
     whole().map_err(|flaw| flawed(section, flaw))
 }
 
-fn read_mesh(input: &mut Reader) -> Result<Mesh, Flaw> {
+/// The mesh and its digest.
+fn read_mesh(input: &mut Reader) -> Result<(Mesh, [u8; 32]), Flaw> {
     let count = input.one()?;
+    let digest = *blake3::hash(input.rest()).as_bytes();
     let vertices: Vec<DVec3> = input.list()?;
-    let is_digested = |x: f64| x != 0.0 || x.is_sign_positive();
-    let coordinates = vertices.iter().flat_map(|p| p.to_array());
-    check(coordinates.into_iter().all(is_digested), "a zero has a sign")?;
-    let mesh = Mesh::new(vertices, input.items(count)?)?;
+    let faces: Vec<[u32; 3]> = input.items(count)?;
+    let is_digested = |x: f64| x.to_bits() != (-0.0f64).to_bits();
+    let coordinates = || vertices.iter().flat_map(|p| p.to_array());
+    check(coordinates().fold(true, |all, x| all & is_digested(x)), "a zero has a sign")?;
+    let mesh = Mesh::new(vertices, faces)?;
     let is_flat = |f| has_no_area(&mesh, FaceId(f));
     check(!(0..mesh.faces().len() as u32).all(is_flat), "no face has an area")?;
-    Ok(mesh)
+    Ok((mesh, digest))
+}
+
+/// Written of the mass: the volume, the centre, the columns of the inertia tensor. Nothing of a mesh that
+/// is not closed.
+fn mass_numbers(mass: Option<&MassProperties>) -> Vec<f64> {
+    let Some(&MassProperties { volume, center, inertia }) = mass else { return Vec::new() };
+    [&[volume][..], &center.to_array(), &inertia.to_cols_array()].concat()
+}
+
+fn read_mass(input: &mut Reader, is_closed: bool) -> Result<Option<MassProperties>, Flaw> {
+    let numbers: Vec<f64> = input.list()?;
+    check(numbers.is_empty() != is_closed, "only a closed mesh has a mass")?;
+    if numbers.is_empty() {
+        return Ok(None);
+    }
+    check(numbers.iter().all(|x| x.is_finite()), "the mass is no number")?;
+    let flaw = "the mass has too few or too many numbers";
+    let &[volume, x, y, z, ref inertia @ ..] = numbers.as_slice() else { return Err(flaw.into()) };
+    let inertia: &[f64; 9] = inertia.try_into().map_err(|_| flaw)?;
+    check(volume >= 0.0, "the mass is negative")?;
+    Ok(Some(MassProperties {
+        volume,
+        center: DVec3::new(x, y, z),
+        inertia: DMat3::from_cols_array(inertia),
+    }))
 }
 
 /// How the model was built: flatness, faces per leaf, filed faces.

@@ -150,13 +150,14 @@ impl Patches {
         let count = patches.len();
         let mut patch_of_vertex = vec![u32::MAX; mesh.vertices().len()];
         let mut patch_of_edge = vec![PatchId(u32::MAX); topology.edges().len()];
-        for (face, &patch) in (0..).map(FaceId).zip(&patch_of_face) {
-            for (corner, vertex) in mesh.corners(face).into_iter().enumerate() {
-                let of_vertex = &mut patch_of_vertex[vertex.index()];
-                *of_vertex = patch.0.min(*of_vertex);
-                let edge = topology.edge_of(HalfEdgeId::of(face, corner));
-                let of_edge = &mut patch_of_edge[edge.index()];
-                *of_edge = patch.min(*of_edge);
+        // From the last patch to the first: what the lowest one says, stays.
+        for patch in (0..count as u32).rev() {
+            for &face in trees.faces(patch as usize) {
+                for (corner, vertex) in mesh.corners(face).into_iter().enumerate() {
+                    patch_of_vertex[vertex.index()] = patch;
+                    let edge = topology.edge_of(HalfEdgeId::of(face, corner));
+                    patch_of_edge[edge.index()] = PatchId(patch);
+                }
             }
         }
         let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));

@@ -1,14 +1,15 @@
 //! Trees as the shape of their nodes and the order of their faces; boxes are made again.
 //!
 //! Nodes stand in depth-first order, so the number of faces at each node, 0 for an inner one, says
-//! all about their shape.
+//! all about their shape. They are read from the last to the first: whatever is beneath a node is whole
+//! when the node's turn comes.
 
 use std::ops::Range;
 
-use cranny_exact::Aabb;
+use cranny_exact::{Aabb, DVec3};
 
 use super::{FaceForest, FaceTree, Node};
-use crate::codec::{Flaw, Reader, Writer, check};
+use crate::codec::{Flaw, Reader, Writer, check, check_below};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -22,13 +23,11 @@ impl FaceTree {
     /// Reads a tree over all faces of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
-        let all = mesh.faces().len();
-        check(faces.len() == all, "it is not over all faces")?;
-        let mut once = Once::new(all);
-        faces.iter().try_for_each(|&f| once.see(f))?;
-        let mut shape = Shape::new(&counts);
-        shape.tree(0..all, |leaf| box_of(mesh, &faces[leaf]))?;
-        Ok(Self { nodes: shape.finish()?, faces })
+        check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
+        check_each_once(&faces, mesh.faces().len())?;
+        let mut growth = Growth::new(mesh, &faces, &counts);
+        growth.tree(0..counts.len(), 0..faces.len())?;
+        Ok(Self { nodes: growth.nodes, faces })
     }
 }
 
@@ -36,117 +35,109 @@ impl FaceForest {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self { arena, starts } = self;
         arena.encode(out);
-        out.items(self.len(), starts.windows(2).map(|pair| pair[1][1] - pair[0][1]));
+        out.list(starts);
     }
 
     /// Reads trees over faces of a mesh, each face at most once.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
-        let sizes: Vec<u32> = input.list()?;
-        let mut once = Once::new(mesh.faces().len());
-        faces.iter().try_for_each(|&f| once.see(f))?;
-        let mut shape = Shape::new(&counts);
-        let mut starts = Vec::with_capacity(sizes.len() + 1);
-        starts.push([0, 0]);
-        let mut first = 0;
-        for size in sizes {
-            if size > 0 {
-                let end = first + size as usize;
-                check(end <= faces.len(), "trees have more faces than there are")?;
-                shape.tree(first..end, |leaf| box_of(mesh, &faces[leaf]))?;
-                first = end;
-            }
-            starts.push([shape.nodes.len() as u32, first as u32]);
+        let starts: Vec<[u32; 2]> = input.list()?;
+        check_each_once(&faces, mesh.faces().len())?;
+        let ends = (starts.first(), starts.last());
+        let covers_all = ends == (Some(&[0, 0]), Some(&[counts.len() as u32, faces.len() as u32]));
+        let is_behind = |a: &[u32; 2], b: &[u32; 2]| a[0] <= b[0] && a[1] <= b[1];
+        check(covers_all && starts.is_sorted_by(is_behind), "trees are not in order")?;
+        let mut growth = Growth::new(mesh, &faces, &counts);
+        for pair in starts.windows(2) {
+            let [nodes, faces] = [0, 1].map(|kind| pair[0][kind] as usize..pair[1][kind] as usize);
+            growth.tree(nodes, faces)?;
         }
-        check(first == faces.len(), "trees leave faces out")?;
-        let nodes = shape.finish()?;
+        let nodes = growth.nodes;
         Ok(Self { arena: FaceTree { nodes, faces }, starts })
     }
 }
 
-/// That no face is named twice.
-pub(crate) struct Once(Vec<u64>, usize);
-
-impl Once {
-    pub(crate) fn new(faces: usize) -> Self {
-        Self(vec![0; faces.div_ceil(64)], faces)
+/// That faces are among so many, and none is named twice.
+pub(crate) fn check_each_once(faces: &[FaceId], count: usize) -> Result<(), Flaw> {
+    check_below(faces.iter().map(|f| f.0), count, "it names a face that is not there")?;
+    let mut is_named = vec![false; count];
+    let mut is_twice = false;
+    for face in faces {
+        let is_named = &mut is_named[face.index()];
+        is_twice |= *is_named;
+        *is_named = true;
     }
-
-    pub(crate) fn see(&mut self, face: FaceId) -> Result<(), Flaw> {
-        check(face.index() < self.1, "it names a face that is not there")?;
-        let (word, bit) = (&mut self.0[face.index() / 64], 1 << (face.0 % 64));
-        let is_new = *word & bit == 0;
-        *word |= bit;
-        check(is_new, "it names a face twice")
-    }
-}
-
-fn box_of(mesh: &Mesh, faces: &[FaceId]) -> Aabb {
-    Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)))
+    check(!is_twice, "it names a face twice")
 }
 
 /// Nodes in the making.
-struct Shape<'a> {
+struct Growth<'a> {
+    vertices: &'a [DVec3],
+    corners: &'a [[u32; 3]],
+    faces: &'a [FaceId],
     counts: &'a [u32],
     nodes: Vec<Node>,
-    /// Inner nodes above the one that comes next.
-    open: Vec<u32>,
+    /// Of each node, the one that comes behind all that is beneath it.
+    ends: Vec<u32>,
 }
 
-impl<'a> Shape<'a> {
-    fn new(counts: &'a [u32]) -> Self {
-        Self { counts, nodes: Vec::with_capacity(counts.len()), open: Vec::new() }
-    }
-
-    /// Appends one tree over some faces, at least one; `box_of` is asked for those of each leaf.
-    fn tree(
-        &mut self,
-        faces: Range<usize>,
-        box_of: impl Fn(Range<usize>) -> Aabb,
-    ) -> Result<(), Flaw> {
-        let mut at = faces.start;
-        loop {
-            let index = self.nodes.len();
-            let count = *self.counts.get(index).ok_or("a tree lacks nodes")?;
-            if count == 0 {
-                self.open.push(index as u32);
-                self.nodes.push(Node { bounds: Aabb::EMPTY, content: 0, count });
-                continue;
-            }
-            check(
-                count as usize <= faces.end - at,
-                "a tree has more faces in its leaves than it holds",
-            )?;
-            let leaf = at..at + count as usize;
-            at = leaf.end;
-            self.nodes.push(Node { bounds: box_of(leaf), content: at as u32 - count, count });
-            if !self.close() {
-                break;
-            }
+impl<'a> Growth<'a> {
+    fn new(mesh: &'a Mesh, faces: &'a [FaceId], counts: &'a [u32]) -> Self {
+        let blank = Node { bounds: Aabb::EMPTY, content: 0, count: 0 };
+        Self {
+            vertices: mesh.vertices(),
+            corners: mesh.faces(),
+            faces,
+            counts,
+            nodes: vec![blank; counts.len()],
+            ends: vec![0; counts.len()],
         }
-        check(at == faces.end, "a tree has fewer faces in its leaves than it holds")
     }
 
-    /// After a leaf: puts boxes around both children of inner nodes that are whole. Whether a right child
-    /// comes next.
-    fn close(&mut self) -> bool {
-        while let Some(parent) = self.open.pop() {
-            let (left, right) = (parent as usize + 1, self.nodes[parent as usize].content as usize);
-            if right == 0 {
-                self.nodes[parent as usize].content = self.nodes.len() as u32;
-                self.open.push(parent);
-                return true;
-            }
-            let bounds = self.nodes[left].bounds.union(&self.nodes[right].bounds);
-            self.nodes[parent as usize].bounds = bounds;
+    /// Fills a range of nodes with a tree over a range of faces: no nodes where there are no faces.
+    fn tree(&mut self, range: Range<usize>, faces: Range<usize>) -> Result<(), Flaw> {
+        let nodes = &mut self.nodes[range.clone()];
+        let ends = &mut self.ends[range.clone()];
+        let counts = &self.counts[range.clone()];
+        let mut first_face = faces.end;
+        // Within the range, the node behind all that is beneath the one that was made last: right of it,
+        // there a brother stands, if it has one.
+        let mut behind = nodes.len();
+        for index in (0..nodes.len()).rev() {
+            let count = counts[index];
+            nodes[index] = if count > 0 {
+                let start = first_face.checked_sub(count as usize).filter(|&f| f >= faces.start);
+                let start = start.ok_or("a tree has more faces in its leaves than it holds")?;
+                let bounds = box_of(self.vertices, self.corners, &self.faces[start..first_face]);
+                first_face = start;
+                behind = index + 1;
+                Node { bounds, content: start as u32, count }
+            } else {
+                let right = behind;
+                let ([left, ..], Some(brother)) = (&nodes[index + 1..], nodes.get(right)) else {
+                    return Err("a tree lacks nodes".into());
+                };
+                let bounds = left.bounds.union(&brother.bounds);
+                behind = ends[right] as usize;
+                Node { bounds, content: (range.start + right) as u32, count }
+            };
+            ends[index] = behind as u32;
         }
-        false
+        check(first_face == faces.start, "a tree has fewer faces in its leaves than it holds")?;
+        check(behind == nodes.len(), "nodes belong to no tree")?;
+        check(nodes.is_empty() == faces.is_empty(), "nodes belong to no tree")
     }
+}
 
-    fn finish(self) -> Result<Vec<Node>, Flaw> {
-        check(self.nodes.len() == self.counts.len(), "nodes belong to no tree")?;
-        Ok(self.nodes)
-    }
+/// The box around some faces, at least one.
+fn box_of(vertices: &[DVec3], corners: &[[u32; 3]], faces: &[FaceId]) -> Aabb {
+    let of_face = |face: FaceId| {
+        let [a, b, c] = corners[face.index()].map(|vertex| vertices[vertex as usize]);
+        Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
+    };
+    let mut boxes = faces.iter().map(|&face| of_face(face));
+    let first = boxes.next().unwrap_or(Aabb::EMPTY);
+    boxes.fold(first, |all, own| all.union(&own))
 }
 
 #[cfg(test)]
@@ -155,23 +146,34 @@ mod tests {
 
     /// The right children of inner nodes, and how the shape of a tree over `size` faces ends.
     fn shape(counts: &[u32], size: usize) -> Result<Vec<u32>, String> {
-        let mut shape = Shape::new(counts);
-        shape.tree(0..size, |_| Aabb::EMPTY).map_err(|Flaw(what)| what)?;
-        let inner = shape.nodes.iter().filter(|n| n.count == 0);
-        Ok(inner.map(|n| n.content).collect())
+        let vertices = (0..8).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
+        let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
+        let faces: Vec<FaceId> = (0..6).map(FaceId).collect();
+        let mut growth = Growth::new(&mesh, &faces, counts);
+        growth.tree(0..counts.len(), 0..size).map_err(|Flaw(what)| what)?;
+        let tree = FaceTree { nodes: growth.nodes, faces: faces[..size].to_vec() };
+        tree.validate(&mesh, &faces[..size])?;
+        Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
     }
 
     #[test]
     fn counts_in_depth_first_order_are_a_tree_or_none() {
+        assert_eq!(shape(&[], 0), Ok(vec![]));
         assert_eq!(shape(&[5], 5), Ok(vec![]));
         // Root, left inner with two leaves, right leaf.
         assert_eq!(shape(&[0, 0, 1, 2, 3], 6), Ok(vec![4, 3]));
+        // A left chain, and a right one.
+        assert_eq!(shape(&[0, 0, 0, 1, 1, 1, 1], 4), Ok(vec![6, 5, 4]));
+        assert_eq!(shape(&[0, 1, 0, 1, 0, 1, 1], 4), Ok(vec![2, 4, 6]));
         for (counts, size, flaw) in [
             (vec![0, 0, 0, 0], 4, "lacks nodes"),
             (vec![0, 1], 1, "lacks nodes"),
-            (vec![], 1, "lacks nodes"),
-            (vec![1, 1], 2, "fewer faces"),
+            (vec![0], 0, "lacks nodes"),
+            (vec![], 1, "fewer faces"),
+            (vec![1, 1], 2, "no tree"),
+            (vec![0, 1, 1, 1], 3, "no tree"),
             (vec![0, 1, 1], 3, "fewer faces"),
+            (vec![1], 0, "more faces"),
             (vec![0, 1, u32::MAX], 3, "more faces"),
         ] {
             let error = shape(&counts, size).unwrap_err();
@@ -180,9 +182,12 @@ mod tests {
     }
 
     #[test]
-    fn a_face_is_seen_once() {
-        let mut once = Once::new(65);
-        assert!(once.see(FaceId(64)).is_ok() && once.see(FaceId(0)).is_ok());
-        assert!(once.see(FaceId(64)).is_err() && once.see(FaceId(65)).is_err());
+    fn each_face_is_named_once() {
+        let named = |faces: &[u32]| {
+            let faces: Vec<FaceId> = faces.iter().map(|&f| FaceId(f)).collect();
+            check_each_once(&faces, 65).is_ok()
+        };
+        assert!(named(&[]) && named(&[64, 0, 63]));
+        assert!(!named(&[64, 0, 64]) && !named(&[65]) && !named(&[0, u32::MAX]));
     }
 }

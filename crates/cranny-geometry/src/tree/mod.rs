@@ -12,7 +12,7 @@ mod refit;
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::Grower;
-pub(crate) use self::codec::Once;
+pub(crate) use self::codec::check_each_once;
 pub use self::forest::FaceForest;
 pub use self::refit::NodeChanges;
 pub(crate) use self::refit::{GrownAreas, MovedFace};
