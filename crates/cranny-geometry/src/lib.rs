@@ -44,6 +44,7 @@ mod patches;
 mod repair;
 mod report;
 mod resolution;
+mod rows;
 mod scan;
 mod topology;
 mod tree;

@@ -111,6 +111,7 @@ impl Topology {
     /// From all half-edges, sorted by edge, along an edge by number. Near linear.
     fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> Self {
         let runs = runs_of(mesh);
+        let runs = runs.as_flattened();
         let mut edges: Vec<Edge> = Vec::with_capacity(around.len() / 2);
         let mut edge_of = vec![EdgeId(0); around.len()];
         let mut twins = vec![u32::MAX; around.len()];
@@ -335,13 +336,10 @@ impl Run {
     }
 }
 
-/// How each half-edge runs.
-fn runs_of(mesh: &Mesh) -> Vec<Run> {
-    let mut runs = Vec::with_capacity(3 * mesh.faces().len());
-    for &[a, b, c] in mesh.faces() {
-        runs.extend([(a, b), (b, c), (c, a)].map(Run::new));
-    }
-    runs
+/// How the half-edges of each face run.
+fn runs_of(mesh: &Mesh) -> Vec<[Run; 3]> {
+    let of_face = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(Run::new);
+    mesh.faces().iter().map(of_face).collect()
 }
 
 fn ascending((a, b): (u32, u32)) -> (u32, u32) {
@@ -399,19 +397,24 @@ fn components(
     odd: &[&Edge],
     around: &[HalfEdgeId],
 ) -> (Vec<ComponentId>, Vec<Component>) {
+    const UNLABELLED: u32 = u32::MAX;
     let mut labels: Vec<u32> = Vec::with_capacity(twins.len() / 3);
     let mut sets = DisjointSets::new(0);
     let mut components: Vec<Component> = Vec::new();
     let (faces, _) = twins.as_chunks::<3>();
     for (face, twins) in (0..).map(FaceId).zip(faces) {
-        let before = twins.map(|twin| labels.get(twin as usize / 3).copied());
-        let mut of_neighbors = before.into_iter().flatten();
-        let label = of_neighbors.next().unwrap_or_else(|| {
+        let mut label = UNLABELLED;
+        for twin in twins {
+            let Some(&other) = labels.get(*twin as usize / 3) else { continue };
+            if label == UNLABELLED {
+                label = other;
+            } else if label != other {
+                sets.union(label as usize, other as usize);
+            }
+        }
+        if label == UNLABELLED {
+            label = sets.add() as u32;
             components.push(Component { first_face: face, faces: 0, closed: true });
-            sets.add() as u32
-        });
-        for other in of_neighbors.filter(|&other| other != label) {
-            sets.union(label as usize, other as usize);
         }
         labels.push(label);
     }
@@ -437,8 +440,8 @@ fn components(
     components.truncate(count);
     let component_of: Vec<ComponentId> =
         labels.iter().map(|&label| component_of_label[label as usize]).collect();
-    for component in &component_of {
-        components[component.index()].faces += 1;
+    for run in component_of.chunk_by(|a, b| a == b) {
+        components[run[0].index()].faces += run.len() as u32;
     }
     for edge in odd.iter().filter(|e| !e.kind.is_balanced()) {
         let component = component_of[group(edge)[0].face().index()];

@@ -194,3 +194,8 @@ pub(crate) fn is_unit(v: DVec3) -> bool {
 pub(crate) fn is_size(x: f64) -> bool {
     x.is_finite() && x >= 0.0
 }
+
+/// Whether a number can say how flat is flat: not negative, infinite where everything is.
+pub(crate) fn is_flatness(x: f64) -> bool {
+    x >= 0.0
+}

@@ -11,6 +11,7 @@ use crate::features::{Features, NONE};
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, ConcavityId, EdgeId, FaceId};
 use crate::mesh::Mesh;
+use crate::rows::rows;
 use crate::topology::{EdgeKind, Topology};
 
 /// A record that the steps below fill in.
@@ -366,26 +367,6 @@ impl Input<'_> {
             record.parent = parent.map_or(NONE, |p| p as u32);
         }
     }
-}
-
-/// The members of each owner, ascending, in compressed rows; those owned by [`NONE`] are left out.
-fn rows(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
-    let owned = || (0u32..).zip(owners).filter(|&(_, &owner)| owner != NONE);
-    let mut starts = vec![0u32; count + 1];
-    for (_, &owner) in owned() {
-        starts[owner as usize + 1] += 1;
-    }
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    let mut fill = starts.clone();
-    let mut members = vec![0; starts[count] as usize];
-    for (member, &owner) in owned() {
-        let at = &mut fill[owner as usize];
-        members[*at as usize] = member;
-        *at += 1;
-    }
-    (starts, members)
 }
 
 pub(super) fn twice_area_vector([a, b, c]: [DVec3; 3]) -> DVec3 {

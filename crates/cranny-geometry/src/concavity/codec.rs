@@ -11,6 +11,7 @@ use crate::features::{Features, NONE};
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, ConcavityId, FaceId};
 use crate::mesh::Mesh;
+use crate::rows::rows;
 
 coded!(ConcavityKind {
     Self::Pocket => 0 => Self::Pocket,
@@ -130,8 +131,8 @@ impl Concavities {
 
         let mut records = records_of(&heads, loops.len())?;
         let mut lids = lids_of(&lid_heads, records.len(), outlines.len())?;
-        let (starts, faces) = gathered(&concavity_of_face, records.len());
-        let (cap_starts, cap_order) = gathered(&lid_of_cap, lids.len());
+        let (starts, faces) = rows(&concavity_of_face, records.len());
+        let (cap_starts, cap_order) = rows(&lid_of_cap, lids.len());
         for (lid, start) in lids.iter_mut().zip(cap_starts) {
             lid.first_cap = start;
         }
@@ -223,26 +224,6 @@ fn lids_of(heads: &[LidHead], records: usize, outlines: usize) -> Result<Vec<Lid
     Ok(heads.iter().map(lid).collect())
 }
 
-/// The members of each owner, ascending, owner by owner, and where they begin; those of [`NONE`] are left
-/// out.
-fn gathered(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; count + 1];
-    for &owner in owners.iter().filter(|&&owner| owner != NONE) {
-        starts[owner as usize + 1] += 1;
-    }
-    for i in 0..count {
-        starts[i + 1] += starts[i];
-    }
-    let mut fill = starts.clone();
-    let mut members = vec![0; starts[count] as usize];
-    for (member, &owner) in (0..).zip(owners).filter(|&(_, &owner)| owner != NONE) {
-        members[fill[owner as usize] as usize] = member;
-        fill[owner as usize] += 1;
-    }
-    starts.pop();
-    (starts, members)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,11 +248,5 @@ mod tests {
         );
         assert!(!nested(&[0]) && !nested(&[1, 0]) && !nested(&[NONE, 2, 3, 1]));
         assert!(!nested(&[7]));
-    }
-
-    #[test]
-    fn members_are_gathered_by_owner() {
-        let (starts, members) = gathered(&[2, NONE, 0, 2], 3);
-        assert_eq!((starts, members), (vec![0, 1, 1], vec![2, 0, 3]));
     }
 }

@@ -7,7 +7,7 @@ use crate::codec::{Flaw, Reader, Writer, check, is_unit, plain_struct};
 use crate::concavity::Concavities;
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
-use crate::tree::check_each_once;
+use crate::tree::{box_of, check_each_once};
 
 plain_struct!(HalfSpace { normal: DVec3, offset: f64 });
 
@@ -174,10 +174,7 @@ impl Envelopes {
             let EnvelopeFacet { faces: [from, to], layer, .. } = facets[index];
             facets[index].bounds = match layers.get(layer as usize) {
                 Some(&beneath) => around(facets, beneath),
-                None => {
-                    let faces = &faces[from as usize..to as usize];
-                    Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)))
-                }
+                None => box_of(mesh, &faces[from as usize..to as usize]),
             };
         }
         for head in heads {

@@ -1,7 +1,7 @@
 //! The classification as bytes. Convex sets are counted again.
 
 use super::{ConvexSet, Feature, Features, NONE};
-use crate::codec::{Flaw, Reader, Writer, check, check_below, coded, is_size};
+use crate::codec::{Flaw, Reader, Writer, check, check_below, coded, is_flatness};
 use crate::hull::ConvexHull;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::mesh::Mesh;
@@ -56,7 +56,7 @@ impl Features {
         check(isolated.is_sorted_by(|a, b| a < b), "isolated vertices are not ascending")?;
         check_below(ridges.iter().map(|e| e.0), edges.len(), "a ridge is not there")?;
         check(ridges.is_sorted_by(|a, b| a < b), "ridges are not ascending")?;
-        check(is_size(slab_depth), "the depth of slabs is no number")?;
+        check(is_flatness(slab_depth), "the depth of slabs is no number")?;
         let sets = sets_of(&facet_of_face, &set_of_face)?;
         Ok(Self { facet_of_face, set_of_face, sets, vertices, edges, isolated, ridges, slab_depth })
     }
@@ -65,15 +65,21 @@ impl Features {
 /// Sets are numbered by their first faces.
 fn sets_of(facet_of_face: &[u32], set_of_face: &[u32]) -> Result<Vec<ConvexSet>, Flaw> {
     let mut sets: Vec<ConvexSet> = Vec::new();
-    for (face, (&facet, &set)) in (0..).map(FaceId).zip(facet_of_face.iter().zip(set_of_face)) {
-        check((facet == NONE) == (set == NONE), "a face has a facet or a convex set, not both")?;
+    let has_both = |(&facet, &set): (&u32, &u32)| (facet == NONE) == (set == NONE);
+    let all_have = facet_of_face.iter().zip(set_of_face).fold(true, |all, own| all & has_both(own));
+    check(all_have, "a face has a facet or a convex set, not both")?;
+    let mut face = 0;
+    for run in set_of_face.chunk_by(|a, b| a == b) {
+        let (set, first_face) = (run[0], FaceId(face));
+        face += run.len() as u32;
         if set == NONE {
             continue;
         }
         if set as usize == sets.len() {
-            sets.push(ConvexSet { first_face: face, faces: 0 });
+            sets.push(ConvexSet { first_face, faces: 0 });
         }
-        sets.get_mut(set as usize).ok_or("convex sets are not in order")?.faces += 1;
+        let set = sets.get_mut(set as usize).ok_or("convex sets are not in order")?;
+        set.faces += run.len() as u32;
     }
     Ok(sets)
 }

@@ -3,17 +3,18 @@
 use cranny_exact::DVec3;
 
 use super::convexity::is_convex;
-use super::facets::{FacetLayer, Plane, rows};
+use super::facets::{FacetLayer, Plane};
 use super::outline::Outlines;
 use super::quickhull::Surface;
 use super::support::SupportGraph;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId};
 use crate::codec::{
-    Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_size, is_unit,
-    plain_struct,
+    Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_flatness, is_size,
+    is_unit, plain_struct,
 };
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
+use crate::rows::rows;
 
 coded!(HullKind {
     Self::Empty => 0 => Self::Empty,
@@ -96,7 +97,7 @@ impl FacetLayer {
         let (starts, corners): (Vec<u32>, Vec<HullVertexId>) = (input.list()?, input.list()?);
         let outlines = Outlines { starts, corners, neighbours: input.list()? };
         let count = planes.len();
-        check(is_size(tolerance), "the flatness is no number")?;
+        check(is_flatness(tolerance), "the flatness is no number")?;
         check(planes.iter().all(Plane::is_sound), "a facet has no plane")?;
         check(facet_of.len() == triangles, "a facet for each triangle is needed")?;
         check_below(facet_of.iter().copied(), count, "a facet is not there")?;

@@ -21,6 +21,7 @@ use super::shapes::{Shapes, longest_edge};
 use super::side::Side;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
+use crate::rows::rows;
 
 /// The default tolerance of merging, relative to the largest coordinate magnitude, with which rounding
 /// scales. Smaller, and a cube turned and rounded to `f64` has more than six facets; larger, and real
@@ -156,24 +157,6 @@ impl FacetLayer {
         let (corners, neighbours) = self.outlines.of(facet);
         Facet { normal, offset, thickness, corners, neighbours, triangles: &self.triangles[row] }
     }
-}
-
-/// Triangles grouped by facet, in compressed rows.
-pub(super) fn rows(facet_of: &[u32], facets: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; facets + 1];
-    for &f in facet_of {
-        starts[f as usize + 1] += 1;
-    }
-    for i in 0..facets {
-        starts[i + 1] += starts[i];
-    }
-    let mut fill = starts.clone();
-    let mut triangles = vec![0; facet_of.len()];
-    for (t, &f) in facet_of.iter().enumerate() {
-        triangles[fill[f as usize] as usize] = t as u32;
-        fill[f as usize] += 1;
-    }
-    (starts, triangles)
 }
 
 struct Growth<'a> {

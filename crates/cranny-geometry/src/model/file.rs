@@ -14,7 +14,7 @@ use cranny_exact::{DMat3, DVec3};
 use thiserror::Error;
 
 use super::{Model, Parts, radius};
-use crate::codec::{Flaw, Reader, Writer, check, checksum, is_size};
+use crate::codec::{Flaw, Reader, Writer, check, checksum, is_flatness};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
 use crate::features::Features;
@@ -175,6 +175,22 @@ impl Model {
     /// model can be read and queried like any other, and its answers are only as true as the bytes. Memory
     /// is bounded by a small multiple of their number. Cost: linear.
     ///
+    /// # What is checked
+    ///
+    /// Length and checksum; that every section is of the length it says, every index in range, every number
+    /// one, every unit vector of length 1. Beyond that:
+    ///
+    /// - Mesh: as [`Mesh::new`], and that a face has an area. Digest, radius and box are computed.
+    /// - Topology: that half-edges are each there once, sorted by edge. All else is made from that.
+    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once. Not that it
+    ///   holds the other vertices, nor that the planes of its facets lie above it.
+    /// - Features, concavities: that a face lies on a facet or in a concavity, not both; that rows are whole;
+    ///   that none surrounds itself. Not how faces were classified, nor sizes.
+    /// - Trees, over faces and over patches: that each holds its faces once. Boxes are made again.
+    /// - Envelopes: that layers nest and divide their faces. Not that planes hold them. Boxes are made again.
+    /// - Patches: that each face is in one. Not that cones, slabs and sizes are theirs.
+    /// - Mass: that it is there where the mesh is closed. Not that it is the mesh's.
+    ///
     /// [`deform`](Self::deform) builds on more than is proved here, and so believes nothing but the mesh:
     /// the first deformation of a loaded model prepares it again.
     ///
@@ -245,7 +261,7 @@ fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
     let cut_off = |_| DecodeError::Length { found: bytes.len(), stated: HEAD as u64 };
     let mut head = Reader::new(&bytes[MAGIC.len()..]);
     let [version, reserved]: [u32; 2] = head.one().map_err(cut_off)?;
-    if version != VERSION || reserved != 0 {
+    if version != VERSION {
         return Err(DecodeError::Version { found: version, supported: VERSION });
     }
     let stated: u64 = head.one().map_err(cut_off)?;
@@ -253,7 +269,8 @@ fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
     if stated != bytes.len() as u64 {
         return Err(DecodeError::Length { found: bytes.len(), stated });
     }
-    if checksum(&bytes[HEAD..]) == stored { Ok(()) } else { Err(DecodeError::Checksum) }
+    let is_whole = reserved == 0 && checksum(&bytes[HEAD..]) == stored;
+    if is_whole { Ok(()) } else { Err(DecodeError::Checksum) }
 }
 
 fn flawed((_, section): Section, Flaw(flaw): Flaw) -> DecodeError {
@@ -322,7 +339,7 @@ fn read_origin(
 ) -> Result<(f64, usize, Option<Vec<FaceId>>), Flaw> {
     let (flatness, leaf_size): (f64, u64) = (input.one()?, input.one()?);
     let filed: Vec<FaceId> = input.list()?;
-    check(is_size(flatness), "the flatness is no number")?;
+    check(is_flatness(flatness), "the flatness is no number")?;
     check(leaf_size > 0, "leaves without faces are asked for")?;
     check(filed.is_empty() || filed.len() == faces, "a filed face for each face is needed")?;
     Ok((flatness, usize::try_from(leaf_size)?, (!filed.is_empty()).then_some(filed)))

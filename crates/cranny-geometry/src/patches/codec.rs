@@ -1,14 +1,14 @@
-//! Patches as bytes: what was measured of them, and their trees. Who owns which vertex and edge, and the tree
-//! over the patches, are made again.
+//! Patches as bytes: what was measured of them, and the shape of their trees and of the tree over them. Who
+//! owns which vertex and edge, and boxes and cones of nodes, are made again.
 
 use cranny_exact::DVec3;
 
-use super::{Lists, NormalCone, Patch, PatchTree, Patches, Slab};
-use crate::codec::{Flaw, Reader, Writer, check, is_size, is_unit, plain_struct};
+use super::{NormalCone, Patch, PatchTree, Patches, Slab};
+use crate::codec::{Flaw, Reader, Writer, check, check_below, is_size, is_unit, plain_struct};
 use crate::ids::PatchId;
 use crate::mesh::Mesh;
 use crate::topology::Topology;
-use crate::tree::FaceForest;
+use crate::tree::{FaceForest, Node, Shape};
 
 plain_struct!(Slab { normal: DVec3, height: f64 });
 plain_struct!(NormalCone { axis: DVec3, cosine: f64 });
@@ -30,20 +30,19 @@ impl Patches {
             patch_of_face: _,
             patch_of_vertex: _,
             patch_of_edge: _,
-            vertices,
-            edges,
+            vertices: _,
+            edges: _,
             trees,
             slabs,
             top,
         } = self;
-        // Made again from the rest.
-        let (Lists { .. }, Lists { .. }, PatchTree { .. }) = (vertices, edges, top);
         let record = |&Patch { cone, bounds: _, center: _, radius, area, needles }: &Patch| {
             Record { cone, radius, area, needles }
         };
         out.items(patches.len(), patches.iter().map(record));
         trees.encode(out);
         out.list(slabs);
+        top.encode(out);
     }
 
     /// Reads the patches of a mesh.
@@ -73,7 +72,33 @@ impl Patches {
             let bounds = trees.arena().node(root).bounds;
             patches.push(Patch { cone, bounds, center: bounds.center(), radius, area, needles });
         }
-        Ok(Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs))
+        let top = PatchTree::decode(input, &patches)?;
+        Ok(Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs, top))
+    }
+}
+
+impl PatchTree {
+    fn encode(&self, out: &mut Writer) {
+        let Self { nodes, cones: _, order } = self;
+        out.list(order);
+        out.items(nodes.len(), nodes.iter().map(Node::count));
+    }
+
+    /// Reads the shape of the tree over all patches.
+    fn decode(input: &mut Reader, patches: &[Patch]) -> Result<Self, Flaw> {
+        let (order, counts): (Vec<PatchId>, Vec<u32>) = (input.list()?, input.list()?);
+        check(order.len() == patches.len(), "a leaf for each patch is needed")?;
+        let mut is_named = vec![false; patches.len()];
+        for patch in &order {
+            let is_named = is_named.get_mut(patch.index()).ok_or("a patch is not there")?;
+            check(!std::mem::replace(is_named, true), "a patch is named twice")?;
+        }
+        check_below(counts.iter().copied(), 2, "a leaf has two patches")?;
+        let mut shape = Shape::new(&counts);
+        shape.tree(0..counts.len(), 0..order.len(), |leaf| {
+            patches[order[leaf.start].index()].bounds
+        })?;
+        Ok(Self::with_cones(shape.into_nodes(), order, patches))
     }
 }
 

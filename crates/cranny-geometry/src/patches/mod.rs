@@ -32,6 +32,7 @@ pub use self::slab::Slab;
 pub use self::top::PatchTree;
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
 use crate::mesh::Mesh;
+use crate::rows::rows;
 use crate::topology::Topology;
 use crate::tree::FaceForest;
 
@@ -76,26 +77,11 @@ struct Lists<I> {
     members: Vec<I>,
 }
 
-impl<I: Copy> Lists<I> {
-    /// From the patch of each member; `u32::MAX` for none.
-    fn of(patches: usize, owners: impl Iterator<Item = (I, u32)> + Clone) -> Self {
-        let mut starts = vec![0u32; patches + 1];
-        let owned = owners.filter(|&(_, patch)| patch != u32::MAX);
-        for (_, patch) in owned.clone() {
-            starts[patch as usize + 1] += 1;
-        }
-        for p in 1..=patches {
-            starts[p] += starts[p - 1];
-        }
-        let mut cursor = starts.clone();
-        let any = owned.clone().next();
-        let count = starts[patches] as usize;
-        let mut members = any.map_or(Vec::new(), |(member, _)| vec![member; count]);
-        for (member, patch) in owned {
-            members[cursor[patch as usize] as usize] = member;
-            cursor[patch as usize] += 1;
-        }
-        Self { starts, members }
+impl<I> Lists<I> {
+    /// From the patch of each member.
+    fn of(patches: usize, owners: &[u32], id: impl Fn(u32) -> I) -> Self {
+        let (starts, members) = rows(owners, patches);
+        Self { starts, members: members.into_iter().map(id).collect() }
     }
 
     fn get(&self, patch: usize) -> &[I] {
@@ -113,7 +99,7 @@ impl Patches {
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
         let partition = grow::partition(mesh, topology);
         let count = partition.patches.len();
-        let faces = Lists::of(count, (0..).map(FaceId).zip(partition.patch_of.iter().copied()));
+        let faces = Lists::of(count, &partition.patch_of, FaceId);
         let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
         let ranges = (0..count).map(|p| trees.node_range(p));
         let slabs = Slab::of_trees(mesh, trees.arena(), ranges);
@@ -135,7 +121,8 @@ impl Patches {
             .map(|(p, grown)| Patch::of(mesh, trees.faces(p), grown.cone))
             .collect();
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
-        Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs)
+        let top = PatchTree::over(&patches);
+        Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs, top)
     }
 
     /// Adds what follows from which face is in which patch.
@@ -146,30 +133,28 @@ impl Patches {
         patch_of_face: Vec<PatchId>,
         trees: FaceForest,
         slabs: Vec<Slab>,
+        top: PatchTree,
     ) -> Self {
         let count = patches.len();
         let mut patch_of_vertex = vec![u32::MAX; mesh.vertices().len()];
-        let mut patch_of_edge = vec![PatchId(u32::MAX); topology.edges().len()];
+        let mut patch_of_edge = vec![u32::MAX; topology.edges().len()];
         // From the last patch to the first: what the lowest one says, stays.
         for patch in (0..count as u32).rev() {
             for &face in trees.faces(patch as usize) {
                 for (corner, vertex) in mesh.corners(face).into_iter().enumerate() {
                     patch_of_vertex[vertex.index()] = patch;
                     let edge = topology.edge_of(HalfEdgeId::of(face, corner));
-                    patch_of_edge[edge.index()] = PatchId(patch);
+                    patch_of_edge[edge.index()] = patch;
                 }
             }
         }
-        let vertices = Lists::of(count, (0..).map(VertexId).zip(patch_of_vertex.iter().copied()));
-        let edges = Lists::of(count, (0..).map(EdgeId).zip(patch_of_edge.iter().map(|p| p.0)));
-        let top = PatchTree::over(&patches);
         Self {
             patches,
             patch_of_face,
+            vertices: Lists::of(count, &patch_of_vertex, VertexId),
+            edges: Lists::of(count, &patch_of_edge, EdgeId),
             patch_of_vertex,
-            patch_of_edge,
-            vertices,
-            edges,
+            patch_of_edge: patch_of_edge.into_iter().map(PatchId).collect(),
             trees,
             slabs,
             top,
@@ -262,11 +247,11 @@ impl Patches {
     /// The first broken invariant, in words.
     pub fn validate(&self, mesh: &Mesh, topology: &Topology) -> Result<(), String> {
         let count = self.len();
-        let owners = (0..).map(FaceId).zip(self.patch_of_face.iter().map(|p| p.0));
+        let owners: Vec<u32> = self.patch_of_face.iter().map(|p| p.0).collect();
         if self.patch_of_face.len() != mesh.faces().len() {
             return Err("a patch for each face is needed".into());
         }
-        let faces = Lists::of(count, owners);
+        let faces = Lists::of(count, &owners, FaceId);
         self.trees.validate(mesh, (0..count).map(|p| faces.get(p)))?;
         self.top.validate(&self.patches)?;
         let ranges = (0..count).map(|p| self.trees.node_range(p));

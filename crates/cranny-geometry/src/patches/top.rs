@@ -10,17 +10,23 @@ use crate::tree::{Content, Grower, Node};
 /// A binary tree whose leaves are patches. Node 0 is the root.
 #[derive(Clone, Debug)]
 pub struct PatchTree {
-    nodes: Vec<Node>,
-    cones: Vec<NormalCone>,
-    order: Vec<PatchId>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) cones: Vec<NormalCone>,
+    pub(super) order: Vec<PatchId>,
 }
 
 impl PatchTree {
     pub(super) fn over(patches: &[Patch]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), cones: Vec::new(), order: Vec::new() };
+        let (mut nodes, mut order) = (Vec::new(), Vec::new());
         let boxes = patches.iter().enumerate().map(|(i, p)| (PatchId(i as u32), p.bounds));
-        Grower::new(1).grow(boxes, &mut tree.nodes, &mut tree.order);
-        tree.cones = vec![NormalCone::WHOLE; tree.nodes.len()];
+        Grower::new(1).grow(boxes, &mut nodes, &mut order);
+        Self::with_cones(nodes, order, patches)
+    }
+
+    /// Puts cones around what the nodes of a tree hold.
+    pub(super) fn with_cones(nodes: Vec<Node>, order: Vec<PatchId>, patches: &[Patch]) -> Self {
+        let cones = vec![NormalCone::WHOLE; nodes.len()];
+        let mut tree = Self { nodes, cones, order };
         // Children stand behind their parents.
         for index in (0..tree.nodes.len() as u32).rev() {
             tree.cones[index as usize] = match tree.content(index) {

@@ -105,7 +105,7 @@ impl Patches {
         }
         let partition = Partition { patch_of, patches }.merged(mesh, topology, limits);
         let count = partition.patches.len();
-        let faces = Lists::of(count, (0..).map(FaceId).zip(partition.patch_of.iter().copied()));
+        let faces = Lists::of(count, &partition.patch_of, FaceId);
         let same = |new: usize| {
             let old = self.patch_of_face(faces.get(new)[0]);
             let same = faces.get(new).len() == self.faces(old).len()

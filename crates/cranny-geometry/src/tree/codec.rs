@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::Aabb;
 
 use super::{FaceForest, FaceTree, Node};
 use crate::codec::{Flaw, Reader, Writer, check, check_below};
@@ -25,9 +25,9 @@ impl FaceTree {
         let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
         check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
         check_each_once(&faces, mesh.faces().len())?;
-        let mut growth = Growth::new(mesh, &faces, &counts);
-        growth.tree(0..counts.len(), 0..faces.len())?;
-        Ok(Self { nodes: growth.nodes, faces })
+        let mut shape = Shape::new(&counts);
+        shape.tree(0..counts.len(), 0..faces.len(), |leaf| box_of(mesh, &faces[leaf]))?;
+        Ok(Self { nodes: shape.into_nodes(), faces })
     }
 }
 
@@ -47,13 +47,12 @@ impl FaceForest {
         let covers_all = ends == (Some(&[0, 0]), Some(&[counts.len() as u32, faces.len() as u32]));
         let is_behind = |a: &[u32; 2], b: &[u32; 2]| a[0] <= b[0] && a[1] <= b[1];
         check(covers_all && starts.is_sorted_by(is_behind), "trees are not in order")?;
-        let mut growth = Growth::new(mesh, &faces, &counts);
+        let mut shape = Shape::new(&counts);
         for pair in starts.windows(2) {
-            let [nodes, faces] = [0, 1].map(|kind| pair[0][kind] as usize..pair[1][kind] as usize);
-            growth.tree(nodes, faces)?;
+            let [nodes, held] = [0, 1].map(|kind| pair[0][kind] as usize..pair[1][kind] as usize);
+            shape.tree(nodes, held, |leaf| box_of(mesh, &faces[leaf]))?;
         }
-        let nodes = growth.nodes;
-        Ok(Self { arena: FaceTree { nodes, faces }, starts })
+        Ok(Self { arena: FaceTree { nodes: shape.into_nodes(), faces }, starts })
     }
 }
 
@@ -70,46 +69,46 @@ pub(crate) fn check_each_once(faces: &[FaceId], count: usize) -> Result<(), Flaw
     check(!is_twice, "it names a face twice")
 }
 
-/// Nodes in the making.
-struct Growth<'a> {
-    vertices: &'a [DVec3],
-    corners: &'a [[u32; 3]],
-    faces: &'a [FaceId],
+/// Nodes in the making, by how many things each leaf holds; 0 for an inner node.
+pub(crate) struct Shape<'a> {
     counts: &'a [u32],
     nodes: Vec<Node>,
     /// Of each node, the one that comes behind all that is beneath it.
     ends: Vec<u32>,
 }
 
-impl<'a> Growth<'a> {
-    fn new(mesh: &'a Mesh, faces: &'a [FaceId], counts: &'a [u32]) -> Self {
+impl<'a> Shape<'a> {
+    pub(crate) fn new(counts: &'a [u32]) -> Self {
         let blank = Node { bounds: Aabb::EMPTY, content: 0, count: 0 };
-        Self {
-            vertices: mesh.vertices(),
-            corners: mesh.faces(),
-            faces,
-            counts,
-            nodes: vec![blank; counts.len()],
-            ends: vec![0; counts.len()],
-        }
+        Self { counts, nodes: vec![blank; counts.len()], ends: vec![0; counts.len()] }
     }
 
-    /// Fills a range of nodes with a tree over a range of faces: no nodes where there are no faces.
-    fn tree(&mut self, range: Range<usize>, faces: Range<usize>) -> Result<(), Flaw> {
+    pub(crate) fn into_nodes(self) -> Vec<Node> {
+        self.nodes
+    }
+
+    /// Fills a range of nodes with a tree over a range of things: no nodes where there are none. `box_of` is
+    /// asked for those of each leaf.
+    pub(crate) fn tree(
+        &mut self,
+        range: Range<usize>,
+        held: Range<usize>,
+        box_of: impl Fn(Range<usize>) -> Aabb,
+    ) -> Result<(), Flaw> {
         let nodes = &mut self.nodes[range.clone()];
         let ends = &mut self.ends[range.clone()];
         let counts = &self.counts[range.clone()];
-        let mut first_face = faces.end;
+        let mut first_held = held.end;
         // Within the range, the node behind all that is beneath the one that was made last: right of it,
         // there a brother stands, if it has one.
         let mut behind = nodes.len();
         for index in (0..nodes.len()).rev() {
             let count = counts[index];
             nodes[index] = if count > 0 {
-                let start = first_face.checked_sub(count as usize).filter(|&f| f >= faces.start);
-                let start = start.ok_or("a tree has more faces in its leaves than it holds")?;
-                let bounds = box_of(self.vertices, self.corners, &self.faces[start..first_face]);
-                first_face = start;
+                let start = first_held.checked_sub(count as usize).filter(|&f| f >= held.start);
+                let start = start.ok_or("a tree has more in its leaves than it holds")?;
+                let bounds = box_of(start..first_held);
+                first_held = start;
                 behind = index + 1;
                 Node { bounds, content: start as u32, count }
             } else {
@@ -123,16 +122,15 @@ impl<'a> Growth<'a> {
             };
             ends[index] = behind as u32;
         }
-        check(first_face == faces.start, "a tree has fewer faces in its leaves than it holds")?;
-        check(behind == nodes.len(), "nodes belong to no tree")?;
-        check(nodes.is_empty() == faces.is_empty(), "nodes belong to no tree")
+        check(first_held == held.start, "a tree has less in its leaves than it holds")?;
+        check(behind == nodes.len(), "nodes belong to no tree")
     }
 }
 
 /// The box around some faces, at least one.
-fn box_of(vertices: &[DVec3], corners: &[[u32; 3]], faces: &[FaceId]) -> Aabb {
+pub(crate) fn box_of(mesh: &Mesh, faces: &[FaceId]) -> Aabb {
     let of_face = |face: FaceId| {
-        let [a, b, c] = corners[face.index()].map(|vertex| vertices[vertex as usize]);
+        let [a, b, c] = mesh.triangle(face);
         Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
     };
     let mut boxes = faces.iter().map(|&face| of_face(face));
@@ -142,6 +140,8 @@ fn box_of(vertices: &[DVec3], corners: &[[u32; 3]], faces: &[FaceId]) -> Aabb {
 
 #[cfg(test)]
 mod tests {
+    use cranny_exact::DVec3;
+
     use super::*;
 
     /// The right children of inner nodes, and how the shape of a tree over `size` faces ends.
@@ -149,9 +149,10 @@ mod tests {
         let vertices = (0..8).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
         let faces: Vec<FaceId> = (0..6).map(FaceId).collect();
-        let mut growth = Growth::new(&mesh, &faces, counts);
-        growth.tree(0..counts.len(), 0..size).map_err(|Flaw(what)| what)?;
-        let tree = FaceTree { nodes: growth.nodes, faces: faces[..size].to_vec() };
+        let mut shape = Shape::new(counts);
+        let whole = shape.tree(0..counts.len(), 0..size, |leaf| box_of(&mesh, &faces[leaf]));
+        whole.map_err(|Flaw(what)| what)?;
+        let tree = FaceTree { nodes: shape.into_nodes(), faces: faces[..size].to_vec() };
         tree.validate(&mesh, &faces[..size])?;
         Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
     }
@@ -169,12 +170,12 @@ mod tests {
             (vec![0, 0, 0, 0], 4, "lacks nodes"),
             (vec![0, 1], 1, "lacks nodes"),
             (vec![0], 0, "lacks nodes"),
-            (vec![], 1, "fewer faces"),
+            (vec![], 1, "less in"),
             (vec![1, 1], 2, "no tree"),
             (vec![0, 1, 1, 1], 3, "no tree"),
-            (vec![0, 1, 1], 3, "fewer faces"),
-            (vec![1], 0, "more faces"),
-            (vec![0, 1, u32::MAX], 3, "more faces"),
+            (vec![0, 1, 1], 3, "less in"),
+            (vec![1], 0, "more in"),
+            (vec![0, 1, u32::MAX], 3, "more in"),
         ] {
             let error = shape(&counts, size).unwrap_err();
             assert!(error.contains(flaw), "{counts:?}: {error}");

@@ -12,7 +12,7 @@ mod refit;
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::Grower;
-pub(crate) use self::codec::check_each_once;
+pub(crate) use self::codec::{Shape, box_of, check_each_once};
 pub use self::forest::FaceForest;
 pub use self::refit::NodeChanges;
 pub(crate) use self::refit::{GrownAreas, MovedFace};
@@ -30,6 +30,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// How many things it holds; 0 for an inner node.
+    pub(crate) fn count(&self) -> u32 {
+        self.count
+    }
+
     /// What it holds, standing at `index` of its array.
     pub(crate) fn content_at(&self, index: u32) -> Content {
         if self.count == 0 {
