@@ -227,7 +227,7 @@ impl Model {
         let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
             Covered::of(&mesh, &topology, &hull, observe);
-        report.add(concavities.surface().findings(&mesh, &hull));
+        report.add(concavities.surface().findings(&mesh, &hull, features.slab_depth()));
         let (radius, digest) = (radius(&mesh), digest(&mesh));
         observe(Stage::Done);
         let parts = Parts {
@@ -259,7 +259,8 @@ impl Model {
     ///
     /// [`BuildError::WeldDistance`], as [`build`](Self::build).
     pub fn survey(&self, options: &BuildOptions) -> Result<Report, BuildError> {
-        let Parts { mesh, topology, hull, concavities, tree, mass, flatness, .. } = &*self.0;
+        let Parts { mesh, topology, hull, features, concavities, tree, mass, flatness, .. } =
+            &*self.0;
         let mut report = Report {
             filed_vertices: mesh.vertices().len(),
             filed_faces: mesh.faces().len(),
@@ -270,7 +271,7 @@ impl Model {
         describe(mesh, topology, mass.as_ref(), &mut report);
         (report.findings, report.meetings) =
             scan(mesh, topology, tree, report.weld_distance, options.self_intersections);
-        report.add(concavities.surface().findings(mesh, hull));
+        report.add(concavities.surface().findings(mesh, hull, features.slab_depth()));
         Ok(report)
     }
 

@@ -155,11 +155,12 @@ pub enum FindingKind {
     NestedSolid,
     /// More than one component, summed up.
     SeveralShells,
-    /// A side of the hull that faces cover more than once, or beyond its rim: caps there count negative.
-    /// The vertices of these caps. Their area.
+    /// A side of the hull that faces cover more than once: caps there count negative. Strips no wider than
+    /// [`slab_depth`](crate::features::Features::slab_depth) are not told. The vertices of these caps.
+    /// Their area.
     NegativeCap,
-    /// A side of the hull on which the rims of faces cross each other: its caps overlap. The corners of
-    /// the side. How thick it is.
+    /// Such a side on which the rims of faces cross each other: its caps overlap. The corners of the
+    /// side. How thick it is.
     CrossedCap,
 }
 
@@ -192,6 +193,39 @@ impl FindingKind {
             Self::SeveralShells => "several_shells",
             Self::NegativeCap => "negative_cap",
             Self::CrossedCap => "crossed_cap",
+        }
+    }
+
+    /// What it is and whence it comes, in a sentence for whoever looks at the mesh.
+    #[must_use]
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::ZeroAreaFace => "all three corners lie on one line",
+            Self::NeedleFace => "a face no wider than what counts as the same place",
+            Self::DuplicateFaces => "the same face filed more than once",
+            Self::OppositeFaces => "the same face filed twice, looking both ways",
+            Self::CoplanarAdjacent => "two faces that continue each other in one plane",
+            Self::CoplanarOverlap => "two faces that lie on each other",
+            Self::SelfIntersection => "two faces that pass through each other",
+            Self::SelfTouch => "two faces that touch where they share no corner or edge",
+            Self::OpenEdge => "an edge with a face on one side only: a hole, or a crack",
+            Self::ContradictoryEdge => "an edge at which outside becomes inside",
+            Self::NonManifoldEdge => "an edge at which more than two faces meet",
+            Self::NonManifoldVertex => "a vertex in which separate parts of the surface touch",
+            Self::TVertex => "a vertex on an edge that the face beside it does not divide",
+            Self::NearVertices => "two vertices that are nearly the same place",
+            Self::BackFaces => "faces that look the other way than their neighbours",
+            Self::NonOrientable => "a surface with one side only",
+            Self::InsideOut => "a closed part whose faces all look inwards",
+            Self::Cavity => "a hollow within another part",
+            Self::NestedSolid => "a solid part within another",
+            Self::SeveralShells => "parts that share no edge",
+            Self::NegativeCap => {
+                "a side of the hull that faces cover twice: the mesh lies upon itself there, or folds back"
+            }
+            Self::CrossedCap => {
+                "a side of the hull on which faces overlap without a common vertex: the mesh passes through itself there"
+            }
         }
     }
 

@@ -12,7 +12,7 @@ use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::features::Feature;
 use cranny_geometry::hull::{FacetId, HullKind};
 use cranny_geometry::{
-    BuildOptions, CapId, ConvexHull, FaceId, FindingKind, Flatness, Mesh, Model,
+    BuildOptions, CapId, ConvexHull, FaceId, Finding, FindingKind, Flatness, Mesh, Model,
 };
 use cranny_shapes::{
     Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, NestedShells, PyramidInCavity, Shape,
@@ -148,6 +148,118 @@ fn a_quadrilateral_divided_the_other_way_is_no_dent() {
     assert_eq!(built(0.5), (6, vec![], 0));
     assert_eq!(built(1.5), (7, vec![], 0));
     assert_eq!(built(3.0), (7, vec![(ConcavityKind::Pocket, 1, 1)], 0));
+}
+
+#[test]
+fn a_face_on_two_facets_leaves_a_cap_that_both_share() {
+    // A pentagon A B E C D, C the tip. The hull has A B C, with D somewhat lower and E lower still. The mesh is a fan
+    // about D: A B D lies on A B C, to within its slab, and on A C D beside it; B E D and E C D are off the hull.
+    const FLATNESS: f64 = 1e-3;
+    let merged = 2.0 * FLATNESS; // the largest coordinate is 2
+    let [low, lower] = [1.4 * merged, 3.0 * merged];
+    let rim = [(-1.0, -1.0), (1.0, -1.0), (1.5, 0.5), (0.0, 2.0), (-1.5, 0.5)];
+    let top = rim.iter().zip([0.0, 0.0, -lower, 0.0, -low]).map(|(&(x, y), z)| DVec3::new(x, y, z));
+    let bottom = rim.map(|(x, y)| DVec3::new(x, y, -1.0));
+    let mut faces = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [5, 7, 6], [5, 8, 7], [5, 9, 8]];
+    faces.extend((0..5).flat_map(|i| {
+        let j = (i + 1) % 5;
+        [[i, 5 + i, 5 + j], [i, 5 + j, j]]
+    }));
+    let mesh = Mesh::new(top.chain(bottom).collect(), faces).unwrap();
+    let options =
+        BuildOptions { flatness: Flatness::Relative(FLATNESS), ..BuildOptions::default() };
+    let (model, report) = Model::build(mesh, &options).unwrap();
+    let (hull, all) = (model.hull(), model.concavities());
+    all.validate(model.mesh(), model.topology(), hull, model.features()).unwrap();
+    assert_eq!(census(&model), [(ConcavityKind::Pocket, 1, 1)]);
+    assert_eq!((all.negative_caps(), all.crossed_facets()), (&[][..], &[][..]));
+    assert!(report.findings.iter().all(|f| f.kind == FindingKind::CoplanarAdjacent));
+    // D B E C, but for how it bends.
+    let pocket = all.iter().next().unwrap();
+    assert!((pocket.measures.cap_area - 4.5).abs() < 1e-4, "{:?}", pocket.measures);
+
+    let facet_of = |corners: [u32; 3]| {
+        let is_it = |t: &usize| {
+            let mut sources = hull.triangle(*t).map(|v| hull.source(v).0);
+            sources.sort_unstable();
+            sources == corners
+        };
+        hull.facet_of_triangle((0..hull.triangle_count()).find(is_it).unwrap())
+    };
+    // Vertices are numbered as faces use them: A B D E C.
+    let (own, beside) = (facet_of([0, 1, 4]), facet_of([0, 2, 4]));
+    let shared: Vec<FacetId> = all.shared_facets().map(|[facet, _]| facet).collect();
+    assert!(shared.contains(&own) && shared.contains(&beside), "{shared:?}");
+    for facet in [own, beside] {
+        assert!(matches!(all.cover(facet), Cover::Mixed(_)));
+        let over: f64 = all
+            .caps_over(facet)
+            .map(|c| all.cap(c).corners)
+            .map(|c| {
+                let [a, b, c] = c.map(|v| model.mesh().position(v));
+                0.5 * (b - a).cross(c - a).length()
+            })
+            .sum();
+        assert!(over > 3.0, "{over}");
+    }
+}
+
+/// A convex polygon of the plane, counter-clockwise, cut into triangles anyhow.
+fn cut_anyhow(corners: u32, rng: &mut Rng) -> Vec<[u32; 3]> {
+    let mut left: Vec<u32> = (0..corners).collect();
+    let mut triangles = Vec::new();
+    while left.len() > 2 {
+        let n = left.len();
+        let ear = rng.below(n);
+        triangles.push([left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]]);
+        left.remove(ear);
+    }
+    triangles
+}
+
+/// A prism of height 1 over a convex polygon, its top cut anyhow. Every corner of the top lies as far
+/// below its plane as `depth` says.
+fn prism_cut_anyhow(corners: u32, rng: &mut Rng, mut depth: impl FnMut(&mut Rng) -> f64) -> Mesh {
+    let step = std::f64::consts::TAU / f64::from(corners);
+    let angle = |k: u32, rng: &mut Rng| step * (f64::from(k) + 0.1 * f64::from(rng.between(-4, 4)));
+    let rim: Vec<DVec3> = (0..corners)
+        .map(|k| {
+            let (sin, cos) = angle(k, rng).sin_cos();
+            DVec3::new(cos, sin, 0.0)
+        })
+        .collect();
+    let top = rim.iter().map(|&p| p + (1.0 - depth(rng)) * DVec3::Z).collect::<Vec<_>>();
+    let mut faces = cut_anyhow(corners, rng);
+    faces.extend((1..corners - 1).map(|k| [corners, corners + k + 1, corners + k]));
+    for i in 0..corners {
+        let j = (i + 1) % corners;
+        faces.extend([[i, corners + i, corners + j], [i, corners + j, j]]);
+    }
+    Mesh::new([top, rim].concat(), faces).unwrap()
+}
+
+#[test]
+fn sides_divided_otherwise_than_the_hull_divides_them_are_covered_once() {
+    const FLATNESS: f64 = 1e-3;
+    let options =
+        BuildOptions { flatness: Flatness::Relative(FLATNESS), ..BuildOptions::default() };
+    let mut rng = Rng::new(17);
+    let mut shared = 0;
+    for round in 0..400 {
+        // Facets merge up to 1, slabs are 2 deep: below that all is flat, not far below nothing is.
+        let depth = |rng: &mut Rng| 0.01 * FLATNESS * f64::from(rng.between(0, 300));
+        let corners = 4 + round % 9;
+        let mesh = prism_cut_anyhow(corners, &mut rng, depth);
+        let (model, report) = Model::build(mesh, &options).unwrap();
+        let all = model.concavities();
+        all.validate(model.mesh(), model.topology(), model.hull(), model.features()).unwrap();
+        shared += usize::from(all.shared_facets().next().is_some());
+        let told =
+            |f: &&Finding| matches!(f.kind, FindingKind::NegativeCap | FindingKind::CrossedCap);
+        let found = report.findings.iter().find(told);
+        assert_eq!(found, None, "round {round}");
+    }
+    assert!(shared > 40, "{shared}");
 }
 
 #[test]

@@ -183,7 +183,7 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Model::decode(&other).unwrap_err()
     };
-    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 3 });
+    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 4 });
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
     assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;

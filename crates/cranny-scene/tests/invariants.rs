@@ -13,7 +13,10 @@ use std::path::PathBuf;
 
 use check::{checked_with, closed_checked_with};
 use cranny_exact::{DMat3, DQuat, DVec3};
-use cranny_geometry::{BuildOptions, FaceId, Flatness, Mesh, Model};
+use cranny_geometry::{
+    BuildOptions, EdgeKind, Element, FaceId, FindingKind, Flatness, MeetingScan, Mesh, Model,
+    VertexId,
+};
 use cranny_scene::{MeshFormat, read_mesh};
 use cranny_testkit::Rng;
 
@@ -97,6 +100,84 @@ fn turned_the_pockets_hold_as_much() {
         let skin = model.features().slab_depth().max(turned.features().slab_depth()) * hull.area();
         let gained = volume(&model) - volume(&turned);
         assert!(gained.abs() <= 2.0 * skin, "{name}: {gained:e} gained, skin {skin:e}");
+    }
+}
+
+/// Closed meshes of the corpus that lie upon themselves or pass through themselves on the hull, and how:
+/// their caps may overlap. All others are covered once.
+const COVERED_TWICE: [(&str, &str); 1] = [(
+    "openscad-nonmanifold-crash.obj",
+    "hundreds of faces lie on others in the planes of its box",
+)];
+
+#[test]
+fn caps_of_closed_meshes_cover_the_hull_once() {
+    for (name, mesh, options) in corpus() {
+        let options = BuildOptions { self_intersections: true, ..options };
+        let Ok((model, report)) = Model::build(mesh, &options) else { continue };
+        if !report.closed {
+            continue;
+        }
+        let found = |kinds: &[FindingKind]| {
+            report.findings.iter().find(|f| kinds.contains(&f.kind)).cloned()
+        };
+        let twice = found(&[FindingKind::NegativeCap, FindingKind::CrossedCap]);
+        if let Some((_, why)) = COVERED_TWICE.iter().find(|(file, _)| name.ends_with(file)) {
+            assert!(twice.is_some(), "{name} is no exception any more: {why}");
+            assert!(found(&[FindingKind::CoplanarOverlap]).is_some(), "{name}: {why}");
+            continue;
+        }
+        assert_eq!(twice, None, "{name}");
+        let depth = model.features().slab_depth();
+        let at = |v: VertexId| model.mesh().position(v);
+        for concavity in model.concavities().iter() {
+            // What lies between rims that rounding crossed: strips no wider than a slab is deep.
+            let rims = concavity.loops().map(|rim| rim.vertices);
+            let length: f64 = rims
+                .flat_map(|rim| rim.iter().zip(rim.iter().cycle().skip(1)))
+                .map(|(&a, &b)| at(a).distance(at(b)))
+                .sum();
+            let area = concavity.measures.cap_area;
+            assert!(area >= -depth * length, "{name}, {:?}: {area:e}", concavity.id());
+        }
+    }
+}
+
+#[test]
+fn soups_are_surfaces_whose_report_names_every_open_edge() {
+    let mut soups = 0;
+    for (name, mesh, options) in corpus() {
+        let options = BuildOptions { self_intersections: true, ..options };
+        let Ok((model, report)) = Model::build(mesh, &options) else { continue };
+        if report.closed {
+            continue;
+        }
+        soups += 1;
+        assert!(!model.is_closed() && model.mass_properties().is_none(), "{name}");
+        assert!(report.volume.is_none() && !report.is_sound(), "{name}");
+        assert_eq!(report.meetings, MeetingScan::Complete, "{name}");
+        let told = |kind| -> usize {
+            report.findings.iter().filter(|f| f.kind == kind).map(|f| f.count).sum()
+        };
+        let edges = model.topology().edges().iter();
+        let open = edges.filter(|e| e.kind == EdgeKind::Open).count();
+        assert_eq!(told(FindingKind::OpenEdge), open, "{name}");
+        let others = [FindingKind::ContradictoryEdge, FindingKind::NonManifoldEdge];
+        assert!(open + others.map(told).iter().sum::<usize>() > 0, "{name}");
+        let bounds = model.bounds().grown(report.weld_distance);
+        for finding in &report.findings {
+            let limit = match finding.kind.element() {
+                Element::Vertex => report.vertices,
+                Element::Face => report.faces,
+                Element::Component => report.components,
+            };
+            assert!(finding.ids.iter().all(|&id| (id as usize) < limit), "{name}: {finding:?}");
+            assert!(bounds.contains_point(finding.at), "{name}: {finding:?}");
+            assert!(finding.measure.is_finite(), "{name}: {finding:?}");
+        }
+    }
+    if std::env::var_os("CRANNY_CORPUS").is_some() {
+        assert!(soups >= 10, "{soups}");
     }
 }
 

@@ -7,11 +7,12 @@ use crate::ids::CapId;
 
 impl CapSurface {
     pub(crate) fn encode(&self, out: &mut Writer) {
-        let Self { triangles, facet_starts, negative, crossed } = self;
+        let Self { triangles, facet_starts, negative, crossed, shared } = self;
         out.list(triangles);
         out.list(facet_starts);
         out.list(negative);
         out.list(crossed);
+        out.list(shared);
     }
 
     /// Reads the caps of `facets` facets over `vertices` vertices.
@@ -25,6 +26,9 @@ impl CapSurface {
         check(negative.is_sorted_by(|a, b| a < b), "negative caps are not ascending")?;
         check_below(crossed.iter().map(|f| f.0), facets, "a crossed facet is not there")?;
         check(crossed.is_sorted_by(|a, b| a < b), "crossed facets are not ascending")?;
-        Ok(Self { triangles, facet_starts, negative, crossed })
+        let shared: Vec<[u32; 2]> = input.list()?;
+        check_below(shared.iter().flatten().copied(), facets, "a shared facet is not there")?;
+        check(shared.is_sorted_by(|a, b| a[0] < b[0]), "shared facets are not ascending")?;
+        Ok(Self { triangles, facet_starts, negative, crossed, shared })
     }
 }

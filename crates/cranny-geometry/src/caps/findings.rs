@@ -1,32 +1,56 @@
 //! What is wrong with caps, as findings.
+//!
+//! Strips no wider than a slab is deep are rounding, as skin is, and not told.
+
+use std::collections::BTreeSet;
 
 use cranny_exact::DVec3;
 
 use super::CapSurface;
 use crate::hull::{ConvexHull, FacetId};
-use crate::ids::VertexId;
+use crate::ids::{CapId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
 
 impl CapSurface {
-    /// A finding for each facet with negative caps, and for each that is crossed. O(n).
-    pub(crate) fn findings(&self, mesh: &Mesh, hull: &ConvexHull) -> Vec<Finding> {
-        let of_one_facet = self.negative.chunk_by(|&a, &b| self.facet_of(a) == self.facet_of(b));
-        let negative = of_one_facet.map(|caps| {
-            let corners = caps.iter().map(|cap| self.triangles[cap.index()]);
-            let area = |[a, b, c]: [u32; 3]| {
-                let [a, b, c] = [a, b, c].map(|v| mesh.position(VertexId(v)));
-                0.5 * (b - a).cross(c - a).length()
-            };
-            let measure = corners.clone().map(area).sum();
-            finding(FindingKind::NegativeCap, corners.flatten().collect(), mesh, measure)
-        });
-        let crossed = self.crossed.iter().map(|&facet: &FacetId| {
+    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, and for each group
+    /// of facets with such caps that is crossed. O(n), and the square of the facets told.
+    pub(crate) fn findings(&self, mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Vec<Finding> {
+        let wide: Vec<CapId> =
+            self.negative.iter().copied().filter(|&cap| self.width(mesh, cap) > depth).collect();
+        let mut told = Vec::new();
+        let mut facets = BTreeSet::new();
+        for caps in wide.chunk_by(|&a, &b| self.facet_of(a) == self.facet_of(b)) {
+            let corners = caps.iter().flat_map(|cap| self.triangles[cap.index()]).collect();
+            let area = caps.iter().map(|&cap| 0.5 * self.twice_area(mesh, cap)).sum();
+            told.push(finding(FindingKind::NegativeCap, corners, mesh, area));
+            facets.insert(self.facet_of(caps[0]));
+        }
+        let is_told =
+            |f: &FacetId| facets.contains(f) || self.sharing(*f).any(|g| facets.contains(&g));
+        for &facet in self.crossed.iter().filter(|f| is_told(f)) {
             let facet = hull.facet(facet);
             let corners = facet.corners.iter().map(|&v| hull.source(v).0).collect();
-            finding(FindingKind::CrossedCap, corners, mesh, facet.thickness.max(hull.flatness()))
-        });
-        negative.chain(crossed).collect()
+            let thickness = facet.thickness.max(hull.flatness());
+            told.push(finding(FindingKind::CrossedCap, corners, mesh, thickness));
+        }
+        told
+    }
+
+    fn twice_area(&self, mesh: &Mesh, cap: CapId) -> f64 {
+        let [a, b, c] = self.corners(mesh, cap);
+        (b - a).cross(c - a).length()
+    }
+
+    /// How wide a triangle is across its longest side.
+    fn width(&self, mesh: &Mesh, cap: CapId) -> f64 {
+        let [a, b, c] = self.corners(mesh, cap);
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        self.twice_area(mesh, cap) / longest
+    }
+
+    fn corners(&self, mesh: &Mesh, cap: CapId) -> [DVec3; 3] {
+        self.triangles[cap.index()].map(|v| mesh.position(VertexId(v)))
     }
 }
 

@@ -8,8 +8,9 @@
 //! So caps close by construction, whatever rounding did: the boundary of all caps together is the
 //! boundary of the hull, which is none, minus that of the faces on it. It equals the boundary of the
 //! faces off the hull, if the mesh is closed. How *well* the triangles cover the facet is another
-//! matter: they do so exactly once where the chain does not cross itself in the projection. Where faces
-//! lie on a facet twice, some triangles come out clockwise, negative: they count as such in all sums.
+//! matter: they do so exactly once where the chain does not cross itself in the projection. Facets into
+//! which faces of their neighbours reach are covered [together](share). Where faces lie on a facet twice,
+//! some triangles come out clockwise, negative: they count as such in all sums.
 //!
 //! Cost: O(n log n) in the faces and triangles of facets that are not wholly covered.
 
@@ -17,6 +18,7 @@ mod chain;
 mod codec;
 mod findings;
 mod interface;
+mod share;
 mod straddle;
 mod triangulate;
 mod update;
@@ -30,6 +32,7 @@ use crate::mesh::Mesh;
 use crate::topology::Topology;
 use chain::{ChainEdge, Origin, cancel};
 use interface::Divisions;
+use share::Sharing;
 use straddle::drop_straddled;
 pub(crate) use triangulate::outlines;
 
@@ -44,6 +47,8 @@ pub(crate) struct CapSurface {
     pub(crate) negative: Vec<CapId>,
     /// Facets whose chain crosses itself: triangles may overlap.
     pub(crate) crossed: Vec<FacetId>,
+    /// Facets that are covered together with others, ascending, each with the first of its group.
+    pub(crate) shared: Vec<[u32; 2]>,
 }
 
 impl CapSurface {
@@ -60,17 +65,30 @@ impl CapSurface {
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
         drop_straddled(mesh, hull, &mut chains, assignment.depth());
         let mut surface = Self { facet_starts: vec![0], ..Self::default() };
-        for (facet, chain) in chains {
-            if chain.is_empty() {
-                continue;
-            }
-            surface.facet_starts.resize(facet as usize + 1, surface.triangles.len() as u32);
-            surface.cover(mesh, hull.facet(FacetId(facet)), FacetId(facet), &chain, {
-                ridges_of(ridges, facet)
-            });
+        for (facet, chain) in chains.iter().filter(|(_, chain)| !chain.is_empty()) {
+            let id = FacetId(*facet);
+            surface.facet_starts.resize(id.index() + 1, surface.triangles.len() as u32);
+            surface.cover(mesh, hull.facet(id), id, chain, ridges_of(ridges, *facet));
         }
         surface.facet_starts.resize(hull.facet_count() + 1, surface.triangles.len() as u32);
-        surface
+        if surface.is_sound() {
+            return surface;
+        }
+        Sharing { mesh, hull, assignment, chains: &chains, ridges }.share(surface)
+    }
+
+    /// Whether no triangle is negative and no chain crosses itself.
+    fn is_sound(&self) -> bool {
+        self.negative.is_empty() && self.crossed.is_empty()
+    }
+
+    /// The facets that are covered together with this one, ascending, itself among them; none where it is
+    /// covered by itself. O(k) where it shares, of k facets that do.
+    pub(crate) fn sharing(&self, facet: FacetId) -> impl Iterator<Item = FacetId> + '_ {
+        let place = self.shared.binary_search_by_key(&facet.0, |entry| entry[0]);
+        let home = place.ok().map(|at| self.shared[at][1]);
+        let all = home.map_or(&[][..], |_| &self.shared[..]);
+        all.iter().filter(move |entry| Some(entry[1]) == home).map(|entry| FacetId(entry[0]))
     }
 
     /// The cap triangles of a facet.
@@ -100,6 +118,56 @@ impl CapSurface {
                 return;
             }
         }
+        let covering = Covering::of(mesh, projection, chain, ridges);
+        if !covering.exact {
+            self.crossed.push(id);
+        }
+        for (corners, is_negative) in covering.triangles {
+            self.push(corners, is_negative);
+        }
+    }
+
+    /// Appends the caps of a facet, which is `before` in `other`.
+    fn copy(&mut self, other: &Self, before: FacetId, facet: FacetId) {
+        let range = other.of_facet(before);
+        if range.is_empty() {
+            return;
+        }
+        let first = self.triangles.len() as u32;
+        let row = range.start as usize..range.end as usize;
+        self.triangles.extend_from_slice(&other.triangles[row]);
+        let from = other.negative.partition_point(|cap| cap.0 < range.start);
+        let to = other.negative.partition_point(|cap| cap.0 < range.end);
+        let negative = &other.negative[from..to];
+        self.negative.extend(negative.iter().map(|cap| CapId(cap.0 - range.start + first)));
+        if other.crossed.binary_search(&before).is_ok() {
+            self.crossed.push(facet);
+        }
+    }
+
+    fn push(&mut self, corners: [u32; 3], is_negative: bool) {
+        if is_negative {
+            self.negative.push(CapId(self.triangles.len() as u32));
+        }
+        self.triangles.push(corners);
+    }
+}
+
+/// What a chain bounds, in a projection.
+struct Covering {
+    /// Corners, and whether they count negative.
+    triangles: Vec<([u32; 3], bool)>,
+    /// Whether no two edges cross.
+    exact: bool,
+}
+
+impl Covering {
+    fn of(
+        mesh: &Mesh,
+        projection: Projection,
+        chain: &[ChainEdge],
+        ridges: &[RidgeOnFacet],
+    ) -> Self {
         let mut vertices: Vec<u32> = chain.iter().flat_map(|e| e.ends).collect();
         vertices.extend(ridges.iter().flat_map(|r| r.ends));
         vertices.sort_unstable();
@@ -114,17 +182,17 @@ impl CapSurface {
         };
         let forced: Vec<[u32; 2]> =
             ridges.iter().map(|r| r.ends.map(local)).filter(|&e| !in_chain(e)).collect();
-        let triangulation = triangulate::triangulate(&points, &edges, &forced);
-        if !triangulation.exact {
-            self.crossed.push(id);
-        }
-        for corners in triangulation.triangles {
+        let made = triangulate::triangulate(&points, &edges, &forced);
+        let judged = |corners: [u32; 3]| {
             let [a, b, c] = corners.map(|i| points[i as usize]);
-            if orient2d(a, b, c) == Sign::Negative {
-                self.negative.push(CapId(self.triangles.len() as u32));
-            }
-            self.triangles.push(corners.map(|i| vertices[i as usize]));
-        }
+            let is_negative = orient2d(a, b, c) == Sign::Negative;
+            (corners.map(|i| vertices[i as usize]), is_negative)
+        };
+        Self { triangles: made.triangles.into_iter().map(judged).collect(), exact: made.exact }
+    }
+
+    fn is_sound(&self) -> bool {
+        self.exact && self.triangles.iter().all(|(_, is_negative)| !is_negative)
     }
 }
 

@@ -40,8 +40,10 @@ use sweep::{Segment, Swept, sweep};
 pub(crate) struct Triangulation {
     /// Indices of points. Clockwise triangles count negative; some may have zero area.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Whether triangles overlap only as the winding numbers demand, and every forced edge is one.
+    /// Whether triangles overlap only as the winding numbers demand: no two edges of the chain cross.
     pub(crate) exact: bool,
+    /// Whether some forced edge is none, because it crosses another edge.
+    pub(crate) missed: bool,
 }
 
 /// Triangulates what `chain` bounds.
@@ -52,7 +54,8 @@ pub(crate) struct Triangulation {
 /// names play no part. The result does not depend on the order of either list.
 ///
 /// Degenerate input is answered, not refused: vertices at one place, collinear ones, and vertices on
-/// an edge give triangles of zero area. Where edges cross, triangles overlap and `exact` is false.
+/// an edge give triangles of zero area. Where edges of the chain cross, triangles overlap and
+/// `exact` is false; a forced edge that crosses another is left out, and `missed` true.
 /// Where coordinates are missing or outside the [`domain`](cranny_exact::domain), or crossings so
 /// many that detours would outgrow the chain by far, each connected part is a fan about its lowest
 /// vertex. A chain that is not closed bounds nothing: its fan has extra edges at that vertex.
@@ -62,8 +65,11 @@ pub(crate) fn triangulate(
     forced: &[[u32; 2]],
 ) -> Triangulation {
     let chain = net(chain);
-    exact_or_detoured(points, &chain, forced)
-        .unwrap_or_else(|| Triangulation { triangles: fans(&chain), exact: false })
+    exact_or_detoured(points, &chain, forced).unwrap_or_else(|| Triangulation {
+        triangles: fans(&chain),
+        exact: false,
+        missed: !forced.is_empty(),
+    })
 }
 
 /// A directed edge and how often it occurs.
@@ -99,7 +105,7 @@ fn exact_or_detoured(
     if !is_closed(chain, &sites) {
         return None;
     }
-    let mut made = Triangulation { triangles: Vec::new(), exact: true };
+    let mut made = Triangulation { triangles: Vec::new(), exact: true, missed: false };
     let mut segments = Vec::with_capacity(chain.len() + forced.len());
     for &(edge, count) in chain {
         let [a, b] = edge.map(|v| sites.vertex_at(v));
@@ -117,7 +123,8 @@ fn exact_or_detoured(
     if !swept.dropped.is_empty() {
         swept = split_where_crossings_are_sites(sites.positions(), swept)?;
     }
-    made.exact = swept.dropped.is_empty();
+    made.exact = swept.dropped.iter().all(|segment| segment.count == 0);
+    made.missed = swept.dropped.iter().any(|segment| segment.forced);
     let mut layers_without_place = std::mem::take(&mut swept.flat);
     if swept.dropped.iter().any(|segment| segment.count != 0) {
         let detours = Detours::new(sites.positions(), &swept);

@@ -4,6 +4,9 @@
 //! across these edges have a say in, and on which pieces of the chains of these are its own opposites. So
 //! the caps of the facets named and of two rings of facets around them are made again, from the
 //! chains of these and of two more rings.
+//!
+//! Which facets are covered together may depend on facets farther away. Where there are such, or caps that count
+//! negative, all caps are made again.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +14,7 @@ use super::straddle::drop_straddled;
 use super::{CapSurface, divide_alike, open_chains, ridges_of};
 use crate::features::{Assignment, RidgeOnFacet};
 use crate::hull::{ConvexHull, FacetId};
-use crate::ids::{CapId, HalfEdgeId};
+use crate::ids::HalfEdgeId;
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 
@@ -20,7 +23,8 @@ impl CapSurface {
     /// these facets are new; and how many facets were looked at. `before` names what each facet was.
     ///
     /// Cost: O(n log n) in the faces and triangles of these facets, and a pass over the facets of all
-    /// faces and over all cap triangles, which are copied.
+    /// faces and over all cap triangles, which are copied. Where caps are shared or negative, that of
+    /// building.
     pub(crate) fn updated(
         &self,
         mesh: &Mesh,
@@ -31,6 +35,10 @@ impl CapSurface {
         stale: &[u32],
         before: &[u32],
     ) -> (Self, usize) {
+        let all_again = || Self::build(mesh, topology, hull, assignment, ridges);
+        if !self.shared.is_empty() || !self.is_sound() {
+            return (all_again(), hull.facet_count());
+        }
         let stale = stale.iter().copied().collect();
         let stale = with_neighbours(hull, &with_neighbours(hull, &stale));
         let around = with_neighbours(hull, &with_neighbours(hull, &stale));
@@ -43,32 +51,14 @@ impl CapSurface {
         for facet in 0..hull.facet_count() as u32 {
             let chain = chains.next_if(|(id, _)| *id == facet).map(|(_, chain)| chain);
             if !stale.contains(&facet) {
-                updated.copy(self, before[facet as usize], facet);
+                updated.copy(self, FacetId(before[facet as usize]), FacetId(facet));
             } else if let Some(chain) = chain.filter(|chain| !chain.is_empty()) {
                 let id = FacetId(facet);
                 updated.cover(mesh, hull.facet(id), id, &chain, ridges_of(ridges, facet));
             }
             updated.facet_starts.push(updated.triangles.len() as u32);
         }
-        (updated, around.len())
-    }
-
-    /// Appends the caps of a facet, which is `before` in `other`.
-    fn copy(&mut self, other: &Self, before: u32, facet: u32) {
-        let range = other.of_facet(FacetId(before));
-        if range.is_empty() {
-            return;
-        }
-        let first = self.triangles.len() as u32;
-        let row = range.start as usize..range.end as usize;
-        self.triangles.extend_from_slice(&other.triangles[row]);
-        let from = other.negative.partition_point(|cap| cap.0 < range.start);
-        let to = other.negative.partition_point(|cap| cap.0 < range.end);
-        let negative = &other.negative[from..to];
-        self.negative.extend(negative.iter().map(|cap| CapId(cap.0 - range.start + first)));
-        if other.crossed.binary_search(&FacetId(before)).is_ok() {
-            self.crossed.push(FacetId(facet));
-        }
+        if updated.is_sound() { (updated, around.len()) } else { (all_again(), hull.facet_count()) }
     }
 }
 

@@ -257,19 +257,20 @@ impl Input<'_> {
                 bears_faces[facet.index()] = true;
             }
         }
-        all.cover = (0..self.hull.facet_count() as u32)
-            .map(|facet| {
-                let range = all.caps.of_facet(FacetId(facet));
-                let owners = &all.concavity_of_cap[range.start as usize..range.end as usize];
-                match owners {
-                    [] => SOLID,
-                    [first, rest @ ..] if rest.iter().all(|c| c == first) => {
-                        if *first == NONE || bears_faces[facet as usize] { MIXED } else { *first }
-                    }
-                    _ => MIXED,
-                }
-            })
-            .collect();
+        let facets = 0..self.hull.facet_count() as u32;
+        all.cover = facets.map(|f| self.cover(all, FacetId(f), &bears_faces)).collect();
+    }
+
+    /// What covers a facet, together with those that it shares its caps with.
+    fn cover(&self, all: &Concavities, facet: FacetId, bears_faces: &[bool]) -> u32 {
+        let mut owners = all.caps_over(facet).map(|cap| all.concavity_of_cap[cap.index()]);
+        let Some(first) = owners.next() else { return SOLID };
+        let bears_faces =
+            bears_faces[facet.index()] || all.caps.sharing(facet).any(|f| bears_faces[f.index()]);
+        match first == NONE || bears_faces || owners.any(|c| c != first) {
+            true => MIXED,
+            false => first,
+        }
     }
 
     /// Sums areas, volumes and area vectors, of concavities, lids and skin.

@@ -63,7 +63,8 @@ pub enum Cover {
     Solid,
     /// A lid of this concavity, everywhere.
     Lid(ConcavityId),
-    /// Faces of the mesh, but for these cap triangles, each of which names its concavity.
+    /// Faces of the mesh, but for cap triangles, each of which names its concavity: these, and where the
+    /// facet is covered together with others theirs as well ([`Concavities::caps_over`]).
     Mixed(std::ops::Range<u32>),
 }
 
@@ -355,6 +356,20 @@ impl Concavities {
             MIXED => Cover::Mixed(self.caps.of_facet(facet)),
             concavity => Cover::Lid(ConcavityId(concavity)),
         }
+    }
+
+    /// The cap triangles that may lie over a facet: its own, and those of the facets that it is covered
+    /// together with. A triangle of the mesh may lie on two facets where these meet at an angle that is
+    /// rounding; such facets are covered together, exactly once, but not each by itself.
+    pub fn caps_over(&self, facet: FacetId) -> impl Iterator<Item = CapId> + '_ {
+        let others = self.caps.sharing(facet).filter(move |&f| f != facet);
+        let theirs = others.flat_map(|f| self.caps.of_facet(f));
+        self.caps.of_facet(facet).chain(theirs).map(CapId)
+    }
+
+    /// The facets that are covered together with others: each with the first of its group, ascending.
+    pub fn shared_facets(&self) -> impl Iterator<Item = [FacetId; 2]> + '_ {
+        self.caps.shared.iter().map(|entry| entry.map(FacetId))
     }
 
     /// What covers a triangle of the hull: what covers its facet. O(1).

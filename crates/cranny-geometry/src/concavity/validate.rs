@@ -139,14 +139,16 @@ impl Concavities {
     fn validate_cover(&self, hull: &ConvexHull) -> Result<(), String> {
         for facet in (0..hull.facet_count() as u32).map(FacetId) {
             let range = self.caps.of_facet(facet);
-            let mut owners = range.clone().map(|c| self.cap(CapId(c)));
-            if let Some(cap) = owners.clone().find(|c| c.facet != facet) {
+            if let Some(cap) = range.clone().map(|c| self.cap(CapId(c))).find(|c| c.facet != facet)
+            {
                 return Err(format!("{cap:?} stands under facet {}", facet.0));
             }
-            let right = match self.cover(facet) {
-                Cover::Solid => range.is_empty(),
-                Cover::Lid(c) => !range.is_empty() && owners.all(|o| o.concavity == Some(c)),
-                Cover::Mixed(caps) => !range.is_empty() && caps == range,
+            let mut over = self.caps_over(facet).map(|c| self.cap(c)).peekable();
+            let right = match (self.cover(facet), over.peek().is_some()) {
+                (Cover::Solid, is_covered) => !is_covered,
+                (Cover::Lid(c), true) => over.all(|o| o.concavity == Some(c)),
+                (Cover::Mixed(caps), true) => caps == range,
+                _ => false,
             };
             if !right {
                 return Err(format!("facet {} is filed as {:?}", facet.0, self.cover(facet)));

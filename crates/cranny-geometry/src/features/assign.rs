@@ -16,6 +16,8 @@
 
 use std::collections::BTreeMap;
 
+use cranny_exact::DVec3;
+
 use super::corners::Corners;
 use super::slabs::Slabs;
 use crate::hull::ConvexHull;
@@ -74,6 +76,11 @@ impl Assignment {
     /// The least depth of a slab: what is thinner is flat.
     pub(crate) fn depth(&self) -> f64 {
         self.slabs.depth()
+    }
+
+    /// Whether a point of the hull is on a facet, or beside it, no deeper than its slab.
+    pub(crate) fn is_on(&self, facet: u32, p: DVec3) -> bool {
+        self.slabs.holds(facet, p)
     }
 
     /// The facets on which a segment between two vertices lies, ascending.

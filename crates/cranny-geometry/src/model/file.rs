@@ -31,7 +31,7 @@ use crate::tree::{FaceForest, FaceTree};
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
 
 /// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// What is before the checksum: magic, version, 0, length.
 const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;

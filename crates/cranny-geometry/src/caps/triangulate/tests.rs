@@ -107,8 +107,10 @@ fn check(lattice: &[Lattice], chain: &[[u32; 2]], forced: &[[u32; 2]]) -> Triang
 
     let net = netted(chain.iter().copied());
     let used: BTreeSet<u32> = net.keys().chain(forced).flatten().copied().collect();
-    let edges: Vec<[u32; 2]> = net.keys().chain(forced).copied().collect();
+    let mut edges: Vec<[u32; 2]> = net.keys().copied().collect();
     assert!(made.exact || any_cross(lattice, &edges, &used), "inexact without a crossing");
+    edges.extend(forced);
+    assert!(!made.missed || any_cross(lattice, &edges, &used), "missed without a crossing");
 
     let corners = |t: &[u32; 3]| t.map(|v| lattice[v as usize]);
     let solid: Vec<[Lattice; 3]> =
@@ -144,7 +146,7 @@ fn check(lattice: &[Lattice], chain: &[[u32; 2]], forced: &[[u32; 2]]) -> Triang
             for &t in &distinct[i + 1..] {
                 assert!(disjoint(s, t), "{s:?} and {t:?} overlap");
             }
-            for edge in forced {
+            for edge in forced.iter().filter(|_| !made.missed) {
                 let edge = edge.map(|v| lattice[v as usize]);
                 assert!(!passes_through(edge, s), "forced {edge:?} through {s:?}");
             }
@@ -183,10 +185,10 @@ fn a_square_has_two_triangles() {
 #[test]
 fn an_empty_chain_has_none() {
     let made = check(&square(0, 1), &[], &[]);
-    assert_eq!(made, Triangulation { triangles: vec![], exact: true });
+    assert_eq!(made, Triangulation { triangles: vec![], exact: true, missed: false });
     // Edges there and back cancel, loops of one vertex are nothing.
     let made = check(&square(0, 1), &[[0, 1], [1, 0], [2, 2]], &[]);
-    assert_eq!(made, Triangulation { triangles: vec![], exact: true });
+    assert_eq!(made, Triangulation { triangles: vec![], exact: true, missed: false });
 }
 
 #[test]
@@ -292,7 +294,7 @@ fn a_detour_goes_forward_and_on_the_closer_side() {
 fn a_forced_edge_that_crosses_the_boundary_is_missed_and_disturbs_nothing() {
     let lattice = [square(0, 4).as_slice(), &[[1, 2], [6, 3]]].concat();
     let made = check(&lattice, &cycle(&[0, 1, 2, 3]), &[[4, 5]]);
-    assert!(!made.exact);
+    assert!(made.exact && made.missed);
     assert_eq!(made.triangles.len(), 4);
     assert!(made.triangles.iter().all(|t| orient(t.map(|v| lattice[v as usize])) > 0));
 }
@@ -332,16 +334,17 @@ fn forced_edges_are_edges() {
     let lattice = square(0, 4);
     for diagonal in [[0, 2], [1, 3]] {
         let made = check(&lattice, &cycle(&[0, 1, 2, 3]), &[diagonal]);
-        assert!(made.exact);
+        assert!(made.exact && !made.missed);
         let all = sides(&made.triangles);
         assert!(all.contains(&diagonal) && all.contains(&[diagonal[1], diagonal[0]]));
     }
     // Both diagonals cannot be: one is missed, and the boundary is right nevertheless.
-    assert!(!check(&lattice, &cycle(&[0, 1, 2, 3]), &[[0, 2], [1, 3]]).exact);
+    let made = check(&lattice, &cycle(&[0, 1, 2, 3]), &[[0, 2], [1, 3]]);
+    assert!(made.exact && made.missed);
     // A forced edge that ends inside, and one through a vertex that another edge brings along.
     let lattice = [square(0, 4).as_slice(), &[[1, 1], [3, 1], [2, 2]]].concat();
     let made = check(&lattice, &cycle(&[0, 1, 2, 3]), &[[4, 5], [0, 2], [6, 3]]);
-    assert!(made.exact);
+    assert!(made.exact && !made.missed);
     assert_eq!(made.triangles.len(), 2 + 2 * 3);
 }
 
