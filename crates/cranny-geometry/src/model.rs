@@ -226,7 +226,7 @@ impl Model {
         report.flatness = options.flatness.resolve(&mesh);
         let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
-            Covered::of(&mesh, &topology, &hull, observe);
+            Covered::of(&mesh, &topology, &hull, &tree, observe);
         report.add(concavities.surface().findings(&mesh, &hull, features.slab_depth()));
         let (radius, digest) = (radius(&mesh), digest(&mesh));
         observe(Stage::Done);
@@ -395,6 +395,7 @@ impl Covered {
         mesh: &Mesh,
         topology: &Topology,
         hull: &ConvexHull,
+        tree: &FaceTree,
         observe: &mut dyn FnMut(Stage),
     ) -> Self {
         observe(Stage::Classify);
@@ -405,7 +406,7 @@ impl Covered {
         let concavities = Concavities::of(mesh, topology, hull, &features, caps);
         observe(Stage::ConcavityTrees);
         let groups = concavities.iter().map(|concavity| concavity.faces);
-        let concavity_trees = FaceForest::over(mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
+        let concavity_trees = FaceForest::within(tree, mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
         observe(Stage::Envelopes);
         let envelopes = envelopes(mesh, &concavities);
         Self { features, concavities, concavity_trees, envelopes }

@@ -39,7 +39,7 @@ impl Renewal {
         let patches = Patches::of(mesh, topology);
         let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
-            Covered::of(mesh, topology, &hull, &mut |_| {});
+            Covered::of(mesh, topology, &hull, &tree, &mut |_| {});
         let hull = std::mem::replace(&mut parts.hull, hull);
         let tree = std::mem::replace(&mut parts.tree, tree);
         let concavity_trees = std::mem::replace(&mut parts.concavity_trees, concavity_trees);

@@ -25,8 +25,8 @@
 //! concavity needs as few of them as one likes). [`Envelope::track`] keeps it from frame to frame with
 //! one evaluation while the motion stays within what the other facets leave.
 //!
-//! All envelopes of a model lie in one set of flat arrays. Cost of building: O(n log n), about 0.7
-//! microseconds a face.
+//! All envelopes of a model lie in one set of flat arrays. Cost of building: O(n log n), a third
+//! to half a microsecond a face.
 
 mod build;
 mod cluster;

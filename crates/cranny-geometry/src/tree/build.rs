@@ -1,85 +1,39 @@
 //! Growing one tree: top-down, by the surface-area heuristic on binned centroids (Wald 2007).
 //!
 //! Items are moved, not indexed, so that every pass reads memory in order; the bins know the boxes
-//! of what falls into them, so that no pass is spent on the boxes of the children.
+//! of what falls into them, so that no pass is spent on the boxes of the children. All this happens on a
+//! `lattice`, which is laid anew where a part has become small for it. The exact boxes are fitted
+//! last, from the leaves up.
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::Aabb;
 
-use super::Node;
+use super::lattice::{Extent, Frame, Item, Lows};
+use super::{Content, Node};
 
 /// Bins per split at most. Fewer: worse trees; more: slower building for less than 1 % fewer tests.
 const BINS: usize = 16;
 
-/// A box as six numbers of which the least counts: the least corner, and the greatest one negated. So two
-/// boxes are joined by one kind of operation on whole vectors.
-#[derive(Clone, Copy)]
-struct Lows([f64; 6]);
+/// Up to this many items are parted between any two neighbours, not only between bins. Larger, and
+/// sorting them takes longer than binning.
+const FEW: usize = 8;
 
-impl Lows {
-    const NONE: Self = Self([f64::INFINITY; 6]);
+/// A part whose middles spread over fewer half steps of the lattice is laid on one of its own. Smaller, and
+/// rounding decides how it is divided; larger, and time is spent on ever new lattices.
+const LEAST_SPREAD: i32 = 32;
 
-    fn of(bounds: &Aabb) -> Self {
-        let (low, high) = (bounds.min, -bounds.max);
-        Self([low.x, low.y, low.z, high.x, high.y, high.z])
-    }
+/// How much finer a new lattice must be. Smaller, and parts of long boxes about one middle are laid
+/// anew at every level.
+const FINER: f64 = 4.0;
 
-    fn of_point(p: [f64; 3]) -> Self {
-        Self([p[0], p[1], p[2], -p[0], -p[1], -p[2]])
-    }
-
-    fn join(&mut self, other: &Self) {
-        for (own, other) in self.0.iter_mut().zip(other.0) {
-            *own = if *own < other { *own } else { other };
-        }
-    }
-
-    fn low(&self, axis: usize) -> f64 {
-        self.0[axis]
-    }
-
-    fn size(&self) -> DVec3 {
-        let [a, b, c, x, y, z] = self.0;
-        DVec3::new(-x - a, -y - b, -z - c)
-    }
-
-    fn aabb(&self) -> Aabb {
-        let [a, b, c, x, y, z] = self.0;
-        Aabb { min: DVec3::new(a, b, c), max: DVec3::new(-x, -y, -z) }
-    }
-}
-
-/// Something on its way into a leaf.
-#[derive(Clone, Copy)]
-struct Item<I> {
-    bounds: Lows,
-    id: I,
-    /// Into which bin it fell last.
-    bin: u32,
-}
-
-impl<I> Item<I> {
-    /// Twice the middle of its box.
-    fn center(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.center_along(axis))
-    }
-
-    fn center_along(&self, axis: usize) -> f64 {
-        self.bounds.0[axis] - self.bounds.0[axis + 3]
-    }
-}
-
-/// Some items: their boxes, and the box of their middles.
-#[derive(Clone, Copy)]
-struct Extent {
-    bounds: Lows,
-    centers: Lows,
-    count: usize,
-}
+/// An inner node, before what it holds is known.
+pub(super) const INNER: Node = Node { bounds: Aabb::EMPTY, content: 0, count: 0 };
 
 /// What remains to be built: a range of items.
 struct Task {
     start: usize,
     extent: Extent,
+    /// That of the lattice.
+    scale: f64,
     /// The node whose right child this is; a left child stands right behind its parent.
     parent: Option<usize>,
 }
@@ -87,15 +41,19 @@ struct Task {
 /// Appends trees to an arena, and keeps its scratch memory between them.
 pub(crate) struct Grower<I> {
     leaf_size: usize,
-    items: Vec<Item<I>>,
+    /// By name.
+    ids: Vec<I>,
+    boxes: Vec<Aabb>,
+    items: Vec<Item>,
+    aside: Vec<Item>,
     tasks: Vec<Task>,
-    bins: [Extent; BINS],
 }
 
-impl<I: Copy + Ord> Grower<I> {
+impl<I: Copy> Grower<I> {
     pub(crate) fn new(leaf_size: usize) -> Self {
-        let (items, tasks) = (Vec::new(), Vec::new());
-        Self { leaf_size: leaf_size.max(1), items, tasks, bins: [Extent::NONE; BINS] }
+        let (ids, boxes, tasks) = (Vec::new(), Vec::new(), Vec::new());
+        let (items, aside) = (Vec::new(), Vec::new());
+        Self { leaf_size: leaf_size.max(1), ids, boxes, items, aside, tasks }
     }
 
     /// Appends the tree over some boxes to `nodes`, and their names in leaf order to `leaves`.
@@ -105,151 +63,256 @@ impl<I: Copy + Ord> Grower<I> {
         nodes: &mut Vec<Node>,
         leaves: &mut Vec<I>,
     ) {
-        let offset = leaves.len();
-        self.items.clear();
-        self.items.extend(boxes.map(|(id, b)| Item { bounds: Lows::of(&b), id, bin: 0 }));
-        if self.items.is_empty() {
+        let (root, offset) = (nodes.len(), leaves.len());
+        self.ids.clear();
+        self.boxes.clear();
+        let mut whole = Aabb::EMPTY;
+        for (id, bounds) in boxes {
+            whole = whole.union(&bounds);
+            self.ids.push(id);
+            self.boxes.push(bounds);
+        }
+        if self.boxes.is_empty() {
             return;
         }
-        self.tasks.push(Task { start: 0, extent: Extent::of(&self.items), parent: None });
-        while let Some(Task { start, mut extent, parent }) = self.tasks.pop() {
+        let frame = Frame::of(&whole);
+        self.items.clear();
+        self.items.extend((0..).zip(&self.boxes).map(|(name, b)| frame.item(b, name)));
+        let (scale, extent) = (frame.scale, Extent::of(&self.items));
+        self.tasks.push(Task { start: 0, extent, scale, parent: None });
+        while let Some(Task { start, mut extent, mut scale, parent }) = self.tasks.pop() {
             if let Some(parent) = parent {
                 nodes[parent].content = nodes.len() as u32;
             }
             // Down the left children.
-            while extent.count > self.leaf_size {
+            while extent.count as usize > FEW.max(self.leaf_size) {
                 let id = nodes.len();
-                nodes.push(Node { bounds: extent.bounds.aabb(), content: 0, count: 0 });
-                let items = &mut self.items[start..start + extent.count];
-                let [left, right] = split(items, &extent, &mut self.bins);
-                let start = start + left.count;
-                self.tasks.push(Task { start, extent: right, parent: Some(id) });
+                nodes.push(INNER);
+                let items = &mut self.items[start..start + extent.count as usize];
+                lay_anew(items, &self.boxes, &mut extent, &mut scale);
+                let [left, right] = split(items, &extent, &mut self.aside);
+                let middle = start + left.count as usize;
+                self.tasks.push(Task { start: middle, extent: right, scale, parent: Some(id) });
                 extent = left;
             }
-            let (first, count) = ((offset + start) as u32, extent.count as u32);
-            nodes.push(Node { bounds: extent.bounds.aabb(), content: first, count });
+            let items = &mut self.items[start..start + extent.count as usize];
+            grow_few(items, self.leaf_size, (&self.boxes, scale), offset + start, nodes);
         }
-        leaves.extend(self.items.iter().map(|item| item.id));
+        leaves.extend(self.items.iter().map(|item| self.ids[item.name()]));
+        self.fit(nodes, root, offset);
+    }
+
+    /// Puts exact boxes around what the nodes from `root` on hold, whose leaves count items from `offset`.
+    fn fit(&self, nodes: &mut [Node], root: usize, offset: usize) {
+        for index in (root..nodes.len()).rev() {
+            nodes[index].bounds = match nodes[index].content_at(index as u32) {
+                Content::Inner { left, right } => {
+                    nodes[left as usize].bounds.union(&nodes[right as usize].bounds)
+                }
+                Content::Leaf { start, end } => {
+                    let items = &self.items[start as usize - offset..end as usize - offset];
+                    let boxes = items.iter().map(|item| &self.boxes[item.name()]);
+                    boxes.fold(Aabb::EMPTY, |all, b| all.union(b))
+                }
+            };
+        }
     }
 }
 
-impl Extent {
-    const NONE: Self = Self { bounds: Lows::NONE, centers: Lows::NONE, count: 0 };
-
-    fn of<I>(items: &[Item<I>]) -> Self {
-        let mut extent = Self::NONE;
-        items.iter().for_each(|item| extent.add(item));
-        extent
+/// Appends the tree over at most [`FEW`] items, or a leaf, whose leaves count items from `first`.
+fn grow_few(
+    items: &mut [Item],
+    leaf_size: usize,
+    (boxes, mut scale): (&[Aabb], f64),
+    first: usize,
+    nodes: &mut Vec<Node>,
+) {
+    if items.len() <= leaf_size {
+        let (content, count) = (first as u32, items.len() as u32);
+        nodes.push(Node { bounds: Aabb::EMPTY, content, count });
+        return;
     }
-
-    fn add<I>(&mut self, item: &Item<I>) {
-        self.bounds.join(&item.bounds);
-        self.centers.join(&Lows::of_point(item.center()));
-        self.count += 1;
+    let id = nodes.len();
+    nodes.push(INNER);
+    let mut cut = 1;
+    if items.len() > 2 {
+        let mut extent = Extent::of(items);
+        lay_anew(items, boxes, &mut extent, &mut scale);
+        let axis = extent.centers.longest();
+        sort(items, axis);
+        cut = cheapest_cut(items.len(), |k| (items[k].lows(), 1));
     }
-
-    fn join(&mut self, other: &Self) {
-        self.bounds.join(&other.bounds);
-        self.centers.join(&other.centers);
-        self.count += other.count;
-    }
-
-    fn of_all(parts: &[Self]) -> Self {
-        let mut all = Self::NONE;
-        parts.iter().for_each(|part| all.join(part));
-        all
-    }
+    let (left, right) = items.split_at_mut(cut);
+    grow_few(left, leaf_size, (boxes, scale), first, nodes);
+    nodes[id].content = nodes.len() as u32;
+    grow_few(right, leaf_size, (boxes, scale), first + cut, nodes);
 }
 
-/// What it costs to look at so many items in a box, up to a factor.
-fn cost(bounds: &Lows, count: usize) -> f64 {
-    let e = bounds.size();
-    (e.x * e.y + e.y * e.z + e.z * e.x) * count as f64
-}
-
-/// Orders at least two items so that the two parts are cheap to keep apart.
-fn split<I: Copy + Ord>(
-    items: &mut [Item<I>],
-    extent: &Extent,
-    bins: &mut [Extent; BINS],
-) -> [Extent; 2] {
-    let size = extent.centers.size();
-    let axis = size.max_position();
-    let count = (items.len() / 2).clamp(4, BINS);
-    let scale = count as f64 / size[axis];
-    if items.len() > 2 && scale.is_finite() {
-        let bins = &mut bins[..count];
-        bins.fill(Extent::NONE);
-        let low = extent.centers.low(axis);
+/// Lays a finer lattice over items that hardly differ on theirs.
+fn lay_anew(items: &mut [Item], boxes: &[Aabb], extent: &mut Extent, scale: &mut f64) {
+    let centers = &extent.centers;
+    if centers.size(centers.longest()) >= LEAST_SPREAD {
+        return;
+    }
+    let exact = |item: &Item| boxes[item.name()];
+    let whole = items.iter().fold(Aabb::EMPTY, |all, item| all.union(&exact(item)));
+    let frame = Frame::of(&whole);
+    if frame.scale >= FINER * *scale {
         for item in items.iter_mut() {
-            let bin = (((item.center_along(axis) - low) * scale) as usize).min(count - 1);
-            item.bin = bin as u32;
-            bins[bin].add(item);
+            *item = frame.item(&exact(item), item.name() as u32);
         }
-        if let Some(cut) = cheapest_cut(bins) {
-            partition(items, |item| (item.bin as usize) < cut);
-            return [Extent::of_all(&bins[..cut]), Extent::of_all(&bins[cut..])];
-        }
+        (*extent, *scale) = (Extent::of(items), frame.scale);
     }
-    halve(items, axis)
 }
 
-/// The bin before which to cut so that the sum of area times count is least.
-fn cheapest_cut(bins: &[Extent]) -> Option<usize> {
-    let mut right_costs = [0.0; BINS];
-    let (mut right, mut count) = (Lows::NONE, 0);
-    for (cut, bin) in bins.iter().enumerate().skip(1).rev() {
-        right.join(&bin.bounds);
-        count += bin.count;
-        right_costs[cut] = cost(&right, count);
+/// Orders more than [`FEW`] items so that the two parts are cheap to keep apart.
+fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent; 2] {
+    let axis = extent.centers.longest();
+    let (low, spread) = (extent.centers.low(axis), extent.centers.size(axis));
+    if spread == 0 {
+        // All in one place: by number.
+        let halves = items.split_at(items.len() / 2);
+        return [Extent::of(halves.0), Extent::of(halves.1)];
     }
-    let all = count + bins[0].count;
-    let (mut left, mut count) = (Lows::NONE, 0);
-    let (mut least, mut best) = (f64::INFINITY, None);
-    for cut in 1..bins.len() {
-        let bin = &bins[cut - 1];
-        left.join(&bin.bounds);
-        count += bin.count;
-        if count == 0 || count == all {
-            continue;
+    // With no more bins than steps, the least middle falls into the first and the greatest into the last.
+    let count = (items.len() / 2).min(BINS).min(spread as usize + 1);
+    let scale = ((count as u64) << 32) / (spread as u64 + 1);
+    let mut bins = [Extent::NONE; BINS];
+    for item in &*items {
+        let bin = (((item.center(axis) - low) as u64 * scale) >> 32) as usize;
+        bins[bin % BINS].add(item);
+    }
+    let bins = &bins[..count];
+    let cut = cheapest_cut(count, |k| (&bins[k].bounds, bins[k].count));
+    // The least middle of the bins from the cut on.
+    let first = low + ((cut as u64) << 32).div_ceil(scale) as i32;
+    partition(items, aside, |item| item.center(axis) < first);
+    [Extent::of_all(&bins[..cut]), Extent::of_all(&bins[cut..])]
+}
+
+/// By the middles along an axis, in place: there are few.
+fn sort(items: &mut [Item], axis: usize) {
+    for end in 1..items.len() {
+        let item = items[end];
+        let key = item.center(axis);
+        let mut at = end;
+        while at > 0 && items[at - 1].center(axis) > key {
+            items[at] = items[at - 1];
+            at -= 1;
         }
-        let both = cost(&left, count) + right_costs[cut];
-        if best.is_none() || both < least {
-            (least, best) = (both, Some(cut));
+        items[at] = item;
+    }
+}
+
+/// The part before which to cut so that the sum of area times count is least, of at most [`BINS`] parts with
+/// their boxes and counts; the first and the last hold something.
+fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a Lows, u32)) -> usize {
+    let join = |(bounds, count): &mut (Lows, u32), cut: usize| {
+        let (of_part, number) = part(cut);
+        bounds.join(of_part);
+        *count += number;
+        bounds.half_area() * u64::from(*count)
+    };
+    let mut right_costs = [0; BINS];
+    let mut right = (Lows::NONE, 0);
+    for cut in (1..parts).rev() {
+        right_costs[cut % BINS] = join(&mut right, cut);
+    }
+    let mut left = (Lows::NONE, 0);
+    let (mut least, mut best) = (u64::MAX, 1);
+    for cut in 1..parts {
+        let both = join(&mut left, cut - 1) + right_costs[cut % BINS];
+        if both < least {
+            (least, best) = (both, cut);
         }
     }
     best
 }
 
-/// Two halves along an axis; by number where middles coincide.
-fn halve<I: Copy + Ord>(items: &mut [Item<I>], axis: usize) -> [Extent; 2] {
-    let middle = items.len() / 2;
-    let order = |a: &Item<I>, b: &Item<I>| {
-        a.center_along(axis).total_cmp(&b.center_along(axis)).then(a.id.cmp(&b.id))
-    };
-    if let [a, b] = items {
-        if order(a, b).is_gt() {
-            items.swap(0, 1);
-        }
-    } else {
-        items.select_nth_unstable_by(middle, order);
+/// Moves what satisfies `first` to the front and keeps the order otherwise, without a branch an item.
+/// Their number. `aside` is memory to be used again.
+pub(crate) fn partition<T: Copy>(
+    items: &mut [T],
+    aside: &mut Vec<T>,
+    first: impl Fn(&T) -> bool,
+) -> usize {
+    let Some(&any) = items.first() else { return 0 };
+    if aside.len() < items.len() {
+        aside.resize(items.len(), any);
     }
-    [Extent::of(&items[..middle]), Extent::of(&items[middle..])]
+    let aside = &mut aside[..items.len()];
+    let (mut low, mut high) = (0, 0);
+    for at in 0..items.len() {
+        let is_first = first(&items[at]);
+        let item = items[at];
+        items[low] = item;
+        aside[high] = item;
+        low += usize::from(is_first);
+        high += usize::from(!is_first);
+    }
+    items[low..].copy_from_slice(&aside[..high]);
+    low
 }
 
-/// Moves what satisfies `first` to the front, by exchanging what stands on the wrong side.
-fn partition<I>(items: &mut [Item<I>], first: impl Fn(&Item<I>) -> bool) {
-    let (mut low, mut high) = (0, items.len());
-    loop {
-        while low < high && first(&items[low]) {
-            low += 1;
-        }
-        while low < high && !first(&items[high - 1]) {
-            high -= 1;
-        }
-        if low >= high {
-            return;
-        }
-        items.swap(low, high - 1);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::DVec3;
+
+    fn leaves(places: impl Iterator<Item = f64>) -> Vec<u32> {
+        let cube = |x: f64| Aabb { min: DVec3::X * x, max: DVec3::X * x + 1e-4 };
+        let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
+        let boxes = (0..).zip(places).map(|(i, x)| (i, cube(x)));
+        Grower::new(1).grow(boxes, &mut nodes, &mut leaves);
+        assert_eq!(nodes.len() + 1, 2 * leaves.len());
+        leaves
+    }
+
+    #[test]
+    fn what_is_small_beside_the_whole_is_divided_by_place_all_the_same() {
+        // From right to left, all of it within one step of the first lattice but for the last.
+        let row = (0..40).map(|i| f64::from(40 - i) / 1024.0);
+        let order = leaves(row.chain([1e4]));
+        assert!(order.is_sorted_by(|a, b| a > b || *b == 40), "{order:?}");
+    }
+
+    #[test]
+    fn what_is_in_one_place_is_halved_by_number() {
+        assert_eq!(leaves(std::iter::repeat_n(0.5, 100)), (0..100).collect::<Vec<u32>>());
+    }
+
+    #[test]
+    fn long_boxes_about_nearly_one_middle_are_divided() {
+        // Middles on three neighbouring steps, which no finer lattice parts.
+        let long = |i: u32| {
+            let (reach, off) = (f64::from(1 + i % 7), f64::from(i % 3) / 2048.0);
+            Aabb { min: DVec3::X * -reach, max: DVec3::X * (reach + off) }
+        };
+        let (mut nodes, mut leaves) = (Vec::new(), Vec::new());
+        Grower::new(1).grow((0..40).map(|i| (i, long(i))), &mut nodes, &mut leaves);
+        leaves.sort_unstable();
+        assert_eq!((leaves, nodes.len()), ((0..40).collect(), 79));
+    }
+
+    #[test]
+    fn the_cheapest_cut_goes_through_the_gap() {
+        // 30 boxes at the left, 10 at the right: the root divides them there.
+        let at = |i: u32| f64::from(i) + if i < 30 { 0.0 } else { 100.0 };
+        let cube = |i: u32| Aabb { min: DVec3::X * at(i), max: DVec3::X * at(i) + 1.0 };
+        let (mut nodes, mut order) = (Vec::new(), Vec::new());
+        Grower::new(4).grow((0..40).map(|i| (i, cube(i))), &mut nodes, &mut order);
+        let Content::Inner { left, right } = nodes[0].content_at(0) else { panic!("one leaf") };
+        let ends = [left, right].map(|n| nodes[n as usize].bounds);
+        assert_eq!(ends.map(|b| (b.min.x, b.max.x)), [(0.0, 30.0), (130.0, 140.0)]);
+    }
+
+    #[test]
+    fn a_partition_keeps_the_order_of_both_sides() {
+        let mut numbers = [5, 2, 8, 1, 9, 4, 4];
+        let mut aside = vec![0];
+        assert_eq!(partition(&mut numbers, &mut aside, |n| n % 2 == 0), 4);
+        assert_eq!(numbers, [2, 8, 4, 4, 5, 1, 9]);
+        assert_eq!(partition(&mut [3, 1], &mut aside, |_| false), 0);
+        assert_eq!(partition::<u8>(&mut [], &mut Vec::new(), |_| true), 0);
     }
 }

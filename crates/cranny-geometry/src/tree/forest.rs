@@ -31,10 +31,37 @@ impl FaceForest {
         leaf_size: usize,
     ) -> Self {
         let mut grower = Grower::new(leaf_size);
+        Self::made(groups, |group, arena| {
+            grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
+        })
+    }
+
+    /// The same, given the tree over all faces: where a group has most of them, that tree is pruned.
+    pub(crate) fn within<'g>(
+        tree: &FaceTree,
+        mesh: &Mesh,
+        groups: impl IntoIterator<Item = &'g [FaceId]>,
+        leaf_size: usize,
+    ) -> Self {
+        let mut grower = Grower::new(leaf_size);
+        Self::made(groups, |group, arena| {
+            if !group.is_empty() && tree.is_worth_pruning(group.len(), leaf_size) {
+                tree.prune(mesh, group, leaf_size, arena);
+            } else {
+                grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
+            }
+        })
+    }
+
+    /// Trees that are appended to the arena by `make`, one behind the other.
+    fn made<'g>(
+        groups: impl IntoIterator<Item = &'g [FaceId]>,
+        mut make: impl FnMut(&[FaceId], &mut FaceTree),
+    ) -> Self {
         let mut arena = FaceTree { nodes: Vec::new(), faces: Vec::new() };
         let mut starts = vec![[0, 0]];
         for group in groups {
-            grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);
+            make(group, &mut arena);
             starts.push([arena.nodes.len() as u32, arena.faces.len() as u32]);
         }
         Self { arena, starts }

@@ -7,11 +7,13 @@
 mod build;
 mod codec;
 mod forest;
+mod lattice;
+mod prune;
 mod refit;
 
 use cranny_exact::Aabb;
 
-pub(crate) use self::build::Grower;
+pub(crate) use self::build::{Grower, partition};
 pub(crate) use self::codec::{Shape, box_of, check_each_once};
 pub use self::forest::FaceForest;
 pub use self::refit::NodeChanges;
