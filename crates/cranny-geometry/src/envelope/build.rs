@@ -4,22 +4,18 @@ use std::collections::VecDeque;
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::cluster::{Cluster, Item, Opening, Scratch, clusters};
+use super::cluster::{Scratch, clusters};
+use super::crumbs::{Crumbs, larger};
+use super::moments::{Opening, unit};
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head, Pocket};
-use crate::ids::FaceId;
 use crate::mesh::Mesh;
-
-/// A sum of unit vectors, weighted by areas, that is shorter than this part of the summed areas says
-/// nothing about a direction. Smaller, and rounding picks the axis of a hole right through; larger, and
-/// a nearly symmetrical one takes the axis of its largest lid though it has one of its own.
-const MEANINGLESS: f64 = 1.0 / 1024.0;
 
 impl HalfSpace {
     /// The smallest half-space with this normal (a unit vector, to rounding) that certainly holds the points.
     pub(super) fn holding(normal: DVec3, points: impl Iterator<Item = DVec3>) -> Self {
         let (mut most, mut bounds) = (f64::NEG_INFINITY, Aabb::EMPTY);
         for p in points {
-            most = most.max(normal.dot(p));
+            most = larger(most, normal.dot(p));
             bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
         }
         Self::above(normal, most, &bounds)
@@ -55,111 +51,99 @@ impl Envelopes {
             lids: Vec::new(),
             options,
         };
-        let mut items = Vec::new();
+        let mut workshop = Workshop::default();
         for pocket in pockets {
-            all.add(mesh, &pocket, &mut items);
+            all.add(mesh, &pocket, &mut workshop);
         }
         all
     }
 
-    pub(super) fn add(&mut self, mesh: &Mesh, pocket: &Pocket, items: &mut Vec<Item>) {
-        items.clear();
-        items.extend(pocket.faces.iter().map(|&f| Item::of(mesh, f)));
-        let bounds = Aabb::of_points(items.iter().flat_map(|item| item.corners));
+    pub(super) fn add(&mut self, mesh: &Mesh, pocket: &Pocket, workshop: &mut Workshop) {
+        let corners = pocket.faces.iter().flat_map(|&f| mesh.triangle(f));
+        let bounds = Aabb::of_points(corners);
         let opening = Opening::of(pocket.openings, &bounds);
+        workshop.crumbs.fill(mesh, pocket.faces, &opening, self.options.leaf_faces);
+        let count = workshop.crumbs.items.len();
         let lids_start = self.lids.len() as u32;
-        if !items.is_empty() {
+        if count > 0 {
             for direction in pocket.openings.iter().filter_map(|&o| unit(o)) {
-                let corners = items.iter().flat_map(|item| item.corners);
+                let corners = workshop.crumbs.all_corners();
                 self.lids.push(HalfSpace::holding(direction, corners));
             }
         }
-        let layer = if items.is_empty() { u32::MAX } else { self.layers.len() as u32 };
+        let layer = if count > 0 { self.layers.len() as u32 } else { u32::MAX };
         let lids = [lids_start, self.lids.len() as u32];
         self.heads.push(Head { axis: opening.axis, bounds, lids, layer });
 
-        let offset = self.faces.len();
-        let (mut scratch, mut waiting) = (Scratch::default(), VecDeque::new());
-        if !items.is_empty() {
-            let whole = [0, items.len()];
-            self.add_layer(items, whole, offset, &opening, &mut scratch, &mut waiting);
+        if count > 0 {
+            self.add_layer([0, count], self.faces.len() as u32, &opening, workshop);
         }
-        while let Some(facet) = waiting.pop_front() {
-            let range = self.facets[facet].faces.map(|f| f as usize - offset);
+        while let Some((facet, crumbs)) = workshop.waiting.pop_front() {
             self.facets[facet].layer = self.layers.len() as u32;
-            self.add_layer(items, range, offset, &opening, &mut scratch, &mut waiting);
+            let first_face = self.facets[facet].faces[0];
+            self.add_layer(crumbs, first_face, &opening, workshop);
         }
-        self.faces.extend(items.iter().map(|item| item.face));
+        self.faces.extend(workshop.crumbs.ordered_faces());
     }
 
-    /// Divides a range of items, and makes a facet of each part; those with many faces are left waiting
-    /// for a layer.
+    /// Divides a range of crumbs, whose faces will stand from `face` on, and makes a facet of each part;
+    /// those with many faces are left waiting for a layer.
     fn add_layer(
         &mut self,
-        items: &mut [Item],
         [start, end]: [usize; 2],
-        offset: usize,
+        mut face: u32,
         opening: &Opening,
-        scratch: &mut Scratch,
-        waiting: &mut VecDeque<usize>,
+        workshop: &mut Workshop,
     ) {
-        let parts = clusters(&mut items[start..end], opening, &self.options, scratch);
-        let first = self.facets.len();
-        for Cluster { start: from, end: to, normal, .. } in parts {
-            let (from, to) = (start + from, start + to);
+        let Workshop { crumbs, scratch, layer, waiting } = workshop;
+        let items = &mut crumbs.items[start..end];
+        let mut parts = clusters(items, opening, &self.options, scratch);
+        parts.sort_unstable_by_key(|part| part.start);
+        layer.clear();
+        for part in parts {
+            let range = [start + part.start, start + part.end];
+            let normal = part.moments.normal(opening);
             let (mut height, mut reach) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
             let mut bounds = Aabb::EMPTY;
-            for p in items[from..to].iter().flat_map(|item| item.corners) {
-                (height, reach) = (height.max(normal.dot(p)), reach.max(opening.axis.dot(p)));
-                bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
+            for crumb in crumbs.items[range[0]..range[1]].iter().map(|item| crumbs.crumb(item)) {
+                reach = larger(reach, crumb.reach);
+                bounds = bounds.union(&crumb.bounds);
+                for &p in crumbs.corners(crumb) {
+                    height = larger(height, normal.dot(p));
+                }
             }
-            self.facets.push(EnvelopeFacet {
+            let next = face + part.moments.count() as u32;
+            let facet = EnvelopeFacet {
                 beneath: HalfSpace::above(normal, height, &bounds),
                 bounds,
                 reach: HalfSpace::above(opening.axis, reach, &bounds).offset,
-                faces: [(offset + from) as u32, (offset + to) as u32],
+                faces: [face, next],
                 layer: u32::MAX,
-            });
+            };
+            layer.push((facet, range));
+            face = next;
         }
-        let layer = &mut self.facets[first..];
-        layer.sort_by(|a, b| b.reach.total_cmp(&a.reach).then(a.faces.cmp(&b.faces)));
-        for (index, facet) in layer.iter().enumerate() {
+        layer.sort_unstable_by(|(a, _), (b, _)| {
+            b.reach.total_cmp(&a.reach).then(a.faces.cmp(&b.faces))
+        });
+        let first = self.facets.len();
+        for &(facet, range) in &*layer {
             if (facet.faces[1] - facet.faces[0]) as usize > self.options.leaf_faces {
-                waiting.push_back(first + index);
+                waiting.push_back((self.facets.len(), range));
             }
+            self.facets.push(facet);
         }
         self.layers.push([first as u32, self.facets.len() as u32]);
     }
 }
 
-fn unit(v: DVec3) -> Option<DVec3> {
-    let largest = v.abs().max_element();
-    // Scaled first, so that squares neither overflow nor vanish.
-    (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
-}
-
-impl Opening {
-    fn of(openings: &[DVec3], bounds: &Aabb) -> Self {
-        let sum: DVec3 = openings.iter().sum();
-        let total: f64 = openings.iter().map(|o| o.length()).sum();
-        let largest = openings
-            .iter()
-            .copied()
-            .reduce(|a, b| if b.length_squared() > a.length_squared() { b } else { a });
-        let is_through = openings.len() > 1 && sum.length() <= MEANINGLESS * total;
-        let direction = if is_through { largest.and_then(unit) } else { unit(sum) };
-        let size = bounds.max - bounds.min;
-        let axis = direction.unwrap_or_else(|| DVec3::AXES[size.min_position()]);
-        let (across, around) = axis.any_orthonormal_pair();
-        Self { axis, frame: [axis, across, around], is_through }
-    }
-}
-
-impl Item {
-    fn of(mesh: &Mesh, face: FaceId) -> Self {
-        let area_vector = mesh.area_vector(face);
-        let area = area_vector.length();
-        let normal = if area > 0.0 { area_vector / area } else { DVec3::ZERO };
-        Self { corners: mesh.triangle(face), normal, area, face }
-    }
+/// Memory that is used again from pocket to pocket.
+#[derive(Default)]
+pub(super) struct Workshop {
+    crumbs: Crumbs,
+    scratch: Scratch,
+    /// Facets of a layer in the making, and their ranges of crumbs.
+    layer: Vec<(EnvelopeFacet, [usize; 2])>,
+    /// Facets whose crumbs are to be divided.
+    waiting: VecDeque<(usize, [usize; 2])>,
 }

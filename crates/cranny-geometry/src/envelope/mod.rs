@@ -15,8 +15,9 @@
 //! layer stand in the order of their reach, from the cap inwards, and a look at a layer ends at the first
 //! facet below the thing: a thing that enters meets slice after slice.
 //!
-//! How faces are divided: by where they lie along and around the opening direction, or by their normals,
-//! whichever leaves the thinner layers beneath the planes; the thickest part is divided first (`cluster`).
+//! How faces are divided: into `crumbs` of a few that lie together and face the same way; and these by where
+//! they lie along and around the opening direction, or by their normals, whichever leaves the thinner layers
+//! beneath the planes; the thickest part is divided first (`cluster`).
 //! Nothing is assumed of the pocket: voids have no lid, openings may be flat, faces may face anywhere.
 //!
 //! **Cells.** The facet with the least slack, `least(normal · x) − offset`, tells where in the core a thing
@@ -31,6 +32,8 @@
 mod build;
 mod cluster;
 mod codec;
+mod crumbs;
+mod moments;
 mod thing;
 mod update;
 mod validate;

@@ -1,5 +1,6 @@
 //! Envelopes of concavities of which some have changed.
 
+use super::build::Workshop;
 use super::{EnvelopeFacet, Envelopes, Head, Pocket};
 use crate::mesh::Mesh;
 
@@ -31,11 +32,11 @@ impl Envelopes {
             lids: Vec::new(),
             options: self.options,
         };
-        let mut items = Vec::new();
+        let mut workshop = Workshop::default();
         for (i, pocket) in pockets.into_iter().enumerate() {
             match kept(i) {
                 Some(old) => all.copy(self, &places[old]),
-                None => all.add(mesh, &pocket, &mut items),
+                None => all.add(mesh, &pocket, &mut workshop),
             }
         }
         all
