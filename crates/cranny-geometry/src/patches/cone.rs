@@ -124,6 +124,9 @@ impl NormalCone {
         if a.cosine < 0.0 || b.cosine < 0.0 {
             return Self::WHOLE;
         }
+        if b.cosine >= 1.0 {
+            return a.with(b.axis);
+        }
         let (sa, sb) = (a.sine(), b.sine());
         let between = a.axis.dot(b.axis);
         let nested = a.cosine * b.cosine + sa * sb; // cosine of the difference of half-angles
@@ -144,6 +147,23 @@ impl NormalCone {
         let middle = (a.cosine * a.axis - sa * across) + (b.cosine * b.axis - sb * back);
         let Some(axis) = middle.try_normalize() else { return Self::WHOLE };
         let cosine = a.least_cosine(axis).min(b.least_cosine(axis));
+        if cosine < 0.0 { Self::WHOLE } else { Self { axis, cosine } }
+    }
+
+    /// [`union`](Self::union) with the cone of one direction; of one up to a half-angle of 90 degrees.
+    fn with(&self, unit: DVec3) -> Self {
+        let (sine, between) = (self.sine(), self.axis.dot(unit));
+        if between >= self.cosine {
+            let cosine = self.least_cosine(self.axis).min(between - ROUNDING);
+            return Self { axis: self.axis, cosine };
+        }
+        if between < -self.cosine {
+            return Self::WHOLE;
+        }
+        let across = self.axis.cross(unit).cross(self.axis).normalize_or_zero();
+        let middle = (self.cosine * self.axis - sine * across) + unit;
+        let Some(axis) = middle.try_normalize() else { return Self::WHOLE };
+        let cosine = self.least_cosine(axis).min(axis.dot(unit) - ROUNDING);
         if cosine < 0.0 { Self::WHOLE } else { Self { axis, cosine } }
     }
 

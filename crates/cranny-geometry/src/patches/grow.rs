@@ -25,6 +25,10 @@ use crate::topology::{DisjointSets, Topology};
 /// for surfaces that a body touches on both sides at once.
 pub(super) const LEAST_COSINE: f64 = 0.906;
 
+/// Axes of two cones that make more than twice that angle lie in no such cone; this is the cosine, rounded
+/// down. Larger: patches that may be joined are not; smaller: cones are joined in vain.
+const LEAST_COSINE_OF_AXES: f64 = 0.64;
+
 /// Largest diagonal of a patch's box, as a part of the body's: a flat side is divided too, so that a
 /// patch stands for a place. Smaller: more patches; larger: one point for a whole side.
 const LARGEST_EXTENT: f64 = 0.25;
@@ -104,6 +108,7 @@ impl Limits {
         }
         let cone = match (a.cone, b.cone) {
             (Some(a), Some(b)) if b.cosine >= 1.0 && a.axis.dot(b.axis) >= a.cosine => Some(a),
+            (Some(a), Some(b)) if a.axis.dot(b.axis) < LEAST_COSINE_OF_AXES => None,
             (Some(a), Some(b)) => Some(a.union(&b)).filter(|c| c.cosine >= LEAST_COSINE),
             (one, other) => one.or(other),
         };
@@ -150,7 +155,7 @@ pub(super) fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
 impl Partition {
     /// Joins what fits together, and numbers patches in the order of their lowest faces.
     pub(super) fn merged(mut self, mesh: &Mesh, topology: &Topology, limits: &Limits) -> Self {
-        let borders = borders(mesh, topology, &self.patch_of);
+        let borders = borders(mesh, topology, &self);
         let sets = merged(limits, borders, &mut self.patches);
         let mut number = vec![NONE; self.patches.len()];
         let mut joined = Vec::new();
@@ -296,7 +301,7 @@ fn merged(limits: &Limits, mut borders: Vec<Border>, patches: &mut [Growing]) ->
             border.own = sets.find(border.own as usize) as u32;
             border.other = sets.find(border.other as usize) as u32;
         }
-        collect(&mut borders);
+        collect(&mut borders, patches.len());
     }
 }
 
@@ -308,11 +313,30 @@ struct Border {
     length: f64,
 }
 
-/// Sorts borders by their patches, and makes one of those between the same two.
-fn collect(borders: &mut Vec<Border>) {
+/// Sorts borders by their patches, of which there are `patches`, and makes one of those between the same two.
+fn collect(borders: &mut Vec<Border>, patches: usize) {
     borders.retain(|b| b.own != b.other);
-    // A stable sort: lengths are summed in the order of faces.
-    borders.sort_by_key(|b| (b.own, b.other));
+    // Counted into a row for each patch first. All this keeps the order of equal ones: lengths are summed
+    // in the order of faces.
+    let mut ends = vec![0; patches];
+    borders.iter().for_each(|b| ends[b.own as usize] += 1);
+    let mut end = 0;
+    for count in &mut ends {
+        end += *count;
+        *count = end - *count;
+    }
+    let mut rows = borders.clone();
+    for border in &*borders {
+        let at = &mut ends[border.own as usize];
+        rows[*at] = *border;
+        *at += 1;
+    }
+    let mut start = 0;
+    for end in ends {
+        rows[start..end].sort_by_key(|b| b.other);
+        start = end;
+    }
+    *borders = rows;
     borders.dedup_by(|next, kept| {
         let same = (next.own, next.other) == (kept.own, kept.other);
         if same {
@@ -323,20 +347,23 @@ fn collect(borders: &mut Vec<Border>) {
 }
 
 /// All borders, from both sides.
-fn borders(mesh: &Mesh, topology: &Topology, patch_of: &[u32]) -> Vec<Border> {
+fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Border> {
+    let Partition { patch_of, patches } = partition;
     let mut borders = Vec::new();
     for face in (0..patch_of.len() as u32).map(FaceId) {
         let own = patch_of[face.index()];
         for_each_neighbor(topology, face, |corner, next| {
             let other = patch_of[next.index()];
-            if other != own {
+            // Of both sides one speaks for both.
+            if other != own && face < next {
                 let t = mesh.triangle(face);
                 let length = (t[(corner + 1) % 3] - t[corner]).length();
                 borders.push(Border { own, other, length });
+                borders.push(Border { own: other, other: own, length });
             }
         });
     }
-    collect(&mut borders);
+    collect(&mut borders, patches.len());
     borders
 }
 
@@ -356,10 +383,11 @@ mod tests {
         let vertices = (0..side * side).map(vertex).collect();
         let mesh = Mesh::new(vertices, corners.flat_map(square).collect()).unwrap();
         let topology = Topology::of(&mesh);
-        let Partition { patch_of, patches } = partition(&mesh, &topology);
+        let partition = partition(&mesh, &topology);
+        let patches = &partition.patches;
         assert!(patches.len() > 20 && patches.len() < mesh.faces().len() / 4);
         let limits = Limits::of(&mesh);
-        for border in borders(&mesh, &topology, &patch_of) {
+        for border in borders(&mesh, &topology, &partition) {
             let [a, b] = [border.own, border.other].map(|p| patches[p as usize]);
             assert!(limits.joined(&a, &b).is_none(), "{} and {}", border.own, border.other);
         }

@@ -340,7 +340,12 @@ impl Patch {
         let corners = || faces.iter().flat_map(|&f| mesh.triangle(f));
         let bounds = Aabb::of_points(corners());
         let center = bounds.center();
-        let farthest = corners().map(|p| (p - center).length_squared()).fold(0.0, f64::max);
+        // Not by `f64::max`, which would look for NaN among them.
+        let farther = |most, p: DVec3| {
+            let squared = (p - center).length_squared();
+            if squared > most { squared } else { most }
+        };
+        let farthest: f64 = corners().fold(0.0, farther);
         let axis = axis.map_or(DVec3::ZERO, |cone| cone.axis);
         let Measured { cone, needles, area } = Measured::of(mesh, faces, axis);
         Self {

@@ -61,7 +61,10 @@ impl Slab {
                 beneath[node] = own;
                 let normal = own.area.normalize_or_zero();
                 let held = corners[own.faces[0]..own.faces[1]].iter().flatten();
-                let height = held.map(|&p| normal.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+                // Not by `f64::max`, which would look for NaN among them.
+                let higher =
+                    |most, p: &DVec3| if normal.dot(*p) > most { normal.dot(*p) } else { most };
+                let height = held.fold(f64::NEG_INFINITY, higher);
                 slabs[at + node] = Self { normal, height };
             }
         }
