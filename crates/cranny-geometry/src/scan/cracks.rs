@@ -93,11 +93,11 @@ pub(crate) fn near(
     weld_distance: f64,
     among: impl Fn(VertexId) -> bool,
 ) -> Vec<Near> {
-    let row = Row::of(mesh, among);
+    let row = Row::of(mesh, weld_distance, among);
     let mut found: Vec<Near> = Vec::new();
     let mut beside = Vec::new();
     let mut follows = vec![false; mesh.vertices().len()];
-    for vertex in (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| row.holds(v)) {
+    for vertex in row.close() {
         let p = mesh.position(vertex);
         row.beside(mesh, tree, vertex, weld_distance, &mut beside);
         let nearest = beside

@@ -53,8 +53,8 @@ impl<'a> Crowds<'a> {
             vertices.filter(|&v| topology.faces_at(v).len() >= CROWD).collect();
         let (mut of_face, mut couples) = (Vec::new(), Vec::new());
         if !crowded.is_empty() {
-            of_face = crowds_of_faces(mesh, topology);
-            couples = couples_of(mesh, topology, &of_face);
+            of_face = crowds_of_faces(mesh, topology, &crowded);
+            couples = couples_of(mesh, topology, &crowded, &of_face);
         }
         let of_node = crowds_of_nodes(tree, &of_face);
         let judged = crowded.into_iter().filter(|&v| !stars.is_spread(v)).collect();
@@ -130,23 +130,37 @@ impl Boxes {
     }
 }
 
-fn crowds_of_faces(mesh: &Mesh, topology: &Topology) -> Vec<u32> {
-    let degree = |v: VertexId| topology.faces_at(v).len();
-    let of_face = |face: FaceId| {
-        let crowded = mesh.corners(face).into_iter().filter(|&v| degree(v) >= CROWD);
-        crowded.max_by_key(|&v| (degree(v), std::cmp::Reverse(v))).map_or(NONE, |v| v.0)
-    };
-    (0..mesh.faces().len() as u32).map(|face| of_face(FaceId(face))).collect()
+fn crowds_of_faces(mesh: &Mesh, topology: &Topology, crowded: &[VertexId]) -> Vec<u32> {
+    let mut of_face = vec![NONE; mesh.faces().len()];
+    for &vertex in crowded {
+        let faces = topology.faces_at(vertex);
+        for face in faces {
+            let other = &mut of_face[face.index()];
+            if *other == NONE || topology.faces_at(VertexId(*other)).len() < faces.len() {
+                *other = vertex.0;
+            }
+        }
+    }
+    of_face
 }
 
 /// The crowds that share as many sides as make a crowd.
-fn couples_of(mesh: &Mesh, topology: &Topology, of_face: &[u32]) -> Vec<[u32; 2]> {
-    let of = |h: HalfEdgeId| of_face[h.face().index()];
-    let sides = (0..3 * of_face.len() as u32).map(HalfEdgeId).filter_map(|h| {
-        let other = of(topology.twin(h)?);
-        (other != NONE && of(h) < other).then_some([of(h), other])
-    });
-    let mut sides: Vec<[u32; 2]> = sides.collect();
+fn couples_of(
+    mesh: &Mesh,
+    topology: &Topology,
+    crowded: &[VertexId],
+    of_face: &[u32],
+) -> Vec<[u32; 2]> {
+    let mut sides = Vec::new();
+    for &VertexId(v) in crowded {
+        let faces = topology.faces_at(VertexId(v)).iter().filter(|f| of_face[f.index()] == v);
+        for h in faces.flat_map(|&f| [0, 1, 2].map(|corner| HalfEdgeId::of(f, corner))) {
+            let beyond = topology.twin(h).map_or(NONE, |twin| of_face[twin.face().index()]);
+            if beyond != NONE && v < beyond {
+                sides.push([v, beyond]);
+            }
+        }
+    }
     sides.sort_unstable();
     let couples = sides.chunk_by(|a, b| a == b).filter(|group| group.len() >= CROWD);
     let apart = |couple: &[u32; 2]| {

@@ -4,6 +4,7 @@ use cranny_exact::{DVec3, orient3d};
 
 use super::judge::overlap_in_plane;
 use super::stars::Stars;
+use super::turns::Turn;
 use crate::ids::{EdgeId, FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
@@ -84,7 +85,12 @@ fn root(parent: &[usize], mut i: usize) -> usize {
 }
 
 /// The manifold edges whose faces lie side by side in one plane, exactly: one finding for all.
-pub(super) fn flat(mesh: &Mesh, topology: &Topology, without_area: &[bool]) -> Option<Finding> {
+pub(super) fn flat(
+    mesh: &Mesh,
+    topology: &Topology,
+    turns: &[Turn],
+    without_area: &[bool],
+) -> Option<Finding> {
     let (mut count, mut longest, mut at) = (0, 0.0, DVec3::ZERO);
     for (e, edge) in topology.edges().iter().enumerate() {
         if edge.kind != EdgeKind::Manifold || edge.from == edge.to {
@@ -94,6 +100,9 @@ pub(super) fn flat(mesh: &Mesh, topology: &Topology, without_area: &[bool]) -> O
         let [f, g] = [around[0].face(), around[1].face()];
         let apex = mesh.corners(g)[(around[1].corner() + 2) % 3];
         let [a, b, c] = mesh.triangle(f);
+        if turns[f.index()].is_off_plane(mesh.position(apex) - a) {
+            continue; // nearly every edge
+        }
         let sound = |f: FaceId| !without_area[f.index()];
         let coplanar = sound(f) && sound(g) && in_one_plane([a, b, c, mesh.position(apex)]);
         if !coplanar || overlap_in_plane(&mesh.triangle(f), &mesh.triangle(g)) {
@@ -186,14 +195,18 @@ mod tests {
         assert_eq!((found.len(), found[0].ids[0], found[0].measure), (1, 0, 2.0));
     }
 
+    fn turns_of(mesh: &Mesh) -> Vec<Turn> {
+        (0..mesh.faces().len() as u32).map(|f| Turn::of(&mesh.triangle(FaceId(f)))).collect()
+    }
+
     #[test]
     fn flat_edges_are_counted_once_folded_ones_not() {
         let (fan, topology) = mesh(&BOW_TIE, &[[0, 2, 1], [0, 1, 3], [0, 3, 4]]);
-        let found = flat(&fan, &topology, &[false; 3]).unwrap();
+        let found = flat(&fan, &topology, &turns_of(&fan), &[false; 3]).unwrap();
         assert_eq!((found.count, found.measure), (2, 2f64.sqrt()));
         // Both faces on one side of their edge: they overlap.
         let folded = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 2.0, 0.0]];
         let (folded, topology) = mesh(&folded, &[[0, 1, 2], [1, 0, 3]]);
-        assert_eq!(flat(&folded, &topology, &[false; 2]), None);
+        assert_eq!(flat(&folded, &topology, &turns_of(&folded), &[false; 2]), None);
     }
 }

@@ -14,6 +14,7 @@ use super::crowds::Crowds;
 use super::judge::judge;
 use super::pairs::overlapping_pairs;
 use super::stars::Stars;
+use super::turns::Turn;
 use super::views::Views;
 use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
@@ -28,13 +29,14 @@ const TESTS_A_FACE: usize = 64;
 const TESTS_AT_LEAST: usize = 1 << 23;
 
 /// Judges all pairs of faces but those that `left_out` names (faces without area, all but one of
-/// those in one place). A mere touch that `explained` knows the reason of is not reported. Faces around a
-/// vertex whose star is spread out need no judgement: most pairs whose boxes overlap.
+/// those in one place), given the turns of all. A mere touch that `explained` knows the reason of is not
+/// reported. Faces around a vertex whose star is spread out need no judgement.
 pub(super) fn meetings(
     mesh: &Mesh,
     topology: &Topology,
     tree: &FaceTree,
     stars: &mut Stars,
+    turns: &[Turn],
     left_out: &[bool],
     explained: impl Fn(FaceId, FaceId) -> bool,
 ) -> (Vec<Finding>, MeetingScan) {
@@ -58,7 +60,7 @@ pub(super) fn meetings(
         }
         ControlFlow::Continue(())
     };
-    let mut views = Views::of(mesh, topology, tree);
+    let mut views = Views::of(mesh, topology, tree, turns);
     let opens = |i, j| if i == j { !views.is_clear(i) } else { !crowds.settle(i, j) };
     let ended = match crowds.pairs(|f, g| look_at(f, g, true)) {
         ControlFlow::Continue(()) => {
@@ -97,7 +99,10 @@ mod tests {
         let tree = FaceTree::of(mesh, leaf_size);
         let left_out = vec![false; mesh.faces().len()];
         let mut stars = Stars::of(mesh, &topology);
-        let (found, scan) = meetings(mesh, &topology, &tree, &mut stars, &left_out, |_, _| false);
+        let turns: Vec<Turn> =
+            (0..mesh.faces().len() as u32).map(|f| Turn::of(&mesh.triangle(FaceId(f)))).collect();
+        let (found, scan) =
+            meetings(mesh, &topology, &tree, &mut stars, &turns, &left_out, |_, _| false);
         assert_eq!(scan, MeetingScan::Complete);
         let mut pairs: Vec<_> = found.iter().map(|f| [f.ids[0], f.ids[1]]).collect();
         pairs.sort_unstable();

@@ -17,6 +17,7 @@ mod pairs;
 mod row;
 pub(crate) mod shells;
 mod stars;
+mod turns;
 mod views;
 
 use cranny_exact::{DVec3, Sign};
@@ -28,6 +29,7 @@ use crate::topology::Topology;
 use crate::tree::FaceTree;
 use cracks::TVertex;
 use stars::Stars;
+use turns::Turn;
 
 /// The findings of a mesh, kind by kind, harmless ones last.
 pub(crate) fn scan(
@@ -37,8 +39,10 @@ pub(crate) fn scan(
     weld_distance: f64,
     self_intersections: bool,
 ) -> (Vec<Finding>, MeetingScan) {
-    let without_area: Vec<bool> =
-        (0..mesh.faces().len() as u32).map(|f| faces::has_no_area(mesh, FaceId(f))).collect();
+    let all_faces = || (0..mesh.faces().len() as u32).map(FaceId);
+    let turns: Vec<Turn> = all_faces().map(|f| Turn::of(&mesh.triangle(f))).collect();
+    let has_no_area = |(f, turn): (FaceId, &Turn)| !turn.has_area() && faces::has_no_area(mesh, f);
+    let without_area: Vec<bool> = all_faces().zip(&turns).map(has_no_area).collect();
     let in_one_place = faces::coincident(mesh, topology);
     let t_vertices = cracks::t_vertices(mesh, topology, tree, weld_distance);
     let near = cracks::near(mesh, tree, weld_distance, |_| true);
@@ -65,10 +69,10 @@ pub(crate) fn scan(
         };
         let found;
         (found, meetings) =
-            meetings::meetings(mesh, topology, tree, &mut stars, &left_out, explained);
+            meetings::meetings(mesh, topology, tree, &mut stars, &turns, &left_out, explained);
         findings.extend(found);
     }
-    findings.extend(edges::flat(mesh, topology, &without_area));
+    findings.extend(edges::flat(mesh, topology, &turns, &without_area));
     findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
     (findings, meetings)
 }

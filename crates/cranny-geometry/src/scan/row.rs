@@ -21,12 +21,13 @@ pub(super) struct Row {
     order: Vec<(f64, VertexId)>,
     /// By vertex; `usize::MAX` for others.
     rank: Vec<usize>,
-    /// What bounds the rounding of places.
-    rounding: f64,
+    /// What is within the distance asked for is within this distance in the row.
+    reach: f64,
 }
 
 impl Row {
-    pub(super) fn of(mesh: &Mesh, among: impl Fn(VertexId) -> bool) -> Self {
+    /// The row in which what lies within a distance is looked for.
+    pub(super) fn of(mesh: &Mesh, distance: f64, among: impl Fn(VertexId) -> bool) -> Self {
         let vertices = (0..mesh.vertices().len() as u32).map(VertexId).filter(|&v| among(v));
         let mut order: Vec<(f64, VertexId)> =
             vertices.map(|v| (ALONG.dot(mesh.position(v)), v)).collect();
@@ -37,7 +38,17 @@ impl Row {
         }
         let largest = mesh.vertices().iter().fold(0.0f64, |m, p| m.max(p.abs().max_element()));
         // Five roundings of sums that are less than twice the largest coordinate, for either place.
-        Self { order, rank, rounding: 16.0 * f64::EPSILON * largest }
+        Self { order, rank, reach: distance + 16.0 * f64::EPSILON * largest }
+    }
+
+    /// Those that have a neighbour in the row within reach, ascending.
+    pub(super) fn close(&self) -> Vec<VertexId> {
+        let near = |pair: &&[(f64, VertexId)]| pair[1].0 - pair[0].0 <= self.reach;
+        let pairs = self.order.windows(2).filter(near);
+        let mut close: Vec<VertexId> = pairs.flat_map(|pair| [pair[0].1, pair[1].1]).collect();
+        close.sort_unstable();
+        close.dedup();
+        close
     }
 
     pub(super) fn holds(&self, v: VertexId) -> bool {
@@ -54,9 +65,8 @@ impl Row {
         found: &mut Vec<VertexId>,
     ) {
         let at = self.rank[v.index()];
-        let reach = distance + self.rounding;
         let place = self.order[at].0;
-        let near = |entry: &&(f64, VertexId)| (entry.0 - place).abs() <= reach;
+        let near = |entry: &&(f64, VertexId)| (entry.0 - place).abs() <= self.reach;
         let before = self.order[..at].iter().rev().take_while(near);
         let behind = self.order[at + 1..].iter().take_while(near);
         found.clear();
@@ -83,12 +93,14 @@ mod tests {
         let faces = (0..vertices.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]);
         let mesh = Mesh::new(vertices.clone(), faces.collect()).unwrap();
         let tree = FaceTree::of(&mesh, 1);
-        let row = Row::of(&mesh, |_| true);
+        let row = Row::of(&mesh, 2e-9, |_| true);
         let count = 3 * (vertices.len() as u32 / 3);
+        let close = row.close();
         let mut found = Vec::new();
         for v in (0..count).map(VertexId) {
             let p = mesh.position(v);
             row.beside(&mesh, &tree, v, 2e-9, &mut found);
+            assert!(close.binary_search(&v).is_ok() || found.is_empty());
             for near in corners_near(&mesh, &tree, &Aabb { min: p, max: p }.grown(2e-9)) {
                 assert!(near == v || found.contains(&near), "{near:?} beside {v:?}");
             }

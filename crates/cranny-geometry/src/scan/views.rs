@@ -18,6 +18,7 @@ use std::ops::Range;
 use cranny_exact::{DVec2, DVec3};
 
 use super::outline::Outline;
+use super::turns::Turn;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -29,14 +30,6 @@ const LEAST_FACES: usize = 12;
 /// How often each face is looked at, on average over the mesh, before the rest is searched as it is: a
 /// tree may be as deep as it has leaves. Sound meshes need a dozen or two.
 const LOOKS_A_FACE: usize = 64;
-
-/// An area vector that is not halved, and what bounds the error of its product with a vector whose
-/// components are no greater than 1.
-#[derive(Clone, Copy)]
-struct Turn {
-    normal: DVec3,
-    error: f64,
-}
 
 /// What is needed to look at the nodes of a tree.
 pub(super) struct Views<'a> {
@@ -57,9 +50,14 @@ pub(super) struct Views<'a> {
 }
 
 impl<'a> Views<'a> {
-    /// O(n).
-    pub(super) fn of(mesh: &'a Mesh, topology: &'a Topology, tree: &'a FaceTree) -> Self {
-        let turns: Vec<Turn> = tree.faces().iter().map(|&f| turn(&mesh.triangle(f))).collect();
+    /// With the turns of all faces by their numbers. O(n).
+    pub(super) fn of(
+        mesh: &'a Mesh,
+        topology: &'a Topology,
+        tree: &'a FaceTree,
+        turns: &[Turn],
+    ) -> Self {
+        let turns: Vec<Turn> = tree.faces().iter().map(|f| turns[f.index()]).collect();
         let mut sums = Vec::with_capacity(turns.len() + 1);
         sums.push(DVec3::ZERO);
         let mut sum = DVec3::ZERO;
@@ -95,14 +93,13 @@ impl<'a> Views<'a> {
         }
         let towards = self.sums[end] - self.sums[start];
         let axis = towards.abs().max_position();
-        // The greatest component is 1 or −1, exactly.
+        // The greatest component is 1 or −1, exactly. A sum of zero gives no number, which nothing looks at.
         let towards = towards / towards[axis].abs();
         let faces = start..end;
-        let turned_away = |turn: &Turn| turn.normal.dot(towards) <= turn.error;
+        let turned_away = |turn: &Turn| !turn.looks_towards(towards);
         let seen = self.turns[faces.clone()].iter().position(turned_away);
         self.looks_left -= seen.unwrap_or(count);
-        // A sum of zero is no direction: its quotients are not.
-        seen.is_none() && towards.is_finite() && self.has_simple_rim(node, faces, towards, axis)
+        seen.is_none() && self.has_simple_rim(node, faces, towards, axis)
     }
 
     fn has_simple_rim(
@@ -138,16 +135,6 @@ impl<'a> Views<'a> {
     }
 }
 
-/// With u and v the sides from the first corner and m the product of their greatest components, each
-/// component of the cross product is wrong by no more than 4.1 epsilons of m (two roundings of each
-/// factor, one of each product, one of their difference) and no greater than 2 m; the dot product adds
-/// six roundings of at most 6 m. Together less than 22 epsilons of m.
-fn turn([a, b, c]: &[DVec3; 3]) -> Turn {
-    let (u, v) = (*b - *a, *c - *a);
-    let error = 32.0 * f64::EPSILON * u.abs().max_element() * v.abs().max_element();
-    Turn { normal: u.cross(v), error }
-}
-
 /// The faces beneath each node, as a range in leaf order.
 fn ranges(tree: &FaceTree) -> Vec<[u32; 2]> {
     let count = tree.nodes().len();
@@ -168,6 +155,11 @@ fn ranges(tree: &FaceTree) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ids::FaceId;
+
+    fn turns_of(mesh: &Mesh) -> Vec<Turn> {
+        (0..mesh.faces().len() as u32).map(|f| Turn::of(&mesh.triangle(FaceId(f)))).collect()
+    }
 
     /// Rows of points, each joined to the next by squares.
     fn sheet(rows: &[Vec<DVec3>]) -> Mesh {
@@ -210,7 +202,7 @@ mod tests {
     fn is_clear(mesh: &Mesh) -> bool {
         let known = |mesh: &Mesh| {
             let (topology, tree) = (Topology::of(mesh), FaceTree::of(mesh, 1));
-            Views::of(mesh, &topology, &tree).is_clear(0)
+            Views::of(mesh, &topology, &tree, &turns_of(mesh)).is_clear(0)
         };
         let clear = known(mesh);
         for axis in 0..3 {
