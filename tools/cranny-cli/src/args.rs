@@ -8,10 +8,9 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use cranny_geometry::Repair;
 
-use crate::model_file::is_model;
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
-pub(crate) use show::Show;
 use show::show;
+pub(crate) use show::{Show, Up};
 
 /// Exact collision detection for bodies that are not convex.
 ///
@@ -173,9 +172,13 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "WHAT", value_parser = show, requires = "render")]
     pub(crate) show: Option<Show>,
 
+    /// Which axis points up in the picture [default: y for glTF, whose own rule that is; z for all others]
+    #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
+    pub(crate) up: Option<Up>,
+
     /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without preparing it
     /// again
-    #[arg(long, value_name = "MODEL.cranny", value_parser = saved_model)]
+    #[arg(long, value_name = "MODEL.cranny")]
     pub(crate) save: Option<PathBuf>,
 }
 
@@ -216,6 +219,7 @@ Examples:
   cranny inspect nut.obj --repair safe --weld 2e-6
   cranny inspect nut.obj --save nut.cranny
   cranny inspect house.glb --render house.png
+  cranny inspect teapot.obj --render teapot.png --up y
   cranny inspect cup.obj --render cup.png --show envelope:0
   cranny inspect nut.obj --format json";
 
@@ -256,15 +260,6 @@ fn accuracy(text: &str) -> Result<AccuracyArg, String> {
             Err("levels other than `exact` come with a later version".to_owned())
         }
         _ => Err("no such level; `exact` is the only one so far".to_owned()),
-    }
-}
-
-/// Models are known by their names when they are given in place of meshes.
-fn saved_model(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match is_model(&path) {
-        true => Ok(path),
-        false => Err("a saved model's name ends in .cranny, by which it is known again".to_owned()),
     }
 }
 

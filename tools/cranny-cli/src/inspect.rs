@@ -10,10 +10,12 @@ use cranny_ecs::check_outputs;
 use cranny_exact::Tolerance;
 use cranny_geometry::BuildOptions;
 
-use crate::args::{Format, InspectArgs};
+use crate::args::{Format, InspectArgs, Up};
 use crate::failure::Failure;
-use crate::model_file::{load_with_report, save};
+use crate::model_file::{EXTENSION, load_with_report, save};
 use crate::output::Output;
+use crate::paths::check_output;
+use picture::View;
 use summary::{Skipped, Summary};
 
 /// Runs the command.
@@ -27,6 +29,12 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
     let outputs: Vec<&Path> =
         [&args.render, &args.save].into_iter().flatten().map(|p| &**p).collect();
     check_outputs(&outputs, &[&args.mesh]).map_err(Failure::input)?;
+    if let Some(path) = &args.render {
+        check_output("--render", path, &["png"])?;
+    }
+    if let Some(path) = &args.save {
+        check_output("--save", path, &[EXTENSION])?;
+    }
     let options = BuildOptions {
         repair: args.repair.into(),
         tolerance: args.weld.map(|weld_distance| Tolerance { weld_distance }),
@@ -45,7 +53,11 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
         }
     }
     if let Some(path) = &args.render {
-        match picture::draw(&loaded.model, &loaded.report, args.show.unwrap_or_default(), path) {
+        let view = View {
+            show: args.show.unwrap_or_default(),
+            up: args.up.unwrap_or_else(|| Up::of_format(loaded.format)),
+        };
+        match picture::draw(&loaded.model, &loaded.report, view, path) {
             Ok(legend) => {
                 summary.outputs.push(path.display().to_string());
                 summary.legend = legend;

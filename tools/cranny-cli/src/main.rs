@@ -11,6 +11,7 @@ mod inspect;
 mod logging;
 mod model_file;
 mod output;
+mod paths;
 mod pose_file;
 mod progress;
 mod query;

@@ -10,8 +10,9 @@ use cranny_geometry::{BuildError, BuildOptions, Model, Report, Stage};
 use cranny_scene::{MeshFile, MeshFileError, read_mesh};
 
 use crate::failure::Failure;
+use crate::paths::check_input;
 use crate::progress;
-pub(crate) use saved::{is_model, save};
+pub(crate) use saved::{EXTENSION, is_model, save};
 
 /// A model, where it came from and what was found on the way.
 pub(crate) struct LoadedModel {
@@ -54,6 +55,7 @@ pub(crate) struct Times {
 ///
 /// As [`prepare`]; a broken model file, or a scale for one.
 pub(crate) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Model, Failure> {
+    check_input("mesh file", path)?;
     match is_model(path) {
         true => saved::load(path, scale, options),
         false => prepare(path, scale, options).map(|loaded| loaded.model),
@@ -69,6 +71,7 @@ pub(crate) fn load_with_report(
     path: &Path,
     options: &BuildOptions,
 ) -> Result<LoadedModel, Failure> {
+    check_input("mesh file", path)?;
     match is_model(path) {
         true => saved::load_with_report(path, options),
         false => prepare(path, 1.0, options),
@@ -86,9 +89,12 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
     let start = Instant::now();
     let MeshFile { mesh, format, notes, .. } = read_mesh(path).map_err(unreadable)?;
     let mut times = Times { read: start.elapsed(), ..Times::default() };
+    let name = path.display();
     for note in &notes {
-        tracing::info!(file = %path.display(), "{note}");
+        tracing::info!(file = %name, "{note}");
     }
+    let (vertices, faces) = (mesh.vertices().len(), mesh.faces().len());
+    tracing::info!("{name}: {vertices} vertices and {faces} faces read as {}", format.name());
 
     waiting.set_message(format!("preparing {}", path.display()));
     let wrong = |error: BuildError| {
@@ -114,6 +120,15 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
     })
     .map_err(wrong)?;
     waiting.finish_and_clear();
+    tracing::info!(
+        "{name}: prepared in {:.1} ms; {}, {} concavities, {} findings, {} repairs",
+        (start.elapsed() - times.read).as_secs_f64() * 1e3,
+        if report.closed { "closed" } else { "open" },
+        model.concavities().len(),
+        report.findings.len(),
+        report.repairs.len(),
+    );
+    tracing::debug!("{name}: {times:?}");
     Ok(LoadedModel { model, report, format: format.name(), notes, times })
 }
 

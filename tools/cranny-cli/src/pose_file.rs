@@ -8,6 +8,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::failure::Failure;
+use crate::paths::check_input;
 
 /// Poses of A and B, world-from-mesh.
 pub(crate) type PosePair = [Pose; 2];
@@ -22,6 +23,7 @@ const SHAPE: &str = "a pose file is a list of {\"a\": M|null, \"b\": M|null}, M 
 /// A missing file, text that is no JSON (with line and column), another shape, or a matrix that is
 /// no rigid motion (with the index of the pose).
 pub(crate) fn read_poses(path: &Path) -> Result<Vec<PosePair>, Failure> {
+    check_input("pose file", path)?;
     let name = path.display();
     let text = fs::read_to_string(path).map_err(|source| {
         let message = format!(
@@ -29,7 +31,10 @@ pub(crate) fn read_poses(path: &Path) -> Result<Vec<PosePair>, Failure> {
         );
         Failure::unreadable(message, source.kind())
     })?;
-    parse_poses(&text).map_err(|error| Failure::input(format!("pose file {name}: {error}.")))
+    let poses = parse_poses(&text)
+        .map_err(|error| Failure::input(format!("pose file {name}: {error}.")))?;
+    tracing::info!("{name}: {} poses", poses.len());
+    Ok(poses)
 }
 
 /// What is wrong with a pose file, and where.

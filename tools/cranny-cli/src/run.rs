@@ -1,11 +1,13 @@
 //! `cranny run`: simulates a scene, records and draws it, and sums up.
 
 use std::fmt::Write;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, helices,
+    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, check_outputs,
+    helices,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -13,6 +15,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::args::{DetectorArg, Format, RunArgs};
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::paths::check_output;
 use crate::scene_file::load;
 
 /// Bodies whose motion the text summary tells; the JSON tells all.
@@ -27,12 +30,6 @@ const REDRAWS_PER_SECOND: u8 = 5;
 ///
 /// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
-    if args.threads.get() != 1 {
-        return Err(Failure::input(format!(
-            "--threads {}: more than one thread comes with a later version. Leave the option out",
-            args.threads
-        )));
-    }
     let scene = load(&args.scene, args.seed)?;
     let names_cameras = !scene.description.cameras.is_empty();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
@@ -53,6 +50,16 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         inputs: std::iter::once(scene.path).chain(scene.files).collect(),
         source: Some(scene.source_text),
     };
+    let outputs: Vec<&Path> =
+        [&args.record, &args.preview, &args.frames].into_iter().flatten().map(|p| &**p).collect();
+    let inputs: Vec<&Path> = options.inputs.iter().map(|p| &**p).collect();
+    check_outputs(&outputs, &inputs).map_err(failure)?;
+    if let Some(path) = &args.record {
+        check_output("--record", path, &["mcap"])?;
+    }
+    if let Some(path) = &args.preview {
+        check_output("--preview", path, &["png", "apng"])?;
+    }
     // Before anything is written that a Ctrl-C would have to finish.
     let stop = stop_flag();
     let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use cranny_scene::{LoadOptions, LoadedScene, SceneError, load_scene_with};
+use cranny_scene::{LoadOptions, LoadedScene, MeshFormat, SceneError, load_scene_with};
 
 use crate::failure::Failure;
+use crate::model_file::is_model;
+use crate::paths::check_input;
 use crate::progress;
 
 /// Loads a scene and all that it names; `seed` replaces the scene's own. Notes are logged.
@@ -13,9 +15,18 @@ use crate::progress;
 ///
 /// A scene that cannot be read or is wrong.
 pub(crate) fn load(path: &Path, seed: Option<u64>) -> Result<LoadedScene, Failure> {
+    check_input("scene file", path)?;
+    if MeshFormat::of_path(path).is_some() || is_model(path) {
+        return Err(Failure::input(format!(
+            "scene file {}: by its name it is a mesh or a model, no scene. Name a scene (.ron); `cranny inspect` takes meshes and models.",
+            path.display()
+        )));
+    }
     let waiting = progress::spinner(format!("reading {}", path.display()));
     let scene = load_scene_with(path, &LoadOptions { seed }).map_err(wrong_scene)?;
     waiting.finish_and_clear();
+    let (bodies, files) = (scene.description.bodies.len(), scene.files.len());
+    tracing::info!("{}: {bodies} bodies, {files} files named", path.display());
     for note in &scene.notes {
         tracing::info!(scene = %path.display(), "{note}");
     }

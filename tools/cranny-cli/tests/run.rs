@@ -170,10 +170,17 @@ fn what_later_versions_bring_is_refused_as_such() {
 fn unwritable_outputs_are_refused_before_anything_runs() {
     let (folder, scene) = scene();
     let missing = folder.path().join("missing");
-    let file: PathBuf = missing.join("out");
-    for flag in ["--record", "--preview"] {
+    for (flag, name) in [("--record", "out.mcap"), ("--preview", "out.png")] {
+        let file: PathBuf = missing.join(name);
         let refused = cranny(&["run", &scene, flag, file.to_str().unwrap()]);
-        assert_refused(&refused, 1, &[file.to_str().unwrap()]);
+        assert_refused(&refused, 1, &[flag, file.to_str().unwrap(), "there is no folder"]);
+        let refused = cranny(&["run", &scene, flag, folder.path().to_str().unwrap()]);
+        assert_refused(&refused, 1, &[flag, "it is a folder"]);
+        // A name that does not say what is written.
+        let other = folder.path().join("out.txt");
+        let refused = cranny(&["run", &scene, flag, other.to_str().unwrap()]);
+        let known = &name[3..];
+        assert_refused(&refused, 2, &[flag, other.to_str().unwrap(), "must end in", known]);
     }
     let refused = cranny(&["run", &scene, "--frames", &scene]);
     assert_refused(&refused, 1, &[&scene]);

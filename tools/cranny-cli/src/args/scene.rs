@@ -1,6 +1,5 @@
 //! Arguments of the commands that take a scene.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -61,8 +60,8 @@ pub(crate) struct RunArgs {
     pub(crate) seed: Option<u64>,
 
     /// Number of threads: only 1 so far
-    #[arg(long, value_name = "N", default_value = "1")]
-    pub(crate) threads: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
+    pub(crate) threads: usize,
 
     /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
     #[arg(long, value_name = "OUT.mcap")]
@@ -99,6 +98,18 @@ pub(crate) enum DetectorArg {
     RapierDecomposition,
 }
 
+/// The only number of threads there is so far.
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse::<usize>() {
+        Ok(1) => Ok(1),
+        Ok(0) => Err("at least one thread is needed; leave the option out".to_owned()),
+        Ok(_) => {
+            Err("more than one thread comes with a later version; leave the option out".to_owned())
+        }
+        Err(_) => Err("a number of threads, such as 1".to_owned()),
+    }
+}
+
 /// A length of time above 0.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -111,6 +122,16 @@ fn seconds(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_thread_it_is() {
+        assert_eq!(threads("1"), Ok(1));
+        for (text, why) in
+            [("0", "at least one"), ("2", "later"), ("-1", "number"), ("x", "number")]
+        {
+            assert!(threads(text).unwrap_err().contains(why), "{text}");
+        }
+    }
 
     #[test]
     fn times_are_checked() {

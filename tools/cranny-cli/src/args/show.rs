@@ -1,5 +1,9 @@
 //! What the picture of `cranny inspect` shows.
 
+use clap::ValueEnum;
+use cranny_exact::DVec3;
+use cranny_scene::MeshFormat;
+
 /// What is drawn of a model, besides the model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Show {
@@ -14,6 +18,43 @@ pub(crate) enum Show {
     Envelope(usize),
     /// Where findings are.
     Findings,
+}
+
+/// Which axis of a model points up in its picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Up {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+impl Up {
+    /// glTF says that y points up (2.0, section 3.4); no other format here says anything that its reader
+    /// has not already applied.
+    pub(crate) fn of_format(format: &str) -> Self {
+        if format == MeshFormat::Gltf.name() { Self::Y } else { Self::Z }
+    }
+
+    /// A place of the model, turned by right angles such that this axis is z.
+    pub(crate) fn upright(self, p: DVec3) -> DVec3 {
+        match self {
+            Self::X => DVec3::new(p.y, p.z, p.x),
+            Self::Y => DVec3::new(p.x, -p.z, p.y),
+            Self::Z => p,
+        }
+    }
+
+    /// Its name, where it is not the rule.
+    pub(crate) fn told(self) -> Option<&'static str> {
+        match self {
+            Self::X => Some("x"),
+            Self::Y => Some("y"),
+            Self::Z => None,
+        }
+    }
 }
 
 /// Reads `classes`, `patches`, `boxes:LEVEL`, `envelope:LAYER` or `findings`.

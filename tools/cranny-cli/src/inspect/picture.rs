@@ -14,13 +14,22 @@ use cranny_render::{
     Camera, DrawList, DrawMeshError, ImageSize, Preset, RenderError, Renderer, RendererOptions,
 };
 
-use crate::args::Show;
+use crate::args::{Show, Up};
 use crate::failure::Failure;
 use crate::progress;
 use canvas::Canvas;
 
 /// Width and height in pixels.
 const SIZE: [u32; 2] = [1280, 960];
+
+/// What is drawn, and how it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    /// What is shown of the model.
+    pub(super) show: Show,
+    /// Which axis of the model points up.
+    pub(super) up: Up,
+}
 
 /// Why there is no picture.
 pub(super) enum Trouble {
@@ -34,18 +43,9 @@ pub(super) enum Trouble {
 pub(super) fn draw(
     model: &Model,
     report: &Report,
-    show: Show,
+    view: View,
     path: &Path,
 ) -> Result<Vec<String>, Trouble> {
-    // Told before a graphics adapter is looked for, so that it is told where there is none, too.
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        return Err(Trouble::Failed(Failure::run(format!(
-            "picture {}: there is no folder {}. Create it or choose another.",
-            path.display(),
-            folder.display()
-        ))));
-    }
     let waiting = progress::spinner(format!("drawing {}", path.display()));
     let mut renderer = match Renderer::new(&RendererOptions::default()) {
         Ok(renderer) => renderer,
@@ -58,9 +58,10 @@ pub(super) fn draw(
         Trouble::Failed(Failure::run(format!("picture {}: {error}", path.display())))
     };
     let size = ImageSize::new(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
-    let (list, legend) = draw_list(model, report, show).map_err(|error| failed(&error))?;
+    let (list, legend) = draw_list(model, report, view).map_err(|error| failed(&error))?;
     let camera =
         Camera::fitted_to(Preset::Isometric, &list, size).map_err(|error| failed(&error))?;
+    tracing::info!("{}: drawing with {}", path.display(), renderer.adapter_name());
     let image = renderer.render(&list, &camera, size).map_err(|error| failed(&error))?;
     image.save_png(path).map_err(|error| Trouble::Failed(Failure::run(error)))?;
     waiting.finish_and_clear();
@@ -70,17 +71,17 @@ pub(super) fn draw(
 fn draw_list(
     model: &Model,
     report: &Report,
-    show: Show,
+    view: View,
 ) -> Result<(DrawList, Vec<String>), DrawMeshError> {
     let mut canvas = Canvas::new(model);
-    match show {
+    match view.show {
         Show::Classes => classes::draw_classes(&mut canvas),
         Show::Patches => classes::draw_patches(&mut canvas),
         Show::Boxes(level) => classes::draw_boxes(&mut canvas, level),
         Show::Envelope(layer) => envelope::draw_layer(&mut canvas, layer),
         Show::Findings => findings::draw_findings(&mut canvas, &report.findings),
     }
-    canvas.finish()
+    canvas.finish(view.up)
 }
 
 #[cfg(test)]
@@ -93,7 +94,7 @@ mod tests {
 
     fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {
         let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
-        draw_list(&model, &report, show).unwrap()
+        draw_list(&model, &report, View { show, up: Up::Z }).unwrap()
     }
 
     fn cup() -> Mesh {
@@ -121,11 +122,33 @@ mod tests {
         assert_eq!(ink(&list), 16);
         // The lid, a polygon of 16 corners.
         assert_eq!(list.instances[1].mesh.triangle_count(), 14);
-        assert!(legend.contains(&"concavities: 0 blue".to_owned()), "{legend:?}");
+        assert!(legend.contains(&"concavities by number: blue 0".to_owned()), "{legend:?}");
         for level in 0..3 {
             let (list, _) = drawn(cup(), Show::Boxes(level));
             let lines = list.lines.iter().filter(|line| line.color == palette(0)).count();
             assert_eq!(lines, 12 << level);
+        }
+    }
+
+    #[test]
+    fn whatever_axis_points_up_the_ground_lies_below() {
+        // A cup is as wide as it is high, its bottom at 0.
+        let (model, report) = Model::build(cup(), &BuildOptions::default()).unwrap();
+        let top = |up| {
+            let view = View { show: Show::Classes, up };
+            let (list, _) = draw_list(&model, &report, view).unwrap();
+            let heights = list.lines.iter().flat_map(|line| [line.from.z, line.to.z]);
+            (list.bounds().min.z, heights.fold(f64::NEG_INFINITY, f64::max))
+        };
+        assert_eq!(top(Up::Z), (0.0, 1.0));
+        for lying in [Up::X, Up::Y] {
+            let (low, high) = top(lying);
+            assert!((low + 0.5).abs() < 1e-12 && (high - 0.5).abs() < 1e-12, "{lying:?}");
+        }
+        for (up, axis) in [(Up::X, DVec3::X), (Up::Y, DVec3::Y), (Up::Z, DVec3::Z)] {
+            assert_eq!(up.upright(axis), DVec3::Z);
+            let [x, y, z] = DVec3::AXES.map(|axis| up.upright(axis));
+            assert_eq!(x.cross(y).dot(z), 1.0, "a turn, no reflection");
         }
     }
 

@@ -55,6 +55,8 @@ pub(super) struct Summary {
 #[derive(Debug, Serialize)]
 pub(super) struct FindingLine {
     pub(super) kind: &'static str,
+    /// What a finding of this kind is, and whence it comes.
+    pub(super) meaning: &'static str,
     /// What `ids` number: "vertex", "face" or "component".
     pub(super) of: &'static str,
     pub(super) ids: Vec<u32>,
@@ -201,6 +203,7 @@ impl FindingLine {
     fn new(finding: &Finding) -> Self {
         Self {
             kind: finding.kind.name(),
+            meaning: finding.kind.meaning(),
             of: finding.kind.element().name(),
             ids: finding.ids.clone(),
             at: finding.at.to_array(),

@@ -157,7 +157,8 @@ fn findings(lines: &mut Vec<String>, findings: &[FindingLine]) {
     for kind in kinds {
         let of_kind: Vec<_> = findings.iter().filter(|finding| finding.kind == kind).collect();
         let count: usize = of_kind.iter().map(|finding| finding.count).sum();
-        lines.push(format!("  - {count} x {}", kind.replace('_', " ")));
+        let meaning = of_kind[0].meaning;
+        lines.push(format!("  - {count} x {}: {meaning}", kind.replace('_', " ")));
         lines.extend(of_kind[0].limits.iter().map(|limit| format!("      {limit}")));
         lines.extend(of_kind.iter().take(LISTED).map(|finding| place(finding)));
         if of_kind.len() > LISTED {
@@ -196,6 +197,7 @@ mod tests {
     fn findings_are_counted_by_kind_and_the_first_few_listed() {
         let finding = |kind, id| FindingLine {
             kind,
+            meaning: "what it is",
             of: "face",
             ids: vec![id],
             at: [0.0, 0.5, 1.0],
@@ -208,11 +210,11 @@ mod tests {
         let mut lines = Vec::new();
         findings(&mut lines, &all);
         assert_eq!(lines[0], "findings");
-        assert_eq!(lines[1], "  - 5 x open edge");
+        assert_eq!(lines[1], "  - 5 x open edge: what it is");
         assert_eq!(lines[2], "      no volume");
         assert_eq!(lines[3], "      at (0, 0.5, 1), size 2, face 0");
         assert!(lines[6].contains("and 2 more"));
-        assert_eq!(lines[7], "  - 1 x zero area face");
+        assert_eq!(lines[7], "  - 1 x zero area face: what it is");
         assert_eq!(lines.len(), 10);
         let summed = FindingLine { count: 40, ids: Vec::new(), ..finding("flat_edge", 0) };
         let long = FindingLine { ids: (0..10).collect(), ..finding("open_edge", 0) };

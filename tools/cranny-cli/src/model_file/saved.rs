@@ -11,7 +11,7 @@ use super::{LoadedModel, Times};
 use crate::failure::Failure;
 
 /// How the names of saved models end.
-const EXTENSION: &str = "cranny";
+pub(crate) const EXTENSION: &str = "cranny";
 
 /// Whether a file is a saved model, by its name.
 pub(crate) fn is_model(path: &Path) -> bool {
@@ -43,8 +43,12 @@ pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Mo
             format!("model file {}: it cannot be read ({error}). {advice}", path.display());
         Failure::unreadable(message, kind)
     })?;
-    Model::decode(&bytes)
-        .map_err(|error| Failure::input(format!("model file {}: {error}.", path.display())))
+    let start = Instant::now();
+    let model = Model::decode(&bytes)
+        .map_err(|error| Failure::input(format!("model file {}: {error}.", path.display())))?;
+    let (faces, ms) = (model.mesh().faces().len(), start.elapsed().as_secs_f64() * 1e3);
+    tracing::info!("{}: saved model of {faces} faces loaded in {ms:.1} ms", path.display());
+    Ok(model)
 }
 
 /// Loads a saved model and scans it.
@@ -89,5 +93,6 @@ pub(crate) fn save(model: &Model, path: &Path) -> Result<usize, Failure> {
             path.display()
         ))
     })?;
+    tracing::info!("{}: {} bytes written", path.display(), bytes.len());
     Ok(bytes.len())
 }

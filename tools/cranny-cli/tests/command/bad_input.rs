@@ -25,7 +25,7 @@ fn meshes_that_are_none() {
     let obj = |name: &str, text: &str| folder.write(name, text);
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-    refused(&folder.path("missing.obj").display().to_string(), &["missing.obj", "cannot be read"]);
+    refused(&folder.path("missing.obj").display().to_string(), &["missing.obj", "no such file"]);
     refused(&folder.path("").display().to_string(), &["mesh file"]);
     refused(&obj("empty.obj", ""), &["empty.obj", "empty"]);
     refused(&obj("picture.jpg", "none"), &["picture.jpg", "jpg", ".obj"]);
@@ -52,6 +52,44 @@ fn a_picture_does_not_replace_its_mesh_or_a_device() {
     if cfg!(unix) {
         run(&["inspect", &cube, "--render", "/dev/null"]).assert_refused(2, &["device"]);
     }
+}
+
+#[test]
+fn outputs_are_known_by_their_names_and_need_a_folder() {
+    let (folder, cube, _) = good();
+    let at = |name: &str| folder.path(name).to_str().unwrap().to_owned();
+    for (option, name, known) in
+        [("--render", "out.png", ".png"), ("--save", "out.cranny", ".cranny")]
+    {
+        let refused = |path: &str, code: i32, words: &[&str]| {
+            run(&["inspect", &cube, option, path]).assert_refused(code, words);
+        };
+        for other in ["out.jpg", "out", ".png.txt"].map(at) {
+            refused(&other, 2, &[option, &other, "must end in", known]);
+            assert!(!std::fs::exists(&other).unwrap());
+        }
+        let missing = at(&format!("nowhere/{name}"));
+        refused(&missing, 1, &[option, &missing, "there is no folder", "nowhere. Create it"]);
+        refused(&at(""), 1, &[option, "it is a folder"]);
+    }
+}
+
+#[test]
+fn a_folder_or_nothing_is_told_alike_whatever_was_to_be_read() {
+    let (folder, cube, poses) = good();
+    std::fs::create_dir(folder.path("folder.obj")).unwrap();
+    std::fs::create_dir(folder.path("folder.ron")).unwrap();
+    let at = |name: &str| folder.path(name).to_str().unwrap().to_owned();
+    for (name, words) in [("folder", "it is a folder"), ("missing", "there is no such file")] {
+        let (mesh, scene) = (at(&format!("{name}.obj")), at(&format!("{name}.ron")));
+        run(&["inspect", &mesh]).assert_refused(2, &["mesh file", &mesh, words]);
+        run(&["query", &mesh, &cube, "--poses", &poses]).assert_refused(2, &[&mesh, words]);
+        run(&["query", &cube, &cube, "--poses", &scene]).assert_refused(2, &[&scene, words]);
+        for command in ["check", "explain", "run"] {
+            run(&[command, &scene]).assert_refused(2, &["scene file", &scene, words]);
+        }
+    }
+    run(&["check", &cube]).assert_refused(2, &["cube.obj", "no scene", "cranny inspect"]);
 }
 
 #[test]
@@ -133,7 +171,7 @@ fn scenes_that_are_none() {
     refused(&format!("({body},\n effects: [Flying()])"), &["line 2", "Flying", "Response"]);
     refused(r#"(bodies: [(name: "m", shape: Mesh(path: "gone.obj"))])"#, &["gone.obj", "line 1"]);
     let missing = folder.path("missing.ron").display().to_string();
-    run(&["check", &missing]).assert_refused(2, &["missing.ron", "cannot be read"]);
+    run(&["check", &missing]).assert_refused(2, &["missing.ron", "no such file"]);
 }
 
 #[test]

@@ -110,7 +110,7 @@ fn each_view_is_a_picture_with_a_legend_of_its_own() {
     let picture = folder.path("cup.png");
     let mut pictures = Vec::new();
     for (show, words) in [
-        ("classes", "concavities: 0 blue"),
+        ("classes", "concavities by number: blue 0"),
         ("patches", "patches in colours"),
         ("boxes:1", "level 1 of the concavities' trees: 2"),
         ("envelope:0", "layer 0 of the envelopes"),

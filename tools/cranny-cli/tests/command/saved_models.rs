@@ -71,11 +71,11 @@ fn nothing_but_an_older_model_is_replaced() {
     run(&["inspect", &model, "--save", &model]).assert_refused(2, &["it is the input"]);
     let named = run(&["inspect", &mesh, "--save", &mesh]);
     assert_eq!(named.code, Some(2));
-    assert!(named.stderr.contains(".cranny"), "{named:?}");
+    assert!(named.stderr.contains("it is the input"), "{named:?}");
     let nowhere = argument(&folder.path("no/such/folder.cranny"));
     let failed = run(&["inspect", &mesh, "--save", &nowhere]);
     assert_eq!(failed.code, Some(1));
-    assert!(failed.stdout.contains("vertices") && failed.stderr.contains("cannot be written"));
+    assert!(failed.stdout.is_empty() && failed.stderr.contains("there is no folder"));
     let left = std::fs::read_dir(folder.path(".")).unwrap().count();
     assert_eq!(left, 2, "no partial file stays");
 }

@@ -1,5 +1,6 @@
 //! A picture in the making: the body's faces with their colours, and what is drawn over them.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
@@ -7,6 +8,7 @@ use cranny_geometry::{EdgeKind, FaceId, Model};
 use cranny_render::{Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette};
 
 use super::coloring;
+use crate::args::Up;
 
 /// Of what has no colour of its own.
 pub(super) const GREY: Color = Color::rgb(186, 191, 198);
@@ -26,8 +28,8 @@ const HIDDEN: u8 = 70;
 /// Opacity of caps and envelopes.
 const GLASS: u8 = 84;
 
-/// So many entries of a legend are spelt out.
-const SPELT: usize = 12;
+/// So many things of one colour are named in a legend; the others are counted.
+const SPELT: usize = 4;
 
 /// Half way to white, so that a cap is told from what lies beneath it.
 pub(super) fn lightened(color: Color) -> Color {
@@ -75,14 +77,21 @@ impl<'m> Canvas<'m> {
 
     /// A line of the legend that names the colours of things by their numbers.
     pub(super) fn explain_colors(&mut self, what: &str, colors: &[usize]) {
-        let names = colors.iter().enumerate().take(SPELT);
-        let names: Vec<_> = names.map(|(id, &c)| format!("{id} {}", coloring::name(c))).collect();
-        let more = match colors.len().saturating_sub(SPELT) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        if !names.is_empty() {
-            self.legend.push(format!("{what}: {}{more}", names.join(", ")));
+        let mut of_color: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (id, &color) in colors.iter().enumerate() {
+            of_color.entry(color).or_default().push(id);
+        }
+        let named = of_color.into_iter().map(|(color, ids)| {
+            let told: Vec<String> = ids.iter().take(SPELT).map(usize::to_string).collect();
+            let more = match ids.len().saturating_sub(SPELT) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            format!("{} {}{more}", coloring::name(color), told.join(", "))
+        });
+        let named: Vec<String> = named.collect();
+        if !named.is_empty() {
+            self.legend.push(format!("{what} by number: {}", named.join("; ")));
         }
     }
 
@@ -113,13 +122,24 @@ impl<'m> Canvas<'m> {
         self.list.lines.extend(through);
     }
 
-    /// Marks the edges that are not sound, and hands over what is drawn and its legend.
-    pub(super) fn finish(mut self) -> Result<(DrawList, Vec<String>), DrawMeshError> {
+    /// Marks the edges that are not sound, and hands over what is drawn, upright, and its legend.
+    pub(super) fn finish(mut self, up: Up) -> Result<(DrawList, Vec<String>), DrawMeshError> {
         self.mark_edges();
         let mesh = self.model.mesh();
-        let body = DrawMesh::with_face_colors(mesh.vertices(), mesh.faces(), &self.faces)?;
+        let upright = |points: &[DVec3]| points.iter().map(|&p| up.upright(p)).collect::<Vec<_>>();
+        let body = upright(mesh.vertices());
+        let body = DrawMesh::with_face_colors(&body, mesh.faces(), &self.faces)?;
         let (corners, faces, colors) = &self.glass;
-        let glass = DrawMesh::with_face_colors(corners, faces, colors)?;
+        let glass = DrawMesh::with_face_colors(&upright(corners), faces, colors)?;
+        for line in &mut self.list.lines {
+            (line.from, line.to) = (up.upright(line.from), up.upright(line.to));
+        }
+        for point in &mut self.list.points {
+            point.position = up.upright(point.position);
+        }
+        if let Some(axis) = up.told() {
+            self.legend.push(format!("{axis} points up"));
+        }
         let mut add = |mesh: DrawMesh, color: Color| {
             let instance = Instance { mesh: Arc::new(mesh), pose: Pose::IDENTITY, color };
             self.list.instances.push(instance);

@@ -13,6 +13,7 @@ const OUTLINED_FACETS: usize = 2_000;
 
 /// Pixels.
 const THIN: f32 = 1.0;
+const BOX_WIDTH: f32 = 1.8;
 
 /// Concavities in colours, each beneath its translucent cap, and their boundary loops.
 pub(super) fn draw_classes(canvas: &mut Canvas<'_>) {
@@ -54,22 +55,31 @@ pub(super) fn draw_patches(canvas: &mut Canvas<'_>) {
         }
     }
     let count = patches.len();
-    canvas.legend.push(format!("{count} patches in colours; neighbours differ"));
+    canvas
+        .legend
+        .push(format!("{count} patches in colours; neighbours differ; dark lines: borders"));
 }
 
 /// The boxes of one level of the concavities' trees; of branches that end before, the leaves.
 pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
+    canvas.legend.push("grey: faces on the hull; dark lines: boundary loops".to_owned());
     let colors = draw_concavities(canvas);
+    // Pale, or the boxes would not show before faces of their own colour.
+    for face in &mut canvas.faces {
+        *face = lightened(*face);
+    }
     let first = canvas.list.lines.len();
     let mut count = 0;
     for (tree, &color) in colors.iter().enumerate() {
         for bounds in boxes(canvas.model, tree, level) {
-            canvas.list.push_box(&bounds, palette(color), THIN);
+            canvas.list.push_box(&bounds, palette(color), BOX_WIDTH);
             count += 1;
         }
     }
     canvas.let_lines_shine_through(first);
-    canvas.legend.push(format!("boxes of level {level} of the concavities' trees: {count}"));
+    canvas.legend.push(format!(
+        "boxes of level {level} of the concavities' trees: {count}, in the colour of theirs"
+    ));
 }
 
 fn boxes(model: &Model, tree: usize, level: usize) -> Vec<Aabb> {

@@ -42,6 +42,7 @@ pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
     let count = shown.len();
     canvas.legend.push(format!("layer {depth} of the envelopes, translucent: {count} facets"));
     canvas.legend.push("faces have the colour of the facet that they lie beneath".to_owned());
+    canvas.legend.push("grey: faces on the hull, or beneath no facet of this layer".to_owned());
 }
 
 fn collect(

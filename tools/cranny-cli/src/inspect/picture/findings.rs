@@ -25,6 +25,9 @@ pub(super) fn draw_findings(canvas: &mut Canvas<'_>, findings: &[Finding]) {
         format!("{}: {}", coloring::name(color), kind.name().replace('_', " "))
     });
     canvas.legend.extend(words);
+    if !kinds.is_empty() {
+        canvas.legend.push("dots: where; grey: faces of no finding".to_owned());
+    }
     if kinds.is_empty() {
         canvas.legend.push("nothing was found".to_owned());
     }

@@ -1,0 +1,53 @@
+//! Names of files, looked at before any work is done, so that all commands refuse them in the same words.
+
+use std::path::Path;
+
+use crate::failure::Failure;
+
+/// A file that is to be read. `what` says what it is: "mesh file".
+///
+/// # Errors
+///
+/// Where nothing stands there, or a folder.
+pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
+    let name = path.display();
+    if path.is_dir() {
+        return Err(Failure::input(format!("{what} {name}: it is a folder. Name a file in it.")));
+    }
+    // Whatever else keeps it from being read is told by who reads it.
+    match path.try_exists() {
+        Ok(false) => Err(Failure::input(format!(
+            "{what} {name}: there is no such file. Check the name and the folder."
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// A file that is to be written by `option`, and must have one of the extensions by which its format is
+/// known.
+///
+/// # Errors
+///
+/// Another extension is wrong input; a folder in its place or no folder around it fails the run.
+pub(crate) fn check_output(option: &str, path: &Path, extensions: &[&str]) -> Result<(), Failure> {
+    let name = path.display();
+    let has = |known: &&str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(known));
+    if path.is_dir() {
+        return Err(Failure::run(format!("{option} {name}: it is a folder. Name a file in it.")));
+    }
+    if !extensions.iter().any(has) {
+        let known: Vec<String> = extensions.iter().map(|known| format!(".{known}")).collect();
+        return Err(Failure::input(format!(
+            "{option} {name}: what is written is known by its name, which must end in {}.",
+            known.join(" or ")
+        )));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(Failure::run(format!(
+            "{option} {name}: there is no folder {}. Create it or choose another.",
+            folder.display()
+        ))),
+        None => Ok(()),
+    }
+}
