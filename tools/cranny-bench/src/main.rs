@@ -10,6 +10,7 @@
 
 mod broad;
 mod cloud;
+mod export;
 mod hulls;
 mod pairs;
 mod prepare;
@@ -21,6 +22,7 @@ mod trees;
 mod walk;
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -68,6 +70,12 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
+    /// Writes pairs in motion as files, for `cranny accuracy`
+    Export {
+        /// Folder for the files; made if it is not there
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
     /// Kinds of box trees by what they open; patches; envelopes beside a box tree
@@ -85,18 +93,23 @@ enum Format {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let report = match &cli.command {
-        Command::Hulls { only } => hulls::measure(cli.quick, only),
-        Command::Support => support::measure(cli.quick),
-        Command::Walk => walk::measure(cli.quick),
-        Command::Pairs { only } => pairs::measure(cli.quick, only),
-        Command::Broad { only } => broad::measure(cli.quick, only),
-        Command::Prepare => prepare::measure(cli.quick),
-        Command::Trees => trees::measure(cli.quick),
+        Command::Hulls { only } => Ok(hulls::measure(cli.quick, only)),
+        Command::Support => Ok(support::measure(cli.quick)),
+        Command::Walk => Ok(walk::measure(cli.quick)),
+        Command::Pairs { only } => Ok(pairs::measure(cli.quick, only)),
+        Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
+        Command::Export { folder } => export::write(folder, cli.quick),
+        Command::Prepare => Ok(prepare::measure(cli.quick)),
+        Command::Trees => Ok(trees::measure(cli.quick)),
     };
-    match print(&report, cli.format) {
+    match report.and_then(|report| print(&report, cli.format)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-        Err(_) => ExitCode::FAILURE,
+        Err(error) => {
+            // Where standard error fails as well, the exit code is all that can be told.
+            let _ = writeln!(io::stderr(), "error: {error}");
+            ExitCode::FAILURE
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What can be asked: the arguments of each command.
 
+mod accuracy;
 mod scene;
 mod show;
 
@@ -7,7 +8,9 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use cranny_geometry::Repair;
+use cranny_narrow_phase::Accuracy;
 
+pub(crate) use accuracy::AccuracyArgs;
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
 use show::show;
 pub(crate) use show::{Show, Up};
@@ -44,6 +47,8 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// Do two meshes meet? Verdict, distance and contact regions at each of a list of poses
     Query(QueryArgs),
+    /// What certainty costs: time and errors of each level and budget, beside parry's
+    Accuracy(AccuracyArgs),
     /// What is known of a mesh: defects and repairs, hull, concavities, sizes and times
     Inspect(InspectArgs),
     /// Read a scene file and all that it names, and say whether it is right
@@ -72,7 +77,7 @@ pub(crate) enum DemandArg {
     Regions,
 }
 
-/// How much is spent on a pair. Only one level exists so far.
+/// How much is spent on a pair of a scene. Only one level exists so far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AccuracyArg {
     /// Every answer is exact.
@@ -99,13 +104,13 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_enum, value_name = "DEMAND", default_value = "regions")]
     pub(crate) demand: DemandArg,
 
-    /// How much to spend on a pair: only `exact` so far
-    #[arg(long, value_name = "LEVEL", default_value = "exact", value_parser = accuracy)]
-    pub(crate) accuracy: AccuracyArg,
+    /// What is read of the bodies: boxes, hulls, caps, tree:DEPTH or exact (see below)
+    #[arg(long, value_name = "LEVEL", default_value = "exact", value_parser = level)]
+    pub(crate) accuracy: Accuracy,
 
-    /// Stop after this many elementary tests.
-    #[arg(long, value_name = "N", hide = true, value_parser = later)]
-    pub(crate) budget: Option<String>,
+    /// Stop after this many elementary tests a pose, whatever is still open then
+    #[arg(long, value_name = "N")]
+    pub(crate) budget: Option<u64>,
 
     /// Forget everything between one pose and the next: the same answers, slower where poses are close
     #[arg(long)]
@@ -139,7 +144,20 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   regions         point, normal (A to B), depth, area, separation, triangle_pairs
   tests           elementary tests made; micros: time of the query alone
   closed_a        whether the mesh is closed; if not, it is queried as a surface: closed_b likewise
+  verdict         "certain": they share a point; "excluded": they do not; "open": not known
+  separation      [at least, at most]: what holds the distance, or minus the depth of regions; null:
+                  without bound
+  places          min, max, separation: where contact may be
 What --demand does not ask for is null.
+
+Levels. Each is certain of what it says, and says `unknown` or null for what it does not know:
+  boxes       the bodies' boxes: excluded, or open
+  hulls       their convex hulls: excluded, or open
+  caps        hulls, and faces on them; what lies in concavities is known by its boxes only
+  tree:DEPTH  boxes of trees, opened so often
+  exact       everything; the default
+With a level or a budget, distance, contacts and regions are null: separation and places stand for them.
+What was open at one pose is narrowed at the next, unless --cold.
 
 Examples:
   echo '[{"a": null, "b": [1,0,0,2.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]' > poses.json
@@ -252,7 +270,28 @@ fn weld(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Reads a level of accuracy; the levels of later versions are told from typing errors.
+/// Reads a level of accuracy.
+fn level(text: &str) -> Result<Accuracy, String> {
+    match text.split_once(':') {
+        None => match text {
+            "boxes" => Ok(Accuracy::Boxes),
+            "hulls" => Ok(Accuracy::Hulls),
+            "caps" => Ok(Accuracy::Caps),
+            "exact" => Ok(Accuracy::Exact),
+            "tree" => Err("how deep? Say tree:8, or another depth".to_owned()),
+            _ => Err("choose boxes, hulls, caps, tree:DEPTH or exact".to_owned()),
+        },
+        Some(("tree", depth)) => depth
+            .parse()
+            .map(Accuracy::Tree)
+            .map_err(|_| "a depth is a number from 0 to 255, as in tree:8".to_owned()),
+        Some(_) => {
+            Err("only tree has a depth; choose boxes, hulls, caps, tree:DEPTH or exact".to_owned())
+        }
+    }
+}
+
+/// Reads a level of accuracy for scenes; the levels of later versions are told from typing errors.
 fn accuracy(text: &str) -> Result<AccuracyArg, String> {
     match text.split(':').next() {
         Some("exact") if text == "exact" => Ok(AccuracyArg::Exact),
@@ -261,11 +300,6 @@ fn accuracy(text: &str) -> Result<AccuracyArg, String> {
         }
         _ => Err("no such level; `exact` is the only one so far".to_owned()),
     }
-}
-
-/// Refuses what a later version brings.
-fn later(_: &str) -> Result<String, String> {
-    Err("budgets come with a later version; leave the option out for the full answer".to_owned())
 }
 
 fn scale(text: &str) -> Result<f64, String> {
@@ -291,6 +325,21 @@ mod tests {
         assert_eq!(accuracy("exact"), Ok(AccuracyArg::Exact));
         for (level, reason) in [("hulls", "later"), ("tree:3", "later"), ("exact:2", "no such")] {
             assert!(accuracy(level).unwrap_err().contains(reason), "{level}");
+        }
+        assert_eq!(level("caps"), Ok(Accuracy::Caps));
+        assert_eq!(
+            (level("tree:0"), level("tree:255")),
+            (Ok(Accuracy::Tree(0)), Ok(Accuracy::Tree(255)))
+        );
+        for (text, reason) in [
+            ("tree", "how deep"),
+            ("tree:256", "0 to 255"),
+            ("tree:-1", "0 to 255"),
+            ("hulls:2", "only tree"),
+            ("perfect", "choose"),
+            ("", "choose"),
+        ] {
+            assert!(level(text).unwrap_err().contains(reason), "{text}");
         }
         assert_eq!(scale("-0.5"), Ok(-0.5));
         for text in ["0", "inf", "NaN", "two", ""] {

@@ -3,6 +3,7 @@
 //! Exit codes: 0 all went well, 1 input/output or the work itself failed, 2 the arguments or the
 //! input are wrong. `args` says what can be asked; each command is a module of its name.
 
+mod accuracy;
 mod args;
 mod check;
 mod explain;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
+        Command::Accuracy(args) => accuracy::accuracy(args, cli.format),
         Command::Inspect(args) => inspect::inspect(args, cli.format),
         Command::Check(args) => check::check(args, cli.format),
     };

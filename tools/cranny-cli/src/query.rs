@@ -5,7 +5,7 @@ mod line;
 use std::time::Instant;
 
 use cranny_geometry::BuildOptions;
-use cranny_narrow_phase::{Demand, PairMemory, Placed, Query};
+use cranny_narrow_phase::{Budget, Demand, Effort, PairMemory, Placed, Query, estimate};
 
 use crate::args::{DemandArg, Format, QueryArgs};
 use crate::failure::Failure;
@@ -40,6 +40,8 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         output.line(&line::heading())?;
     }
     let bar = progress::bar(poses.len() as u64, "querying");
+    let budget = args.budget.map_or(Budget::Unlimited, Budget::Tests);
+    let effort = Effort { accuracy: args.accuracy, budget };
     let mut memory = PairMemory::default();
     for (index, [pose_a, pose_b]) in poses.into_iter().enumerate() {
         if args.cold {
@@ -47,15 +49,14 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         }
         let placed = [Placed { model: &a, pose: pose_a }, Placed { model: &b, pose: pose_b }];
         let start = Instant::now();
-        let answer =
-            cranny_narrow_phase::query(placed[0], placed[1], &Query::of(demand), &mut memory);
+        let found = estimate(placed[0], placed[1], &Query::of(demand), &effort, &mut memory);
         // Whole nanoseconds: that is what the clock tells.
         let micros = start.elapsed().as_nanos() as f64 / 1e3;
-        let answer = answer.map_err(|error| {
+        let found = found.map_err(|error| {
             Failure::input(format!("pose file {}: pose {index}: {error}", args.poses.display()))
         })?;
         let shown = Shown { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
-        let line = Line::new(index, &answer, micros, shown);
+        let line = Line::new(index, &found, micros, shown);
         match format {
             Format::Json => output.json(&line),
             Format::Text => output.line(&line.text()),

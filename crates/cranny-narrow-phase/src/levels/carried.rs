@@ -6,6 +6,7 @@ use cranny_exact::{Interval, RigidMap};
 use cranny_geometry::{FaceId, ModelTag};
 
 use super::convex_nodes::ConvexNodes;
+use super::effort::Accuracy;
 use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
@@ -23,6 +24,8 @@ pub(crate) struct Carried {
     pub(super) refinement: Refinement,
     /// Holds the distance of the surfaces.
     pub(super) distance: Interval,
+    /// The last motion took more than had been known of the distance.
+    pub(super) shaken: bool,
     /// What lies inside what, where the surfaces were certainly apart.
     pub(super) apart: Option<Solidity>,
     /// Faces that met last, or were nearest.
@@ -38,6 +41,7 @@ impl Carried {
             map: pair.first_from_second,
             refinement: Refinement::default(),
             distance: Interval { lo: 0.0, hi: f64::INFINITY },
+            shaken: false,
             apart: None,
             faces: None,
             hulls: HullWalk::default(),
@@ -58,12 +62,24 @@ impl Carried {
         carried
     }
 
+    /// Makes what a level reads besides the models, if it is not there.
+    pub(super) fn prepare(&mut self, pair: &Pair, accuracy: Accuracy) {
+        if matches!(accuracy, Accuracy::Hulls | Accuracy::Caps) {
+            self.hulls.prepare(pair);
+        }
+        if accuracy == Accuracy::Caps && self.convex.is_none() {
+            self.convex = Some(ConvexNodes::of_pair(pair));
+        }
+    }
+
     fn advance(&mut self, pair: &Pair) {
+        self.shaken = false;
         let Some(motion) = Motion::since(&self.map, pair) else { return };
         self.map = pair.first_from_second;
         let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
         let step = motion.step(&balls);
         let Interval { lo, hi } = self.distance;
+        self.shaken = step > hi - lo;
         // On the way of the screw that joins the poses, surfaces that do not meet change no containment.
         let way = motion.way_factor().map_or(f64::INFINITY, |factor| factor * step);
         self.apart = self.apart.filter(|_| lo > way + 4.0 * pair.culling_error());

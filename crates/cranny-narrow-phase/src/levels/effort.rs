@@ -108,8 +108,8 @@ impl<'a> Meter<'a> {
     pub(super) fn take(&mut self, tests: u64) -> bool {
         match self.budget {
             Budget::Unlimited => true,
-            Budget::Tests(all) => {
-                let affords = all.saturating_sub(self.spent) >= tests;
+            Budget::Tests(_) => {
+                let affords = self.affords(tests);
                 if affords {
                     self.spent += tests;
                 }
@@ -126,6 +126,20 @@ impl<'a> Meter<'a> {
                 !self.late
             }
         }
+    }
+
+    /// Whether as many tests are left, as far as that can be told.
+    pub(super) fn affords(&self, tests: u64) -> bool {
+        match self.budget {
+            Budget::Unlimited => true,
+            Budget::Tests(all) => all.saturating_sub(self.spent) >= tests,
+            Budget::Until { .. } => !self.late,
+        }
+    }
+
+    /// Gives back what was taken and not needed.
+    pub(super) fn give_back(&mut self, tests: u64) {
+        self.spent = self.spent.saturating_sub(tests);
     }
 
     /// Counts what could not be known beforehand.

@@ -57,7 +57,12 @@ impl<'p, 'm> Findings<'p, 'm> {
 
     /// Whether it helps to know faces that are near, be they the nearest or not.
     pub(super) fn wants_near_faces(&self) -> bool {
-        !matches!(self.demand, Demand::Intersects) || self.least() == f64::INFINITY
+        !matches!(self.demand, Demand::Intersects) || self.knows_no_faces()
+    }
+
+    /// Whether no faces were measured yet.
+    pub(super) fn knows_no_faces(&self) -> bool {
+        self.least() == f64::INFINITY
     }
 
     /// Tests that [`look`](Self::look) makes at most.
@@ -68,12 +73,12 @@ impl<'p, 'm> Findings<'p, 'm> {
         let triangles =
             [self.pair.triangle(Side::First, first), self.pair.triangle(Side::Second, second)];
         // Beyond rounding along either normal is proof enough.
+        self.counters.triangle_tests += 1;
         let gap = gap_along_normals(&triangles) - self.pair.length_error();
         if gap > self.least() {
             return gap;
         }
         if gap <= 0.0 {
-            self.counters.triangle_tests += 1;
             let meeting = classify_triangles(&triangles[0], &triangles[1]);
             if meeting.meets() {
                 self.surface = self.surface.max(meeting);

@@ -33,12 +33,17 @@ pub(super) struct HullGap {
 }
 
 impl HullWalk {
+    /// Makes the feature graphs, if they are not there. Linear in the hulls.
+    pub(super) fn prepare(&mut self, pair: &Pair) {
+        if self.graphs.is_none() {
+            self.graphs = graphs(Side::BOTH.map(|side| pair.model(side)));
+        }
+    }
+
     /// Walks. `None` of hulls without features: no model has one.
     pub(super) fn walk(&mut self, pair: &Pair) -> Option<HullGap> {
+        self.prepare(pair);
         let models = Side::BOTH.map(|side| pair.model(side));
-        if self.graphs.is_none() {
-            self.graphs = Some(graphs(models)?);
-        }
         let graphs = self.graphs.as_ref()?;
         let hull = |i: usize| WalkHull { hull: models[i].hull(), graph: &graphs[i] };
         let map = &pair.first_from_second;

@@ -29,7 +29,8 @@ mod places;
 mod refinement;
 mod scope;
 
-use cranny_exact::{Aabb, Interval, Meeting};
+use cranny_exact::{Aabb, Interval, Meeting, Pose};
+use cranny_geometry::Model;
 
 pub(crate) use carried::Carried;
 pub use effort::{Accuracy, Budget, Clock, Effort};
@@ -62,6 +63,31 @@ use scope::Scope;
 /// # Errors
 ///
 /// As [`query`].
+///
+/// ```
+/// use cranny_exact::{DVec3, Pose};
+/// use cranny_geometry::{BuildOptions, Mesh, Model};
+/// use cranny_narrow_phase::{
+///     Accuracy, Demand, Effort, PairMemory, Placed, Query, Verdict, estimate,
+/// };
+///
+/// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let (model, _) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
+/// let a = Placed { model: &model, pose: Pose::IDENTITY };
+/// let b = Placed { model: &model, pose: Pose::at(DVec3::new(0.75, 0.75, 0.0)) };
+/// let (question, mut memory) = (Query::of(Demand::Distance { below: None }), PairMemory::default());
+/// // The boxes overlap, so they cannot tell; the hulls can.
+/// let boxes = estimate(a, b, &question, &Effort::of(Accuracy::Boxes), &mut memory)?;
+/// assert_eq!(boxes.verdict, Verdict::Open);
+/// let hulls = estimate(a, b, &question, &Effort::of(Accuracy::Hulls), &mut memory)?;
+/// assert_eq!(hulls.verdict, Verdict::Excluded);
+/// // Whatever is told holds the distance, and memory narrows it.
+/// let exact = estimate(a, b, &question, &Effort::tests(100), &mut memory)?;
+/// assert!((exact.separation.lo - 0.5f64.sqrt() / 2.0).abs() < 1e-12);
+/// assert!(boxes.separation.lo <= exact.separation.lo && exact.separation.hi <= boxes.separation.hi);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn estimate(
     a: Placed,
     b: Placed,
@@ -89,6 +115,18 @@ pub fn estimate(
     estimator.recall();
     estimator.spend(&pair, question.demand, effort.accuracy);
     Ok(estimator.sum_up(&pair, question.demand))
+}
+
+impl PairMemory {
+    /// Makes what estimates at a level read besides the models, so that the first of them need not: the
+    /// features of the hulls for `Hulls`, and which nodes hold faces on them for `Caps`. Clones share it.
+    ///
+    /// Cost: linear in the hulls and the faces; nothing for other levels.
+    pub fn prepare(&mut self, a: &Model, b: &Model, accuracy: Accuracy) {
+        let placed = |model| Placed { model, pose: Pose::IDENTITY };
+        let pair = Pair::new(placed(a), placed(b), &mut self.posed);
+        Carried::at(&mut self.levels, &pair).prepare(&pair, accuracy);
+    }
 }
 
 struct Estimator<'p, 'm> {
@@ -134,8 +172,9 @@ impl Estimator<'_, '_> {
             }
         };
         let (ground, findings) = (&self.ground, &mut self.findings);
+        let shaken = self.carried.shaken;
         let cut = &mut self.carried.refinement;
-        self.complete &= cut.refine(ground, &scope, findings, &mut self.meter);
+        self.complete &= cut.refine(ground, &scope, findings, &mut self.meter, shaken);
         let least = cut.least(ground);
         self.carried.distance.lo = self.carried.distance.lo.max(least);
     }

@@ -29,6 +29,11 @@ const MOST_ENTRIES: usize = 1 << 17;
 /// tests; none: levels without faces know no upper bound.
 const FACES_OF_CLOSED: usize = 8;
 
+/// A cut is begun anew when more than one in so many of its entries has lost its slack. That costs two
+/// tests an entry; one that has lost its slack costs several, as it opens. Fewer: what could have rested is
+/// looked for from the top; more: fast motion pays for memory that it cannot use.
+const SPENT_SHARE: usize = 3;
+
 /// Boxes are tested again, rather than opened, where motion has taken more than this share of their size.
 /// Less: tests that regain next to nothing; more: cuts finer than they need be.
 const WORTH_A_TEST: f64 = 0.25;
@@ -69,9 +74,9 @@ impl Ord for Entry {
         other
             .key
             .total_cmp(&self.key)
-            .then(self.depth().cmp(&other.depth()))
-            .then(other.guess.total_cmp(&self.guess))
-            .then(other.nodes.cmp(&self.nodes))
+            .then_with(|| self.depth().cmp(&other.depth()))
+            .then_with(|| other.guess.total_cmp(&self.guess))
+            .then_with(|| other.nodes.cmp(&self.nodes))
     }
 }
 
@@ -94,17 +99,22 @@ impl Eq for Entry {}
 pub(super) struct Refinement {
     open: BinaryHeap<Entry>,
     odometer: f64,
+    /// Entries that it had when first nothing more was to be done; 0 before that.
+    built: usize,
 }
 
 impl Default for Refinement {
     fn default() -> Self {
-        Self { open: BinaryHeap::from([Entry::ROOT]), odometer: 0.0 }
+        Self { open: BinaryHeap::from([Entry::ROOT]), odometer: 0.0, built: 0 }
     }
 }
 
 impl Refinement {
     /// Counts a motion in which nothing came nearer by more than `step`.
     pub(super) fn advance(&mut self, step: f64) {
+        if self.open.len() == 1 && self.open.peek() == Some(&Entry::ROOT) {
+            return; // nothing was found yet that motion could take
+        }
         self.odometer = (self.odometer + step).next_up();
         if self.open.len() > MOST_ENTRIES || !self.odometer.is_finite() {
             *self = Self::default();
@@ -126,22 +136,24 @@ impl Refinement {
     }
 
     /// Opens what is nearest until that changes nothing more, the level is exhausted, or the budget.
-    /// Returns whether everything within the findings' limit was looked at.
+    /// Returns whether everything within the findings' limit was looked at. `shaken`: the last motion took
+    /// more than had been known.
     pub(super) fn refine(
         &mut self,
         ground: &Ground,
         scope: &Scope,
         findings: &mut Findings,
         meter: &mut Meter,
+        shaken: bool,
     ) -> bool {
+        if self.is_outrun(ground, findings.limit(), meter, shaken) {
+            *self = Self::default();
+        }
         let mut settled: Vec<Entry> = Vec::new();
         let mut complete = true;
         let mut peeks = FACES_OF_CLOSED;
-        while let Some(entry) = self.open.pop() {
-            if self.lower(&entry, ground) > findings.limit() {
-                self.open.push(entry);
-                break;
-            }
+        let mut dive: Option<Entry> = None;
+        while let Some(entry) = self.next(dive.take(), ground, findings.limit()) {
             let step = self.step(&entry, ground, scope);
             if findings.is_done() || !meter.take(step.tests()) {
                 self.open.push(entry);
@@ -154,13 +166,24 @@ impl Refinement {
                     self.open.push(Entry { key: tested.key.max(entry.key), ..tested });
                 }
                 Step::Open(children) => {
-                    for (nodes, depths) in children {
-                        let tested = self.tested(ground, nodes, depths, findings);
-                        self.open.push(Entry { key: tested.key.max(entry.key), ..tested });
+                    let (nearer, farther) = self.opened(&entry, children, ground, findings);
+                    self.open.push(farther);
+                    // Straight down as long as no faces are known: till then nothing can be left out.
+                    match findings.knows_no_faces() {
+                        true if meter.affords(2 + Findings::TESTS_A_LOOK) => dive = Some(nearer),
+                        true if meter.take(Findings::TESTS_A_LOOK) => {
+                            // The last tests: some upper bound there must be.
+                            self.peek(nearer.nodes, ground, findings);
+                            self.open.push(nearer);
+                        }
+                        _ => self.open.push(nearer),
                     }
                 }
-                Step::Look { all, .. } => {
+                Step::Look { all, pairs } => {
+                    let before = findings.counters.triangle_tests;
                     let lower = look(ground, scope, entry.nodes, findings);
+                    let made = findings.counters.triangle_tests - before;
+                    meter.give_back((Findings::TESTS_A_LOOK * pairs).saturating_sub(made));
                     let key = if all { (self.odometer + lower).next_down() } else { entry.key };
                     complete &= all;
                     let key = key.max(entry.key);
@@ -171,8 +194,7 @@ impl Refinement {
                     let peek = peeks > 0 && findings.wants_near_faces();
                     if peek && meter.take(Findings::TESTS_A_LOOK) {
                         peeks -= 1;
-                        let [f, g] = [0, 1].map(|i| first_face(ground.trees[i], entry.nodes[i]));
-                        findings.look(f, g);
+                        self.peek(entry.nodes, ground, findings);
                     }
                     settled.push(entry);
                 }
@@ -180,7 +202,53 @@ impl Refinement {
             }
         }
         self.open.extend(settled);
+        if complete && self.built == 0 {
+            self.built = self.open.len();
+        }
         complete
+    }
+
+    /// The next entry within the limit: that of a dive, or the nearest.
+    fn next(&mut self, dive: Option<Entry>, ground: &Ground, limit: f64) -> Option<Entry> {
+        match dive {
+            Some(entry) if self.lower(&entry, ground) <= limit => return Some(entry),
+            other => self.open.extend(other),
+        }
+        let nearest = self.open.peek()?;
+        (self.lower(nearest, ground) <= limit).then(|| self.open.pop()).flatten()
+    }
+
+    /// The two entries that take another's place, the nearer one first.
+    fn opened(
+        &self,
+        entry: &Entry,
+        children: [(Nodes, [u8; 2]); 2],
+        ground: &Ground,
+        findings: &mut Findings,
+    ) -> (Entry, Entry) {
+        let [one, other] = children.map(|(nodes, depths)| {
+            let tested = self.tested(ground, nodes, depths, findings);
+            Entry { key: tested.key.max(entry.key), ..tested }
+        });
+        if one > other { (one, other) } else { (other, one) }
+    }
+
+    /// Whether a cut begun anew is likely to tell more for the budget: much of this one has lost its slack,
+    /// or it has grown too fine; or what has lost its slack is more than can be looked at.
+    fn is_outrun(&self, ground: &Ground, limit: f64, meter: &Meter, shaken: bool) -> bool {
+        let has_lost =
+            |entry: &&Entry| entry.at < self.odometer && self.lower(entry, ground) <= limit;
+        let lost = || self.open.iter().filter(has_lost).count();
+        if self.built > 0 && meter.affords(3 * self.built as u64) {
+            return self.open.len() > 2 * self.built || lost() > self.built / SPENT_SHARE;
+        }
+        shaken && !meter.affords(lost() as u64)
+    }
+
+    /// Looks at some faces of two nodes that stay closed.
+    fn peek(&self, nodes: Nodes, ground: &Ground, findings: &mut Findings) {
+        let [f, g] = [0, 1].map(|i| first_face(ground.trees[i], nodes[i]));
+        findings.look(f, g);
     }
 
     /// What there is to do about an entry.
@@ -269,6 +337,9 @@ mod tests {
     #[test]
     fn motion_takes_slack_from_all_alike_and_too_large_a_cut_is_begun_anew() {
         let mut cut = Refinement::default();
+        cut.advance(0.25);
+        assert_eq!(cut.odometer, 0.0, "nothing is there to take from");
+        cut.open.push(entry(1.0, [1, 1], 0.0));
         cut.advance(0.25);
         cut.advance(0.5);
         assert!(cut.odometer >= 0.75 && cut.odometer < 0.75 + 1e-12);

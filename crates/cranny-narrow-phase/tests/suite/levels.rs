@@ -3,18 +3,18 @@
 
 use std::cell::Cell;
 
-use cranny_exact::{Aabb, DQuat, DVec3, Meeting, Pose};
+use cranny_exact::{Aabb, DQuat, DVec3, Interval, Meeting, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{
     Accuracy, Answer, Budget, Clock, Containment, Demand, Effort, Estimate, PairMemory, Placed,
-    Query, Verdict, estimate,
+    Query, Verdict, estimate, query,
 };
 use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, NestedShells, PyramidInCavity, Sphere, Torus};
 use cranny_testkit::Rng;
 
 use crate::coherence::{Walk, direction, told};
 use crate::measure::{from_surface, world_triangles};
-use crate::solids::{ask, shape};
+use crate::solids::{ask, model, shape};
 
 const LEVELS: [Accuracy; 9] = [
     Accuracy::Boxes,
@@ -249,7 +249,7 @@ fn what_a_budget_leaves_open_is_narrowed_until_it_is_exact() {
         for demand in [Demand::Intersects, Demand::Distance { below: None }] {
             let exact = ask(a, b, demand);
             let mut memory = PairMemory::default();
-            let mut held = cranny_exact::Interval::WHOLE;
+            let mut held = Interval::WHOLE;
             let mut frames = 0;
             loop {
                 let found =
@@ -449,6 +449,78 @@ fn a_clock_ends_the_work_and_what_is_told_is_certain() {
         widths.push(found.separation.width());
     }
     assert!(widths.windows(2).all(|w| w[1] <= w[0]) && widths[3] < 1e-12, "{widths:?}");
+}
+
+#[test]
+fn what_is_told_scales_with_the_bodies() {
+    // Of two equal bodies the pose decides which is first, and scaling keeps that.
+    let cup = shape(Cup { segments: 12, ..Cup::default() });
+    for power in [-190, -40, 60] {
+        let factor = 2f64.powi(power);
+        let large = model(cup.mesh().scaled(DVec3::splat(factor)).unwrap());
+        for level in LEVELS {
+            for x in [1.3, 0.9, 0.4] {
+                let told = |cup: &Model, scale: f64| {
+                    let rotation = DQuat::from_xyzw(0.1, 0.2, -0.3, 0.9).normalize();
+                    let translation = scale * DVec3::new(x, 0.3, 0.2);
+                    let (a, b) = (
+                        Placed { model: cup, pose: Pose::IDENTITY },
+                        Placed { model: cup, pose: Pose { rotation, translation } },
+                    );
+                    let question = Query::of(Demand::Distance { below: None });
+                    let effort = Effort { accuracy: level, budget: Budget::Tests(500) };
+                    estimate(a, b, &question, &effort, &mut PairMemory::default()).unwrap()
+                };
+                let (here, there) = (told(&cup, 1.0), told(&large, factor));
+                let what = format!("{level:?}, {power}, {x}");
+                assert_eq!((here.verdict, here.surface), (there.verdict, there.surface), "{what}");
+                let ends = |held: Interval| [held.lo, held.hi];
+                for (x, y) in ends(here.separation).into_iter().zip(ends(there.separation)) {
+                    assert!((x * factor - y).abs() <= 1e-12 * factor, "{what}: {x} and {y}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_question_is_refused_as_by_the_query() {
+    let cube = shape(Cuboid::default());
+    let at = |x| Placed { model: &cube, pose: Pose::at(DVec3::new(x, 0.0, 0.0)) };
+    for (x, demand) in [
+        (f64::NAN, Demand::Intersects),
+        (1e300, Demand::Intersects),
+        (0.0, Demand::Distance { below: Some(-1.0) }),
+        (0.0, Demand::Contacts { margin: f64::INFINITY }),
+    ] {
+        let question = Query::of(demand);
+        let refused = query(at(0.0), at(x), &question, &mut PairMemory::default()).unwrap_err();
+        for effort in [Effort::default(), Effort::of(Accuracy::Boxes), Effort::tests(9)] {
+            let found = estimate(at(0.0), at(x), &question, &effort, &mut PairMemory::default());
+            assert_eq!(found.unwrap_err().to_string(), refused.to_string());
+        }
+    }
+    let nothing = Query::of(Demand::None);
+    let memory = &mut PairMemory::default();
+    let found = estimate(at(0.0), at(9.0), &nothing, &Effort::tests(9), memory).unwrap();
+    assert_eq!((found.verdict, tests_of(&found)), (Verdict::Open, 0));
+}
+
+#[test]
+fn what_was_prepared_changes_nothing_but_the_time() {
+    let (cup, torus) = (shape(Cup::default()), shape(Torus::default()));
+    let (a, b) = (
+        Placed { model: &torus, pose: Pose::IDENTITY },
+        Placed { model: &cup, pose: Pose::at(DVec3::new(0.4, 1.9, 0.3)) },
+    );
+    for level in LEVELS {
+        let mut memory = PairMemory::default();
+        memory.prepare(&torus, &cup, level);
+        let question = Query::of(Demand::Distance { below: None });
+        let found = estimate(a, b, &question, &Effort::of(level), &mut memory).unwrap();
+        let cold = estimate(a, b, &question, &Effort::of(level), &mut PairMemory::default());
+        assert_eq!(Ok(found), cold, "{level:?}");
+    }
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! One line of `cranny query`.
 
 use cranny_exact::DVec3;
-use cranny_narrow_phase::{Answer, Contact, Containment, Region, Surface, Witness};
+use cranny_narrow_phase::{
+    Contact, Containment, Estimate, Place, Region, Surface, Verdict, Witness,
+};
 use serde::Serialize;
 
 use crate::args::DemandArg;
@@ -19,15 +21,18 @@ pub(super) struct Shown {
 #[derive(Debug, Serialize)]
 pub(super) struct Line {
     pose: usize,
+    verdict: &'static str,
     surface: &'static str,
-    solid: bool,
+    solid: Option<bool>,
     contained: Option<&'static str>,
     distance: Option<f64>,
+    separation: Option<[f64; 2]>,
     witness_a: Option<[f64; 3]>,
     witness_b: Option<[f64; 3]>,
     triangle_pairs: Option<u32>,
     contacts: Option<Vec<ContactLine>>,
     regions: Option<Vec<RegionLine>>,
+    places: Option<Vec<PlaceLine>>,
     tests: u64,
     micros: f64,
     closed_a: bool,
@@ -53,29 +58,50 @@ struct RegionLine {
     triangle_pairs: u32,
 }
 
+#[derive(Debug, Serialize)]
+struct PlaceLine {
+    min: [f64; 3],
+    max: [f64; 3],
+    separation: [f64; 2],
+}
+
 impl Line {
-    /// The line of an answer.
-    pub(super) fn new(pose: usize, answer: &Answer, micros: f64, shown: Shown) -> Self {
+    /// The line of what was found.
+    pub(super) fn new(pose: usize, found: &Estimate, micros: f64, shown: Shown) -> Self {
         let asks = |least: DemandArg| shown.demand as u8 >= least as u8;
         let witness = |i: usize| {
             let of = |witnesses: &[Witness; 2]| witnesses[i].point.to_array();
-            answer.witnesses.as_ref().filter(|_| asks(DemandArg::Distance)).map(of)
+            found.witnesses.as_ref().filter(|_| asks(DemandArg::Distance)).map(of)
         };
-        let contacts = || answer.contacts.iter().map(ContactLine::new).collect();
-        let regions = || answer.regions.iter().map(RegionLine::new).collect();
-        let counters = &answer.counters;
+        let answer = found.answer.as_ref();
+        let asked = |least: DemandArg| answer.filter(|_| asks(least));
+        let counters = &found.counters;
         Self {
             pose,
-            surface: surface_name(answer.surface),
-            solid: answer.solid,
-            contained: answer.contained.map(containment_name),
-            distance: answer.distance,
+            verdict: match found.verdict {
+                Verdict::Certain => "certain",
+                Verdict::Excluded => "excluded",
+                Verdict::Open => "open",
+            },
+            surface: found.surface.map_or("unknown", surface_name),
+            solid: found.solid,
+            contained: found.contained.map(containment_name),
+            distance: answer.and_then(|answer| answer.distance),
+            separation: asks(DemandArg::Distance)
+                .then_some([found.separation.lo, found.separation.hi]),
             witness_a: witness(0),
             witness_b: witness(1),
-            triangle_pairs: asks(DemandArg::Regions).then_some(answer.triangle_pairs),
-            contacts: asks(DemandArg::Contacts).then(contacts),
-            regions: asks(DemandArg::Regions).then(regions),
-            tests: counters.node_tests + counters.triangle_tests + counters.inside_tests,
+            triangle_pairs: asked(DemandArg::Regions).map(|answer| answer.triangle_pairs),
+            contacts: asked(DemandArg::Contacts)
+                .map(|answer| answer.contacts.iter().map(ContactLine::new).collect()),
+            regions: asked(DemandArg::Regions)
+                .map(|answer| answer.regions.iter().map(RegionLine::new).collect()),
+            places: (asks(DemandArg::Contacts) && answer.is_none())
+                .then(|| found.places.iter().map(PlaceLine::new).collect()),
+            tests: counters.node_tests
+                + counters.triangle_tests
+                + counters.inside_tests
+                + counters.hull_steps,
             micros,
             closed_a: shown.closed[0],
             closed_b: shown.closed[1],
@@ -87,17 +113,22 @@ impl Line {
         let verdict = match (self.contained, self.solid) {
             (Some("A_in_B"), _) => "A in B",
             (Some(_), _) => "B in A",
-            (None, true) => "yes",
-            (None, false) => "no",
+            (None, Some(true)) => "yes",
+            (None, Some(false)) => "no",
+            (None, None) => "open",
         };
         let number =
             |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |x| format!("{x:.9e}"));
+        let distance = match (self.distance, self.separation) {
+            (None, Some([lo, hi])) => format!("{lo:.2e}..{hi:.2e}"),
+            (distance, _) => number(distance),
+        };
         let depth = self
             .regions
             .as_ref()
             .and_then(|regions| regions.iter().filter_map(|region| region.depth).reduce(f64::max));
         let count = self.regions.as_ref().map_or_else(|| "-".to_owned(), |r| r.len().to_string());
-        let (distance, depth) = (number(self.distance), number(depth));
+        let depth = number(depth);
         format!(
             "{:>6}  {:<7}  {:<6}  {:>17}  {:>7}  {:>17}  {:>9}  {:>10.1}",
             self.pose, self.surface, verdict, distance, count, depth, self.tests, self.micros
@@ -120,6 +151,16 @@ impl ContactLine {
             point_b: contact.point_b.to_array(),
             normal: contact.normal.to_array(),
             separation: contact.separation,
+        }
+    }
+}
+
+impl PlaceLine {
+    fn new(place: &Place) -> Self {
+        Self {
+            min: place.bounds.min.to_array(),
+            max: place.bounds.max.to_array(),
+            separation: [place.separation.lo, place.separation.hi],
         }
     }
 }

@@ -1,6 +1,7 @@
 //! End-to-end tests of the `cranny` command.
 #![allow(clippy::print_stdout, reason = "tests tell what they skipped and how much they saw")]
 
+mod accuracy;
 mod bad_input;
 mod corpus;
 mod dyadic;

@@ -135,6 +135,40 @@ fn an_open_mesh_says_so() {
 }
 
 #[test]
+fn levels_and_budgets_are_certain_of_what_they_tell() {
+    let cubes = Cubes::new();
+    let full = cubes.query(&[]).json_lines();
+    assert_eq!(column(&full, "verdict"), values(["excluded", "certain", "certain", "certain"]));
+    assert!(column(&full, "places").iter().all(Value::is_null));
+    for (options, verdicts) in [
+        (&["--accuracy", "boxes"][..], ["excluded", "open", "open", "open"]),
+        (&["--accuracy", "hulls"], ["excluded", "open", "open", "open"]),
+        (&["--accuracy", "caps"], ["excluded", "certain", "certain", "certain"]),
+        (&["--accuracy", "tree:9"], ["excluded", "certain", "certain", "certain"]),
+        (&["--budget", "0"], ["open"; 4]),
+        (&["--budget", "1", "--cold"], ["open"; 4]),
+        (&["--budget", "2", "--cold"], ["excluded", "open", "open", "open"]),
+        (&["--budget", "5000"], ["excluded", "certain", "certain", "certain"]),
+    ] {
+        let lines = cubes.query(options).json_lines();
+        assert_eq!(column(&lines, "verdict"), values(verdicts), "{options:?}");
+        for (line, full) in lines.iter().zip(&full) {
+            assert!(line["surface"] == full["surface"] || line["surface"] == "unknown");
+            assert!(line["distance"].is_null() && line["regions"].is_null());
+            let ends = |line: &Value| [0, 1].map(|i| line["separation"][i].as_f64());
+            let ([lo, hi], [least, most]) = (ends(line), ends(full));
+            assert!(lo.unwrap() <= most.unwrap(), "{line}");
+            assert!(hi.is_none_or(|hi| least.unwrap() <= hi), "{line}");
+            // Of bodies whose boxes are apart, no place is left where contact may be.
+            let open = line["verdict"] == "open" && line["pose"] != 0;
+            assert!(!open || !line["places"].as_array().unwrap().is_empty(), "{line}");
+        }
+    }
+    let text = cubes.query(&["--accuracy", "hulls", "--format", "text"]).stdout;
+    assert!(text.contains("unknown") && text.contains("open"), "{text}");
+}
+
+#[test]
 fn text_has_a_line_a_pose_below_a_heading() {
     let text = Cubes::new().query(&["--format", "text"]);
     let lines: Vec<&str> = text.stdout.lines().collect();

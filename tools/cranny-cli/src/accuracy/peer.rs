@@ -1,0 +1,123 @@
+//! parry's triangle meshes and convex decompositions, as rapier users have them.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::Model;
+use cranny_rapier::Detector;
+use parry3d::math::{Pose as NarrowPose, Rotation, Vector};
+use parry3d::query::{
+    ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher,
+    closest_points,
+};
+use parry3d::shape::SharedShape;
+
+use super::Told;
+use super::figures::Method;
+use crate::pose_file::PosePair;
+
+/// What manifolds are asked to foresee: next to nothing, as our regions do.
+const PREDICTION: f32 = 1e-4;
+
+/// A kind of shape of parry's.
+pub(super) struct Peer {
+    kind: Detector,
+    shapes: [SharedShape; 2],
+}
+
+impl Peer {
+    /// Those that are asked.
+    pub(super) const KINDS: [Detector; 2] =
+        [Detector::RapierTrimesh, Detector::RapierDecomposition];
+
+    /// Prepares both shapes.
+    ///
+    /// # Errors
+    ///
+    /// What the peer says, where it refuses a mesh or panics.
+    pub(super) fn new(kind: Detector, [a, b]: [&Model; 2]) -> Result<Self, String> {
+        let shape = |model: &Model| {
+            catch_unwind(AssertUnwindSafe(|| kind.shape(model, 0)))
+                .map_err(|_| "it panicked over the mesh".to_owned())?
+                .map_err(|error| error.to_string())
+        };
+        let first = shape(a)?;
+        let second = if a.is_same(b) { first.clone() } else { shape(b)? };
+        Ok(Self { kind, shapes: [first, second] })
+    }
+}
+
+impl Method for Peer {
+    fn name(&self) -> &'static str {
+        match self.kind {
+            Detector::RapierDecomposition => "parry-decomposition",
+            _ => "parry-trimesh",
+        }
+    }
+
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told {
+        let reach = 2.0 * (models[0].radius() + models[1].radius())
+            + poses[0].translation.distance(poses[1].translation);
+        let [p, q] = poses.map(single);
+        let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
+        // One call tells verdict, distance and points.
+        match closest_points(&p, a, &q, b, reach as f32) {
+            Ok(ClosestPoints::Intersecting) => {
+                Told { meets: Some(true), distance: Some(0.0), ..Told::default() }
+            }
+            Ok(ClosestPoints::WithinMargin(v, w)) => {
+                let witnesses = [double(v), double(w)];
+                let distance = witnesses[0].distance(witnesses[1]);
+                Told {
+                    meets: Some(distance == 0.0),
+                    distance: Some(distance),
+                    witnesses: Some(witnesses),
+                    ..Told::default()
+                }
+            }
+            Ok(ClosestPoints::Disjoint) => Told { meets: Some(false), ..Told::default() },
+            Err(_) => Told::default(),
+        }
+    }
+
+    fn contacts(&mut self, _: [&Model; 2], poses: PosePair) -> Vec<DVec3> {
+        let [p, q] = poses.map(single);
+        let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
+        let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+        let relative = p.inv_mul(&q);
+        let told = DefaultQueryDispatcher.contact_manifolds(
+            &relative,
+            a,
+            b,
+            PREDICTION,
+            &mut manifolds,
+            &mut None,
+        );
+        if told.is_err() {
+            return Vec::new();
+        }
+        let at = |pose: &NarrowPose, part: Option<&NarrowPose>, point: Vector| {
+            double(*pose * part.map_or(point, |part| *part * point))
+        };
+        let middles = manifolds.iter().flat_map(|manifold| {
+            manifold.points.iter().map(|contact| {
+                let v = at(&p, manifold.subshape_pos1(), contact.local_p1);
+                let w = at(&q, manifold.subshape_pos2(), contact.local_p2);
+                0.5 * (v + w)
+            })
+        });
+        middles.collect()
+    }
+}
+
+fn single(pose: Pose) -> NarrowPose {
+    let (t, r) = (pose.translation, pose.rotation);
+    NarrowPose::from_parts(
+        Vector::new(t.x as f32, t.y as f32, t.z as f32),
+        Rotation::from_xyzw(r.x as f32, r.y as f32, r.z as f32, r.w as f32),
+    )
+}
+
+fn double(v: Vector) -> DVec3 {
+    DVec3::new(v.x.into(), v.y.into(), v.z.into())
+}
