@@ -27,12 +27,6 @@ const REDRAWS_PER_SECOND: u8 = 5;
 ///
 /// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
-    if args.threads.get() != 1 {
-        return Err(Failure::input(format!(
-            "--threads {}: more than one thread comes with a later version. Leave the option out",
-            args.threads
-        )));
-    }
     let scene = load(&args.scene, args.seed)?;
     let names_cameras = !scene.description.cameras.is_empty();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
@@ -40,6 +34,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         plugins: PluginOptions {
             detector: detector(args.detector),
             helices: helices(&scene),
+            threads: Some(args.threads),
             ..PluginOptions::default()
         },
         step: args.dt,

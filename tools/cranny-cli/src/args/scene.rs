@@ -60,8 +60,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
 
-    /// Number of threads: only 1 so far
-    #[arg(long, value_name = "N", default_value = "1")]
+    /// Threads for the pairs that no solver detects; results are the same with any number
+    #[arg(long, value_name = "N", value_parser = threads, default_value = "1")]
     pub(crate) threads: NonZeroUsize,
 
     /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
@@ -106,6 +106,10 @@ fn seconds(text: &str) -> Result<f64, String> {
         Ok(_) => Err("a time must be finite and above 0 seconds".to_owned()),
         Err(_) => Err("a time is a number of seconds, such as 0.0041667".to_owned()),
     }
+}
+
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "a number of threads is 1 or more, such as 4".to_owned())
 }
 
 #[cfg(test)]
