@@ -115,6 +115,7 @@ impl SceneApp {
             scene: scene.name.clone(),
             scene_hash: scene_hash(&scene, options.source.as_deref()),
             detector: detector_name(options),
+            threads: u32::try_from(options.plugins.thread_count().get()).unwrap_or(u32::MAX),
             seed: scene.seed,
             skipped: what_is_skipped(&scene, &plugins, options),
             outputs: Vec::new(),

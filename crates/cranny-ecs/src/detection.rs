@@ -1,6 +1,7 @@
 //! Detection by the world: what `Trigger` and `Contacts` need of pairs that no solver detects.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -78,8 +79,10 @@ impl DetectionPlugin {
         scene: &SceneDescription,
         models: &[Model],
         effects: &EffectTable,
+        threads: NonZeroUsize,
     ) -> Result<Self, SceneAppError> {
         let mut world = PairWorld::new();
+        world.set_threads(threads)?;
         world.set_scene_effects(&scene.effects)?;
         for (body, model) in scene.bodies.iter().zip(models) {
             world.insert(BodySpec {

@@ -1,6 +1,8 @@
 //! The plugin group of a scene: one plugin an effect, and none for effects that the scene does not
 //! name.
 
+use std::num::NonZeroUsize;
+
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -34,6 +36,15 @@ pub struct PluginOptions {
     pub length_unit: Option<f64>,
     /// Pairs whose screw motion is followed.
     pub helices: Vec<Helix>,
+    /// How many threads answer the pairs that the world detects; `None`: the caller's own. A solver
+    /// detects its pairs in its own thread. More than one needs the feature `parallel`.
+    pub threads: Option<NonZeroUsize>,
+}
+
+impl PluginOptions {
+    pub(crate) fn thread_count(&self) -> NonZeroUsize {
+        self.threads.unwrap_or(NonZeroUsize::MIN)
+    }
 }
 
 /// The plugins of a scene: add them to an `App`, then run [`CrannyStep`] however often you like (or
@@ -93,8 +104,9 @@ impl CrannyPlugins {
         if effects.names(EffectKind::Response) {
             return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
         }
-        let detection =
-            detects.then(|| DetectionPlugin::new(scene, &models, &effects)).transpose()?;
+        let detection = detects
+            .then(|| DetectionPlugin::new(scene, &models, &effects, options.thread_count()))
+            .transpose()?;
         Ok(Self {
             core: CorePlugin::new(scene, models, effects.clone()),
             detection,

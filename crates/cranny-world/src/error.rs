@@ -1,5 +1,7 @@
 //! What can be wrong with a call, and what can be wrong with the structure.
 
+use std::num::NonZeroUsize;
+
 use cranny_broad_phase::BroadPhaseError;
 use cranny_exact::PoseError;
 use cranny_narrow_phase::QueryError;
@@ -54,6 +56,14 @@ pub enum WorldError {
         name: String,
         /// What is wrong with it.
         source: PoseError,
+    },
+    /// There are no such threads.
+    #[error("{threads} threads for pairs cannot be had: {why}")]
+    Threads {
+        /// How many were asked for.
+        threads: NonZeroUsize,
+        /// What the system says, or which feature is missing.
+        why: String,
     },
     /// The broad phase refused the body's box.
     #[error("body '{name}' does not fit the broad phase: {source}")]

@@ -13,6 +13,8 @@
 //!   again; the order of calls between two steps changes nothing.
 //! - **Began and Ended alternate** for every pair, also when a body is removed or an effect is taken
 //!   away while the bodies touch.
+//! - **Any number of threads, the same answers** (feature `parallel`): pairs are answered by a pool
+//!   if [`World::set_threads`] asks for one, and are told in order of ids, equal to the bit.
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises
@@ -49,6 +51,7 @@
 
 mod body;
 mod bounds;
+mod crew;
 mod demand;
 pub mod description;
 mod error;

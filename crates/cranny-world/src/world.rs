@@ -1,13 +1,15 @@
 //! The world: bodies by id, pairs by their boxes, and the step that answers what is asked.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::num::NonZeroUsize;
 
 use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Query, query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 
 use crate::body::{Body, BodyId, BodySpec};
 use crate::bounds::world_box;
+use crate::crew::{Crew, Job};
 use crate::demand::Wish;
 use crate::description::{BodyKind, Effect};
 use crate::error::{WorldError, WorldInvariantError};
@@ -32,6 +34,7 @@ pub struct World {
     broad_phase: AdaptiveBroadPhase,
     /// Of pairs whose boxes overlapped at the last step and about which something is asked.
     memories: BTreeMap<Pair, PairMemory>,
+    crew: Crew,
     supplied: BTreeMap<Pair, Answer>,
     /// Pairs with a demand that touched at the last step.
     touching: BTreeSet<Pair>,
@@ -312,6 +315,18 @@ impl World {
         Ok(StepReport { step, answers, events, stats })
     }
 
+    /// Says how many threads answer pairs from now on; until then one does, the caller's. Answers are the
+    /// same to the bit with any number. A world that is cloned shares its threads with the clone.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::Threads`] for more than one where the feature `parallel` is missing or the system
+    /// refuses them. Those there were stay.
+    pub fn set_threads(&mut self, threads: NonZeroUsize) -> Result<(), WorldError> {
+        self.crew = Crew::of(threads).map_err(|why| WorldError::Threads { threads, why })?;
+        Ok(())
+    }
+
     /// How many steps were made: the number that the next one will carry.
     #[must_use]
     pub fn steps(&self) -> u64 {
@@ -333,6 +348,7 @@ impl World {
         }
     }
 
+    /// Answers what is asked about pairs whose boxes overlap, but for what was supplied.
     fn query_candidates(&mut self) -> Result<Vec<PairAnswer>, WorldError> {
         let mut memories = std::mem::take(&mut self.memories);
         let answers = self.query_with(&mut memories);
@@ -344,10 +360,10 @@ impl World {
         &self,
         memories: &mut BTreeMap<Pair, PairMemory>,
     ) -> Result<Vec<PairAnswer>, WorldError> {
-        let mut answers = Vec::new();
+        let (mut pairs, mut jobs) = (Vec::new(), Vec::new());
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
-            let (body_a, body_b) = (self.known(a)?, self.known(b)?);
+            let bodies @ [body_a, body_b] = [self.known(a)?, self.known(b)?];
             let demand = self.demand(pair, body_a, body_b);
             if demand == Demand::None {
                 memories.remove(&pair);
@@ -356,16 +372,25 @@ impl World {
             if self.supplied.contains_key(&pair) {
                 continue;
             }
-            let memory = memories.entry(pair).or_default();
-            let answer = query(body_a.placed(), body_b.placed(), &Query::of(demand), memory)
-                .map_err(|source| WorldError::Query {
-                    a: body_a.name.clone(),
-                    b: body_b.name.clone(),
-                    source,
-                })?;
-            answers.push(PairAnswer { a, b, answer });
+            pairs.push(pair);
+            let memory = memories.remove(&pair).unwrap_or_default();
+            jobs.push(Job { bodies, query: Query::of(demand), memory });
         }
-        Ok(answers)
+        let answers = self.crew.answer(&mut jobs);
+        let names = |[a, b]: [&Body; 2]| (a.name.clone(), b.name.clone());
+        let mut told = Vec::with_capacity(answers.len());
+        let mut refused = None;
+        for ((pair @ (a, b), job), answer) in pairs.into_iter().zip(jobs).zip(answers) {
+            memories.insert(pair, job.memory);
+            match answer {
+                Ok(answer) => told.push(PairAnswer { a, b, answer }),
+                Err(source) => {
+                    let (a, b) = names(job.bodies);
+                    refused.get_or_insert(WorldError::Query { a, b, source });
+                }
+            }
+        }
+        refused.map_or(Ok(told), Err)
     }
 
     /// Replaces the set of touching pairs and tells the difference.

@@ -37,6 +37,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         plugins: PluginOptions {
             detector: detector(args.detector),
             helices: helices(&scene),
+            threads: Some(args.threads),
             ..PluginOptions::default()
         },
         step: args.dt,

@@ -104,10 +104,13 @@ fn the_summary_has_every_field_of_the_contract() {
     let motion = &line["motion"][0];
     assert_eq!(motion["body"], "box");
     assert!((motion["displacement"][2].as_f64().unwrap() + 0.25).abs() < 0.02, "{motion}");
-    // The same command gives the same state, and a seed that nothing reads does not change it.
-    let again = run_json(&scene, &["--seed", "7"]);
+    // The same command gives the same state; neither a seed that nothing reads nor threads change it.
+    let again = run_json(&scene, &["--seed", "7", "--threads", "3"]);
     assert_eq!(again["state_hash"], line["state_hash"]);
-    assert_eq!(again["seed"], 7);
+    assert_eq!(
+        (&line["threads"], &again["threads"], &again["seed"]),
+        (&1.into(), &3.into(), &7.into())
+    );
 }
 
 #[test]
@@ -159,9 +162,11 @@ fn the_text_summary_names_what_matters() {
 #[test]
 fn what_later_versions_bring_is_refused_as_such() {
     let (_folder, scene) = scene();
-    for (flag, value) in [("--accuracy", "hulls"), ("--threads", "2")] {
-        let refused = cranny(&["run", &scene, flag, value]);
-        assert_refused(&refused, 2, &[flag, value, "later version"]);
+    let refused = cranny(&["run", &scene, "--accuracy", "hulls"]);
+    assert_refused(&refused, 2, &["--accuracy", "hulls", "later version"]);
+    for none in ["0", "two"] {
+        let refused = cranny(&["run", &scene, "--threads", none]);
+        assert_refused(&refused, 2, &["--threads", none, "1 or more"]);
     }
     assert_refused(&cranny(&["run", "nowhere.ron"]), 2, &["nowhere.ron"]);
 }

@@ -59,9 +59,9 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
 
-    /// Number of threads: only 1 so far
-    #[arg(long, value_name = "N", default_value = "1", value_parser = threads)]
-    pub(crate) threads: usize,
+    /// Threads for the pairs that no solver detects; results are the same with any number
+    #[arg(long, value_name = "N", value_parser = threads, default_value = "1")]
+    pub(crate) threads: NonZeroUsize,
 
     /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
     #[arg(long, value_name = "OUT.mcap")]
@@ -98,16 +98,9 @@ pub(crate) enum DetectorArg {
     RapierDecomposition,
 }
 
-/// The only number of threads there is so far.
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse::<usize>() {
-        Ok(1) => Ok(1),
-        Ok(0) => Err("at least one thread is needed; leave the option out".to_owned()),
-        Ok(_) => {
-            Err("more than one thread comes with a later version; leave the option out".to_owned())
-        }
-        Err(_) => Err("a number of threads, such as 1".to_owned()),
-    }
+/// A number of threads.
+fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse().map_err(|_| "a number of threads is 1 or more, such as 4".to_owned())
 }
 
 /// A length of time above 0.
@@ -124,12 +117,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_thread_it_is() {
-        assert_eq!(threads("1"), Ok(1));
-        for (text, why) in
-            [("0", "at least one"), ("2", "later"), ("-1", "number"), ("x", "number")]
-        {
-            assert!(threads(text).unwrap_err().contains(why), "{text}");
+    fn there_is_at_least_one_thread() {
+        assert_eq!(threads("3").map(NonZeroUsize::get), Ok(3));
+        for text in ["0", "-1", "x", ""] {
+            assert!(threads(text).unwrap_err().contains("1 or more"), "{text:?}");
         }
     }
 

@@ -1,0 +1,65 @@
+//! Who answers the pairs of a step: the caller's thread, or several of a pool.
+//!
+//! A pair is a function of its two bodies, its query and its own memory; so it does not matter who answers
+//! it, nor when. Answers come back in the order of the pairs.
+
+use std::num::NonZeroUsize;
+
+use cranny_narrow_phase::{Answer, PairMemory, Query, QueryError, query};
+
+use crate::body::Body;
+
+/// One pair, on its way to an answer.
+pub(crate) struct Job<'w> {
+    pub(crate) bodies: [&'w Body; 2],
+    pub(crate) query: Query,
+    pub(crate) memory: PairMemory,
+}
+
+impl Job<'_> {
+    fn answer(&mut self) -> Result<Answer, QueryError> {
+        let [a, b] = self.bodies;
+        query(a.placed(), b.placed(), &self.query, &mut self.memory)
+    }
+}
+
+/// The threads that answer.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Crew {
+    #[cfg(feature = "parallel")]
+    pool: Option<std::sync::Arc<rayon::ThreadPool>>,
+}
+
+impl Crew {
+    /// A crew of so many threads; of one, the caller's own. Or why there is none.
+    pub(crate) fn of(threads: NonZeroUsize) -> Result<Self, String> {
+        if threads == NonZeroUsize::MIN {
+            return Ok(Self::default());
+        }
+        Self::of_several(threads)
+    }
+
+    #[cfg(feature = "parallel")]
+    fn of_several(threads: NonZeroUsize) -> Result<Self, String> {
+        let name = |i| format!("pairs {i}");
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).thread_name(name);
+        let pool = builder.build().map_err(|error| error.to_string())?;
+        Ok(Self { pool: Some(pool.into()) })
+    }
+
+    #[cfg(not(feature = "parallel"))]
+    fn of_several(_: NonZeroUsize) -> Result<Self, String> {
+        Err("this program was built without the feature `parallel` of cranny-world".into())
+    }
+
+    /// Answers all jobs, in their order.
+    pub(crate) fn answer(&self, jobs: &mut [Job]) -> Vec<Result<Answer, QueryError>> {
+        #[cfg(feature = "parallel")]
+        if let Some(pool) = &self.pool {
+            use rayon::prelude::*;
+            // One by one: pairs differ in cost by orders of magnitude.
+            return pool.install(|| jobs.par_iter_mut().with_max_len(1).map(Job::answer).collect());
+        }
+        jobs.iter_mut().map(Job::answer).collect()
+    }
+}

@@ -1,0 +1,66 @@
+//! The same world under one thread and under several: every answer, event and count is equal.
+
+use std::num::NonZeroUsize;
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::{BuildOptions, Model};
+use cranny_shapes::Torus;
+use cranny_world::description::Effect;
+use cranny_world::{BodySpec, World};
+
+/// 27 rings so close that each meets several others, in all demands at once.
+fn rings() -> World {
+    let mesh = Torus { major_segments: 16, minor_segments: 8, ..Torus::default() }.build().unwrap();
+    let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
+    let mut world = World::new();
+    world.set_scene_effects(&[Effect::Trigger, Effect::Contacts { margin: 0.05 }]).unwrap();
+    for i in 0..27 {
+        world
+            .insert(BodySpec { pose: pose(i, 0), ..BodySpec::new(i.to_string(), model.clone()) })
+            .unwrap();
+    }
+    world
+}
+
+/// Every ring turns about an axis of its own; none twice as fast as another.
+fn pose(ring: u32, step: u32) -> Pose {
+    let place = DVec3::new((ring % 3).into(), (ring / 3 % 3).into(), (ring / 9).into());
+    let angle = f64::from(step) * 0.02 * (1.0 + f64::from(ring % 5) / 8.0);
+    let axis = DVec3::new(1.0, f64::from(ring % 4), f64::from(ring % 7)).normalize();
+    Pose {
+        translation: 1.7 * place,
+        rotation: DQuat::from_axis_angle(axis, angle + f64::from(ring)),
+    }
+}
+
+#[test]
+fn any_number_of_threads_tells_the_same() {
+    let mut alone = rings();
+    let mut crews: Vec<World> = [2, 3, 8]
+        .into_iter()
+        .map(|threads| {
+            let mut world = rings();
+            world.set_threads(NonZeroUsize::new(threads).unwrap()).unwrap();
+            world
+        })
+        .collect();
+    let (mut answers, mut events) = (0, 0);
+    for step in 1..=6 {
+        for world in crews.iter_mut().chain([&mut alone]) {
+            let ids: Vec<_> = world.bodies().map(|(id, _)| id).collect();
+            ids.iter().for_each(|&id| world.set_pose(id, pose(id.0, step)).unwrap());
+        }
+        // Half-way through, the threads change.
+        if step == 4 {
+            crews[0].set_threads(NonZeroUsize::MIN).unwrap();
+            crews[1].set_threads(NonZeroUsize::new(2).unwrap()).unwrap();
+        }
+        let expected = alone.step().unwrap();
+        (answers, events) = (answers + expected.answers.len(), events + expected.events.len());
+        for world in &mut crews {
+            assert_eq!(format!("{:?}", world.step().unwrap()), format!("{expected:?}"));
+            world.validate().unwrap();
+        }
+    }
+    assert!(answers > 200 && events > 10, "{answers} answers, {events} events");
+}
