@@ -1,5 +1,6 @@
 //! Arguments of the commands that take a scene.
 
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
