@@ -185,7 +185,7 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
 
-    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:LAYER or findings (see below)
+    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:DEPTH or findings (see below)
     /// [default: classes]
     #[arg(long, value_name = "WHAT", value_parser = show, requires = "render")]
     pub(crate) show: Option<Show>,
@@ -220,14 +220,16 @@ lid and no faces beneath: the mesh is open there. With --format json all are lis
   parent              what surrounds one without a lid, or null
   tree_nodes          boxes of its tree; envelope_layers, envelope_depth, envelope_facets likewise
 skin_volume is what else lies between hull and body: pockets as thin as rounding.
-bytes is the size of the saved model, null without --save.
+bytes is the size of the saved model, null without --save. Of a saved model that is inspected,
+filed_vertices, filed_faces, deviation and repairs are null: it does not say; --repair and --weld need
+the mesh.
 
 Pictures:
   classes         on the hull grey; concavities in colours, their caps translucent, loops dark
   patches         the surface's patches; neighbours differ in colour
   boxes:LEVEL     the boxes of a level of the concavities' trees, from 0, the roots
-  envelope:LAYER  a layer of the concavities' envelopes, from 0, the first below the cap; each face in the
-                  colour of the facet that it lies beneath
+  envelope:DEPTH  the layers of the concavities' envelopes at a depth, from 0, the first below the cap; each
+                  face in the colour of the facet that it lies beneath
   findings        the faces concerned, and a dot at each
 In all of them, open edges are red, edges of more than two faces violet, and edges along which the
 faces' orientations contradict orange.

@@ -41,6 +41,9 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
         ..BuildOptions::default()
     };
     let loaded = load_with_report(&args.mesh, &options)?;
+    picture::check(&loaded.model, args.show.unwrap_or_default()).map_err(|why| {
+        Failure::input(format!("--show, for {}: {why}. Choose less.", args.mesh.display()))
+    })?;
     let mut summary = Summary::new(&args.mesh, &loaded);
     let mut failed = None;
     if let Some(path) = &args.save {

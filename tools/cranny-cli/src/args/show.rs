@@ -14,7 +14,7 @@ pub(crate) enum Show {
     Patches,
     /// The boxes of one level of the concavities' trees, 0 the roots.
     Boxes(usize),
-    /// One layer of the concavities' envelopes, 0 the first, next to the cap.
+    /// The layers of the concavities' envelopes at one depth, 0 the first, next to the cap.
     Envelope(usize),
     /// Where findings are.
     Findings,
@@ -57,7 +57,7 @@ impl Up {
     }
 }
 
-/// Reads `classes`, `patches`, `boxes:LEVEL`, `envelope:LAYER` or `findings`.
+/// Reads `classes`, `patches`, `boxes:LEVEL`, `envelope:DEPTH` or `findings`.
 pub(super) fn show(text: &str) -> Result<Show, String> {
     let (what, level) = match text.split_once(':') {
         Some((what, level)) => (what, Some(level)),
@@ -73,9 +73,9 @@ pub(super) fn show(text: &str) -> Result<Show, String> {
         ("patches", None) => Ok(Show::Patches),
         ("findings", None) => Ok(Show::Findings),
         ("boxes", _) => number(Show::Boxes, "level"),
-        ("envelope", _) => number(Show::Envelope, "layer"),
+        ("envelope", _) => number(Show::Envelope, "depth"),
         ("classes" | "patches" | "findings", Some(_)) => Err(format!("{what} has no levels")),
-        _ => Err("choose classes, patches, boxes:LEVEL, envelope:LAYER or findings".to_owned()),
+        _ => Err("choose classes, patches, boxes:LEVEL, envelope:DEPTH or findings".to_owned()),
     }
 }
 

@@ -39,6 +39,21 @@ pub(super) enum Trouble {
     Failed(Failure),
 }
 
+/// Refuses a level or a depth at which nothing is, naming the last at which something is.
+pub(super) fn check(model: &Model, show: Show) -> Result<(), String> {
+    let (asked, last, what) = match show {
+        Show::Boxes(level) => (level, classes::last_level(model), "boxes"),
+        Show::Envelope(depth) => (depth, envelope::last_depth(model), "envelope"),
+        Show::Classes | Show::Patches | Show::Findings => return Ok(()),
+    };
+    match asked <= last {
+        true => Ok(()),
+        false => {
+            Err(format!("nothing lies deeper than {what}:{last}, and {what}:{asked} was asked for"))
+        }
+    }
+}
+
 /// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours mean.
 pub(super) fn draw(
     model: &Model,
@@ -150,6 +165,24 @@ mod tests {
             let [x, y, z] = DVec3::AXES.map(|axis| up.upright(axis));
             assert_eq!(x.cross(y).dot(z), 1.0, "a turn, no reflection");
         }
+    }
+
+    #[test]
+    fn what_lies_too_deep_is_refused() {
+        let (model, _) = Model::build(cup(), &BuildOptions::default()).unwrap();
+        let last = [classes::last_level(&model), envelope::last_depth(&model)];
+        // Leaves of two faces, layers of sixteen facets: the 96 faces of a cup go deeper than one.
+        assert!(last.iter().all(|&last| (1..12).contains(&last)), "{last:?}");
+        for (show, of) in [(Show::Boxes as fn(usize) -> Show, last[0]), (Show::Envelope, last[1])] {
+            assert!(check(&model, show(of)).is_ok());
+            let refused = check(&model, show(of + 1)).unwrap_err();
+            assert!(refused.contains(&format!(":{of}, ")), "{refused}");
+        }
+        // Nothing at all to show: the first level is no error.
+        let cube = cranny_shapes::Cuboid::default().build().unwrap();
+        let (model, _) = Model::build(cube, &BuildOptions::default()).unwrap();
+        assert!(check(&model, Show::Boxes(0)).is_ok() && check(&model, Show::Boxes(1)).is_err());
+        assert!(check(&model, Show::Classes).is_ok());
     }
 
     #[test]

@@ -18,9 +18,10 @@ pub(super) struct Summary {
     pub(super) format: &'static str,
     pub(super) digest: String,
     pub(super) vertices: usize,
-    pub(super) filed_vertices: usize,
+    /// As read; null, like the other three of origin, for a saved model, which does not say.
+    pub(super) filed_vertices: Option<usize>,
     pub(super) faces: usize,
-    pub(super) filed_faces: usize,
+    pub(super) filed_faces: Option<usize>,
     pub(super) components: usize,
     pub(super) closed: bool,
     pub(super) oriented: bool,
@@ -29,11 +30,11 @@ pub(super) struct Summary {
     pub(super) area: f64,
     pub(super) weld_distance: f64,
     /// The prepared surface is the filed one within this distance.
-    pub(super) deviation: f64,
+    pub(super) deviation: Option<f64>,
     pub(super) findings: Vec<FindingLine>,
     /// Whether every pair of faces was looked at; if not, more may cross or touch.
     pub(super) findings_complete: bool,
-    pub(super) repairs: Vec<RepairLine>,
+    pub(super) repairs: Option<Vec<RepairLine>>,
     pub(super) hull: HullLine,
     pub(super) features: FeaturesLine,
     pub(super) concavities: Vec<ConcavityLine>,
@@ -148,7 +149,7 @@ pub(super) struct Skipped {
 impl Summary {
     /// The report of a prepared model.
     pub(super) fn new(path: &Path, loaded: &LoadedModel) -> Self {
-        let LoadedModel { model, report, format, notes, times } = loaded;
+        let LoadedModel { model, report, knows_origin, format, notes, times } = loaded;
         let bounds = model.bounds();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
         Self {
@@ -157,9 +158,9 @@ impl Summary {
             format,
             digest: model.digest().iter().map(|byte| format!("{byte:02x}")).collect(),
             vertices: report.vertices,
-            filed_vertices: report.filed_vertices,
+            filed_vertices: knows_origin.then_some(report.filed_vertices),
             faces: report.faces,
-            filed_faces: report.filed_faces,
+            filed_faces: knows_origin.then_some(report.filed_faces),
             components: report.components,
             closed: report.closed,
             oriented: report.oriented,
@@ -167,10 +168,10 @@ impl Summary {
             volume: report.volume,
             area: report.area,
             weld_distance: report.weld_distance,
-            deviation: report.deviation,
+            deviation: knows_origin.then_some(report.deviation),
             findings: report.findings.iter().map(FindingLine::new).collect(),
             findings_complete: report.meetings == MeetingScan::Complete,
-            repairs: report.repairs.iter().map(RepairLine::new).collect(),
+            repairs: knows_origin.then(|| report.repairs.iter().map(RepairLine::new).collect()),
             hull: HullLine::new(model),
             features: FeaturesLine::new(model),
             concavities: model

@@ -62,7 +62,7 @@ pub(super) fn page(summary: &Summary) -> String {
     row("digest", summary.digest.clone());
     concavities::table(&mut lines, &summary.concavities);
     list(&mut lines, "notes from reading", summary.notes.iter().cloned());
-    list(&mut lines, "repairs", summary.repairs.iter().map(|repair| repair.text.clone()));
+    list(&mut lines, "repairs", summary.repairs.iter().flatten().map(|repair| repair.text.clone()));
     findings(&mut lines, &summary.findings);
     if !summary.findings_complete {
         lines.push("  - too many faces meet: the search for them was given up".to_owned());
@@ -74,24 +74,25 @@ pub(super) fn page(summary: &Summary) -> String {
 }
 
 fn vertices(summary: &Summary) -> String {
-    match summary.filed_vertices == summary.vertices {
-        true => summary.vertices.to_string(),
-        false => format!("{} ({} in the file)", summary.vertices, summary.filed_vertices),
-    }
+    as_filed(summary.vertices, summary.filed_vertices)
 }
 
 fn faces(summary: &Summary) -> String {
-    match summary.filed_faces == summary.faces {
-        true => summary.faces.to_string(),
-        false => format!("{} ({} in the file)", summary.faces, summary.filed_faces),
+    as_filed(summary.faces, summary.filed_faces)
+}
+
+fn as_filed(count: usize, filed: Option<usize>) -> String {
+    match filed {
+        Some(filed) if filed != count => format!("{count} ({filed} in the file)"),
+        _ => count.to_string(),
     }
 }
 
 /// What 'the same place' meant, and how far repairs moved the surface.
 fn within(summary: &Summary) -> String {
     match summary.deviation {
-        0.0 => number(summary.weld_distance),
-        off => format!(
+        None | Some(0.0) => number(summary.weld_distance),
+        Some(off) => format!(
             "{}; the surface is the filed one within {}",
             number(summary.weld_distance),
             number(off)

@@ -22,7 +22,7 @@ pub(crate) fn is_model(path: &Path) -> bool {
 ///
 /// # Errors
 ///
-/// A missing or broken file; a scale or a repair, which need the mesh.
+/// A missing or broken file; a scale, a repair or a weld distance, which need the mesh.
 pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Model, Failure> {
     let needs_mesh = |what: &str| {
         Err(Failure::input(format!(
@@ -35,6 +35,9 @@ pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Mo
     }
     if options.repair != Repair::None {
         return needs_mesh("--repair");
+    }
+    if options.tolerance.is_some() {
+        return needs_mesh("--weld");
     }
     let bytes = fs::read(path).map_err(|error| {
         let kind = error.kind();
@@ -55,7 +58,7 @@ pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Mo
 ///
 /// # Errors
 ///
-/// As [`load`]; a weld distance that is too large for it.
+/// As [`load`].
 pub(super) fn load_with_report(
     path: &Path,
     options: &BuildOptions,
@@ -64,12 +67,14 @@ pub(super) fn load_with_report(
     let model = load(path, 1.0, options)?;
     let mut times = Times { read: start.elapsed(), ..Times::default() };
     let start = Instant::now();
-    let report = model.survey(options).map_err(|error| {
-        Failure::input(format!("model file {}: {error}. Choose another --weld.", path.display()))
-    })?;
+    let report = model
+        .survey(options)
+        .map_err(|error| Failure::input(format!("model file {}: {error}.", path.display())))?;
     times.scan = start.elapsed();
-    let notes = vec!["saved models do not say what was mended before".to_owned()];
-    Ok(LoadedModel { model, report, format: "saved model", notes, times })
+    let notes =
+        vec!["a saved model does not say what was filed and mended before it was saved".to_owned()];
+    let format = "saved model";
+    Ok(LoadedModel { model, report, knows_origin: false, format, notes, times })
 }
 
 /// Writes a model under a partial name, which is its own when all is there; returns the number of bytes.

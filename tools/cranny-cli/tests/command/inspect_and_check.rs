@@ -4,7 +4,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::Mesh;
 use cranny_shapes::{Cuboid, Cup, LPrism};
 
-use crate::harness::{Folder, cranny, run, run_command};
+use crate::harness::{Folder, argument, cranny, run, run_command};
 
 #[test]
 fn a_sound_mesh_has_volume_and_no_findings() {
@@ -113,7 +113,7 @@ fn each_view_is_a_picture_with_a_legend_of_its_own() {
         ("classes", "concavities by number: blue 0"),
         ("patches", "patches in colours"),
         ("boxes:1", "level 1 of the concavities' trees: 2"),
-        ("envelope:0", "layer 0 of the envelopes"),
+        ("envelope:0", "layers of the envelopes at depth 0"),
         ("findings", "blue: coplanar adjacent"),
     ] {
         let mut command = cranny();
@@ -130,6 +130,11 @@ fn each_view_is_a_picture_with_a_legend_of_its_own() {
     pictures.sort();
     pictures.dedup();
     assert_eq!(pictures.len(), 5);
+    let never = argument(&folder.path("never.png"));
+    for deep in ["boxes:99", "envelope:99"] {
+        run(&["inspect", &mesh, "--render", &never, "--show", deep])
+            .assert_refused(2, &["cup.obj", deep, "nothing lies deeper than"]);
+    }
     let refused = run(&["inspect", &mesh, "--show", "classes"]);
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("--render"), "{refused:?}");

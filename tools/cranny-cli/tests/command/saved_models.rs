@@ -20,6 +20,9 @@ fn a_saved_model_answers_as_its_mesh_does() {
 
     let loaded = &run(&["inspect", &model, "--format", "json"]).json_lines()[0];
     assert_eq!(loaded["format"], "saved model");
+    for unknown in ["filed_vertices", "filed_faces", "deviation", "repairs"] {
+        assert!(loaded[unknown].is_null() && !saved[unknown].is_null(), "{unknown}");
+    }
     for same in ["digest", "faces", "volume", "area", "findings", "hull", "concavities", "patches"]
     {
         assert_eq!(loaded[same], saved[same], "{same}");
@@ -50,6 +53,12 @@ fn a_broken_model_is_refused_with_what_to_do() {
     other[100] ^= 1;
     let damaged = folder.write("damaged.cranny", other);
     run(&["inspect", &damaged]).assert_refused(2, &["damaged.cranny", "checksum"]);
+    let mut newer = bytes.clone();
+    newer[8] += 1;
+    let newer = folder.write("newer.cranny", newer);
+    run(&["inspect", &newer]).assert_refused(2, &["newer.cranny", "version", "Prepare the mesh"]);
+    let head = folder.write("head.cranny", &bytes[..12]);
+    run(&["inspect", &head]).assert_refused(2, &["head.cranny", "12 bytes", "cut off", "Copy"]);
     let text = folder.write("text.cranny", "v 0 0 0\n");
     run(&["inspect", &text]).assert_refused(2, &["text.cranny", "no saved model", "--save"]);
     run(&["inspect", "nowhere.cranny"]).assert_refused(2, &["nowhere.cranny"]);
@@ -58,6 +67,7 @@ fn a_broken_model_is_refused_with_what_to_do() {
     run(&["query", &model, &mesh, "--poses", &poses, "--scale-a", "2"])
         .assert_refused(2, &["a scale needs the mesh"]);
     run(&["inspect", &model, "--repair", "safe"]).assert_refused(2, &["--repair needs the mesh"]);
+    run(&["inspect", &model, "--weld", "1e-6"]).assert_refused(2, &["--weld needs the mesh"]);
 }
 
 #[test]

@@ -82,6 +82,20 @@ pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
     ));
 }
 
+/// The last level of the concavities' trees.
+pub(super) fn last_level(model: &Model) -> usize {
+    let trees = model.concavity_trees();
+    let mut open: Vec<_> = (0..trees.len()).filter_map(|t| trees.root(t)).map(|n| (n, 0)).collect();
+    let mut last = 0;
+    while let Some((node, level)) = open.pop() {
+        last = last.max(level);
+        if let Content::Inner { left, right } = trees.arena().content(node) {
+            open.extend([(left, level + 1), (right, level + 1)]);
+        }
+    }
+    last
+}
+
 fn boxes(model: &Model, tree: usize, level: usize) -> Vec<Aabb> {
     let trees = model.concavity_trees();
     let mut open: Vec<_> = trees.root(tree).map(|root| (root, 0)).into_iter().collect();

@@ -2,7 +2,7 @@
 
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::envelope::{EnvelopeFacet, HalfSpace};
-use cranny_geometry::{EnvelopeFacetId, Envelopes, FaceId, LayerId};
+use cranny_geometry::{EnvelopeFacetId, Envelopes, FaceId, LayerId, Model};
 use cranny_render::palette;
 
 use super::canvas::Canvas;
@@ -17,8 +17,8 @@ struct Shown {
     polygon: Vec<DVec3>,
 }
 
-/// The facets of one layer, and the faces in the colours of the facets that they lie beneath; where
-/// an envelope ends before, its last layer.
+/// The facets of the layers at a depth, and the faces in the colours of the facets that they lie beneath;
+/// where an envelope ends before, its last layer.
 pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
     let envelopes = canvas.model.envelopes();
     let mut shown = Vec::new();
@@ -40,9 +40,25 @@ pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
         canvas.add_loop(polygon, palette(color), OUTLINE);
     }
     let count = shown.len();
-    canvas.legend.push(format!("layer {depth} of the envelopes, translucent: {count} facets"));
+    canvas
+        .legend
+        .push(format!("layers of the envelopes at depth {depth}, translucent: {count} facets"));
     canvas.legend.push("faces have the colour of the facet that they lie beneath".to_owned());
     canvas.legend.push("grey: faces on the hull, or beneath no facet of this layer".to_owned());
+}
+
+/// How deep the envelopes' layers nest, 0 where there is one beneath each cap.
+pub(super) fn last_depth(model: &Model) -> usize {
+    let all = model.envelopes();
+    let first = (0..all.len()).filter_map(|index| all.envelope(index).first_layer());
+    let mut open: Vec<(LayerId, usize)> = first.map(|layer| (layer, 0)).collect();
+    let mut last = 0;
+    while let Some((layer, depth)) = open.pop() {
+        last = last.max(depth);
+        let beneath = all.layer(layer).filter_map(|facet| all.layer_beneath(facet));
+        open.extend(beneath.map(|layer| (layer, depth + 1)));
+    }
+    last
 }
 
 fn collect(
