@@ -190,10 +190,10 @@ fn unwritable_outputs_are_refused_before_anything_runs() {
     let refused = cranny(&["run", &scene, "--frames", &scene]);
     assert_refused(&refused, 2, &[&scene, "it is the input"]);
     let occupied = folder.path().join("occupied");
-    std::fs::write(&occupied, "a file").unwrap();
+    fs::write(&occupied, "a file").unwrap();
     let refused = cranny(&["run", &scene, "--frames", occupied.to_str().unwrap()]);
     assert_refused(&refused, 1, &[occupied.to_str().unwrap()]);
-    std::fs::remove_file(&occupied).unwrap();
+    fs::remove_file(&occupied).unwrap();
     assert_eq!(names(folder.path()), ["drop.ron"]);
 }
 

@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn what_lies_too_deep_is_refused() {
-        let torus = cranny_shapes::Torus { major_segments: 48, ..Default::default() };
+        let torus = Torus { major_segments: 48, ..Default::default() };
         let (model, _) = Model::build(torus.build().unwrap(), &BuildOptions::default()).unwrap();
         let last = [classes::last_level(&model), envelope::last_depth(&model)];
         // Leaves of two faces, layers of sixteen facets: hundreds of faces go deeper than one.
