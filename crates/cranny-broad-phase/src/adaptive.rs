@@ -58,18 +58,16 @@ impl Default for Either {
 }
 
 impl Adaptive {
-    /// Whether the tree is in use.
-    pub(crate) fn is_tree(&self) -> bool {
-        matches!(self.index, Either::Tree(_))
-    }
-
     /// Takes note of an update, and whether it speaks for the other index.
     fn speaks_against(&mut self, slots: &Slots, found: &Found) -> bool {
         let (boxes, way) = (slots.len() as f64, way(slots));
         match self.index {
             Either::Axes(_) if found.counters.rebuilds > 0 => {
                 // Sorted anew: more swaps than were worth counting.
-                self.swaps_a_way = self.swaps_a_way.max(UNCOUNTED * TREE_FROM * boxes / way);
+                if way > 0.0 {
+                    let at_least = UNCOUNTED * TREE_FROM * boxes / way;
+                    self.swaps_a_way = self.swaps_a_way.max(at_least);
+                }
                 true
             }
             Either::Axes(_) => {
@@ -111,7 +109,7 @@ impl Index for Adaptive {
                 Either::Tree(_) => Either::Axes(Box::new(SortedAxes::of(slots))),
             };
         }
-        found.counters.tree = u64::from(self.is_tree());
+        found.counters.tree = u64::from(matches!(self.index, Either::Tree(_)));
     }
 
     fn validate(&self, slots: &Slots) -> Result<(), InvariantError> {

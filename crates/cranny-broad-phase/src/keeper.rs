@@ -14,8 +14,8 @@ use cranny_exact::Aabb;
 /// [`BoxTree`](crate::BoxTree) or [`AdaptiveBroadPhase`](crate::AdaptiveBroadPhase).
 #[derive(Clone, Debug, Default)]
 pub struct PairKeeper<I> {
-    pub(crate) slots: Slots,
-    pub(crate) index: I,
+    slots: Slots,
+    index: I,
     pairs: PairSet,
     events: Vec<OverlapEvent>,
     found: Found,
@@ -42,13 +42,13 @@ impl<I: Index> PairKeeper<I> {
         }
         settled.sort_unstable();
         let has_settled = |id| settled.binary_search(&id).is_ok();
-        let at_rest = |id| self.motion(id).is_none_or(|motion| motion == Motion::Stationary);
-        let at_rest = |pair: &&OverlapPair| {
+        let Self { slots, pairs, found, .. } = self;
+        let is_still = |slot: Slot| slots.motions[slot.index()] == Motion::Stationary;
+        let at_rest = |id| slots.find(id).is_none_or(is_still);
+        let lost = pairs.as_slice().iter().filter(|pair| {
             (has_settled(pair.0) || has_settled(pair.1)) && at_rest(pair.0) && at_rest(pair.1)
-        };
-        let lost = self.pairs.as_slice().iter().filter(at_rest).map(|pair| pack(pair.0, pair.1));
-        let lost: Vec<u64> = lost.collect();
-        self.found.ended.extend(lost);
+        });
+        found.ended.extend(lost.map(|pair| pack(pair.0, pair.1)));
     }
 
     fn ids(&self, slots: &[Slot]) -> Vec<ProxyId> {

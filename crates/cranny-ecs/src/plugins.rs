@@ -2,7 +2,6 @@
 //! name.
 
 use std::num::NonZeroUsize;
-
 use std::sync::Mutex;
 use std::time::Duration;
 

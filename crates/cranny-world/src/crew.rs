@@ -63,3 +63,25 @@ impl Crew {
         jobs.iter_mut().map(Job::answer).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(feature = "parallel")]
+    #[test]
+    fn a_crew_has_as_many_threads_as_were_asked_for() {
+        let threads = |count| {
+            let crew = Crew::of(NonZeroUsize::new(count).unwrap()).unwrap();
+            crew.pool.map(|pool| pool.current_num_threads())
+        };
+        assert_eq!([threads(1), threads(3)], [None, Some(3)]);
+    }
+
+    #[cfg(not(feature = "parallel"))]
+    #[test]
+    fn several_threads_need_the_feature() {
+        assert!(Crew::of(NonZeroUsize::MIN).is_ok());
+        assert!(Crew::of(NonZeroUsize::new(2).unwrap()).unwrap_err().contains("`parallel`"));
+    }
+}

@@ -14,6 +14,7 @@ use parry3d::bounding_volume::{Aabb as Single, BoundingVolume};
 use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
+use crate::cloud::Random;
 use crate::report::{Cell, Report, Table};
 use crate::stopwatch::{keep, median};
 
@@ -80,23 +81,52 @@ pub(crate) fn measure(quick: bool, only: &str) -> Report {
                 "parry skin", "exact / ad.", "skin / ad.",
             ],
             rows: rows.collect(),
-        }],
+        }, bulk(sizes, only)],
     }
 }
 
-/// A linear congruential generator (Knuth's MMIX constants).
-struct Lcg(u64);
-
-impl Lcg {
-    fn unit(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+/// Changes that are not motion, in the sorted axes and the tree.
+fn bulk(sizes: &[usize], only: &str) -> Table {
+    let indices: [(_, fn(String, usize) -> _); 2] =
+        [("sweep", bulk_row::<SweepAndPrune>), ("tree", bulk_row::<BoxTree>)];
+    let cases = sizes.iter().flat_map(|&boxes| {
+        indices.map(|(index, row)| (format!("{boxes} in bulk, {index}"), boxes, row))
+    });
+    let wanted = cases.filter(|(name, ..)| name.contains(only));
+    let rows = wanted.map(|(name, boxes, row)| row(name, boxes)).collect();
+    Table {
+        title: "Changes in bulk, each once",
+        columns: vec!["boxes, index", "insert all", "remove one", "insert one", "teleport all"],
+        rows,
     }
+}
 
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.unit(), self.unit(), self.unit())
+fn bulk_row<B: BroadPhase + Default>(name: String, boxes: usize) -> Vec<Cell> {
+    let mut broad = B::default();
+    let first = Scene::new(boxes).cubes;
+    // Every box where another one was.
+    let elsewhere = first.iter().rev();
+    let ids = || (0..).map(ProxyId);
+    let mut times = vec![Cell::Text(name)];
+    let mut timed = |broad: &mut B| {
+        let start = ThreadTime::now();
+        keep(broad.update().len());
+        times.push(Cell::Micros(start.elapsed().as_secs_f64() * 1e6));
+    };
+    for (id, &cube) in ids().zip(&first) {
+        keep(broad.insert(id, cube, Motion::Moving));
     }
+    timed(&mut broad);
+    let middle = boxes / 2;
+    keep(broad.remove(ProxyId(middle as u32)));
+    timed(&mut broad);
+    keep(broad.insert(ProxyId(middle as u32), first[middle], Motion::Moving));
+    timed(&mut broad);
+    for (id, &cube) in ids().zip(elsewhere) {
+        keep(broad.set_box(id, cube));
+    }
+    timed(&mut broad);
+    times
 }
 
 /// Cubes and how they go.
@@ -104,20 +134,20 @@ struct Scene {
     cubes: Vec<Aabb>,
     ways: Vec<DVec3>,
     edge: f64,
-    random: Lcg,
+    random: Random,
 }
 
 impl Scene {
     fn new(boxes: usize) -> Self {
         // Two unit cubes at random in a cube of edge L meet with probability (2 / L)^3.
         let edge = 2.0 * (boxes as f64 / PARTNERS).cbrt();
-        let mut random = Lcg(42);
+        let mut random = Random::new();
         let mut cube = || {
-            let min = random.point() * edge;
+            let min = 0.5 * edge * (random.in_cube() + DVec3::ONE);
             Aabb { min, max: min + DVec3::ONE }
         };
         let cubes: Vec<Aabb> = (0..boxes).map(|_| cube()).collect();
-        let ways = (0..boxes).map(|_| 2.0 * random.point() - DVec3::ONE).collect();
+        let ways = (0..boxes).map(|_| random.in_cube()).collect();
         Self { cubes, ways, edge, random }
     }
 
@@ -126,7 +156,7 @@ impl Scene {
         let moved: Vec<usize> = (frame % case.one_in..case.boxes).step_by(case.one_in).collect();
         for &i in &moved {
             let by = match case.gait {
-                Gait::Random(size) => (2.0 * self.random.point() - DVec3::ONE) * size,
+                Gait::Random(size) => self.random.in_cube() * size,
                 Gait::Straight(size) => {
                     for axis in 0..3 {
                         let place = self.cubes[i].min[axis];

@@ -22,10 +22,15 @@ impl Random {
         (self.next() >> 11) as f64 * f64::EPSILON - 1.0
     }
 
+    /// Uniform in the cube from -1 to 1.
+    pub(crate) fn in_cube(&mut self) -> DVec3 {
+        DVec3::new(self.signed(), self.signed(), self.signed())
+    }
+
     /// Uniform in the unit ball.
     pub(crate) fn in_ball(&mut self) -> DVec3 {
         loop {
-            let p = DVec3::new(self.signed(), self.signed(), self.signed());
+            let p = self.in_cube();
             if p.length_squared() <= 1.0 {
                 return p;
             }

@@ -54,8 +54,8 @@ struct Told {
 pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<(), Failure> {
     let poses = read_poses(&args.poses)?;
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-    let a = load(&args.mesh_a, args.scale_a, &options)?;
-    let b = load(&args.mesh_b, args.scale_b, &options)?;
+    let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
+    let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
     make_folder(&args.out)?;
     let truths = truth::truths([&a, &b], &poses)
         .map_err(|error| Failure::input(format!("pose file {}: {error}", args.poses.display())))?;

@@ -84,10 +84,9 @@ pub(crate) enum AccuracyArg {
     Exact,
 }
 
-/// Arguments of `cranny query`.
+/// Two meshes.
 #[derive(Debug, Args)]
-#[command(after_help = QUERY_NOTES)]
-pub(crate) struct QueryArgs {
+pub(crate) struct PairArgs {
     /// Mesh A (.obj, .stl, .ply, .off, .gltf, .glb, .dae) or saved model (.cranny)
     #[arg(value_name = "A")]
     pub(crate) mesh_a: PathBuf,
@@ -95,6 +94,22 @@ pub(crate) struct QueryArgs {
     /// Mesh or model B; may be the same file
     #[arg(value_name = "B")]
     pub(crate) mesh_b: PathBuf,
+
+    /// Scale of mesh A, applied to its vertices before anything else
+    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
+    pub(crate) scale_a: f64,
+
+    /// Scale of mesh B
+    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
+    pub(crate) scale_b: f64,
+}
+
+/// Arguments of `cranny query`.
+#[derive(Debug, Args)]
+#[command(after_help = QUERY_NOTES)]
+pub(crate) struct QueryArgs {
+    #[command(flatten)]
+    pub(crate) pair: PairArgs,
 
     /// List of poses: [{"a": M|null, "b": M|null}, ...] (see below)
     #[arg(long, value_name = "POSES.json")]
@@ -115,14 +130,6 @@ pub(crate) struct QueryArgs {
     /// Forget everything between one pose and the next: the same answers, slower where poses are close
     #[arg(long)]
     pub(crate) cold: bool,
-
-    /// Scale of mesh A, applied to its vertices before anything else
-    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
-    pub(crate) scale_a: f64,
-
-    /// Scale of mesh B
-    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
-    pub(crate) scale_b: f64,
 
     /// Print a certificate with each answer.
     #[arg(long, hide = true)]

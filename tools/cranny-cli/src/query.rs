@@ -30,8 +30,8 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     let poses = read_poses(&args.poses)?;
     // Nobody reads the report of preparation here.
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-    let a = load(&args.mesh_a, args.scale_a, &options)?;
-    let b = load(&args.mesh_b, args.scale_b, &options)?;
+    let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
+    let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
     let demand = demand_of(args.demand);
 
     let format = format.unwrap_or(Format::Json);

@@ -31,7 +31,7 @@ use std::fmt;
 ///
 /// Costs of an update, with n boxes, c candidates and p pairs: c, if anything changed; for each box
 /// that comes or leaves its fat box, about log n; if many do, n; if very many do, n log n; any event, a
-/// copy of p. Memory: about 150 bytes a box and 8 a candidate.
+/// copy of p. Memory follows n and c.
 pub type BoxTree = crate::PairKeeper<FatTree>;
 
 /// New fat boxes are put into the tree and searched for one by one, unless more than one in so many
@@ -66,8 +66,6 @@ pub struct FatTree {
     candidates: Vec<Candidate>,
     /// By slot; between updates all are [`Fate::Kept`].
     fates: Vec<Fate>,
-    /// Fat boxes in the tree.
-    leaves: usize,
     /// How far fat boxes were put elsewhere since the tree was last built, in their sizes.
     wear: f64,
     /// How far any body but the quick ones may have moved since the tree was built: faces, along an axis.
@@ -102,7 +100,6 @@ impl FatTree {
             let i = slot.index();
             index.fat[i] = fattened(&slots.boxes_before[i], &slots.boxes[i]);
         }
-        index.leaves = present.len();
         index.build(slots, &mut Found::default());
         index
     }
@@ -141,12 +138,10 @@ impl FatTree {
         }
         woken.retain(|&slot| self.fate(slot) != Fate::Renewed);
         woken.iter().for_each(|slot| self.fates[slot.index()] = Fate::Woken);
-        let gone = slots.doomed();
-        for slot in &gone {
+        for slot in slots.doomed() {
             self.fates[slot.index()] = Fate::Gone;
             self.tree.remove(slot.0);
         }
-        self.leaves = self.leaves + slots.pending().len() - gone.len();
         Changes { renewed, woken }
     }
 
@@ -157,7 +152,7 @@ impl FatTree {
         let step =
             |slot: &Slot| step(&slots.boxes_before[slot.index()], &slots.boxes[slot.index()]);
         self.steps.extend(moved.iter().map(step));
-        if moved.is_empty() || moved.len() * FEW_SHARE < self.leaves {
+        if moved.is_empty() || moved.len() * FEW_SHARE < slots.len() {
             return 0.0;
         }
         let finite = self.steps.iter().filter(|step| step.is_finite());
@@ -200,11 +195,11 @@ impl FatTree {
     /// Brings new fat boxes into the tree and finds the candidates of what is to be searched for anew.
     fn renew(&mut self, changes: &Changes, slots: &Slots, found: &mut Found) {
         let Changes { renewed, woken } = changes;
-        if self.wear > LARGEST_WEAR * self.leaves as f64 {
+        if self.wear > LARGEST_WEAR * slots.len() as f64 {
             self.build(slots, found);
             return;
         }
-        if renewed.len() * WALK_SHARE > self.leaves {
+        if renewed.len() * WALK_SHARE > slots.len() {
             for slot in renewed {
                 self.tree.insert_or_update_partially(self.fat[slot.index()], slot.0, NOTED);
             }
@@ -222,7 +217,7 @@ impl FatTree {
     /// Finds all candidates by a new tree.
     fn build(&mut self, slots: &Slots, found: &mut Found) {
         let leaves = slots.present().map(|slot| (slot.index(), self.fat[slot.index()]));
-        if self.leaves > 2 {
+        if slots.len() > 2 {
             self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
         } else {
             // Of one or two leaves, parry 0.31's builder takes the numbers to be 0 and 1.
@@ -288,10 +283,9 @@ impl Index for FatTree {
             |slot: Slot| matches!(slots.states[slot.index()], State::Listed | State::Doomed);
         let listed: Vec<Slot> =
             (0..slots.ids.len() as u32).map(Slot).filter(|&slot| is_in_tree(slot)).collect();
-        InvariantError::unless(
-            listed.len() == self.leaves && self.tree.leaf_count() as usize == self.leaves,
-            || format!("{} boxes are in a tree of {} leaves", listed.len(), self.tree.leaf_count()),
-        )?;
+        InvariantError::unless(self.tree.leaf_count() as usize == listed.len(), || {
+            format!("{} boxes are in a tree of {} leaves", listed.len(), self.tree.leaf_count())
+        })?;
         for &slot in &listed {
             let fat = &self.fat[slot.index()];
             let is_in = holds(fat, &slots.boxes_before[slot.index()]);
@@ -328,7 +322,7 @@ impl Index for FatTree {
 impl fmt::Debug for FatTree {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("FatTree")
-            .field("leaves", &self.leaves)
+            .field("leaves", &self.tree.leaf_count())
             .field("candidates", &self.candidates.len())
             .finish_non_exhaustive()
     }

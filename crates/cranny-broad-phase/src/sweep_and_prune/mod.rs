@@ -38,7 +38,7 @@ pub struct SortedAxes {
 
 /// How many swaps an axis of `ends` end points may take before sorting anew is the better bargain.
 ///
-/// Measured at 1,000, 10,000 and 100,000 boxes with 2.8 partners each (`examples/frame_cost.rs`),
+/// Measured at 1,000, 10,000 and 100,000 boxes with 2.8 partners each (those of `cranny-bench broad`),
 /// the break-even lies at 4, 10 and 39 swaps an end on each axis: a tenth of the root of `ends`.
 /// Smaller: ordinary motion pays for sorting anew (all boxes moving by 1 % of their size take 2, 2
 /// and 10 swaps an end). Larger: a teleport of the whole world wastes more time before it is

@@ -9,7 +9,7 @@ use cranny_testkit::Rng;
 
 use crate::solids::{ask, shape};
 
-fn bodies() -> Vec<(&'static str, Model)> {
+pub(crate) fn bodies() -> Vec<(&'static str, Model)> {
     vec![
         ("cuboid", shape(Cuboid::default())),
         ("sphere", shape(Sphere { segments: 10, rings: 6, ..Sphere::default() })),

@@ -9,10 +9,10 @@ use cranny_narrow_phase::{
     Accuracy, Answer, Budget, Clock, Containment, Demand, Effort, Estimate, PairMemory, Placed,
     Query, Verdict, estimate, query,
 };
-use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, NestedShells, PyramidInCavity, Sphere, Torus};
+use cranny_shapes::{Cuboid, Cup, GolfBall, PyramidInCavity, Sphere, Torus};
 use cranny_testkit::Rng;
 
-use crate::coherence::{Walk, direction, told};
+use crate::coherence::{self, Walk, direction, told};
 use crate::measure::{from_surface, world_triangles};
 use crate::solids::{ask, model, shape};
 
@@ -28,20 +28,15 @@ const LEVELS: [Accuracy; 9] = [
     Accuracy::Exact,
 ];
 
+/// Those that are asked warm and cold, and such as only levels tell apart.
 fn bodies() -> Vec<(&'static str, Model)> {
-    vec![
-        ("cuboid", shape(Cuboid::default())),
-        ("sphere", shape(Sphere { segments: 10, rings: 6, ..Sphere::default() })),
-        ("torus", shape(Torus { major_segments: 18, minor_segments: 8, ..Torus::default() })),
-        ("cup", shape(Cup { segments: 12, ..Cup::default() })),
-        ("shells", shape(NestedShells { segments: 7, ..NestedShells::default() })),
-        ("comb", shape(Comb::default())),
-        ("speck", shape(Cuboid { size: [0.06, 0.05, 0.04] })),
+    let mut bodies = coherence::bodies();
+    bodies.extend([
         ("pyramid in a well", shape(PyramidInCavity::default())),
-        ("golf ball", shape(GolfBall { dimples: 0, triangles: 180, ..GolfBall::default() })),
         ("cup with full leaves", full_leaves(&shape(Cup { segments: 9, ..Cup::default() }))),
         ("well with full leaves", full_leaves(&shape(PyramidInCavity::default()))),
-    ]
+    ]);
+    bodies
 }
 
 /// The same body, with leaves that hold faces on the hull and others.

@@ -4,19 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::scale;
+use super::PairArgs;
 
 /// Arguments of `cranny accuracy`.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
 pub(crate) struct AccuracyArgs {
-    /// Mesh A (.obj, .stl, .ply, .off, .gltf, .glb, .dae) or saved model (.cranny)
-    #[arg(value_name = "A")]
-    pub(crate) mesh_a: PathBuf,
-
-    /// Mesh or model B; may be the same file
-    #[arg(value_name = "B")]
-    pub(crate) mesh_b: PathBuf,
+    #[command(flatten)]
+    pub(crate) pair: PairArgs,
 
     /// List of poses, as for `query`: in the order of a motion, so that memory can help
     #[arg(long, value_name = "POSES.json")]
@@ -25,14 +20,6 @@ pub(crate) struct AccuracyArgs {
     /// Folder for accuracy.csv and accuracy.svg; made if it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-
-    /// Scale of mesh A, applied to its vertices before anything else
-    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
-    pub(crate) scale_a: f64,
-
-    /// Scale of mesh B
-    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
-    pub(crate) scale_b: f64,
 
     /// Leave parry out: its triangle mesh and its convex decomposition (which may take minutes to make)
     #[arg(long)]
