@@ -34,11 +34,11 @@ pub(super) struct Block {
     /// What the entries are the leaves of: a descent from here finds them anew.
     roots: Vec<Nodes>,
     balls: [Ball; 2],
-    odometer: f64,
+    pub(super) odometer: f64,
     last_step: f64,
     /// The longest way of the last step on the one screw motion that all blocks share; infinite if unknown.
     last_way: f64,
-    least: f64,
+    pub(super) least: f64,
     /// Entries when it was built.
     built: usize,
     /// Entries looked at again since.

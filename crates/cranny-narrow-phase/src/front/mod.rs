@@ -18,6 +18,8 @@
 mod block;
 pub(crate) mod coherent;
 pub(crate) mod motion;
+#[cfg(test)]
+mod promises;
 mod quests;
 
 use cranny_exact::RigidMap;
