@@ -33,7 +33,7 @@ pub(super) struct Block {
     pub(super) entries: Vec<Entry>,
     /// What the entries are the leaves of: a descent from here finds them anew.
     roots: Vec<Nodes>,
-    balls: [Ball; 2],
+    pub(super) balls: [Ball; 2],
     pub(super) odometer: f64,
     last_step: f64,
     /// The longest way of the last step on the one screw motion that all blocks share; infinite if unknown.

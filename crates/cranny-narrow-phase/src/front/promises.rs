@@ -74,6 +74,16 @@ impl Front {
                         stands[f.index()][g.index()] += 1;
                     }
                 }
+                for side in [0, 1] {
+                    let (ball, bounds) =
+                        (&block.balls[side], trees[side].node(entry.nodes[side]).bounds);
+                    let farthest =
+                        (bounds.center() - ball.center).abs() + 0.5 * (bounds.max - bounds.min);
+                    assert!(
+                        farthest.length() <= ball.radius + error,
+                        "{what}: {ball:?} leaves out {bounds:?}"
+                    );
+                }
                 let promised = entry.key - block.odometer;
                 assert!(promised <= room + error, "{what}: {promised:e} of {room:e}");
                 assert!(block.least <= entry.key, "{what}");
@@ -176,15 +186,30 @@ fn slow_turns_about_any_pivot_spend_what_they_should() {
         shape(Torus { major_segments: 9, minor_segments: 5, ..Torus::default() }),
         shape(Cup { segments: 7, ..Cup::default() }),
         shape(Comb { teeth: 3, ..Comb::default() }),
+        // Small beside what turns, of which either may come first in canonical order.
+        shape(Cuboid { size: [0.05, 0.04, 0.03] }),
+        shape(Cuboid { size: [0.03, 0.06, 0.04] }),
+        shape(Cuboid { size: [0.04, 0.05, 0.03] }),
     ];
     let mut rng = Rng::new(29);
     let (mut tested, mut held, mut boldest) = (0, 0, 0.0f64);
-    for round in 0..24 {
-        let (a, b) = (&bodies[round % 4], &bodies[rng.below(4)]);
+    for round in 0..42 {
+        let (a, b) = (&bodies[round % 7], &bodies[rng.below(4)]);
         let reach = a.radius() + b.radius();
-        // Within the second body, at its rim, and as far away as the first.
-        let arm = [0.0, 0.3, 1.0][round % 3] * reach * direction(&mut rng);
-        let pivot = [0.2, 0.6][round % 2] * reach * direction(&mut rng);
+        let corner = |model: &Model, i: usize| {
+            let vertices = model.mesh().vertices();
+            vertices[i % vertices.len()]
+        };
+        // Within the second body, at one of its corners, and as far away as the first.
+        let arm = match round % 3 {
+            0 => DVec3::ZERO,
+            1 => -corner(b, rng.below(1_000)),
+            _ => reach * direction(&mut rng),
+        };
+        let pivot = match round % 2 {
+            0 => 0.2 * reach * direction(&mut rng),
+            _ => 1.05 * corner(a, rng.below(1_000)),
+        };
         let angle = [1e-4, 0.003, 0.03][rng.below(3)];
         let walk = turning(direction(&mut rng), angle, pivot, arm);
         let seen = follow(a, b, round % 5 == 0, walk);
