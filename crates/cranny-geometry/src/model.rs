@@ -399,7 +399,7 @@ impl Covered {
         observe: &mut dyn FnMut(Stage),
     ) -> Self {
         observe(Stage::Classify);
-        let assignment = Assignment::of(mesh, topology, hull);
+        let assignment = Assignment::of(mesh, topology, hull, tree);
         let (features, ridges) = Features::of(mesh, topology, &assignment);
         observe(Stage::Caps);
         let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
@@ -467,20 +467,36 @@ fn envelopes(mesh: &Mesh, concavities: &Concavities) -> Envelopes {
     Envelopes::of(mesh, pockets, &EnvelopeOptions::default())
 }
 
+/// Bytes of a mesh that are hashed together. Fewer, and hashing is several times slower; more, and memory is
+/// filled that nobody uses again.
+const HASHED_AT_ONCE: usize = 1 << 15;
+
 pub(crate) fn digest(mesh: &Mesh) -> [u8; 32] {
-    let mut bytes = Vec::with_capacity(8 + 24 * mesh.vertices().len() + 12 * mesh.faces().len());
+    let mut hasher = blake3::Hasher::new();
+    let mut bytes = Vec::with_capacity(2 * HASHED_AT_ONCE);
+    let mut flush = |bytes: &mut Vec<u8>, least: usize| {
+        if bytes.len() >= least {
+            let whole = bytes.len().min(HASHED_AT_ONCE);
+            hasher.update(&bytes[..whole]);
+            bytes.drain(..whole);
+        }
+    };
     bytes.extend((mesh.vertices().len() as u64).to_le_bytes());
     for p in mesh.vertices() {
         for x in p.to_array() {
             // `+ 0.0`: −0 and 0 are the same place.
             bytes.extend((x + 0.0).to_bits().to_le_bytes());
         }
+        flush(&mut bytes, HASHED_AT_ONCE);
     }
-    for &i in mesh.faces().iter().flatten() {
-        bytes.extend(i.to_le_bytes());
+    for face in mesh.faces() {
+        for i in face {
+            bytes.extend(i.to_le_bytes());
+        }
+        flush(&mut bytes, HASHED_AT_ONCE);
     }
-    // At once: hashing many bytes together is several times quicker than few at a time.
-    *blake3::hash(&bytes).as_bytes()
+    flush(&mut bytes, 0);
+    *hasher.finalize().as_bytes()
 }
 
 /// Welds what is in exactly the same place, then mends as far as the policy goes. Returns the mesh

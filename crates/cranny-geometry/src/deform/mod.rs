@@ -40,7 +40,7 @@ pub(crate) struct Workshop {
 
 impl Workshop {
     fn of(parts: &Parts) -> Self {
-        let assignment = Assignment::of(&parts.mesh, &parts.topology, &parts.hull);
+        let assignment = Assignment::of(&parts.mesh, &parts.topology, &parts.hull, &parts.tree);
         let (_, ridges) = Features::of(&parts.mesh, &parts.topology, &assignment);
         Self {
             assignment,

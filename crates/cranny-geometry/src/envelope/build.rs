@@ -62,12 +62,18 @@ impl Envelopes {
         let corners = pocket.faces.iter().flat_map(|&f| mesh.triangle(f));
         let bounds = Aabb::of_points(corners);
         let opening = Opening::of(pocket.openings, &bounds);
-        workshop.crumbs.fill(mesh, pocket.faces, &opening, self.options.leaf_faces);
+        workshop.crumbs.fill(mesh, pocket.faces, &bounds, &opening, self.options.leaf_faces);
         let count = workshop.crumbs.items.len();
+        workshop.order.clear();
+        workshop.order.extend(0..count as u32);
+        // Nearly as many facets are made as there are crumbs.
+        self.facets.reserve(count);
+        self.faces.reserve(pocket.faces.len());
         let lids_start = self.lids.len() as u32;
         if count > 0 {
             for direction in pocket.openings.iter().filter_map(|&o| unit(o)) {
-                let corners = workshop.crumbs.all_corners();
+                let corners = workshop.crumbs.all_corners().iter();
+                let corners = corners.map(|&v| mesh.position(v));
                 self.lids.push(HalfSpace::holding(direction, corners));
             }
         }
@@ -76,28 +82,29 @@ impl Envelopes {
         self.heads.push(Head { axis: opening.axis, bounds, lids, layer });
 
         if count > 0 {
-            self.add_layer([0, count], self.faces.len() as u32, &opening, workshop);
+            self.add_layer(mesh, [0, count], self.faces.len() as u32, &opening, workshop);
         }
         while let Some((facet, crumbs)) = workshop.waiting.pop_front() {
             self.facets[facet].layer = self.layers.len() as u32;
             let first_face = self.facets[facet].faces[0];
-            self.add_layer(crumbs, first_face, &opening, workshop);
+            self.add_layer(mesh, crumbs, first_face, &opening, workshop);
         }
-        self.faces.extend(workshop.crumbs.ordered_faces());
+        self.faces.extend(workshop.crumbs.ordered_faces(&workshop.order));
     }
 
-    /// Divides a range of crumbs, whose faces will stand from `face` on, and makes a facet of each part;
+    /// Divides a range of the order of crumbs, whose faces will stand from `face` on, and makes a facet of each part;
     /// those with many faces are left waiting for a layer.
     fn add_layer(
         &mut self,
+        mesh: &Mesh,
         [start, end]: [usize; 2],
         mut face: u32,
         opening: &Opening,
         workshop: &mut Workshop,
     ) {
-        let Workshop { crumbs, scratch, layer, waiting } = workshop;
-        let items = &mut crumbs.items[start..end];
-        let mut parts = clusters(items, opening, &self.options, scratch);
+        let Workshop { crumbs, order, scratch, layer, waiting } = workshop;
+        let range = &mut order[start..end];
+        let mut parts = clusters(&crumbs.items, range, opening, &self.options, scratch);
         parts.sort_unstable_by_key(|part| part.start);
         layer.clear();
         for part in parts {
@@ -105,11 +112,11 @@ impl Envelopes {
             let normal = part.moments.normal(opening);
             let (mut height, mut reach) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
             let mut bounds = Aabb::EMPTY;
-            for crumb in crumbs.items[range[0]..range[1]].iter().map(|item| crumbs.crumb(item)) {
+            for crumb in order[range[0]..range[1]].iter().map(|&item| crumbs.crumb(item)) {
                 reach = larger(reach, crumb.reach);
                 bounds = bounds.union(&crumb.bounds);
-                for &p in crumbs.corners(crumb) {
-                    height = larger(height, normal.dot(p));
+                for &v in crumbs.corners(crumb) {
+                    height = larger(height, normal.dot(mesh.position(v)));
                 }
             }
             let next = face + part.moments.count() as u32;
@@ -141,8 +148,10 @@ impl Envelopes {
 #[derive(Default)]
 pub(super) struct Workshop {
     crumbs: Crumbs,
+    /// The crumbs as they are divided.
+    order: Vec<u32>,
     scratch: Scratch,
-    /// Facets of a layer in the making, and their ranges of crumbs.
+    /// Facets of a layer in the making, and their ranges of the order.
     layer: Vec<(EnvelopeFacet, [usize; 2])>,
     /// Facets whose crumbs are to be divided.
     waiting: VecDeque<(usize, [usize; 2])>,

@@ -19,7 +19,7 @@ use crate::tree::partition;
 const PLACE: usize = 0;
 const FACING: usize = 3;
 
-/// A range of items, and the sums over them.
+/// A range of the order of items, and the sums over them.
 #[derive(Clone, Copy)]
 pub(super) struct Cluster {
     pub(super) start: usize,
@@ -39,18 +39,20 @@ const LEAST_SHARE: f64 = 0.125;
 #[derive(Default)]
 pub(super) struct Scratch {
     ordered: Vec<(f64, u32)>,
-    aside: Vec<Item>,
+    aside: Vec<u32>,
 }
 
-/// Divides at least one item into at most `options.width` parts and orders the items by parts.
+/// Divides at least one item, named by `order`, into at most `options.width` parts and orders them by parts.
 pub(super) fn clusters(
-    items: &mut [Item],
+    items: &[Item],
+    order: &mut [u32],
     opening: &Opening,
     options: &EnvelopeOptions,
     scratch: &mut Scratch,
 ) -> Vec<Cluster> {
-    let whole = Cluster { start: 0, end: items.len(), moments: Moments::of(items), cost: 0.0 };
-    let mut parts = Vec::with_capacity(options.width.min(items.len()));
+    let moments = Moments::of(order.iter().map(|&item| &items[item as usize]));
+    let whole = Cluster { start: 0, end: order.len(), moments, cost: 0.0 };
+    let mut parts = Vec::with_capacity(options.width.min(order.len()));
     parts.push(whole);
     while parts.len() < options.width {
         let divisible = |c: &&mut Cluster| c.moments.count() > options.leaf_faces;
@@ -60,7 +62,7 @@ pub(super) fn clusters(
             .max_by(|a, b| a.cost.total_cmp(&b.cost).then(b.start.cmp(&a.start)));
         let Some(part) = costliest else { break };
         let (start, end) = (part.start, part.end);
-        let (left_items, halves) = halves(&mut items[start..end], opening, scratch);
+        let (left_items, halves) = halves(items, &mut order[start..end], opening, scratch);
         let middle = start + left_items;
         let [left, right] = halves.map(|m| (m, m.cost(opening)));
         *part = Cluster { start, end: middle, moments: left.0, cost: left.1 };
@@ -76,7 +78,7 @@ struct Ranges {
 }
 
 impl Ranges {
-    fn of(items: &[Item]) -> Self {
+    fn of<'a>(items: impl Iterator<Item = &'a Item>) -> Self {
         let mut ranges = Self { low: [f64::INFINITY; 6], high: [f64::NEG_INFINITY; 6] };
         for item in items {
             for (low, key) in ranges.low.iter_mut().zip(item.keys) {
@@ -109,27 +111,32 @@ impl Ranges {
 #[derive(Clone, Copy)]
 struct Cut {
     key: usize,
-    /// Where the right side begins; of equal keys, with this crumb.
+    /// Where the right side begins; of equal keys, with this item.
     at: (f64, u32),
 }
 
 impl Cut {
-    fn is_right(&self, item: &Item) -> bool {
-        let key = item.keys[self.key];
-        key > self.at.0 || (key == self.at.0 && item.crumb >= self.at.1)
+    fn is_right(&self, items: &[Item], item: u32) -> bool {
+        let key = items[item as usize].keys[self.key];
+        key > self.at.0 || (key == self.at.0 && item >= self.at.1)
     }
 
     /// Two halves by number along the same key, and the sums over them.
-    fn halving(key: usize, items: &[Item], scratch: &mut Scratch) -> (Self, [Moments; 2]) {
+    fn halving(
+        key: usize,
+        items: &[Item],
+        order: &[u32],
+        scratch: &mut Scratch,
+    ) -> (Self, [Moments; 2]) {
         let ordered = &mut scratch.ordered;
         ordered.clear();
-        ordered.extend(items.iter().map(|item| (item.keys[key], item.crumb)));
-        let order = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        let (_, &mut at, _) = ordered.select_nth_unstable_by(items.len() / 2, order);
+        ordered.extend(order.iter().map(|&item| (items[item as usize].keys[key], item)));
+        let by_key = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        let (_, &mut at, _) = ordered.select_nth_unstable_by(order.len() / 2, by_key);
         let cut = Self { key, at };
         let mut sides = [Moments::NONE; 2];
-        for item in items {
-            sides[usize::from(cut.is_right(item))].add(item);
+        for &item in order {
+            sides[usize::from(cut.is_right(items, item))].add(&items[item as usize]);
         }
         (cut, sides)
     }
@@ -137,13 +144,18 @@ impl Cut {
 
 /// Divides at least two items in the better of two ways; the number of those on the left, and the sums over
 /// both parts.
-fn halves(items: &mut [Item], opening: &Opening, scratch: &mut Scratch) -> (usize, [Moments; 2]) {
-    let ranges = Ranges::of(items);
+fn halves(
+    items: &[Item],
+    order: &mut [u32],
+    opening: &Opening,
+    scratch: &mut Scratch,
+) -> (usize, [Moments; 2]) {
+    let ranges = Ranges::of(order.iter().map(|&item| &items[item as usize]));
     let cuts = [PLACE, FACING].map(|first| ranges.cut(ranges.widest(first)));
     let mut quarters = [Moments::NONE; 4];
-    for item in &*items {
-        let [by_place, by_facing] = cuts.map(|cut| usize::from(cut.is_right(item)));
-        quarters[2 * by_place + by_facing].add(item);
+    for &item in &*order {
+        let [by_place, by_facing] = cuts.map(|cut| usize::from(cut.is_right(items, item)));
+        quarters[2 * by_place + by_facing].add(&items[item as usize]);
     }
     let [a, b, c, d] = quarters;
     let faces: usize = quarters.iter().map(Moments::count).sum();
@@ -151,7 +163,7 @@ fn halves(items: &mut [Item], opening: &Opening, scratch: &mut Scratch) -> (usiz
     let mut judged = |cut: Cut, sides: [Moments; 2]| {
         let is_lopsided = sides.iter().any(|side| side.count() < least);
         let (cut, sides) =
-            if is_lopsided { Cut::halving(cut.key, items, scratch) } else { (cut, sides) };
+            if is_lopsided { Cut::halving(cut.key, items, order, scratch) } else { (cut, sides) };
         (sides[0].cost(opening) + sides[1].cost(opening), cut, sides)
     };
     let mut best = judged(cuts[0], [a.plus(&b), c.plus(&d)]);
@@ -162,6 +174,6 @@ fn halves(items: &mut [Item], opening: &Opening, scratch: &mut Scratch) -> (usiz
         }
     }
     let (_, cut, sides) = best;
-    let left = partition(items, &mut scratch.aside, |item| !cut.is_right(item));
+    let left = partition(order, &mut scratch.aside, |&item| !cut.is_right(items, item));
     (left, sides)
 }

@@ -3,7 +3,8 @@
 //! Layers are made of crumbs, not of faces: there are a third as many, and what is summed once over the
 //! faces of a crumb need not be looked at again in every layer. Crumbs are the leaves of a k-d tree
 //! over six keys, the place and the normal, rounded to 16 bits: sharp edges are cut by normal, what is left
-//! by place, at the middle of the widest range. How layers divide crumbs is judged with more care
+//! by place, at the middle of the widest range. That is done in the body's frame; what is summed over a crumb is
+//! turned into the opening's. How layers divide crumbs is judged with more care
 //! (`cluster`).
 //!
 //! Cost: O(n log n), of which a level takes a few nanoseconds a face.
@@ -34,19 +35,6 @@ const FINER: f64 = 4.0;
 /// smaller: gaps between groups of faces are missed.
 const LEAST_SHARE: usize = 8;
 
-/// A face of the pocket.
-#[derive(Clone, Copy)]
-struct Face {
-    /// Its middle in the opening's frame.
-    place: DVec3,
-    /// Means over its corners of the products of coordinates: xx, yy, zz, and xy, yz, zx.
-    products: [DVec3; 2],
-    /// Unit normal in this frame; zero for a face without area.
-    normal: DVec3,
-    area: f64,
-    id: FaceId,
-}
-
 /// A crumb, as layers divide it.
 #[derive(Clone, Copy)]
 pub(super) struct Item {
@@ -60,7 +48,6 @@ pub(super) struct Item {
     pub(super) area: f64,
     /// Number of faces.
     pub(super) count: u32,
-    pub(super) crumb: u32,
 }
 
 /// What a crumb holds.
@@ -74,89 +61,93 @@ pub(super) struct Crumb {
     pub(super) reach: f64,
 }
 
-/// The crumbs of a pocket.
+/// The crumbs of a pocket, in memory that is used again from pocket to pocket.
 #[derive(Default)]
 pub(super) struct Crumbs {
+    /// What layers divide them by.
     pub(super) items: Vec<Item>,
+    /// What they hold.
     crumbs: Vec<Crumb>,
     faces: Vec<FaceId>,
     /// Each once in a crumb.
-    corners: Vec<DVec3>,
-    scratch: Scratch,
-}
-
-/// Memory that is used again from pocket to pocket.
-#[derive(Default)]
-struct Scratch {
-    faces: Vec<Face>,
+    corners: Vec<VertexId>,
     points: Vec<Point>,
     aside: Vec<Point>,
-    vertices: Vec<VertexId>,
+}
+
+/// What crumbs are made of.
+struct Source<'a> {
+    mesh: &'a Mesh,
+    faces: &'a [FaceId],
+    opening: &'a Opening,
+    /// Faces of a crumb, at most.
+    most: usize,
 }
 
 impl Crumbs {
-    /// Takes the place of earlier ones: crumbs of at most `most` of these faces.
-    pub(super) fn fill(&mut self, mesh: &Mesh, faces: &[FaceId], opening: &Opening, most: usize) {
+    /// Takes the place of earlier ones: crumbs of at most `most` of these faces, which lie in a box.
+    pub(super) fn fill(
+        &mut self,
+        mesh: &Mesh,
+        faces: &[FaceId],
+        bounds: &Aabb,
+        opening: &Opening,
+        most: usize,
+    ) {
         self.items.clear();
         self.crumbs.clear();
         self.faces.clear();
         self.corners.clear();
-        self.scratch.faces.clear();
-        self.scratch.faces.extend(faces.iter().map(|&face| Face::of(mesh, face, opening)));
-        let mut points = std::mem::take(&mut self.scratch.points);
+        // Crumbs are half full as a rule.
+        let crumbs = 2 * faces.len().div_ceil(most);
+        self.items.reserve(crumbs);
+        self.crumbs.reserve(crumbs);
+        self.faces.reserve(faces.len());
+        let source = Source { mesh, faces, opening, most };
+        let rounding = Rounding::of(bounds.min, bounds.max);
+        let mut points = std::mem::take(&mut self.points);
         points.clear();
-        points.resize(faces.len(), Point([0; 8]));
-        for (point, name) in points.iter_mut().zip(0..) {
-            point.set_name(name);
-        }
+        points.extend((0..faces.len()).map(|name| source.point(name, &rounding)));
         if !points.is_empty() {
-            let rounding = Rounding::of(&points, &self.scratch.faces);
-            rounding.apply(&mut points, &self.scratch.faces);
-            self.divide(mesh, opening, &mut points, rounding.scale, most);
+            self.divide(&source, &mut points, rounding.scale);
         }
-        self.scratch.points = points;
+        self.points = points;
     }
 
-    pub(super) fn crumb(&self, item: &Item) -> &Crumb {
-        &self.crumbs[item.crumb as usize]
+    /// What the crumb of an item holds.
+    pub(super) fn crumb(&self, item: u32) -> &Crumb {
+        &self.crumbs[item as usize]
     }
 
-    pub(super) fn corners(&self, crumb: &Crumb) -> &[DVec3] {
+    pub(super) fn corners(&self, crumb: &Crumb) -> &[VertexId] {
         let [start, end] = crumb.corners;
         &self.corners[start as usize..end as usize]
     }
 
     /// All corners, some of them several times.
-    pub(super) fn all_corners(&self) -> impl Iterator<Item = DVec3> {
-        self.corners.iter().copied()
+    pub(super) fn all_corners(&self) -> &[VertexId] {
+        &self.corners
     }
 
-    /// All faces in the order of the items.
-    pub(super) fn ordered_faces(&self) -> impl Iterator<Item = FaceId> {
-        self.items.iter().flat_map(|item| {
+    /// All faces in the order of some items.
+    pub(super) fn ordered_faces(&self, order: &[u32]) -> impl Iterator<Item = FaceId> {
+        order.iter().flat_map(|&item| {
             let [start, end] = self.crumb(item).faces;
             self.faces[start as usize..end as usize].iter().copied()
         })
     }
 
     /// Divides faces until they are few enough for a crumb.
-    fn divide(
-        &mut self,
-        mesh: &Mesh,
-        opening: &Opening,
-        points: &mut [Point],
-        mut scale: f64,
-        most: usize,
-    ) {
-        if points.len() <= most {
-            return self.add(mesh, opening, points);
+    fn divide(&mut self, source: &Source, points: &mut [Point], mut scale: f64) {
+        if points.len() <= source.most {
+            return self.add(source, points);
         }
         let mut ranges = Ranges::of(points);
         let mut place = ranges.widest(PLACE);
         if ranges.width(place) < LEAST_SPREAD {
-            let rounding = Rounding::of(points, &self.scratch.faces);
+            let rounding = source.rounding(points);
             if rounding.scale > FINER * scale {
-                rounding.apply(points, &self.scratch.faces);
+                points.iter_mut().for_each(|p| *p = source.point(p.name(), &rounding));
                 scale = rounding.scale;
                 ranges = Ranges::of(points);
                 place = ranges.widest(PLACE);
@@ -166,68 +157,84 @@ impl Crumbs {
         let is_bent = f64::from(ranges.width(facing)) > BENT * STEPS;
         let key = if is_bent { facing } else { place };
         let middle = ranges.middle(key);
-        let mut left = partition(points, &mut self.scratch.aside, |p| p.0[key] <= middle);
+        let mut left = partition(points, &mut self.aside, |p| p.0[key] <= middle);
         if left.min(points.len() - left) < points.len() / LEAST_SHARE || left == points.len() {
             left = points.len() / 2;
             points.select_nth_unstable_by_key(left, |p| (p.0[key], p.name()));
         }
         let (left, right) = points.split_at_mut(left);
-        self.divide(mesh, opening, left, scale, most);
-        self.divide(mesh, opening, right, scale, most);
+        self.divide(source, left, scale);
+        self.divide(source, right, scale);
     }
 
     /// Makes a crumb.
-    fn add(&mut self, mesh: &Mesh, opening: &Opening, points: &[Point]) {
-        let starts = [self.faces.len() as u32, self.corners.len() as u32];
-        let (mut place, mut sum, mut products) = (DVec3::ZERO, DVec3::ZERO, [DVec3::ZERO; 2]);
-        let vertices = &mut self.scratch.vertices;
-        vertices.clear();
+    fn add(&mut self, source: &Source, points: &[Point]) {
+        let Source { mesh, opening, .. } = source;
+        let starts = [self.faces.len(), self.corners.len()];
+        let (mut bounds, mut reach) = (Aabb::EMPTY, f64::NEG_INFINITY);
+        let (mut place, mut area) = (DVec3::ZERO, DVec3::ZERO);
+        let [mut squares, mut mixed] = [DVec3::ZERO; 2];
         for point in points {
-            let face = &self.scratch.faces[point.name()];
-            place += face.place;
-            sum += face.area * face.normal;
-            products[0] += face.products[0];
-            products[1] += face.products[1];
-            self.faces.push(face.id);
-            for vertex in mesh.corners(face.id) {
-                if !vertices.contains(&vertex) {
-                    vertices.push(vertex);
+            let face = source.faces[point.name()];
+            self.faces.push(face);
+            let triangle = mesh.triangle(face);
+            area += area_vector(&triangle);
+            for (vertex, p) in mesh.corners(face).into_iter().zip(triangle) {
+                let q = opening.beside_origin(p);
+                place += q;
+                squares += q * q;
+                mixed += q * DVec3::new(q.y, q.z, q.x);
+                if !self.corners[starts[1]..].contains(&vertex) {
+                    self.corners.push(vertex);
+                    bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
+                    reach = larger(reach, opening.axis.dot(p));
                 }
             }
         }
-        let (mut bounds, mut reach) = (Aabb::EMPTY, f64::NEG_INFINITY);
-        for &vertex in &*vertices {
-            let p = mesh.position(vertex);
-            bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
-            reach = larger(reach, opening.axis.dot(p));
-            self.corners.push(p);
-        }
-        let ends = [self.faces.len() as u32, self.corners.len() as u32];
-        let [faces, corners] = [0, 1].map(|k| [starts[k], ends[k]]);
-        let crumb = self.crumbs.len() as u32;
+        let ends = [self.faces.len(), self.corners.len()];
+        let [faces, corners] = [0, 1].map(|k| [starts[k] as u32, ends[k] as u32]);
         self.crumbs.push(Crumb { faces, corners, bounds, reach });
-        let area = sum.length();
-        let [x, y, z] = (place / points.len() as f64).to_array();
-        let [a, b, c] = if area > 0.0 { sum / area } else { DVec3::ZERO }.to_array();
+        let length = area.length();
+        let normal = if length > 0.0 { opening.turned(area) / length } else { DVec3::ZERO };
+        let [x, y, z] = (opening.turned(place) / (3 * points.len()) as f64).to_array();
+        let [a, b, c] = normal.to_array();
         // No zero has a sign, so that all orders agree.
         let keys = [x, y, z, a, b, c].map(|key| key + 0.0);
-        let [[xx, yy, zz], [xy, yz, zx]] = products.map(|p| p.to_array());
-        let products = [xx, yy, zz, xy, yz, zx];
-        self.items.push(Item { keys, products, area, count: points.len() as u32, crumb });
+        let products = opening.turned_products(squares / 3.0, mixed / 3.0);
+        self.items.push(Item { keys, products, area: length, count: points.len() as u32 });
     }
 }
 
-impl Face {
-    fn of(mesh: &Mesh, id: FaceId, opening: &Opening) -> Self {
-        let area_vector = mesh.area_vector(id);
-        let area = area_vector.length();
-        let along = if area > 0.0 { 1.0 / area } else { 0.0 };
-        let corners = mesh.triangle(id).map(|p| opening.place(p));
-        let mean = |of: fn(DVec3) -> DVec3| corners.into_iter().map(of).sum::<DVec3>() / 3.0;
-        let place = mean(|p| p);
-        let products = [mean(|p| p * p), mean(|p| p * DVec3::new(p.y, p.z, p.x))];
-        Self { place, products, normal: along * opening.turned(area_vector), area, id }
+impl Source<'_> {
+    /// A face by its number among all, rounded.
+    fn point(&self, name: usize, rounding: &Rounding) -> Point {
+        let triangle = self.mesh.triangle(self.faces[name]);
+        let place = rounding.scale * (middle(&triangle) - rounding.low);
+        let area = area_vector(&triangle);
+        let length = area.length();
+        let facing = area * if length > 0.0 { STEPS / length } else { 0.0 };
+        let [x, y, z] = place.to_array().map(|x| x as i16);
+        let [a, b, c] = facing.to_array().map(|x| x as i16);
+        Point([x, y, z, name as i16, a, b, c, (name >> 16) as i16])
     }
+
+    /// The finest rounding that holds some faces.
+    fn rounding(&self, points: &[Point]) -> Rounding {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for point in points {
+            let place = middle(&self.mesh.triangle(self.faces[point.name()]));
+            (low, high) = (low.min(place), high.max(place));
+        }
+        Rounding::of(low, high)
+    }
+}
+
+fn middle(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    (a + b + c) / 3.0
+}
+
+fn area_vector(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    0.5 * (b - a).cross(c - a)
 }
 
 /// The larger of two numbers. Unlike `f64::max` one instruction: neither is NaN.
@@ -248,10 +255,6 @@ impl Point {
     fn name(&self) -> usize {
         usize::from(self.0[3] as u16) | usize::from(self.0[7] as u16) << 16
     }
-
-    fn set_name(&mut self, name: u32) {
-        (self.0[3], self.0[7]) = (name as i16, (name >> 16) as i16);
-    }
 }
 
 /// How places become steps.
@@ -262,25 +265,10 @@ struct Rounding {
 }
 
 impl Rounding {
-    /// The finest one that holds some faces.
-    fn of(points: &[Point], faces: &[Face]) -> Self {
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for point in points {
-            let place = faces[point.name()].place;
-            (low, high) = (low.min(place), high.max(place));
-        }
+    /// Of places between two corners of a box.
+    fn of(low: DVec3, high: DVec3) -> Self {
         let scale = STEPS / (high - low).max_element();
         Self { low, scale: if scale.is_finite() { scale } else { 0.0 } }
-    }
-
-    fn apply(&self, points: &mut [Point], faces: &[Face]) {
-        for point in points {
-            let Face { place, normal, .. } = &faces[point.name()];
-            for axis in 0..3 {
-                point.0[PLACE + axis] = (self.scale * (place[axis] - self.low[axis])) as i16;
-                point.0[FACING + axis] = (STEPS * normal[axis]) as i16;
-            }
-        }
     }
 }
 
@@ -333,20 +321,20 @@ mod tests {
         let faces: Vec<FaceId> = (0..32).map(FaceId).collect();
         let opening = Opening::of(&[DVec3::Z], &mesh.bounds());
         let mut crumbs = Crumbs::default();
-        crumbs.fill(&mesh, &faces, &opening, 4);
+        crumbs.fill(&mesh, &faces, &mesh.bounds(), &opening, 4);
         assert_eq!(crumbs.items.len(), 8);
         let (along, across) = (opening.turned(DVec3::Z), opening.turned(-DVec3::X));
-        for item in &crumbs.items {
+        for (name, item) in (0..).zip(&crumbs.items) {
             // Four triangles of two squares, which have six corners.
             assert_eq!((item.count, item.area), (4, 2.0));
-            assert_eq!(crumbs.corners(crumbs.crumb(item)).len(), 6);
+            assert_eq!(crumbs.corners(crumbs.crumb(name)).len(), 6);
             let normal = DVec3::from_slice(&item.keys[3..]);
             assert!(normal == along || normal == across, "{normal}");
         }
-        let mut ordered: Vec<FaceId> = crumbs.ordered_faces().collect();
+        let mut ordered: Vec<FaceId> = crumbs.ordered_faces(&[0, 1, 2, 3, 4, 5, 6, 7]).collect();
         ordered.sort_unstable();
         assert_eq!(ordered, faces);
-        let highest = crumbs.items.iter().map(|item| crumbs.crumb(item).reach).fold(0.0, f64::max);
+        let highest = (0..8).map(|item| crumbs.crumb(item).reach).fold(0.0, f64::max);
         assert_eq!(highest, 8.0);
     }
 }

@@ -65,9 +65,23 @@ impl Opening {
         DVec3::from_array(self.frame.map(|direction| direction.dot(v)))
     }
 
-    /// A point in the frame; the longest side of the pocket is the unit.
-    pub(super) fn place(&self, p: DVec3) -> DVec3 {
-        self.turned(self.scale * (p - self.origin))
+    /// From the frame's origin to a point, not turned yet; the longest side of the pocket is the unit.
+    pub(super) fn beside_origin(&self, p: DVec3) -> DVec3 {
+        self.scale * (p - self.origin)
+    }
+
+    /// Sums of products of coordinates in the frame (xx, yy, zz, xy, yz, zx), from those that were not turned:
+    /// xx, yy, zz and xy, yz, zx.
+    pub(super) fn turned_products(&self, squares: DVec3, mixed: DVec3) -> [f64; 6] {
+        let [u, v, w] = self.frame;
+        // The sums are a symmetric matrix.
+        let times = |d: DVec3| {
+            squares * d
+                + DVec3::new(mixed.x, mixed.y, mixed.z) * DVec3::new(d.y, d.z, d.x)
+                + DVec3::new(mixed.z, mixed.x, mixed.y) * DVec3::new(d.z, d.x, d.y)
+        };
+        let [of_u, of_v, of_w] = [u, v, w].map(times);
+        [u.dot(of_u), v.dot(of_v), w.dot(of_w), u.dot(of_v), v.dot(of_w), w.dot(of_u)]
     }
 
     /// What the plane of some faces faces, in the frame: by the sum of their area vectors and that of their
@@ -97,9 +111,9 @@ pub(super) struct Moments([f64; 14]);
 impl Moments {
     pub(super) const NONE: Self = Self([0.0; 14]);
 
-    pub(super) fn of(items: &[Item]) -> Self {
+    pub(super) fn of<'a>(items: impl IntoIterator<Item = &'a Item>) -> Self {
         let mut all = Self::NONE;
-        items.iter().for_each(|item| all.add(item));
+        items.into_iter().for_each(|item| all.add(item));
         all
     }
 
@@ -166,7 +180,7 @@ mod tests {
         let mesh = Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let opening = Opening::of(&[DVec3::Z * 3.0], &mesh.bounds());
         let mut crumbs = Crumbs::default();
-        crumbs.fill(&mesh, &[FaceId(0), FaceId(1)], &opening, 1);
+        crumbs.fill(&mesh, &[FaceId(0), FaceId(1)], &mesh.bounds(), &opening, 1);
         // Corners of a floor vary by 2/9 along x and y, those of both by 1/16 along z.
         for (items, variances) in [
             (&crumbs.items[..1], [0.0, 4.0 / 9.0]),

@@ -11,8 +11,7 @@
 //! A *needle*, not wider than the slab is deep, has a normal made of rounding. It goes where the face
 //! across its longest edge went, for there it belongs whichever way it was rounded.
 //!
-//! Cost: the facets of extreme vertices are those of the hull's triangles around them; every other
-//! vertex asks the tree over the facets, O(log n) as a rule.
+//! Cost: near-linear, most of it for the facets of vertices (`vertices`).
 
 use std::collections::BTreeMap;
 
@@ -20,10 +19,12 @@ use cranny_exact::DVec3;
 
 use super::corners::Corners;
 use super::slabs::Slabs;
+use super::vertices::facets_of_vertices;
 use crate::hull::ConvexHull;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
+use crate::tree::FaceTree;
 
 /// 'On no facet'.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -46,11 +47,11 @@ pub(crate) struct Assignment {
 }
 
 impl Assignment {
-    /// Judges every vertex and face.
-    pub(crate) fn of(mesh: &Mesh, topology: &Topology, hull: &ConvexHull) -> Self {
+    /// Judges every vertex and face; `tree` is that over all faces.
+    pub(crate) fn of(mesh: &Mesh, topology: &Topology, hull: &ConvexHull, tree: &FaceTree) -> Self {
         let mut slabs = Slabs::of(hull);
         slabs.prepare_finder(hull);
-        let (starts, facets) = facets_of_vertices(mesh, hull, &slabs);
+        let (starts, facets) = facets_of_vertices(mesh, topology, hull, tree, &slabs);
         let mut assignment = Self {
             facet_of_face: Vec::new(),
             starts,
@@ -208,74 +209,6 @@ impl Assignment {
             }
         }
         best.1
-    }
-}
-
-/// For each vertex the facets that it lies on, in compressed rows.
-fn facets_of_vertices(mesh: &Mesh, hull: &ConvexHull, slabs: &Slabs) -> (Vec<u32>, Vec<u32>) {
-    let rings = Rings::of(hull);
-    let mut starts = Vec::with_capacity(mesh.vertices().len() + 1);
-    let mut facets = Vec::new();
-    let mut next_corner = 0;
-    starts.push(0);
-    for (v, &p) in mesh.vertices().iter().enumerate() {
-        // Both are numbered alike: the sources ascend.
-        if hull.sources().get(next_corner) == Some(&VertexId(v as u32)) {
-            rings.append(next_corner, &mut facets);
-            next_corner += 1;
-        } else {
-            slabs.around(p, &mut facets);
-        }
-        starts.push(facets.len() as u32);
-    }
-    (starts, facets)
-}
-
-/// Drops repetitions of the sorted tail; its new end.
-fn dedup_from(list: &mut [u32], first: usize) -> usize {
-    let mut end = first;
-    for i in first..list.len() {
-        if i == first || list[i] != list[end - 1] {
-            list[end] = list[i];
-            end += 1;
-        }
-    }
-    end
-}
-
-/// For each corner of the hull the facets of its triangles, with repetitions, in compressed rows.
-pub(super) struct Rings {
-    starts: Vec<u32>,
-    facets: Vec<u32>,
-}
-
-impl Rings {
-    pub(super) fn of(hull: &ConvexHull) -> Self {
-        let mut starts = vec![0u32; hull.vertex_count() + 1];
-        let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
-        for (_, v) in corners() {
-            starts[v.index() + 1] += 1;
-        }
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut fill = starts.clone();
-        let mut facets = vec![0; 3 * hull.triangle_count()];
-        for (t, v) in corners() {
-            facets[fill[v.index()] as usize] = hull.facet_of_triangle(t).0;
-            fill[v.index()] += 1;
-        }
-        Self { starts, facets }
-    }
-
-    /// Appends the facets around a corner, ascending, each once.
-    pub(super) fn append(&self, corner: usize, facets: &mut Vec<u32>) {
-        let first = facets.len();
-        let row = self.starts[corner] as usize..self.starts[corner + 1] as usize;
-        facets.extend_from_slice(&self.facets[row]);
-        facets[first..].sort_unstable();
-        let kept = dedup_from(facets, first);
-        facets.truncate(kept);
     }
 }
 

@@ -16,6 +16,7 @@ mod codec;
 mod corners;
 mod slabs;
 mod update;
+mod vertices;
 
 pub(crate) use assign::{Assignment, NONE};
 pub(crate) use corners::least_first;

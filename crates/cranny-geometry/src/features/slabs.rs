@@ -64,11 +64,17 @@ impl Node {
 
     /// Whether a point may lie in one of the slabs.
     fn may_hold(&self, p: DVec3) -> bool {
-        if !self.bounds.contains_point(p) {
-            return false;
-        }
-        let highest = (self.normals.min * p).max(self.normals.max * p);
-        highest.x + highest.y + highest.z >= self.floor
+        self.may_reach(&Aabb { min: p, max: p })
+    }
+
+    /// Whether a point of a box may lie in one of the slabs.
+    fn may_reach(&self, within: &Aabb) -> bool {
+        // All that is asked is computed, without a branch: nobody could predict it.
+        let shared = self.bounds.min.cmple(within.max) & within.min.cmple(self.bounds.max);
+        let (low, high) = (self.normals.min, self.normals.max);
+        let least = (low * within.min).max(high * within.min);
+        let highest = (low * within.max).max(high * within.max).max(least);
+        (shared.bitmask() == 0b111) & (highest.x + highest.y + highest.z >= self.floor)
     }
 }
 
@@ -129,17 +135,42 @@ impl Slabs {
         }
     }
 
+    /// The highest level of the tree over facets; none where there are no facets.
+    pub(super) fn top(&self) -> Option<usize> {
+        self.levels.iter().rposition(|level| !level.is_empty())
+    }
+
+    /// The nodes of a level.
+    pub(super) fn nodes(&self, level: usize) -> Range<usize> {
+        0..self.levels[level].len()
+    }
+
+    /// The nodes of a level beneath one of the next level.
+    pub(super) fn beneath(&self, level: usize, above: usize) -> Range<usize> {
+        FANOUT * above..(FANOUT * (above + 1)).min(self.levels[level].len())
+    }
+
+    /// Whether a slab beneath a node may hold a point of a box.
+    pub(super) fn may_reach(&self, level: usize, node: usize, within: &Aabb) -> bool {
+        self.levels[level][node].may_reach(within)
+    }
+
+    /// The facet of a node on the lowest level, if a point lies in its slab and box.
+    pub(super) fn facet_around(&self, node: usize, p: DVec3) -> Option<u32> {
+        self.levels[0][node].may_hold(p).then(|| self.order[node])
+    }
+
     /// The facets in whose slabs and boxes a point lies, ascending, appended to `found`.
     pub(crate) fn around(&self, p: DVec3, found: &mut Vec<u32>) {
         let first = found.len();
-        if let Some(top) = self.levels.iter().rposition(|level| !level.is_empty()) {
-            self.beneath(top, 0..self.levels[top].len(), p, found);
+        if let Some(top) = self.top() {
+            self.look(top, self.nodes(top), p, found);
         }
         found[first..].sort_unstable();
     }
 
     /// Appends the facets beneath some nodes of a level whose slabs hold the point.
-    fn beneath(&self, level: usize, nodes: Range<usize>, p: DVec3, found: &mut Vec<u32>) {
+    fn look(&self, level: usize, nodes: Range<usize>, p: DVec3, found: &mut Vec<u32>) {
         for at in nodes {
             if !self.levels[level][at].may_hold(p) {
                 continue;
@@ -147,8 +178,7 @@ impl Slabs {
             if level == 0 {
                 found.push(self.order[at]);
             } else {
-                let end = (FANOUT * (at + 1)).min(self.levels[level - 1].len());
-                self.beneath(level - 1, FANOUT * at..end, p, found);
+                self.look(level - 1, self.beneath(level - 1, at), p, found);
             }
         }
     }

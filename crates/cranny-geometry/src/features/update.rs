@@ -11,9 +11,10 @@ use std::collections::BTreeSet;
 
 use cranny_exact::Aabb;
 
-use super::assign::{Assignment, NONE, Rings};
+use super::assign::{Assignment, NONE};
 use super::corners::Corners;
 use super::slabs::Slabs;
+use super::vertices::Rings;
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
 use crate::hull::{ConvexHull, FacetId, GONE};
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};

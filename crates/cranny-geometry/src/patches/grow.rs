@@ -12,7 +12,7 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use cranny_exact::Aabb;
+use cranny_exact::{Aabb, DVec3};
 
 use super::Patch;
 use super::cone::{NormalCone, unit_normal};
@@ -72,8 +72,9 @@ impl Growing {
         diagonal_squared(&self.bounds) <= limits.diagonal_squared(self.face_squared)
     }
 
-    pub(super) fn alone(mesh: &Mesh, face: FaceId) -> Self {
-        let cone = unit_normal(mesh, face).map(NormalCone::of_direction);
+    /// A patch of one face, given its unit normal; needles have none.
+    fn alone(mesh: &Mesh, face: FaceId, normal: Option<DVec3>) -> Self {
+        let cone = normal.map(NormalCone::of_direction);
         let bounds = Aabb::of_points(mesh.triangle(face));
         Self { cone, bounds, face_squared: diagonal_squared(&bounds), faces: 1 }
     }
@@ -208,11 +209,16 @@ const NONE: u32 = u32::MAX;
 
 fn grown(mesh: &Mesh, topology: &Topology, limits: &Limits) -> (Vec<u32>, Vec<Growing>) {
     let count = mesh.faces().len();
+    // Most faces are tried by several patches.
+    let faces = (0..count as u32).map(FaceId);
+    let normals: Vec<DVec3> = faces.map(|f| unit_normal(mesh, f).unwrap_or_default()).collect();
+    let normal = |f: FaceId| Some(normals[f.index()]).filter(|&n| n != DVec3::ZERO);
     let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
     let mut patches = Vec::new();
     for seed in (0..count as u32).map(FaceId) {
         if numbering.has(seed) {
-            patches.push(grow_from(seed, mesh, topology, limits, &mut numbering, |_| {}));
+            let free = &mut numbering;
+            patches.push(grow_from(seed, mesh, topology, limits, normal, free, |_| {}));
             numbering.number += 1;
         }
     }
@@ -230,7 +236,8 @@ pub(super) fn divided(
     let mut patches = Vec::new();
     while let Some(&seed) = left.first() {
         let mut taken = Vec::new();
-        let patch = grow_from(seed, mesh, topology, limits, &mut left, |f| taken.push(f));
+        let normal = |f| unit_normal(mesh, f);
+        let patch = grow_from(seed, mesh, topology, limits, normal, &mut left, |f| taken.push(f));
         patches.push((patch, taken));
     }
     patches
@@ -242,10 +249,11 @@ fn grow_from(
     mesh: &Mesh,
     topology: &Topology,
     limits: &Limits,
+    normal: impl Fn(FaceId) -> Option<DVec3>,
     free: &mut impl Free,
     mut taken: impl FnMut(FaceId),
 ) -> Growing {
-    let mut patch = Growing::alone(mesh, seed);
+    let mut patch = Growing::alone(mesh, seed, normal(seed));
     let mut front = VecDeque::from([seed]);
     free.take(seed);
     taken(seed);
@@ -254,7 +262,8 @@ fn grow_from(
             if !free.has(next) {
                 return;
             }
-            if let Some(larger) = limits.joined(&patch, &Growing::alone(mesh, next)) {
+            let alone = Growing::alone(mesh, next, normal(next));
+            if let Some(larger) = limits.joined(&patch, &alone) {
                 patch = larger;
                 free.take(next);
                 taken(next);
@@ -370,7 +379,6 @@ fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Borde
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cranny_exact::DVec3;
 
     #[test]
     fn no_two_neighbours_could_be_one_patch() {

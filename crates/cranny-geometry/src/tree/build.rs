@@ -66,6 +66,8 @@ impl<I: Copy> Grower<I> {
         let (root, offset) = (nodes.len(), leaves.len());
         self.ids.clear();
         self.boxes.clear();
+        self.ids.reserve(boxes.size_hint().0);
+        self.boxes.reserve(boxes.size_hint().0);
         let mut whole = Aabb::EMPTY;
         for (id, bounds) in boxes {
             whole = whole.union(&bounds);

@@ -63,9 +63,14 @@ impl Lows {
         -i32::from(self.0[axis + 4]) - i32::from(self.0[axis])
     }
 
+    /// Along each axis. Not by `map`, which is not always compiled in place.
+    fn sizes(&self) -> [i32; 3] {
+        [self.size(0), self.size(1), self.size(2)]
+    }
+
     /// The axis along which it is longest, the first of equal ones.
     pub(super) fn longest(&self) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.size(axis));
+        let [x, y, z] = self.sizes();
         if x >= y && x >= z {
             0
         } else if y >= z {
@@ -77,7 +82,8 @@ impl Lows {
 
     /// Half the area of the lattice's cells around it, so that flat ones count too.
     pub(super) fn half_area(&self) -> u64 {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.size(axis) as u32 + 1);
+        let [x, y, z] = self.sizes();
+        let [x, y, z] = [x as u32 + 1, y as u32 + 1, z as u32 + 1];
         u64::from(x * y + y * z + z * x)
     }
 }

@@ -30,6 +30,9 @@ impl FaceTree {
         kept.iter().for_each(|face| is_kept[face.index()] = true);
         let counts = self.counts(&is_kept);
         let root = arena.nodes.len();
+        arena.faces.reserve(kept.len());
+        // Leaves are a little more than half full, and there are nearly as many inner nodes.
+        arena.nodes.reserve(5 * kept.len() / (2 * leaf_size));
         // Nodes to come, and whose right children they are; a left child stands right behind its parent.
         let mut stack: Vec<(u32, Option<usize>)> = vec![(0, None)];
         while let Some((node, parent)) = stack.pop() {
@@ -46,10 +49,15 @@ impl FaceTree {
                     let first = arena.faces.len();
                     let (_, held) = self.beneath(node);
                     let held = &self.faces[held.start as usize..held.end as usize];
-                    arena.faces.extend(held.iter().filter(|face| is_kept[face.index()]));
-                    let corners = arena.faces[first..].iter().flat_map(|&f| mesh.triangle(f));
-                    let bounds = Aabb::of_points(corners);
                     let count = counts[node as usize];
+                    let bounds = if held.len() == count as usize {
+                        arena.faces.extend_from_slice(held);
+                        self.node(node).bounds
+                    } else {
+                        arena.faces.extend(held.iter().filter(|face| is_kept[face.index()]));
+                        let kept = &arena.faces[first..];
+                        Aabb::of_points(kept.iter().flat_map(|&f| mesh.triangle(f)))
+                    };
                     arena.nodes.push(Node { bounds, content: first as u32, count });
                 }
             }

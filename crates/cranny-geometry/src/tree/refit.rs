@@ -201,7 +201,7 @@ impl FaceTree {
     }
 
     /// The nodes that hang at a node, itself included, and the faces that they hold: both stand together.
-    pub(super) fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
+    pub(crate) fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
         let (mut first, mut last) = (node, node);
         let start = loop {
             match self.content(first) {
