@@ -128,11 +128,11 @@ fn answer(pair: &mut Pair, demand: &Demand, coherent: &mut Coherent) -> Answer {
         if margin > 0.0 {
             out.regions.extend(gaps(pair, margin, &mut counters));
         }
+        // Of equally deep ones the ids decide, in the pair's own order: not in that of A and B.
+        let key = |region: &Region| pair.ordered(region.deepest.id.0, region.deepest.id.1);
         out.regions.sort_by(|x, y| {
-            x.deepest
-                .separation
-                .total_cmp(&y.deepest.separation)
-                .then(x.deepest.id.cmp(&y.deepest.id))
+            let (this, that) = (x.deepest.separation, y.deepest.separation);
+            this.total_cmp(&that).then_with(|| key(x).cmp(&key(y)))
         });
         out.contacts = out.regions.iter().flat_map(|r| r.points.iter().copied()).collect();
         if let Some(depth) = out.regions.iter().filter_map(|r| r.depth).reduce(f64::max)

@@ -9,8 +9,8 @@
 //!
 //! # Non-promises
 //!
-//! Nothing here is fast (tens of microseconds a triangle pair), and nothing but tests and benches
-//! may depend on it. Solids must be embedded: closed meshes may have several shells, but no shell
+//! Nothing here is fast (tens of microseconds a triangle pair), and nothing but tests, benches and
+//! `cranny stability` may depend on it. Solids must be embedded: closed meshes may have several shells, but no shell
 //! may pass through itself or another.
 //!
 //! ```
@@ -22,10 +22,12 @@
 //! assert_eq!(classify_triangles(&a, &b), rational_meeting(&a, &b));
 //! ```
 
+pub mod bodies;
 mod brute_force;
 mod convex;
 mod distance;
 mod generate;
+mod hull;
 mod locate;
 mod rational;
 mod solid;
@@ -33,8 +35,9 @@ mod surface;
 mod triangle;
 
 pub use brute_force::brute_force_meeting;
-pub use distance::{is_root_within, rational_distance_squared};
+pub use distance::{error_of_root, is_root_within, rational_distance_squared, rational_gap_squared};
 pub use generate::{Family, Rng};
+pub use hull::{rational_hull_fault, spans_a_solid};
 pub use locate::{Location, PosedMesh};
 pub use rational::{Q, Q3};
 pub use solid::{Contained, OracleVerdict, rational_verdict};

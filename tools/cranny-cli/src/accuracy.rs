@@ -9,9 +9,6 @@ mod ours;
 mod peer;
 mod truth;
 
-use std::fs;
-use std::path::Path;
-
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Model};
 
@@ -19,6 +16,7 @@ use crate::args::{AccuracyArgs, Format};
 use crate::failure::Failure;
 use crate::model_file::load;
 use crate::output::Output;
+use crate::paths::{make_folder, write};
 use crate::pose_file::{PosePair, read_poses};
 use crate::progress;
 use figures::{Figures, measured};
@@ -97,22 +95,4 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     let chart = chart::drawn(&all, size)
         .map_err(|error| Failure::run(format!("the chart cannot be drawn: {error}")))?;
     write(&args.out.join("accuracy.svg"), &chart)
-}
-
-fn make_folder(folder: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|error| {
-        Failure::run(format!(
-            "folder {}: cannot be made ({error}). Name another.",
-            folder.display()
-        ))
-    })
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text).map_err(|error| {
-        Failure::run(format!(
-            "{}: cannot be written ({error}). Name another folder.",
-            path.display()
-        ))
-    })
 }

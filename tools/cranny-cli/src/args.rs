@@ -3,6 +3,7 @@
 mod accuracy;
 mod scene;
 mod show;
+mod stability;
 
 use std::path::PathBuf;
 
@@ -14,6 +15,7 @@ pub(crate) use accuracy::AccuracyArgs;
 pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
 use show::show;
 pub(crate) use show::{Show, Up};
+pub(crate) use stability::StabilityArgs;
 
 /// Exact collision detection for bodies that are not convex.
 ///
@@ -49,6 +51,8 @@ pub(crate) enum Command {
     Query(QueryArgs),
     /// What certainty costs: time and errors of each level and budget, beside parry's
     Accuracy(AccuracyArgs),
+    /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's answers
+    Stability(StabilityArgs),
     /// What is known of a mesh: defects and repairs, hull, concavities, sizes and times
     Inspect(InspectArgs),
     /// Read a scene file and all that it names, and say whether it is right

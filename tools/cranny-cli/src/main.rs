@@ -12,12 +12,14 @@ mod inspect;
 mod logging;
 mod model_file;
 mod output;
+mod parry;
 mod paths;
 mod pose_file;
 mod progress;
 mod query;
 mod run;
 mod scene_file;
+mod stability;
 
 use std::process::ExitCode;
 
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
         Command::Accuracy(args) => accuracy::accuracy(args, cli.format),
+        Command::Stability(args) => stability::stability(args, cli.format),
         Command::Inspect(args) => inspect::inspect(args, cli.format),
         Command::Check(args) => check::check(args, cli.format),
     };

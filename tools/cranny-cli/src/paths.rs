@@ -1,5 +1,7 @@
-//! Names of files, looked at before any work is done, so that all commands refuse them in the same words.
+//! Names of files, looked at before any work is done, so that all commands refuse them in the same words;
+//! and folders of reports.
 
+use std::fs;
 use std::path::Path;
 
 use crate::failure::Failure;
@@ -50,4 +52,32 @@ pub(crate) fn check_output(option: &str, path: &Path, extensions: &[&str]) -> Re
         ))),
         None => Ok(()),
     }
+}
+
+/// A folder for what is written; made if it is not there.
+///
+/// # Errors
+///
+/// Where it cannot be made.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|error| {
+        Failure::run(format!(
+            "folder {}: cannot be made ({error}). Name another.",
+            folder.display()
+        ))
+    })
+}
+
+/// Writes a file into such a folder.
+///
+/// # Errors
+///
+/// Where it cannot be written.
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text).map_err(|error| {
+        Failure::run(format!(
+            "{}: cannot be written ({error}). Name another folder.",
+            path.display()
+        ))
+    })
 }

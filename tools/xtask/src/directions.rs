@@ -47,6 +47,16 @@ const TABLE: &[(&str, &[&str])] = &[
     ),
     ("cranny-testkit", &["cranny-exact", "cranny-geometry", "cranny-shapes"]),
     (
+        "cranny-stability",
+        &[
+            "cranny-exact",
+            "cranny-geometry",
+            "cranny-narrow-phase",
+            "cranny-shapes",
+            "cranny-testkit",
+        ],
+    ),
+    (
         "cranny",
         &[
             "cranny-exact",
@@ -77,6 +87,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-record",
             "cranny-render",
             "cranny-ecs",
+            "cranny-stability",
         ],
     ),
     (

@@ -2,10 +2,10 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_rapier::Detector;
-use parry3d::math::{Pose as NarrowPose, Rotation, Vector};
+use parry3d::math::{Pose as NarrowPose, Vector};
 use parry3d::query::{
     ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher,
     closest_points,
@@ -14,6 +14,7 @@ use parry3d::shape::SharedShape;
 
 use super::Told;
 use super::figures::Method;
+use crate::parry::{double, single};
 use crate::pose_file::PosePair;
 
 /// What manifolds are asked to foresee: next to nothing, as our regions do.
@@ -108,16 +109,4 @@ impl Method for Peer {
         });
         middles.collect()
     }
-}
-
-fn single(pose: Pose) -> NarrowPose {
-    let (t, r) = (pose.translation, pose.rotation);
-    NarrowPose::from_parts(
-        Vector::new(t.x as f32, t.y as f32, t.z as f32),
-        Rotation::from_xyzw(r.x as f32, r.y as f32, r.z as f32, r.w as f32),
-    )
-}
-
-fn double(v: Vector) -> DVec3 {
-    DVec3::new(v.x.into(), v.y.into(), v.z.into())
 }

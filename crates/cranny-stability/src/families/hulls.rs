@@ -1,0 +1,152 @@
+//! Convex hulls of the clouds that break hull codes.
+
+use cranny_exact::DVec3;
+use cranny_geometry::ConvexHull;
+use cranny_geometry::hull::HullKind;
+use cranny_testkit::{rational_hull_fault, spans_a_solid};
+
+use crate::case::{Case, PeerCase};
+use crate::family::Family;
+use crate::trial::Trial;
+
+pub(super) const FAMILY: Family = Family {
+    name: "hulls",
+    asked: "The convex hull of lattices, subdivided cubes, spheres, prisms, cones, plates and needles of points, with \
+            doubles, as they are and turned, scaled by 10^-6 to 10^6 or moved by 10^6 sizes.",
+    made: "All points against the planes of all triangles in exact rationals; closed, in one piece, without a hole.",
+    fails: "a hull that is not convex, misses a point or is not closed; other vertices when points come in another \
+            order; a wrong kind (point, line, plane, solid)",
+    figure: "thickness of the thickest merged facet, in sizes",
+    cases,
+};
+
+/// Solids of about a unit's size.
+fn clouds(trial: &mut Trial<'_>) -> Vec<(&'static str, Vec<DVec3>)> {
+    let whole = |n: i32| {
+        let range = move || (0..=n).map(f64::from);
+        range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| DVec3::new(x, y, z))))
+    };
+    let on_rim = |n: f64| move |p: &DVec3| p.to_array().iter().any(|&c| c == 0.0 || c == n);
+    let circle = |n: usize, z: f64| {
+        (0..n).map(move |i| {
+            let angle = std::f64::consts::TAU * i as f64 / n as f64;
+            DVec3::new(angle.cos(), angle.sin(), z)
+        })
+    };
+    let cube: Vec<DVec3> = whole(3).filter(on_rim(3.0)).map(|p| p / 3.0).collect();
+    let thin = |by: f64| cube.iter().map(|p| DVec3::new(p.x, p.y, by * p.z)).collect::<Vec<_>>();
+    let needle = |by: f64| cube.iter().map(|p| DVec3::new(p.x, by * p.y, by * p.z)).collect();
+    let ball: Vec<DVec3> = (0..60).map(|_| trial.direction()).collect();
+    let rings = (1..8).flat_map(|i| {
+        let angle = std::f64::consts::PI * f64::from(i) / 8.0;
+        circle(12, 0.0).map(move |p| angle.sin() * p + angle.cos() * DVec3::Z)
+    });
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.3, 1.1, 0.0), DVec3::new(0.4, 0.2, 0.9)];
+    let edges = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+    let on_edges = edges.into_iter().flat_map(|(i, j)| {
+        (0..=12).map(move |k| corners[i].lerp(corners[j], f64::from(k) / 12.0))
+    });
+    vec![
+        ("lattice", whole(3).map(|p| p / 3.0).collect()),
+        ("doubled cube", cube.iter().chain(&cube).copied().collect()),
+        ("plate of 1e-9", thin(1e-9)),
+        ("plate of 1e-15", thin(1e-15)),
+        ("needle of 1e-6", needle(1e-6)),
+        ("sphere", ball),
+        ("rings", rings.chain([DVec3::Z, -DVec3::Z]).collect()),
+        ("prism", circle(24, 0.0).chain(circle(24, 1.0)).chain(circle(24, 0.5)).collect()),
+        ("cone", circle(48, 0.0).chain([DVec3::Z, -0.5 * DVec3::Z, DVec3::ZERO]).collect()),
+        ("edges of a tetrahedron", on_edges.collect()),
+    ]
+}
+
+fn cases(trial: &mut Trial<'_>) {
+    for round in 0..trial.variants {
+        for (i, (name, points)) in clouds(trial).into_iter().enumerate() {
+            one(trial, name.to_owned(), &points);
+            let frame = trial.frame();
+            let turned: Vec<DVec3> = points.iter().map(|&p| frame * p).collect();
+            let power = trial.rng.between(-6, 6);
+            let by = 1e6 * trial.direction();
+            let (how, moved): (String, Vec<DVec3>) = match (i + round as usize) % 3 {
+                0 => ("turned".to_owned(), turned),
+                1 => {
+                    let scale = 10f64.powi(power);
+                    let scaled = turned.iter().map(|&p| scale * p).collect();
+                    (format!("turned, times 10^{power}"), scaled)
+                }
+                _ => ("turned, 1e6 sizes off".to_owned(), turned.iter().map(|&p| p + by).collect()),
+            };
+            one(trial, format!("{name}, {how}"), &moved);
+        }
+    }
+}
+
+fn triangles(hull: &ConvexHull) -> Vec<[DVec3; 3]> {
+    (0..hull.triangle_count()).map(|t| hull.triangle(t).map(|v| hull.position(v))).collect()
+}
+
+/// Vertices in an order of their own; adding zero makes −0 and 0 one place.
+fn places(hull: &ConvexHull) -> Vec<[u64; 3]> {
+    let bits = |p: &DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    let mut places: Vec<_> = hull.positions().iter().map(bits).collect();
+    places.sort_unstable();
+    places
+}
+
+fn one(trial: &mut Trial<'_>, name: String, points: &[DVec3]) {
+    let hull = ConvexHull::of_points(points);
+    let is_solid = spans_a_solid(points);
+    let mut case = Case {
+        name,
+        truth: if is_solid { "solid" } else { "flat" }.to_owned(),
+        told: format!(
+            "{}: {} vertices, {} triangles, {} facets",
+            hull.kind().as_str(),
+            hull.vertex_count(),
+            hull.triangle_count(),
+            hull.facet_count()
+        ),
+        ..Case::default()
+    };
+    if is_solid != (hull.kind() == HullKind::Volume) {
+        case.faults.push(format!("it is {}, but told to be a {}", case.truth, hull.kind().as_str()));
+    } else if is_solid {
+        case.faults.extend(rational_hull_fault(points, &triangles(&hull)));
+    }
+    let violations = hull.validate(points);
+    if let Some(first) = violations.first() {
+        case.faults.push(format!("{} invariants broken, first {first:?}", violations.len()));
+    }
+    let mut shuffled = points.to_vec();
+    for i in (1..shuffled.len()).rev() {
+        shuffled.swap(i, trial.rng.below(i + 1));
+    }
+    if places(&ConvexHull::of_points(&shuffled)) != places(&hull) {
+        case.faults.push("other vertices in another order of points".to_owned());
+    }
+    let size = hull.bounds().diagonal();
+    case.figure = Some(hull.thickness_max() / size);
+    case.peer = peer(trial, points);
+    trial.count(if is_solid { "solid" } else { "flat" }, 1);
+    trial.push(case);
+}
+
+/// The peer's hull of the points as it stores them; where these are flat, any answer is right.
+fn peer(trial: &mut Trial<'_>, points: &[DVec3]) -> Option<PeerCase> {
+    Some(match trial.peer.as_mut()?.hull(points) {
+        Err(why) => PeerCase { told: why, wrong: false, refused: true, figure: None },
+        Ok((stored, triangles)) => {
+            let fault = match spans_a_solid(&stored) {
+                true => rational_hull_fault(&stored, &triangles),
+                false => None,
+            };
+            PeerCase {
+                told: fault.clone().unwrap_or_else(|| format!("{} triangles", triangles.len())),
+                wrong: fault.is_some(),
+                refused: false,
+                figure: None,
+            }
+        }
+    })
+}

@@ -1,0 +1,55 @@
+//! A family of hard cases: what it is, in words, and how it is run.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::case::{Case, Outcome};
+use crate::peer::Peer;
+use crate::trial::Trial;
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Cases that are made at random depend on it, and on nothing else.
+    pub seed: u64,
+    /// How often each sort of case is made anew; the work is in proportion.
+    pub variants: u32,
+}
+
+impl Settings {
+    /// What is run unless told otherwise: some seconds in all.
+    pub const DEFAULT: Self = Self { seed: 1, variants: 4 };
+}
+
+/// A family of hard cases.
+#[derive(Clone, Copy, Debug)]
+pub struct Family {
+    /// A word, as on the command line.
+    pub name: &'static str,
+    /// What is asked.
+    pub asked: &'static str,
+    /// How cases are made, and how their truth is known.
+    pub made: &'static str,
+    /// What counts as a failure.
+    pub fails: &'static str,
+    /// What [`Case::figure`](crate::Case::figure) measures; the larger, the worse.
+    pub figure: &'static str,
+    pub(crate) cases: fn(&mut Trial<'_>),
+}
+
+impl Family {
+    /// Makes and judges all cases. Families do not share random numbers: one gives the same cases alone.
+    /// A panic is a case that failed, and ends the family.
+    #[must_use]
+    pub fn run(&self, settings: &Settings, peer: Option<&mut dyn Peer>) -> Outcome {
+        let mut trial = Trial::new(self.name, settings, peer);
+        let run = catch_unwind(AssertUnwindSafe(|| (self.cases)(&mut trial)));
+        if let Err(panic) = run {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("?");
+            let faults = vec![format!("panicked: {text}")];
+            let name = "whatever came after the case above".to_owned();
+            trial.push(Case { name, faults, ..Case::default() });
+        }
+        trial.finish()
+    }
+}

@@ -1,0 +1,117 @@
+//! A family at work: its random numbers, and the cases that it has told.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use cranny_exact::{DMat3, DQuat, DVec3};
+use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_testkit::Rng;
+
+use crate::case::{Case, Outcome};
+use crate::family::Settings;
+use crate::peer::Peer;
+
+/// What a family writes its cases into.
+pub(crate) struct Trial<'p> {
+    family: &'static str,
+    pub(crate) rng: Rng,
+    pub(crate) variants: u32,
+    pub(crate) peer: Option<&'p mut dyn Peer>,
+    cases: Vec<Case>,
+    counts: BTreeMap<&'static str, u64>,
+}
+
+impl<'p> Trial<'p> {
+    pub(crate) fn new(
+        family: &'static str,
+        settings: &Settings,
+        peer: Option<&'p mut dyn Peer>,
+    ) -> Self {
+        // A family's numbers depend on its name, not on which families run before it.
+        let name = family.bytes().fold(0u64, |sum, byte| sum.wrapping_mul(31) + u64::from(byte));
+        Self {
+            family,
+            rng: Rng::new(settings.seed ^ name << 32),
+            variants: settings.variants,
+            peer,
+            cases: Vec::new(),
+            counts: BTreeMap::new(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, case: Case) {
+        self.cases.push(case);
+    }
+
+    pub(crate) fn count(&mut self, what: &'static str, by: u64) {
+        *self.counts.entry(what).or_default() += by;
+    }
+
+    pub(crate) fn finish(self) -> Outcome {
+        let Self { family, cases, counts, .. } = self;
+        Outcome { family, cases, counts, time: Duration::ZERO }
+    }
+
+    /// A model; a mesh that is refused is a case that failed.
+    pub(crate) fn model(&mut self, name: &str, mesh: Mesh) -> Option<Model> {
+        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        match Model::build(mesh, &options) {
+            Ok((model, _)) => Some(model),
+            Err(error) => {
+                let faults = vec![error.to_string()];
+                self.push(Case { name: name.to_owned(), faults, ..Case::default() });
+                None
+            }
+        }
+    }
+
+    /// One of some.
+    pub(crate) fn pick<'a, T>(&mut self, from: &'a [T]) -> &'a T {
+        &from[self.rng.below(from.len())]
+    }
+
+    /// A multiple of a quarter of at most `reach` in each coordinate.
+    pub(crate) fn quarters(&mut self, reach: i32) -> DVec3 {
+        DVec3::from_array([0; 3].map(|_| 0.25 * f64::from(self.rng.between(-4 * reach, 4 * reach))))
+    }
+
+    pub(crate) fn direction(&mut self) -> DVec3 {
+        loop {
+            let v = DVec3::from_array([0; 3].map(|_| self.rng.unit()));
+            if (0.01..=1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+
+    pub(crate) fn rotation(&mut self) -> DQuat {
+        loop {
+            let q = DQuat::from_xyzw(
+                self.rng.unit(),
+                self.rng.unit(),
+                self.rng.unit(),
+                self.rng.unit(),
+            );
+            if (0.01..=1.0).contains(&q.length_squared()) {
+                return q.normalize();
+            }
+        }
+    }
+
+    /// A turn by a small angle, to first order, about an axis of the frame, a diagonal or anything.
+    pub(crate) fn tilt(&mut self, angle: f64) -> DQuat {
+        let axis = match self.rng.below(4) {
+            0 => DVec3::X,
+            1 => DVec3::new(1.0, 1.0, 0.0).normalize(),
+            2 => DVec3::new(0.6, 0.0, 0.8),
+            _ => self.direction(),
+        };
+        let half = 0.5 * angle * axis;
+        DQuat::from_xyzw(half.x, half.y, half.z, 1.0).normalize()
+    }
+
+    /// An orthonormal frame, rounded.
+    pub(crate) fn frame(&mut self) -> DMat3 {
+        DMat3::from_quat(self.rotation())
+    }
+}
