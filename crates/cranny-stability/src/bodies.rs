@@ -2,7 +2,9 @@
 
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::Mesh;
-use cranny_testkit::bodies::{angle, block_without, channel, cuboid, grooved, octahedron, prism, rake};
+use cranny_testkit::bodies::{
+    angle, block_without, channel, cuboid, grooved, octahedron, prism, rake,
+};
 use cranny_testkit::{Q, Q3};
 
 /// Bodies with concavities, whole coordinates up to 5.

@@ -38,25 +38,47 @@ distance outside its certified interval; an answer that memory or exchanging A a
 mod tests {
     use super::*;
     use crate::{Outcome, Settings};
-    use std::time::Instant;
 
-    fn run(family: &Family) -> Outcome {
-        family.run(&Settings { seed: 3, variants: 1 }, None)
+    fn run(family: &Family, seed: u64) -> Outcome {
+        family.run(&Settings { seed, variants: 1 }, None)
     }
 
     #[test]
-    fn dbg_all() {
+    fn no_case_of_any_family_fails() {
+        let mut told = String::new();
         for family in &FAMILIES {
-            let start = Instant::now();
-            let outcome = run(family);
-            println!(
-                "{} {} cases {} failed {:?} {:?} worst {:?} claim {:?}",
-                family.name, outcome.cases.len(), outcome.failed(), start.elapsed(), outcome.counts,
-                outcome.worst().map(|(c, f)| (c.name.clone(), f)), outcome.worst_of_claim()
-            );
-            for c in outcome.cases.iter().filter(|c| !c.faults.is_empty()).take(6) {
-                println!("    {c:?}");
+            let outcome = run(family, 1);
+            assert!(outcome.cases.len() >= 20, "{}: {} cases", family.name, outcome.cases.len());
+            for case in outcome.cases.iter().filter(|case| !case.faults.is_empty()) {
+                told += &format!("{}: {}: {}\n", family.name, case.name, case.faults.join("; "));
             }
         }
+        assert_eq!(told, "");
+    }
+
+    #[test]
+    fn contacts_are_apart_touch_and_overlap_whatever_the_seed() {
+        for seed in 2..5 {
+            let outcome = run(&contacts::FAMILY, seed);
+            // 11 sizes of gaps, each lifted, touching, sunk in, and twice sunk in with known depth.
+            let of = |what| outcome.counts.get(what).copied().unwrap_or(0);
+            assert!(of("touching") >= 11 && of("crossing") >= 22, "{:?}", outcome.counts);
+            assert_eq!(outcome.cases.len(), 55);
+            assert_eq!(outcome.failed(), 0);
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_cases_and_names_differ() {
+        for family in [contacts::FAMILY, needles::FAMILY] {
+            let told = |seed| -> Vec<String> {
+                let cases = run(&family, seed).cases;
+                cases.into_iter().map(|case| case.name + &case.truth + &case.told).collect()
+            };
+            assert_eq!(told(7), told(7));
+            assert_ne!(told(7), told(8));
+        }
+        let names: std::collections::BTreeSet<_> = FAMILIES.iter().map(|f| f.name).collect();
+        assert_eq!(names.len(), FAMILIES.len());
     }
 }

@@ -3,7 +3,9 @@
 //!
 //! [`faults`] says what is wrong with an answer; [`brute_force`] and [`brute_force_depth`] have the answer.
 
-use cranny_exact::{DQuat, DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d};
+use cranny_exact::{
+    DQuat, DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d,
+};
 use cranny_geometry::ConvexHull;
 use cranny_geometry::hull::{HullKind, HullVertexId};
 use cranny_narrow_phase::walk::{FeatureGraph, HullAnswer, Relation, WalkHull};
@@ -155,7 +157,8 @@ pub fn faults(a: &Body, b: &Body, map: &RigidMap, found: &HullAnswer) -> Vec<Str
     let mut faults = Vec::new();
     let mut check = |right: bool, what: &str| {
         if !right {
-            faults.push(format!("{what}: {found:?}, brute force: meets {meets}, {distance:e} apart"));
+            faults
+                .push(format!("{what}: {found:?}, brute force: meets {meets}, {distance:e} apart"));
         }
     };
     let Interval { lo, hi } = found.separation;

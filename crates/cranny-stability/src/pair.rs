@@ -68,12 +68,7 @@ impl Truth {
     }
 }
 
-fn words(
-    surface: Meeting,
-    solid: bool,
-    contained: Option<Containment>,
-    distance: f64,
-) -> String {
+fn words(surface: Meeting, solid: bool, contained: Option<Containment>, distance: f64) -> String {
     let mut text = match surface {
         Meeting::None => format!("apart by {distance:.3e}"),
         Meeting::Touch => "touch".to_owned(),
@@ -247,4 +242,58 @@ fn note_error(case: &mut Case, error: f64, claimed: f64, size: f64) {
     case.figure = Some(case.figure.unwrap_or(0.0).max(error / size));
     let share = if claimed > 0.0 { error / claimed } else { 0.0 };
     case.of_claim = Some(case.of_claim.unwrap_or(0.0).max(share));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::family::Settings;
+    use cranny_exact::DVec3;
+    use cranny_testkit::bodies::cuboid;
+
+    /// The faults of a case, judged by the truth of another height.
+    fn faults(height: f64, truth_at: f64, depth: Option<f64>) -> Vec<String> {
+        let mut trial = Trial::new("test", &Settings::DEFAULT, None);
+        let [slab, cube] = [cuboid([0.0; 3], [4.0, 4.0, 1.0]), cuboid([0.0; 3], [1.0; 3])];
+        let (Some(slab), Some(cube)) = (trial.model("slab", slab), trial.model("cube", cube))
+        else {
+            panic!("boxes are models");
+        };
+        let a = Placed { model: &slab, pose: Pose::IDENTITY };
+        let at = |z| Placed { model: &cube, pose: Pose::at(DVec3::new(1.5, 1.5, z)) };
+        let truth = Truth::of(a, at(truth_at), depth);
+        trial.pair_of_truth("case".to_owned(), a, at(height), &truth, &mut Default::default());
+        trial.finish().cases.remove(0).faults
+    }
+
+    #[test]
+    fn right_answers_have_no_fault_and_wrong_ones_have() {
+        let hair = 0.5f64.powi(50);
+        for height in [1.0, 1.0 + hair, 1.0 - hair, 1.25] {
+            assert_eq!(faults(height, height, None), [""; 0], "{height}");
+        }
+        for (height, truth_at) in [(1.0 + 4.0 * hair, 1.0), (1.0, 1.0 - hair), (1.0 - hair, 1.0)] {
+            let found = faults(height, truth_at, None);
+            assert!(found.iter().any(|fault| fault.contains("says")), "{found:?}");
+        }
+        let found = faults(1.25, 1.25 + 1e-12, None);
+        assert!(found.iter().all(|fault| fault.contains("claims")) && !found.is_empty());
+    }
+
+    #[test]
+    fn a_depth_is_held_against_its_interval() {
+        assert_eq!(faults(0.75, 0.75, Some(0.25)), [""; 0]);
+        let found = faults(0.75, 0.75, Some(0.25 + 1e-3));
+        assert!(found.iter().any(|fault| fault.contains("depth")), "{found:?}");
+    }
+
+    #[test]
+    fn a_peer_may_say_either_of_what_only_touches() {
+        let told = |meets| Ok(PeerAnswer { meets, distance: 0.5 });
+        let wrong = |meets, truth| peer_case(told(meets), truth, 0.25, 2.0).wrong;
+        assert!(wrong(true, Some(false)) && wrong(false, Some(true)));
+        assert!(!wrong(true, None) && !wrong(false, None) && !wrong(true, Some(true)));
+        assert_eq!(peer_case(told(false), None, 0.25, 2.0).figure, Some(0.125));
+        assert!(peer_case(Err("no".to_owned()), None, 0.25, 2.0).refused);
+    }
 }

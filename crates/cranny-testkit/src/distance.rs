@@ -145,6 +145,8 @@ fn between_lines(p: [&Q3; 2], q: [&Q3; 2]) -> Option<Q> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bodies::cuboid;
+    use cranny_exact::Pose;
 
     const FLOOR: [DVec3; 3] =
         [DVec3::new(0.0, 0.0, 0.0), DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)];
@@ -189,5 +191,29 @@ mod tests {
         assert!(!is_root_within(2f64.sqrt() - 2e-15, &Q::from(2), 1e-15));
         assert!(is_root_within(0.0, &Q::ZERO, 0.0));
         assert!(is_root_within(1e-20, &Q::ZERO, 1e-19));
+    }
+
+    #[test]
+    fn the_least_of_all_pairs_is_found_though_few_are_measured() {
+        // A cube over the middle of a slab, 1/4 above it, and the same turned through a quarter.
+        let slab = cuboid([-4.0, -4.0, -1.0], [4.0, 4.0, 0.0]);
+        let cube = cuboid([0.0, 0.0, 0.25], [1.0, 1.0, 1.25]);
+        let posed = |mesh, by| PosedMesh::new(mesh, &Pose::at(by));
+        let gap = |by| rational_gap_squared(&posed(&slab, DVec3::ZERO), &posed(&cube, by));
+        assert_eq!(gap(DVec3::ZERO), Q::from(1) / Q::from(16));
+        assert_eq!(gap(DVec3::new(7.0, 8.0, -0.25)), Q::from(9 + 16));
+        assert_eq!(gap(-0.25 * DVec3::Z), Q::ZERO);
+        assert_eq!(gap(-DVec3::Z), Q::ZERO);
+    }
+
+    #[test]
+    fn the_error_of_a_root_is_told_below_the_roots_own_rounding() {
+        assert_eq!(error_of_root(3.0, &Q::from(9)), 0.0);
+        assert_eq!(error_of_root(0.0, &Q::ZERO), 0.0);
+        assert_eq!(error_of_root(1e-30, &Q::ZERO), 1e-30);
+        // 9 + 2^-60: its root is 3 + 2^-60 / 6 to first order.
+        let squared = Q::from(9) + Q::try_from(0.5f64.powi(60)).unwrap();
+        let error = error_of_root(3.0, &squared);
+        assert!((error + 0.5f64.powi(60) / 6.0).abs() < 1e-30, "{error:e}");
     }
 }

@@ -35,9 +35,11 @@ mod surface;
 mod triangle;
 
 pub use brute_force::brute_force_meeting;
-pub use distance::{error_of_root, is_root_within, rational_distance_squared, rational_gap_squared};
+pub use distance::{
+    error_of_root, is_root_within, rational_distance_squared, rational_gap_squared,
+};
 pub use generate::{Family, Rng};
-pub use hull::{rational_hull_fault, spans_a_solid};
+pub use hull::{HullFault, rational_hull_fault, spans_a_solid};
 pub use locate::{Location, PosedMesh};
 pub use rational::{Q, Q3};
 pub use solid::{Contained, OracleVerdict, rational_verdict};

@@ -5,7 +5,8 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
 use cranny_shapes::{Cup, Shape};
 pub(crate) use cranny_testkit::bodies::{
-    angle, block, block_without, cells, channel, cuboid, grooved, inverted, octahedron, prism, quarter_turns, rake, tetrahedron,
+    angle, block, block_without, cells, channel, cuboid, grooved, inverted, octahedron, prism,
+    quarter_turns, rake, tetrahedron,
 };
 
 pub(crate) fn model(mesh: Mesh) -> Model {

@@ -45,9 +45,10 @@ fn cases(trial: &mut Trial<'_>) {
                     _ => 10f64.powi(trial.rng.between(-15, 0)) * trial.rng.unit(),
                 };
                 let thin = baked(&thin, DMat3::IDENTITY, on - at + gap * up);
-                let name = format!("{} of 10^-{power} at {what}, {gap:.0e} off", [
-                    "needle", "needle", "sliver", "sliver",
-                ][kind]);
+                let name = format!(
+                    "{} of 10^-{power} at {what}, {gap:.0e} off",
+                    ["needle", "needle", "sliver", "sliver",][kind]
+                );
                 let models = (trial.model(&name, other), trial.model(&name, thin));
                 let (Some(a), Some(b)) = models else { continue };
                 let here = |model| Placed { model, pose: Pose::IDENTITY };

@@ -65,10 +65,7 @@ fn cases(trial: &mut Trial<'_>) {
 /// The pair at a relative pose, such that the first in the pair's own order, that of digests, is at rest.
 fn first_at_rest<'a>(a: &'a Model, b: &'a Model, a_from_b: Pose) -> [Placed<'a>; 2] {
     if a.digest() < b.digest() {
-        return [
-            Placed { model: a, pose: Pose::IDENTITY },
-            Placed { model: b, pose: a_from_b },
-        ];
+        return [Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose: a_from_b }];
     }
     let back: DQuat = a_from_b.rotation.conjugate();
     let inverse = DMat3::from_quat(back) * -a_from_b.translation;

@@ -68,13 +68,7 @@ fn peg(
     trial.pair(name.to_owned(), a, b, None, memory);
 }
 
-fn rakes(
-    trial: &mut Trial<'_>,
-    world: DQuat,
-    aside: f64,
-    name: &str,
-    memory: &mut PairMemory,
-) {
+fn rakes(trial: &mut Trial<'_>, world: DQuat, aside: f64, name: &str, memory: &mut PairMemory) {
     let Some(rake) = trial.model("rake", rake()) else { return };
     // Turned over about z, the other rake's teeth point down, into the gaps.
     let over = DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0);

@@ -25,7 +25,12 @@ pub(super) const FAMILY: Family = Family {
 fn bodies() -> Vec<(&'static str, Body)> {
     let plate = |by: f64| {
         let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, by * z);
-        [corner(-1.0, -1.0, 0.0), corner(1.0, -1.0, 1.0), corner(1.0, 1.0, 0.0), corner(-1.0, 1.0, 1.0)]
+        [
+            corner(-1.0, -1.0, 0.0),
+            corner(1.0, -1.0, 1.0),
+            corner(1.0, 1.0, 0.0),
+            corner(-1.0, 1.0, 1.0),
+        ]
     };
     let needle = [
         DVec3::new(-1.0, 0.0, 0.0),
@@ -66,8 +71,9 @@ fn cases(trial: &mut Trial<'_>) {
         for power in [-6, -3, 3, 6] {
             let scale = 10f64.powi(power);
             let [(_, a), (name, b)] = [trial.pick(&bodies), trial.pick(&bodies)];
-            let scaled =
-                |body: &Body| Body::of(&body.hull.positions().iter().map(|&p| scale * p).collect::<Vec<_>>());
+            let scaled = |body: &Body| {
+                Body::of(&body.hull.positions().iter().map(|&p| scale * p).collect::<Vec<_>>())
+            };
             let (a, b) = (scaled(a), scaled(b));
             let unit = anyhow(trial, 1.5);
             let pose = Pose { translation: scale * unit.translation, ..unit };

@@ -11,7 +11,7 @@ const WIDTH: u32 = 960;
 
 /// Height of a family's row, and of all that is not rows.
 const ROW: u32 = 44;
-const FRAME: u32 = 130;
+const FRAME: u32 = 120;
 
 /// Figures below are drawn here: there is no zero on a logarithmic axis.
 const FLOOR: f64 = 1e-20;
@@ -39,7 +39,10 @@ pub(super) fn drawn(outcomes: &[Told]) -> Result<String, String> {
 
 type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
 
-fn draw<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, outcomes: &[Told]) -> Result<(), Failed<'a>> {
+fn draw<'a>(
+    area: &DrawingArea<SVGBackend<'a>, Shift>,
+    outcomes: &[Told],
+) -> Result<(), Failed<'a>> {
     let count = outcomes.len() as f64;
     area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(area)
@@ -53,9 +56,10 @@ fn draw<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, outcomes: &[Told]) -> Res
         .configure_mesh()
         .disable_y_mesh()
         .y_labels(0)
+        .x_labels(12)
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
-        .x_desc("error of a distance or width of its interval, in sizes of the larger body; least: 1e-20 or 0")
+        .x_desc("figure in sizes of the larger body: mostly the error of a distance (what is 0 stands at 1e-20)")
         .label_style(("sans-serif", 14))
         .x_label_formatter(&|x| format!("{x:.0e}"))
         .draw()?;
@@ -84,11 +88,10 @@ fn draw<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, outcomes: &[Told]) -> Res
             + Text::new(wrong, (12, 1), theirs);
         chart.plotting_area().draw(&beside)?;
     }
-    let (x, y) = (110, FRAME as i32 + ROW as i32 * outcomes.len() as i32 - 14);
-    for (shift, name, style, color) in [
-        (0, "cranny", BLUE.filled(), BLUE),
-        (110, "parry", GREEN.stroke_width(2), GREEN),
-    ] {
+    let (x, y) = (WIDTH as i32 - 196, 30);
+    for (shift, name, style, color) in
+        [(0, "cranny", BLUE.filled(), BLUE), (90, "parry", GREEN.stroke_width(2), GREEN)]
+    {
         area.draw(&Circle::new((x + shift, y), 6, style))?;
         let style = ("sans-serif", 14).into_font().color(&color);
         let style = style.pos(Pos::new(HPos::Left, VPos::Center));

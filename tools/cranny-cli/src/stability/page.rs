@@ -33,7 +33,10 @@ pub(super) fn page(outcomes: &[Told], settings: &Settings) -> String {
              in sizes of the larger body. *Of claim*: the largest error as a share of what the certified \
              interval allows. *parry*: its triangle meshes, for hulls its convex polyhedra, asked the same in \
              single precision, as its default build takes numbers; wrong where it tells bodies apart that \
-             overlap or the other way round. Where bodies only touch, either answer counts as right.\n\n";
+             overlap or the other way round. Where bodies only touch, either answer counts as right; a hull is wrong where it \
+             is not closed, or a point lies farther outside than single precision explains. Many cases differ \
+             from others by less than single precision can hold: what parry gets wrong tells what that \
+             precision decides, not that its methods are at fault.\n\n";
     text += "![worst figure of each family](stability.svg)\n";
     for (family, outcome) in outcomes {
         text += &format!("\n## {}\n\n", family.name);

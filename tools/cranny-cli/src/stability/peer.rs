@@ -47,9 +47,8 @@ impl Parry {
         if let Some((_, shape)) = self.shapes.iter().find(|(tag, _)| tag.is_of(model)) {
             return Ok(shape.clone());
         }
-        let shape = quietly(|| {
-            Detector::RapierTrimesh.shape(model, 0).map_err(|error| error.to_string())
-        })?;
+        let shape =
+            quietly(|| Detector::RapierTrimesh.shape(model, 0).map_err(|error| error.to_string()))?;
         if self.shapes.len() == KEPT {
             self.shapes.remove(0);
         }
@@ -70,7 +69,8 @@ impl Peer for Parry {
 
     fn hulls(&mut self, [a, b]: [&[DVec3]; 2], pose: Pose) -> Result<PeerAnswer, String> {
         quietly(|| {
-            let hull = |p| SharedShape::convex_hull(&points(p)).ok_or("it makes no hull".to_owned());
+            let hull =
+                |p| SharedShape::convex_hull(&points(p)).ok_or("it makes no hull".to_owned());
             ask(&*hull(a)?, &*hull(b)?, [Pose::IDENTITY, pose])
         })
     }

@@ -72,7 +72,15 @@ impl<'a> Row<'a> {
 pub(super) fn heading() -> String {
     format!(
         "{:<10}  {:>6}  {:>6}  {:>8}  {:>8}  {:>12}  {:>7}  {:>8}  {:>7}",
-        "family", "cases", "failed", "worst", "of claim", "parry wrong", "refused", "worst", "seconds"
+        "family",
+        "cases",
+        "failed",
+        "worst",
+        "of claim",
+        "parry wrong",
+        "refused",
+        "worst",
+        "seconds"
     )
 }
 
@@ -114,29 +122,35 @@ fn cell(value: Option<impl ToString>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
+/// Reads back to the bit.
+fn figure(value: Option<f64>) -> String {
+    cell(value.map(|value| format!("{value:e}")))
+}
+
 /// A text that may hold commas and quotes.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\"").replace('\n', " "))
 }
 
-/// All families, below a line of names. Numbers are written so that they read back to the bit.
+/// All families, below a line of names. Figures are written so that they read back to the bit.
 pub(super) fn csv(outcomes: &[Told]) -> String {
-    let mut text = "family,cases,failed,worst,worst_case,of_claim,peer_cases,peer_wrong,peer_refused,\
+    let mut text =
+        "family,cases,failed,worst,worst_case,of_claim,peer_cases,peer_wrong,peer_refused,\
                     peer_worst,seconds\n"
-        .to_owned();
+            .to_owned();
     for (_, outcome) in outcomes {
         let row = Row::of(outcome);
         let cells = [
             row.family.to_owned(),
             row.cases.to_string(),
             row.failed.to_string(),
-            cell(row.worst),
+            figure(row.worst),
             quoted(row.worst_case.unwrap_or_default()),
-            cell(row.of_claim),
+            figure(row.of_claim),
             row.peer_cases.to_string(),
             row.peer_wrong.to_string(),
             row.peer_refused.to_string(),
-            cell(row.peer_worst),
+            figure(row.peer_worst),
             row.seconds.to_string(),
         ];
         text += &cells.join(",");
@@ -147,9 +161,10 @@ pub(super) fn csv(outcomes: &[Told]) -> String {
 
 /// Every case of every family.
 pub(super) fn cases_csv(outcomes: &[Told]) -> String {
-    let mut text = "family,case,asked,truth,told,passed,faults,figure,of_claim,peer_told,peer_wrong,\
+    let mut text =
+        "family,case,asked,truth,told,passed,faults,figure,of_claim,peer_told,peer_wrong,\
                     peer_refused,peer_figure\n"
-        .to_owned();
+            .to_owned();
     for (family, outcome) in outcomes {
         for (index, case) in outcome.cases.iter().enumerate() {
             text += &case_row(family.name, index, case);
@@ -169,12 +184,12 @@ fn case_row(family: &str, index: usize, case: &Case) -> String {
         quoted(&case.told),
         case.faults.is_empty().to_string(),
         quoted(&case.faults.join("; ")),
-        cell(case.figure),
-        cell(case.of_claim),
+        figure(case.figure),
+        figure(case.of_claim),
         quoted(peer.map_or("", |peer| &peer.told)),
         cell(peer.map(|peer| peer.wrong)),
         cell(peer.map(|peer| peer.refused)),
-        cell(peer.and_then(|peer| peer.figure)),
+        figure(peer.and_then(|peer| peer.figure)),
     ]
     .join(",")
 }
