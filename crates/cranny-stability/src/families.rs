@@ -48,7 +48,9 @@ mod tests {
         let mut told = String::new();
         for family in &FAMILIES {
             let outcome = run(family, 1);
-            assert!(outcome.cases.len() >= 20, "{}: {} cases", family.name, outcome.cases.len());
+            if outcome.cases.len() < 20 {
+                told += &format!("{}: {} cases\n", family.name, outcome.cases.len());
+            }
             for case in outcome.cases.iter().filter(|case| !case.faults.is_empty()) {
                 told += &format!("{}: {}: {}\n", family.name, case.name, case.faults.join("; "));
             }

@@ -1,10 +1,8 @@
 //! A family of hard cases: what it is, in words, and how it is run.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use crate::case::{Case, Outcome};
 use crate::peer::Peer;
-use crate::trial::Trial;
+use crate::trial::{Trial, caught};
 
 /// What is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,17 +36,13 @@ pub struct Family {
 
 impl Family {
     /// Makes and judges all cases. Families do not share random numbers: one gives the same cases alone.
-    /// A panic is a case that failed, and ends the family.
+    /// A panic is a case that failed.
     #[must_use]
     pub fn run(&self, settings: &Settings, peer: Option<&mut dyn Peer>) -> Outcome {
         let mut trial = Trial::new(self.name, settings, peer);
-        let run = catch_unwind(AssertUnwindSafe(|| (self.cases)(&mut trial)));
-        if let Err(panic) = run {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("?");
-            let faults = vec![format!("panicked: {text}")];
+        if let Err(fault) = caught(|| (self.cases)(&mut trial)) {
             let name = "whatever came after the case above".to_owned();
-            trial.push(Case { name, faults, ..Case::default() });
+            trial.push(Case { name, faults: vec![fault], ..Case::default() });
         }
         trial.finish()
     }

@@ -15,7 +15,7 @@ use cranny_testkit::{
 
 use crate::case::{Case, PeerCase};
 use crate::peer::PeerAnswer;
-use crate::trial::Trial;
+use crate::trial::{Trial, caught};
 
 /// What is so of a pair.
 pub(crate) struct Truth {
@@ -126,8 +126,10 @@ impl Trial<'_> {
         memory: &mut PairMemory,
     ) {
         let mut case = Case { name, truth: truth.words(), ..Case::default() };
-        if let Err(error) = judge(&mut case, a, b, truth, memory) {
-            case.faults.push(format!("refused: {error}"));
+        match caught(|| judge(&mut case, a, b, truth, memory)) {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => case.faults.push(format!("refused: {error}")),
+            Err(fault) => case.faults.push(fault),
         }
         self.count(
             match (truth.verdict.surface, truth.verdict.solid) {

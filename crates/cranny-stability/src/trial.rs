@@ -1,6 +1,7 @@
 //! A family at work: its random numbers, and the cases that it has told.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 use cranny_exact::{DMat3, DQuat, DVec3};
@@ -10,6 +11,15 @@ use cranny_testkit::Rng;
 use crate::case::{Case, Outcome};
 use crate::family::Settings;
 use crate::peer::Peer;
+
+/// What comes of something that must not panic: a panic is a fault of whoever is judged.
+pub(crate) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+        format!("panicked: {}", text.unwrap_or("without a word"))
+    })
+}
 
 /// What a family writes its cases into.
 pub(crate) struct Trial<'p> {
@@ -55,10 +65,11 @@ impl<'p> Trial<'p> {
     /// A model; a mesh that is refused is a case that failed.
     pub(crate) fn model(&mut self, name: &str, mesh: Mesh) -> Option<Model> {
         let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-        match Model::build(mesh, &options) {
+        let built = caught(|| Model::build(mesh, &options).map_err(|error| error.to_string()));
+        match built.and_then(|built| built) {
             Ok((model, _)) => Some(model),
-            Err(error) => {
-                let faults = vec![error.to_string()];
+            Err(fault) => {
+                let faults = vec![fault];
                 self.push(Case { name: name.to_owned(), faults, ..Case::default() });
                 None
             }

@@ -7,7 +7,7 @@ use cranny_testkit::{rational_hull_fault, spans_a_solid};
 
 use crate::case::{Case, PeerCase};
 use crate::family::Family;
-use crate::trial::Trial;
+use crate::trial::{Trial, caught};
 
 pub(super) const FAMILY: Family = Family {
     name: "hulls",
@@ -96,7 +96,10 @@ fn places(hull: &ConvexHull) -> Vec<[u64; 3]> {
 }
 
 fn one(trial: &mut Trial<'_>, name: String, points: &[DVec3]) {
-    let hull = ConvexHull::of_points(points);
+    let hull = match caught(|| ConvexHull::of_points(points)) {
+        Ok(hull) => hull,
+        Err(fault) => return trial.push(Case { name, faults: vec![fault], ..Case::default() }),
+    };
     let is_solid = spans_a_solid(points);
     let mut case = Case {
         name,
