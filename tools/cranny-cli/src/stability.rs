@@ -127,3 +127,31 @@ fn verdict(outcomes: &[Told]) -> Result<(), Failure> {
         ))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_stability::Case;
+
+    fn told(faults: &[&str]) -> Told {
+        let faults = faults.iter().map(|&fault| fault.to_owned()).collect();
+        let case = Case { name: "a case".to_owned(), faults, ..Case::default() };
+        let outcome = Outcome {
+            family: FAMILIES[0].name,
+            cases: vec![case],
+            counts: Default::default(),
+            time: Default::default(),
+        };
+        (&FAMILIES[0], outcome)
+    }
+
+    #[test]
+    fn one_fault_fails_the_run_and_stands_on_the_page() {
+        let (good, bad) = (told(&[]), told(&["says: touch"]));
+        assert!(verdict(std::slice::from_ref(&good)).is_ok());
+        let failure = verdict(&[good.clone(), bad.clone()]).unwrap_err();
+        assert!(format!("{failure:?}").contains("2 cases in 0.0 s: 1 FAILED (contacts)"));
+        let page = page::page(&[good, bad], &Settings::DEFAULT);
+        assert!(page.contains("**1**") && page.contains("says: touch"), "{page}");
+    }
+}

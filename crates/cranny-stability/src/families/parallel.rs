@@ -31,15 +31,15 @@ fn cases(trial: &mut Trial<'_>) {
     let cube = cuboid([-half, 0.0, -half], [half, 2.0 * half, half]);
     let mut memory = PairMemory::default();
     for _ in 0..trial.variants {
-        for power in 3..=12 {
+        for power in (3..=12).flat_map(|power| [power; 2]) {
             let angle = 10f64.powi(-power) * (1.5 + trial.rng.unit());
             let (ground_name, ground) = trial.pick(&grounds).clone();
             let world = trial.frame();
             let turn = trial.tilt(angle);
-            // The lowest corner sinks by no more than this.
-            let most = half * angle * 1.5;
-            let share = *trial.pick(&[-0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25]);
-            let gap = share * most + f64::from(trial.rng.between(-2, 2)) * f64::EPSILON;
+            // The lowest corner comes to lie on the ground, a few roundings off, or as far as the angle lifts.
+            let lowest = cube.vertices().iter().map(|&p| (turn * p).y).fold(0.0, f64::min);
+            let hair = f64::from(trial.rng.between(-4, 4)) * 0.25 * f64::EPSILON;
+            let gap = *trial.pick(&[0.0, 0.0, 0.0, -1.0, -0.5, 0.5]) * lowest.abs() - lowest + hair;
             let aside = 0.1 * DVec3::new(trial.rng.unit(), 0.0, trial.rng.unit());
             let by = aside + gap * DVec3::Y;
             let name = format!("{angle:.0e} rad over {ground_name}, {gap:.1e} off");

@@ -11,4 +11,5 @@ mod inspect_concavities;
 mod query;
 mod repair;
 mod saved_models;
+mod stability;
 mod touching;
