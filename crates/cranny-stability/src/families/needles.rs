@@ -30,7 +30,8 @@ fn cases(trial: &mut Trial<'_>) {
                     continue;
                 };
                 let (other, what) = if kind % 2 == 0 {
-                    let other = self::thin(trial, width, trial.variants % 2 == 0);
+                    let needle = trial.rng.below(2) == 0;
+                    let other = self::thin(trial, width, needle);
                     let Some(other) = other else { continue };
                     (baked(&other, trial.frame(), DVec3::ZERO), "thin")
                 } else {
