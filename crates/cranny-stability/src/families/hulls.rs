@@ -20,6 +20,14 @@ pub(super) const FAMILY: Family = Family {
     cases,
 };
 
+/// Thicknesses of plates of size 1: one whose sides are facets of their own, one that is thinner than what is
+/// merged into a facet. Other values make other cases; none decides anything.
+const PLATE: f64 = 1e-9;
+const LEAF: f64 = 1e-15;
+
+/// Width of a needle of length 1; likewise.
+const NEEDLE: f64 = 1e-6;
+
 /// Solids of about a unit's size.
 fn clouds(trial: &mut Trial<'_>) -> Vec<(&'static str, Vec<DVec3>)> {
     let whole = |n: i32| {
@@ -50,9 +58,9 @@ fn clouds(trial: &mut Trial<'_>) -> Vec<(&'static str, Vec<DVec3>)> {
     vec![
         ("lattice", whole(3).map(|p| p / 3.0).collect()),
         ("doubled cube", cube.iter().chain(&cube).copied().collect()),
-        ("plate of 1e-9", thin(1e-9)),
-        ("plate of 1e-15", thin(1e-15)),
-        ("needle of 1e-6", needle(1e-6)),
+        ("plate of 1e-9", thin(PLATE)),
+        ("plate of 1e-15", thin(LEAF)),
+        ("needle of 1e-6", needle(NEEDLE)),
         ("sphere", ball),
         ("rings", rings.chain([DVec3::Z, -DVec3::Z]).collect()),
         ("prism", circle(24, 0.0).chain(circle(24, 1.0)).chain(circle(24, 0.5)).collect()),

@@ -51,6 +51,10 @@ fn cases(trial: &mut Trial<'_>) {
     }
 }
 
+/// A step and a turn, in sizes and radians: from what hardly moves a bit to what passes features. Other values
+/// make other walks.
+const PACES: [f64; 4] = [1e-12, 1e-6, 1e-3, 1e-2];
+
 /// Where a body goes: it keeps near the origin.
 struct Stroll {
     pose: Pose,
@@ -68,7 +72,7 @@ impl Stroll {
     }
 
     fn turn(&mut self, trial: &mut Trial<'_>, reach: f64) {
-        let pace = *trial.pick(&[1e-12, 1e-6, 1e-3, 1e-2]);
+        let pace = *trial.pick(&PACES);
         let is_far = self.pose.translation.length() > 0.9 * reach;
         let way = if is_far { -self.pose.translation.normalize() } else { trial.direction() };
         self.drift = pace * reach * way;

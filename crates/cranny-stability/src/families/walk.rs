@@ -22,6 +22,14 @@ pub(super) const FAMILY: Family = Family {
     cases,
 };
 
+/// Width of a needle of length 2, and how far a plate bulges. Other values make other cases; none decides
+/// anything.
+const NEEDLE: f64 = 1e-9;
+const PLATE: f64 = 1e-12;
+
+/// A gap between faces that are nearly parallel; likewise.
+const NEAR: f64 = 1e-6;
+
 fn bodies() -> Vec<(&'static str, Body)> {
     let plate = |by: f64| {
         let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, by * z);
@@ -34,9 +42,9 @@ fn bodies() -> Vec<(&'static str, Body)> {
     };
     let needle = [
         DVec3::new(-1.0, 0.0, 0.0),
-        DVec3::new(1.0, 1e-9, 0.0),
-        DVec3::new(1.0, -1e-9, 1e-9),
-        DVec3::new(0.9, 0.0, -1e-9),
+        DVec3::new(1.0, NEEDLE, 0.0),
+        DVec3::new(1.0, -NEEDLE, NEEDLE),
+        DVec3::new(0.9, 0.0, -NEEDLE),
     ];
     let names = ["tetrahedron", "cube", "octahedron", "icosahedron", "dodecahedron"];
     let mut bodies: Vec<_> = names.into_iter().zip(platonic_solids()).collect();
@@ -46,7 +54,7 @@ fn bodies() -> Vec<(&'static str, Body)> {
         ("flat disk", disk(9, 0.0)),
         ("sphere", sphere(30, 7)),
         ("needle", Body::of(&needle)),
-        ("plate", Body::of(&plate(1e-12))),
+        ("plate", Body::of(&plate(PLATE))),
     ]);
     bodies
 }
@@ -101,7 +109,7 @@ fn nearly_parallel(trial: &mut Trial<'_>, angle: f64, counters: &mut WalkCounter
     let rotation = trial.tilt(angle);
     let beside = 0.25 * DVec3::new(trial.rng.unit(), trial.rng.unit(), 0.0);
     let mut state = WalkState::default();
-    for gap in [1e-2, 1e-6, angle, 0.5 * angle, 0.0, -0.5 * angle] {
+    for gap in [1e-2, NEAR, angle, 0.5 * angle, 0.0, -0.5 * angle] {
         let translation = beside + (2.0 + gap) * DVec3::Z;
         let name = format!("{angle:.0e} rad from parallel, {gap:.0e} off");
         ask(trial, name, [&a, &b], Pose { rotation, translation }, &mut state, counters);
