@@ -21,8 +21,8 @@ pub struct Edge {
     pub to: VertexId,
     /// How the faces meet there.
     pub kind: EdgeKind,
+    /// Where its half-edges begin; where they end, those of the next edge do.
     first: u32,
-    count: u32,
 }
 
 /// How faces meet along an edge.
@@ -66,8 +66,6 @@ pub struct Topology {
     /// Half-edges sorted by edge.
     around: Vec<HalfEdgeId>,
     edge_of: Vec<EdgeId>,
-    /// Twin of each half-edge; `u32::MAX` off manifold edges.
-    twins: Vec<u32>,
     vertex_starts: Vec<u32>,
     vertex_faces: Vec<FaceId>,
     component_of: Vec<ComponentId>,
@@ -105,73 +103,21 @@ impl Topology {
     /// case.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
-        Self::of_sorted(mesh, sorted_half_edges(mesh))
+        Self::of_sorted(mesh, sorted_half_edges(mesh)).0
     }
 
-    /// From all half-edges, sorted by edge, along an edge by number. Near linear.
-    fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> Self {
+    /// From all half-edges, sorted by edge, along an edge by number; the second part tells whether they
+    /// are. Near linear.
+    fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> (Self, bool) {
         let runs = runs_of(mesh);
-        let runs = runs.as_flattened();
-        let mut edges: Vec<Edge> = Vec::with_capacity(around.len() / 2);
-        let mut edge_of = vec![EdgeId(0); around.len()];
-        let mut twins = vec![u32::MAX; around.len()];
-        // Edges that are not between two faces and two vertices.
-        let mut odd: Vec<EdgeId> = Vec::new();
-        let mut rest = around.as_slice();
-        while let Some(&leader) = rest.first() {
-            let run = runs[leader.index()];
-            let (edge, (from, to)) = (EdgeId(edges.len() as u32), run.ends());
-            let is_along = |h: &HalfEdgeId| runs[h.index()].is_along(run);
-            let plain = match rest {
-                [_, other, others @ ..] if !others.first().is_some_and(is_along) => {
-                    Some(*other).filter(|h| runs[h.index()].is_opposite(run) && from != to)
-                }
-                _ => None,
-            };
-            let count = match plain {
-                Some(_) => 2,
-                None => rest.iter().take_while(|h| is_along(h)).count(),
-            };
-            let group;
-            (group, rest) = rest.split_at(count);
-            let kind = if let Some(other) = plain {
-                twins[leader.index()] = other.0;
-                twins[other.index()] = leader.0;
-                EdgeKind::Manifold
-            } else {
-                odd.push(edge);
-                let forward = group.iter().filter(|h| runs[h.index()].is_forward()).count();
-                // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
-                let balanced = from == to || 2 * forward == count;
-                match (count, balanced) {
-                    (1, false) => EdgeKind::Open,
-                    (2, true) => EdgeKind::Manifold,
-                    (2, false) => EdgeKind::Contradictory,
-                    (_, true) => EdgeKind::Balanced,
-                    (_, false) => EdgeKind::Tangled,
-                }
-            };
-            for h in group {
-                edge_of[h.index()] = edge;
-            }
-            let first = (around.len() - rest.len() - count) as u32;
-            let (from, to) = (VertexId(from), VertexId(to));
-            edges.push(Edge { from, to, kind, first, count: count as u32 });
-        }
-
+        let of_pairs = Edges::of_pairs(runs.as_flattened(), &around);
+        let found = of_pairs.unwrap_or_else(|| Edges::of_groups(runs.as_flattened(), &around));
+        let Edges { edges, edge_of, sets, is_sorted } = found;
         let (vertex_starts, vertex_faces) = faces_of_vertices(mesh);
-        let odd: Vec<&Edge> = odd.iter().map(|e| &edges[e.index()]).collect();
-        let (component_of, components) = components(&twins, &odd, &around);
-        Self {
-            edges,
-            around,
-            edge_of,
-            twins,
-            vertex_starts,
-            vertex_faces,
-            component_of,
-            components,
-        }
+        let (component_of, components) = components(&sets, &edges, &around);
+        let topology =
+            Self { edges, around, edge_of, vertex_starts, vertex_faces, component_of, components };
+        (topology, is_sorted)
     }
 
     /// Writes the order of half-edges, which is what takes time to find.
@@ -180,7 +126,6 @@ impl Topology {
             around,
             edges: _,
             edge_of: _,
-            twins: _,
             vertex_starts: _,
             vertex_faces: _,
             component_of: _,
@@ -195,11 +140,8 @@ impl Topology {
         let count = 3 * mesh.faces().len();
         check(around.len() == count, "it is not one of all half-edges")?;
         check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
-        let read = Self::of_sorted(mesh, around);
         // As many as there are, strictly ascending: each once.
-        let ends = |e: &Edge| (e.from, e.to);
-        let is_sorted = read.edges.is_sorted_by(|a, b| ends(a) < ends(b))
-            && read.edges.iter().all(|e| read.row(e).is_sorted_by(|g, h| g < h));
+        let (read, is_sorted) = Self::of_sorted(mesh, around);
         check(is_sorted, "half-edges are not sorted")?;
         Ok(read)
     }
@@ -219,18 +161,22 @@ impl Topology {
     /// The half-edges along an edge, by ascending id.
     #[must_use]
     pub fn half_edges(&self, edge: EdgeId) -> &[HalfEdgeId] {
-        self.row(&self.edges[edge.index()])
-    }
-
-    fn row(&self, edge: &Edge) -> &[HalfEdgeId] {
-        &self.around[edge.first as usize..(edge.first + edge.count) as usize]
+        let first = self.edges[edge.index()].first as usize;
+        let next = self.edges.get(edge.index() + 1);
+        &self.around[first..next.map_or(self.around.len(), |next| next.first as usize)]
     }
 
     /// The half-edge along the same manifold edge, in the other direction.
     #[must_use]
     pub fn twin(&self, half_edge: HalfEdgeId) -> Option<HalfEdgeId> {
-        let twin = self.twins[half_edge.index()];
-        (twin != u32::MAX).then_some(HalfEdgeId(twin))
+        let edge = self.edge_of(half_edge);
+        let Edge { from, to, kind, .. } = self.edges[edge.index()];
+        match *self.half_edges(edge) {
+            [g, h] if kind == EdgeKind::Manifold && from != to => {
+                Some(if half_edge == g { h } else { g })
+            }
+            _ => None,
+        }
     }
 
     /// The faces at a vertex, by ascending id.
@@ -277,8 +223,8 @@ impl Topology {
     /// The first broken invariant, in words.
     pub fn validate(&self, mesh: &Mesh) -> Result<(), String> {
         let half_edges = 3 * mesh.faces().len();
-        if self.twins.len() != half_edges || self.around.len() != half_edges {
-            return Err(format!("{half_edges} half-edges, but {} twins", self.twins.len()));
+        if self.edge_of.len() != half_edges || self.around.len() != half_edges {
+            return Err(format!("{half_edges} half-edges, {} sorted", self.around.len()));
         }
         for h in (0..half_edges as u32).map(HalfEdgeId) {
             let edge = self.edges[self.edge_of(h).index()];
@@ -308,31 +254,107 @@ impl Topology {
     }
 }
 
-/// How a half-edge runs, in one word: its lesser end, its greater end, and whether it runs from the lesser
-/// one. A vertex has a number below 2^30.
+/// How a half-edge runs, in one word: where from, where to.
 #[derive(Clone, Copy)]
 struct Run(u64);
 
 impl Run {
-    fn new((a, b): (u32, u32)) -> Self {
-        Self(u64::from(a.min(b)) << 32 | u64::from(a.max(b)) << 1 | u64::from(a <= b))
+    fn new((from, to): (u32, u32)) -> Self {
+        Self(u64::from(from) << 32 | u64::from(to))
     }
 
-    fn ends(self) -> (u32, u32) {
-        ((self.0 >> 32) as u32, self.0 as u32 >> 1)
+    fn turned(self) -> Self {
+        Self(self.0.rotate_left(32))
+    }
+
+    /// The same for all that run along an edge, either way; orders edges by their ends.
+    fn edge(self) -> u64 {
+        self.0.min(self.turned().0)
     }
 
     /// Whether it runs from the lesser end to the greater.
     fn is_forward(self) -> bool {
-        self.0 & 1 == 1
+        self.0 == self.edge()
     }
 
-    fn is_along(self, other: Self) -> bool {
-        (self.0 ^ other.0) <= 1
-    }
-
+    /// Whether it runs along the same edge the other way, and this is one between two vertices.
     fn is_opposite(self, other: Self) -> bool {
-        self.0 ^ other.0 == 1
+        self.0 == other.turned().0 && self.0 != other.0
+    }
+}
+
+/// The ends of an edge, the lesser first.
+fn ends(edge: u64) -> (VertexId, VertexId) {
+    (VertexId((edge >> 32) as u32), VertexId(edge as u32))
+}
+
+/// What follows from the order of half-edges.
+struct Edges {
+    edges: Vec<Edge>,
+    edge_of: Vec<EdgeId>,
+    /// Faces that hang together.
+    sets: DisjointSets,
+    is_sorted: bool,
+}
+
+impl Edges {
+    /// In short steps, where all edges are between two faces and two vertices, and sorted.
+    fn of_pairs(runs: &[Run], around: &[HalfEdgeId]) -> Option<Self> {
+        let (pairs, []) = around.as_chunks::<2>() else { return None };
+        let mut edge_of = vec![EdgeId(0); runs.len()];
+        let mut sets = DisjointSets::new(runs.len() / 3);
+        // Of no edge between two vertices.
+        let mut before = 0;
+        let (from, to) = ends(before);
+        let blank = Edge { from, to, kind: EdgeKind::Manifold, first: 0 };
+        let mut edges = vec![blank; pairs.len()];
+        for ((id, edge), &[g, h]) in (0..).zip(&mut edges).zip(pairs) {
+            let (run, other) = (runs[g.index()], runs[h.index()]);
+            if !run.is_opposite(other) || g > h || run.edge() <= before {
+                return None;
+            }
+            before = run.edge();
+            let (from, to) = ends(before);
+            *edge = Edge { from, to, kind: EdgeKind::Manifold, first: 2 * id };
+            edge_of[g.index()] = EdgeId(id);
+            edge_of[h.index()] = EdgeId(id);
+            sets.union(g.face().index(), h.face().index());
+        }
+        Some(Self { edges, edge_of, sets, is_sorted: true })
+    }
+
+    /// In any case.
+    fn of_groups(runs: &[Run], around: &[HalfEdgeId]) -> Self {
+        let mut edges = Vec::with_capacity(around.len() / 2);
+        let mut edge_of = vec![EdgeId(0); runs.len()];
+        let mut sets = DisjointSets::new(runs.len() / 3);
+        let mut is_sorted = true;
+        let mut before = None;
+        let mut first = 0;
+        let edge_at = |h: HalfEdgeId| runs[h.index()].edge();
+        for group in around.chunk_by(|&g, &h| edge_at(g) == edge_at(h)) {
+            let edge = edge_at(group[0]);
+            let forward = group.iter().filter(|h| runs[h.index()].is_forward()).count();
+            for h in group {
+                edge_of[h.index()] = EdgeId(edges.len() as u32);
+                sets.union(group[0].face().index(), h.face().index());
+            }
+            is_sorted &= group.is_sorted_by(|g, h| g < h) && before < Some(edge);
+            before = Some(edge);
+            let (from, to) = ends(edge);
+            // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
+            let is_balanced = from == to || 2 * forward == group.len();
+            let kind = match (group.len(), is_balanced) {
+                (1, false) => EdgeKind::Open,
+                (2, true) => EdgeKind::Manifold,
+                (2, false) => EdgeKind::Contradictory,
+                (_, true) => EdgeKind::Balanced,
+                (_, false) => EdgeKind::Tangled,
+            };
+            edges.push(Edge { from, to, kind, first });
+            first += group.len() as u32;
+        }
+        Self { edges, edge_of, sets, is_sorted }
     }
 }
 
@@ -390,67 +412,33 @@ fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
     (starts, faces)
 }
 
-/// Faces are labelled in turn like their neighbours before them; labels that meet are joined, and so are
-/// those around odd edges.
+/// Numbers the sets of faces that hang together, by their least members.
 fn components(
-    twins: &[u32],
-    odd: &[&Edge],
+    sets: &DisjointSets,
+    edges: &[Edge],
     around: &[HalfEdgeId],
 ) -> (Vec<ComponentId>, Vec<Component>) {
-    const UNLABELLED: u32 = u32::MAX;
-    let mut labels: Vec<u32> = Vec::with_capacity(twins.len() / 3);
-    let mut sets = DisjointSets::new(0);
     let mut components: Vec<Component> = Vec::new();
-    let (faces, _) = twins.as_chunks::<3>();
-    for (face, twins) in (0..).map(FaceId).zip(faces) {
-        let mut label = UNLABELLED;
-        for twin in twins {
-            let Some(&other) = labels.get(*twin as usize / 3) else { continue };
-            if label == UNLABELLED {
-                label = other;
-            } else if label != other {
-                sets.union(label as usize, other as usize);
-            }
-        }
-        if label == UNLABELLED {
-            label = sets.add() as u32;
+    let mut component_of: Vec<ComponentId> = Vec::with_capacity(sets.0.len());
+    for (face, &before) in (0..).map(FaceId).zip(&sets.0) {
+        let component = component_of.get(before as usize).copied().unwrap_or_else(|| {
             components.push(Component { first_face: face, faces: 0, closed: true });
-        }
-        labels.push(label);
+            ComponentId(components.len() as u32 - 1)
+        });
+        component_of.push(component);
     }
-    let group = |e: &Edge| &around[e.first as usize..(e.first + e.count) as usize];
-    let label_of = |h: HalfEdgeId| labels[h.face().index()] as usize;
-    for pair in odd.iter().flat_map(|edge| group(edge).windows(2)) {
-        sets.union(label_of(pair[0]), label_of(pair[1]));
-    }
-    // A set's least label is that of its least face.
-    let mut count = 0;
-    let mut component_of_label: Vec<ComponentId> = Vec::with_capacity(components.len());
-    for label in 0..components.len() {
-        let root = sets.find(label);
-        let component = if root == label {
-            components[count] = components[label];
-            count += 1;
-            ComponentId(count as u32 - 1)
-        } else {
-            component_of_label[root]
-        };
-        component_of_label.push(component);
-    }
-    components.truncate(count);
-    let component_of: Vec<ComponentId> =
-        labels.iter().map(|&label| component_of_label[label as usize]).collect();
     for run in component_of.chunk_by(|a, b| a == b) {
         components[run[0].index()].faces += run.len() as u32;
     }
-    for edge in odd.iter().filter(|e| !e.kind.is_balanced()) {
-        let component = component_of[group(edge)[0].face().index()];
-        components[component.index()].closed = false;
+    for edge in edges.iter().filter(|e| !e.kind.is_balanced()) {
+        let face = around[edge.first as usize].face();
+        components[component_of[face.index()].index()].closed = false;
     }
     (component_of, components)
 }
 
-/// Union–find with path halving; the representative of a set is its least member.
+/// Union–find with path halving; the representative of a set is its least member, and each member but that
+/// leads to a lesser one.
 #[derive(Clone, Debug)]
 pub struct DisjointSets(Vec<u32>);
 
@@ -459,13 +447,6 @@ impl DisjointSets {
     #[must_use]
     pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
-    }
-
-    /// One more set of one member, whose number is returned.
-    fn add(&mut self) -> usize {
-        let member = self.0.len();
-        self.0.push(member as u32);
-        member
     }
 
     /// The least member of the set of `i < count`.
@@ -479,7 +460,12 @@ impl DisjointSets {
     }
 
     /// Makes one set of the sets of `i` and `j`.
+    #[inline]
     pub fn union(&mut self, i: usize, j: usize) {
+        // As often as not, it is one already.
+        if self.0[i] == self.0[j] {
+            return;
+        }
         let (i, j) = (self.find(i), self.find(j));
         self.0[i.max(j)] = i.min(j) as u32;
     }

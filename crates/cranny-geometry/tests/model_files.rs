@@ -183,7 +183,7 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Model::decode(&other).unwrap_err()
     };
-    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 4 });
+    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 5 });
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
     assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;
@@ -358,13 +358,14 @@ fn use_all(model: &Model) {
         patches.trees().arena().visit_from(root, everywhere, |face| {
             assert_eq!(patches.patch_of_face(face), patch);
         });
-        let _ = (patches.vertices(patch), patches.edges(patch), patches.slab(root));
+        let _ = patches.slab(root);
     }
     for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
-        let _ = (patches.patch_of_vertex(vertex), model.features().vertex(vertex));
+        let _ =
+            (patches.patch_of_vertex(model.topology(), vertex), model.features().vertex(vertex));
     }
     for edge in (0..model.topology().edges().len() as u32).map(EdgeId) {
-        let _ = (patches.patch_of_edge(edge), model.features().edge(edge));
+        let _ = (patches.patch_of_edge(model.topology(), edge), model.features().edge(edge));
     }
     let _ = (patches.top().len(), model.mass_properties(), model.radius());
 }

@@ -3,7 +3,7 @@
 mod meshes;
 
 use cranny_exact::DVec3;
-use cranny_geometry::{FaceId, Mesh, PatchId, Patches, Topology};
+use cranny_geometry::{EdgeId, FaceId, Mesh, PatchId, Patches, Topology, VertexId};
 use cranny_shapes::{Cuboid, GolfBall, IsoBolt, IsoNut, Shape, Torus};
 use cranny_testkit::{Q, Q3, Rng};
 use meshes::{corpus, scaled, soup, turned};
@@ -92,8 +92,16 @@ fn soups_are_divided_like_any_surface() {
         let mesh = soup(&mut rng, 3 + round % 40);
         let patches = patches(&mesh);
         let topology = Topology::of(&mesh);
-        let edges: usize = (0..patches.len()).map(|p| patches.edges(PatchId(p as u32)).len()).sum();
-        assert_eq!(edges, topology.edges().len());
+        for (e, edge) in (0..).map(EdgeId).zip(topology.edges()) {
+            let patch = patches.patch_of_edge(&topology, e);
+            let own = topology.half_edges(e).iter().map(|h| patches.patch_of_face(h.face()));
+            assert_eq!(own.min(), Some(patch));
+            for end in [edge.from, edge.to] {
+                let lowest = topology.faces_at(end).iter().map(|&f| patches.patch_of_face(f)).min();
+                assert_eq!(patches.patch_of_vertex(&topology, end), lowest);
+                assert!(lowest.is_some_and(|p| p <= patch));
+            }
+        }
         for face in (0..mesh.faces().len() as u32).map(FaceId) {
             let patch = patches.patch(patches.patch_of_face(face));
             assert!(
@@ -110,8 +118,11 @@ fn a_vertex_that_no_face_names_is_in_no_patch() {
     let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let mesh = Mesh::new(vertices, vec![[0, 1, 3]]).unwrap();
     let patches = patches(&mesh);
-    assert_eq!(patches.patch_of_vertex(cranny_geometry::VertexId(2)), None);
-    assert_eq!(patches.vertices(PatchId(0)).len(), 3);
+    let topology = Topology::of(&mesh);
+    for v in [0, 1, 3] {
+        assert_eq!(patches.patch_of_vertex(&topology, VertexId(v)), Some(PatchId(0)));
+    }
+    assert_eq!(patches.patch_of_vertex(&topology, VertexId(2)), None);
 }
 
 #[test]

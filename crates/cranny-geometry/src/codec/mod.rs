@@ -11,10 +11,12 @@
 
 mod checksum;
 mod reader;
+mod rows;
 mod writer;
 
 pub(crate) use checksum::checksum;
 pub(crate) use reader::Reader;
+pub(crate) use rows::{check_rows, owners, owners_of_rows};
 pub(crate) use writer::Writer;
 
 use std::fmt;
@@ -174,14 +176,6 @@ pub(crate) fn check_below(
 ) -> Result<(), Flaw> {
     let limit = u32::try_from(limit).unwrap_or(u32::MAX);
     check(!indices.into_iter().fold(false, |is_beyond, i| is_beyond | (i >= limit)), flaw)
-}
-
-/// Whether starts of rows, as many as rows and one more, cover `count` members in order.
-pub(crate) fn check_rows(starts: &[u32], rows: usize, count: usize) -> Result<(), Flaw> {
-    check(starts.len() == rows + 1, "there are too many or too few rows")?;
-    check(starts[0] == 0, "the first row does not begin at 0")?;
-    check(starts[rows] as usize == count, "the last row does not end at the end")?;
-    check(starts.is_sorted(), "rows overlap")
 }
 
 /// Whether a vector has length 1, to rounding.

@@ -19,11 +19,6 @@ impl<'a> Reader<'a> {
         Ok(taken)
     }
 
-    /// What has not been read.
-    pub(crate) fn rest(&self) -> &'a [u8] {
-        self.rest
-    }
-
     /// One thing.
     pub(crate) fn one<T: Plain>(&mut self) -> Result<T, Flaw> {
         self.take(T::SIZE).map(T::get)

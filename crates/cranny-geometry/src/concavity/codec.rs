@@ -1,17 +1,18 @@
-//! Concavities as bytes: who owns each face and cap, and what was measured. What lists of members follow
-//! from that is made again.
+//! Concavities as bytes: the faces and caps of each, and what was measured. Whose each face and cap is,
+//! follows from that.
 
 use cranny_exact::DVec3;
 
 use super::{Border, Concavities, ConcavityKind, LidRecord, MIXED, Measures, Record, SOLID, Skin};
 use crate::boundary::Loops;
 use crate::caps::CapSurface;
-use crate::codec::{Coded, Flaw, Reader, Writer, check, check_below, coded, plain_struct};
+use crate::codec::{
+    Coded, Flaw, Reader, Writer, check, check_below, coded, owners_of_rows, plain_struct,
+};
 use crate::features::{Features, NONE};
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, ConcavityId, FaceId};
 use crate::mesh::Mesh;
-use crate::rows::rows;
 
 coded!(ConcavityKind {
     Self::Pocket => 0 => Self::Pocket,
@@ -33,33 +34,41 @@ plain_struct!(Measures { cap_area: f64, face_area: f64, pocket_volume: f64, open
 struct Head {
     kind: u8,
     parent: u32,
+    first_face: u32,
     first_loop: u32,
     measures: Measures,
 }
-plain_struct!(Head { kind: u8, parent: u32, first_loop: u32, measures: Measures });
+plain_struct!(Head { kind: u8, parent: u32, first_face: u32, first_loop: u32, measures: Measures });
 
 /// What is written of a lid.
 #[derive(Clone, Copy)]
 struct LidHead {
     concavity: ConcavityId,
+    first_cap: u32,
     first_outline: u32,
     area: f64,
     opening: DVec3,
 }
-plain_struct!(LidHead { concavity: ConcavityId, first_outline: u32, area: f64, opening: DVec3 });
+plain_struct!(LidHead {
+    concavity: ConcavityId,
+    first_cap: u32,
+    first_outline: u32,
+    area: f64,
+    opening: DVec3,
+});
 
 impl Record {
     fn head(&self) -> Head {
-        let &Self { kind, parent, first_face: _, first_cap: _, first_lid: _, first_loop, measures } =
+        let &Self { kind, parent, first_face, first_cap: _, first_lid: _, first_loop, measures } =
             self;
-        Head { kind: kind.code(), parent, first_loop, measures }
+        Head { kind: kind.code(), parent, first_face, first_loop, measures }
     }
 }
 
 impl LidRecord {
     fn head(&self) -> LidHead {
-        let &Self { concavity, first_cap: _, first_outline, area, opening } = self;
-        LidHead { concavity, first_outline, area, opening }
+        let &Self { concavity, first_cap, first_outline, area, opening } = self;
+        LidHead { concavity, first_cap, first_outline, area, opening }
     }
 }
 
@@ -67,12 +76,12 @@ impl Concavities {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self {
             records,
-            faces: _,
-            concavity_of_face,
+            faces,
+            concavity_of_face: _,
             caps,
-            cap_order: _,
+            cap_order,
             concavity_of_cap: _,
-            lid_of_cap,
+            lid_of_cap: _,
             lids,
             loops,
             borders,
@@ -83,9 +92,9 @@ impl Concavities {
         } = self;
         out.items(records.len(), records.iter().map(Record::head));
         out.items(lids.len(), lids.iter().map(LidRecord::head));
-        out.list(concavity_of_face);
+        out.list(faces);
         caps.encode(out);
-        out.list(lid_of_cap);
+        out.list(cap_order);
         loops.encode(out);
         out.codes(borders);
         outlines.encode(out);
@@ -103,25 +112,26 @@ impl Concavities {
     ) -> Result<Self, Flaw> {
         let (vertices, facets) = (mesh.vertices().len(), hull.facet_count());
         let (heads, lid_heads): (Vec<Head>, Vec<LidHead>) = (input.list()?, input.list()?);
-        let concavity_of_face: Vec<u32> = input.list()?;
+        let faces: Vec<u32> = input.list()?;
         let caps = CapSurface::decode(input, vertices, facets)?;
-        let lid_of_cap: Vec<u32> = input.list()?;
+        let cap_order: Vec<u32> = input.list()?;
         let loops = Loops::decode(input, vertices)?;
         let borders: Vec<Border> = input.codes()?;
         let outlines = Loops::decode(input, vertices)?;
         let (outline_facets, cover): (Vec<FacetId>, Vec<u32>) = (input.list()?, input.list()?);
         let skin: Skin = input.one()?;
 
-        check(concavity_of_face.len() == mesh.faces().len(), "an owner for each face is needed")?;
-        let faces = (0..).map(FaceId).zip(&concavity_of_face);
-        let is_owned = |(face, &owner): (FaceId, &u32)| match owner {
-            NONE => features.is_convex(face),
-            owner => !features.is_convex(face) && (owner as usize) < heads.len(),
-        };
-        check(faces.clone().all(is_owned), "a face is neither convex nor of a concavity, or both")?;
-        check(lid_of_cap.len() == caps.triangles.len(), "a lid for each cap triangle is needed")?;
-        let lids_of_caps = lid_of_cap.iter().copied().filter(|&lid| lid != NONE);
-        check_below(lids_of_caps, lid_heads.len(), "a lid is not there")?;
+        let starts = starts_of(heads.iter().map(|head| head.first_face), &faces);
+        let concavity_of_face = owners_of_rows(&starts, heads.len(), &faces, mesh.faces().len())?;
+        let is_one = |(facet, owner): (&u32, &u32)| (*facet == NONE) != (*owner == NONE);
+        let facets_of_faces = features.facets_of_faces().iter();
+        check(
+            facets_of_faces.zip(&concavity_of_face).fold(true, |all, own| all & is_one(own)),
+            "a face is neither convex nor of a concavity, or both",
+        )?;
+        let starts = starts_of(lid_heads.iter().map(|lid| lid.first_cap), &cap_order);
+        let lid_of_cap =
+            owners_of_rows(&starts, lid_heads.len(), &cap_order, caps.triangles.len())?;
         check(borders.len() == loops.vertices.len(), "a border for each edge is needed")?;
         check(outline_facets.len() == outlines.len(), "a facet for each outline is needed")?;
         check_below(outline_facets.iter().map(|f| f.0), facets, "an outline's facet is not there")?;
@@ -130,15 +140,9 @@ impl Concavities {
         check_below(covering, heads.len(), "a facet is covered by what is not there")?;
 
         let mut records = records_of(&heads, loops.len())?;
-        let mut lids = lids_of(&lid_heads, records.len(), outlines.len())?;
-        let (starts, faces) = rows(&concavity_of_face, records.len());
-        let (cap_starts, cap_order) = rows(&lid_of_cap, lids.len());
-        for (lid, start) in lids.iter_mut().zip(cap_starts) {
-            lid.first_cap = start;
-        }
-        for (i, (record, start)) in records.iter_mut().zip(starts).enumerate() {
+        let lids = lids_of(&lid_heads, records.len(), outlines.len())?;
+        for (i, record) in records.iter_mut().enumerate() {
             let lid = lids.partition_point(|l| l.concavity.index() < i);
-            record.first_face = start;
             record.first_lid = lid as u32;
             record.first_cap = lids.get(lid).map_or(cap_order.len() as u32, |l| l.first_cap);
         }
@@ -168,17 +172,22 @@ impl Concavities {
     }
 }
 
+/// Where rows begin, and the last one ends.
+fn starts_of(firsts: impl Iterator<Item = u32>, members: &[u32]) -> Vec<u32> {
+    firsts.chain([members.len() as u32]).collect()
+}
+
 fn records_of(heads: &[Head], loops: usize) -> Result<Vec<Record>, Flaw> {
     check(heads.is_sorted_by_key(|h| h.first_loop), "loops are not in order")?;
     check(heads.first().map_or(loops, |h| h.first_loop as usize) == 0, "a loop is of nobody")?;
     check(heads.last().is_none_or(|h| h.first_loop as usize <= loops), "a loop is not there")?;
-    let record = |&Head { kind, parent, first_loop, measures }: &Head| {
+    let record = |&Head { kind, parent, first_face, first_loop, measures }: &Head| {
         let kind = ConcavityKind::of_code(kind).ok_or("a concavity is of no known kind")?;
         let Measures { cap_area, face_area, pocket_volume, opening } = measures;
         let is_measured = [cap_area, face_area, pocket_volume].iter().all(|x| x.is_finite())
             && opening.is_finite();
         check(is_measured, "a concavity has no size")?;
-        Ok(Record { kind, parent, first_face: 0, first_cap: 0, first_lid: 0, first_loop, measures })
+        Ok(Record { kind, parent, first_face, first_cap: 0, first_lid: 0, first_loop, measures })
     };
     let records = heads.iter().map(record).collect::<Result<Vec<_>, Flaw>>()?;
     check_parents(&records)?;
@@ -214,12 +223,8 @@ fn lids_of(heads: &[LidHead], records: usize, outlines: usize) -> Result<Vec<Lid
     check(heads.last().is_none_or(|l| l.first_outline as usize <= outlines), "lids lack outlines")?;
     let is_measured = |l: &LidHead| l.area.is_finite() && l.opening.is_finite();
     check(heads.iter().all(is_measured), "a lid has no size")?;
-    let lid = |&LidHead { concavity, first_outline, area, opening }: &LidHead| LidRecord {
-        concavity,
-        first_cap: 0,
-        first_outline,
-        area,
-        opening,
+    let lid = |&LidHead { concavity, first_cap, first_outline, area, opening }: &LidHead| {
+        LidRecord { concavity, first_cap, first_outline, area, opening }
     };
     Ok(heads.iter().map(lid).collect())
 }

@@ -297,6 +297,11 @@ impl Concavities {
         (concavity != NONE).then_some(ConcavityId(concavity))
     }
 
+    /// Of each face its concavity, or [`NONE`].
+    pub(crate) fn owners(&self) -> &[u32] {
+        &self.concavity_of_face
+    }
+
     /// All caps, by facet.
     pub(crate) fn surface(&self) -> &CapSurface {
         &self.caps

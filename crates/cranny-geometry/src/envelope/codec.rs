@@ -3,11 +3,10 @@
 use cranny_exact::{Aabb, DVec3};
 
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head};
-use crate::codec::{Flaw, Reader, Writer, check, is_unit, plain_struct};
+use crate::codec::{Flaw, Reader, Writer, check, is_unit, owners, plain_struct};
 use crate::concavity::Concavities;
 use crate::ids::FaceId;
-use crate::mesh::Mesh;
-use crate::tree::{box_of, check_each_once};
+use crate::tree::FaceBoxes;
 
 plain_struct!(HalfSpace { normal: DVec3, offset: f64 });
 
@@ -49,11 +48,11 @@ impl Envelopes {
     /// Reads an envelope for each concavity.
     pub(crate) fn decode(
         input: &mut Reader,
-        mesh: &Mesh,
+        boxes: &FaceBoxes,
         concavities: &Concavities,
     ) -> Result<Self, Flaw> {
         let (heads, layers): (Vec<HeadRecord>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
-        let (facets, faces): (Vec<FacetRecord>, Vec<FaceId>) = (input.list()?, input.list()?);
+        let (facets, faces): (Vec<FacetRecord>, Vec<u32>) = (input.list()?, input.list()?);
         let lids: Vec<HalfSpace> = input.list()?;
         let [width, leaf_faces]: [u64; 2] = input.one()?;
 
@@ -73,35 +72,21 @@ impl Envelopes {
             check(from <= to && to as usize <= lids.len(), "a lid is not there")?;
             Ok(Head { axis, bounds: Aabb::EMPTY, lids: [from, to], layer })
         };
+        check_faces(&faces, concavities)?;
         let mut read = Self {
             heads: heads.iter().map(head).collect::<Result<_, Flaw>>()?,
             layers,
             facets: facets.iter().map(facet).collect(),
-            faces,
+            faces: faces.into_iter().map(FaceId).collect(),
             lids,
             options: EnvelopeOptions {
                 width: usize::try_from(width)?,
                 leaf_faces: usize::try_from(leaf_faces)?,
             },
         };
-        read.check_faces(mesh, concavities)?;
         read.check_layers(concavities)?;
-        read.enclose(mesh);
+        read.enclose(boxes);
         Ok(read)
-    }
-
-    /// Each envelope holds the faces of its concavity, one envelope behind the other.
-    fn check_faces(&self, mesh: &Mesh, concavities: &Concavities) -> Result<(), Flaw> {
-        check_each_once(&self.faces, mesh.faces().len())?;
-        let mut rest = self.faces.as_slice();
-        for concavity in concavities.iter() {
-            let (own, others) =
-                rest.split_at_checked(concavity.faces.len()).ok_or("faces are missing")?;
-            rest = others;
-            let is_own = |&face: &FaceId| concavities.of_face(face) == Some(concavity.id());
-            check(own.iter().all(is_own), "a face is of another concavity")?;
-        }
-        check(rest.is_empty(), "faces are of no concavity")
     }
 
     /// Layers nest: each hangs beneath one envelope or facet, that facet in an earlier layer, and divides
@@ -150,21 +135,29 @@ impl Envelopes {
                 }
             }
         }
-        let mut parts: Vec<[u32; 2]> = Vec::new();
-        for (&[from, to], &whole) in self.layers.iter().zip(&above) {
-            check(whole != NOBODY, "a layer hangs nowhere")?;
+        // Of the part of a layer that begins at a face: the layer, and where the part ends.
+        let mut parts = vec![NOBODY; self.faces.len()];
+        for ((index, &[from, to]), &[start, end]) in (0..).zip(&self.layers).zip(&above) {
+            check([start, end] != NOBODY, "a layer hangs nowhere")?;
             let layer = &self.facets[from as usize..to as usize];
             check(layer.is_sorted_by(|a, b| a.reach >= b.reach), "facets are not in order")?;
-            parts.clear();
-            parts.extend(layer.iter().map(|facet| facet.faces));
-            parts.sort_unstable();
-            check(divides(&parts, whole), "a layer does not divide the faces above it")?;
+            for &EnvelopeFacet { faces: [start, end], .. } in layer {
+                let part = parts.get_mut(start as usize).ok_or("a face is not there")?;
+                *part = [index, end];
+            }
+            // As many steps as there are parts, each from another one: all of them.
+            let step = |at: u32, _| {
+                let &[of, end] = parts.get(at as usize)?;
+                (of == index && end > at).then_some(end)
+            };
+            let reached = layer.iter().try_fold(start, step);
+            check(reached == Some(end), "a layer does not divide the faces above it")?;
         }
         Ok(())
     }
 
     /// Puts boxes around what is beneath; each layer is behind the facet that it hangs from.
-    fn enclose(&mut self, mesh: &Mesh) {
+    fn enclose(&mut self, boxes: &FaceBoxes) {
         let Self { heads, layers, facets, faces, .. } = self;
         let around = |facets: &[EnvelopeFacet], [from, to]: [u32; 2]| {
             let layer = &facets[from as usize..to as usize];
@@ -174,7 +167,7 @@ impl Envelopes {
             let EnvelopeFacet { faces: [from, to], layer, .. } = facets[index];
             facets[index].bounds = match layers.get(layer as usize) {
                 Some(&beneath) => around(facets, beneath),
-                None => box_of(mesh, &faces[from as usize..to as usize]),
+                None => boxes.around(&faces[from as usize..to as usize]),
             };
         }
         for head in heads {
@@ -185,14 +178,19 @@ impl Envelopes {
     }
 }
 
-/// Whether sorted ranges, none of them empty, make up a whole.
-fn divides(parts: &[[u32; 2]], whole: [u32; 2]) -> bool {
-    let mut at = whole[0];
-    parts.iter().all(|&[from, to]| {
-        let follows = from == at && to > from;
-        at = to;
-        follows
-    }) && at == whole[1]
+/// Each envelope holds the faces of its concavity, one envelope behind the other.
+fn check_faces(faces: &[u32], concavities: &Concavities) -> Result<(), Flaw> {
+    let mut rest = faces;
+    let mut rows = Vec::with_capacity(concavities.len());
+    for concavity in concavities.iter() {
+        let (own, others) =
+            rest.split_at_checked(concavity.faces.len()).ok_or("faces are missing")?;
+        rows.push(own);
+        rest = others;
+    }
+    check(rest.is_empty(), "faces are of no concavity")?;
+    let owners = owners(concavities.owners().len(), rows)?;
+    check(owners == concavities.owners(), "a face is of another concavity")
 }
 
 impl HalfSpace {

@@ -133,6 +133,11 @@ impl Features {
         (set != NONE).then_some(ConvexSetId(set))
     }
 
+    /// Of each face the facet that it lies on, or [`NONE`].
+    pub(crate) fn facets_of_faces(&self) -> &[u32] {
+        &self.facet_of_face
+    }
+
     /// Whether a face lies on the hull.
     #[must_use]
     pub fn is_convex(&self, face: FaceId) -> bool {

@@ -1,20 +1,20 @@
-//! Hulls as bytes: the surface and the facets; positions, neighbours and rows are made again.
+//! Hulls as bytes: the surface, its half-edges in order, and the facets; positions, neighbours and rows are
+//! made again.
 
 use cranny_exact::DVec3;
 
 use super::convexity::is_convex;
 use super::facets::{FacetLayer, Plane};
 use super::outline::Outlines;
-use super::quickhull::Surface;
+use super::quickhull::{Surface, Wedge};
 use super::support::SupportGraph;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId};
 use crate::codec::{
     Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_flatness, is_size,
-    is_unit, plain_struct,
+    is_unit, owners_of_rows, plain_struct,
 };
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
-use crate::rows::rows;
 
 coded!(HullKind {
     Self::Empty => 0 => Self::Empty,
@@ -35,6 +35,7 @@ impl ConvexHull {
         out.list(sources);
         out.list(triangles);
         out.list(twins);
+        out.list(&sorted_half_edges(surface));
         facets.encode(out);
         out.list(excluded);
     }
@@ -51,9 +52,14 @@ impl ConvexHull {
         let corners = surface.triangles.as_flattened();
         check_below(corners.iter().copied(), positions.len(), "a corner is not there")?;
         check(kind.allows(positions.len(), surface.triangles.len()), "it has the wrong dimension")?;
-        check_twins(&surface)?;
-        check(is_convex(kind, &positions, &surface), "it is not convex")?;
-        let graph = SupportGraph::new(&positions, &surface);
+        let wedges = surface.wedges();
+        check_twins(&surface.twins, &wedges)?;
+        check(is_convex(kind, &positions, &surface, &wedges), "it is not convex")?;
+        let sorted: Vec<u32> = input.list()?;
+        check(sorted.len() == wedges.len(), "it is not one of all half-edges")?;
+        check_below(sorted.iter().copied(), wedges.len(), "a half-edge is not there")?;
+        let graph = SupportGraph::of_sorted(&positions, &surface, &wedges, &sorted);
+        let graph = graph.ok_or("half-edges are not sorted")?;
         let facets = FacetLayer::decode(input, positions.len(), surface.triangles.len())?;
         let excluded: Vec<VertexId> = input.list()?;
         check_below(excluded.iter().map(|v| v.0), mesh.vertices().len(), "a point is not there")?;
@@ -62,46 +68,51 @@ impl ConvexHull {
     }
 }
 
+/// All half-edges by their ends, those with the same ones by number.
+fn sorted_half_edges(surface: &Surface) -> Vec<u32> {
+    let mut sorted: Vec<u32> = (0..surface.twins.len() as u32).collect();
+    sorted.sort_unstable_by_key(|&h| (surface.ends(h), h));
+    sorted
+}
+
 /// Every half-edge's twin runs the other way, and every triangle has three corners.
-fn check_twins(surface: &Surface) -> Result<(), Flaw> {
-    let twins = &surface.twins;
-    check(twins.len() == 3 * surface.triangles.len(), "half-edges lack twins")?;
+fn check_twins(twins: &[u32], wedges: &[Wedge]) -> Result<(), Flaw> {
+    check(twins.len() == wedges.len(), "half-edges lack twins")?;
     check_below(twins.iter().copied(), twins.len(), "a twin is not there")?;
     let mut do_match = true;
-    for (first, &[a, b, c]) in (0u32..).step_by(3).zip(&surface.triangles) {
-        for (h, ends) in (first..).zip([[a, b], [b, c], [c, a]]) {
-            let twin = twins[h as usize];
-            do_match &= ends[0] != ends[1]
-                && twins[twin as usize] == h
-                && surface.ends(twin) == [ends[1], ends[0]];
-        }
+    for ((h, own), &twin) in (0..).zip(wedges).zip(twins) {
+        let other = &wedges[twin as usize];
+        do_match &= own.from != own.to
+            && twins[twin as usize] == h
+            && other.ends() == own.ends().rotate_left(32);
     }
     check(do_match, "half-edges and twins do not match")
 }
 
 impl FacetLayer {
     fn encode(&self, out: &mut Writer) {
-        let Self { tolerance, planes, facet_of, triangle_starts: _, triangles: _, outlines } = self;
+        let Self { tolerance, planes, facet_of: _, triangle_starts, triangles, outlines } = self;
         let Outlines { starts, corners, neighbours } = outlines;
         out.one(*tolerance);
         out.list(planes);
-        out.list(facet_of);
+        out.list(triangle_starts);
+        out.list(triangles);
         out.list(starts);
         out.list(corners);
         out.list(neighbours);
     }
 
-    fn decode(input: &mut Reader, vertices: usize, triangles: usize) -> Result<Self, Flaw> {
+    fn decode(input: &mut Reader, vertices: usize, triangle_count: usize) -> Result<Self, Flaw> {
         let tolerance: f64 = input.one()?;
-        let (planes, facet_of): (Vec<Plane>, Vec<u32>) = (input.list()?, input.list()?);
+        let planes: Vec<Plane> = input.list()?;
+        let (triangle_starts, triangles): (Vec<u32>, Vec<u32>) = (input.list()?, input.list()?);
         let (starts, corners): (Vec<u32>, Vec<HullVertexId>) = (input.list()?, input.list()?);
         let outlines = Outlines { starts, corners, neighbours: input.list()? };
         let count = planes.len();
         check(is_flatness(tolerance), "the flatness is no number")?;
         check(planes.iter().all(Plane::is_sound), "a facet has no plane")?;
-        check(facet_of.len() == triangles, "a facet for each triangle is needed")?;
-        check_below(facet_of.iter().copied(), count, "a facet is not there")?;
-        let (triangle_starts, triangles) = rows(&facet_of, count);
+        let facet_of = owners_of_rows(&triangle_starts, count, &triangles, triangle_count)?;
+        check(triangles.len() == triangle_count, "a facet for each triangle is needed")?;
         check(triangle_starts.is_sorted_by(|a, b| a < b), "a facet has no triangle")?;
         let Outlines { starts, corners, neighbours } = &outlines;
         check_rows(starts, count, corners.len())?;

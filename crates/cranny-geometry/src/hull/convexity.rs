@@ -11,37 +11,46 @@
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 
-use super::quickhull::{Surface, edge_sign, hull_of_some, previous};
+use super::quickhull::{Surface, Wedge, edge_sign, hull_of_some};
 use super::side::Side;
 use super::span::{Projection, planar_hull};
 use super::{HullKind, plate};
 
-/// Whether a surface whose twins match is that of a hull with these vertices.
-pub(super) fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
+/// Whether a surface whose twins match is that of a hull with these vertices; `wedges` are the surface's.
+pub(super) fn is_convex(
+    kind: HullKind,
+    positions: &[DVec3],
+    surface: &Surface,
+    wedges: &[Wedge],
+) -> bool {
     match kind {
         HullKind::Empty | HullKind::Point | HullKind::Segment => true,
         HullKind::Polygon => is_plate(positions, surface),
-        HullKind::Volume => is_around_a_body(positions, surface),
+        HullKind::Volume => is_around_a_body(positions, surface, wedges),
     }
 }
 
-fn is_around_a_body(positions: &[DVec3], surface: &Surface) -> bool {
+fn is_around_a_body(positions: &[DVec3], surface: &Surface, wedges: &[Wedge]) -> bool {
     let bounds = Aabb::of_points(positions.iter().copied());
     let mean = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let middle = mean.clamp(bounds.min, bounds.max);
     let (mut is_beneath_all, mut crossed) = (true, 0);
-    for (t, corners) in surface.triangles.iter().enumerate() {
+    let (twins, _) = surface.twins.as_chunks::<3>();
+    for ((first, corners), twins) in (0..).step_by(3).zip(&surface.triangles).zip(twins) {
         let triangle = corners.map(|v| positions[v as usize]);
         let side = Side::new(triangle, bounds.max - bounds.min);
-        let sign = |p: DVec3| side.sign(side.height(p), p, || triangle);
-        // Each edge from both sides: quicker than finding out which comes first.
-        for twin in [0, 1, 2].map(|corner| surface.twins[3 * t + corner]) {
-            let apex = positions[surface.origin(previous(twin)) as usize];
-            if sign(apex) == Sign::Positive {
+        // Each edge from both sides, quicker than finding out which comes first; what rounding leaves open,
+        // from one.
+        for (h, &twin) in (first..).zip(twins) {
+            let apex = positions[wedges[twin as usize].apex as usize];
+            let height = side.height(apex);
+            let is_open = height >= -side.margin();
+            if is_open && h < twin && side.sign(height, apex, || triangle) == Sign::Positive {
                 return false;
             }
         }
-        is_beneath_all &= sign(middle) == Sign::Negative;
+        let height = side.height(middle);
+        is_beneath_all &= side.sign(height, middle, || triangle) == Sign::Negative;
         crossed += usize::from(is_crossed(triangle, middle));
     }
     if is_beneath_all { crossed == 1 } else { has_edges_of_hull(positions, surface) }
@@ -51,7 +60,7 @@ fn is_around_a_body(positions: &[DVec3], surface: &Surface) -> bool {
 /// and comes out. A corner or edge that the ray hits counts for one of the triangles around it.
 fn is_crossed(triangle: [DVec3; 3], from: DVec3) -> bool {
     let is_right = triangle.map(|p| p.y >= from.y);
-    if is_right == [true; 3] || is_right == [false; 3] {
+    if is_right[0] == is_right[1] && is_right[1] == is_right[2] {
         return false;
     }
     let [from, a, b, c] =
@@ -105,6 +114,10 @@ fn is_plate(positions: &[DVec3], surface: &Surface) -> bool {
 mod tests {
     use super::super::ConvexHull;
     use super::*;
+
+    fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
+        super::is_convex(kind, positions, surface, &surface.wedges())
+    }
 
     /// Whether the hull of some points passes, once as it is and once with its triangles changed.
     fn passes(points: &[DVec3], change: impl Fn(&mut Surface)) -> bool {

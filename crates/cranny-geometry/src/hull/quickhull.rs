@@ -115,6 +115,21 @@ pub(super) fn edge_sign(points: &[DVec3], surface: &Surface, half_edge: u32) -> 
     cranny_exact::orient3d(a, b, c, points[apex as usize])
 }
 
+/// A half-edge with its triangle: where it starts and ends, and the third corner.
+#[derive(Clone, Copy)]
+pub(super) struct Wedge {
+    pub(super) from: u32,
+    pub(super) to: u32,
+    pub(super) apex: u32,
+}
+
+impl Wedge {
+    /// Where from, where to, in one word.
+    pub(super) fn ends(&self) -> u64 {
+        u64::from(self.from) << 32 | u64::from(self.to)
+    }
+}
+
 /// The next half-edge of the same triangle.
 pub(super) fn next(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
@@ -129,6 +144,14 @@ impl Surface {
     /// The vertex that a half-edge starts from.
     pub(super) fn origin(&self, half_edge: u32) -> u32 {
         self.triangles[half_edge as usize / 3][half_edge as usize % 3]
+    }
+
+    /// What is asked of each half-edge, to be had in one place.
+    pub(super) fn wedges(&self) -> Vec<Wedge> {
+        let of_triangle = |&[a, b, c]: &[u32; 3]| {
+            [[a, b, c], [b, c, a], [c, a, b]].map(|[from, to, apex]| Wedge { from, to, apex })
+        };
+        self.triangles.iter().map(of_triangle).collect::<Vec<_>>().into_flattened()
     }
 
     /// Start and end of a half-edge.

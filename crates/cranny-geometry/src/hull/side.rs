@@ -59,10 +59,10 @@ impl Side {
     /// prepared from.
     #[inline]
     pub(super) fn sign(&self, height: f64, p: DVec3, triangle: impl Fn() -> [DVec3; 3]) -> Sign {
-        if height > self.bound {
-            Sign::Positive
-        } else if height < -self.bound {
+        if height < -self.bound {
             Sign::Negative
+        } else if height > self.bound {
+            Sign::Positive
         } else {
             let [a, b, c] = triangle();
             orient3d(a, b, c, p)

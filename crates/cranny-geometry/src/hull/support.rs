@@ -15,7 +15,7 @@
 use cranny_exact::DVec3;
 
 use super::HullVertexId;
-use super::quickhull::Surface;
+use super::quickhull::{Surface, Wedge};
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
 /// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus quadratic,
@@ -60,6 +60,41 @@ impl SupportGraph {
             }
             sort_rows(&mut starts, &mut neighbours);
         }
+        Self::with_seeds(positions, starts, neighbours)
+    }
+
+    /// The same, given all half-edges in the order of their ends, those with the same ones by number; `None`
+    /// where the order is another. `wedges` are the surface's.
+    pub(super) fn of_sorted(
+        positions: &[DVec3],
+        surface: &Surface,
+        wedges: &[Wedge],
+        sorted: &[u32],
+    ) -> Option<Self> {
+        let Some(&first) = sorted.first() else { return Some(Self::new(positions, surface)) };
+        let ends = |h: u32| wedges[h as usize].ends();
+        let mut starts = vec![0; 1 + wedges[first as usize].from as usize];
+        let mut neighbours = vec![HullVertexId(0); sorted.len()];
+        let (mut is_ascending, mut before) = (true, None);
+        for ((place, &h), neighbour) in (0..).zip(sorted).zip(&mut neighbours) {
+            let own = &wedges[h as usize];
+            *neighbour = HullVertexId(own.to);
+            is_ascending &= before < Some(own.ends());
+            before = Some(own.ends());
+            if starts.len() <= own.from as usize {
+                starts.resize(own.from as usize + 1, place);
+            }
+        }
+        if is_ascending {
+            starts.resize(positions.len() + 1, neighbours.len() as u32);
+            return Some(Self::with_seeds(positions, starts, neighbours));
+        }
+        // A plate has each diagonal twice.
+        let is_sorted = sorted.is_sorted_by(|&g, &h| (ends(g), g) < (ends(h), h));
+        is_sorted.then(|| Self::new(positions, surface))
+    }
+
+    fn with_seeds(positions: &[DVec3], starts: Vec<u32>, neighbours: Vec<HullVertexId>) -> Self {
         let reach = positions.iter().fold(DVec3::ZERO, |m, p| m.max(p.abs()));
         let seeds = extremes(positions).map(HullVertexId);
         Self { starts, neighbours, seeds, reach }

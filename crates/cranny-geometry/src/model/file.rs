@@ -5,8 +5,8 @@
 //! bytes on every machine. What a section says stands beside the structure that it is of (`codec`).
 //!
 //! The checksum ([`mod@crate::codec`]'s `checksum`) is of all that is behind the head; every value of the
-//! head but the checksum itself can only be one. The digest is not written: it is the hash of what the
-//! section of the mesh holds behind the number of faces.
+//! head but the checksum itself can only be one. The digest is believed as the checksum is: to hash the
+//! mesh again would take as long as to read it and all that it is bounded by.
 
 use std::sync::Arc;
 
@@ -25,13 +25,13 @@ use crate::mesh::Mesh;
 use crate::patches::Patches;
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FaceTree};
+use crate::tree::{FaceBoxes, FaceForest, FaceTree};
 
 /// A model file begins with this: no text, and spoilt by whatever changes line ends.
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
 
 /// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// What is before the checksum: magic, version, 0, length.
 const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;
@@ -125,7 +125,7 @@ impl Model {
             mass,
             // Made again from the mesh.
             radius: _,
-            digest: _,
+            digest,
             filed_faces,
             flatness,
             leaf_size,
@@ -140,6 +140,7 @@ impl Model {
         out.one(0u64);
         let mut section = |(tag, _): Section, body: &dyn Fn(&mut Writer)| out.section(tag, body);
         section(section::MESH, &|out| {
+            out.one(*digest);
             out.one(mesh.faces().len() as u64);
             // `+ 0`: no zero has a sign, as in the digest.
             let vertices = mesh.vertices().iter().map(|&p| p + DVec3::ZERO);
@@ -180,7 +181,8 @@ impl Model {
     /// Length and checksum; that every section is of the length it says, every index in range, every number
     /// one, every unit vector of length 1. Beyond that:
     ///
-    /// - Mesh: as [`Mesh::new`], and that a face has an area. Digest, radius and box are computed.
+    /// - Mesh: as [`Mesh::new`], and that a face has an area. Radius and box are computed; the digest is what
+    ///   the file says.
     /// - Topology: that half-edges are each there once, sorted by edge. All else is made from that.
     /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once. Not that it
     ///   holds the other vertices, nor that the planes of its facets lie above it.
@@ -209,22 +211,18 @@ impl Model {
         let concavities = read(&mut sections, section::CONCAVITIES, |s| {
             Concavities::decode(s, &mesh, &hull, &features)
         })?;
-        let tree = read(&mut sections, section::TREE, |s| FaceTree::decode(s, &mesh))?;
+        let boxes = FaceBoxes::of(&mesh);
+        let tree = read(&mut sections, section::TREE, |s| FaceTree::decode(s, &boxes))?;
         let concavity_trees = read(&mut sections, section::CONCAVITY_TREES, |s| {
-            let trees = FaceForest::decode(s, &mesh)?;
+            let (trees, owners) = FaceForest::decode(s, &boxes)?;
             check(trees.len() == concavities.len(), "a tree for each concavity is needed")?;
-            let holds = |(tree, concavity): (usize, crate::concavity::Concavity)| {
-                let faces = trees.faces(tree);
-                faces.len() == concavity.faces.len()
-                    && faces.iter().all(|&f| concavities.of_face(f) == Some(concavity.id()))
-            };
-            check((0..).zip(concavities.iter()).all(holds), "a tree is not over its concavity")?;
+            check(owners == concavities.owners(), "a tree is not over its concavity")?;
             Ok(trees)
         })?;
-        let envelopes =
-            read(&mut sections, section::ENVELOPES, |s| Envelopes::decode(s, &mesh, &concavities))?;
-        let patches =
-            read(&mut sections, section::PATCHES, |s| Patches::decode(s, &mesh, &topology))?;
+        let envelopes = read(&mut sections, section::ENVELOPES, |s| {
+            Envelopes::decode(s, &boxes, &concavities)
+        })?;
+        let patches = read(&mut sections, section::PATCHES, |s| Patches::decode(s, &boxes))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
         let (flatness, leaf_size, filed_faces) =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
@@ -294,8 +292,7 @@ fn read<T>(
 
 /// The mesh and its digest.
 fn read_mesh(input: &mut Reader) -> Result<(Mesh, [u8; 32]), Flaw> {
-    let count = input.one()?;
-    let digest = *blake3::hash(input.rest()).as_bytes();
+    let (digest, count): ([u8; 32], u64) = (input.one()?, input.one()?);
     let vertices: Vec<DVec3> = input.list()?;
     let faces: Vec<[u32; 3]> = input.items(count)?;
     let is_digested = |x: f64| x.to_bits() != (-0.0f64).to_bits();

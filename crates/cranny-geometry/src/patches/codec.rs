@@ -1,14 +1,12 @@
-//! Patches as bytes: what was measured of them, and the shape of their trees and of the tree over them. Who
-//! owns which vertex and edge, and boxes and cones of nodes, are made again.
+//! Patches as bytes: what was measured of them, and the shape of their trees and of the tree over them. Boxes
+//! and cones of nodes are made again.
 
 use cranny_exact::DVec3;
 
 use super::{NormalCone, Patch, PatchTree, Patches, Slab};
 use crate::codec::{Flaw, Reader, Writer, check, check_below, is_size, is_unit, plain_struct};
 use crate::ids::PatchId;
-use crate::mesh::Mesh;
-use crate::topology::Topology;
-use crate::tree::{FaceForest, Node, Shape};
+use crate::tree::{FaceBoxes, FaceForest, Node, Shape};
 
 plain_struct!(Slab { normal: DVec3, height: f64 });
 plain_struct!(NormalCone { axis: DVec3, cosine: f64 });
@@ -25,17 +23,7 @@ plain_struct!(Record { cone: NormalCone, radius: f64, area: f64, needles: u32 })
 
 impl Patches {
     pub(crate) fn encode(&self, out: &mut Writer) {
-        let Self {
-            patches,
-            patch_of_face: _,
-            patch_of_vertex: _,
-            patch_of_edge: _,
-            vertices: _,
-            edges: _,
-            trees,
-            slabs,
-            top,
-        } = self;
+        let Self { patches, patch_of_face: _, trees, slabs, top } = self;
         let record = |&Patch { cone, bounds: _, center: _, radius, area, needles }: &Patch| {
             Record { cone, radius, area, needles }
         };
@@ -46,34 +34,30 @@ impl Patches {
     }
 
     /// Reads the patches of a mesh.
-    pub(crate) fn decode(
-        input: &mut Reader,
-        mesh: &Mesh,
-        topology: &Topology,
-    ) -> Result<Self, Flaw> {
+    pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<Self, Flaw> {
         let records: Vec<Record> = input.list()?;
-        let trees = FaceForest::decode(input, mesh)?;
+        let (trees, patch_of_face) = FaceForest::decode(input, boxes)?;
         let slabs: Vec<Slab> = input.list()?;
         check(!records.is_empty(), "there is no patch")?;
         check(trees.len() == records.len(), "a tree for each patch is needed")?;
         check(slabs.len() == trees.arena().nodes().len(), "a slab for each node is needed")?;
         check(slabs.iter().all(Slab::is_sound), "a slab has no plane")?;
-        check(trees.arena().faces().len() == mesh.faces().len(), "a face is in no patch")?;
-        let mut patch_of_face = vec![PatchId(0); mesh.faces().len()];
+        check(trees.arena().faces().len() == patch_of_face.len(), "a face is in no patch")?;
         let mut patches = Vec::with_capacity(records.len());
-        for (id, &record) in (0..).map(PatchId).zip(&records) {
-            let Record { cone, radius, area, needles } = record;
-            let root = trees.root(id.index()).ok_or("a patch has no face")?;
-            let faces = trees.faces(id.index());
-            faces.iter().for_each(|f| patch_of_face[f.index()] = id);
+        for (tree, &Record { cone, radius, area, needles }) in records.iter().enumerate() {
+            let root = trees.root(tree).ok_or("a patch has no face")?;
             check(is_unit(cone.axis) && cone.cosine.abs() <= 1.0, "a cone has no axis")?;
             check(is_size(radius) && is_size(area), "a patch has no size")?;
-            check(needles as usize <= faces.len(), "a patch has more needles than faces")?;
+            check(
+                needles as usize <= trees.faces(tree).len(),
+                "a patch has more needles than faces",
+            )?;
             let bounds = trees.arena().node(root).bounds;
             patches.push(Patch { cone, bounds, center: bounds.center(), radius, area, needles });
         }
         let top = PatchTree::decode(input, &patches)?;
-        Ok(Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs, top))
+        let patch_of_face = patch_of_face.into_iter().map(PatchId).collect();
+        Ok(Self { patches, patch_of_face, trees, slabs, top })
     }
 }
 

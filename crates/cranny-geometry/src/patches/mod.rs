@@ -6,7 +6,8 @@
 //! then down the trees of two patches.
 //!
 //! Every face belongs to one patch. An edge or a vertex belongs to the patch with the lowest number
-//! among those of its faces, so that a contact on a border is found once. Bounds: all normals
+//! among those of its faces, so that a contact on a border is found once; nothing of that is kept, for
+//! a mesh's adjacency says it in a few steps. Bounds: all normals
 //! of a patch lie within its cone (certified, see [`NormalCone`]), whose half-angle is at most 25
 //! degrees; its box's diagonal is at most a quarter of the body's, or √2 times its largest face's.
 //! Needles, thinner than 2^-30 of their length, have no normal that rounding leaves alone: they go with
@@ -30,14 +31,13 @@ use self::cone::Measured;
 pub use self::cone::NormalCone;
 pub use self::slab::Slab;
 pub use self::top::PatchTree;
-use crate::ids::{EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
+use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::rows::rows;
 use crate::topology::Topology;
 use crate::tree::FaceForest;
 
-/// What is known of a patch, in the body's frame. Its faces, vertices and edges are asked from
-/// [`Patches`].
+/// What is known of a patch, in the body's frame. Its faces are asked from [`Patches`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Holds the normal of every face but [`needles`](Self::needles).
@@ -59,33 +59,27 @@ pub struct Patch {
 pub struct Patches {
     patches: Vec<Patch>,
     patch_of_face: Vec<PatchId>,
-    /// `u32::MAX` for a vertex that no face names.
-    patch_of_vertex: Vec<u32>,
-    patch_of_edge: Vec<PatchId>,
-    vertices: Lists<VertexId>,
-    edges: Lists<EdgeId>,
     trees: FaceForest,
     /// One a node of the trees' arena.
     slabs: Vec<Slab>,
     top: PatchTree,
 }
 
-/// Members of each patch, one patch behind the other, ascending within each.
-#[derive(Clone, Debug)]
-struct Lists<I> {
+/// Faces of each patch, one patch behind the other, ascending within each.
+struct Lists {
     starts: Vec<u32>,
-    members: Vec<I>,
+    faces: Vec<FaceId>,
 }
 
-impl<I> Lists<I> {
-    /// From the patch of each member.
-    fn of(patches: usize, owners: &[u32], id: impl Fn(u32) -> I) -> Self {
-        let (starts, members) = rows(owners, patches);
-        Self { starts, members: members.into_iter().map(id).collect() }
+impl Lists {
+    /// From the patch of each face.
+    fn of(patches: usize, owners: &[u32]) -> Self {
+        let (starts, faces) = rows(owners, patches);
+        Self { starts, faces: faces.into_iter().map(FaceId).collect() }
     }
 
-    fn get(&self, patch: usize) -> &[I] {
-        &self.members[self.starts[patch] as usize..self.starts[patch + 1] as usize]
+    fn get(&self, patch: usize) -> &[FaceId] {
+        &self.faces[self.starts[patch] as usize..self.starts[patch + 1] as usize]
     }
 }
 
@@ -99,17 +93,16 @@ impl Patches {
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
         let partition = grow::partition(mesh, topology);
         let count = partition.patches.len();
-        let faces = Lists::of(count, &partition.patch_of, FaceId);
+        let faces = Lists::of(count, &partition.patch_of);
         let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
         let ranges = (0..count).map(|p| trees.node_range(p));
         let slabs = Slab::of_trees(mesh, trees.arena(), ranges);
-        Self::assemble(mesh, topology, partition, trees, slabs)
+        Self::assemble(mesh, partition, trees, slabs)
     }
 
     /// From a partition, trees over its parts, and the slabs of these.
     fn assemble(
         mesh: &Mesh,
-        topology: &Topology,
         partition: grow::Partition,
         trees: FaceForest,
         slabs: Vec<Slab>,
@@ -122,43 +115,7 @@ impl Patches {
             .collect();
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
         let top = PatchTree::over(&patches);
-        Self::assembled(mesh, topology, patches, patch_of_face, trees, slabs, top)
-    }
-
-    /// Adds what follows from which face is in which patch.
-    fn assembled(
-        mesh: &Mesh,
-        topology: &Topology,
-        patches: Vec<Patch>,
-        patch_of_face: Vec<PatchId>,
-        trees: FaceForest,
-        slabs: Vec<Slab>,
-        top: PatchTree,
-    ) -> Self {
-        let count = patches.len();
-        let mut patch_of_vertex = vec![u32::MAX; mesh.vertices().len()];
-        let mut patch_of_edge = vec![u32::MAX; topology.edges().len()];
-        // From the last patch to the first: what the lowest one says, stays.
-        for patch in (0..count as u32).rev() {
-            for &face in trees.faces(patch as usize) {
-                for (corner, vertex) in mesh.corners(face).into_iter().enumerate() {
-                    patch_of_vertex[vertex.index()] = patch;
-                    let edge = topology.edge_of(HalfEdgeId::of(face, corner));
-                    patch_of_edge[edge.index()] = patch;
-                }
-            }
-        }
-        Self {
-            patches,
-            patch_of_face,
-            vertices: Lists::of(count, &patch_of_vertex, VertexId),
-            edges: Lists::of(count, &patch_of_edge, EdgeId),
-            patch_of_vertex,
-            patch_of_edge: patch_of_edge.into_iter().map(PatchId).collect(),
-            trees,
-            slabs,
-            top,
-        }
+        Self { patches, patch_of_face, trees, slabs, top }
     }
 
     /// Number of patches; at least 1.
@@ -191,35 +148,24 @@ impl Patches {
         self.patch_of_face[face.index()]
     }
 
-    /// The patch of a vertex: the lowest among its faces'; `None` where no face names it.
+    /// The patch of a vertex: the lowest among its faces'; `None` where no face names it. `topology` is
+    /// the mesh's. Cost: its faces.
     #[must_use]
-    pub fn patch_of_vertex(&self, vertex: VertexId) -> Option<PatchId> {
-        let patch = self.patch_of_vertex[vertex.index()];
-        (patch != u32::MAX).then_some(PatchId(patch))
+    pub fn patch_of_vertex(&self, topology: &Topology, vertex: VertexId) -> Option<PatchId> {
+        topology.faces_at(vertex).iter().map(|&face| self.patch_of_face(face)).min()
     }
 
-    /// The patch of an edge: the lowest among its faces'.
+    /// The patch of an edge: the lowest among its faces'. `topology` is the mesh's. Cost: its faces.
     #[must_use]
-    pub fn patch_of_edge(&self, edge: EdgeId) -> PatchId {
-        self.patch_of_edge[edge.index()]
+    pub fn patch_of_edge(&self, topology: &Topology, edge: EdgeId) -> PatchId {
+        let around = topology.half_edges(edge).iter().map(|h| self.patch_of_face(h.face()));
+        around.fold(PatchId(u32::MAX), PatchId::min)
     }
 
     /// The faces of a patch, in the leaf order of its tree.
     #[must_use]
     pub fn faces(&self, patch: PatchId) -> &[FaceId] {
         self.trees.faces(patch.index())
-    }
-
-    /// The vertices that belong to a patch, ascending. Those on its border may belong to another.
-    #[must_use]
-    pub fn vertices(&self, patch: PatchId) -> &[VertexId] {
-        self.vertices.get(patch.index())
-    }
-
-    /// The edges that belong to a patch, ascending. Those on its border may belong to another.
-    #[must_use]
-    pub fn edges(&self, patch: PatchId) -> &[EdgeId] {
-        self.edges.get(patch.index())
     }
 
     /// The trees over the faces of each patch: tree `i` is that of patch `i`.
@@ -251,7 +197,7 @@ impl Patches {
         if self.patch_of_face.len() != mesh.faces().len() {
             return Err("a patch for each face is needed".into());
         }
-        let faces = Lists::of(count, &owners, FaceId);
+        let faces = Lists::of(count, &owners);
         self.trees.validate(mesh, (0..count).map(|p| faces.get(p)))?;
         self.top.validate(&self.patches)?;
         let ranges = (0..count).map(|p| self.trees.node_range(p));
@@ -260,35 +206,6 @@ impl Patches {
         }
         for (id, patch) in (0..).map(PatchId).zip(&self.patches) {
             self.validate_patch(id, patch, mesh, topology)?;
-        }
-        for v in (0..mesh.vertices().len() as u32).map(VertexId) {
-            let lowest = topology.faces_at(v).iter().map(|&f| self.patch_of_face(f)).min();
-            if lowest != self.patch_of_vertex(v) {
-                return Err(format!("vertex {} is in the wrong patch", v.0));
-            }
-        }
-        for e in (0..topology.edges().len() as u32).map(EdgeId) {
-            let around = topology.half_edges(e).iter();
-            if around.map(|h| self.patch_of_face(h.face())).min() != Some(self.patch_of_edge(e)) {
-                return Err(format!("edge {} is in the wrong patch", e.0));
-            }
-        }
-        let vertices =
-            (0..count as u32).flat_map(|p| self.vertices(PatchId(p)).iter().map(move |&v| (v, p)));
-        for (v, p) in vertices {
-            if self.patch_of_vertex(v) != Some(PatchId(p)) {
-                return Err(format!("patch {p} lists vertex {} of another", v.0));
-            }
-        }
-        let edges =
-            (0..count as u32).flat_map(|p| self.edges(PatchId(p)).iter().map(move |&e| (e, p)));
-        for (e, p) in edges {
-            if self.patch_of_edge(e) != PatchId(p) {
-                return Err(format!("patch {p} lists edge {} of another", e.0));
-            }
-        }
-        if self.edges.members.len() != topology.edges().len() {
-            return Err("an edge is in no list".into());
         }
         Ok(())
     }
@@ -385,8 +302,8 @@ mod tests {
         patches.validate(&mesh, &topology).unwrap();
         let ids: Vec<u32> = (0..4).map(|f| patches.patch_of_face(FaceId(f)).0).collect();
         assert_eq!(ids, [0, 0, 1, 1]);
-        assert_eq!(patches.patch_of_vertex(VertexId(3)), Some(PatchId(0)));
-        assert_eq!(patches.patch_of_vertex(VertexId(5)), Some(PatchId(1)));
+        assert_eq!(patches.patch_of_vertex(&topology, VertexId(3)), Some(PatchId(0)));
+        assert_eq!(patches.patch_of_vertex(&topology, VertexId(5)), Some(PatchId(1)));
         assert_eq!(patches.patch(PatchId(1)).cone.axis, -DVec3::X);
     }
 

@@ -105,7 +105,7 @@ impl Patches {
         }
         let partition = Partition { patch_of, patches }.merged(mesh, topology, limits);
         let count = partition.patches.len();
-        let faces = Lists::of(count, &partition.patch_of, FaceId);
+        let faces = Lists::of(count, &partition.patch_of);
         let same = |new: usize| {
             let old = self.patch_of_face(faces.get(new)[0]);
             let same = faces.get(new).len() == self.faces(old).len()
@@ -134,7 +134,7 @@ impl Patches {
                 }
             }
         }
-        *self = Self::assemble(mesh, topology, partition, trees, slabs);
+        *self = Self::assemble(mesh, partition, trees, slabs);
         map
     }
 }

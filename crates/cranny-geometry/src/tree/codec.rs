@@ -9,9 +9,36 @@ use std::ops::Range;
 use cranny_exact::Aabb;
 
 use super::{FaceForest, FaceTree, Node};
-use crate::codec::{Flaw, Reader, Writer, check, check_below};
+use crate::codec::{Flaw, Reader, Writer, check, owners};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
+
+/// The box of each face of a mesh: all trees and envelopes are made of these.
+pub(crate) struct FaceBoxes(Vec<Aabb>);
+
+impl FaceBoxes {
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let vertices = mesh.vertices();
+        let of_face = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|v| vertices[v as usize]);
+            Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
+        };
+        Self(mesh.faces().iter().map(of_face).collect())
+    }
+
+    /// Number of faces.
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// The box around some faces; the empty one around none.
+    #[inline]
+    pub(crate) fn around(&self, faces: &[FaceId]) -> Aabb {
+        let [first, others @ ..] = faces else { return Aabb::EMPTY };
+        let own = |face: &FaceId| &self.0[face.index()];
+        others.iter().map(own).fold(*own(first), |all, own| all.union(own))
+    }
+}
 
 impl FaceTree {
     pub(crate) fn encode(&self, out: &mut Writer) {
@@ -21,12 +48,13 @@ impl FaceTree {
     }
 
     /// Reads a tree over all faces of a mesh.
-    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
-        check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
-        check_each_once(&faces, mesh.faces().len())?;
+    pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<Self, Flaw> {
+        let (faces, counts): (Vec<u32>, Vec<u32>) = (input.list()?, input.list()?);
+        check(faces.len() == boxes.len(), "it is not over all faces")?;
+        owners(boxes.len(), [faces.as_slice()])?;
+        let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
         let mut shape = Shape::new(&counts);
-        shape.tree(0..counts.len(), 0..faces.len(), |leaf| box_of(mesh, &faces[leaf]))?;
+        shape.tree(0..counts.len(), 0..faces.len(), |leaf| boxes.around(&faces[leaf]))?;
         Ok(Self { nodes: shape.into_nodes(), faces })
     }
 }
@@ -38,35 +66,26 @@ impl FaceForest {
         out.list(starts);
     }
 
-    /// Reads trees over faces of a mesh, each face at most once.
-    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
+    /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
+    /// [`NOBODY`](crate::rows::NOBODY).
+    pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<(Self, Vec<u32>), Flaw> {
+        let (faces, counts): (Vec<u32>, Vec<u32>) = (input.list()?, input.list()?);
         let starts: Vec<[u32; 2]> = input.list()?;
-        check_each_once(&faces, mesh.faces().len())?;
         let ends = (starts.first(), starts.last());
         let covers_all = ends == (Some(&[0, 0]), Some(&[counts.len() as u32, faces.len() as u32]));
         let is_behind = |a: &[u32; 2], b: &[u32; 2]| a[0] <= b[0] && a[1] <= b[1];
         check(covers_all && starts.is_sorted_by(is_behind), "trees are not in order")?;
+        let trees = starts
+            .windows(2)
+            .map(|pair| [0, 1].map(|kind: usize| pair[0][kind] as usize..pair[1][kind] as usize));
+        let owners = owners(boxes.len(), trees.clone().map(|[_, held]| &faces[held]))?;
+        let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
         let mut shape = Shape::new(&counts);
-        for pair in starts.windows(2) {
-            let [nodes, held] = [0, 1].map(|kind| pair[0][kind] as usize..pair[1][kind] as usize);
-            shape.tree(nodes, held, |leaf| box_of(mesh, &faces[leaf]))?;
+        for [nodes, held] in trees {
+            shape.tree(nodes, held, |leaf| boxes.around(&faces[leaf]))?;
         }
-        Ok(Self { arena: FaceTree { nodes: shape.into_nodes(), faces }, starts })
+        Ok((Self { arena: FaceTree { nodes: shape.into_nodes(), faces }, starts }, owners))
     }
-}
-
-/// That faces are among so many, and none is named twice.
-pub(crate) fn check_each_once(faces: &[FaceId], count: usize) -> Result<(), Flaw> {
-    check_below(faces.iter().map(|f| f.0), count, "it names a face that is not there")?;
-    let mut is_named = vec![false; count];
-    let mut is_twice = false;
-    for face in faces {
-        let is_named = &mut is_named[face.index()];
-        is_twice |= *is_named;
-        *is_named = true;
-    }
-    check(!is_twice, "it names a face twice")
 }
 
 /// Nodes in the making, by how many things each leaf holds; 0 for an inner node.
@@ -102,40 +121,28 @@ impl<'a> Shape<'a> {
         // Within the range, the node behind all that is beneath the one that was made last: right of it,
         // there a brother stands, if it has one.
         let mut behind = nodes.len();
-        for index in (0..nodes.len()).rev() {
-            let count = counts[index];
-            nodes[index] = if count > 0 {
+        for (index, &count) in counts.iter().enumerate().rev() {
+            if count > 0 {
                 let start = first_held.checked_sub(count as usize).filter(|&f| f >= held.start);
                 let start = start.ok_or("a tree has more in its leaves than it holds")?;
                 let bounds = box_of(start..first_held);
+                nodes[index] = Node { bounds, content: start as u32, count };
                 first_held = start;
                 behind = index + 1;
-                Node { bounds, content: start as u32, count }
             } else {
                 let right = behind;
                 let ([left, ..], Some(brother)) = (&nodes[index + 1..], nodes.get(right)) else {
                     return Err("a tree lacks nodes".into());
                 };
                 let bounds = left.bounds.union(&brother.bounds);
+                nodes[index] = Node { bounds, content: (range.start + right) as u32, count };
                 behind = ends[right] as usize;
-                Node { bounds, content: (range.start + right) as u32, count }
-            };
+            }
             ends[index] = behind as u32;
         }
         check(first_held == held.start, "a tree has less in its leaves than it holds")?;
         check(behind == nodes.len(), "nodes belong to no tree")
     }
-}
-
-/// The box around some faces, at least one.
-pub(crate) fn box_of(mesh: &Mesh, faces: &[FaceId]) -> Aabb {
-    let of_face = |face: FaceId| {
-        let [a, b, c] = mesh.triangle(face);
-        Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
-    };
-    let mut boxes = faces.iter().map(|&face| of_face(face));
-    let first = boxes.next().unwrap_or(Aabb::EMPTY);
-    boxes.fold(first, |all, own| all.union(&own))
 }
 
 #[cfg(test)]
@@ -149,8 +156,9 @@ mod tests {
         let vertices = (0..8).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
         let faces: Vec<FaceId> = (0..6).map(FaceId).collect();
+        let boxes = FaceBoxes::of(&mesh);
         let mut shape = Shape::new(counts);
-        let whole = shape.tree(0..counts.len(), 0..size, |leaf| box_of(&mesh, &faces[leaf]));
+        let whole = shape.tree(0..counts.len(), 0..size, |leaf| boxes.around(&faces[leaf]));
         whole.map_err(|Flaw(what)| what)?;
         let tree = FaceTree { nodes: shape.into_nodes(), faces: faces[..size].to_vec() };
         tree.validate(&mesh, &faces[..size])?;
@@ -180,15 +188,5 @@ mod tests {
             let error = shape(&counts, size).unwrap_err();
             assert!(error.contains(flaw), "{counts:?}: {error}");
         }
-    }
-
-    #[test]
-    fn each_face_is_named_once() {
-        let named = |faces: &[u32]| {
-            let faces: Vec<FaceId> = faces.iter().map(|&f| FaceId(f)).collect();
-            check_each_once(&faces, 65).is_ok()
-        };
-        assert!(named(&[]) && named(&[64, 0, 63]));
-        assert!(!named(&[64, 0, 64]) && !named(&[65]) && !named(&[0, u32::MAX]));
     }
 }

@@ -14,7 +14,7 @@ mod refit;
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::{Grower, partition};
-pub(crate) use self::codec::{Shape, box_of, check_each_once};
+pub(crate) use self::codec::{FaceBoxes, Shape};
 pub use self::forest::FaceForest;
 pub use self::refit::NodeChanges;
 pub(crate) use self::refit::{GrownAreas, MovedFace};

@@ -5,7 +5,7 @@
 //! face each other is judged in the full mesh (`facing`), so no border of a patch makes a contact.
 
 use cranny_exact::DVec3;
-use cranny_geometry::{EdgeId, FaceId, Patches, VertexId};
+use cranny_geometry::{EdgeId, FaceId, Model, VertexId};
 
 use super::facing::{PARALLEL, faces_towards, in_cone, in_wedge, is_sharp, over};
 use crate::answer::{Contact, Feature};
@@ -13,11 +13,12 @@ use crate::pair::{Pair, Side};
 use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 
 /// The patch that a feature counts to.
-pub(crate) fn patch_index(patches: &Patches, feature: Feature) -> u32 {
+pub(crate) fn patch_index(model: &Model, feature: Feature) -> u32 {
+    let (patches, topology) = (model.patches(), model.topology());
     match feature {
         // A vertex of a contact is a corner of a face, and has a patch.
-        Feature::Vertex(v) => patches.patch_of_vertex(v).map_or(u32::MAX, |p| p.0),
-        Feature::Edge(e) => patches.patch_of_edge(e).0,
+        Feature::Vertex(v) => patches.patch_of_vertex(topology, v).map_or(u32::MAX, |p| p.0),
+        Feature::Edge(e) => patches.patch_of_edge(topology, e).0,
         Feature::Face(f) => patches.patch_of_face(f).0,
     }
 }

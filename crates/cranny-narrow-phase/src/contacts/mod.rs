@@ -109,7 +109,7 @@ pub(crate) fn near_patches(
 }
 
 fn patches_of(pair: &Pair, id: (Feature, Feature)) -> [PatchId; 2] {
-    let of = |side, feature| PatchId(patch_index(pair.model(side).patches(), feature));
+    let of = |side, feature| PatchId(patch_index(pair.model(side), feature));
     [of(Side::First, id.0), of(Side::Second, id.1)]
 }
 
@@ -118,7 +118,7 @@ impl Contact {
     /// change that lie nearest. `a` and `b` are the models that were asked about.
     #[must_use]
     pub fn patches(&self, a: &Model, b: &Model) -> (PatchId, PatchId) {
-        let of = |model: &Model, feature| PatchId(patch_index(model.patches(), feature));
+        let of = |model: &Model, feature| PatchId(patch_index(model, feature));
         (of(a, self.id.0), of(b, self.id.1))
     }
 }

@@ -335,31 +335,28 @@ impl<'a, 'b> Search<'a, 'b> {
     /// Whether a corner is looked at from this face: the first of its patch's at the vertex, so that
     /// each vertex is looked at once for each face of the other patch.
     fn owns_vertex(&self, side: Side, face: FaceId, vertex: VertexId, quest: &Quest) -> bool {
-        let patch = quest.patches[side.index()];
-        let patches = self.pair.model(side).patches();
-        patches.patch_of_vertex(vertex) == Some(patch)
-            && self
-                .pair
-                .topology(side)
-                .faces_at(vertex)
-                .iter()
-                .find(|&&f| patches.patch_of_face(f) == patch)
-                == Some(&face)
+        let faces = self.pair.topology(side).faces_at(vertex).iter().copied();
+        self.is_first(side, face, faces, quest)
     }
 
     /// As [`owns_vertex`](Self::owns_vertex), of an edge.
     fn owns_edge(&self, side: Side, face: FaceId, edge: EdgeId, quest: &Quest) -> bool {
-        let patch = quest.patches[side.index()];
+        let around = self.pair.topology(side).half_edges(edge).iter();
+        self.is_first(side, face, around.map(|h: &HalfEdgeId| h.face()), quest)
+    }
+
+    /// Whether what lies between some faces belongs to the patch that is looked at, and this is the first
+    /// face of that patch among them.
+    fn is_first(
+        &self,
+        side: Side,
+        face: FaceId,
+        faces: impl Iterator<Item = FaceId>,
+        quest: &Quest,
+    ) -> bool {
         let patches = self.pair.model(side).patches();
-        patches.patch_of_edge(edge) == patch
-            && self
-                .pair
-                .topology(side)
-                .half_edges(edge)
-                .iter()
-                .map(|h: &HalfEdgeId| h.face())
-                .find(|&f| patches.patch_of_face(f) == patch)
-                == Some(face)
+        let first = faces.min_by_key(|&f| patches.patch_of_face(f));
+        first == Some(face) && patches.patch_of_face(face) == quest.patches[side.index()]
     }
 }
 

@@ -79,7 +79,7 @@ fn mutual(a: Placed, b: Placed, margin: f64) -> Vec<Mutual> {
                     && nearest(p, 1 - side, d)
                     && nearest(foot, side, d)
                 {
-                    let own = own.patches().patch_of_vertex(v).unwrap();
+                    let own = own.patches().patch_of_vertex(own.topology(), v).unwrap();
                     let its = its.patches().patch_of_face(f);
                     let patches = if side == 0 { (own, its) } else { (its, own) };
                     found.push(Mutual { patches, separation: d });
@@ -109,11 +109,9 @@ fn mutual(a: Placed, b: Placed, margin: f64) -> Vec<Mutual> {
                 && nearest(x, 1, d)
                 && nearest(y, 0, d)
             {
-                let own = a.model.patches().patch_of_edge(e);
-                found.push(Mutual {
-                    patches: (own, b.model.patches().patch_of_edge(*g)),
-                    separation: d,
-                });
+                let patch = |m: &Model, e| m.patches().patch_of_edge(m.topology(), e);
+                let patches = (patch(a.model, e), patch(b.model, *g));
+                found.push(Mutual { patches, separation: d });
             }
         }
     }

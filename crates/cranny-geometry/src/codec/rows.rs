@@ -1,0 +1,90 @@
+//! Rows that were read: who owns what, and that nobody owns it twice.
+
+use super::{Flaw, check};
+use crate::rows::NOBODY;
+
+/// Whether starts of rows, as many as rows and one more, cover `count` members in order.
+pub(crate) fn check_rows(starts: &[u32], rows: usize, count: usize) -> Result<(), Flaw> {
+    check(starts.len() == rows + 1, "there are too many or too few rows")?;
+    check(starts[0] == 0, "the first row does not begin at 0")?;
+    check(starts[rows] as usize == count, "the last row does not end at the end")?;
+    check(starts.is_sorted(), "rows overlap")
+}
+
+/// [`owners`] of as many rows as `rows`, given by their starts and one more, each of which ascends.
+pub(crate) fn owners_of_rows(
+    starts: &[u32],
+    rows: usize,
+    members: &[u32],
+    count: usize,
+) -> Result<Vec<u32>, Flaw> {
+    check_rows(starts, rows, members.len())?;
+    check_ascending(starts, members)?;
+    owners(count, starts.windows(2).map(|row| &members[row[0] as usize..row[1] as usize]))
+}
+
+/// Whether members ascend within each row. `starts` cover them.
+///
+/// As many steps down as there are from one row to the next are all of them: two counts, in short loops.
+fn check_ascending(starts: &[u32], members: &[u32]) -> Result<(), Flaw> {
+    let after = members.get(1..).unwrap_or_default();
+    let down = members.iter().zip(after).filter(|(a, b)| a >= b).count();
+    let is_down = |at: u32| at > 0 && members[at as usize - 1] >= members[at as usize];
+    // Where rows are empty, several begin at one place.
+    let begun = starts.windows(2).filter(|pair| pair[0] < pair[1]);
+    check(begun.filter(|pair| is_down(pair[0])).count() == down, "a row is not ascending")
+}
+
+/// Of each of `count` things the row that names it, or [`NOBODY`]; none may be named twice.
+pub(crate) fn owners<'a>(
+    count: usize,
+    rows: impl IntoIterator<Item = &'a [u32]>,
+) -> Result<Vec<u32>, Flaw> {
+    let mut owners = vec![NOBODY; count];
+    let (mut named, mut is_there) = (0, true);
+    for (row, members) in (0..).zip(rows) {
+        named += members.len();
+        for &member in members {
+            match owners.get_mut(member as usize) {
+                Some(owner) => *owner = row,
+                None => is_there = false,
+            }
+        }
+    }
+    check(is_there, "a row names what is not there")?;
+    let owned = owners.iter().filter(|&&owner| owner != NOBODY).count();
+    check(owned == named, "rows name something twice")?;
+    Ok(owners)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_is_named_once() {
+        let owned = |rows: &[&[u32]]| owners(5, rows.iter().copied()).ok();
+        assert_eq!(owned(&[]), Some(vec![NOBODY; 5]));
+        assert_eq!(owned(&[&[4, 0], &[], &[3]]), Some(vec![0, NOBODY, NOBODY, 2, 0]));
+        for wrong in [&[&[4, 0, 4][..]][..], &[&[1, 2], &[2]], &[&[5]], &[&[0], &[u32::MAX]]] {
+            assert_eq!(owned(wrong), None, "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn rows_ascend_each_by_itself() {
+        let ascend = |starts: &[u32], members: &[u32]| check_ascending(starts, members).is_ok();
+        assert!(ascend(&[0], &[]) && ascend(&[0, 0], &[]) && ascend(&[0, 1], &[7]));
+        assert!(ascend(&[0, 2, 2, 2, 4], &[3, 5, 1, 4]) && ascend(&[0, 1, 2], &[1, 2]));
+        assert!(!ascend(&[0, 4], &[3, 5, 1, 4]) && !ascend(&[0, 3, 4], &[3, 5, 1, 4]));
+        assert!(!ascend(&[0, 2], &[3, 3]) && !ascend(&[0, 0, 3], &[2, 3, 1]));
+    }
+
+    #[test]
+    fn rows_cover_all() {
+        assert!(check_rows(&[0, 2, 2, 3], 3, 3).is_ok());
+        for wrong in [&[0, 2, 3][..], &[1, 2, 2, 3], &[0, 2, 2, 2], &[0, 3, 2, 3]] {
+            assert!(check_rows(wrong, 3, 3).is_err(), "{wrong:?}");
+        }
+    }
+}
