@@ -36,7 +36,10 @@ mod contacts;
 mod detection;
 mod effects;
 mod error;
+#[cfg(feature = "scene")]
+mod excerpt;
 mod kinematics;
+mod links;
 mod motion;
 mod outputs;
 #[cfg(feature = "render")]
@@ -54,8 +57,6 @@ mod response;
 mod simulation;
 mod summary;
 mod tally;
-#[cfg(feature = "scene")]
-mod threads;
 mod trigger;
 
 pub use app::{RunOptions, SceneApp};
@@ -66,7 +67,10 @@ pub use cranny_world::BodyId;
 pub use detection::{Detected, DetectionSystems, Detector};
 pub use effects::{AskedBy, EffectKind, EffectTable};
 pub use error::{Failure, SceneAppError};
+#[cfg(feature = "scene")]
+pub use excerpt::{helices, rings};
 pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
+pub use links::{Link, LinkLog, Ring};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
 pub use outputs::check_outputs;
 #[cfg(feature = "render")]
@@ -83,12 +87,10 @@ pub use rendering::{
 #[cfg(feature = "rapier")]
 pub use response::{EnergyRange, ResponseSystems, RigidBodies, RigidBody};
 pub use summary::{
-    CountSummary, DeepestSummary, EnergySummary, HelixSummary, MotionSummary, RunSummary, Skipped,
-    TimeSummary,
+    CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary, MotionSummary,
+    PartedSummary, RunSummary, Skipped, TimeSummary,
 };
 pub use tally::{DeepestSoFar, Series, Tally};
-#[cfg(feature = "scene")]
-pub use threads::helices;
 pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};
 
 /// What most bevy apps want.

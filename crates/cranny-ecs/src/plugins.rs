@@ -20,6 +20,7 @@ use crate::detection::DetectionPlugin;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::kinematics::KinematicsPlugin;
+use crate::links::{LinkPlugin, Ring};
 use crate::motion::{Helix, MotionPlugin};
 use crate::tally::Tally;
 use crate::trigger::TriggerPlugin;
@@ -30,11 +31,17 @@ pub struct PluginOptions {
     /// Who detects contacts for the solver.
     #[cfg(feature = "rapier")]
     pub detector: cranny_rapier::Detector,
+    /// Whether rapier may keep contacts while a pair drifts a little; `None`: off with our detector, on
+    /// (rapier's default) with its own.
+    #[cfg(feature = "rapier")]
+    pub recycling: Option<bool>,
     /// What the solver takes for a metre, in units of length; `None`: twice the volume per
     /// area of the thinnest moving body.
     pub length_unit: Option<f64>,
     /// Pairs whose screw motion is followed.
     pub helices: Vec<Helix>,
+    /// Bodies of which those that are linked at the start are watched.
+    pub rings: Vec<Ring>,
     /// How many threads answer the pairs that the world detects; `None`: the caller's own. A solver
     /// detects its pairs in its own thread. More than one needs the feature `parallel`.
     pub threads: Option<NonZeroUsize>,
@@ -60,6 +67,7 @@ pub struct CrannyPlugins {
     rendering: Option<crate::rendering::RenderingPlugin>,
     kinematics: Option<KinematicsPlugin>,
     motion: MotionPlugin,
+    links: LinkPlugin,
 }
 
 impl CrannyPlugins {
@@ -85,13 +93,7 @@ impl CrannyPlugins {
         let detects = effects.names(EffectKind::Trigger) || effects.names(EffectKind::Contacts);
         #[cfg(feature = "rapier")]
         let (response, simulated) = if effects.names(EffectKind::Response) {
-            let rigid = crate::simulation::RigidScene::new(
-                scene,
-                &models,
-                &effects,
-                options.detector,
-                options.length_unit,
-            )?;
+            let rigid = crate::simulation::RigidScene::new(scene, &models, &effects, options)?;
             let simulated = rigid.ids.clone();
             (Some(crate::response::ResponsePlugin::new(rigid, detects)), simulated)
         } else {
@@ -120,6 +122,7 @@ impl CrannyPlugins {
                     .collect(),
                 helices: options.helices.clone(),
             },
+            links: LinkPlugin { rings: options.rings.clone() },
             effects,
             #[cfg(feature = "rapier")]
             response,
@@ -168,7 +171,7 @@ impl PluginGroup for CrannyPlugins {
         // Bodies first: the others look them up.
         let clock = ClockPlugin { step: self.core.step };
         let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(self.core);
-        group = group.add(self.motion);
+        group = group.add(self.motion).add(self.links);
         if let Some(kinematics) = self.kinematics {
             group = group.add(kinematics);
         }

@@ -8,10 +8,11 @@ use cranny_world::description::SceneDescription;
 
 use crate::body::{Bodies, Velocity};
 use crate::clock::{PhaseTimes, SimulatedTime};
+use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::summary::{
-    CountSummary, DeepestSummary, EnergySummary, HelixSummary, MotionSummary, RunSummary, Skipped,
-    TimeSummary,
+    CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary, MotionSummary,
+    PartedSummary, RunSummary, Skipped, TimeSummary,
 };
 use crate::tally::{Series, Tally};
 
@@ -71,6 +72,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
     });
     let (energy_drift, energy) = energies(world);
     let (motion, helices) = motions(world, &bodies);
+    let links = links(world, &bodies);
     let (wall_s, simulated_s) = (wall.as_secs_f64(), time.seconds());
     RunSummary {
         version: 1,
@@ -101,6 +103,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         state_hash: state_hash(world, &bodies),
         motion,
         helices,
+        links,
         outputs: facts.outputs,
         skipped: facts.skipped,
         interrupted: facts.interrupted,
@@ -147,6 +150,15 @@ fn motions(world: &World, bodies: &Bodies) -> (Vec<MotionSummary>, Vec<HelixSumm
         deviation_max: helix.deviation_max,
     });
     (motion.collect(), helices.collect())
+}
+
+fn links(world: &World, bodies: &Bodies) -> Option<LinkSummary> {
+    let log = world.get_resource::<LinkLog>()?;
+    let name = |id| bodies.name(id).to_owned();
+    let parted = log.links().filter_map(|link| {
+        Some(PartedSummary { a: name(link.a), b: name(link.b), step: link.parted? })
+    });
+    Some(LinkSummary { at_start: log.links().len(), parted: parted.collect() })
 }
 
 /// Of poses and velocities as they are held, bit for bit. Bodies that were removed count as absent.

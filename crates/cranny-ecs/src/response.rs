@@ -209,8 +209,10 @@ impl Plugin for ResponsePlugin {
         let effects = app.world().resource::<EffectTable>().clone();
         let body_of = ids.clone();
         simulation.read_by(move |a, b| {
-            let [a, b] = [a, b].map(|index| body_of[index.0 as usize]);
-            effects.contact_margin(a, b).map_or(Demand::None, |margin| Demand::Regions { margin })
+            // Bodies that were put into the solver's world by hand are nobody's of the scene.
+            let of = |index: BodyIndex| body_of.get(index.0 as usize).copied();
+            let margin = of(a).zip(of(b)).and_then(|(a, b)| effects.contact_margin(a, b));
+            margin.map_or(Demand::None, |margin| Demand::Regions { margin })
         });
         let mut known = vec![Transform::IDENTITY; ids.len()];
         for (i, &id) in ids.iter().enumerate() {

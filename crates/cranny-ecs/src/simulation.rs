@@ -10,6 +10,7 @@ use cranny_world::description::{BodyKind, JointDescription, JointKind, SceneDesc
 use crate::body::{pose_of, transform_of};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::SceneAppError;
+use crate::plugins::PluginOptions;
 
 /// rapier tells bodies apart by 32 bits.
 const LAYER_LIMIT: usize = 32;
@@ -30,16 +31,18 @@ impl RigidScene {
         scene: &SceneDescription,
         models: &[Model],
         effects: &EffectTable,
-        detection: Detector,
-        length_unit: Option<f64>,
+        options: &PluginOptions,
     ) -> Result<Self, SceneAppError> {
         let members = members(scene, effects);
         let layers = layer_bits(scene)?;
         let mut simulation = Simulation::new(SimulationOptions {
-            detector: detection,
+            detector: options.detector,
             gravity: scene.gravity,
             step: scene.step,
-            length_unit: length_unit.unwrap_or_else(|| typical_size(scene, models, &members)),
+            length_unit: options
+                .length_unit
+                .unwrap_or_else(|| typical_size(scene, models, &members)),
+            recycling: options.recycling,
             ..SimulationOptions::default()
         });
         let mut index_of = BTreeMap::new();
@@ -67,7 +70,7 @@ impl RigidScene {
         }
         join(scene, &index_of, &mut simulation);
         exclude(effects, &members, &index_of, &mut simulation);
-        Ok(Self { simulation, ids: members.into_iter().collect(), detection })
+        Ok(Self { simulation, ids: members.into_iter().collect(), detection: options.detector })
     }
 }
 

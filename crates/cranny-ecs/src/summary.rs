@@ -51,6 +51,8 @@ pub struct RunSummary {
     pub motion: Vec<MotionSummary>,
     /// Screw motion of each nut on its bolt.
     pub helices: Vec<HelixSummary>,
+    /// Links of a chain; `None` where no rings were linked at the start.
+    pub links: Option<LinkSummary>,
     /// Files and folders written.
     pub outputs: Vec<String>,
     /// What was asked for and not done.
@@ -142,6 +144,26 @@ pub struct HelixSummary {
     pub advance: f64,
     /// The greatest |advance − pitch x turns|.
     pub deviation_max: f64,
+}
+
+/// What became of rings that were linked at the start.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LinkSummary {
+    /// Pairs that were linked.
+    pub at_start: usize,
+    /// Those that did not stay so.
+    pub parted: Vec<PartedSummary>,
+}
+
+/// Two rings that were linked, and then were not.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PartedSummary {
+    /// Name of a ring.
+    pub a: String,
+    /// Name of the other.
+    pub b: String,
+    /// Steps completed when that was first seen.
+    pub step: u64,
 }
 
 /// Something that was asked for and not done.

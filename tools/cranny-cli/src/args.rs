@@ -12,7 +12,7 @@ use cranny_geometry::Repair;
 use cranny_narrow_phase::Accuracy;
 
 pub(crate) use accuracy::AccuracyArgs;
-pub(crate) use scene::{CheckArgs, DetectorArg, ExplainArgs, RunArgs};
+pub(crate) use scene::{CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs};
 use show::show;
 pub(crate) use show::{Show, Up};
 pub(crate) use stability::StabilityArgs;
@@ -45,6 +45,8 @@ Exit codes: 0 done; 1 reading, writing or the work itself failed; 2 wrong argume
 pub(crate) enum Command {
     /// Simulate a scene; record it, draw it, and sum up
     Run(RunArgs),
+    /// The same scene under each detector, side by side: times, overlaps, energy, what tore
+    Compare(CompareArgs),
     /// What a scene asks for, what will run for it, and what will not
     Explain(ExplainArgs),
     /// Do two meshes meet? Verdict, distance and contact regions at each of a list of poses

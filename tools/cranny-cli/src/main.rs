@@ -6,6 +6,7 @@
 mod accuracy;
 mod args;
 mod check;
+mod compare;
 mod explain;
 mod failure;
 mod inspect;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::run(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
+        Command::Compare(args) => compare::compare(args, cli.format),
         Command::Accuracy(args) => accuracy::accuracy(args, cli.format),
         Command::Stability(args) => stability::stability(args, cli.format),
         Command::Inspect(args) => inspect::inspect(args, cli.format),

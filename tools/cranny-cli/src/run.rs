@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
     PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, check_outputs,
-    helices,
+    helices, rings,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -37,6 +37,7 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
         plugins: PluginOptions {
             detector: detector(args.detector),
             helices: helices(&scene),
+            rings: rings(&scene),
             threads: Some(args.threads),
             ..PluginOptions::default()
         },
@@ -105,7 +106,7 @@ pub(crate) fn failure(error: SceneAppError) -> Failure {
 }
 
 /// Set by Ctrl-C, and by the signal that ends jobs: the step at hand is completed, then the run ends in order.
-fn stop_flag() -> Arc<AtomicBool> {
+pub(crate) fn stop_flag() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let set = stop.clone();
     if let Err(error) = ctrlc::set_handler(move || set.store(true, Ordering::Relaxed)) {
@@ -173,6 +174,14 @@ fn text(summary: &RunSummary) -> String {
             helix.nut, helix.bolt, helix.turns, helix.advance, helix.pitch, helix.deviation_max
         );
         lines.add("screw", value);
+    }
+    if let Some(links) = &summary.links {
+        let kept = links.at_start - links.parted.len();
+        let first = links.parted.iter().min_by_key(|parted| parted.step);
+        let torn = first.map_or(String::new(), |p| {
+            format!("; first parted: {} and {}, after {} steps", p.a, p.b, p.step)
+        });
+        lines.add("links", format!("{kept} of {} kept{torn}", links.at_start));
     }
     for motion in summary.motion.iter().take(MOTIONS_TOLD) {
         let [x, y, z] = motion.displacement;

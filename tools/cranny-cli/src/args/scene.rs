@@ -86,6 +86,74 @@ Examples:
   cranny run assets/scenes/nut_on_bolt.ron --detector rapier-trimesh --duration 2 --format json
   cranny run assets/scenes/robot_arm.ron --record arm.mcap";
 
+/// Arguments of `cranny compare`.
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_NOTES)]
+pub(crate) struct CompareArgs {
+    /// Scene file, in which something responds to something
+    #[arg(value_name = "SCENE.ron")]
+    pub(crate) scene: PathBuf,
+
+    /// Detectors to compare, in this order; may be given several times [default: all four]
+    #[arg(long, value_enum, value_name = "DETECTOR", value_delimiter = ',')]
+    pub(crate) detector: Vec<DetectorArg>,
+
+    /// Whether rapier may keep a pair's contacts while the pair drifts a little
+    #[arg(long, value_enum, value_name = "WHICH", default_value = "usual")]
+    pub(crate) recycling: RecyclingArg,
+
+    /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) duration: Option<f64>,
+
+    /// Length of a step in seconds [default: the scene's `step`]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) dt: Option<f64>,
+
+    /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+
+    /// Folder for compare.csv, steps.csv and compare.svg; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+const COMPARE_NOTES: &str = "\
+All run in this process, on one thread, a step each in turn, with the same solver settings but for those
+that our detector needs (see the documentation of cranny-rapier). Every run is judged by exact answers
+at the poses that it came to; what that costs is not counted. A detector of rapier's that fails is told in
+its row, and the others go on. Ctrl-C ends all after the step at hand.
+
+Columns (only those of which something is known; lengths in units of the scene, times in milliseconds):
+  ready          seconds until the first step; exact models for judging are part of it for each
+  step           broad phase, narrow phase and solver; narrow and solver of it, on average
+  contacts       points that the solver got
+  deepest        overlap of the exact shapes, at any step
+  energy         most gained over the start, and gained at the end (negative: lost), in percent of
+                 what moved
+  links          rings linked at the start that stayed so
+  screw          of the first nut on its bolt: turns, and how far off the helix at most
+With --format json a row is a line, with everything that is known of it.
+
+Examples:
+  cranny compare assets/scenes/ring_of_tori.ron
+  cranny compare assets/scenes/nut_on_bolt.ron --duration 0.5 --detector cranny,rapier-trimesh
+  cranny compare assets/scenes/mixed_pile_50.ron --recycling both --out report";
+
+/// Which recycling of contacts is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RecyclingArg {
+    /// As each detector has it: off for cranny, on for rapier's own
+    Usual,
+    /// On for all
+    On,
+    /// Off for all
+    Off,
+    /// Each detector with and without
+    Both,
+}
+
 /// Who finds the contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum DetectorArg {

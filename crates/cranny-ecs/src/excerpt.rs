@@ -1,10 +1,12 @@
-//! Nuts on bolts, found in a scene file: pairs whose screw motion is worth following.
+//! What a scene file's generators say beyond their triangles: threads whose screw motion is worth
+//! following, rings that may be linked.
 
 use cranny_scene::LoadedScene;
 use cranny_shapes::Shape;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
+use crate::links::Ring;
 use crate::motion::Helix;
 
 /// Of a scene file only what is looked for; everything else is skipped.
@@ -26,15 +28,20 @@ enum BodyShape {
     Mesh {},
 }
 
+/// The generated bodies, if the text can be read as a scene of such.
+fn bodies(scene: &LoadedScene) -> Vec<Body> {
+    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
+    let options = ron::Options::default().with_default_extension(extensions);
+    // The text was parsed in full when the scene was loaded. What cannot be read as this excerpt
+    // is no scene of generated bodies.
+    options.from_str(&scene.source_text).map_or_else(|_| Vec::new(), |scene: Scene| scene.bodies)
+}
+
 /// Each generated ISO nut with each generated ISO bolt of equal pitch. A nut has its thread about z
 /// through its origin, as has a bolt.
 #[must_use]
 pub fn helices(scene: &LoadedScene) -> Vec<Helix> {
-    let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
-    let options = ron::Options::default().with_default_extension(extensions);
-    // The text was parsed in full when the scene was loaded. What cannot be read as this excerpt
-    // is no scene of generated threads.
-    let Ok(Scene { bodies }) = options.from_str(&scene.source_text) else { return Vec::new() };
+    let bodies = bodies(scene);
     let mut helices = Vec::new();
     for bolt in &bodies {
         let BodyShape::Generator(Shape::IsoBolt(outer)) = &bolt.shape else { continue };
@@ -49,10 +56,26 @@ pub fn helices(scene: &LoadedScene) -> Vec<Helix> {
     helices
 }
 
+/// The centre circle of each generated torus: it lies about z around the origin.
+#[must_use]
+pub fn rings(scene: &LoadedScene) -> Vec<Ring> {
+    let ring = |body: Body| match body.shape {
+        BodyShape::Generator(Shape::Torus(torus)) => {
+            Some(Ring { body: body.name, radius: torus.major_radius })
+        }
+        _ => None,
+    };
+    bodies(scene).into_iter().filter_map(ring).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use cranny_scene::{LoadOptions, parse_scene};
+
+    fn loaded(text: &str) -> LoadedScene {
+        parse_scene(text.to_owned(), "scene.ron".as_ref(), &LoadOptions::default()).unwrap()
+    }
 
     #[test]
     fn nuts_find_bolts_of_their_pitch() {
@@ -64,9 +87,17 @@ mod tests {
              pose: (at: (90, 0, 0))),
             (name: "box", shape: Generator(Cuboid()), pose: (at: (50, 0, 0))),
         ], effects: [Contacts(margin: 0.1)])"#;
-        let scene =
-            parse_scene(text.to_owned(), "nuts.ron".as_ref(), &LoadOptions::default()).unwrap();
         let expected = Helix { bolt: "bolt".into(), nut: "nut".into(), pitch: 2.0 };
-        assert_eq!(helices(&scene), [expected]);
+        assert_eq!(helices(&loaded(text)), [expected]);
+        assert_eq!(rings(&loaded(text)), []);
+    }
+
+    #[test]
+    fn a_torus_is_a_ring() {
+        let text = r#"(gravity: (0, 0, -1), bodies: [
+            (name: "link", shape: Generator(Torus(major_radius: 3, minor_radius: 0.5))),
+            (name: "box", shape: Generator(Cuboid()), pose: (at: (50, 0, 0))),
+        ], effects: [Contacts(margin: 0.1)])"#;
+        assert_eq!(rings(&loaded(text)), [Ring { body: "link".into(), radius: 3.0 }]);
     }
 }

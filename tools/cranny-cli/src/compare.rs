@@ -1,0 +1,146 @@
+//! `cranny compare`: one scene under several detectors, in one process, judged by exact answers.
+//!
+//! All take their steps in turn, so that what else the machine does meets all alike. `contestant` is one of
+//! them, `figures` what is told of it, `chart` the drawing.
+
+mod chart;
+mod contestant;
+mod figures;
+
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use cranny_ecs::{PluginOptions, RunOptions, SceneAppError, check_outputs, helices, rings};
+use cranny_rapier::Detector;
+use cranny_world::description::Effect;
+
+use crate::args::{CompareArgs, Format, RecyclingArg};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::paths::{make_folder, write};
+use crate::progress;
+use crate::run::{detector, failure, stop_flag};
+use crate::scene_file::load;
+use contestant::Contestant;
+use figures::Figures;
+
+/// What is written into the folder.
+const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What a peer
+/// cannot do is told in its row.
+pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), Failure> {
+    let mut scene = load(&args.scene, args.seed)?;
+    let (helices, rings) = (helices(&scene), rings(&scene));
+    let inputs: Vec<&Path> =
+        std::iter::once(&*scene.path).chain(scene.files.iter().map(|file| &**file)).collect();
+    if let Some(folder) = &args.out {
+        make_folder(folder)?;
+        let outputs = FILES.map(|name| folder.join(name));
+        check_outputs(&outputs.each_ref().map(|path| &**path), &inputs).map_err(failure)?;
+    }
+    // Depths are exact answers at the poses that each detector led to, whatever the scene asks to be told.
+    let description = &mut scene.description;
+    if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
+        description.effects.push(Effect::Contacts { margin: 0.0 });
+    }
+
+    let stop = stop_flag();
+    let asked = if args.detector.is_empty() {
+        Detector::ALL.to_vec()
+    } else {
+        args.detector.iter().map(|&argument| detector(argument)).collect()
+    };
+    let mut contestants = Vec::new();
+    for (kind, recycling) in asked.iter().flat_map(|kind| ways(*kind, args.recycling)) {
+        let spinner = progress::spinner(format!("preparing {kind}"));
+        let options = RunOptions {
+            plugins: PluginOptions {
+                detector: kind,
+                recycling: Some(recycling),
+                helices: helices.clone(),
+                rings: rings.clone(),
+                ..PluginOptions::default()
+            },
+            step: args.dt,
+            duration: args.duration,
+            source: Some(scene.source_text.clone()),
+            ..RunOptions::default()
+        };
+        let contestant = Contestant::new(description, &options);
+        spinner.finish_and_clear();
+        contestants.push(contestant.map_err(failure)?);
+    }
+    if !contestants.iter().all(Contestant::has_solver) {
+        return Err(Failure::input(format!(
+            "scene file {}: nothing in it responds to anything, so all detectors would give the same. Ask for the effect Response().",
+            args.scene.display()
+        )));
+    }
+    let steps = contestants.iter().map(Contestant::steps_total).max().unwrap_or(0);
+    let bar = progress::bar(steps, "simulating");
+    for _ in 0..steps {
+        if stop.load(Ordering::Relaxed) {
+            contestants.iter_mut().for_each(Contestant::interrupt);
+            break;
+        }
+        for contestant in &mut contestants {
+            contestant.step().map_err(failure)?;
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let rows = contestants
+        .into_iter()
+        .map(Contestant::finish)
+        .collect::<Result<Vec<Figures>, SceneAppError>>()
+        .map_err(failure)?;
+    tell(&rows, format.unwrap_or(Format::Text))?;
+    if let Some(folder) = &args.out {
+        write(&folder.join(FILES[0]), &figures::csv(&rows))?;
+        write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
+        let chart = chart::drawn(&rows)
+            .map_err(|error| Failure::run(format!("the chart cannot be drawn: {error}")))?;
+        write(&folder.join(FILES[2]), &chart)?;
+    }
+    Ok(())
+}
+
+/// With which recycling of contacts a detector runs.
+fn ways(detector: Detector, asked: RecyclingArg) -> Vec<(Detector, bool)> {
+    let usual = detector != Detector::Cranny;
+    let ways = match asked {
+        RecyclingArg::Usual => &[usual][..],
+        RecyclingArg::On => &[true],
+        RecyclingArg::Off => &[false],
+        RecyclingArg::Both => &[usual, !usual],
+    };
+    ways.iter().map(|&way| (detector, way)).collect()
+}
+
+fn tell(rows: &[Figures], format: Format) -> Result<(), Failure> {
+    let mut output = Output::new();
+    match format {
+        Format::Json => rows.iter().try_for_each(|row| output.json(row)),
+        Format::Text => output.line(&figures::text(rows)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ways_begin_with_the_usual_one() {
+        let told = |detector, asked| ways(detector, asked).into_iter().map(|(_, way)| way);
+        assert!(told(Detector::Cranny, RecyclingArg::Usual).eq([false]));
+        assert!(told(Detector::RapierTrimesh, RecyclingArg::Usual).eq([true]));
+        assert!(told(Detector::Cranny, RecyclingArg::Both).eq([false, true]));
+        assert!(told(Detector::RapierTrimesh, RecyclingArg::Both).eq([true, false]));
+        assert!(told(Detector::Cranny, RecyclingArg::On).eq([true]));
+    }
+}
