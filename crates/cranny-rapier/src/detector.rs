@@ -1,6 +1,7 @@
 //! Which detector a simulation runs with: ours, or what rapier offers for the same mesh.
 
 use std::fmt;
+use std::panic::catch_unwind;
 use std::str::FromStr;
 
 use cranny_geometry::Model;
@@ -50,7 +51,8 @@ impl Detector {
     ///
     /// # Errors
     ///
-    /// [`ShapeError::TriMesh`] where parry refuses the mesh.
+    /// [`ShapeError::TriMesh`] where parry refuses the mesh, [`ShapeError::Decomposition`] where it fails
+    /// to decompose it.
     pub fn shape(self, model: &Model, tag: u32) -> Result<SharedShape, ShapeError> {
         let (vertices, faces) = buffers(model);
         Ok(match self {
@@ -61,7 +63,11 @@ impl Detector {
                 faces,
                 TriMeshFlags::FIX_INTERNAL_EDGES | TriMeshFlags::ORIENTED,
             )?,
-            Self::RapierDecomposition => SharedShape::convex_decomposition(&vertices, &faces),
+            // Where a hull of its pieces fails, it panics; it holds nothing that could be left half done.
+            Self::RapierDecomposition => {
+                catch_unwind(|| SharedShape::convex_decomposition(&vertices, &faces))
+                    .map_err(|_| ShapeError::Decomposition)?
+            }
         })
     }
 }

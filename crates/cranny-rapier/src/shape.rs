@@ -20,6 +20,9 @@ pub enum ShapeError {
     /// parry refused the same triangles as a mesh for ray casts and point queries.
     #[error("parry does not accept the mesh for ray casts and point queries: {0}")]
     TriMesh(#[from] TriMeshBuilderError),
+    /// parry's convex decomposition gave up, with a panic.
+    #[error("parry cannot decompose the mesh into convex pieces: it panics on it")]
+    Decomposition,
     /// No mass can be computed.
     #[error(transparent)]
     Mass(#[from] MassError),

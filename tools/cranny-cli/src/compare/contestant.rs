@@ -1,6 +1,6 @@
 //! One of those that are compared: the scene under one detector, stepped until it ends or fails.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
 use cranny_ecs::{PhaseTimes, RigidBodies, RunOptions, RunSummary, SceneApp, SceneAppError};
@@ -128,7 +128,12 @@ fn guarded<T>(
     if detector == Detector::Cranny {
         return work().map(Ok);
     }
-    Ok(match catch_unwind(AssertUnwindSafe(work)) {
+    // What a panic would print is told in the row.
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let outcome = catch_unwind(AssertUnwindSafe(work));
+    panic::set_hook(hook);
+    Ok(match outcome {
         Ok(done) => done.map_err(|error| error.to_string()),
         Err(panic) => {
             let text = panic.downcast_ref::<String>().map(String::as_str);
