@@ -360,7 +360,8 @@ impl Model {
         self.0.radius
     }
 
-    /// A hash of the prepared geometry: equal meshes have equal digests on every machine.
+    /// A hash of the prepared geometry: equal meshes have equal digests on every machine. Of a loaded model,
+    /// what was saved.
     #[must_use]
     pub fn digest(&self) -> [u8; 32] {
         self.0.digest

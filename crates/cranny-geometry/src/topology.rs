@@ -301,14 +301,17 @@ impl Edges {
     /// In short steps, where all edges are between two faces and two vertices, and sorted.
     fn of_pairs(runs: &[Run], around: &[HalfEdgeId]) -> Option<Self> {
         let (pairs, []) = around.as_chunks::<2>() else { return None };
-        let mut edge_of = vec![EdgeId(0); runs.len()];
+        let mut edge_of = vec![EdgeId(0); around.len()];
+        // The same length: one check serves both.
+        let runs = &runs[..edge_of.len()];
         let mut sets = DisjointSets::new(runs.len() / 3);
         // Of no edge between two vertices.
         let mut before = 0;
         let (from, to) = ends(before);
         let blank = Edge { from, to, kind: EdgeKind::Manifold, first: 0 };
         let mut edges = vec![blank; pairs.len()];
-        for ((id, edge), &[g, h]) in (0..).zip(&mut edges).zip(pairs) {
+        for (id, (edge, &[g, h])) in edges.iter_mut().zip(pairs).enumerate() {
+            let id = id as u32;
             let (run, other) = (runs[g.index()], runs[h.index()]);
             if !run.is_opposite(other) || g > h || run.edge() <= before {
                 return None;
@@ -395,7 +398,7 @@ fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
 
 fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
     let mut starts = vec![0u32; mesh.vertices().len() + 1];
-    for &i in mesh.faces().iter().flatten() {
+    for &i in mesh.faces().as_flattened() {
         starts[i as usize + 1] += 1;
     }
     for v in 1..starts.len() {

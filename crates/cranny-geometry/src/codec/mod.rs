@@ -2,7 +2,7 @@
 //!
 //! A model file ([`crate::model`]'s `file`) is a head and sections; the codec of a section stands beside
 //! the structure it is of. What is written is what cannot be had more cheaply from what was read before:
-//! boxes, rows of indices and adjacency are made again while loading, so they cannot lie.
+//! boxes, owners and adjacency are made again while loading, so they cannot lie.
 //!
 //! **Nothing that is read is believed.** A checksum tells accidents, not malice: whoever writes a file can
 //! write its checksum. So every index, range, order and float is checked where it is read, with the

@@ -1,5 +1,5 @@
-//! Hulls as bytes: the surface, its half-edges in order, and the facets; positions, neighbours and rows are
-//! made again.
+//! Hulls as bytes: triangles, the half-edges along each edge, and the facets; positions, neighbours and owners
+//! are made again.
 
 use cranny_exact::DVec3;
 
@@ -30,12 +30,11 @@ plain_struct!(Plane { normal: DVec3, offset: f64, thickness: f64 });
 impl ConvexHull {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self { kind, sources, positions: _, surface, graph: _, facets, excluded } = self;
-        let Surface { triangles, twins } = surface;
+        let Surface { triangles, twins: _ } = surface;
         out.one(kind.code());
         out.list(sources);
         out.list(triangles);
-        out.list(twins);
-        out.list(&sorted_half_edges(surface));
+        out.list(&surface.pairs());
         facets.encode(out);
         out.list(excluded);
     }
@@ -45,7 +44,7 @@ impl ConvexHull {
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;
-        let surface = Surface { triangles: input.list()?, twins: input.list()? };
+        let mut surface = Surface { triangles: input.list()?, twins: Vec::new() };
         check_below(sources.iter().map(|v| v.0), mesh.vertices().len(), "a vertex is not there")?;
         check(sources.is_sorted_by(|a, b| a < b), "vertices are not ascending")?;
         let positions: Vec<_> = sources.iter().map(|&v| mesh.position(v)).collect();
@@ -53,13 +52,14 @@ impl ConvexHull {
         check_below(corners.iter().copied(), positions.len(), "a corner is not there")?;
         check(kind.allows(positions.len(), surface.triangles.len()), "it has the wrong dimension")?;
         let wedges = surface.wedges();
-        check_twins(&surface.twins, &wedges)?;
-        check(is_convex(kind, &positions, &surface, &wedges), "it is not convex")?;
-        let sorted: Vec<u32> = input.list()?;
-        check(sorted.len() == wedges.len(), "it is not one of all half-edges")?;
-        check_below(sorted.iter().copied(), wedges.len(), "a half-edge is not there")?;
-        let graph = SupportGraph::of_sorted(&positions, &surface, &wedges, &sorted);
-        let graph = graph.ok_or("half-edges are not sorted")?;
+        let pairs: Vec<[u32; 2]> = input.list()?;
+        let order;
+        (surface.twins, order) = twins_of(&wedges, &pairs)?;
+        check(is_convex(kind, &positions, &surface, &wedges, &pairs), "it is not convex")?;
+        let graph = match order {
+            Order::Strict => SupportGraph::of_pairs(&positions, &surface, &wedges, &pairs),
+            Order::WithEquals => SupportGraph::new(&positions, &surface),
+        };
         let facets = FacetLayer::decode(input, positions.len(), surface.triangles.len())?;
         let excluded: Vec<VertexId> = input.list()?;
         check_below(excluded.iter().map(|v| v.0), mesh.vertices().len(), "a point is not there")?;
@@ -68,25 +68,40 @@ impl ConvexHull {
     }
 }
 
-/// All half-edges by their ends, those with the same ones by number.
-fn sorted_half_edges(surface: &Surface) -> Vec<u32> {
-    let mut sorted: Vec<u32> = (0..surface.twins.len() as u32).collect();
-    sorted.sort_unstable_by_key(|&h| (surface.ends(h), h));
-    sorted
+/// How edges are sorted.
+enum Order {
+    /// No two have the same ends, and there are some.
+    Strict,
+    /// Some may: a plate has each diagonal twice.
+    WithEquals,
 }
 
-/// Every half-edge's twin runs the other way, and every triangle has three corners.
-fn check_twins(twins: &[u32], wedges: &[Wedge]) -> Result<(), Flaw> {
-    check(twins.len() == wedges.len(), "half-edges lack twins")?;
-    check_below(twins.iter().copied(), twins.len(), "a twin is not there")?;
-    let mut do_match = true;
-    for ((h, own), &twin) in (0..).zip(wedges).zip(twins) {
-        let other = &wedges[twin as usize];
-        do_match &= own.from != own.to
-            && twins[twin as usize] == h
-            && other.ends() == own.ends().rotate_left(32);
+/// The twin of each half-edge, from [`Surface::pairs`]: they run opposite ways, and every triangle has three
+/// corners.
+fn twins_of(wedges: &[Wedge], pairs: &[[u32; 2]]) -> Result<(Vec<u32>, Order), Flaw> {
+    const NONE: u32 = u32::MAX;
+    check(2 * pairs.len() == wedges.len(), "half-edges lack twins")?;
+    check_below(pairs.as_flattened().iter().copied(), wedges.len(), "a twin is not there")?;
+    let mut twins = vec![NONE; wedges.len()];
+    let (mut do_match, mut is_strict, mut before) = (true, !pairs.is_empty(), 0);
+    for &[g, h] in pairs {
+        let (own, other) = (wedges[g as usize], wedges[h as usize]);
+        do_match &= own.ends == other.ends.rotate_left(32) && own.ends != other.ends && g < h;
+        // The first edge has an end other than vertex 0.
+        is_strict &= before < own.edge();
+        before = own.edge();
+        twins[g as usize] = h;
+        twins[h as usize] = g;
     }
-    check(do_match, "half-edges and twins do not match")
+    // As many places as were written to: each once.
+    let are_all = twins.iter().fold(true, |all, &twin| all & (twin != NONE));
+    check(do_match && are_all, "half-edges and twins do not match")?;
+    if is_strict {
+        return Ok((twins, Order::Strict));
+    }
+    let key = |[g, _]: [u32; 2]| (wedges[g as usize].edge(), g);
+    check(pairs.is_sorted_by(|&a, &b| key(a) < key(b)), "edges are not sorted")?;
+    Ok((twins, Order::WithEquals))
 }
 
 impl FacetLayer {

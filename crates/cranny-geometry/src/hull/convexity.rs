@@ -16,42 +16,46 @@ use super::side::Side;
 use super::span::{Projection, planar_hull};
 use super::{HullKind, plate};
 
-/// Whether a surface whose twins match is that of a hull with these vertices; `wedges` are the surface's.
+/// Whether a surface whose twins match is that of a hull with these vertices; `wedges` and `pairs` are the
+/// surface's.
 pub(super) fn is_convex(
     kind: HullKind,
     positions: &[DVec3],
     surface: &Surface,
     wedges: &[Wedge],
+    pairs: &[[u32; 2]],
 ) -> bool {
     match kind {
         HullKind::Empty | HullKind::Point | HullKind::Segment => true,
         HullKind::Polygon => is_plate(positions, surface),
-        HullKind::Volume => is_around_a_body(positions, surface, wedges),
+        HullKind::Volume => is_around_a_body(positions, surface, wedges, pairs),
     }
 }
 
-fn is_around_a_body(positions: &[DVec3], surface: &Surface, wedges: &[Wedge]) -> bool {
+fn is_around_a_body(
+    positions: &[DVec3],
+    surface: &Surface,
+    wedges: &[Wedge],
+    pairs: &[[u32; 2]],
+) -> bool {
     let bounds = Aabb::of_points(positions.iter().copied());
     let mean = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let middle = mean.clamp(bounds.min, bounds.max);
-    let (mut is_beneath_all, mut crossed) = (true, 0);
-    let (twins, _) = surface.twins.as_chunks::<3>();
-    for ((first, corners), twins) in (0..).step_by(3).zip(&surface.triangles).zip(twins) {
-        let triangle = corners.map(|v| positions[v as usize]);
-        let side = Side::new(triangle, bounds.max - bounds.min);
-        // Each edge from both sides, quicker than finding out which comes first; what rounding leaves open,
-        // from one.
-        for (h, &twin) in (first..).zip(twins) {
-            let apex = positions[wedges[twin as usize].apex as usize];
-            let height = side.height(apex);
-            let is_open = height >= -side.margin();
-            if is_open && h < twin && side.sign(height, apex, || triangle) == Sign::Positive {
-                return false;
-            }
+    let corners = |t: usize| surface.triangles[t].map(|v| positions[v as usize]);
+    let extent = bounds.max - bounds.min;
+    let triangles = 0..surface.triangles.len();
+    let sides: Vec<Side> = triangles.clone().map(|t| Side::new(corners(t), extent)).collect();
+    let sign = |t: usize, p: DVec3| sides[t].sign(sides[t].height(p), p, || corners(t));
+    for &[g, h] in pairs {
+        let apex = positions[wedges[h as usize].apex as usize];
+        if sign(g as usize / 3, apex) == Sign::Positive {
+            return false;
         }
-        let height = side.height(middle);
-        is_beneath_all &= side.sign(height, middle, || triangle) == Sign::Negative;
-        crossed += usize::from(is_crossed(triangle, middle));
+    }
+    let (mut is_beneath_all, mut crossed) = (true, 0);
+    for t in triangles {
+        is_beneath_all &= sign(t, middle) == Sign::Negative;
+        crossed += usize::from(is_crossed(corners(t), middle));
     }
     if is_beneath_all { crossed == 1 } else { has_edges_of_hull(positions, surface) }
 }
@@ -116,7 +120,7 @@ mod tests {
     use super::*;
 
     fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
-        super::is_convex(kind, positions, surface, &surface.wedges())
+        super::is_convex(kind, positions, surface, &surface.wedges(), &surface.pairs())
     }
 
     /// Whether the hull of some points passes, once as it is and once with its triangles changed.

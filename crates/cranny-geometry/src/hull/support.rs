@@ -63,35 +63,35 @@ impl SupportGraph {
         Self::with_seeds(positions, starts, neighbours)
     }
 
-    /// The same, given all half-edges in the order of their ends, those with the same ones by number; `None`
-    /// where the order is another. `wedges` are the surface's.
-    pub(super) fn of_sorted(
+    /// The same for a surface no two edges of which have the same ends; `wedges` and `pairs` are the surface's.
+    ///
+    /// Edges come by their lesser ends, then by their greater ones: each vertex meets its lesser neighbours
+    /// before it is the lesser one itself, and both in order.
+    pub(super) fn of_pairs(
         positions: &[DVec3],
         surface: &Surface,
         wedges: &[Wedge],
-        sorted: &[u32],
-    ) -> Option<Self> {
-        let Some(&first) = sorted.first() else { return Some(Self::new(positions, surface)) };
-        let ends = |h: u32| wedges[h as usize].ends();
-        let mut starts = vec![0; 1 + wedges[first as usize].from as usize];
-        let mut neighbours = vec![HullVertexId(0); sorted.len()];
-        let (mut is_ascending, mut before) = (true, None);
-        for ((place, &h), neighbour) in (0..).zip(sorted).zip(&mut neighbours) {
-            let own = &wedges[h as usize];
-            *neighbour = HullVertexId(own.to);
-            is_ascending &= before < Some(own.ends());
-            before = Some(own.ends());
-            if starts.len() <= own.from as usize {
-                starts.resize(own.from as usize + 1, place);
+        pairs: &[[u32; 2]],
+    ) -> Self {
+        let mut starts = vec![0u32; positions.len() + 1];
+        for &v in surface.triangles.as_flattened() {
+            starts[v as usize + 1] += 1;
+        }
+        for v in 0..positions.len() {
+            starts[v + 1] += starts[v];
+        }
+        let mut neighbours = vec![HullVertexId(0); 2 * pairs.len()];
+        let mut fill = starts.clone();
+        for &[h, _] in pairs {
+            let edge = wedges[h as usize].edge();
+            let (lesser, greater) = ((edge >> 32) as u32, edge as u32);
+            for (from, to) in [(lesser, greater), (greater, lesser)] {
+                let place = &mut fill[from as usize];
+                neighbours[*place as usize] = HullVertexId(to);
+                *place += 1;
             }
         }
-        if is_ascending {
-            starts.resize(positions.len() + 1, neighbours.len() as u32);
-            return Some(Self::with_seeds(positions, starts, neighbours));
-        }
-        // A plate has each diagonal twice.
-        let is_sorted = sorted.is_sorted_by(|&g, &h| (ends(g), g) < (ends(h), h));
-        is_sorted.then(|| Self::new(positions, surface))
+        Self::with_seeds(positions, starts, neighbours)
     }
 
     fn with_seeds(positions: &[DVec3], starts: Vec<u32>, neighbours: Vec<HullVertexId>) -> Self {
