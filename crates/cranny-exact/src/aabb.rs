@@ -18,6 +18,7 @@ impl Aabb {
 
     /// The smallest box that holds the points (exact: no arithmetic is done).
     #[must_use]
+    #[inline]
     pub fn of_points(points: impl IntoIterator<Item = DVec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
@@ -30,6 +31,7 @@ impl Aabb {
 
     /// The smallest box that holds both.
     #[must_use]
+    #[inline]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
@@ -57,6 +59,7 @@ impl Aabb {
 
     /// Middle of the box (rounded).
     #[must_use]
+    #[inline]
     pub fn center(&self) -> DVec3 {
         0.5 * (self.min + self.max)
     }
@@ -64,6 +67,7 @@ impl Aabb {
     /// Half of the edge lengths about [`center`](Self::center), rounded outward so that
     /// `center ± half_extents` covers the box.
     #[must_use]
+    #[inline]
     pub fn half_extents(&self) -> DVec3 {
         let c = self.center();
         map((c - self.min).max(self.max - c), f64::next_up)

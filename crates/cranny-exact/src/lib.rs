@@ -40,7 +40,7 @@ pub use pose::{Pose, PoseError, RigidMap};
 pub use sign::{Sign, orient2d, orient3d};
 pub use tolerance::Tolerance;
 pub use triangle::{
-    Meeting, Piercing, SegmentFeature, TriangleFeature, classify_segment_triangle,
-    classify_triangles, locate_piercing,
+    Crossing, CrossingEnd, Meeting, Piercing, SegmentFeature, TriangleFeature,
+    classify_segment_triangle, classify_triangles, cross_triangles, locate_piercing,
 };
 pub use weighted::WeightedPoint;

@@ -1,8 +1,8 @@
 //! The exact triangle tests against brute force and exact rationals, on generated hard cases.
 
 use cranny_exact::{
-    DVec3, Meeting, Piercing, SegmentFeature, TriangleFeature, check_point,
-    classify_segment_triangle, classify_triangles, locate_piercing, orient3d,
+    Crossing, CrossingEnd, DVec3, Meeting, Piercing, SegmentFeature, TriangleFeature, check_point,
+    classify_segment_triangle, classify_triangles, cross_triangles, locate_piercing, orient3d,
 };
 use cranny_testkit::{Family, Rng, brute_force_meeting, rational_meeting, rational_piercing};
 
@@ -58,6 +58,50 @@ fn fast_brute_force_and_rationals_agree_in_every_order() {
     assert!(2 * degenerate >= PAIRS, "only {degenerate} of {PAIRS} pairs are degenerate");
     // The generators must not lose any kind of answer.
     assert!(meetings.iter().all(|&count| count >= PAIRS / 10), "{meetings:?}");
+}
+
+#[test]
+fn crossings_are_made_by_the_edges_that_rationals_find() {
+    let insides = Piercing::Point {
+        on_segment: SegmentFeature::Interior,
+        on_triangle: TriangleFeature::Interior,
+    };
+    let mut seen = [0; 2];
+    for (i, (family, a, b)) in pairs(22, 20_000).enumerate() {
+        let (meeting, crossing) = cross_triangles(&a, &b);
+        let place = || format!("pair {i} ({family:?}): {a:?} and {b:?}");
+        assert_eq!(meeting, classify_triangles(&a, &b), "{}", place());
+        let piercing = |(owner, other): (&Triangle, &Triangle), name: u8| {
+            let sides = edges(owner).map(|side| rational_piercing(&side, other) == insides);
+            (0..3u8)
+                .filter(move |&edge| sides[usize::from(edge)])
+                .map(move |edge| CrossingEnd { owner: name, edge })
+        };
+        let mut expected: Vec<_> = piercing((&a, &b), 0).chain(piercing((&b, &a), 1)).collect();
+        expected.sort_unstable();
+        if let Some(Crossing { ends }) = crossing {
+            let mut found = ends.to_vec();
+            found.sort_unstable();
+            assert_eq!(found, expected, "{}", place());
+            // The other way round the normals' product is turned over, and so it is where one triangle is.
+            let renamed = |end: CrossingEnd| CrossingEnd { owner: 1 - end.owner, ..end };
+            let backward = [renamed(ends[1]), renamed(ends[0])];
+            assert_eq!(cross_triangles(&b, &a).1, Some(Crossing { ends: backward }), "{}", place());
+            let turned = |end: CrossingEnd| match end.owner {
+                0 => CrossingEnd { edge: 2 - end.edge, ..end },
+                _ => end,
+            };
+            let over = cross_triangles(&[a[0], a[2], a[1]], &b).1;
+            let backward = Crossing { ends: [turned(ends[1]), turned(ends[0])] };
+            assert_eq!(over, Some(backward), "{}", place());
+            seen[0] += 1;
+        } else if meeting == Meeting::Cross {
+            let in_general_position = expected.len() == 2 && !is_degenerate(&a, &b);
+            assert!(!in_general_position, "{}", place());
+            seen[1] += 1;
+        }
+    }
+    assert!(seen[0] >= 1_000 && seen[1] >= 100, "{seen:?}");
 }
 
 #[test]

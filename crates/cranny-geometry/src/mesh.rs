@@ -129,18 +129,21 @@ impl Mesh {
 
     /// Position of a vertex.
     #[must_use]
+    #[inline]
     pub fn position(&self, vertex: VertexId) -> DVec3 {
         self.vertices[vertex.index()]
     }
 
     /// Corners of a face, in order.
     #[must_use]
+    #[inline]
     pub fn corners(&self, face: FaceId) -> [VertexId; 3] {
         self.faces[face.index()].map(VertexId)
     }
 
     /// Corner positions of a face, in order.
     #[must_use]
+    #[inline]
     pub fn triangle(&self, face: FaceId) -> [DVec3; 3] {
         let [a, b, c] = self.faces[face.index()];
         [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]

@@ -148,18 +148,21 @@ impl Topology {
 
     /// All edges, sorted by their ends.
     #[must_use]
+    #[inline]
     pub fn edges(&self) -> &[Edge] {
         &self.edges
     }
 
     /// The edge of a half-edge.
     #[must_use]
+    #[inline]
     pub fn edge_of(&self, half_edge: HalfEdgeId) -> EdgeId {
         self.edge_of[half_edge.index()]
     }
 
     /// The half-edges along an edge, by ascending id.
     #[must_use]
+    #[inline]
     pub fn half_edges(&self, edge: EdgeId) -> &[HalfEdgeId] {
         let first = self.edges[edge.index()].first as usize;
         let next = self.edges.get(edge.index() + 1);
@@ -181,6 +184,7 @@ impl Topology {
 
     /// The faces at a vertex, by ascending id.
     #[must_use]
+    #[inline]
     pub fn faces_at(&self, vertex: VertexId) -> &[FaceId] {
         let v = vertex.index();
         &self.vertex_faces[self.vertex_starts[v] as usize..self.vertex_starts[v + 1] as usize]

@@ -60,6 +60,7 @@ mod intersection;
 mod levels;
 mod memory;
 mod near;
+mod numbering;
 mod pair;
 mod pieces;
 mod projection;

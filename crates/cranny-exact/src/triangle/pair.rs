@@ -22,32 +22,150 @@ use crate::sign::{Sign, orient3d};
 /// point where the triangles meet, the *open* ones where they cross.
 #[must_use]
 pub fn classify_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> Meeting {
-    let b_about_a = Plane::through(a).sides(b);
-    if strictly_aside(b_about_a) {
-        return Meeting::None;
+    match CommonLine::of(a, b) {
+        Ok(line) => line.meeting(),
+        Err(meeting) => meeting,
     }
-    let a_about_b = Plane::through(b).sides(a);
-    if strictly_aside(a_about_b) {
-        return Meeting::None;
+}
+
+/// How two triangles meet, and where they cross if they do so in general position.
+///
+/// `None` where they do not cross, or where a corner of one lies in the plane of the other or an edge meets
+/// an edge: [`locate_piercing`](super::locate_piercing) tells which features meet there.
+#[must_use]
+pub fn cross_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Option<Crossing>) {
+    match CommonLine::of(a, b) {
+        Ok(line) => match line.meeting() {
+            Meeting::Cross => (Meeting::Cross, line.crossing()),
+            meeting => (meeting, None),
+        },
+        Err(meeting) => (meeting, None),
     }
-    let flat = |sides: [Sign; 3]| sides == [Sign::Zero; 3];
-    if flat(b_about_a) || flat(a_about_b) {
-        return without_common_line(a, b);
+}
+
+/// The segment in which two triangles cross in general position, by what makes its ends.
+///
+/// It runs along n × m, n being the first triangle's normal and m the second's, so that of the first triangle
+/// the part behind the second lies on its left, seen against n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Crossing {
+    /// Where it begins, where it ends.
+    pub ends: [CrossingEnd; 2],
+}
+
+/// An end of a segment in which two triangles cross: an edge of one pierces the inside of the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CrossingEnd {
+    /// Whose edge it is: 0 for the first triangle, 1 for the second.
+    pub owner: u8,
+    /// The edge, from corner `edge` to corner `(edge + 1) % 3`.
+    pub edge: u8,
+}
+
+/// Two triangles whose planes cross, each reaching the other's plane: the intervals in which they meet
+/// the common line.
+struct CommonLine<'t> {
+    triangles: [&'t [DVec3; 3]; 2],
+    fans: [Fan; 2],
+    /// For each triangle the corners whose edges from the apex lead to the interval's lower and upper end.
+    low: [usize; 2],
+    high: [usize; 2],
+    /// On which side of the other's plane the corners of each are.
+    sides: [[Sign; 3]; 2],
+    a_high_to_b_low: Sign,
+    a_low_to_b_high: Sign,
+}
+
+impl<'t> CommonLine<'t> {
+    /// `Err` with the answer where there is no such line, or the intervals need not be looked at.
+    fn of(a: &'t [DVec3; 3], b: &'t [DVec3; 3]) -> Result<Self, Meeting> {
+        let b_about_a = Plane::through(a).sides(b);
+        if strictly_aside(b_about_a) {
+            return Err(Meeting::None);
+        }
+        let a_about_b = Plane::through(b).sides(a);
+        if strictly_aside(a_about_b) {
+            return Err(Meeting::None);
+        }
+        let flat = |sides: [Sign; 3]| sides == [Sign::Zero; 3];
+        if flat(b_about_a) || flat(a_about_b) {
+            return Err(without_common_line(a, b));
+        }
+        let fans = [Fan::of(a_about_b), Fan::of(b_about_a)];
+        // In order along the common line; the two triangles see it in opposite directions.
+        let ([a_low, a_high], [b_high, b_low]) =
+            (fans[0].ends_seen_from(&fans[1]), fans[1].ends_seen_from(&fans[0]));
+        let mut line = Self {
+            triangles: [a, b],
+            fans,
+            low: [a_low, b_low],
+            high: [a_high, b_high],
+            sides: [a_about_b, b_about_a],
+            a_high_to_b_low: Sign::Zero,
+            a_low_to_b_high: Sign::Zero,
+        };
+        line.a_high_to_b_low = line.from_to(a_high, b_low);
+        line.a_low_to_b_high = line.from_to(a_low, b_high);
+        Ok(line)
     }
-    let (a, b) = (Fan::of(a, a_about_b), Fan::of(b, b_about_a));
-    // In order along the common line; the two triangles see it in opposite directions.
-    let ([a_low, a_high], [b_high, b_low]) = (a.ends_seen_from(&b), b.ends_seen_from(&a));
-    let a_high_to_b_low = orient3d(a.apex, a_high, b.apex, b_low);
-    let a_low_to_b_high = orient3d(a.apex, a_low, b.apex, b_high);
-    if a_high_to_b_low == Sign::Positive || a_low_to_b_high == Sign::Negative {
-        return Meeting::None;
+
+    /// In which direction along the line the end made by corner `l` of the second triangle lies, seen from
+    /// that made by corner `k` of the first.
+    fn from_to(&self, k: usize, l: usize) -> Sign {
+        let [(a, p), (b, q)] = [0, 1].map(|i| (self.triangles[i], self.fans[i].apex));
+        orient3d(a[p], a[k], b[q], b[l])
     }
-    let open_intervals_overlap =
-        a_high_to_b_low == Sign::Negative && a_low_to_b_high == Sign::Positive;
-    if a.straddles && b.straddles && open_intervals_overlap {
-        Meeting::Cross
-    } else {
-        Meeting::Touch
+
+    fn meeting(&self) -> Meeting {
+        if self.a_high_to_b_low == Sign::Positive || self.a_low_to_b_high == Sign::Negative {
+            return Meeting::None;
+        }
+        let open_intervals_overlap =
+            self.a_high_to_b_low == Sign::Negative && self.a_low_to_b_high == Sign::Positive;
+        if self.fans.iter().all(|fan| fan.straddles) && open_intervals_overlap {
+            Meeting::Cross
+        } else {
+            Meeting::Touch
+        }
+    }
+
+    /// The common interval of triangles that cross: from the greater of the lower ends to the lesser of the
+    /// upper ends.
+    fn crossing(&self) -> Option<Crossing> {
+        let in_a_plane = |sides: &[Sign; 3]| sides.contains(&Sign::Zero);
+        if self.sides.iter().any(in_a_plane) {
+            return None;
+        }
+        let (lower, upper) =
+            (self.from_to(self.low[0], self.low[1]), self.from_to(self.high[0], self.high[1]));
+        let of_a_or_b = |is_of_a: bool, corners: [usize; 2]| {
+            let owner = usize::from(!is_of_a);
+            self.end(owner, corners[owner])
+        };
+        let low = match lower {
+            Sign::Zero => return None,
+            sign => of_a_or_b(sign == Sign::Negative, self.low),
+        };
+        let high = match upper {
+            Sign::Zero => return None,
+            sign => of_a_or_b(sign == Sign::Positive, self.high),
+        };
+        let ends = if self.begins(low) { [low, high] } else { [high, low] };
+        Some(Crossing { ends })
+    }
+
+    fn end(&self, owner: usize, corner: usize) -> CrossingEnd {
+        let apex = self.fans[owner].apex;
+        let edge = if corner == (apex + 1) % 3 { apex } else { corner };
+        CrossingEnd { owner: owner as u8, edge: edge as u8 }
+    }
+
+    /// Whether the segment begins at an end. Where the first triangle's edge, run through as the triangle has
+    /// it, goes to the back of the second, what is behind ends to its right: there the segment ends. Seen
+    /// from the second triangle it runs the other way.
+    fn begins(&self, end: CrossingEnd) -> bool {
+        let inward = self.sides[usize::from(end.owner)][usize::from(end.edge)] == Sign::Positive;
+        inward == (end.owner == 1)
     }
 }
 
@@ -68,13 +186,11 @@ fn without_common_line(a: &[DVec3; 3], b: &[DVec3; 3]) -> Meeting {
 
 /// A triangle that meets the plane of another in a point or an interval, seen from the corner whose
 /// two edges lead to the ends of that interval.
+#[derive(Clone, Copy)]
 struct Fan {
     /// No other corner lies on the apex's side of the other's plane (or, where the apex lies in that
     /// plane, the other two are strictly on one side). So both edges cross the plane transversally.
-    apex: DVec3,
-    /// The other corners, counter-clockwise after the apex.
-    next: DVec3,
-    last: DVec3,
+    apex: usize,
     /// On which side of the other's plane the apex is, relative to the other corners; never zero.
     side: Sign,
     /// Whether corners lie strictly on both sides of the other's plane.
@@ -83,7 +199,7 @@ struct Fan {
 
 impl Fan {
     /// `sides` of the corners about the other's plane: neither all zero nor all strictly on one side.
-    fn of(corners: &[DVec3; 3], sides: [Sign; 3]) -> Self {
+    fn of(sides: [Sign; 3]) -> Self {
         let alone = |sign: Sign| {
             let mut holders = (0..3).filter(|&i| sides[i] == sign);
             holders.next().filter(|_| holders.next().is_none())
@@ -101,16 +217,12 @@ impl Fan {
                 (touching, sides[(touching + 1) % 3].flipped())
             }
         };
-        Self {
-            apex: corners[apex],
-            next: corners[(apex + 1) % 3],
-            last: corners[(apex + 2) % 3],
-            side,
-            straddles: sides.contains(&Sign::Positive) && sides.contains(&Sign::Negative),
-        }
+        let straddles = sides.contains(&Sign::Positive) && sides.contains(&Sign::Negative);
+        Self { apex, side, straddles }
     }
 
-    /// The ends of the edges from the apex, in the order in which these edges meet the common line.
+    /// The corners at the ends of the edges from the apex, in the order in which these edges meet the common
+    /// line.
     ///
     /// Let `m` and `n` point from the line towards the apexes of the two triangles, each in its own
     /// plane, and direct the line along `w` with det(m, w, n) > 0. For points `i` on an edge
@@ -118,8 +230,9 @@ impl Fan {
     /// `orient3d(p, q, r, s)` then is the sign of `(k − i) · w`. `m × w` points to the side on which
     /// the second apex lies, so where that is the positive one the corners run against `w`; and as
     /// det(n, −w, m) > 0 too, the second triangle sees the same rule for `−w`.
-    fn ends_seen_from(&self, other: &Self) -> [DVec3; 2] {
-        if other.side == Sign::Positive { [self.last, self.next] } else { [self.next, self.last] }
+    fn ends_seen_from(&self, other: &Self) -> [usize; 2] {
+        let (next, last) = ((self.apex + 1) % 3, (self.apex + 2) % 3);
+        if other.side == Sign::Positive { [last, next] } else { [next, last] }
     }
 }
 
@@ -154,6 +267,25 @@ mod tests {
         );
         // Beside it, though its plane cuts the floor's.
         assert_eq!(with_floor([[5.0, 1.0, -1.0], [5.0, 1.0, 1.0], [6.0, 1.0, 0.0]]), Meeting::None);
+    }
+
+    #[test]
+    fn a_crossing_runs_along_the_product_of_the_normals() {
+        // The floor looks up, the blade along −y, and z × −y = x.
+        let blade = [[1.0, 1.0, -1.0], [2.0, 1.0, 1.0], [1.0, 1.0, 1.0]].map(DVec3::from_array);
+        let normal = (blade[1] - blade[0]).cross(blade[2] - blade[0]);
+        assert!(normal.y < 0.0);
+        let end = |owner, edge| CrossingEnd { owner, edge };
+        // It enters over the upright side x = 1 and leaves over the slanted one.
+        let expected = Crossing { ends: [end(1, 2), end(1, 0)] };
+        assert_eq!(cross_triangles(&FLOOR, &blade), (Meeting::Cross, Some(expected)));
+        // Wide, it is cut off by the floor's own sides: x = 0 and x + y = 4.
+        let wide = [[-9.0, 1.0, -9.0], [9.0, 1.0, -9.0], [0.0, 1.0, 9.0]].map(DVec3::from_array);
+        let expected = Crossing { ends: [end(0, 2), end(0, 1)] };
+        assert_eq!(cross_triangles(&FLOOR, &wide).1, Some(expected));
+        // Ends on a side of the floor: no general position.
+        let flush = [[0.0, 1.0, -1.0], [2.0, 1.0, 1.0], [0.0, 1.0, 1.0]].map(DVec3::from_array);
+        assert_eq!(cross_triangles(&FLOOR, &flush), (Meeting::Cross, None));
     }
 
     #[test]

@@ -144,6 +144,7 @@ impl Patches {
 
     /// The patch of a face.
     #[must_use]
+    #[inline]
     pub fn patch_of_face(&self, face: FaceId) -> PatchId {
         self.patch_of_face[face.index()]
     }
@@ -151,12 +152,14 @@ impl Patches {
     /// The patch of a vertex: the lowest among its faces'; `None` where no face names it. `topology` is
     /// the mesh's. Cost: its faces.
     #[must_use]
+    #[inline]
     pub fn patch_of_vertex(&self, topology: &Topology, vertex: VertexId) -> Option<PatchId> {
         topology.faces_at(vertex).iter().map(|&face| self.patch_of_face(face)).min()
     }
 
     /// The patch of an edge: the lowest among its faces'. `topology` is the mesh's. Cost: its faces.
     #[must_use]
+    #[inline]
     pub fn patch_of_edge(&self, topology: &Topology, edge: EdgeId) -> PatchId {
         let around = topology.half_edges(edge).iter().map(|h| self.patch_of_face(h.face()));
         around.fold(PatchId(u32::MAX), PatchId::min)
@@ -170,12 +173,14 @@ impl Patches {
 
     /// The trees over the faces of each patch: tree `i` is that of patch `i`.
     #[must_use]
+    #[inline]
     pub fn trees(&self) -> &FaceForest {
         &self.trees
     }
 
     /// A plane above all faces beneath a node of the arena of [`trees`](Self::trees).
     #[must_use]
+    #[inline]
     pub fn slab(&self, node: u32) -> &Slab {
         &self.slabs[node as usize]
     }

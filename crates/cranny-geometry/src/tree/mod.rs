@@ -112,18 +112,21 @@ impl FaceTree {
 
     /// A node by index.
     #[must_use]
+    #[inline]
     pub fn node(&self, index: u32) -> &Node {
         &self.nodes[index as usize]
     }
 
     /// What a node holds.
     #[must_use]
+    #[inline]
     pub fn content(&self, index: u32) -> Content {
         self.node(index).content_at(index)
     }
 
     /// The faces of a leaf; none for an inner node.
     #[must_use]
+    #[inline]
     pub fn leaf_faces(&self, index: u32) -> &[FaceId] {
         match self.content(index) {
             Content::Inner { .. } => &[],

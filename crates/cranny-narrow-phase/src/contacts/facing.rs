@@ -5,11 +5,9 @@
 //! stands around it, and sideways by nothing.
 
 use cranny_exact::DVec3;
-use cranny_geometry::{EdgeId, VertexId};
+use cranny_geometry::{EdgeId, HalfEdgeId, VertexId};
 
-use crate::answer::Feature;
 use crate::pair::{Pair, Side};
-use crate::touch::mean_normal;
 
 /// By how much, as a sine (30 degrees), a vertex's neighbours may be nearer to a face that the vertex
 /// stands before. Smaller: a tilted box loses the corners that will touch next; larger: flat vertices
@@ -53,21 +51,47 @@ pub(crate) fn in_cone(pair: &Pair, side: Side, vertex: VertexId, direction: DVec
         && faces_towards(pair, side, vertex, direction)
 }
 
+/// The outward normals of the faces at an edge: what contacts of the edge are judged by.
+pub(crate) struct Ridge {
+    /// Their sum.
+    mean: DVec3,
+    /// The edge is more than a line drawn on a plane.
+    pub(crate) is_sharp: bool,
+}
+
+impl Ridge {
+    pub(crate) fn of(pair: &Pair, side: Side, edge: EdgeId) -> Self {
+        let normal = |h: &HalfEdgeId| pair.normal(side, h.face());
+        let around = pair.topology(side).half_edges(edge);
+        let [h, g] = around else {
+            return Self { mean: around.iter().map(normal).sum(), is_sharp: true };
+        };
+        let (n, m) = (normal(h), normal(g));
+        let is_sharp = n.dot(m) <= 0.0 || n.cross(m).length() > WEDGE_SLACK;
+        Self { mean: n + m, is_sharp }
+    }
+
+    /// Whether a direction does not lead into the body. At a reflex edge both faces fall away from what leads
+    /// inside. The sum of the normals tells; each of them by itself would refuse half of what a sharp edge
+    /// can touch.
+    pub(crate) fn leads_out(&self, direction: DVec3) -> bool {
+        self.mean.dot(direction) >= 0.0
+    }
+}
+
 /// Whether an edge is more than a line drawn on a plane.
 pub(crate) fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
-    let [h, g] = *pair.topology(side).half_edges(edge) else { return true };
-    let (n, m) = (pair.normal(side, h.face()), pair.normal(side, g.face()));
-    n.dot(m) <= 0.0 || n.cross(m).length() > WEDGE_SLACK
+    Ridge::of(pair, side, edge).is_sharp
 }
 
 /// Whether a direction lies between the outward normals of an edge's faces: both faces fall away
 /// from it, and it does not lead into the body.
 pub(crate) fn in_wedge(pair: &Pair, side: Side, edge: EdgeId, direction: DVec3) -> bool {
-    // At a reflex edge both faces fall away from what leads inside. The sum of the normals tells;
-    // each of them by itself would refuse half of what a sharp edge can touch.
-    if mean_normal(pair, side, Feature::Edge(edge)).dot(direction) < 0.0 {
-        return false;
-    }
+    Ridge::of(pair, side, edge).leads_out(direction) && faces_fall_away(pair, side, edge, direction)
+}
+
+/// Whether all faces at an edge fall away from a direction.
+pub(crate) fn faces_fall_away(pair: &Pair, side: Side, edge: EdgeId, direction: DVec3) -> bool {
     let around = pair.topology(side).half_edges(edge);
     around.iter().all(|&h| {
         let corners = pair.triangle(side, h.face());

@@ -7,7 +7,7 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, Model, VertexId};
 
-use super::facing::{PARALLEL, faces_towards, in_cone, in_wedge, is_sharp, over};
+use super::facing::{PARALLEL, Ridge, faces_fall_away, faces_towards, in_cone, in_wedge, over};
 use crate::answer::{Contact, Feature};
 use crate::pair::{Pair, Side};
 use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
@@ -43,13 +43,23 @@ fn contact(
     if side == Side::First { told } else { told.swapped() }
 }
 
-/// A vertex of `side` before a face of the other body, not behind its plane (but for rounding).
-pub(crate) fn vertex_face(pair: &Pair, side: Side, vertex: VertexId, face: FaceId) -> Stand {
+/// A vertex of `side` before a face of the other body, not behind its plane (but for rounding), no farther
+/// than `below`.
+pub(crate) fn vertex_face(
+    pair: &Pair,
+    side: Side,
+    vertex: VertexId,
+    face: FaceId,
+    below: f64,
+) -> Stand {
     let triangle = pair.triangle(side.other(), face);
     let p = pair.position(side, vertex);
     let raw = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
     let (foot, part) = closest_on_triangle(p, &triangle);
     let (height, apart) = (raw.dot(p - triangle[0]), (p - foot).length());
+    if apart > below + pair.length_error() {
+        return Stand::Over(None);
+    }
     if part != Part::Inside && !over(height, apart, raw) {
         return Stand::Beside(part);
     }
@@ -114,13 +124,20 @@ pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option
     let (s, t) = closest_on_segments(&p, &q);
     let open = |x: f64| x > 0.0 && x < 1.0;
     // A flat edge touches nothing before its ends do, or the edges around it.
-    if !open(s) || !open(t) || !is_sharp(pair, Side::First, e) || !is_sharp(pair, Side::Second, g) {
+    if !open(s) || !open(t) {
+        return None;
+    }
+    let (ridge_e, ridge_g) = (Ridge::of(pair, Side::First, e), Ridge::of(pair, Side::Second, g));
+    if !ridge_e.is_sharp || !ridge_g.is_sharp {
         return None;
     }
     let unit = cross / squared.sqrt();
-    let normal = [unit, -unit]
-        .into_iter()
-        .find(|&n| in_wedge(pair, Side::First, e, n) && in_wedge(pair, Side::Second, g, -n))?;
+    let normal = [unit, -unit].into_iter().find(|&n| {
+        ridge_e.leads_out(n)
+            && ridge_g.leads_out(-n)
+            && faces_fall_away(pair, Side::First, e, n)
+            && faces_fall_away(pair, Side::Second, g, -n)
+    })?;
     let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
     let separation = normal.dot(point_b - point_a);
     Some(Contact { id: (Feature::Edge(e), Feature::Edge(g)), point_a, point_b, normal, separation })
@@ -134,8 +151,10 @@ pub(crate) fn across_gap(pair: &Pair, id: (Feature, Feature), below: f64) -> Opt
         Stand::Beside(_) => None,
     };
     let found = match id {
-        (Feature::Vertex(v), Feature::Face(g)) => over(vertex_face(pair, Side::First, v, g)),
-        (Feature::Face(f), Feature::Vertex(w)) => over(vertex_face(pair, Side::Second, w, f)),
+        (Feature::Vertex(v), Feature::Face(g)) => over(vertex_face(pair, Side::First, v, g, below)),
+        (Feature::Face(f), Feature::Vertex(w)) => {
+            over(vertex_face(pair, Side::Second, w, f, below))
+        }
         (Feature::Vertex(v), rim) => vertex_rim(pair, Side::First, v, rim, below),
         (rim, Feature::Vertex(w)) => vertex_rim(pair, Side::Second, w, rim, below),
         (Feature::Edge(e), Feature::Edge(g)) => edge_edge(pair, e, g, below),

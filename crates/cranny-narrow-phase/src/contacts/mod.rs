@@ -10,11 +10,12 @@
 //!
 //! The answer is a function of models, poses and margin: memory holds upper bounds only.
 
+mod facet;
 pub(crate) mod facing;
 mod feature_pair;
 mod overlap;
+mod posed;
 mod search;
-mod slab_test;
 
 use std::collections::BTreeMap;
 
