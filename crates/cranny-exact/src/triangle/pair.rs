@@ -104,14 +104,14 @@ impl<'t> CommonLine<'t> {
             a_high_to_b_low: Sign::Zero,
             a_low_to_b_high: Sign::Zero,
         };
-        line.a_high_to_b_low = line.from_to(a_high, b_low);
-        line.a_low_to_b_high = line.from_to(a_low, b_high);
+        line.a_high_to_b_low = line.direction(a_high, b_low);
+        line.a_low_to_b_high = line.direction(a_low, b_high);
         Ok(line)
     }
 
     /// In which direction along the line the end made by corner `l` of the second triangle lies, seen from
     /// that made by corner `k` of the first.
-    fn from_to(&self, k: usize, l: usize) -> Sign {
+    fn direction(&self, k: usize, l: usize) -> Sign {
         let [(a, p), (b, q)] = [0, 1].map(|i| (self.triangles[i], self.fans[i].apex));
         orient3d(a[p], a[k], b[q], b[l])
     }
@@ -137,7 +137,7 @@ impl<'t> CommonLine<'t> {
             return None;
         }
         let (lower, upper) =
-            (self.from_to(self.low[0], self.low[1]), self.from_to(self.high[0], self.high[1]));
+            (self.direction(self.low[0], self.low[1]), self.direction(self.high[0], self.high[1]));
         let of_a_or_b = |is_of_a: bool, corners: [usize; 2]| {
             let owner = usize::from(!is_of_a);
             self.end(owner, corners[owner])
