@@ -7,8 +7,6 @@
 //! answer off the piece is refused. What lies over what is told by footprints, so the cost is near
 //! linear in the pieces.
 
-use std::collections::HashMap;
-
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
@@ -16,7 +14,7 @@ use crate::answer::{Contact, Feature};
 use crate::footprints::Footprints;
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
-use crate::pieces::{Cut, Piece};
+use crate::pieces::Cut;
 use crate::triangle_distance::closest_on_triangle;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
@@ -30,21 +28,41 @@ pub(crate) struct Leads {
     pub(crate) all: Vec<Contact>,
 }
 
+/// A region and what measuring it along any direction needs.
+pub(crate) struct Ground<'a, 'b> {
+    pair: &'a Pair<'b>,
+    intersection: &'a Intersection,
+    pub(crate) cut: &'a Cut,
+    /// The corners of each piece's faces, in their order.
+    pub(crate) triangles: [Vec<[DVec3; 3]>; 2],
+    borders: [Borders; 2],
+}
+
+impl<'a, 'b> Ground<'a, 'b> {
+    pub(crate) fn of(pair: &'a Pair<'b>, intersection: &'a Intersection, cut: &'a Cut) -> Self {
+        let triangles = Side::BOTH.map(|side| {
+            let faces = cut.pieces[side.index()].faces.iter();
+            faces.map(|&f| pair.triangle(side, f)).collect()
+        });
+        let borders = Side::BOTH.map(|side| Borders::of(side, intersection, cut));
+        Self { pair, intersection, cut, triangles, borders }
+    }
+}
+
 /// Measures a region along `normal` (unit, from first to second, pair's frame).
-pub(crate) fn leads(pair: &Pair, intersection: &Intersection, cut: &Cut, normal: DVec3) -> Leads {
-    let view = View { pair, normal, borders: Borders::of(intersection, cut) };
+pub(crate) fn leads(ground: &Ground, normal: DVec3) -> Leads {
+    let view = View { ground, normal };
     let mut leads = Leads { deepest: None, all: Vec::new() };
     for side in Side::BOTH {
-        view.vertices_over_faces(side, intersection, cut, &mut leads);
+        view.vertices_over_faces(side, &mut leads);
     }
-    view.edges_over_edges(intersection, cut, &mut leads);
+    view.edges_over_edges(&mut leads);
     leads
 }
 
-struct View<'a, 'b> {
-    pair: &'a Pair<'b>,
+struct View<'g, 'a, 'b> {
+    ground: &'g Ground<'a, 'b>,
     normal: DVec3,
-    borders: Borders,
 }
 
 /// A face or edge with the range of its heights.
@@ -81,33 +99,30 @@ impl Leads {
     }
 }
 
-impl View<'_, '_> {
+impl View<'_, '_, '_> {
     fn height(&self, p: DVec3) -> f64 {
         self.normal.dot(p)
     }
 
     /// For each vertex of `side`'s piece the face of the other that it leads most.
-    fn vertices_over_faces(
-        &self,
-        side: Side,
-        intersection: &Intersection,
-        cut: &Cut,
-        leads: &mut Leads,
-    ) {
+    fn vertices_over_faces(&self, side: Side, leads: &mut Leads) {
+        let Ground { pair, intersection, cut, .. } = *self.ground;
         let other = side.other();
+        let borders = &self.ground.borders[other.index()];
         // How far ahead of the second body the first is: a vertex of the first wants low faces.
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let mut faces: Vec<Ranged<FaceId>> = cut.pieces[other.index()]
+        let piece = &cut.pieces[other.index()];
+        let corners = &self.ground.triangles[other.index()];
+        let mut faces: Vec<Ranged<(FaceId, &[DVec3; 3])>> = piece
             .faces
             .iter()
-            .map(|&f| Ranged::new(f, self.pair.triangle(other, f).map(|p| sign * self.height(p))))
+            .zip(corners)
+            .map(|(&f, t)| Ranged::new((f, t), t.map(|p| sign * self.height(p))))
             .collect();
-        faces.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.cmp(&y.what)));
-        let triangles: Vec<[DVec3; 3]> =
-            faces.iter().map(|f| self.pair.triangle(other, f.what)).collect();
-        let footprints = Footprints::of(self.normal, &triangles);
+        faces.sort_unstable_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
+        let footprints = Footprints::of(self.normal, faces.iter().map(|f| f.what.1.as_slice()));
         let vertices = cut.pieces[side.index()].vertices.iter();
-        let inner = vertices.map(|&v| (Feature::Vertex(v), self.pair.position(side, v), true));
+        let inner = vertices.map(|&v| (Feature::Vertex(v), pair.position(side, v), true));
         // Every node of closed curves is the start of a segment.
         let rim = cut.segments.iter().map(|&s| {
             let node = &intersection.nodes[intersection.segments[s].nodes[0]];
@@ -118,16 +133,15 @@ impl View<'_, '_> {
             let height = sign * self.height(p);
             let mut best: Option<(f64, FaceId, DVec3)> = None;
             for &i in footprints.over(p) {
-                let (face, triangle) = (&faces[i as usize], &triangles[i as usize]);
+                let face = &faces[i as usize];
+                let (id, triangle) = face.what;
                 if height - face.low <= best.map_or(0.0, |b| b.0) {
                     break;
                 }
                 let Some(foot) = self.foot(p, triangle) else { continue };
                 let lead = height - sign * self.height(foot);
-                if lead > best.map_or(0.0, |b| b.0)
-                    && self.borders.on_piece(self.pair, other, face.what, foot)
-                {
-                    best = Some((lead, face.what, foot));
+                if lead > best.map_or(0.0, |b| b.0) && borders.on_piece(pair, other, id, foot) {
+                    best = Some((lead, id, foot));
                 }
             }
             if let Some((lead, face, foot)) = best {
@@ -136,25 +150,35 @@ impl View<'_, '_> {
         }
     }
 
-    fn edges_over_edges(&self, intersection: &Intersection, cut: &Cut, leads: &mut Leads) {
+    fn edges_over_edges(&self, leads: &mut Leads) {
         let ranged = |side: Side| -> Vec<Ranged<(Feature, [DVec3; 2])>> {
-            self.edges(side, &cut.pieces[side.index()], intersection, cut)
-                .into_iter()
+            self.edges(side)
                 .map(|(feature, ends)| Ranged::new((feature, ends), ends.map(|p| self.height(p))))
                 .collect()
         };
         let (mut first, mut second) = (ranged(Side::First), ranged(Side::Second));
-        first.sort_by(|x, y| y.high.total_cmp(&x.high).then(x.what.0.cmp(&y.what.0)));
-        second.sort_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
         let keep = first.len().saturating_mul(second.len()) <= MAX_EDGE_PAIRS_KEPT;
-        let segments: Vec<[DVec3; 2]> = second.iter().map(|g| g.what.1).collect();
-        let footprints = Footprints::of(self.normal, &segments);
+        let least = |leads: &Leads| if keep { 0.0 } else { leads.best() };
+        // What cannot lead by more than is known need not be sought.
+        let floor = least(leads);
+        let highest = first.iter().map(|e| e.high).fold(f64::NEG_INFINITY, f64::max);
+        let lowest = second.iter().map(|g| g.low).fold(f64::INFINITY, f64::min);
+        first.retain(|e| e.high - lowest > floor);
+        second.retain(|g| highest - g.low > floor);
+        first.sort_unstable_by(|x, y| y.high.total_cmp(&x.high).then(x.what.0.cmp(&y.what.0)));
+        second.sort_unstable_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
+        let footprints = Footprints::of(self.normal, second.iter().map(|g| g.what.1.as_slice()));
         let mut beside: Vec<u32> = Vec::new();
         for e in &first {
-            footprints.beside(&e.what.1, &mut beside);
+            // Edges are by ascending lows: those before this one are low enough.
+            let floor = least(leads);
+            let low_enough = second.partition_point(|g| e.high - g.low > floor);
+            if low_enough == 0 {
+                break;
+            }
+            footprints.beside(&e.what.1, low_enough as u32, &mut beside);
             for g in beside.iter().map(|&i| &second[i as usize]) {
-                let floor = if keep { 0.0 } else { leads.best() };
-                if e.high - g.low <= floor {
+                if e.high - g.low <= least(leads) {
                     break;
                 }
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
@@ -168,21 +192,14 @@ impl View<'_, '_> {
     }
 
     /// Edges of a piece and the curve segments that bound it.
-    fn edges(
-        &self,
-        side: Side,
-        piece: &Piece,
-        intersection: &Intersection,
-        cut: &Cut,
-    ) -> Vec<(Feature, [DVec3; 2])> {
+    fn edges(&self, side: Side) -> impl Iterator<Item = (Feature, [DVec3; 2])> {
+        let Ground { intersection, cut, .. } = *self.ground;
         let edge = |&(e, ends): &(EdgeId, [DVec3; 2])| (Feature::Edge(e), ends);
-        let mut edges: Vec<_> = piece.edges.iter().map(edge).collect();
-        edges.extend(cut.segments.iter().map(|&s| {
+        let rim = move |&s: &usize| {
             let s = &intersection.segments[s];
-            let ends = s.nodes.map(|n| intersection.nodes[n].point);
-            (Feature::Face(s.faces[side.index()]), ends)
-        }));
-        edges
+            (Feature::Face(s.faces[side.index()]), s.nodes.map(|n| intersection.nodes[n].point))
+        };
+        cut.pieces[side.index()].edges.iter().map(edge).chain(cut.segments.iter().map(rim))
     }
 
     fn contact(
@@ -232,31 +249,35 @@ impl View<'_, '_> {
 }
 
 /// Where the curves run through each face, so that a point of the face can be told on or off the
-/// piece: it is on the side of the nearest curve segment that the piece lies on.
-struct Borders(HashMap<(usize, FaceId), Vec<[DVec3; 2]>>);
+/// piece: it is on the side of the nearest curve segment that the piece lies on. By ascending face.
+struct Borders(Vec<(FaceId, [DVec3; 2])>);
 
 impl Borders {
-    fn of(intersection: &Intersection, cut: &Cut) -> Self {
-        let mut borders: HashMap<(usize, FaceId), Vec<[DVec3; 2]>> = HashMap::new();
-        for &s in &cut.segments {
+    fn of(side: Side, intersection: &Intersection, cut: &Cut) -> Self {
+        let border = |&s: &usize| {
             let s = &intersection.segments[s];
             let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);
             // Seen against its own normal, the first's piece is left of the segment; the second's right.
-            borders.entry((0, s.faces[0])).or_default().push([p, q]);
-            borders.entry((1, s.faces[1])).or_default().push([q, p]);
-        }
+            match side {
+                Side::First => (s.faces[0], [p, q]),
+                Side::Second => (s.faces[1], [q, p]),
+            }
+        };
+        let mut borders: Vec<_> = cut.segments.iter().map(border).collect();
+        borders.sort_by_key(|border| border.0);
         Self(borders)
     }
 
     fn on_piece(&self, pair: &Pair, side: Side, face: FaceId, p: DVec3) -> bool {
-        let Some(segments) = self.0.get(&(side.index(), face)) else { return true };
-        let normal = pair.area_vector(side, face);
-        let nearest = segments.iter().min_by(|x, y| {
+        let start = self.0.partition_point(|border| border.0 < face);
+        let segments = self.0[start..].iter().take_while(|border| border.0 == face);
+        let nearest = segments.map(|border| &border.1).min_by(|x, y| {
             let d = |s: &[DVec3; 2]| {
                 (p - closest_on_triangle(p, &[s[0], s[1], s[1]]).0).length_squared()
             };
             d(x).total_cmp(&d(y))
         });
-        nearest.is_none_or(|[a, b]| normal.dot((*b - *a).cross(p - *a)) >= 0.0)
+        nearest
+            .is_none_or(|[a, b]| pair.area_vector(side, face).dot((*b - *a).cross(p - *a)) >= 0.0)
     }
 }

@@ -31,69 +31,70 @@ impl Footprints {
     /// Lists things by the corners of their outlines, seen along `normal` (unit).
     ///
     /// Cost: linear in the things, for each time that the grid proves too fine.
-    pub(crate) fn of(normal: DVec3, outlines: &[impl AsRef<[DVec3]>]) -> Self {
+    pub(crate) fn of<'o>(normal: DVec3, outlines: impl Iterator<Item = &'o [DVec3]>) -> Self {
         let axes: [DVec3; 2] = normal.any_orthonormal_pair().into();
-        let mut plane = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-        for p in outlines.iter().flat_map(AsRef::as_ref) {
-            for (i, axis) in axes.iter().enumerate() {
-                plane[0][i] = plane[0][i].min(axis.dot(*p));
-                plane[1][i] = plane[1][i].max(axis.dot(*p));
+        let boxes: Vec<[[f64; 2]; 2]> = outlines.map(|outline| seen(&axes, outline)).collect();
+        let mut plane = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for seen in &boxes {
+            for (all, [least, most]) in plane.iter_mut().zip(seen) {
+                *all = [all[0].min(*least), all[1].max(*most)];
             }
         }
-        let extent = [0, 1].map(|i| (plane[1][i] - plane[0][i]).max(0.0));
+        let extent = plane.map(|[least, most]| (most - least).max(0.0));
         let mut grid = Self {
             axes,
-            low: plane[0],
+            low: plane.map(|[least, _]| least),
             scale: [0.0; 2],
             slack: SLACK * (extent[0] + extent[1]),
-            cells: (outlines.len() as f64).sqrt().ceil().max(1.0) as usize,
+            cells: (boxes.len() as f64).sqrt().ceil().max(1.0) as usize,
             starts: Vec::new(),
             listed: Vec::new(),
         };
+        let mut spans: Vec<[[usize; 2]; 2]> = Vec::with_capacity(boxes.len());
         loop {
             grid.scale = extent.map(|e| if e > 0.0 { grid.cells as f64 / e } else { 0.0 });
-            let boxes = outlines.iter().map(|o| grid.span(o.as_ref()));
-            let listings: usize = boxes.map(|[[a, b], [c, d]]| (b - a + 1) * (d - c + 1)).sum();
-            if grid.cells == 1 || listings <= LISTINGS * outlines.len() {
+            spans.clear();
+            spans.extend(boxes.iter().map(|seen| grid.span(seen)));
+            let listings: usize =
+                spans.iter().map(|[[a, b], [c, d]]| (b - a + 1) * (d - c + 1)).sum();
+            if grid.cells == 1 || listings <= LISTINGS * boxes.len() {
                 break;
             }
             grid.cells = grid.cells.div_ceil(2);
         }
-        grid.list(outlines);
+        grid.list(&spans);
         grid
     }
 
-    /// First and last column, first and last row of a box around points.
-    fn span(&self, points: &[DVec3]) -> [[usize; 2]; 2] {
+    /// First and last column, first and last row of a box in the plane.
+    fn span(&self, seen: &[[f64; 2]; 2]) -> [[usize; 2]; 2] {
         [0, 1].map(|i| {
-            let along = |p: &DVec3| self.axes[i].dot(*p);
-            let least = points.iter().map(along).fold(f64::INFINITY, f64::min);
-            let most = points.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+            let [least, most] = seen[i];
             // A cast saturates: what lies before the first cell counts as in it.
             let cell = |x: f64| (((x - self.low[i]) * self.scale[i]) as usize).min(self.cells - 1);
             [cell(least - self.slack), cell(most + self.slack)]
         })
     }
 
-    fn list(&mut self, outlines: &[impl AsRef<[DVec3]>]) {
-        let spans: Vec<_> = outlines.iter().map(|o| self.span(o.as_ref())).collect();
+    fn list(&mut self, spans: &[[[usize; 2]; 2]]) {
         let cells = self.cells;
         let cells_of = |&[[left, right], [bottom, top]]: &[[usize; 2]; 2]| {
             (bottom..=top).flat_map(move |row| (left..=right).map(move |c| row * cells + c))
         };
-        self.starts = vec![0; cells * cells + 1];
+        // Counted two places on, so that filling leaves each start where it belongs.
+        self.starts = vec![0; cells * cells + 2];
         for cell in spans.iter().flat_map(cells_of) {
-            self.starts[cell + 1] += 1;
+            self.starts[cell + 2] += 1;
         }
-        for cell in 0..cells * cells {
-            self.starts[cell + 1] += self.starts[cell];
+        for cell in 2..cells * cells + 2 {
+            self.starts[cell] += self.starts[cell - 1];
         }
-        self.listed = vec![0; self.starts[cells * cells] as usize];
-        let mut next = self.starts.clone();
+        self.listed = vec![0; self.starts[cells * cells + 1] as usize];
         for (thing, span) in spans.iter().enumerate() {
             for cell in cells_of(span) {
-                self.listed[next[cell] as usize] = thing as u32;
-                next[cell] += 1;
+                let next = &mut self.starts[cell + 1];
+                self.listed[*next as usize] = thing as u32;
+                *next += 1;
             }
         }
     }
@@ -104,18 +105,19 @@ impl Footprints {
 
     /// Numbers, ascending, of all things whose footprints may hold that of a point, and of some more.
     pub(crate) fn over(&self, p: DVec3) -> &[u32] {
-        let [[column, _], [row, _]] = self.span(&[p]);
+        let [[column, _], [row, _]] = self.span(&seen(&self.axes, &[p]));
         self.cell(row * self.cells + column)
     }
 
-    /// Replaces `found` by the numbers, ascending, of all things whose footprints may meet that of an
-    /// outline, and of some more.
-    pub(crate) fn beside(&self, outline: &[DVec3], found: &mut Vec<u32>) {
+    /// Replaces `found` by the numbers below `end`, ascending, of all things whose footprints may meet that of
+    /// an outline, and of some more.
+    pub(crate) fn beside(&self, outline: &[DVec3], end: u32, found: &mut Vec<u32>) {
         found.clear();
-        let [[left, right], [bottom, top]] = self.span(outline);
+        let [[left, right], [bottom, top]] = self.span(&seen(&self.axes, outline));
         for row in bottom..=top {
             for column in left..=right {
-                found.extend_from_slice(self.cell(row * self.cells + column));
+                let cell = self.cell(row * self.cells + column);
+                found.extend(cell.iter().take_while(|&&thing| thing < end));
             }
         }
         found.sort_unstable();
@@ -123,9 +125,26 @@ impl Footprints {
     }
 }
 
+/// The box of an outline in the plane: least and most along each axis.
+fn seen(axes: &[DVec3; 2], outline: &[DVec3]) -> [[f64; 2]; 2] {
+    axes.map(|axis| {
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for p in outline {
+            let along = axis.dot(*p);
+            range = [range[0].min(along), range[1].max(along)];
+        }
+        range
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Seen from above.
+    fn of<const N: usize>(outlines: &[[DVec3; N]]) -> Footprints {
+        Footprints::of(DVec3::Z, outlines.iter().map(|o| o.as_slice()))
+    }
 
     /// `n` by `n` unit squares in the plane z = x, seen from above.
     fn squares(n: u32) -> Vec<[DVec3; 4]> {
@@ -139,7 +158,7 @@ mod tests {
 
     #[test]
     fn what_stands_over_a_point_is_listed_and_little_else() {
-        let grid = Footprints::of(DVec3::Z, &squares(20));
+        let grid = of(&squares(20));
         for (x, y) in [(0.5, 0.5), (7.25, 3.5), (19.5, 19.5)] {
             let over = grid.over(DVec3::new(x, y, -7.0));
             assert!(over.contains(&(y as u32 * 20 + x as u32)), "{x} {y}: {over:?}");
@@ -152,12 +171,15 @@ mod tests {
 
     #[test]
     fn an_outline_finds_every_neighbour_once() {
-        let grid = Footprints::of(DVec3::Z, &squares(20));
+        let grid = of(&squares(20));
         let mut found = vec![7];
-        grid.beside(&[DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 9.5, 3.0)], &mut found);
+        grid.beside(&[DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 9.5, 3.0)], 400, &mut found);
         let column = (2..10).map(|y| y * 20 + 2);
         assert!(column.clone().all(|i| found.contains(&i)), "{found:?}");
         assert!(found.is_sorted_by(|a, b| a < b) && found.len() <= 40, "{found:?}");
+        let below: Vec<u32> = found.iter().copied().filter(|&i| i < 100).collect();
+        grid.beside(&[DVec3::new(2.5, 2.5, 0.0), DVec3::new(2.5, 9.5, 3.0)], 100, &mut found);
+        assert_eq!(found, below);
     }
 
     #[test]
@@ -167,18 +189,18 @@ mod tests {
             [DVec3::new(0.0, y, 0.0), DVec3::new(100.0, 100.0 + y, 0.0)]
         };
         let needles: Vec<_> = (0..300).map(needle).collect();
-        let grid = Footprints::of(DVec3::Z, &needles);
+        let grid = of(&needles);
         assert!(grid.listed.len() <= LISTINGS * 300);
         let mut found = Vec::new();
-        grid.beside(&[DVec3::new(50.0, 40.0, 0.0), DVec3::new(50.0, 60.0, 0.0)], &mut found);
+        grid.beside(&[DVec3::new(50.0, 40.0, 0.0), DVec3::new(50.0, 60.0, 0.0)], 300, &mut found);
         assert_eq!(found.len(), 300);
     }
 
     #[test]
     fn nothing_and_points_in_one_place_are_no_trouble() {
         let none: [[DVec3; 3]; 0] = [];
-        assert!(Footprints::of(DVec3::Z, &none).over(DVec3::ONE).is_empty());
-        let grid = Footprints::of(DVec3::Z, &[[DVec3::ONE; 3]; 5]);
+        assert!(of(&none).over(DVec3::ONE).is_empty());
+        let grid = of(&[[DVec3::ONE; 3]; 5]);
         assert_eq!(grid.over(DVec3::ONE), [0, 1, 2, 3, 4]);
     }
 }

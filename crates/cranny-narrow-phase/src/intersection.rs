@@ -9,15 +9,21 @@
 //! face. Seen against n, the part of the first face that lies inside the second body is then on the
 //! left. The direction too is told by signs: where the first body's edge, run through as its face
 //! has it, goes inward through the other surface, the segment ends; where it goes outward, it begins.
+//!
+//! In general position the signs that told that two faces cross also tell which edges make the ends
+//! ([`cross_triangles`](cranny_exact::cross_triangles)); only what is not in general position is looked at
+//! feature by feature.
 
 use std::collections::HashMap;
 
 use cranny_exact::{
-    DVec3, Meeting, Piercing, SegmentFeature, Sign, TriangleFeature, locate_piercing, orient3d,
+    CrossingEnd, DVec3, Meeting, Piercing, SegmentFeature, Sign, TriangleFeature, locate_piercing,
+    orient3d,
 };
-use cranny_geometry::{EdgeId, FaceId};
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
 
 use crate::answer::Feature;
+use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
 use crate::triangle_distance::closest_on_segments;
@@ -29,6 +35,17 @@ pub(crate) struct Node {
     pub(crate) features: (Feature, Feature),
     /// In the pair's frame.
     pub(crate) point: DVec3,
+    /// Where an edge pierces a face, how it does.
+    pub(crate) passage: Option<Passage>,
+}
+
+/// How an edge, in its own direction (from its lesser to its greater vertex), passes through a face.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    /// How far along the edge, from 0 to 1.
+    pub(crate) parameter: f64,
+    /// It goes from the front to the back.
+    pub(crate) inward: bool,
 }
 
 /// Where two faces intersect.
@@ -51,20 +68,78 @@ pub(crate) struct Intersection {
 
 /// Builds the segments of the pairs that share more than a plane.
 pub(crate) fn intersect(pair: &Pair, pairs: &[FacePair]) -> Intersection {
-    let mut builder = Builder { pair, by_features: HashMap::new(), out: Intersection::default() };
-    builder.out.generic = true;
-    for p in pairs {
-        builder.add(p);
-    }
-    let mut balance = vec![0i32; builder.out.nodes.len()];
-    for s in &builder.out.segments {
-        balance[s.nodes[0]] += 1;
-        balance[s.nodes[1]] -= 1;
-    }
+    let mut out = in_general_position(pair, pairs).unwrap_or_else(|| {
+        let mut builder =
+            Builder { pair, by_features: HashMap::new(), out: Intersection::default() };
+        builder.out.generic = true;
+        for p in pairs {
+            builder.add(p);
+        }
+        builder.out
+    });
     if pair.model(Side::First).is_closed() && pair.model(Side::Second).is_closed() {
-        builder.out.generic &= balance.iter().all(|&b| b == 0);
+        let mut balance = vec![0i32; out.nodes.len()];
+        for s in &out.segments {
+            balance[s.nodes[0]] += 1;
+            balance[s.nodes[1]] -= 1;
+        }
+        out.generic &= balance.iter().all(|&b| b == 0);
     }
-    builder.out
+    out
+}
+
+/// The segments of pairs that all cross in general position; `None` if some do not.
+fn in_general_position(pair: &Pair, pairs: &[FacePair]) -> Option<Intersection> {
+    let mut out = Intersection { generic: true, ..Intersection::default() };
+    out.segments.reserve(pairs.len());
+    out.nodes.reserve(pairs.len());
+    let mut named = Numbering::default();
+    for p in pairs {
+        let crossing = p.crossing?;
+        let faces = [p.first, p.second];
+        let triangles =
+            [pair.triangle(Side::First, p.first), pair.triangle(Side::Second, p.second)];
+        let mut nodes = [0; 2];
+        for (is_end, (node, end)) in nodes.iter_mut().zip(crossing.ends).enumerate() {
+            let owner = usize::from(end.owner);
+            let half_edge = HalfEdgeId::of(faces[owner], usize::from(end.edge));
+            let edge = pair.topology(Side::BOTH[owner]).edge_of(half_edge);
+            // A mesh has fewer than 2^31 faces, since its half-edges have numbers.
+            let pierced = u64::from(faces[1 - owner].0) << 1 | u64::from(end.owner);
+            let (number, is_new) = named.number(u64::from(edge.0) << 32 | pierced);
+            if is_new {
+                out.nodes.push(pierced_node(pair, edge, end, is_end == 1, faces, &triangles));
+            }
+            *node = number as usize;
+        }
+        out.segments.push(Segment { faces, nodes });
+    }
+    Some(out)
+}
+
+/// Where an edge of one of two faces that cross pierces the other.
+fn pierced_node(
+    pair: &Pair,
+    edge: EdgeId,
+    end: CrossingEnd,
+    is_end: bool,
+    faces: [FaceId; 2],
+    triangles: &[[DVec3; 3]; 2],
+) -> Node {
+    let (owner, i) = (usize::from(end.owner), usize::from(end.edge));
+    let (own, other) = (&triangles[owner], &triangles[1 - owner]);
+    let corners = pair.mesh(Side::BOTH[owner]).corners(faces[owner]);
+    let along = corners[i] <= corners[(i + 1) % 3];
+    // As the first's face has its edge, it goes inward where the segment ends; as the second's, where it begins.
+    let inward = (is_end == (owner == 0)) == along;
+    let ends = if along { [own[i], own[(i + 1) % 3]] } else { [own[(i + 1) % 3], own[i]] };
+    let parameter = piercing_parameter(&ends, other);
+    let features = match owner {
+        0 => (Feature::Edge(edge), Feature::Face(faces[1])),
+        _ => (Feature::Face(faces[0]), Feature::Edge(edge)),
+    };
+    let point = ends[0] + (ends[1] - ends[0]) * parameter;
+    Node { features, point, passage: Some(Passage { parameter, inward }) }
 }
 
 struct Builder<'a, 'b> {
@@ -151,7 +226,7 @@ impl Builder<'_, '_> {
     fn node(&mut self, features: (Feature, Feature)) -> usize {
         let (pair, nodes) = (self.pair, &mut self.out.nodes);
         *self.by_features.entry(features).or_insert_with(|| {
-            nodes.push(Node { features, point: construct(pair, features) });
+            nodes.push(construct(pair, features));
             nodes.len() - 1
         })
     }
@@ -166,60 +241,95 @@ impl Builder<'_, '_> {
 }
 
 /// Where two features meet; which they do.
-fn construct(pair: &Pair, features: (Feature, Feature)) -> DVec3 {
-    match features {
+fn construct(pair: &Pair, features: (Feature, Feature)) -> Node {
+    let point = match features {
         (Feature::Vertex(v), _) => pair.position(Side::First, v),
         (_, Feature::Vertex(v)) => pair.position(Side::Second, v),
-        (Feature::Edge(e), Feature::Face(f)) => on_edge(pair, Side::First, e, f),
-        (Feature::Face(f), Feature::Edge(e)) => on_edge(pair, Side::Second, e, f),
+        (Feature::Edge(e), Feature::Face(f)) => return on_edge(pair, Side::First, e, f, features),
+        (Feature::Face(f), Feature::Edge(e)) => return on_edge(pair, Side::Second, e, f, features),
         (Feature::Edge(e), Feature::Edge(g)) => {
             let (p, q) = (pair.segment(Side::First, e), pair.segment(Side::Second, g));
             p[0] + (p[1] - p[0]) * closest_on_segments(&p, &q).0
         }
         (Feature::Face(f), Feature::Face(_)) => pair.triangle(Side::First, f)[0],
-    }
+    };
+    Node { features, point, passage: None }
 }
 
 /// The point in which an edge pierces a face's plane, between the edge's ends.
-fn on_edge(pair: &Pair, side: Side, edge: EdgeId, face: FaceId) -> DVec3 {
-    let [p, q] = pair.segment(side, edge);
-    p + (q - p) * crossing_parameter(pair, side, edge, face)
+fn on_edge(
+    pair: &Pair,
+    side: Side,
+    edge: EdgeId,
+    face: FaceId,
+    features: (Feature, Feature),
+) -> Node {
+    let ends = pair.segment(side, edge);
+    let triangle = pair.triangle(side.other(), face);
+    let parameter = piercing_parameter(&ends, &triangle);
+    let inward = orient3d(triangle[0], triangle[1], triangle[2], ends[0]) == Sign::Positive;
+    let point = ends[0] + (ends[1] - ends[0]) * parameter;
+    Node { features, point, passage: Some(Passage { parameter, inward }) }
 }
 
-/// How far along an edge, from 0 to 1, it pierces the plane of a face of the other body.
-pub(crate) fn crossing_parameter(pair: &Pair, side: Side, edge: EdgeId, face: FaceId) -> f64 {
-    let [p, q] = pair.segment(side, edge);
-    let triangle = pair.triangle(side.other(), face);
-    let normal = pair.area_vector(side.other(), face);
-    let (dp, dq) = (normal.dot(p - triangle[0]), normal.dot(q - triangle[0]));
+/// How far along a segment, from 0 to 1, it pierces the plane of a triangle.
+fn piercing_parameter([p, q]: &[DVec3; 2], [a, b, c]: &[DVec3; 3]) -> f64 {
+    let normal = 0.5 * (*b - *a).cross(*c - *a);
+    let (dp, dq) = (normal.dot(*p - *a), normal.dot(*q - *a));
     if dp == dq { 0.5 } else { (dp / (dp - dq)).clamp(0.0, 1.0) }
 }
 
-impl Intersection {
-    /// Polylines of a set of segments, each traversed once; closed ones first appear as found.
-    pub(crate) fn chains(&self, segments: &[usize]) -> Vec<(Vec<usize>, bool)> {
-        let mut leaving: HashMap<usize, Vec<usize>> = HashMap::new();
-        let mut arriving: HashMap<usize, usize> = HashMap::new();
-        for &s in segments.iter().rev() {
-            leaving.entry(self.segments[s].nodes[0]).or_default().push(s);
-            *arriving.entry(self.segments[s].nodes[1]).or_default() += 1;
+/// The segments that leave each node, for following them.
+pub(crate) struct Chains<'i> {
+    intersection: &'i Intersection,
+    /// Of the segments in `leaving` those of each node that were not followed yet.
+    rest: Vec<[u32; 2]>,
+    /// Segments by the node where they begin, ascending.
+    leaving: Vec<u32>,
+    /// How many more segments begin at a node than end there.
+    surplus: Vec<i32>,
+}
+
+impl<'i> Chains<'i> {
+    pub(crate) fn of(intersection: &'i Intersection) -> Self {
+        let count = intersection.nodes.len();
+        let (mut rest, mut surplus) = (vec![[0u32; 2]; count], vec![0i32; count]);
+        for s in &intersection.segments {
+            rest[s.nodes[0]][1] += 1;
+            surplus[s.nodes[0]] += 1;
+            surplus[s.nodes[1]] -= 1;
         }
-        // Open chains begin where more segments leave than arrive; what remains are cycles.
-        let surplus = |leaving: &HashMap<usize, Vec<usize>>, node: usize| {
-            leaving.get(&node).map_or(0, Vec::len) > arriving.get(&node).copied().unwrap_or(0)
-        };
-        let mut starts: Vec<usize> = segments
-            .iter()
-            .map(|&s| self.segments[s].nodes[0])
-            .filter(|&n| surplus(&leaving, n))
-            .collect();
-        starts.extend(segments.iter().map(|&s| self.segments[s].nodes[0]));
+        let mut start = 0;
+        for range in &mut rest {
+            start += range[1];
+            *range = [start - range[1]; 2];
+        }
+        let mut leaving = vec![0; intersection.segments.len()];
+        for (i, s) in intersection.segments.iter().enumerate() {
+            let range = &mut rest[s.nodes[0]];
+            leaving[range[1] as usize] = i as u32;
+            range[1] += 1;
+        }
+        Self { intersection, rest, leaving, surplus }
+    }
+
+    /// Polylines of a set of segments that hang together with no others, each traversed once; closed ones
+    /// first appear as found. Of a set once followed, nothing is left.
+    pub(crate) fn follow(&mut self, segments: &[usize]) -> Vec<(Vec<usize>, bool)> {
+        let all = &self.intersection.segments;
+        let starts = || segments.iter().map(|&s| all[s].nodes[0]);
         let mut chains = Vec::new();
-        for start in starts {
+        // Open chains begin where more segments leave than arrive; what remains are cycles.
+        for (start, is_open) in starts().map(|n| (n, true)).chain(starts().map(|n| (n, false))) {
+            if is_open && self.surplus[start] <= 0 {
+                continue;
+            }
             let mut nodes = vec![start];
             let mut at = start;
-            while let Some(s) = leaving.get_mut(&at).and_then(Vec::pop) {
-                at = self.segments[s].nodes[1];
+            while self.rest[at][0] < self.rest[at][1] {
+                let segment = self.leaving[self.rest[at][0] as usize];
+                self.rest[at][0] += 1;
+                at = all[segment as usize].nodes[1];
                 nodes.push(at);
                 if at == start {
                     break;

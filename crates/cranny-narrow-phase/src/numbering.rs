@@ -35,6 +35,15 @@ impl Numbering {
         (self.len - 1, true)
     }
 
+    /// The number of a key that was named.
+    pub(crate) fn get(&self, key: u64) -> Option<u32> {
+        if self.slots.is_empty() {
+            return None;
+        }
+        let (_, number) = self.slots[self.slot_of(key)];
+        (number != EMPTY).then_some(number)
+    }
+
     /// The slot that holds a key, or the empty one where it belongs.
     fn slot_of(&self, key: u64) -> usize {
         let mask = self.slots.len() - 1;
@@ -62,6 +71,7 @@ mod tests {
     #[test]
     fn keys_are_numbered_as_they_come() {
         let mut numbering = Numbering::default();
+        assert_eq!(numbering.get(7), None);
         let keys = [7, 0, u64::MAX, 1 << 40, 2 << 40];
         for (i, key) in (0..).zip(keys) {
             assert_eq!(numbering.number(key), (i, true));
@@ -71,7 +81,8 @@ mod tests {
         for i in 0..5_000u64 {
             assert_eq!(numbering.number((i << 45) | 3), (i as u32 + 5, true));
         }
-        assert!(keys.iter().zip(0..).all(|(&key, i)| numbering.number(key) == (i, false)));
-        assert_eq!(numbering.number((4_999 << 45) | 3), (5_004, false));
+        assert!(keys.iter().zip(0..).all(|(&key, i)| numbering.get(key) == Some(i)));
+        assert_eq!(numbering.get((4_999 << 45) | 3), Some(5_004));
+        assert_eq!(numbering.get((5_000 << 45) | 3), None);
     }
 }

@@ -5,13 +5,12 @@
 //! their ends are inside; from there vertices spread along edges that the other surface does not
 //! cut. The cost follows the pieces, not the meshes.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
-
-use cranny_exact::{DVec3, Sign, orient3d};
-use cranny_geometry::{DisjointSets, EdgeId, FaceId, VertexId};
+use cranny_exact::DVec3;
+use cranny_geometry::{DisjointSets, EdgeId, FaceId, HalfEdgeId, VertexId};
 
 use crate::answer::Feature;
-use crate::intersection::{Intersection, crossing_parameter};
+use crate::intersection::{Intersection, Passage};
+use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 
 /// The part of one surface that belongs to a region.
@@ -32,176 +31,151 @@ pub(crate) struct Cut {
     pub(crate) pieces: [Piece; 2],
 }
 
-/// Something that belongs to exactly one region.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Member {
-    Node(usize),
-    Vertex(Side, VertexId),
-}
+/// What belongs to exactly one region has a number: nodes first, then the vertices inside, the first body's
+/// before the second's.
+type Member = usize;
 
 /// Splits a generic intersection into regions.
 pub(crate) fn cut(pair: &Pair, intersection: &Intersection) -> Vec<Cut> {
-    let mut links = Links::default();
-    for s in &intersection.segments {
-        links.join(Member::Node(s.nodes[0]), Member::Node(s.nodes[1]));
+    let mut joins: Vec<[Member; 2]> = intersection.segments.iter().map(|s| s.nodes).collect();
+    let first =
+        spread_inside(pair, Side::First, intersection, intersection.nodes.len(), &mut joins);
+    let behind = first.first_vertex + first.vertices.len();
+    let second = spread_inside(pair, Side::Second, intersection, behind, &mut joins);
+    let mut sets = DisjointSets::new(second.first_vertex + second.vertices.len());
+    for [a, b] in joins {
+        sets.union(a, b);
     }
-    let spread = Side::BOTH.map(|side| spread_inside(pair, side, intersection, &mut links));
-    let mut region_of = links.regions();
 
-    let mut cuts: BTreeMap<usize, Cut> = BTreeMap::new();
-    for (index, s) in intersection.segments.iter().enumerate() {
-        let cut = cuts.entry(region_of(Member::Node(s.nodes[0]))).or_default();
-        cut.segments.push(index);
-        for side in Side::BOTH {
-            cut.pieces[side.index()].faces.push(s.faces[side.index()]);
+    let mut cuts: Vec<Cut> = Vec::new();
+    // Regions are numbered by their least node: all hang on a curve.
+    let mut cut_of_set = vec![usize::MAX; intersection.nodes.len()];
+    for node in 0..intersection.nodes.len() {
+        let set = sets.find(node);
+        if cut_of_set[set] == usize::MAX {
+            cut_of_set[set] = cuts.len();
+            cuts.push(Cut::default());
         }
     }
-    for (side, inside) in Side::BOTH.into_iter().zip(spread) {
-        for v in inside.vertices {
-            let piece = &mut cuts.entry(region_of(Member::Vertex(side, v))).or_default().pieces
-                [side.index()];
-            piece.vertices.push(v);
-            piece.faces.extend(pair.topology(side).faces_at(v));
+    let mut cut_of = |member: Member| cut_of_set[sets.find(member)];
+    let mut faces = [Numbering::default(), Numbering::default()];
+    let mut add_face = |cuts: &mut [Cut], cut: usize, side: Side, face: FaceId| {
+        let key = (cut as u64) << 32 | u64::from(face.0);
+        if faces[side.index()].number(key).1 {
+            cuts[cut].pieces[side.index()].faces.push(face);
+        }
+    };
+    for (index, s) in intersection.segments.iter().enumerate() {
+        let cut = cut_of(s.nodes[0]);
+        cuts[cut].segments.push(index);
+        for side in Side::BOTH {
+            add_face(&mut cuts, cut, side, s.faces[side.index()]);
+        }
+    }
+    for (side, inside) in [(Side::First, first), (Side::Second, second)] {
+        for (&v, member) in inside.vertices.iter().zip(inside.first_vertex..) {
+            let cut = cut_of(member);
+            cuts[cut].pieces[side.index()].vertices.push(v);
+            for &face in pair.topology(side).faces_at(v) {
+                add_face(&mut cuts, cut, side, face);
+            }
         }
         for (edge, ends, member) in inside.edges {
-            let piece = &mut cuts.entry(region_of(member)).or_default().pieces[side.index()];
-            piece.edges.push((edge, ends));
+            cuts[cut_of(member)].pieces[side.index()].edges.push((edge, ends));
         }
     }
-    for piece in cuts.values_mut().flat_map(|c| &mut c.pieces) {
-        piece.faces.sort_unstable();
-        piece.faces.dedup();
-    }
-    cuts.into_values().filter(|c| !c.segments.is_empty()).collect()
+    cuts
 }
 
 /// What of one surface lies inside the other solid.
 struct Inside {
     vertices: Vec<VertexId>,
+    /// The member that the first of the vertices is.
+    first_vertex: Member,
     edges: Vec<(EdgeId, [DVec3; 2], Member)>,
 }
 
-/// A point where an edge passes through the other surface.
-struct Passage {
-    parameter: f64,
-    node: usize,
-    /// Along the edge's own direction (lesser to greater vertex) it goes inward.
-    inward: bool,
-}
-
-fn passages(
-    pair: &Pair,
-    side: Side,
-    intersection: &Intersection,
-) -> BTreeMap<EdgeId, Vec<Passage>> {
-    let mut by_edge: BTreeMap<EdgeId, Vec<Passage>> = BTreeMap::new();
+/// The passages of a body's edges through the other surface: by edge, then along it; and the nodes there.
+fn passages(side: Side, intersection: &Intersection) -> Vec<(EdgeId, Passage, usize)> {
+    let mut passages: Vec<(EdgeId, Passage, usize)> = Vec::new();
     for (node, n) in intersection.nodes.iter().enumerate() {
-        let (edge, face) = match (side, n.features) {
-            (Side::First, (Feature::Edge(e), Feature::Face(f)))
-            | (Side::Second, (Feature::Face(f), Feature::Edge(e))) => (e, f),
+        let edge = match (side, n.features) {
+            (Side::First, (Feature::Edge(e), Feature::Face(_)))
+            | (Side::Second, (Feature::Face(_), Feature::Edge(e))) => e,
             _ => continue,
         };
-        let [start, _] = pair.segment(side, edge);
-        let t = pair.triangle(side.other(), face);
-        by_edge.entry(edge).or_default().push(Passage {
-            parameter: crossing_parameter(pair, side, edge, face),
-            node,
-            inward: orient3d(t[0], t[1], t[2], start) == Sign::Positive,
-        });
+        passages.extend(n.passage.map(|passage| (edge, passage, node)));
     }
-    for list in by_edge.values_mut() {
-        list.sort_by(|p, q| p.parameter.total_cmp(&q.parameter).then(p.node.cmp(&q.node)));
-    }
-    by_edge
+    passages.sort_unstable_by(|(e, p, n), (g, q, m)| {
+        e.cmp(g).then(p.parameter.total_cmp(&q.parameter)).then(n.cmp(m))
+    });
+    passages
 }
 
 fn spread_inside(
     pair: &Pair,
     side: Side,
     intersection: &Intersection,
-    links: &mut Links,
+    first_vertex: Member,
+    joins: &mut Vec<[Member; 2]>,
 ) -> Inside {
-    let by_edge = passages(pair, side, intersection);
-    let mut inside = Inside { vertices: Vec::new(), edges: Vec::new() };
-    let mut seen: HashSet<VertexId> = HashSet::new();
-    let mut edges_seen: HashSet<EdgeId> = HashSet::new();
-    let mut front: Vec<VertexId> = Vec::new();
-    let mut reach = |v: VertexId, front: &mut Vec<VertexId>| {
-        if seen.insert(v) {
-            front.push(v);
+    let topology = pair.topology(side);
+    let passages = passages(side, intersection);
+    let (mut cut_edges, mut reached) = (Numbering::default(), Numbering::default());
+    let mut inside = Inside { vertices: Vec::new(), first_vertex, edges: Vec::new() };
+    let mut reach = |v: VertexId, vertices: &mut Vec<VertexId>| {
+        let (number, is_new) = reached.number(u64::from(v.0));
+        if is_new {
+            vertices.push(v);
         }
+        first_vertex + number as usize
     };
-    for (&edge, list) in &by_edge {
-        let e = pair.topology(side).edges()[edge.index()];
-        let [p, q] = pair.segment(side, edge);
-        let point = |passage: &Passage| intersection.nodes[passage.node].point;
-        let (first, last) = (&list[0], &list[list.len() - 1]);
+    for list in passages.chunk_by(|x, y| x.0 == y.0) {
+        let edge = list[0].0;
+        cut_edges.number(u64::from(edge.0));
+        let e = topology.edges()[edge.index()];
+        let point = |node: usize| intersection.nodes[node].point;
+        let ((_, first, at_first), (_, last, at_last)) = (list[0], list[list.len() - 1]);
         if !first.inward {
-            links.join(Member::Node(first.node), Member::Vertex(side, e.from));
-            reach(e.from, &mut front);
-            inside.edges.push((edge, [p, point(first)], Member::Node(first.node)));
+            joins.push([at_first, reach(e.from, &mut inside.vertices)]);
+            let ends = [pair.position(side, e.from), point(at_first)];
+            inside.edges.push((edge, ends, at_first));
         }
         if last.inward {
-            links.join(Member::Node(last.node), Member::Vertex(side, e.to));
-            reach(e.to, &mut front);
-            inside.edges.push((edge, [point(last), q], Member::Node(last.node)));
+            joins.push([at_last, reach(e.to, &mut inside.vertices)]);
+            inside.edges.push((edge, [point(at_last), pair.position(side, e.to)], at_last));
         }
-        for w in list.windows(2).filter(|w| w[0].inward && !w[1].inward) {
-            links.join(Member::Node(w[0].node), Member::Node(w[1].node));
-            inside.edges.push((edge, [point(&w[0]), point(&w[1])], Member::Node(w[0].node)));
+        for w in list.windows(2).filter(|w| w[0].1.inward && !w[1].1.inward) {
+            joins.push([w[0].2, w[1].2]);
+            inside.edges.push((edge, [point(w[0].2), point(w[1].2)], w[0].2));
         }
     }
     let mut next = 0;
-    while next < front.len() {
-        let v = front[next];
+    while next < inside.vertices.len() {
+        let v = inside.vertices[next];
+        let member = first_vertex + next;
         next += 1;
-        for &face in pair.topology(side).faces_at(v) {
-            for i in 0..3 {
-                let (a, b) = (pair.corner(side, face, i), pair.corner(side, face, (i + 1) % 3));
-                if a != v && b != v {
+        let p = pair.position(side, v);
+        for &face in topology.faces_at(v) {
+            let corners = pair.mesh(side).corners(face);
+            // Closed: along every edge at the vertex some half-edge leaves it.
+            for i in (0..3).filter(|&i| corners[i] == v) {
+                let half_edge = HalfEdgeId::of(face, i);
+                let edge = topology.edge_of(half_edge);
+                if cut_edges.get(u64::from(edge.0)).is_some() {
                     continue;
                 }
-                let edge = pair.edge(side, face, i);
-                if by_edge.contains_key(&edge) {
-                    continue;
-                }
-                let w = if a == v { b } else { a };
-                links.join(Member::Vertex(side, v), Member::Vertex(side, w));
-                reach(w, &mut front);
-                if edges_seen.insert(edge) {
-                    inside.edges.push((edge, pair.segment(side, edge), Member::Vertex(side, v)));
+                let w = corners[(i + 1) % 3];
+                joins.push([member, reach(w, &mut inside.vertices)]);
+                let leaves = |h: &HalfEdgeId| pair.mesh(side).corners(h.face())[h.corner()] == v;
+                // Each edge once: from its lesser vertex, along the first half-edge that leaves it.
+                if v <= w
+                    && topology.half_edges(edge).iter().copied().find(leaves) == Some(half_edge)
+                {
+                    inside.edges.push((edge, [p, pair.position(side, w)], member));
                 }
             }
         }
     }
-    inside.vertices = front;
     inside
-}
-
-/// Which members belong together.
-#[derive(Default)]
-struct Links {
-    ids: HashMap<Member, usize>,
-    joins: Vec<(usize, usize)>,
-}
-
-impl Links {
-    fn id(&mut self, member: Member) -> usize {
-        let next = self.ids.len();
-        *self.ids.entry(member).or_insert(next)
-    }
-
-    fn join(&mut self, a: Member, b: Member) {
-        let pair = (self.id(a), self.id(b));
-        self.joins.push(pair);
-    }
-
-    /// Ends the joining: a function from members to regions, numbered by their first member.
-    fn regions(self) -> impl FnMut(Member) -> usize {
-        let mut sets = DisjointSets::new(self.ids.len());
-        for (a, b) in self.joins {
-            sets.union(a, b);
-        }
-        move |member| sets.find(self.ids[&member])
-    }
 }

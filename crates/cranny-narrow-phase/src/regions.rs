@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use cranny_exact::DVec3;
-use cranny_geometry::DisjointSets;
+use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Curve, Feature, Region};
-use crate::depth::leads;
-use crate::intersection::{Intersection, intersect};
+use crate::depth::{Ground, leads};
+use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, Side};
 use crate::pieces::{Cut, cut};
 use crate::reduce::reduce;
@@ -140,25 +140,38 @@ fn finish(
     }
 }
 
-fn curves(pair: &Pair, intersection: &Intersection, segments: &[usize]) -> Vec<Curve> {
+fn curves(
+    pair: &Pair,
+    intersection: &Intersection,
+    chains: &mut Chains,
+    segments: &[usize],
+) -> Vec<Curve> {
     let curve = |(nodes, closed): (Vec<usize>, bool)| Curve {
         points: nodes.iter().map(|&n| pair.world_point(intersection.nodes[n].point)).collect(),
         closed,
     };
-    intersection.chains(segments).into_iter().map(curve).collect()
+    chains.follow(segments).into_iter().map(curve).collect()
 }
 
 fn closed_regions(pair: &Pair, intersection: &Intersection) -> Vec<Region> {
-    cut(pair, intersection).iter().map(|c| closed_region(pair, intersection, c)).collect()
+    let mut chains = Chains::of(intersection);
+    let region = |c: &Cut| closed_region(pair, intersection, &mut chains, c);
+    cut(pair, intersection).iter().map(region).collect()
 }
 
-fn closed_region(pair: &Pair, intersection: &Intersection, cut: &Cut) -> Region {
+fn closed_region(
+    pair: &Pair,
+    intersection: &Intersection,
+    chains: &mut Chains,
+    cut: &Cut,
+) -> Region {
+    let ground = Ground::of(pair, intersection, cut);
     let shape = Shape::of(intersection, &cut.segments);
     let normal = match shape.normal() {
         Some(normal) => normal,
-        None => least_deep_direction(pair, intersection, cut),
+        None => least_deep_direction(pair, &ground),
     };
-    let measured = leads(pair, intersection, cut, normal);
+    let measured = leads(&ground, normal);
     let rim = |n: usize| Contact {
         id: intersection.nodes[n].features,
         point_a: intersection.nodes[n].point,
@@ -171,7 +184,7 @@ fn closed_region(pair: &Pair, intersection: &Intersection, cut: &Cut) -> Region 
     let mut contacts = if shape.is_flat() || shape.normal().is_none() {
         measured.all
     } else {
-        nearest_ways_out(pair, cut)
+        nearest_ways_out(pair, &ground)
     };
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way is
     // longer, the one past an edge was left out.
@@ -186,7 +199,7 @@ fn closed_region(pair: &Pair, intersection: &Intersection, cut: &Cut) -> Region 
         Some(-deepest.separation),
         Some(shape.area_vector.dot(normal).abs()),
         points,
-        curves(pair, intersection, &cut.segments),
+        curves(pair, intersection, chains, &cut.segments),
         triangle_pairs,
     )
 }
@@ -228,12 +241,13 @@ impl Shape {
 
 /// Where the curves name no direction: of the pieces' own face normals, and the line between the
 /// bodies, the one along which the least translation parts them.
-fn least_deep_direction(pair: &Pair, intersection: &Intersection, cut: &Cut) -> DVec3 {
+fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
     let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
     let mut candidates: Vec<DVec3> = vec![centers.try_normalize().unwrap_or(DVec3::Z)];
     for side in Side::BOTH {
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let faces = &cut.pieces[side.index()].faces;
+        let mut faces = ground.cut.pieces[side.index()].faces.clone();
+        faces.sort_unstable();
         let stride = faces.len().div_ceil(MAX_SAMPLES / 4).max(1);
         for &f in faces.iter().step_by(stride) {
             let n = sign * pair.normal(side, f);
@@ -242,9 +256,8 @@ fn least_deep_direction(pair: &Pair, intersection: &Intersection, cut: &Cut) -> 
             }
         }
     }
-    let depth = |n: DVec3| -> f64 {
-        leads(pair, intersection, cut, n).deepest.map_or(f64::INFINITY, |d| -d.separation)
-    };
+    let depth =
+        |n: DVec3| -> f64 { leads(ground, n).deepest.map_or(f64::INFINITY, |d| -d.separation) };
     let mut best = (depth(candidates[0]), candidates[0]);
     for &n in &candidates[1..] {
         let d = depth(n);
@@ -256,22 +269,39 @@ fn least_deep_direction(pair: &Pair, intersection: &Intersection, cut: &Cut) -> 
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.
-fn nearest_ways_out(pair: &Pair, cut: &Cut) -> Vec<Contact> {
+fn nearest_ways_out(pair: &Pair, ground: &Ground) -> Vec<Contact> {
     let mut contacts = Vec::new();
     for side in Side::BOTH {
-        let vertices = &cut.pieces[side.index()].vertices;
-        let faces = &cut.pieces[side.other().index()].faces;
+        let vertices = &ground.cut.pieces[side.index()].vertices;
+        let other = side.other().index();
+        let faces = &ground.cut.pieces[other].faces;
+        let triangles = &ground.triangles[other];
+        let balls: Vec<(DVec3, f64)> = triangles.iter().map(ball).collect();
         let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
+        // Neighbours have their ways out through neighbours: the last one bounds the next.
+        let mut last = 0;
         for &v in vertices.iter().step_by(stride) {
             let p = pair.position(side, v);
-            let nearest = faces
-                .iter()
-                .map(|&f| (f, closest_on_triangle(p, &pair.triangle(side.other(), f))))
-                .filter(|(_, (_, part))| *part == Part::Inside)
-                .min_by(|x, y| {
-                    (x.1.0 - p).length_squared().total_cmp(&(y.1.0 - p).length_squared())
-                });
-            let Some((face, (q, _))) = nearest else { continue };
+            let mut nearest: Option<(FaceId, DVec3)> = None;
+            let (mut least, mut found) = (f64::INFINITY, last);
+            let mut reach = f64::INFINITY;
+            for i in std::iter::once(last).chain(0..faces.len()) {
+                let Some(&(center, radius)) = balls.get(i) else { break };
+                let touching = reach + radius;
+                if (center - p).length_squared() > touching * touching {
+                    continue;
+                }
+                let (foot, part) = closest_on_triangle(p, &triangles[i]);
+                let squared = (foot - p).length_squared();
+                let nearer = squared < least
+                    || (squared <= least && nearest.is_none_or(|(face, _)| faces[i] < face));
+                if part == Part::Inside && nearer {
+                    (nearest, least, found) = (Some((faces[i], foot)), squared, i);
+                    reach = squared.sqrt() + pair.length_error();
+                }
+            }
+            last = found;
+            let Some((face, q)) = nearest else { continue };
             let outward = pair.normal(side.other(), face);
             let depth = (q - p).length();
             let (own, its) = (Feature::Vertex(v), Feature::Face(face));
@@ -296,6 +326,13 @@ fn nearest_ways_out(pair: &Pair, cut: &Cut) -> Vec<Contact> {
     contacts
 }
 
+/// Around a triangle.
+fn ball(corners: &[DVec3; 3]) -> (DVec3, f64) {
+    let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let squared = corners.map(|p| (p - center).length_squared());
+    (center, squared[0].max(squared[1]).max(squared[2]).sqrt())
+}
+
 /// Where a surface is open: connected curves, without depth or area.
 fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) -> Vec<Region> {
     let mut sets = DisjointSets::new(intersection.nodes.len());
@@ -314,6 +351,7 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
     if order.is_empty() {
         return outer_touch(pair, pairs);
     }
+    let mut chains = Chains::of(intersection);
     order
         .into_iter()
         .map(|segments| {
@@ -339,7 +377,7 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
                     }
                 })
                 .collect();
-            let curves = curves(pair, intersection, &segments);
+            let curves = curves(pair, intersection, &mut chains, &segments);
             let count = segments.len() as u32;
             finish(pair, normal, None, None, reduce(points), curves, count)
         })

@@ -2,29 +2,36 @@
 
 use std::ops::ControlFlow;
 
-use cranny_exact::{Meeting, classify_triangles};
+use cranny_exact::{Crossing, DVec3, Meeting, cross_triangles};
 use cranny_geometry::FaceId;
 
 use crate::answer::{Counters, Surface};
 use crate::descent::for_each_near_pair;
 use crate::pair::{Pair, Side};
 
-/// Two faces that share a point.
+/// Two faces that share a point, and where they cross if they do so in general position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct FacePair {
     pub(crate) first: FaceId,
     pub(crate) second: FaceId,
     pub(crate) meeting: Meeting,
+    pub(crate) crossing: Option<Crossing>,
+}
+
+impl FacePair {
+    /// How two faces meet, of these corners; `None` if they do not.
+    pub(crate) fn of(faces: [FaceId; 2], triangles: [&[DVec3; 3]; 2]) -> Option<Self> {
+        let (meeting, crossing) = cross_triangles(triangles[0], triangles[1]);
+        let [first, second] = faces;
+        meeting.meets().then_some(Self { first, second, meeting, crossing })
+    }
 }
 
 /// All pairs of faces that meet, by ascending ids.
 pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
     let mut found = Vec::new();
     for_each_near_pair(pair, 0.0, counters, |first, second, counters| {
-        let meeting = classified(pair, first, second, counters);
-        if meeting.meets() {
-            found.push(FacePair { first, second, meeting });
-        }
+        found.extend(looked_at(pair, first, second, counters));
         ControlFlow::Continue(())
     });
     found.sort_unstable();
@@ -36,12 +43,11 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
 pub(crate) fn surface_verdict(pair: &Pair, counters: &mut Counters) -> (Surface, Vec<FacePair>) {
     let (mut surface, mut touching) = (Meeting::None, Vec::new());
     for_each_near_pair(pair, 0.0, counters, |first, second, counters| {
-        let meeting = classified(pair, first, second, counters);
-        surface = surface.max(meeting);
-        if meeting.meets() {
-            touching.push(FacePair { first, second, meeting });
+        if let Some(found) = looked_at(pair, first, second, counters) {
+            surface = surface.max(found.meeting);
+            touching.push(found);
         }
-        if meeting == Meeting::Cross { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if surface == Meeting::Cross { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     touching.sort_unstable();
     (surface, touching)
@@ -52,7 +58,13 @@ pub(crate) fn strongest(pairs: &[FacePair]) -> Surface {
     pairs.iter().map(|p| p.meeting).max().unwrap_or(Meeting::None)
 }
 
-fn classified(pair: &Pair, first: FaceId, second: FaceId, counters: &mut Counters) -> Meeting {
+fn looked_at(
+    pair: &Pair,
+    first: FaceId,
+    second: FaceId,
+    counters: &mut Counters,
+) -> Option<FacePair> {
     counters.triangle_tests += 1;
-    classify_triangles(&pair.triangle(Side::First, first), &pair.triangle(Side::Second, second))
+    let (a, b) = (pair.triangle(Side::First, first), pair.triangle(Side::Second, second));
+    FacePair::of([first, second], [&a, &b])
 }

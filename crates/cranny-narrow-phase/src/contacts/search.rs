@@ -9,7 +9,6 @@
 //! The descent sees every pair of triangles that meet, since a bound above 0 is what leaves a pair out:
 //! the exact verdict on the surfaces comes with the contacts.
 
-use cranny_exact::classify_triangles;
 use cranny_geometry::{Content, PatchId};
 
 use super::facet::{Facet, Outcodes, may_cross};
@@ -219,10 +218,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 let Some(of_f) = g.outcodes(f, reach) else { continue };
                 counters.triangle_tests += 1;
                 if of_f.least_height.max(of_g.least_height) <= rounding {
-                    let how = classify_triangles(&f.corners, &g.corners);
-                    if how.meets() {
-                        meeting.push(FacePair { first: f.face, second: g.face, meeting: how });
-                    }
+                    meeting.extend(FacePair::of([f.face, g.face], [&f.corners, &g.corners]));
                 }
                 self.facets(f, g, [of_f, of_g], quest);
             }

@@ -1,6 +1,6 @@
 //! What is asked of a front: which faces meet, and which are nearest.
 
-use cranny_exact::{DVec3, Meeting, classify_triangles};
+use cranny_exact::{DVec3, Meeting};
 use cranny_geometry::FaceId;
 
 use super::Quest;
@@ -35,10 +35,9 @@ impl<'p, 'm> Meetings<'p, 'm> {
         if gap > 0.0 {
             return gap;
         }
-        let meeting = classify_triangles(&triangles[0], &triangles[1]);
-        if meeting.meets() {
-            self.surface = self.surface.max(meeting);
-            self.found.push(FacePair { first, second, meeting });
+        if let Some(found) = FacePair::of([first, second], [&triangles[0], &triangles[1]]) {
+            self.surface = self.surface.max(found.meeting);
+            self.found.push(found);
             return 0.0;
         }
         triangle_distance(&triangles[0], &triangles[1]).squared.sqrt() - error

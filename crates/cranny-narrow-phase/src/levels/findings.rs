@@ -1,6 +1,6 @@
 //! What an estimate has found so far, and what could still change it.
 
-use cranny_exact::{DVec3, Meeting, classify_triangles};
+use cranny_exact::{DVec3, Meeting};
 use cranny_geometry::{FaceId, VertexId};
 
 use crate::answer::{Counters, Feature, Surface, Witness};
@@ -79,11 +79,9 @@ impl<'p, 'm> Findings<'p, 'm> {
             return gap;
         }
         if gap <= 0.0 {
-            let meeting = classify_triangles(&triangles[0], &triangles[1]);
-            if meeting.meets() {
-                self.surface = self.surface.max(meeting);
-                let found = FacePair { first, second, meeting };
-                let stronger = self.met.is_none_or(|met| meeting > met.meeting);
+            if let Some(found) = FacePair::of([first, second], [&triangles[0], &triangles[1]]) {
+                self.surface = self.surface.max(found.meeting);
+                let stronger = self.met.is_none_or(|met| found.meeting > met.meeting);
                 self.met = if stronger { Some(found) } else { self.met };
                 return 0.0;
             }
