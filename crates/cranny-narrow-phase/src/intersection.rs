@@ -100,7 +100,10 @@ fn in_general_position(pair: &Pair, pairs: &[FacePair]) -> Option<Intersection> 
         let triangles =
             [pair.triangle(Side::First, p.first), pair.triangle(Side::Second, p.second)];
         let mut nodes = [0; 2];
-        for (is_end, (node, end)) in nodes.iter_mut().zip(crossing.ends).enumerate() {
+        // Nodes are numbered in an order of their own, whichever way the segment runs.
+        let backward = crossing.ends[1] < crossing.ends[0];
+        for which in if backward { [1, 0] } else { [0, 1] } {
+            let end = crossing.ends[which];
             let owner = usize::from(end.owner);
             let half_edge = HalfEdgeId::of(faces[owner], usize::from(end.edge));
             let edge = pair.topology(Side::BOTH[owner]).edge_of(half_edge);
@@ -108,9 +111,9 @@ fn in_general_position(pair: &Pair, pairs: &[FacePair]) -> Option<Intersection> 
             let pierced = u64::from(faces[1 - owner].0) << 1 | u64::from(end.owner);
             let (number, is_new) = named.number(u64::from(edge.0) << 32 | pierced);
             if is_new {
-                out.nodes.push(pierced_node(pair, edge, end, is_end == 1, faces, &triangles));
+                out.nodes.push(pierced_node(pair, edge, end, which == 1, faces, &triangles));
             }
-            *node = number as usize;
+            nodes[which] = number as usize;
         }
         out.segments.push(Segment { faces, nodes });
     }

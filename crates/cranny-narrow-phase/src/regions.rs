@@ -13,7 +13,7 @@ use crate::pieces::{Cut, cut};
 use crate::reduce::reduce;
 use crate::surface::{FacePair, meeting_pairs};
 use crate::touch::touch_regions;
-use crate::triangle_distance::{Part, closest_on_triangle};
+use crate::triangle_distance::Prepared;
 
 /// How far the second body is moved or grown to read the regions of a special position (faces flush,
 /// edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as
@@ -276,7 +276,7 @@ fn nearest_ways_out(pair: &Pair, ground: &Ground) -> Vec<Contact> {
         let other = side.other().index();
         let faces = &ground.cut.pieces[other].faces;
         let triangles = &ground.triangles[other];
-        let balls: Vec<(DVec3, f64)> = triangles.iter().map(ball).collect();
+        let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
         let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
         // Neighbours have their ways out through neighbours: the last one bounds the next.
         let mut last = 0;
@@ -286,16 +286,16 @@ fn nearest_ways_out(pair: &Pair, ground: &Ground) -> Vec<Contact> {
             let (mut least, mut found) = (f64::INFINITY, last);
             let mut reach = f64::INFINITY;
             for i in std::iter::once(last).chain(0..faces.len()) {
-                let Some(&(center, radius)) = balls.get(i) else { break };
+                let Some((center, radius, triangle)) = standing.get(i) else { break };
                 let touching = reach + radius;
-                if (center - p).length_squared() > touching * touching {
+                if (*center - p).length_squared() > touching * touching {
                     continue;
                 }
-                let (foot, part) = closest_on_triangle(p, &triangles[i]);
+                let Some(foot) = triangle.foot(p) else { continue };
                 let squared = (foot - p).length_squared();
                 let nearer = squared < least
                     || (squared <= least && nearest.is_none_or(|(face, _)| faces[i] < face));
-                if part == Part::Inside && nearer {
+                if nearer {
                     (nearest, least, found) = (Some((faces[i], foot)), squared, i);
                     reach = squared.sqrt() + pair.length_error();
                 }
@@ -326,11 +326,11 @@ fn nearest_ways_out(pair: &Pair, ground: &Ground) -> Vec<Contact> {
     contacts
 }
 
-/// Around a triangle.
-fn ball(corners: &[DVec3; 3]) -> (DVec3, f64) {
+/// A triangle with the ball around it.
+fn prepared(corners: &[DVec3; 3]) -> (DVec3, f64, Prepared) {
     let center = (corners[0] + corners[1] + corners[2]) / 3.0;
     let squared = corners.map(|p| (p - center).length_squared());
-    (center, squared[0].max(squared[1]).max(squared[2]).sqrt())
+    (center, squared[0].max(squared[1]).max(squared[2]).sqrt(), Prepared::of(corners))
 }
 
 /// Where a surface is open: connected curves, without depth or area.

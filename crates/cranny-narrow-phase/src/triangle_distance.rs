@@ -54,7 +54,7 @@ pub(crate) struct Nearest {
 }
 
 /// A triangle, ready to be measured from many points.
-struct Prepared {
+pub(crate) struct Prepared {
     corners: [DVec3; 3],
     /// Side `i` runs from corner `i` to corner `(i + 1) % 3`.
     sides: [Side; 3],
@@ -66,7 +66,7 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn of(corners: &[DVec3; 3]) -> Self {
+    pub(crate) fn of(corners: &[DVec3; 3]) -> Self {
         Self::with(*corners, sides(corners))
     }
 
@@ -88,7 +88,7 @@ impl Prepared {
     ///
     /// Found along the longest side first, then across. Where rounding has it outside by either
     /// figure, the nearest point of the rim is as good.
-    fn foot(&self, p: DVec3) -> Option<DVec3> {
+    pub(crate) fn foot(&self, p: DVec3) -> Option<DVec3> {
         let depth = |i: usize| self.inward[i].dot(p - self.corners[i]);
         if !(depth(0) > 0.0 && depth(1) > 0.0 && depth(2) > 0.0) {
             return None;
