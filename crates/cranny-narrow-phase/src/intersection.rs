@@ -68,15 +68,8 @@ pub(crate) struct Intersection {
 
 /// Builds the segments of the pairs that share more than a plane.
 pub(crate) fn intersect(pair: &Pair, pairs: &[FacePair]) -> Intersection {
-    let mut out = in_general_position(pair, pairs).unwrap_or_else(|| {
-        let mut builder =
-            Builder { pair, by_features: HashMap::new(), out: Intersection::default() };
-        builder.out.generic = true;
-        for p in pairs {
-            builder.add(p);
-        }
-        builder.out
-    });
+    let mut out =
+        in_general_position(pair, pairs).unwrap_or_else(|| feature_by_feature(pair, pairs));
     if pair.model(Side::First).is_closed() && pair.model(Side::Second).is_closed() {
         let mut balance = vec![0i32; out.nodes.len()];
         for s in &out.segments {
@@ -118,6 +111,16 @@ fn in_general_position(pair: &Pair, pairs: &[FacePair]) -> Option<Intersection> 
         out.segments.push(Segment { faces, nodes });
     }
     Some(out)
+}
+
+/// The segments of any pairs.
+fn feature_by_feature(pair: &Pair, pairs: &[FacePair]) -> Intersection {
+    let mut builder = Builder { pair, by_features: HashMap::new(), out: Intersection::default() };
+    builder.out.generic = true;
+    for p in pairs {
+        builder.add(p);
+    }
+    builder.out
 }
 
 /// Where an edge of one of two faces that cross pierces the other.
@@ -347,5 +350,63 @@ impl<'i> Chains<'i> {
             }
         }
         chains
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answer::Counters;
+    use crate::memory::PairMemory;
+    use crate::query::Placed;
+    use crate::surface::meeting_pairs;
+    use cranny_exact::{DQuat, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_shapes::{Cuboid, GolfBall, Torus};
+
+    #[test]
+    fn in_general_position_the_signs_of_the_crossing_tell_all_that_features_do() {
+        let model = |mesh| Model::build(mesh, &BuildOptions::default()).unwrap().0;
+        let ball = GolfBall { dimples: 0, triangles: 180, ..GolfBall::default() };
+        let torus = Torus { major_segments: 18, minor_segments: 8, ..Torus::default() };
+        let models =
+            [ball.build(), torus.build(), Cuboid::default().build()].map(|m| model(m.unwrap()));
+        let mut segments = 0;
+        for k in 0..30u32 {
+            let x = f64::from(k);
+            let rotation = DQuat::from_xyzw(0.3, 0.1 * x, 1.0 - 0.07 * x, 0.4).normalize();
+            let translation = DVec3::new(0.4 + 0.02 * x, 0.3, 0.01 * x);
+            let a = Placed { model: &models[k as usize % 3], pose: Pose::IDENTITY };
+            let b =
+                Placed { model: &models[k as usize / 3 % 3], pose: Pose { rotation, translation } };
+            let mut memory = PairMemory::default();
+            let pair = Pair::new(a, b, &mut memory.posed);
+            let pairs = meeting_pairs(&pair, &mut Counters::default());
+            let fast = in_general_position(&pair, &pairs).unwrap();
+            let slow = feature_by_feature(&pair, &pairs);
+            assert!(slow.generic && fast.generic);
+            assert_eq!(format!("{:?}", fast.nodes), format!("{:?}", slow.nodes), "round {k}");
+            assert_eq!(format!("{:?}", fast.segments), format!("{:?}", slow.segments));
+            segments += slow.segments.len();
+        }
+        assert!(segments > 600, "{segments}");
+    }
+
+    #[test]
+    fn chains_follow_open_lines_before_rings() {
+        let node = Node {
+            features: (Feature::Face(FaceId(0)), Feature::Face(FaceId(0))),
+            point: DVec3::ZERO,
+            passage: None,
+        };
+        // A ring 0 1 2, a line 5 4 3, each in some disorder.
+        let segments = [[1, 2], [4, 3], [0, 1], [5, 4], [2, 0]]
+            .map(|nodes| Segment { faces: [FaceId(0); 2], nodes });
+        let curves =
+            Intersection { nodes: vec![node; 6], segments: segments.to_vec(), generic: false };
+        let mut chains = Chains::of(&curves);
+        assert_eq!(chains.follow(&[1, 3]), [(vec![5, 4, 3], false)]);
+        assert_eq!(chains.follow(&[0, 2, 4]), [(vec![1, 2, 0], true)]);
+        assert!(chains.follow(&[0, 2, 4]).is_empty());
     }
 }

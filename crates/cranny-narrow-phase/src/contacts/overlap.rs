@@ -7,7 +7,7 @@
 //! What this does not see is left to the caller: a tip that has passed the middle of a thin part, whose
 //! far side is nearer than the one it came in by, has no contact here.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 
 use cranny_exact::{DVec3, WeightedPoint};
 use cranny_geometry::{Content, FaceId, VertexId};
@@ -18,7 +18,7 @@ use crate::answer::{Contact, Counters, Feature};
 use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
-use crate::triangle_distance::closest_on_triangle;
+use crate::triangle_distance::{Part, closest_on_triangle};
 
 /// How much deeper than the nearest way out of either edge's point the crossing of two edges may be.
 /// Two square edges meeting corner on need 1.42. Smaller: these get no contact; larger: edges on
@@ -62,6 +62,8 @@ fn vertices_inside(
     let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
     let mut front: Vec<VertexId> = meeting.iter().flat_map(|p| mesh.corners(own(p))).collect();
     let mut seen: HashSet<VertexId> = HashSet::new();
+    // Neighbours are nearest to neighbours.
+    let mut last = None;
     while let Some(vertex) = front.pop() {
         let p = pair.position(side, vertex);
         if !seen.insert(vertex) || !is_inside(pair, side.other(), p, counters) {
@@ -69,7 +71,7 @@ fn vertices_inside(
         }
         let faces = pair.topology(side).faces_at(vertex);
         front.extend(faces.iter().flat_map(|&f| mesh.corners(f)).filter(|v| !seen.contains(v)));
-        contacts.extend(way_out(pair, side, vertex, p, counters));
+        contacts.extend(way_out(pair, side, vertex, p, &mut last, counters));
     }
 }
 
@@ -79,9 +81,10 @@ fn way_out(
     side: Side,
     vertex: VertexId,
     p: DVec3,
+    last: &mut Option<FaceId>,
     counters: &mut Counters,
 ) -> Option<Contact> {
-    let nearest = nearest_on(pair, side.other(), p, counters);
+    let nearest = nearest_on(pair, side.other(), p, last, counters);
     let outward = match nearest.feature {
         Feature::Face(face) => pair.normal(side.other(), face),
         _ if nearest.distance > pair.length_error() => (nearest.foot - p) / nearest.distance,
@@ -108,17 +111,21 @@ fn edges_crossing(
     contacts: &mut Vec<Contact>,
 ) {
     let sides = |side, face| [0, 1, 2].map(|i| pair.edge(side, face, i));
-    let crossing: BTreeSet<_> = meeting
+    let mut crossing: Vec<_> = meeting
         .iter()
         .flat_map(|p| {
             let others = sides(Side::Second, p.second);
             sides(Side::First, p.first).into_iter().flat_map(move |e| others.map(|g| (e, g)))
         })
         .collect();
+    crossing.sort_unstable();
+    crossing.dedup();
+    let mut last = [None; 2];
     for (e, g) in crossing {
         let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
-        let dips = |side: Side, p: DVec3, counters: &mut Counters| {
-            -contact.separation <= DETOUR * nearest_on(pair, side, p, counters).distance
+        let mut dips = |side: Side, p: DVec3, counters: &mut Counters| {
+            let last = &mut last[side.index()];
+            -contact.separation <= DETOUR * nearest_on(pair, side, p, last, counters).distance
                 && is_inside(pair, side, p, counters)
         };
         if contact.separation < 0.0
@@ -130,8 +137,15 @@ fn edges_crossing(
     }
 }
 
-/// The point of a body's surface nearest to a point of the pair's frame; ties go to the lowest face.
-fn nearest_on(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> Nearest {
+/// The point of a body's surface nearest to a point of the pair's frame; ties go to the lowest face. Begins
+/// at the face that was `last` found for a point nearby.
+fn nearest_on(
+    pair: &Pair,
+    side: Side,
+    p: DVec3,
+    last: &mut Option<FaceId>,
+    counters: &mut Counters,
+) -> Nearest {
     let tree = pair.model(side).tree();
     let local = match side {
         Side::First => p,
@@ -142,11 +156,12 @@ fn nearest_on(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> Nea
         let beside = (b.min - local).max(local - b.max).max(DVec3::ZERO);
         (beside.length() - pair.culling_error()).max(0.0)
     };
-    let mut best: Option<Nearest> = None;
+    // A mesh has faces, so there is a nearest one.
+    let begin = last.unwrap_or(FaceId(0));
+    let mut best = NearestFace::on(pair, side, p, begin);
     let mut stack = vec![(0.0, 0u32)];
     while let Some((lower, node)) = stack.pop() {
-        let limit = best.as_ref().map_or(f64::INFINITY, |b| b.distance);
-        if lower > limit {
+        if lower > best.distance {
             continue;
         }
         counters.node_tests += 1;
@@ -155,26 +170,32 @@ fn nearest_on(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> Nea
             if children[0].0 < children[1].0 {
                 children.swap(0, 1);
             }
-            stack.extend(children.into_iter().filter(|child| child.0 <= limit));
+            stack.extend(children.into_iter().filter(|child| child.0 <= best.distance));
             continue;
         }
         for &face in tree.leaf_faces(node) {
-            let (foot, part) = closest_on_triangle(p, &pair.triangle(side, face));
-            let distance = (foot - p).length();
-            let wins = best
-                .as_ref()
-                .is_none_or(|b| distance < b.distance || (distance <= b.distance && face < b.face));
-            if wins {
-                let feature = part.feature(pair.model(side), face);
-                best = Some(Nearest { distance, foot, feature, face });
+            let found = NearestFace::on(pair, side, p, face);
+            if (found.distance, face) < (best.distance, best.face) {
+                best = found;
             }
         }
     }
-    // A mesh has faces, so there is a nearest one.
-    best.unwrap_or(Nearest {
-        distance: f64::INFINITY,
-        foot: p,
-        feature: Feature::Face(FaceId(0)),
-        face: FaceId(0),
-    })
+    *last = Some(best.face);
+    let feature = best.part.feature(pair.model(side), best.face);
+    Nearest { distance: best.distance, foot: best.foot, feature, face: best.face }
+}
+
+/// The point of a face nearest to a point.
+struct NearestFace {
+    distance: f64,
+    foot: DVec3,
+    part: Part,
+    face: FaceId,
+}
+
+impl NearestFace {
+    fn on(pair: &Pair, side: Side, p: DVec3, face: FaceId) -> Self {
+        let (foot, part) = closest_on_triangle(p, &pair.triangle(side, face));
+        Self { distance: (foot - p).length(), foot, part, face }
+    }
 }

@@ -78,13 +78,13 @@ impl<'p, 'm> Findings<'p, 'm> {
         if gap > self.least() {
             return gap;
         }
-        if gap <= 0.0 {
-            if let Some(found) = FacePair::of([first, second], [&triangles[0], &triangles[1]]) {
-                self.surface = self.surface.max(found.meeting);
-                let stronger = self.met.is_none_or(|met| found.meeting > met.meeting);
-                self.met = if stronger { Some(found) } else { self.met };
-                return 0.0;
-            }
+        if gap <= 0.0
+            && let Some(found) = FacePair::of([first, second], [&triangles[0], &triangles[1]])
+        {
+            self.surface = self.surface.max(found.meeting);
+            let stronger = self.met.is_none_or(|met| found.meeting > met.meeting);
+            self.met = if stronger { Some(found) } else { self.met };
+            return 0.0;
         }
         self.nearest.offer(first, second, &mut self.counters).max(gap).max(0.0)
     }
