@@ -24,7 +24,8 @@ use crate::stopwatch::{Patience, keep, median, race};
 /// Runs of which each frame's best is taken.
 const REPEATS: usize = 3;
 
-/// What parry's manifolds are asked to foresee: next to nothing, as our segments do.
+/// What parry's manifolds are asked to foresee beside our regions: next to nothing, as our segments do. Beside
+/// contacts it is their margin.
 const PREDICTION: f32 = 1e-4;
 
 /// Seconds that one run of a peer over its frames may take; it gets fewer frames, evenly spread, if
@@ -170,12 +171,13 @@ fn ask_peer(bodies: &Bodies, demand: Demand, pose: &NarrowPose) {
         Demand::Intersects => keep(parry::intersection_test(&here, a, pose, b).is_ok()),
         Demand::Distance { .. } => keep(parry::distance(&here, a, pose, b).is_ok()),
         Demand::Contacts { .. } | Demand::Regions { .. } => {
+            let margin = demand.margin().filter(|&margin| margin > 0.0);
             let mut manifolds: Vec<parry::ContactManifold<(), ()>> = Vec::new();
             let done = DefaultQueryDispatcher.contact_manifolds(
                 pose,
                 a,
                 b,
-                PREDICTION,
+                margin.map_or(PREDICTION, |margin| margin as f32),
                 &mut manifolds,
                 &mut None,
             );

@@ -6,7 +6,7 @@
 //! shares a bit (all corners of a triangle, both ends of an edge) lies beyond that plane as a whole.
 
 use cranny_exact::DVec3;
-use cranny_geometry::{FaceId, HalfEdgeId, PatchId};
+use cranny_geometry::FaceId;
 
 use crate::pair::{Pair, Side};
 
@@ -24,9 +24,6 @@ pub(super) struct Facet {
     bottom: f64,
     /// For each side: its outward direction in the plane, unit, and how far along it the corners reach.
     outward: [(DVec3, f64); 3],
-    /// Which corners (bits 0 to 2) and sides (bits 3 to 5) are looked at from this face: those that belong to
-    /// its patch, from the first of its faces there, so that each feature is looked at once.
-    owned: u8,
 }
 
 /// Where the corners of one triangle are with respect to another.
@@ -49,18 +46,8 @@ impl Outcodes {
 }
 
 impl Facet {
-    /// A face of `side`'s patch, its corners posed.
-    pub(super) fn of(
-        pair: &Pair,
-        side: Side,
-        patch: PatchId,
-        face: FaceId,
-        corners: [DVec3; 3],
-    ) -> Self {
-        Self::around(face, corners, owned(pair, side, face, patch))
-    }
-
-    fn around(face: FaceId, corners: [DVec3; 3], owned: u8) -> Self {
+    /// Of a face and its corners in the pair's frame.
+    pub(super) fn of(face: FaceId, corners: [DVec3; 3]) -> Self {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let [least, most] = extent(&corners, normal);
@@ -72,7 +59,7 @@ impl Facet {
         let center = (a + b + c) / 3.0;
         let squared = |p: DVec3| (p - center).length_squared();
         let radius = squared(a).max(squared(b)).max(squared(c)).sqrt();
-        Self { face, corners, center, radius, normal, top: most, bottom: least, outward, owned }
+        Self { face, corners, center, radius, normal, top: most, bottom: least, outward }
     }
 
     /// Whether another triangle's ball is more than `reach` away from this one's.
@@ -117,12 +104,24 @@ impl Facet {
         [self.corners[i], self.corners[(i + 1) % 3]]
     }
 
-    pub(super) fn owns_corner(&self, i: usize) -> bool {
-        self.owned & (1 << i) != 0
+    /// Whether a corner is looked at from this face: the first of the corner's patch there, so that each vertex
+    /// is looked at once for each face of the other patch.
+    pub(super) fn owns_corner(&self, pair: &Pair, side: Side, i: usize) -> bool {
+        let vertex = pair.corner(side, self.face, i);
+        self.is_first(pair, side, pair.topology(side).faces_at(vertex).iter().copied())
     }
 
-    pub(super) fn owns_side(&self, i: usize) -> bool {
-        self.owned & (8 << i) != 0
+    /// As [`owns_corner`](Self::owns_corner), of the edge from a corner to the next.
+    pub(super) fn owns_side(&self, pair: &Pair, side: Side, i: usize) -> bool {
+        let edge = pair.edge(side, self.face, i);
+        self.is_first(pair, side, pair.topology(side).half_edges(edge).iter().map(|h| h.face()))
+    }
+
+    /// Whether this is the first face of the lowest patch among some faces: that to which belongs what lies
+    /// between them.
+    fn is_first(&self, pair: &Pair, side: Side, faces: impl Iterator<Item = FaceId>) -> bool {
+        let patches = pair.model(side).patches();
+        faces.min_by_key(|&f| patches.patch_of_face(f)) == Some(self.face)
     }
 }
 
@@ -130,27 +129,6 @@ impl Facet {
 fn extent(points: &[DVec3; 3], direction: DVec3) -> [f64; 2] {
     let [a, b, c] = points.map(|p| direction.dot(p));
     [a.min(b).min(c), a.max(b).max(c)]
-}
-
-fn owned(pair: &Pair, side: Side, face: FaceId, patch: PatchId) -> u8 {
-    let (patches, topology) = (pair.model(side).patches(), pair.topology(side));
-    let in_patch = |f: FaceId| patches.patch_of_face(f) == patch;
-    let mut owned = 0;
-    for i in 0..3 {
-        let vertex = pair.corner(side, face, i);
-        let first = || topology.faces_at(vertex).iter().copied().find(|&f| in_patch(f));
-        if patches.patch_of_vertex(vertex) == Some(patch) && first() == Some(face) {
-            owned |= 1 << i;
-        }
-        let edge = topology.edge_of(HalfEdgeId::of(face, i));
-        let around = topology.half_edges(edge).iter();
-        if patches.patch_of_edge(edge) == patch
-            && around.map(|h| h.face()).find(|&f| in_patch(f)) == Some(face)
-        {
-            owned |= 8 << i;
-        }
-    }
-    owned
 }
 
 /// By how much of its length two edges may miss each other, seen along their common normal, and still
@@ -176,7 +154,7 @@ mod tests {
     use super::*;
 
     fn facet(corners: [[f64; 3]; 3]) -> Facet {
-        Facet::around(FaceId(0), corners.map(DVec3::from_array), 0)
+        Facet::of(FaceId(0), corners.map(DVec3::from_array))
     }
 
     #[test]

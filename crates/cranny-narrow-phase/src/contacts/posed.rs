@@ -41,7 +41,6 @@ impl Node {
 /// A patch's tree among the nodes that are kept.
 #[derive(Clone, Copy)]
 pub(super) struct PosedTree {
-    patch: PatchId,
     /// The tree's root in the arena of all patches' trees.
     pub(super) root: u32,
     start: u32,
@@ -85,7 +84,7 @@ impl Posed {
         let patches = pair.model(self.side).patches();
         let forest = patches.trees();
         let start = self.nodes.len() as u32;
-        let tree = forest.root(patch.index()).map(|root| PosedTree { patch, root, start });
+        let tree = forest.root(patch.index()).map(|root| PosedTree { root, start });
         self.trees.push(tree);
         for (node, index) in forest.nodes(patch.index()).iter().zip(tree?.root..) {
             let (slab, center) = (patches.slab(index), node.bounds.center());
@@ -129,7 +128,7 @@ impl Posed {
             let facets = &mut self.facets;
             found.push(*triangle.facet.get_or_insert_with(|| {
                 let Triangle { face, corners, .. } = *triangle;
-                facets.push(Facet::of(pair, self.side, tree.patch, face, corners));
+                facets.push(Facet::of(face, corners));
                 facets.len() as u32 - 1
             }));
         }

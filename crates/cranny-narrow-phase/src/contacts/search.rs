@@ -229,19 +229,22 @@ impl<'a, 'b> Search<'a, 'b> {
     /// Offers the contacts of two triangles; `out` tells where the corners of the first and of the second are.
     fn facets(&self, f: &Facet, g: &Facet, out: [Outcodes; 2], quest: &mut Quest) {
         for corner in 0..3 {
-            if f.owns_corner(corner) && !out[0].corner_out(corner) {
+            if !out[0].corner_out(corner) && f.owns_corner(self.pair, Side::First, corner) {
                 self.vertex(Side::First, f, corner, g, quest);
             }
         }
         for corner in 0..3 {
-            if g.owns_corner(corner) && !out[1].corner_out(corner) {
+            if !out[1].corner_out(corner) && g.owns_corner(self.pair, Side::Second, corner) {
                 self.vertex(Side::Second, g, corner, f, quest);
             }
         }
-        for i in (0..3).filter(|&i| f.owns_side(i) && !out[0].side_out(i)) {
-            for j in (0..3).filter(|&j| g.owns_side(j) && !out[1].side_out(j)) {
+        for i in (0..3).filter(|&i| !out[0].side_out(i)) {
+            for j in (0..3).filter(|&j| !out[1].side_out(j)) {
                 let below = quest.limit + self.error;
-                if !may_cross(f.side(i), g.side(j), below) {
+                if !may_cross(f.side(i), g.side(j), below)
+                    || !f.owns_side(self.pair, Side::First, i)
+                    || !g.owns_side(self.pair, Side::Second, j)
+                {
                     continue;
                 }
                 let (e, k) = (
@@ -263,10 +266,11 @@ impl<'a, 'b> Search<'a, 'b> {
         let found = match vertex_face(self.pair, side, vertex, its.face, quest.limit) {
             Stand::Over(found) => found,
             Stand::Beside(part) => {
-                let rim = part.feature(self.pair.model(side.other()), its.face);
+                let other = side.other();
+                let rim = part.feature(self.pair.model(other), its.face);
                 let owned = match part {
-                    Part::Corner(i) => its.owns_corner(i.into()),
-                    Part::Edge(i) => its.owns_side(i.into()),
+                    Part::Corner(i) => its.owns_corner(self.pair, other, i.into()),
+                    Part::Edge(i) => its.owns_side(self.pair, other, i.into()),
                     Part::Inside => false,
                 };
                 // Two vertices are one pair, told from the first.

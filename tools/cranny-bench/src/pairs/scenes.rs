@@ -15,8 +15,14 @@ pub(super) struct Scene {
     pub(super) demands: Vec<Demand>,
 }
 
-const NEAR: [Demand; 2] = [Demand::Intersects, Demand::Distance { below: None }];
-const CONTACT: [Demand; 2] = [Demand::Intersects, Demand::Regions { margin: 0.0 }];
+const NEAR: &[Demand] = &[Demand::Intersects, Demand::Distance { below: None }];
+
+/// Contacts for a solver within 0.2 % of the size.
+const CONTACT: &[Demand] =
+    &[Demand::Intersects, Demand::Regions { margin: 0.0 }, Demand::Contacts { margin: 0.002 }];
+
+/// As far as the gap between the flanks.
+const THREAD: Demand = Demand::Contacts { margin: 0.05 };
 
 /// The scenes whose name contains `only`; what cannot be built is left out.
 pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
@@ -39,10 +45,15 @@ pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
             out.push((name, Box::new(rings), demands.to_vec()));
         }
     }
-    for degrees in [0.1, 0.5, 2.0] {
+    for (degrees, demand) in [
+        (0.1, Demand::Intersects),
+        (0.5, Demand::Intersects),
+        (2.0, Demand::Intersects),
+        (1.5, THREAD),
+    ] {
         let name = format!("nut on bolt, {degrees} degrees");
         let thread = move || nut_on_bolt(degrees, frames.min(300));
-        out.push((name, Box::new(thread), vec![Demand::Intersects]));
+        out.push((name, Box::new(thread), vec![demand]));
     }
     out.into_iter()
         .filter(|(name, ..)| name.contains(only))
