@@ -85,9 +85,12 @@ pub(crate) fn measure(quick: bool, only: &str) -> Report {
     }
 }
 
+/// Measures an index over so many boxes.
+type BulkRow = fn(String, usize) -> Vec<Cell>;
+
 /// Changes that are not motion, in the sorted axes and the tree.
 fn bulk(sizes: &[usize], only: &str) -> Table {
-    let indices: [(_, fn(String, usize) -> _); 2] =
+    let indices: [(_, BulkRow); 2] =
         [("sweep", bulk_row::<SweepAndPrune>), ("tree", bulk_row::<BoxTree>)];
     let cases = sizes.iter().flat_map(|&boxes| {
         indices.map(|(index, row)| (format!("{boxes} in bulk, {index}"), boxes, row))
