@@ -199,8 +199,8 @@ impl Dispatcher {
         Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
     }
 
-    /// Fills the manifolds of a pair in which ours takes part; false where parry must do it. Returns the
-    /// time that the log's reader cost besides.
+    /// Fills the manifolds of a pair in which ours takes part, and returns the time that the log's reader
+    /// cost besides; `None` where parry must fill them.
     fn fill(
         &self,
         pos12: &Pose,
