@@ -69,6 +69,14 @@ pub enum SceneAppError {
         /// The most there can be.
         limit: usize,
     },
+    /// One of rapier's own detectors, or its solver, panicked in a step.
+    #[error("rapier panicked in step {step}: {why}")]
+    SolverPanicked {
+        /// Steps completed before.
+        step: u64,
+        /// What it said.
+        why: String,
+    },
     /// The world refused something, or a pair cannot be queried.
     #[error(transparent)]
     World(#[from] WorldError),

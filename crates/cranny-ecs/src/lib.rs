@@ -87,10 +87,10 @@ pub use rendering::{
 #[cfg(feature = "rapier")]
 pub use response::{EnergyRange, ResponseSystems, RigidBodies, RigidBody};
 pub use summary::{
-    CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary, MotionSummary,
-    PartedSummary, RunSummary, Skipped, TimeSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
+    MotionSummary, PartedSummary, RunSummary, Skipped, TimeSummary,
 };
-pub use tally::{DeepestSoFar, Series, Tally};
+pub use tally::{Contained, DeepestSoFar, Series, Tally};
 pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};
 
 /// What most bevy apps want.

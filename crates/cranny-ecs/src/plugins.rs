@@ -35,6 +35,9 @@ pub struct PluginOptions {
     /// (rapier's default) with its own.
     #[cfg(feature = "rapier")]
     pub recycling: Option<bool>,
+    /// Solver substeps a step; `None`: enough for our detector, rapier's default with its own.
+    #[cfg(feature = "rapier")]
+    pub substeps: Option<usize>,
     /// What the solver takes for a metre, in units of length; `None`: twice the volume per
     /// area of the thinnest moving body.
     pub length_unit: Option<f64>,

@@ -11,8 +11,8 @@ use crate::clock::{PhaseTimes, SimulatedTime};
 use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::summary::{
-    CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary, MotionSummary,
-    PartedSummary, RunSummary, Skipped, TimeSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
+    MotionSummary, PartedSummary, RunSummary, Skipped, TimeSummary,
 };
 use crate::tally::{Series, Tally};
 
@@ -70,6 +70,12 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
             step: d.step,
         })
     });
+    let contained = tally.contained.map(|c| ContainedSummary {
+        steps: c.steps,
+        a: name(c.a),
+        b: name(c.b),
+        step: c.first,
+    });
     let (energy_drift, energy) = energies(world);
     let (motion, helices) = motions(world, &bodies);
     let links = links(world, &bodies);
@@ -98,6 +104,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         pairs: count(&tally.pairs),
         contacts: count(&tally.contacts),
         deepest,
+        contained,
         energy_drift,
         energy,
         state_hash: state_hash(world, &bodies),

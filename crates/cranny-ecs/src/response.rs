@@ -5,6 +5,7 @@
 //! solver's poses become the `Transform`s.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -281,10 +282,18 @@ fn push_transforms(
     }
 }
 
-fn step_solver(mut bodies: ResMut<RigidBodies>, mut times: ResMut<PhaseTimes>) {
+fn step_solver(
+    mut bodies: ResMut<RigidBodies>,
+    time: Res<SimulatedTime>,
+    mut times: ResMut<PhaseTimes>,
+    mut failure: ResMut<Failure>,
+) {
     let bodies = &mut *bodies;
     let start = Instant::now();
-    bodies.simulation.step();
+    if let Err(why) = stepped(bodies) {
+        failure.set(SceneAppError::SolverPanicked { step: time.steps(), why });
+        return;
+    }
     let spent = 1e3 * start.elapsed().as_secs_f64();
     let timings = bodies.simulation.timings_ms();
     times.broad += timings.broad;
@@ -296,6 +305,22 @@ fn step_solver(mut bodies: ResMut<RigidBodies>, mut times: ResMut<PhaseTimes>) {
         bodies.collect_answers();
         times.report += 1e3 * start.elapsed().as_secs_f64();
     }
+}
+
+/// Makes a step. What rapier's own detectors cannot take may make them panic, which ends the run in order;
+/// a panic under our detector is ours, and is let through.
+fn stepped(bodies: &mut RigidBodies) -> Result<(), String> {
+    if bodies.is_exact() {
+        bodies.simulation.step();
+        return Ok(());
+    }
+    // The simulation is not used again after a failure.
+    catch_unwind(AssertUnwindSafe(|| bodies.simulation.step())).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        text.or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or("without a word")
+            .to_owned()
+    })
 }
 
 /// Hands the solver's answers to the world, which then does not detect those pairs again.

@@ -43,6 +43,7 @@ impl RigidScene {
                 .length_unit
                 .unwrap_or_else(|| typical_size(scene, models, &members)),
             recycling: options.recycling,
+            solver_iterations: options.substeps,
             ..SimulationOptions::default()
         });
         let mut index_of = BTreeMap::new();

@@ -40,6 +40,9 @@ pub struct RunSummary {
     /// the solver's contacts, which is at most that. Depth 0 and no names where nothing overlapped;
     /// `None` where no exact answer tells depths.
     pub deepest: Option<DeepestSummary>,
+    /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did, or where
+    /// no exact answer tells.
+    pub contained: Option<ContainedSummary>,
     /// The greatest gain of mechanical energy over the start, relative to [`EnergySummary::scale`];
     /// 0 or more. `None` without a solver.
     pub energy_drift: Option<f64>,
@@ -97,6 +100,19 @@ pub struct DeepestSummary {
     /// Name of another.
     pub b: String,
     /// Steps completed at that time.
+    pub step: u64,
+}
+
+/// Bodies that lay wholly within another's material.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ContainedSummary {
+    /// In how many steps.
+    pub steps: u64,
+    /// Name of a body of the first pair.
+    pub a: String,
+    /// Name of the other.
+    pub b: String,
+    /// Steps completed when it was first so.
     pub step: u64,
 }
 

@@ -47,6 +47,21 @@ pub struct DeepestSoFar {
     pub step: u64,
 }
 
+/// Bodies that lay wholly within another's material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contained {
+    /// The body with the lower id of the first such pair.
+    pub a: BodyId,
+    /// The other.
+    pub b: BodyId,
+    /// Steps completed when it was first so.
+    pub first: u64,
+    /// The same of the latest such pair.
+    pub last: u64,
+    /// In how many steps there was such a pair.
+    pub steps: u64,
+}
+
 /// Sums and extremes over a run.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
@@ -56,6 +71,8 @@ pub struct Tally {
     pub contacts: Series,
     /// Among exact answers.
     pub deepest: Option<DeepestSoFar>,
+    /// Among exact answers: overlaps whose depth no region tells, as the surfaces do not meet.
+    pub contained: Option<Contained>,
     /// Whether exact answers told depths at all, so that no `deepest` means no overlap.
     pub depths_known: bool,
 }
@@ -63,6 +80,13 @@ pub struct Tally {
 impl Tally {
     /// Takes note of an answer about a pair, `a` < `b`.
     pub(crate) fn note_depth(&mut self, a: BodyId, b: BodyId, answer: &Answer, step: u64) {
+        if answer.solid && answer.contained.is_some() {
+            let known =
+                self.contained.get_or_insert(Contained { a, b, first: step, last: step, steps: 1 });
+            if known.last != step {
+                (known.last, known.steps) = (step, known.steps + 1);
+            }
+        }
         let depths = answer.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));
         let depth = depths.chain(answer.contacts.iter().map(|c| -c.separation)).fold(0.0, f64::max);
         if depth > self.deepest.map_or(0.0, |d| d.depth) {
@@ -74,6 +98,34 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_step_counts_once_however_many_pairs_are_contained() {
+        use cranny_exact::{DVec3, Pose};
+        use cranny_geometry::{BuildOptions, Model};
+        use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+        use cranny_shapes::Cuboid;
+
+        let cube = |size| {
+            let mesh = Cuboid { size: [size; 3] }.build().unwrap();
+            Model::build(mesh, &BuildOptions::default()).unwrap().0
+        };
+        let (small, large) = (cube(0.1), cube(1.0));
+        let asked = |x: f64| {
+            let pose = Pose::at(DVec3::new(x, 0.0, 0.0));
+            let (a, b) =
+                (Placed { model: &small, pose }, Placed { model: &large, pose: Pose::IDENTITY });
+            query(a, b, &Query::of(Demand::Intersects), &mut PairMemory::default()).unwrap()
+        };
+        let (inside, outside) = (asked(0.2), asked(2.0));
+        let mut tally = Tally::default();
+        for (a, b, step) in [(0, 1, 3), (0, 1, 3), (2, 3, 3), (2, 3, 4), (2, 3, 9)] {
+            tally.note_depth(BodyId(a), BodyId(b), &inside, step);
+        }
+        tally.note_depth(BodyId(0), BodyId(1), &outside, 10);
+        let expected = Contained { a: BodyId(0), b: BodyId(1), first: 3, last: 9, steps: 3 };
+        assert_eq!((tally.contained, tally.deepest), (Some(expected), None));
+    }
 
     #[test]
     fn mean_and_maximum() {

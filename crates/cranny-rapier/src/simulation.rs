@@ -60,6 +60,27 @@ pub struct SimulationOptions {
     pub solver_iterations: Option<usize>,
 }
 
+impl SimulationOptions {
+    /// Solver substeps a step.
+    #[must_use]
+    pub fn substeps(&self) -> usize {
+        let usual = IntegrationParameters::default().num_solver_iterations;
+        match self.solver_iterations {
+            Some(iterations) => iterations.max(1),
+            None if self.detector == Detector::Cranny => Self::substeps_for(self.step),
+            None => usual,
+        }
+    }
+
+    /// Solver substeps that our detector's contacts need in a step of so many seconds: of
+    /// [`SOLVER_SUBSTEP`] at most, and not fewer than rapier's default.
+    #[must_use]
+    pub fn substeps_for(step: f64) -> usize {
+        let enough = (step / SOLVER_SUBSTEP).round() as usize;
+        enough.max(IntegrationParameters::default().num_solver_iterations)
+    }
+}
+
 impl Default for SimulationOptions {
     fn default() -> Self {
         Self {
@@ -251,12 +272,7 @@ impl Simulation {
             parameters.contact_clustering = false;
             parameters.friction_model = FrictionModel::Coulomb;
         }
-        if let Some(iterations) = options.solver_iterations {
-            parameters.num_solver_iterations = iterations.max(1);
-        } else if ours {
-            let enough = (options.step / SOLVER_SUBSTEP).round() as usize;
-            parameters.num_solver_iterations = enough.max(parameters.num_solver_iterations);
-        }
+        parameters.num_solver_iterations = options.substeps();
         parameters.contact_recycling = options.recycling.unwrap_or(!ours);
         let log = AnswerLog::default();
         let mut pipeline = PhysicsPipeline::new();

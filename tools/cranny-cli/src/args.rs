@@ -12,7 +12,9 @@ use cranny_geometry::Repair;
 use cranny_narrow_phase::Accuracy;
 
 pub(crate) use accuracy::AccuracyArgs;
-pub(crate) use scene::{CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs};
+pub(crate) use scene::{
+    CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs, SubstepsArg,
+};
 use show::show;
 pub(crate) use show::{Show, Up};
 pub(crate) use stability::StabilityArgs;

@@ -11,10 +11,10 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use cranny_ecs::{PluginOptions, RunOptions, SceneAppError, check_outputs, helices, rings};
-use cranny_rapier::Detector;
+use cranny_rapier::{Detector, SimulationOptions};
 use cranny_world::description::Effect;
 
-use crate::args::{CompareArgs, Format, RecyclingArg};
+use crate::args::{CompareArgs, Format, RecyclingArg, SubstepsArg};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::{make_folder, write};
@@ -49,11 +49,22 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         description.effects.push(Effect::Contacts { margin: 0.0 });
     }
 
-    let stop = stop_flag();
-    let asked = if args.detector.is_empty() {
+    let mut asked = if args.detector.is_empty() {
         Detector::ALL.to_vec()
     } else {
         args.detector.iter().map(|&argument| detector(argument)).collect()
+    };
+    let mut seen = Vec::new();
+    asked.retain(|kind| {
+        !seen.contains(kind) && {
+            seen.push(*kind);
+            true
+        }
+    });
+    let step = args.dt.unwrap_or(description.step);
+    let substeps = match args.substeps {
+        SubstepsArg::Same => Some(SimulationOptions::substeps_for(step)),
+        SubstepsArg::Own => None,
     };
     let mut contestants = Vec::new();
     for (kind, recycling) in asked.iter().flat_map(|kind| ways(*kind, args.recycling)) {
@@ -62,6 +73,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
             plugins: PluginOptions {
                 detector: kind,
                 recycling: Some(recycling),
+                substeps,
                 helices: helices.clone(),
                 rings: rings.clone(),
                 ..PluginOptions::default()
@@ -73,14 +85,17 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         };
         let contestant = Contestant::new(description, &options);
         spinner.finish_and_clear();
-        contestants.push(contestant.map_err(failure)?);
+        let contestant = contestant.map_err(failure)?;
+        if !contestant.has_solver() {
+            return Err(Failure::input(format!(
+                "scene file {}: nothing in it responds to anything, so all detectors would give the same. Ask for the effect Response().",
+                args.scene.display()
+            )));
+        }
+        contestants.push(contestant);
     }
-    if !contestants.iter().all(Contestant::has_solver) {
-        return Err(Failure::input(format!(
-            "scene file {}: nothing in it responds to anything, so all detectors would give the same. Ask for the effect Response().",
-            args.scene.display()
-        )));
-    }
+    // Until here Ctrl-C ends the command at once: nothing is lost.
+    let stop = stop_flag();
     let steps = contestants.iter().map(Contestant::steps_total).max().unwrap_or(0);
     let bar = progress::bar(steps, "simulating");
     for _ in 0..steps {

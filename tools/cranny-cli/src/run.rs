@@ -159,6 +159,13 @@ fn text(summary: &RunSummary) -> String {
     let contacts = &summary.contacts;
     lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
     lines.add("deepest", deepest(summary));
+    if let Some(c) = &summary.contained {
+        let value = format!(
+            "a body wholly within another in {} steps, first {} and {} after {} steps",
+            c.steps, c.a, c.b, c.step
+        );
+        lines.add("inside", value);
+    }
     if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
         let end = if energy.loss < 0.0 { "above" } else { "below" };
         let value = format!(

@@ -102,6 +102,10 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_enum, value_name = "WHICH", default_value = "usual")]
     pub(crate) recycling: RecyclingArg,
 
+    /// How many substeps the solver makes of a step
+    #[arg(long, value_enum, value_name = "WHICH", default_value = "same")]
+    pub(crate) substeps: SubstepsArg,
+
     /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) duration: Option<f64>,
@@ -120,16 +124,20 @@ pub(crate) struct CompareArgs {
 }
 
 const COMPARE_NOTES: &str = "\
-All run in this process, on one thread, a step each in turn, with the same solver settings but for those
-that our detector needs (see the documentation of cranny-rapier). Every run is judged by exact answers
-at the poses that it came to; what that costs is not counted. A detector of rapier's that fails is told in
-its row, and the others go on. Ctrl-C ends all after the step at hand.
+All run in this process, on one thread, a step each in turn. The solver is the same for all, and so are its
+substeps unless asked otherwise; what differs is how contacts come to it: our detector turns rapier's
+contact clustering off and has Coulomb friction at each point, rapier's keep their defaults. Every run is
+judged by exact answers at the poses that it came to; what that costs is not counted. A detector of
+rapier's that fails is told in its row, and the others go on. Ctrl-C ends all after the step at hand.
 
-Columns (only those of which something is known; lengths in units of the scene, times in milliseconds):
+Columns (only those of which something is known; lengths in units of the scene, wall-clock times in
+milliseconds: on a busy machine trust medians, not means):
   ready          seconds until the first step; exact models for judging are part of it for each
   step           broad phase, narrow phase and solver; narrow and solver of it, on average
   contacts       points that the solver got
-  deepest        overlap of the exact shapes, at any step
+  deepest        overlap of the exact shapes, at any step, along the normal of a contact region; where
+                 shapes interlock, another way out may be shorter
+  inside         steps in which a body lay wholly within another's material, whose depth is not known
   energy         most gained over the start, and gained at the end (negative: lost), in percent of
                  what moved
   links          rings linked at the start that stayed so
@@ -152,6 +160,15 @@ pub(crate) enum RecyclingArg {
     Off,
     /// Each detector with and without
     Both,
+}
+
+/// Whose substeps the solver makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SubstepsArg {
+    /// For all as many as our detector needs: of 1/960 s, at least 4
+    Same,
+    /// For rapier's detectors its default, 4
+    Own,
 }
 
 /// Who finds the contacts.

@@ -1,18 +1,20 @@
 //! One of those that are compared: the scene under one detector, stepped until it ends or fails.
 
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-use cranny_ecs::{PhaseTimes, RigidBodies, RunOptions, RunSummary, SceneApp, SceneAppError};
-use cranny_rapier::Detector;
+use cranny_ecs::{
+    PhaseTimes, PluginOptions, RigidBodies, RunOptions, RunSummary, SceneApp, SceneAppError,
+};
+use cranny_rapier::{Detector, ShapeError, SimulationError, SimulationOptions};
 use cranny_world::description::SceneDescription;
 
-use super::figures::{Figures, StepTimes};
+use super::figures::{Figures, Setting, StepTimes};
 
 /// The scene under one detector.
 pub(super) struct Contestant {
     detector: Detector,
     recycling: bool,
+    substeps: usize,
     prepared_s: f64,
     state: State,
     steps: Vec<StepTimes>,
@@ -35,13 +37,26 @@ impl Contestant {
         scene: &SceneDescription,
         options: &RunOptions,
     ) -> Result<Self, SceneAppError> {
-        let (detector, recycling) = (options.plugins.detector, options.plugins.recycling);
+        let PluginOptions { detector, recycling, substeps, .. } = options.plugins;
+        let solver = SimulationOptions {
+            detector,
+            step: options.step.unwrap_or(scene.step),
+            solver_iterations: substeps,
+            ..SimulationOptions::default()
+        };
         let start = Instant::now();
-        let state = guarded(detector, || SceneApp::new(scene, options))?
-            .map_or_else(State::Failed, |app| State::Running(Box::new(app)));
-        let prepared_s = start.elapsed().as_secs_f64();
-        let recycling = recycling.unwrap_or(false);
-        Ok(Self { detector, recycling, prepared_s, state, steps: Vec::new() })
+        let state = excused(detector, SceneApp::new(scene, options))?.map_or_else(
+            |why| State::Failed(format!("before its first step: {why}")),
+            |app| State::Running(Box::new(app)),
+        );
+        Ok(Self {
+            detector,
+            recycling: recycling.unwrap_or(detector != Detector::Cranny),
+            substeps: solver.substeps(),
+            prepared_s: start.elapsed().as_secs_f64(),
+            state,
+            steps: Vec::new(),
+        })
     }
 
     /// Whether a solver moves bodies in it, which alone makes detectors differ.
@@ -68,7 +83,7 @@ impl Contestant {
     pub(super) fn step(&mut self) -> Result<(), SceneAppError> {
         let State::Running(app) = &mut self.state else { return Ok(()) };
         let before = times(app);
-        match guarded(self.detector, || app.step())? {
+        match excused(self.detector, app.step())? {
             Ok(_) => {
                 let now = times(app);
                 self.steps.push(StepTimes {
@@ -99,19 +114,15 @@ impl Contestant {
     pub(super) fn finish(self) -> Result<Figures, SceneAppError> {
         let (summary, failure): (Option<RunSummary>, _) = match self.state {
             State::Failed(why) => (None, Some(why)),
-            State::Running(app) => match guarded(self.detector, || app.finish())? {
-                Ok(summary) => (Some(summary), None),
-                Err(why) => (None, Some(format!("after its last step: {why}"))),
-            },
+            State::Running(app) => (Some(app.finish()?), None),
         };
-        Ok(Figures::new(
-            self.detector,
-            self.recycling,
-            self.prepared_s,
-            self.steps,
-            summary,
-            failure,
-        ))
+        let setting = Setting {
+            detector: self.detector.name(),
+            recycling: self.recycling,
+            substeps: self.substeps,
+            prepared_s: self.prepared_s,
+        };
+        Ok(Figures::new(setting, self.steps, summary, failure))
     }
 }
 
@@ -119,28 +130,23 @@ fn times(app: &SceneApp) -> PhaseTimes {
     app.app().world().get_resource::<PhaseTimes>().copied().unwrap_or_default()
 }
 
-/// Does something for a detector. What fails for a peer (some panic on meshes that they cannot take) is told
-/// as a reason, so that the others go on; ours has no such grace.
-fn guarded<T>(
+/// What a peer may fail at: a mesh that rapier refuses, a step in which it panics or loses bodies. That is
+/// told as a reason, so that the others go on. Ours has no such grace, nor has whatever else goes wrong.
+fn excused<T>(
     detector: Detector,
-    work: impl FnOnce() -> Result<T, SceneAppError>,
+    outcome: Result<T, SceneAppError>,
 ) -> Result<Result<T, String>, SceneAppError> {
-    if detector == Detector::Cranny {
-        return work().map(Ok);
+    match outcome {
+        Err(
+            error @ (SceneAppError::Solver {
+                source: SimulationError::Shape(ShapeError::TriMesh(_) | ShapeError::Decomposition),
+                ..
+            }
+            | SceneAppError::SolverPanicked { .. }
+            | SceneAppError::NotFinite { .. }),
+        ) if detector != Detector::Cranny => Ok(Err(error.to_string())),
+        outcome => outcome.map(Ok),
     }
-    // What a panic would print is told in the row.
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let outcome = catch_unwind(AssertUnwindSafe(work));
-    panic::set_hook(hook);
-    Ok(match outcome {
-        Ok(done) => done.map_err(|error| error.to_string()),
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(format!("it panicked: {}", text.unwrap_or("without a word")))
-        }
-    })
 }
 
 #[cfg(test)]
@@ -148,14 +154,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_peer_that_fails_is_told_and_ours_is_not_spared() {
-        let lost = || SceneAppError::NotFinite { body: "nut".into(), step: 7 };
+    fn a_peer_is_excused_what_is_its_own_fault() {
+        let lost = || Err::<(), _>(SceneAppError::NotFinite { body: "nut".into(), step: 7 });
+        let shape = || SceneAppError::Solver {
+            body: "nut".into(),
+            source: SimulationError::Shape(ShapeError::Decomposition),
+        };
         let peer = Detector::RapierDecomposition;
-        assert!(matches!(guarded(peer, || Ok(3)), Ok(Ok(3))));
-        let why = guarded::<()>(peer, || Err(lost())).unwrap().unwrap_err();
-        assert!(why.contains("nut"), "{why}");
-        let why = guarded::<()>(peer, || panic!("no hull of {} points", 2)).unwrap().unwrap_err();
-        assert_eq!(why, "it panicked: no hull of 2 points");
-        assert!(guarded::<()>(Detector::Cranny, || Err(lost())).is_err());
+        assert!(matches!(excused(peer, Ok(3)), Ok(Ok(3))));
+        assert!(excused(peer, lost()).unwrap().unwrap_err().contains("nut"));
+        assert!(excused::<()>(peer, Err(shape())).unwrap().unwrap_err().contains("decompose"));
+        let unknown = || Err::<(), _>(SceneAppError::UnknownBody { name: "nut".into() });
+        assert!(excused(peer, unknown()).is_err());
+        assert!(excused(Detector::Cranny, lost()).is_err());
+        assert!(excused::<()>(Detector::Cranny, Err(shape())).is_err());
     }
 }

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use cranny_ecs::{
-    CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary, RunSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
+    PartedSummary, RunSummary,
 };
 use cranny_rapier::Detector;
 use serde::Serialize;
@@ -22,24 +23,35 @@ impl StepTimes {
     }
 }
 
-/// A row.
+/// With what a row was run.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Figures {
+pub(super) struct Setting {
     pub(super) detector: &'static str,
     /// Whether rapier kept contacts while pairs drifted a little.
     pub(super) recycling: bool,
+    /// Of the solver, a step.
+    pub(super) substeps: usize,
     /// Until the first step; the exact models by which all are judged are part of it for each.
     pub(super) prepared_s: f64,
+}
+
+/// A row.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Figures {
+    #[serde(flatten)]
+    pub(super) setting: Setting,
     pub(super) steps: usize,
     pub(super) dt: Option<f64>,
-    /// Broad phase, narrow phase and solver, without what is computed to judge by.
-    pub(super) step_ms: Spread,
+    /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a step.
+    pub(super) step_ms: Option<Spread>,
     /// Means.
-    pub(super) broad_ms: f64,
-    pub(super) narrow_ms: f64,
-    pub(super) solver_ms: f64,
+    pub(super) broad_ms: Option<f64>,
+    pub(super) narrow_ms: Option<f64>,
+    pub(super) solver_ms: Option<f64>,
     pub(super) contacts: Option<CountSummary>,
     pub(super) deepest: Option<DeepestSummary>,
+    /// Bodies wholly within others, whose depth nothing tells.
+    pub(super) contained: Option<ContainedSummary>,
     pub(super) energy: Option<EnergySummary>,
     /// The greatest gain of energy over the start, relative to its scale.
     pub(super) energy_drift: Option<f64>,
@@ -54,7 +66,7 @@ pub(super) struct Figures {
 }
 
 /// How values spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct Spread {
     pub(super) mean: f64,
     pub(super) median: f64,
@@ -63,39 +75,36 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    fn of(mut values: Vec<f64>) -> Self {
-        if values.is_empty() {
-            return Self::default();
-        }
+    /// Quantiles are values that occur: the least that so many of a hundred do not exceed. `None` of nothing.
+    fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
-        let last = values.len() - 1;
-        Self {
-            mean: mean(&values),
-            median: values[last / 2],
-            p99: values[last * 99 / 100],
-            max: values[last],
-        }
+        let quantile = |percent: usize| {
+            let rank = (values.len() * percent).div_ceil(100).max(1);
+            values.get(rank - 1).copied()
+        };
+        Some(Self {
+            mean: mean(&values)?,
+            median: quantile(50)?,
+            p99: quantile(99)?,
+            max: *values.last()?,
+        })
     }
 }
 
-fn mean(values: &[f64]) -> f64 {
-    if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 impl Figures {
     pub(super) fn new(
-        detector: Detector,
-        recycling: bool,
-        prepared_s: f64,
+        setting: Setting,
         times: Vec<StepTimes>,
         summary: Option<RunSummary>,
         failure: Option<String>,
     ) -> Self {
         let of = |phase: fn(&StepTimes) -> f64| times.iter().map(phase).collect::<Vec<f64>>();
         let mut row = Self {
-            detector: detector.name(),
-            recycling,
-            prepared_s,
+            setting,
             steps: times.len(),
             dt: None,
             step_ms: Spread::of(of(StepTimes::total)),
@@ -104,6 +113,7 @@ impl Figures {
             solver_ms: mean(&of(|t| t.solver)),
             contacts: None,
             deepest: None,
+            contained: None,
             energy: None,
             energy_drift: None,
             links: None,
@@ -117,6 +127,7 @@ impl Figures {
             row.dt = Some(summary.dt);
             row.contacts = Some(summary.contacts);
             row.deepest = summary.deepest;
+            row.contained = summary.contained;
             row.energy = summary.energy;
             row.energy_drift = summary.energy_drift;
             row.links = summary.links;
@@ -129,12 +140,17 @@ impl Figures {
 
     /// Its name, and whether it recycles where that is not what it usually does.
     pub(super) fn name(&self) -> String {
-        let usual = self.detector != Detector::Cranny.name();
-        match (self.recycling, usual) {
-            (true, false) => format!("{}, recycled", self.detector),
-            (false, true) => format!("{}, not recycled", self.detector),
-            _ => self.detector.to_owned(),
+        let Setting { detector, recycling, .. } = self.setting;
+        match (recycling, detector != Detector::Cranny.name()) {
+            (true, false) => format!("{detector}, recycled"),
+            (false, true) => format!("{detector}, not recycled"),
+            _ => detector.to_owned(),
         }
+    }
+
+    /// The rings that parted first.
+    fn parted(&self) -> Option<&PartedSummary> {
+        self.links.iter().flat_map(|links| &links.parted).min_by_key(|parted| parted.step)
     }
 
     fn links_kept(&self) -> Option<String> {
@@ -144,25 +160,28 @@ impl Figures {
 
     /// The texts of its columns; empty where nothing is known.
     fn cells(&self) -> Vec<String> {
-        let energy = self.energy.as_ref().map(|energy| -100.0 * energy.loss);
-        let drift = self.energy_drift.map(|drift| 100.0 * drift);
-        let helix = self.helices.first();
-        let ms = |value: f64| format!("{value:.3}");
+        // 0 is added so that nothing lost is not told as -0.
+        let end = self.energy.as_ref().map(|energy| -100.0 * energy.loss + 0.0);
+        let gained = self.energy_drift.map(|drift| 100.0 * drift);
+        let (spread, helix) = (self.step_ms, self.helices.first());
         let told = |value: Option<f64>, digits: usize| {
             value.map_or(String::new(), |value| format!("{value:.digits$}"))
         };
         vec![
             self.name(),
-            format!("{:.2}", self.prepared_s),
-            ms(self.step_ms.mean),
-            ms(self.step_ms.median),
-            ms(self.step_ms.p99),
-            ms(self.narrow_ms),
-            ms(self.solver_ms),
+            told(Some(self.setting.prepared_s), 2),
+            self.steps.to_string(),
+            self.setting.substeps.to_string(),
+            told(spread.map(|s| s.mean), 3),
+            told(spread.map(|s| s.median), 3),
+            told(spread.map(|s| s.p99), 3),
+            told(self.narrow_ms, 3),
+            told(self.solver_ms, 3),
             told(self.contacts.map(|c| c.mean), 0),
             told(self.deepest.as_ref().map(|d| d.depth), 5),
-            told(drift, 2),
-            told(energy, 2),
+            self.contained.as_ref().map_or(String::new(), |c| c.steps.to_string()),
+            told(gained, 2),
+            told(end, 2),
             self.links_kept().unwrap_or_default(),
             told(helix.map(|h| h.turns), 3),
             told(helix.map(|h| h.deviation_max), 4),
@@ -171,9 +190,11 @@ impl Figures {
 }
 
 /// Headings of the columns, in two lines; the first column is a name, the others are numbers.
-const HEADINGS: [[&str; 2]; 14] = [
+const HEADINGS: [[&str; 2]; 17] = [
     ["", "detector"],
     ["ready", "s"],
+    ["", "steps"],
+    ["sub-", "steps"],
     ["step ms", "mean"],
     ["", "median"],
     ["", "p99"],
@@ -181,6 +202,7 @@ const HEADINGS: [[&str; 2]; 14] = [
     ["solver", "mean"],
     ["contacts", "a step"],
     ["deepest", "overlap"],
+    ["inside", "steps"],
     ["energy %", "gained"],
     ["", "at end"],
     ["links", "kept"],
@@ -228,16 +250,16 @@ fn notes(rows: &[Figures]) -> Vec<String> {
             notes.push(format!("{name} was interrupted after {} steps", row.steps));
         }
         if let Some(d) = row.deepest.as_ref().filter(|d| d.depth > 0.0) {
+            let DeepestSummary { a, b, step, .. } = d;
+            notes.push(format!("{name}: deepest between {a} and {b}, after {step} steps"));
+        }
+        if let Some(ContainedSummary { a, b, step, .. }) = &row.contained {
             notes.push(format!(
-                "{name}: deepest between {} and {}, after {} steps",
-                d.a, d.b, d.step
+                "{name}: {a} and {b}, one wholly within the other, after {step} steps"
             ));
         }
-        for parted in row.links.iter().flat_map(|links| links.parted.first()) {
-            notes.push(format!(
-                "{name}: {} and {} parted, after {} steps",
-                parted.a, parted.b, parted.step
-            ));
+        if let Some(PartedSummary { a, b, step }) = row.parted() {
+            notes.push(format!("{name}: {a} and {b} parted first, after {step} steps"));
         }
         for helix in row.helices.iter().skip(1) {
             notes.push(format!(
@@ -252,36 +274,41 @@ fn notes(rows: &[Figures]) -> Vec<String> {
 /// All rows, a line each.
 pub(super) fn csv(rows: &[Figures]) -> String {
     let mut text = String::from(
-        "detector,recycling,prepared_s,steps,step_ms_mean,step_ms_median,step_ms_p99,step_ms_max,\
-         broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,deepest,energy_drift,energy_loss,\
-         links,parted,turns,deviation_max,state_hash,failure\n",
+        "detector,recycling,substeps,prepared_s,dt,steps,step_ms_mean,step_ms_median,step_ms_p99,\
+         step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,deepest,contained_steps,\
+         energy_drift,energy_loss,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
     );
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let count = |value: Option<u64>| value.map_or(String::new(), |value| value.to_string());
     for row in rows {
-        let helix = row.helices.first();
-        let links = row.links.as_ref();
+        let Setting { detector, recycling, substeps, prepared_s } = &row.setting;
+        let (spread, helix, links) = (row.step_ms, row.helices.first(), row.links.as_ref());
         let cells = [
-            row.detector.to_owned(),
-            row.recycling.to_string(),
-            row.prepared_s.to_string(),
+            (*detector).to_owned(),
+            recycling.to_string(),
+            substeps.to_string(),
+            prepared_s.to_string(),
+            number(row.dt),
             row.steps.to_string(),
-            row.step_ms.mean.to_string(),
-            row.step_ms.median.to_string(),
-            row.step_ms.p99.to_string(),
-            row.step_ms.max.to_string(),
-            row.broad_ms.to_string(),
-            row.narrow_ms.to_string(),
-            row.solver_ms.to_string(),
+            number(spread.map(|s| s.mean)),
+            number(spread.map(|s| s.median)),
+            number(spread.map(|s| s.p99)),
+            number(spread.map(|s| s.max)),
+            number(row.broad_ms),
+            number(row.narrow_ms),
+            number(row.solver_ms),
             number(row.contacts.map(|c| c.mean)),
-            row.contacts.map_or(String::new(), |c| c.max.to_string()),
+            count(row.contacts.map(|c| c.max)),
             number(row.deepest.as_ref().map(|d| d.depth)),
+            count(row.contained.as_ref().map(|c| c.steps)),
             number(row.energy_drift),
             number(row.energy.as_ref().map(|e| e.loss)),
-            links.map_or(String::new(), |l| l.at_start.to_string()),
-            links.map_or(String::new(), |l| l.parted.len().to_string()),
+            count(links.map(|l| l.at_start as u64)),
+            count(links.map(|l| l.parted.len() as u64)),
             number(helix.map(|h| h.turns)),
             number(helix.map(|h| h.deviation_max)),
             row.state_hash.clone().unwrap_or_default(),
+            row.interrupted.to_string(),
             row.failure.as_deref().map_or(String::new(), quoted),
         ];
         let _ = writeln!(text, "{}", cells.join(","));
@@ -298,10 +325,10 @@ fn quoted(text: &str) -> String {
 pub(super) fn steps_csv(rows: &[Figures]) -> String {
     let mut text = String::from("detector,recycling,step,broad_ms,narrow_ms,solver_ms\n");
     for row in rows {
+        let Setting { detector, recycling, .. } = row.setting;
         for (step, times) in row.times.iter().enumerate() {
-            let (name, recycling) = (row.detector, row.recycling);
             let StepTimes { broad, narrow, solver } = times;
-            let _ = writeln!(text, "{name},{recycling},{step},{broad},{narrow},{solver}");
+            let _ = writeln!(text, "{detector},{recycling},{step},{broad},{narrow},{solver}");
         }
     }
     text
@@ -313,41 +340,52 @@ mod tests {
 
     fn row(detector: Detector, recycling: bool, ms: &[f64]) -> Figures {
         let times = ms.iter().map(|&narrow| StepTimes { narrow, ..StepTimes::default() });
-        Figures::new(detector, recycling, 0.5, times.collect(), None, None)
+        let detector = detector.name();
+        let setting = Setting { detector, recycling, substeps: 4, prepared_s: 0.5 };
+        Figures::new(setting, times.collect(), None, None)
     }
 
     #[test]
-    fn spreads_are_of_sorted_values() {
-        let hundred: Vec<f64> = (1..=101).rev().map(f64::from).collect();
-        let spread = Spread::of(hundred);
-        assert_eq!(
-            (spread.mean, spread.median, spread.p99, spread.max),
-            (51.0, 51.0, 100.0, 101.0)
-        );
-        assert_eq!(Spread::of(Vec::new()), Spread::default());
+    fn quantiles_are_values_that_occur() {
+        let hundred: Vec<f64> = (1..=100).rev().map(f64::from).collect();
+        let spread = Spread::of(hundred).unwrap();
+        assert_eq!((spread.mean, spread.median, spread.p99, spread.max), (50.5, 50.0, 99.0, 100.0));
+        // Of few values, the worst is seen.
+        let spread = Spread::of(vec![3.0, 1.0, 2.0]).unwrap();
+        assert_eq!((spread.median, spread.p99), (2.0, 3.0));
+        assert_eq!(Spread::of(Vec::new()), None);
     }
 
     #[test]
-    fn what_nobody_knows_has_no_column() {
+    fn what_nobody_knows_has_no_column_and_what_failed_no_time() {
         let mut rows = vec![
             row(Detector::Cranny, false, &[1.0, 3.0]),
-            row(Detector::RapierTrimesh, false, &[2.0]),
+            row(Detector::RapierTrimesh, false, &[]),
         ];
-        rows[1].failure = Some("after 1 steps: it panicked: \"no\"".to_owned());
+        rows[1].failure = Some("before its first step: \"no\"".to_owned());
         let told = text(&rows);
         let lines: Vec<&str> = told.lines().collect();
         assert!(lines[1].starts_with("detector") && !told.contains("links"), "{told}");
         assert!(lines[2].starts_with("cranny  ") && lines[2].contains("2.000"), "{told}");
         assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{told}");
-        assert!(lines[4].contains("did not finish, after 1 steps"), "{told}");
-        rows[0].links = Some(LinkSummary { at_start: 3, parted: Vec::new() });
-        assert!(text(&rows).contains("3 of 3"));
+        assert!(!lines[3].contains("0.000"), "{told}");
+        assert!(lines[4].contains("did not finish, before its first step"), "{told}");
         let csv = csv(&rows);
-        assert!(
-            csv.lines().nth(2).unwrap().ends_with("\"after 1 steps: it panicked: \"\"no\"\"\"")
-        );
+        let failed = csv.lines().nth(2).unwrap();
+        assert!(failed.ends_with(",false,\"before its first step: \"\"no\"\"\""), "{failed}");
         let columns = csv.lines().next().unwrap().split(',').count();
         assert_eq!(csv.lines().nth(1).unwrap().split(',').count(), columns);
-        assert_eq!(steps_csv(&rows).lines().count(), 4);
+        assert_eq!(steps_csv(&rows).lines().count(), 3);
+    }
+
+    #[test]
+    fn the_first_to_part_is_named() {
+        let mut rows = vec![row(Detector::RapierDecomposition, true, &[1.0])];
+        let parted = |a: &str, step| PartedSummary { a: a.to_owned(), b: "ring".to_owned(), step };
+        rows[0].links =
+            Some(LinkSummary { at_start: 3, parted: vec![parted("late", 9), parted("early", 2)] });
+        let told = text(&rows);
+        assert!(told.contains("1 of 3"), "{told}");
+        assert!(told.contains("early and ring parted first, after 2 steps"), "{told}");
     }
 }
