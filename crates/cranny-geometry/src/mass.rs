@@ -25,7 +25,9 @@ impl MassProperties {
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let reference = mesh.bounds().center();
-        let (mut volume, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+        let (mut volume, mut first) = (0.0, DVec3::ZERO);
+        // xx, yy, zz and xy, yz, zx.
+        let [mut squares, mut mixed] = [DVec3::ZERO; 2];
         for face in (0..mesh.faces().len() as u32).map(FaceId) {
             let [a, b, c] = mesh.triangle(face).map(|p| p - reference);
             let six_volume = a.dot(b.cross(c));
@@ -33,8 +35,17 @@ impl MassProperties {
             volume += six_volume / 6.0;
             first += six_volume / 24.0 * sum;
             // Integral of x xᵀ over the tetrahedron (0, a, b, c).
-            second += (outer(a) + outer(b) + outer(c) + outer(sum)) * (six_volume / 120.0);
+            let share = six_volume / 120.0;
+            squares += (a * a + b * b + c * c + sum * sum) * share;
+            let turned = |v: DVec3| DVec3::new(v.y, v.z, v.x);
+            let products = a * turned(a) + b * turned(b) + c * turned(c) + sum * turned(sum);
+            mixed += products * share;
         }
+        let second = DMat3::from_cols(
+            DVec3::new(squares.x, mixed.x, mixed.z),
+            DVec3::new(mixed.x, squares.y, mixed.y),
+            DVec3::new(mixed.z, mixed.y, squares.z),
+        );
         let offset = if volume == 0.0 { DVec3::ZERO } else { first / volume };
         let central = second - outer(offset) * volume;
         let trace = central.x_axis.x + central.y_axis.y + central.z_axis.z;

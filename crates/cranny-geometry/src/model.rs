@@ -409,7 +409,7 @@ impl Covered {
         let groups = concavities.iter().map(|concavity| concavity.faces);
         let concavity_trees = FaceForest::within(tree, mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
         observe(Stage::Envelopes);
-        let envelopes = envelopes(mesh, &concavities);
+        let envelopes = envelopes(mesh, &concavities, &concavity_trees);
         Self { features, concavities, concavity_trees, envelopes }
     }
 }
@@ -459,13 +459,13 @@ impl ModelTag {
 }
 
 /// An envelope for each concavity, which opens through its lids.
-fn envelopes(mesh: &Mesh, concavities: &Concavities) -> Envelopes {
+fn envelopes(mesh: &Mesh, concavities: &Concavities, trees: &FaceForest) -> Envelopes {
     let openings = openings(concavities);
     let pockets = concavities
         .iter()
         .zip(&openings)
         .map(|(concavity, openings)| Pocket { faces: concavity.faces, openings });
-    Envelopes::of(mesh, pockets, &EnvelopeOptions::default())
+    Envelopes::within(mesh, pockets, trees, &EnvelopeOptions::default())
 }
 
 /// Bytes of a mesh that are hashed together. Fewer, and hashing is several times slower; more, and memory is

@@ -61,8 +61,9 @@ pub(crate) fn decimal_step(mesh: &Mesh) -> Option<f64> {
 
 /// The step of the decimal grid of 0 to 9 places that holds every coordinate.
 fn grid_step(mesh: &Mesh) -> Option<f64> {
+    let written = written(mesh);
     (0..=MAX_DECIMALS)
-        .find(|&places| written(mesh).all(|x| has_places(x, places)))
+        .find(|&places| written.clone().all(|x| has_places(x, places)))
         .map(|places| 1.0 / power_of_ten(places))
 }
 
@@ -107,12 +108,12 @@ const SINGLE: f64 = 1.0 / (1u64 << 23) as f64;
 
 /// The coordinates but for those that computing left where nothing was meant: the 6e-17 of a
 /// quarter turn is written with all its digits beside a 1.
-fn written(mesh: &Mesh) -> impl Iterator<Item = f64> + '_ {
+fn written(mesh: &Mesh) -> impl Iterator<Item = f64> + Clone + '_ {
     let noise = BINARY_STEPS * f64::EPSILON * largest(mesh);
     coordinates(mesh).filter(move |x| x.abs() > noise)
 }
 
-fn coordinates(mesh: &Mesh) -> impl Iterator<Item = f64> + '_ {
+fn coordinates(mesh: &Mesh) -> impl Iterator<Item = f64> + Clone + '_ {
     mesh.vertices().iter().flat_map(|p| p.to_array())
 }
 

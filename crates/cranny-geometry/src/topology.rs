@@ -94,7 +94,7 @@ impl HalfEdgeId {
     /// The next one around the face.
     #[must_use]
     pub fn next(self) -> Self {
-        Self(self.0 - self.0 % 3 + (self.0 + 1) % 3)
+        Self(if self.0 % 3 == 2 { self.0 - 2 } else { self.0 + 1 })
     }
 }
 

@@ -227,7 +227,7 @@ impl<'a> Deformation<'a> {
 
     /// `openings`: how the lids of each concavity before opened.
     fn follow_with_envelopes(&mut self, same: &[Option<usize>], before: &[Vec<DVec3>]) {
-        let Parts { mesh, concavities, envelopes, .. } = &mut *self.parts;
+        let Parts { mesh, concavities, concavity_trees, envelopes, .. } = &mut *self.parts;
         let openings = openings(concavities);
         let mut moved = vec![false; concavities.len()];
         for concavity in self.change.faces.iter().filter_map(|&f| concavities.of_face(f)) {
@@ -238,7 +238,7 @@ impl<'a> Deformation<'a> {
         self.change.work.enveloped = built.map(|c| c.faces.len()).sum();
         let pockets = concavities.iter().zip(&openings);
         let pockets = pockets.map(|(c, openings)| Pocket { faces: c.faces, openings });
-        *envelopes = envelopes.updated(mesh, pockets, kept);
+        *envelopes = envelopes.updated(mesh, pockets, concavity_trees, kept);
     }
 
     fn measure(&mut self) {

@@ -9,6 +9,7 @@ use super::crumbs::{Crumbs, larger};
 use super::moments::{Opening, unit};
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head, Pocket};
 use crate::mesh::Mesh;
+use crate::tree::{FaceForest, FaceTree};
 
 impl HalfSpace {
     /// The smallest half-space with this normal (a unit vector, to rounding) that certainly holds the points.
@@ -34,11 +35,29 @@ impl HalfSpace {
 impl Envelopes {
     /// Builds an envelope for each pocket.
     ///
-    /// Cost: O(n log n) for n faces in all.
+    /// Cost: O(n log n) for n faces in all, most of it for trees over the faces of each.
     #[must_use]
     pub fn of<'p>(
         mesh: &Mesh,
         pockets: impl IntoIterator<Item = Pocket<'p>>,
+        options: &EnvelopeOptions,
+    ) -> Self {
+        let pockets: Vec<Pocket> = pockets.into_iter().collect();
+        let groups = pockets.iter().map(|pocket| pocket.faces);
+        let leaf_size = FaceForest::DEFAULT_LEAF_SIZE.min(options.leaf_faces);
+        Self::within(
+            mesh,
+            pockets.iter().copied(),
+            &FaceForest::over(mesh, groups, leaf_size),
+            options,
+        )
+    }
+
+    /// The same, given trees over the faces of each pocket.
+    pub(crate) fn within<'p>(
+        mesh: &Mesh,
+        pockets: impl IntoIterator<Item = Pocket<'p>>,
+        trees: &FaceForest,
         options: &EnvelopeOptions,
     ) -> Self {
         let options =
@@ -52,38 +71,45 @@ impl Envelopes {
             options,
         };
         let mut workshop = Workshop::default();
-        for pocket in pockets {
-            all.add(mesh, &pocket, &mut workshop);
+        for (i, pocket) in pockets.into_iter().enumerate() {
+            all.add(mesh, &pocket, (trees.arena(), trees.root(i)), &mut workshop);
         }
         all
     }
 
-    pub(super) fn add(&mut self, mesh: &Mesh, pocket: &Pocket, workshop: &mut Workshop) {
-        let corners = pocket.faces.iter().flat_map(|&f| mesh.triangle(f));
-        let bounds = Aabb::of_points(corners);
+    /// `root`: the node of the tree over the pocket's faces; none where there are none.
+    pub(super) fn add(
+        &mut self,
+        mesh: &Mesh,
+        pocket: &Pocket,
+        (tree, root): (&FaceTree, Option<u32>),
+        workshop: &mut Workshop,
+    ) {
+        let bounds = root.map_or(Aabb::EMPTY, |root| tree.node(root).bounds);
         let opening = Opening::of(pocket.openings, &bounds);
-        workshop.crumbs.fill(mesh, pocket.faces, &bounds, &opening, self.options.leaf_faces);
+        let lids_start = self.lids.len() as u32;
+        let Some(root) = root else {
+            let lids = [lids_start; 2];
+            self.heads.push(Head { axis: opening.axis, bounds, lids, layer: u32::MAX });
+            return;
+        };
+        workshop.crumbs.fill(mesh, tree, root, &opening, self.options.leaf_faces);
         let count = workshop.crumbs.items.len();
         workshop.order.clear();
         workshop.order.extend(0..count as u32);
         // Nearly as many facets are made as there are crumbs.
         self.facets.reserve(count);
         self.faces.reserve(pocket.faces.len());
-        let lids_start = self.lids.len() as u32;
-        if count > 0 {
-            for direction in pocket.openings.iter().filter_map(|&o| unit(o)) {
-                let corners = workshop.crumbs.all_corners().iter();
-                let corners = corners.map(|&v| mesh.position(v));
-                self.lids.push(HalfSpace::holding(direction, corners));
-            }
+        for direction in pocket.openings.iter().filter_map(|&o| unit(o)) {
+            let corners = workshop.crumbs.all_corners().iter();
+            let corners = corners.map(|&v| mesh.position(v));
+            self.lids.push(HalfSpace::holding(direction, corners));
         }
-        let layer = if count > 0 { self.layers.len() as u32 } else { u32::MAX };
         let lids = [lids_start, self.lids.len() as u32];
+        let layer = self.layers.len() as u32;
         self.heads.push(Head { axis: opening.axis, bounds, lids, layer });
 
-        if count > 0 {
-            self.add_layer(mesh, [0, count], self.faces.len() as u32, &opening, workshop);
-        }
+        self.add_layer(mesh, [0, count], self.faces.len() as u32, &opening, workshop);
         while let Some((facet, crumbs)) = workshop.waiting.pop_front() {
             self.facets[facet].layer = self.layers.len() as u32;
             let first_face = self.facets[facet].faces[0];

@@ -62,11 +62,11 @@ pub(super) fn clusters(
             .max_by(|a, b| a.cost.total_cmp(&b.cost).then(b.start.cmp(&a.start)));
         let Some(part) = costliest else { break };
         let (start, end) = (part.start, part.end);
-        let (left_items, halves) = halves(items, &mut order[start..end], opening, scratch);
+        let (left_items, Halves { moments: [left, right], costs }) =
+            halves(items, &mut order[start..end], opening, scratch);
         let middle = start + left_items;
-        let [left, right] = halves.map(|m| (m, m.cost(opening)));
-        *part = Cluster { start, end: middle, moments: left.0, cost: left.1 };
-        parts.push(Cluster { start: middle, end, moments: right.0, cost: right.1 });
+        *part = Cluster { start, end: middle, moments: left, cost: costs[0] };
+        parts.push(Cluster { start: middle, end, moments: right, cost: costs[1] });
     }
     parts
 }
@@ -118,7 +118,8 @@ struct Cut {
 impl Cut {
     fn is_right(&self, items: &[Item], item: u32) -> bool {
         let key = items[item as usize].keys[self.key];
-        key > self.at.0 || (key == self.at.0 && item >= self.at.1)
+        // Without a branch, which nobody could predict.
+        (key > self.at.0) | ((key == self.at.0) & (item >= self.at.1))
     }
 
     /// Two halves by number along the same key, and the sums over them.
@@ -142,14 +143,19 @@ impl Cut {
     }
 }
 
-/// Divides at least two items in the better of two ways; the number of those on the left, and the sums over
-/// both parts.
+/// Two parts of some items: the sums over them, and what they cost.
+struct Halves {
+    moments: [Moments; 2],
+    costs: [f64; 2],
+}
+
+/// Divides at least two items in the better of two ways; the number of those on the left, and both parts.
 fn halves(
     items: &[Item],
     order: &mut [u32],
     opening: &Opening,
     scratch: &mut Scratch,
-) -> (usize, [Moments; 2]) {
+) -> (usize, Halves) {
     let ranges = Ranges::of(order.iter().map(|&item| &items[item as usize]));
     let cuts = [PLACE, FACING].map(|first| ranges.cut(ranges.widest(first)));
     let mut quarters = [Moments::NONE; 4];
@@ -164,16 +170,17 @@ fn halves(
         let is_lopsided = sides.iter().any(|side| side.count() < least);
         let (cut, sides) =
             if is_lopsided { Cut::halving(cut.key, items, order, scratch) } else { (cut, sides) };
-        (sides[0].cost(opening) + sides[1].cost(opening), cut, sides)
+        (cut, Halves { moments: sides, costs: [sides[0].cost(opening), sides[1].cost(opening)] })
     };
     let mut best = judged(cuts[0], [a.plus(&b), c.plus(&d)]);
     if ranges.width(cuts[1].key) > FLAT {
         let by_facing = judged(cuts[1], [a.plus(&c), b.plus(&d)]);
-        if by_facing.0 < best.0 {
+        let sum = |(_, halves): &(Cut, Halves)| halves.costs[0] + halves.costs[1];
+        if sum(&by_facing) < sum(&best) {
             best = by_facing;
         }
     }
-    let (_, cut, sides) = best;
+    let (cut, sides) = best;
     let left = partition(order, &mut scratch.aside, |&item| !cut.is_right(items, item));
     (left, sides)
 }

@@ -172,6 +172,7 @@ mod tests {
     use crate::envelope::crumbs::Crumbs;
     use crate::ids::FaceId;
     use crate::mesh::Mesh;
+    use crate::tree::FaceTree;
 
     #[test]
     fn two_floors_one_above_the_other_by_hand() {
@@ -180,7 +181,8 @@ mod tests {
         let mesh = Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let opening = Opening::of(&[DVec3::Z * 3.0], &mesh.bounds());
         let mut crumbs = Crumbs::default();
-        crumbs.fill(&mesh, &[FaceId(0), FaceId(1)], &mesh.bounds(), &opening, 1);
+        let tree = FaceTree::over(&mesh, &[FaceId(0), FaceId(1)], 1);
+        crumbs.fill(&mesh, &tree, 0, &opening, 1);
         // Corners of a floor vary by 2/9 along x and y, those of both by 1/16 along z.
         for (items, variances) in [
             (&crumbs.items[..1], [0.0, 4.0 / 9.0]),

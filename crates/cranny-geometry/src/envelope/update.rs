@@ -3,6 +3,7 @@
 use super::build::Workshop;
 use super::{EnvelopeFacet, Envelopes, Head, Pocket};
 use crate::mesh::Mesh;
+use crate::tree::FaceForest;
 
 /// Where an envelope's parts stand in the flat arrays.
 struct Place {
@@ -14,13 +15,14 @@ struct Place {
 
 impl Envelopes {
     /// The same envelopes but for those of some pockets: that of pocket `i` is envelope `kept(i)` of
-    /// these, where there is one; the others are built.
+    /// these, where there is one; the others are built, given trees over the faces of each pocket.
     ///
     /// Cost: copying, and O(n log n) for the faces of the pockets that are built.
     pub(crate) fn updated<'p>(
         &self,
         mesh: &Mesh,
         pockets: impl IntoIterator<Item = Pocket<'p>>,
+        trees: &FaceForest,
         kept: impl Fn(usize) -> Option<usize>,
     ) -> Self {
         let places = self.places();
@@ -36,7 +38,7 @@ impl Envelopes {
         for (i, pocket) in pockets.into_iter().enumerate() {
             match kept(i) {
                 Some(old) => all.copy(self, &places[old]),
-                None => all.add(mesh, &pocket, &mut workshop),
+                None => all.add(mesh, &pocket, (trees.arena(), trees.root(i)), &mut workshop),
             }
         }
         all

@@ -67,7 +67,9 @@ impl Assignment {
     /// The facets that a vertex lies on, ascending; none off the hull. Of an extreme vertex those of
     /// the triangles around it.
     pub(crate) fn facets_of(&self, vertex: VertexId) -> &[u32] {
-        if let Some(facets) = self.moved.get(&vertex.0) {
+        if !self.moved.is_empty()
+            && let Some(facets) = self.moved.get(&vertex.0)
+        {
             return facets;
         }
         let v = vertex.index();
@@ -87,8 +89,12 @@ impl Assignment {
     /// The facets on which a segment between two vertices lies, ascending.
     pub(crate) fn facets_of_segment(&self, mesh: &Mesh, [a, b]: [VertexId; 2]) -> Vec<u32> {
         let holds = |f: u32, v: VertexId| self.slabs.holds(f, mesh.position(v));
-        let (of_a, of_b) = (self.facets_of(a), self.facets_of(b));
-        if of_a.is_empty() || of_b.is_empty() {
+        let of_a = self.facets_of(a);
+        if of_a.is_empty() {
+            return Vec::new(); // nearly every vertex
+        }
+        let of_b = self.facets_of(b);
+        if of_b.is_empty() {
             return Vec::new();
         }
         let mut common = Vec::new();

@@ -238,11 +238,12 @@ fn judge_edge(
                 return (Feature::Concavity, Vec::new()); // the short side of a collapsed face
             }
             let facets = assignment.facets_of_segment(mesh, [edge.from, edge.to]);
+            if facets.is_empty() {
+                return (Feature::Concavity, Vec::new());
+            }
             let ends = [edge.from.0, edge.to.0];
-            let ridges: Vec<_> =
-                facets.into_iter().map(|facet| RidgeOnFacet { facet, ends }).collect();
-            let feature = if ridges.is_empty() { Feature::Concavity } else { Feature::Convex };
-            (feature, ridges)
+            let ridge = |facet| RidgeOnFacet { facet, ends };
+            (Feature::Convex, facets.into_iter().map(ridge).collect())
         }
         n if n == around.len() => (Feature::Convex, Vec::new()),
         _ => (Feature::Boundary, Vec::new()),

@@ -64,12 +64,14 @@ impl Node {
 
     /// Whether a point may lie in one of the slabs.
     fn may_hold(&self, p: DVec3) -> bool {
-        self.may_reach(&Aabb { min: p, max: p })
+        // All that is asked is computed, without a branch: nobody could predict it.
+        let within = self.bounds.min.cmple(p) & p.cmple(self.bounds.max);
+        let highest = (self.normals.min * p).max(self.normals.max * p);
+        (within.bitmask() == 0b111) & (highest.x + highest.y + highest.z >= self.floor)
     }
 
     /// Whether a point of a box may lie in one of the slabs.
     fn may_reach(&self, within: &Aabb) -> bool {
-        // All that is asked is computed, without a branch: nobody could predict it.
         let shared = self.bounds.min.cmple(within.max) & within.min.cmple(self.bounds.max);
         let (low, high) = (self.normals.min, self.normals.max);
         let least = (low * within.min).max(high * within.min);

@@ -262,7 +262,13 @@ fn grow_from(
             if !free.has(next) {
                 return;
             }
-            let alone = Growing::alone(mesh, next, normal(next));
+            let normal = normal(next);
+            if let (Some(cone), Some(normal)) = (patch.cone, normal)
+                && cone.axis.dot(normal) < LEAST_COSINE_OF_AXES
+            {
+                return; // what `joined` would find in the end
+            }
+            let alone = Growing::alone(mesh, next, normal);
             if let Some(larger) = limits.joined(&patch, &alone) {
                 patch = larger;
                 free.take(next);

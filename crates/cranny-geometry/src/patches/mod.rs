@@ -111,7 +111,7 @@ impl Patches {
         let patches: Vec<Patch> = grown
             .iter()
             .enumerate()
-            .map(|(p, grown)| Patch::of(mesh, trees.faces(p), grown.cone))
+            .map(|(p, grown)| Patch::of(mesh, &trees, p, grown.cone))
             .collect();
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
         let top = PatchTree::over(&patches);
@@ -223,7 +223,7 @@ impl Patches {
         topology: &Topology,
     ) -> Result<(), String> {
         let faces = self.faces(id);
-        if *patch != Patch::of(mesh, faces, Some(patch.cone)) {
+        if *patch != Patch::of(mesh, &self.trees, id.index(), Some(patch.cone)) {
             return Err(format!("patch {} is not what its faces make", id.0));
         }
         let (limits, mut largest) = (grow::Limits::of(mesh), 0.0f64);
@@ -257,17 +257,17 @@ impl Patches {
 }
 
 impl Patch {
-    /// `axis`: of the cone; `None` where all faces are needles.
-    fn of(mesh: &Mesh, faces: &[FaceId], axis: Option<NormalCone>) -> Self {
-        let corners = || faces.iter().flat_map(|&f| mesh.triangle(f));
-        let bounds = Aabb::of_points(corners());
+    /// Of tree `patch`, which is not empty. `axis`: of the cone; `None` where all faces are needles.
+    fn of(mesh: &Mesh, trees: &FaceForest, patch: usize, axis: Option<NormalCone>) -> Self {
+        let faces = trees.faces(patch);
+        let bounds = trees.nodes(patch)[0].bounds;
         let center = bounds.center();
         // Not by `f64::max`, which would look for NaN among them.
         let farther = |most, p: DVec3| {
             let squared = (p - center).length_squared();
             if squared > most { squared } else { most }
         };
-        let farthest: f64 = corners().fold(0.0, farther);
+        let farthest = faces.iter().flat_map(|&f| mesh.triangle(f)).fold(0.0, farther);
         let axis = axis.map_or(DVec3::ZERO, |cone| cone.axis);
         let Measured { cone, needles, area } = Measured::of(mesh, faces, axis);
         Self {

@@ -77,7 +77,7 @@ impl Patches {
     }
 
     fn measure(&mut self, mesh: &Mesh, p: usize, grown: &Growing) {
-        self.patches[p] = Patch::of(mesh, self.trees.faces(p), grown.cone);
+        self.patches[p] = Patch::of(mesh, &self.trees, p, grown.cone);
         let range = self.trees.node_range(p);
         let slabs = Slab::of_trees(mesh, self.trees.arena(), [range.clone()]);
         self.slabs[range].copy_from_slice(&slabs);

@@ -99,10 +99,16 @@ fn shell_findings(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<Find
         let (kind, at) = (FindingKind::BackFaces, middle(group[0]));
         findings.push(Finding { kind, ids, at, measure: area(group), count: 1 });
     }
+    let mut areas = vec![0.0; topology.components().len()];
+    if !disagreement.twisted.is_empty() {
+        for face in (0..mesh.faces().len() as u32).map(FaceId) {
+            areas[topology.component_of(face).index()] += mesh.area_vector(face).length();
+        }
+    }
     for &face in &disagreement.twisted {
         let component = topology.component_of(face);
         let (kind, at) = (FindingKind::NonOrientable, middle(face));
-        let measure = shells[component.index()].area;
+        let measure = areas[component.index()];
         findings.push(Finding { kind, ids: vec![component.0], at, measure, count: 1 });
     }
     for (component, shell) in shells.iter().enumerate() {

@@ -17,8 +17,6 @@ pub(crate) struct Shell {
     pub(crate) looks: Sign,
     /// Signed volume, rounded; 0 where not closed.
     pub(crate) volume: f64,
-    /// Surface area.
-    pub(crate) area: f64,
     /// Middle of its box.
     pub(crate) center: DVec3,
     /// Closed components that it lies in, ascending: those that wind around its first corner that lies
@@ -32,12 +30,14 @@ pub(crate) fn shells(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<S
     let several = faces.len() > 1;
     let box_of =
         |faces: &Vec<FaceId>| Aabb::of_points(faces.iter().flat_map(|&f| mesh.triangle(f)));
-    let boxes: Vec<Aabb> = faces.iter().map(box_of).collect();
+    let boxes: Vec<Aabb> = match several {
+        true => faces.iter().map(box_of).collect(),
+        false => vec![tree.node(0).bounds],
+    };
     let shell = |(component, faces): (usize, &Vec<FaceId>)| {
         let closed = topology.components()[component].closed;
         let corners = || faces.iter().flat_map(|&f| mesh.triangle(f));
         let center = boxes[component].center();
-        let area = faces.iter().map(|&f| mesh.area_vector(f).length()).sum();
         let (looks, volume) =
             if closed { signed_volume(mesh, faces, center) } else { (Sign::Zero, 0.0) };
         let mut inside = match closed && several {
@@ -49,7 +49,7 @@ pub(crate) fn shells(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<S
             let crossed = crossed(mesh, topology, tree, faces, &inside);
             inside.retain(|c| !crossed.contains(c));
         }
-        Shell { looks, volume, area, center, inside }
+        Shell { looks, volume, center, inside }
     };
     faces.iter().enumerate().map(shell).collect()
 }

@@ -70,7 +70,7 @@ fn walk(mesh: &Mesh, topology: &Topology, vertex: VertexId, ends: &mut Vec<Verte
     let mut half_edge = start;
     while ends.len() < faces.len() {
         let next = half_edge.next();
-        ends.push(mesh.corners(next.face())[next.corner()]);
+        ends.push(VertexId(mesh.faces().as_flattened()[next.index()]));
         // The side that ends at the vertex; its twin starts there.
         match topology.twin(next.next()) {
             Some(twin) if twin == start => return ends.len() == faces.len(),

@@ -22,7 +22,7 @@ use super::turns::Turn;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
-use crate::tree::{Content, FaceTree};
+use crate::tree::FaceTree;
 
 /// Nodes of fewer faces are not looked at: judging their pairs is as quick.
 const LEAST_FACES: usize = 12;
@@ -42,8 +42,6 @@ pub(super) struct Views<'a> {
     sums: Vec<DVec3>,
     /// Where each face stands in leaf order.
     places: Vec<u32>,
-    /// The faces beneath each node: these and no others, unless the tree was forged.
-    ranges: Vec<[u32; 2]>,
     looks_left: usize,
     rim: Vec<[VertexId; 2]>,
     outline: Outline,
@@ -77,7 +75,6 @@ impl<'a> Views<'a> {
             turns,
             sums,
             places,
-            ranges: ranges(tree),
             rim: Vec::new(),
             outline: Outline::new(mesh.vertices().len()),
         }
@@ -86,16 +83,16 @@ impl<'a> Views<'a> {
     /// Whether the faces beneath a node are known to lie side by side, as seen along some direction.
     /// O(k), and O(r log r) for a rim of r sides where k faces are turned towards one direction.
     pub(super) fn is_clear(&mut self, node: u32) -> bool {
-        let [start, end] = self.ranges[node as usize].map(|place| place as usize);
-        let count = end.saturating_sub(start);
+        let (_, faces) = self.tree.beneath(node);
+        let faces = faces.start as usize..faces.end as usize;
+        let count = faces.len();
         if count < LEAST_FACES || self.looks_left < count {
             return false;
         }
-        let towards = self.sums[end] - self.sums[start];
+        let towards = self.sums[faces.end] - self.sums[faces.start];
         let axis = towards.abs().max_position();
         // The greatest component is 1 or −1, exactly. A sum of zero gives no number, which nothing looks at.
         let towards = towards / towards[axis].abs();
-        let faces = start..end;
         let turned_away = |turn: &Turn| !turn.looks_towards(towards);
         let seen = self.turns[faces.clone()].iter().position(turned_away);
         self.looks_left -= seen.unwrap_or(count);
@@ -133,23 +130,6 @@ impl<'a> Views<'a> {
         let size = (bounds.max - bounds.min).max_element();
         outline.is_simple(rim, seen, size, faces.len())
     }
-}
-
-/// The faces beneath each node, as a range in leaf order.
-fn ranges(tree: &FaceTree) -> Vec<[u32; 2]> {
-    let count = tree.nodes().len();
-    let mut ranges = vec![[u32::MAX, 0]; count];
-    // Children stand behind their parents.
-    for node in (0..count as u32).rev() {
-        ranges[node as usize] = match tree.content(node) {
-            Content::Leaf { start, end } => [start, end],
-            Content::Inner { left, right } => {
-                let [l, r] = [left, right].map(|child| ranges[child as usize]);
-                [l[0].min(r[0]), l[1].max(r[1])]
-            }
-        };
-    }
-    ranges
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ impl FaceForest {
     ) -> Self {
         let mut grower = Grower::new(leaf_size);
         Self::made(groups, |group, arena| {
-            if !group.is_empty() && tree.is_worth_pruning(group.len(), leaf_size) {
+            if !group.is_empty() && tree.is_worth_pruning(group.len()) {
                 tree.prune(mesh, group, leaf_size, arena);
             } else {
                 grower.grow(face_boxes(mesh, group), &mut arena.nodes, &mut arena.faces);

@@ -14,53 +14,106 @@ use crate::mesh::Mesh;
 /// At least so many of four faces must be kept, or cuts between the others spoil the tree.
 const LEAST_KEPT: usize = 3;
 
+/// A part of the tree to come: what is left of it beneath a node, and how many faces that node holds.
+struct Task {
+    place: Place,
+    held: usize,
+    /// The node whose right child this is; a left child stands right behind its parent.
+    parent: Option<usize>,
+}
+
+/// A node of a tree whose leaves hold one face each, and the place of the first face beneath.
+#[derive(Clone, Copy)]
+struct Place {
+    node: u32,
+    first: u32,
+}
+
 impl FaceTree {
-    /// Whether the tree over some of its faces may as well be pruned as grown.
-    pub(super) fn is_worth_pruning(&self, kept: usize, leaf_size: usize) -> bool {
-        4 * kept >= LEAST_KEPT * self.faces.len()
-            && self.nodes.iter().all(|node| node.count as usize <= leaf_size)
+    /// Whether every leaf holds one face.
+    fn has_single_faces(&self) -> bool {
+        self.nodes.len() + 1 == 2 * self.faces.len()
     }
 
-    /// Appends what is left of this tree, whose leaves hold at most `leaf_size` faces, to `arena` when only
-    /// `kept` remain, each named once; at least one.
+    /// The children of an inner node, where every leaf holds one face. Nodes beneath the left one, of which one
+    /// more than half are leaves, stand between them.
+    fn children(&self, Place { node, first }: Place) -> Option<[Place; 2]> {
+        match self.content(node) {
+            Content::Inner { left, right } => {
+                let beneath = (right - left).div_ceil(2);
+                Some([Place { node: left, first }, Place { node: right, first: first + beneath }])
+            }
+            Content::Leaf { .. } => None,
+        }
+    }
+
+    /// Whether the tree over some of its faces may as well be pruned as grown.
+    pub(super) fn is_worth_pruning(&self, kept: usize) -> bool {
+        4 * kept >= LEAST_KEPT * self.faces.len() && self.has_single_faces()
+    }
+
+    /// Appends what is left of this tree, whose leaves hold one face each, to `arena` when only `kept` remain,
+    /// each named once; at least one. Leaves hold at most `leaf_size >= 1`.
     ///
     /// Cost: O(n) for n faces of this tree.
     pub(super) fn prune(&self, mesh: &Mesh, kept: &[FaceId], leaf_size: usize, arena: &mut Self) {
         let mut is_kept = vec![false; mesh.faces().len()];
         kept.iter().for_each(|face| is_kept[face.index()] = true);
-        let counts = self.counts(&is_kept);
+        // How many stand before each place.
+        let mut before = Vec::with_capacity(self.faces.len() + 1);
+        before.push(0u32);
+        let mut count = 0;
+        before.extend(self.faces.iter().map(|face| {
+            count += u32::from(is_kept[face.index()]);
+            count
+        }));
+        let kept_of = |first: u32, held: usize| {
+            (before[first as usize + held] - before[first as usize]) as usize
+        };
         let root = arena.nodes.len();
         arena.faces.reserve(kept.len());
         // Leaves are a little more than half full, and there are nearly as many inner nodes.
         arena.nodes.reserve(5 * kept.len() / (2 * leaf_size));
-        // Nodes to come, and whose right children they are; a left child stands right behind its parent.
-        let mut stack: Vec<(u32, Option<usize>)> = vec![(0, None)];
-        while let Some((node, parent)) = stack.pop() {
-            let node = self.thinned(node, &counts);
+        let place = Place { node: 0, first: 0 };
+        let mut stack = vec![Task { place, held: self.faces.len(), parent: None }];
+        while let Some(Task { mut place, mut held, parent }) = stack.pop() {
             if let Some(parent) = parent {
                 arena.nodes[parent].content = arena.nodes.len() as u32;
             }
-            match self.content(node) {
-                Content::Inner { left, right } if counts[node as usize] as usize > leaf_size => {
-                    stack.extend([(right, Some(arena.nodes.len())), (left, None)]);
-                    arena.nodes.push(INNER);
+            let count = kept_of(place.first, held);
+            // Down to the highest node that keeps faces on both sides.
+            let children = loop {
+                let Some([left, right]) = self.children(place).filter(|_| count > leaf_size) else {
+                    break None;
+                };
+                let on_left = (right.first - left.first) as usize;
+                let kept_on_left = kept_of(left.first, on_left);
+                if kept_on_left == 0 {
+                    (place, held) = (right, held - on_left);
+                } else if kept_on_left == count {
+                    (place, held) = (left, on_left);
+                } else {
+                    break Some([(left, on_left), (right, held - on_left)]);
                 }
-                _ => {
-                    let first = arena.faces.len();
-                    let (_, held) = self.beneath(node);
-                    let held = &self.faces[held.start as usize..held.end as usize];
-                    let count = counts[node as usize];
-                    let bounds = if held.len() == count as usize {
-                        arena.faces.extend_from_slice(held);
-                        self.node(node).bounds
-                    } else {
-                        arena.faces.extend(held.iter().filter(|face| is_kept[face.index()]));
-                        let kept = &arena.faces[first..];
-                        Aabb::of_points(kept.iter().flat_map(|&f| mesh.triangle(f)))
-                    };
-                    arena.nodes.push(Node { bounds, content: first as u32, count });
-                }
+            };
+            if let Some([left, right]) = children {
+                let id = arena.nodes.len();
+                stack.push(Task { place: right.0, held: right.1, parent: Some(id) });
+                stack.push(Task { place: left.0, held: left.1, parent: None });
+                arena.nodes.push(INNER);
+                continue;
             }
+            let first = arena.faces.len();
+            let beneath = &self.faces[place.first as usize..place.first as usize + held];
+            let bounds = if count == held {
+                arena.faces.extend_from_slice(beneath);
+                self.node(place.node).bounds
+            } else {
+                arena.faces.extend(beneath.iter().filter(|face| is_kept[face.index()]));
+                let kept = &arena.faces[first..];
+                Aabb::of_points(kept.iter().flat_map(|&f| mesh.triangle(f)))
+            };
+            arena.nodes.push(Node { bounds, content: first as u32, count: count as u32 });
         }
         for index in (root..arena.nodes.len()).rev() {
             if let Content::Inner { left, right } = arena.content(index as u32) {
@@ -68,34 +121,6 @@ impl FaceTree {
                 arena.nodes[index].bounds = both;
             }
         }
-    }
-
-    /// How many kept faces each node holds.
-    fn counts(&self, is_kept: &[bool]) -> Vec<u32> {
-        let mut counts = vec![0; self.nodes.len()];
-        // Children stand behind their parents.
-        for index in (0..self.nodes.len()).rev() {
-            counts[index] = match self.content(index as u32) {
-                Content::Inner { left, right } => counts[left as usize] + counts[right as usize],
-                Content::Leaf { .. } => {
-                    let held = self.leaf_faces(index as u32).iter();
-                    held.filter(|face| is_kept[face.index()]).count() as u32
-                }
-            };
-        }
-        counts
-    }
-
-    /// The highest node beneath this one that holds the same kept faces and no child without one.
-    fn thinned(&self, mut node: u32, counts: &[u32]) -> u32 {
-        while let Content::Inner { left, right } = self.content(node) {
-            match [left, right].map(|child| counts[child as usize]) {
-                [0, _] => node = right,
-                [_, 0] => node = left,
-                _ => break,
-            }
-        }
-        node
     }
 }
 
@@ -128,7 +153,7 @@ mod tests {
         assert_eq!(left.content(0), Content::Inner { left: 1, right: 2 });
         assert_eq!((left.leaf_faces(1).len(), left.leaf_faces(2).len()), (1, 2));
         assert_eq!(pruned(3).nodes().len(), 1);
-        assert!(tree.is_worth_pruning(3, 1) && !tree.is_worth_pruning(2, 1));
-        assert!(!FaceTree::of(&mesh, 2).is_worth_pruning(3, 1));
+        assert!(tree.is_worth_pruning(3) && !tree.is_worth_pruning(2));
+        assert!(!FaceTree::of(&mesh, 2).is_worth_pruning(3));
     }
 }
