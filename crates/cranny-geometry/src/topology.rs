@@ -176,7 +176,8 @@ impl Topology {
         let Edge { from, to, kind, .. } = self.edges[edge.index()];
         match *self.half_edges(edge) {
             [g, h] if kind == EdgeKind::Manifold && from != to => {
-                Some(if half_edge == g { h } else { g })
+                // It is one of the two; which is a coin's throw that no branch should have to guess.
+                Some(HalfEdgeId(g.0 ^ h.0 ^ half_edge.0))
             }
             _ => None,
         }
