@@ -1,11 +1,13 @@
-//! Bodies that families share, and what becomes of them when they are moved before they are meshes.
+//! Bodies that families share.
 
-use cranny_exact::{DMat3, DVec3};
+use cranny_exact::DVec3;
 use cranny_geometry::Mesh;
 use cranny_testkit::bodies::{
     angle, block_without, channel, cuboid, grooved, octahedron, prism, rake,
 };
 use cranny_testkit::{Q, Q3};
+
+use crate::trial::Trial;
 
 /// Bodies with concavities, whole coordinates up to 5.
 pub(crate) fn hollows() -> Vec<(&'static str, Mesh)> {
@@ -21,13 +23,14 @@ pub(crate) fn hollows() -> Vec<(&'static str, Mesh)> {
 }
 
 /// Convex bodies, their coordinates multiples of a quarter, at most half as large as a pocket of those above.
-pub(crate) fn small_bodies() -> Vec<(&'static str, Mesh)> {
-    let quarter = |mesh: &Mesh| mapped(mesh, |p| 0.25 * p);
-    vec![
-        ("cube", quarter(&cuboid([0.0; 3], [2.0; 3]))),
-        ("octahedron", quarter(&octahedron())),
-        ("roof", quarter(&prism(&[[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]], &[[0, 1, 2]], 2.0))),
-    ]
+pub(crate) fn small_bodies(trial: &mut Trial<'_>) -> Vec<(&'static str, Mesh)> {
+    let whole = [
+        ("cube", cuboid([0.0; 3], [2.0; 3])),
+        ("octahedron", octahedron()),
+        ("roof", prism(&[[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]], &[[0, 1, 2]], 2.0)),
+    ];
+    let quarter = |(name, mesh)| Some((name, trial.mapped(name, &mesh, |p| 0.25 * p)?));
+    whole.into_iter().filter_map(quarter).collect()
 }
 
 /// Two ridges along z at y = 2, x = 1 and 3, and a groove between them.
@@ -35,17 +38,6 @@ pub(crate) fn ridges() -> Mesh {
     let outline =
         [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [3.0, 2.0], [2.0, 1.0], [1.0, 2.0], [0.0, 1.0]];
     prism(&outline, &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [0, 4, 6], [4, 5, 6]], 4.0)
-}
-
-/// The same faces over moved vertices; the mesh itself where these are no coordinates.
-pub(crate) fn mapped(mesh: &Mesh, map: impl Fn(DVec3) -> DVec3) -> Mesh {
-    let vertices = mesh.vertices().iter().map(|&p| map(p)).collect();
-    Mesh::new(vertices, mesh.faces().to_vec()).unwrap_or_else(|_| mesh.clone())
-}
-
-/// Turned and moved for good: coordinates are rounded here, and poses need round nothing.
-pub(crate) fn baked(mesh: &Mesh, turn: DMat3, by: DVec3) -> Mesh {
-    mapped(mesh, |p| turn * p + by)
 }
 
 /// The tetrahedron over four points, outward; `None` where they lie in a plane, exactly.

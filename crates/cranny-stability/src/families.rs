@@ -31,8 +31,9 @@ pub const FAMILIES: [Family; 10] = [
 const DISTANCE_ERROR: &str = "error of the distance, in sizes of the larger body";
 
 /// What fails a pair.
-const PAIR_FAILS: &str = "a wrong verdict (none, touch, cross; interiors meet; one in the other) under any demand; a \
-distance outside its certified interval; an answer that memory or exchanging A and B changes";
+const PAIR_FAILS: &str = "a wrong verdict (none, touch, cross; interiors meet; one in the other) under any demand; no \
+distance where one is asked; a distance or a depth outside its certified interval, or off by more than this allows; \
+an interval of more than four length errors (for a depth, of more than 2^-26 sizes); an answer that memory or exchanging A and B changes";
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,10 @@
-//! Hulls for the walk to compare, and judges of its answers that share nothing with it: all pairs of
-//! triangles, all faces of the set of differences, and certificates checked in exact rationals.
+//! Hulls for the walk to compare, and judges of its answers that follow no features.
 //!
-//! [`faults`] says what is wrong with an answer; [`brute_force`] and [`brute_force_depth`] have the answer.
+//! [`faults_beside`] holds an answer against the truth, which [`HullTruth`](crate::HullTruth) has in exact
+//! rationals, and checks the proof of its lower end in rationals too; lengths are compared to
+//! [`rounding`]. [`faults`] takes [`brute_force`] for the truth: all pairs of triangles, fast, but by the same
+//! predicates and closest points of triangles that the walk falls back on. [`brute_force_depth`] tries
+//! all faces of the set of differences in `f64`.
 
 use cranny_exact::{
     DQuat, DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d,
@@ -15,7 +18,7 @@ use cranny_testkit::{Q, Q3, Rng};
 /// How far from length 1 a normal may be: a few roundings.
 const UNIT: f64 = 48.0 * f64::EPSILON;
 
-/// Directions shorter than this are rounding: cross products of edges that are parallel.
+/// Below this share of their lengths' product the cross product of two edges is rounding: they are parallel.
 const PARALLEL: f64 = 1e-9;
 
 /// A hull with its features.
@@ -52,7 +55,7 @@ impl Body {
     }
 
     /// The exact triangles, posed; thin hulls are degenerate ones.
-    fn triangles(&self, map: &RigidMap) -> Vec<[DVec3; 3]> {
+    pub(crate) fn triangles(&self, map: &RigidMap) -> Vec<[DVec3; 3]> {
         let at = |v: HullVertexId| map.apply(self.hull.position(v));
         match self.hull.kind() {
             HullKind::Point => vec![[0, 0, 0].map(|v| at(HullVertexId(v)))],
@@ -116,7 +119,8 @@ pub fn brute_force_depth(a: &Body, b: &Body, map: &RigidMap) -> f64 {
         for s in &second {
             for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
                 let cross = (t[(i + 1) % 3] - t[i]).cross(s[(j + 1) % 3] - s[j]);
-                if cross.length() > PARALLEL {
+                let (u, v) = ((t[(i + 1) % 3] - t[i]).length(), (s[(j + 1) % 3] - s[j]).length());
+                if cross.length() > PARALLEL * u * v {
                     directions.extend([cross, -cross]);
                 }
             }
@@ -152,13 +156,23 @@ pub fn proves_lower_end(a: &Body, b: &Body, map: &RigidMap, found: &HullAnswer) 
 /// What is wrong with an answer, held against brute force; nothing where it is right.
 #[must_use]
 pub fn faults(a: &Body, b: &Body, map: &RigidMap, found: &HullAnswer) -> Vec<String> {
+    faults_beside(a, b, map, found, brute_force(a, b, map))
+}
+
+/// What is wrong with an answer where hulls meet, or do not and are so far apart; nothing where it is right.
+#[must_use]
+pub fn faults_beside(
+    a: &Body,
+    b: &Body,
+    map: &RigidMap,
+    found: &HullAnswer,
+    (meets, distance): (bool, f64),
+) -> Vec<String> {
     let slack = rounding(a, b, map);
-    let (meets, distance) = brute_force(a, b, map);
     let mut faults = Vec::new();
     let mut check = |right: bool, what: &str| {
         if !right {
-            faults
-                .push(format!("{what}: {found:?}, brute force: meets {meets}, {distance:e} apart"));
+            faults.push(format!("{what}: {found:?}, but: meets {meets}, {distance:e} apart"));
         }
     };
     let Interval { lo, hi } = found.separation;

@@ -4,8 +4,10 @@
 //!
 //! - Cases are seeded: the same [`Settings`] give the same cases everywhere.
 //! - The truth of a case is known by how it was made, or from `cranny-testkit`, which constructs in exact
-//!   rationals what the product decides by signs. Nothing is judged by a tolerance, but for the walk's
-//!   least distance, which brute force measures in `f64`.
+//!   rationals what the product decides by signs. Three things are not judged so: the walk's lengths, which are
+//!   compared with the rational distance to some hundred roundings; the walk's penetration depth, which
+//!   is held against all faces of the set of differences in `f64`; and what memory changes, which is the
+//!   product against itself: without memory, and by its own brute force over all pairs of faces.
 //! - A [`Peer`] is asked the same; what it gets wrong is told beside ours and fails nobody.
 //!
 //! # Non-promises
@@ -15,8 +17,8 @@
 //! # The story, file by file
 //!
 //! [`FAMILIES`] is the table: whoever has a new family adds a file to `families` and a line to the table.
-//! A [`Family`] fills a `trial` with cases; `pair` judges two bodies, [`hull_judge`] two hulls, and [`Peer`]
-//! is whoever else is asked. [`Outcome`] sums up.
+//! A [`Family`] fills a `trial` with cases; `pair` judges two bodies, [`hull_judge`] two hulls by what
+//! [`HullTruth`] knows of them, and [`Peer`] is whoever else is asked. [`Outcome`] sums up.
 //!
 //! ```
 //! use cranny_stability::{FAMILIES, Settings};
@@ -32,6 +34,7 @@ mod case;
 mod families;
 mod family;
 pub mod hull_judge;
+mod hull_truth;
 mod pair;
 mod peer;
 mod trial;
@@ -39,4 +42,5 @@ mod trial;
 pub use case::{Case, Outcome, PeerCase};
 pub use families::FAMILIES;
 pub use family::{Family, Settings};
+pub use hull_truth::HullTruth;
 pub use peer::{Peer, PeerAnswer};

@@ -4,7 +4,7 @@
 //! same where posing rounds nothing: families use poses that turn axes to axes and move by numbers with room
 //! to spare, or put the pair's first body where its mesh has it.
 
-use cranny_exact::{Meeting, Pose};
+use cranny_exact::{Interval, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
     Answer, Containment, Demand, PairMemory, Placed, Query, QueryError, query,
@@ -15,7 +15,7 @@ use cranny_testkit::{
 
 use crate::case::{Case, PeerCase};
 use crate::peer::PeerAnswer;
-use crate::trial::{Trial, caught};
+use crate::trial::Trial;
 
 /// What is so of a pair.
 pub(crate) struct Truth {
@@ -26,7 +26,19 @@ pub(crate) struct Truth {
     depth: Option<f64>,
     /// Diagonal of the larger body.
     size: f64,
+    /// The largest length of the pair's arithmetic: both radii and the way between the origins.
+    scale: f64,
 }
+
+/// What a posed coordinate or a constructed point may be off by, in scales: some hundred roundings.
+const LENGTH_ERROR: f64 = 64.0 * f64::EPSILON;
+
+/// A claimed interval of more than so many length errors says too little. One that is honest to both sides
+/// takes two.
+const WIDEST: f64 = 4.0;
+
+/// Of a depth, in scales: where faces lie flush it is read beside there, 2^-28 to each side; twice that passes.
+const WIDEST_DEPTH: f64 = 1.0 / (1u64 << 26) as f64;
 
 impl Truth {
     /// In rationals.
@@ -38,7 +50,9 @@ impl Truth {
             _ => Q::ZERO,
         };
         let size = a.model.bounds().diagonal().max(b.model.bounds().diagonal());
-        Self { verdict, gap, depth, size }
+        let way = b.pose.translation.distance(a.pose.translation);
+        let scale = a.model.radius() + b.model.radius() + way;
+        Self { verdict, gap, depth, size, scale }
     }
 
     fn contained(&self) -> Option<Containment> {
@@ -113,24 +127,21 @@ impl Trial<'_> {
         depth: Option<f64>,
         memory: &mut PairMemory,
     ) {
-        let truth = Truth::of(a, b, depth);
-        self.pair_of_truth(name, a, b, &truth, memory);
+        self.case(name, |trial, case| {
+            let truth = Truth::of(a, b, depth);
+            trial.pair_of_truth(case, a, b, &truth, memory);
+        });
     }
 
-    pub(crate) fn pair_of_truth(
+    fn pair_of_truth(
         &mut self,
-        name: String,
+        case: &mut Case,
         a: Placed,
         b: Placed,
         truth: &Truth,
         memory: &mut PairMemory,
     ) {
-        let mut case = Case { name, truth: truth.words(), ..Case::default() };
-        match caught(|| judge(&mut case, a, b, truth, memory)) {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => case.faults.push(format!("refused: {error}")),
-            Err(fault) => case.faults.push(fault),
-        }
+        case.truth = truth.words();
         self.count(
             match (truth.verdict.surface, truth.verdict.solid) {
                 (Meeting::None, false) => "apart",
@@ -142,7 +153,9 @@ impl Trial<'_> {
             1,
         );
         case.peer = self.peer_of_pair([a.model, b.model], [a.pose, b.pose], truth);
-        self.push(case);
+        if let Err(error) = judge(case, a, b, truth, memory) {
+            case.faults.push(format!("refused: {error}"));
+        }
     }
 
     fn peer_of_pair(
@@ -200,50 +213,80 @@ fn judge(
         if told(query(a, b, &Query::of(demand), memory)?) != answer {
             case.faults.push(format!("{demand:?} differs with memory"));
         }
-        if let Some(distance) = answer.distance {
+        if answer.distance.is_some() {
             case.told = words(answer.surface, answer.solid, answer.contained, distance);
-            judge_lengths(case, &answer, demand, distance, truth);
         }
+        judge_lengths(case, &answer, demand, truth);
     }
     Ok(())
 }
 
-/// Distance, and depth where it is known, against what is claimed of them.
-fn judge_lengths(case: &mut Case, answer: &Answer, demand: Demand, distance: f64, truth: &Truth) {
-    let claim = answer.separation;
+/// Distance, and depth where it is known, against the truth and against what is claimed of them.
+fn judge_lengths(case: &mut Case, answer: &Answer, demand: Demand, truth: &Truth) {
+    let Some(distance) = answer.distance else {
+        if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
+            case.faults.push(format!("{demand:?} tells no distance"));
+        }
+        return;
+    };
     if !distance.is_finite() {
         case.faults.push(format!("{demand:?} tells a distance of {distance}"));
         return;
     }
-    let meets = truth.verdict.surface.meets();
-    let error = error_of_root(distance, &truth.gap).abs();
+    let is_deep = truth.verdict.solid && truth.verdict.surface.meets();
+    match (demand, truth.depth) {
+        (Demand::Regions { .. }, Some(depth)) => judge_depth(case, answer, depth, truth.scale),
+        // An interval of the depth of an overlap whose depth nobody knows.
+        (Demand::Regions { .. }, None) if is_deep => {}
+        _ => judge_distance(case, answer.separation, demand, distance, truth),
+    }
     // The other way round, a gap far below the rounding of coordinates may be told to be 0.
-    if meets && distance != 0.0 {
+    if truth.verdict.surface.meets() && distance != 0.0 {
         case.faults.push(format!("{demand:?} tells {distance:e} of surfaces that meet"));
-    }
-    if !meets {
-        let square = |x: f64| Q::try_from(x.max(0.0)).map_or(Q::ZERO, |x| &x * &x);
-        if truth.gap < square(claim.lo) || square(claim.hi) < truth.gap {
-            case.faults.push(format!("{demand:?} claims {claim:?}"));
-        }
-        note_error(case, error, claim.hi - distance, truth.size);
-    }
-    if let (Demand::Regions { .. }, Some(depth)) = (demand, truth.depth) {
-        let deepest = answer.regions.iter().filter_map(|region| region.depth).fold(0.0, f64::max);
-        if !claim.contains(-depth) {
-            case.faults.push(format!("depth {depth:e} is not in {claim:?}, told: {deepest:e}"));
-        }
-        let claimed = (0.5 * claim.width()).max(f64::MIN_POSITIVE);
-        let share = (deepest - depth).abs() / claimed;
-        case.of_claim = Some(case.of_claim.unwrap_or(0.0).max(share));
     }
 }
 
-/// Keeps the larger error.
-fn note_error(case: &mut Case, error: f64, claimed: f64, size: f64) {
-    case.figure = Some(case.figure.unwrap_or(0.0).max(error / size));
-    let share = if claimed > 0.0 { error / claimed } else { 0.0 };
+/// The squared gap lies between the squares of the ends, and the told distance between the ends.
+fn judge_distance(case: &mut Case, claim: Interval, demand: Demand, distance: f64, truth: &Truth) {
+    let square = |x: f64| Q::try_from(x.max(0.0)).map_or(Q::ZERO, |x| &x * &x);
+    if truth.gap < square(claim.lo) || square(claim.hi) < truth.gap {
+        case.faults.push(format!("{demand:?} claims {claim:?}"));
+    }
+    let error = error_of_root(distance, &truth.gap).abs();
+    case.figure = Some(case.figure.unwrap_or(0.0).max(error / truth.size));
+    let widest = WIDEST * LENGTH_ERROR * truth.scale;
+    judge_claim(case, &format!("{demand:?}"), distance, error, claim, widest);
+}
+
+/// A depth that is known by construction.
+fn judge_depth(case: &mut Case, answer: &Answer, depth: f64, scale: f64) {
+    let claim = answer.separation;
+    let Some(deepest) = answer.regions.iter().filter_map(|r| r.depth).reduce(f64::max) else {
+        case.faults.push(format!("depth {depth:e}, but none is told"));
+        return;
+    };
+    if !claim.contains(-depth) {
+        case.faults.push(format!("depth {depth:e} is not in {claim:?}, told: {deepest:e}"));
+    }
+    let widest = (WIDEST * LENGTH_ERROR + WIDEST_DEPTH) * scale;
+    judge_claim(case, "depth", -deepest, (deepest - depth).abs(), claim, widest);
+}
+
+/// What was told lies in its own interval, this is narrow, and the error is no larger than it allows.
+fn judge_claim(case: &mut Case, what: &str, told: f64, error: f64, claim: Interval, widest: f64) {
+    let width = claim.width();
+    if !claim.contains(told) {
+        case.faults.push(format!("{what} tells {told:e}, outside of {claim:?}"));
+    }
+    if width > widest || width.is_nan() {
+        case.faults.push(format!("{what} claims a width of {width:e}, more than {widest:e}"));
+    }
+    let claimed = (claim.hi - told).max(told - claim.lo).max(0.0);
+    let share = if error == 0.0 { 0.0 } else { error / claimed };
     case.of_claim = Some(case.of_claim.unwrap_or(0.0).max(share));
+    if share > 1.0 || share.is_nan() {
+        case.faults.push(format!("{what} is off by {error:e}, but claims {claimed:e}"));
+    }
 }
 
 #[cfg(test)]
@@ -252,6 +295,59 @@ mod tests {
     use crate::family::Settings;
     use cranny_exact::DVec3;
     use cranny_testkit::bodies::cuboid;
+
+    /// The faults of lengths that are right but for what is altered in them.
+    fn altered(height: f64, depth: Option<f64>, alter: impl Fn(&mut Answer)) -> Vec<String> {
+        let mut trial = Trial::new("test", &Settings::DEFAULT, None);
+        let boxes = [cuboid([0.0; 3], [4.0, 4.0, 1.0]), cuboid([0.0; 3], [1.0; 3])];
+        let [a, b] = boxes.map(|mesh| trial.model("box", mesh).expect("boxes are models"));
+        let a = Placed { model: &a, pose: Pose::IDENTITY };
+        let b = Placed { model: &b, pose: Pose::at(DVec3::new(1.5, 1.5, height)) };
+        let demand = Demand::Regions { margin: 0.0 };
+        let mut answer = cold(a, b, demand).expect("plain poses");
+        alter(&mut answer);
+        let mut case = Case::default();
+        judge_lengths(&mut case, &answer, demand, &Truth::of(a, b, depth));
+        case.faults
+    }
+
+    fn is_told(faults: &[String], what: &str) {
+        assert!(faults.iter().any(|fault| fault.contains(what)), "{what}: {faults:?}");
+    }
+
+    #[test]
+    fn a_distance_is_told_in_a_narrow_interval_of_its_own() {
+        assert_eq!(altered(1.25, None, |_| {}), [""; 0]);
+        is_told(&altered(1.25, None, |x| x.distance = None), "no distance");
+        is_told(&altered(1.25, None, |x| x.distance = Some(0.5)), "outside of");
+        is_told(&altered(1.25, None, |x| x.separation.lo = 0.0), "a width of");
+        is_told(&altered(1.25, None, |x| x.separation = Interval::WHOLE), "a width of");
+        is_told(&altered(1.25, None, |x| x.separation.hi = f64::NAN), "outside of");
+        let near = 0.25f64.next_up();
+        let too_sure = |x: &mut Answer| {
+            (x.distance, x.separation) = (Some(near), Interval::point(near));
+        };
+        is_told(&altered(1.25, None, too_sure), "but claims 0");
+        is_told(&altered(1.0, None, |x| x.separation.hi = 1.0), "a width of");
+        is_told(&altered(1.0, None, |x| x.separation = Interval::point(1.0)), "outside of");
+    }
+
+    #[test]
+    fn the_depth_told_is_judged_beside_its_interval() {
+        let deepen = |by: f64| {
+            altered(0.75, Some(0.25), |x| {
+                for region in &mut x.regions {
+                    region.depth = region.depth.map(|depth| by * depth);
+                }
+            })
+        };
+        assert_eq!(deepen(1.0), [""; 0]);
+        for by in [0.0, 0.5, 2.0] {
+            is_told(&deepen(by), "outside of");
+        }
+        is_told(&altered(0.75, Some(0.25), |x| x.regions.clear()), "none is told");
+        is_told(&altered(0.75, Some(0.25), |x| x.separation.lo = -1.0), "a width of");
+    }
 
     /// The faults of a case, judged by the truth of another height.
     fn faults(height: f64, truth_at: f64, depth: Option<f64>) -> Vec<String> {
@@ -264,7 +360,9 @@ mod tests {
         let a = Placed { model: &slab, pose: Pose::IDENTITY };
         let at = |z| Placed { model: &cube, pose: Pose::at(DVec3::new(1.5, 1.5, z)) };
         let truth = Truth::of(a, at(truth_at), depth);
-        trial.pair_of_truth("case".to_owned(), a, at(height), &truth, &mut Default::default());
+        trial.case("case".to_owned(), |trial, case| {
+            trial.pair_of_truth(case, a, at(height), &truth, &mut Default::default());
+        });
         trial.finish().cases.remove(0).faults
     }
 
@@ -279,7 +377,7 @@ mod tests {
             assert!(found.iter().any(|fault| fault.contains("says")), "{found:?}");
         }
         let found = faults(1.25, 1.25 + 1e-12, None);
-        assert!(found.iter().all(|fault| fault.contains("claims")) && !found.is_empty());
+        is_told(&found, "claims");
     }
 
     #[test]

@@ -53,6 +53,20 @@ impl<'p> Trial<'p> {
         self.cases.push(case);
     }
 
+    /// One case; whatever becomes of `judge`, be it a panic, it is kept.
+    pub(crate) fn case(&mut self, name: String, judge: impl FnOnce(&mut Self, &mut Case)) {
+        let mut case = Case { name, ..Case::default() };
+        if let Err(fault) = caught(|| judge(self, &mut case)) {
+            case.faults.push(fault);
+        }
+        self.push(case);
+    }
+
+    /// A case that could not even be asked.
+    pub(crate) fn failed(&mut self, name: &str, fault: String) {
+        self.push(Case { name: name.to_owned(), faults: vec![fault], ..Case::default() });
+    }
+
     pub(crate) fn count(&mut self, what: &'static str, by: u64) {
         *self.counts.entry(what).or_default() += by;
     }
@@ -69,11 +83,43 @@ impl<'p> Trial<'p> {
         match built.and_then(|built| built) {
             Ok((model, _)) => Some(model),
             Err(fault) => {
-                let faults = vec![fault];
-                self.push(Case { name: name.to_owned(), faults, ..Case::default() });
+                self.failed(name, fault);
                 None
             }
         }
+    }
+
+    /// The same faces over moved vertices; where these are no mesh, that is a case that failed.
+    pub(crate) fn mapped(
+        &mut self,
+        name: &str,
+        mesh: &Mesh,
+        map: impl Fn(DVec3) -> DVec3,
+    ) -> Option<Mesh> {
+        let vertices = mesh.vertices().iter().map(|&p| map(p)).collect();
+        self.meshed(name, vertices, mesh.faces().to_vec())
+    }
+
+    /// Turned and moved for good: coordinates are rounded here, and poses need round nothing.
+    pub(crate) fn baked(
+        &mut self,
+        name: &str,
+        mesh: &Mesh,
+        turn: DMat3,
+        by: DVec3,
+    ) -> Option<Mesh> {
+        self.mapped(name, mesh, |p| turn * p + by)
+    }
+
+    /// A mesh; one that is refused is a case that failed.
+    pub(crate) fn meshed(
+        &mut self,
+        name: &str,
+        vertices: Vec<DVec3>,
+        faces: Vec<[u32; 3]>,
+    ) -> Option<Mesh> {
+        let refused = |error| self.failed(name, format!("no mesh: {error}"));
+        Mesh::new(vertices, faces).map_err(refused).ok()
     }
 
     /// One of some.
@@ -124,5 +170,29 @@ impl<'p> Trial<'p> {
     /// An orthonormal frame, rounded.
     pub(crate) fn frame(&mut self) -> DMat3 {
         DMat3::from_quat(self.rotation())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_testkit::bodies::cuboid;
+
+    #[test]
+    fn what_is_refused_or_panics_is_a_case_that_failed() {
+        let mut trial = Trial::new("test", &Settings::DEFAULT, None);
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        assert!(trial.mapped("moved", &cube, |p| p + DVec3::X).is_some());
+        assert!(trial.mapped("burst", &cube, |p| p / 0.0).is_none());
+        trial.case("begun".to_owned(), |_, case| {
+            case.told = "half an answer".to_owned();
+            panic!("halfway");
+        });
+        trial.case("next".to_owned(), |_, _| {});
+        let outcome = trial.finish();
+        assert_eq!((outcome.cases.len(), outcome.failed()), (3, 2));
+        let [burst, begun, _] = &outcome.cases[..] else { panic!("three cases") };
+        assert!(burst.name == "burst" && burst.faults[0].contains("no mesh"));
+        assert!(begun.told == "half an answer" && begun.faults[0].contains("halfway"));
     }
 }

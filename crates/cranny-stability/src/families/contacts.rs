@@ -7,7 +7,7 @@ use cranny_testkit::bodies::{channel, cuboid, quarter_turns};
 use cranny_testkit::rational_verdict;
 
 use super::{DISTANCE_ERROR, PAIR_FAILS};
-use crate::bodies::{hollows, mapped, small_bodies, two_to_minus};
+use crate::bodies::{hollows, small_bodies, two_to_minus};
 use crate::family::Family;
 use crate::trial::Trial;
 
@@ -26,7 +26,8 @@ const KINDS: [&str; 3] = ["corner", "edge", "face"];
 
 fn cases(trial: &mut Trial<'_>) {
     let hollows = models(trial, hollows());
-    let small = models(trial, small_bodies());
+    let small = small_bodies(trial);
+    let small = models(trial, small);
     let turns = quarter_turns();
     let mut memory = PairMemory::default();
     for round in 0..trial.variants {
@@ -134,8 +135,8 @@ fn sunk(
         ("slab", cuboid([0.0; 3], [4.0, 1.0, 4.0]), DVec3::new(2.0, 1.0, 2.0)),
         ("channel's floor", channel(), DVec3::new(1.5, 1.0, 1.0)),
     ];
-    let tiny = mapped(small.mesh(), |p| 0.5 * p);
-    let Some(tiny) = trial.model(name, tiny) else { return };
+    let tiny = trial.mapped(name, small.mesh(), |p| 0.5 * p);
+    let Some(tiny) = tiny.and_then(|mesh| trial.model(name, mesh)) else { return };
     for (ground_name, ground, middle) in grounds {
         let Some(ground) = trial.model(ground_name, ground) else { continue };
         let box_of = tiny.bounds();

@@ -5,7 +5,7 @@ use cranny_narrow_phase::{PairMemory, Placed};
 
 use super::contacts::lift;
 use super::{DISTANCE_ERROR, PAIR_FAILS};
-use crate::bodies::{baked, ridges, tetrahedron_over, two_to_minus};
+use crate::bodies::{ridges, tetrahedron_over, two_to_minus};
 use crate::family::Family;
 use crate::trial::Trial;
 
@@ -47,12 +47,13 @@ fn cases(trial: &mut Trial<'_>) {
                 trial.pair(name.clone(), a, b, None, &mut memory);
 
                 let frame = trial.frame();
-                let turned =
-                    |mesh, by| baked(&baked(mesh, DMat3::IDENTITY, by), frame, DVec3::ZERO);
-                let (ground, edge) = (
-                    trial.model(&name, turned(block.mesh(), DVec3::ZERO)),
-                    trial.model(&name, turned(blade.mesh(), pose.translation)),
-                );
+                let mut turned = |mesh, by| {
+                    let moved = trial.baked(&name, mesh, DMat3::IDENTITY, by)?;
+                    let turned = trial.baked(&name, &moved, frame, DVec3::ZERO)?;
+                    trial.model(&name, turned)
+                };
+                let ground = turned(block.mesh(), DVec3::ZERO);
+                let edge = turned(blade.mesh(), pose.translation);
                 let (Some(a), Some(b)) = (ground, edge) else { continue };
                 let here = |model| Placed { model, pose: Pose::IDENTITY };
                 trial.pair(format!("{name}, turned"), here(&a), here(&b), None, &mut memory);

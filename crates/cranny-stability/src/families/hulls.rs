@@ -1,19 +1,20 @@
 //! Convex hulls of the clouds that break hull codes.
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::ConvexHull;
 use cranny_geometry::hull::HullKind;
-use cranny_testkit::{rational_hull_fault, spans_a_solid};
+use cranny_testkit::{Q3, rational_hull_fault, spans_a_solid};
 
 use crate::case::{Case, PeerCase};
 use crate::family::Family;
-use crate::trial::{Trial, caught};
+use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "hulls",
-    asked: "The convex hull of lattices, subdivided cubes, spheres, prisms, cones, plates and needles of points, with \
-            doubles, as they are and turned, scaled by 10^-6 to 10^6 or moved by 10^6 sizes.",
-    made: "All points against the planes of all triangles in exact rationals; closed, in one piece, without a hole.",
+    asked: "The convex hull of lattices, subdivided cubes, spheres, prisms, cones, plates and needles of points, of \
+            one point, a line and a plane, with doubles, as they are and turned, scaled by 10^-6 to 10^6 or moved by 10^6 sizes.",
+    made: "Exact rationals tell what the points span, and hold all of them against the planes of all triangles; closed, in \
+           one piece, without a hole.",
     fails: "a hull that is not convex, misses a point or is not closed; other vertices when points come in another \
             order; a wrong kind (point, line, plane, solid)",
     figure: "thickness of the thickest merged facet, in sizes",
@@ -28,7 +29,7 @@ const LEAF: f64 = 1e-15;
 /// Width of a needle of length 1; likewise.
 const NEEDLE: f64 = 1e-6;
 
-/// Solids of about a unit's size.
+/// Clouds of about a unit's size.
 fn clouds(trial: &mut Trial<'_>) -> Vec<(&'static str, Vec<DVec3>)> {
     let whole = |n: i32| {
         let range = move || (0..=n).map(f64::from);
@@ -66,6 +67,9 @@ fn clouds(trial: &mut Trial<'_>) -> Vec<(&'static str, Vec<DVec3>)> {
         ("prism", circle(24, 0.0).chain(circle(24, 1.0)).chain(circle(24, 0.5)).collect()),
         ("cone", circle(48, 0.0).chain([DVec3::Z, -0.5 * DVec3::Z, DVec3::ZERO]).collect()),
         ("edges of a tetrahedron", on_edges.collect()),
+        ("point", vec![DVec3::new(0.3, -0.7, 0.1); 5]),
+        ("line", (-8..=8).map(|i| f64::from(i) * DVec3::new(0.125, -0.25, 0.0625)).collect()),
+        ("plane", whole(4).map(|p| DVec3::new(p.x, p.y, p.x - 2.0 * p.y) / 8.0).collect()),
     ]
 }
 
@@ -103,49 +107,59 @@ fn places(hull: &ConvexHull) -> Vec<[u64; 3]> {
     places
 }
 
+/// What the points span, in exact rationals.
+fn kind_of(points: &[DVec3]) -> HullKind {
+    let exact: Vec<Q3> = points.iter().map(|&p| Q3::exactly(p)).collect();
+    let Some((o, rest)) = exact.split_first() else { return HullKind::Empty };
+    let Some(u) = rest.iter().map(|p| p - o).find(|u| !u.is_zero()) else {
+        return HullKind::Point;
+    };
+    if rest.iter().all(|p| u.cross(&(p - o)).is_zero()) {
+        return HullKind::Segment;
+    }
+    match spans_a_solid(points) {
+        true => HullKind::Volume,
+        false => HullKind::Polygon,
+    }
+}
+
 fn one(trial: &mut Trial<'_>, name: String, points: &[DVec3]) {
-    let hull = match caught(|| ConvexHull::of_points(points)) {
-        Ok(hull) => hull,
-        Err(fault) => return trial.push(Case { name, faults: vec![fault], ..Case::default() }),
-    };
-    let is_solid = spans_a_solid(points);
-    let mut case = Case {
-        name,
-        truth: if is_solid { "solid" } else { "flat" }.to_owned(),
-        told: format!(
-            "{}: {} vertices, {} triangles, {} facets",
-            hull.kind().as_str(),
-            hull.vertex_count(),
-            hull.triangle_count(),
-            hull.facet_count()
-        ),
-        ..Case::default()
-    };
-    if is_solid != (hull.kind() == HullKind::Volume) {
-        case.faults.push(format!(
-            "it is {}, but told to be a {}",
-            case.truth,
-            hull.kind().as_str()
-        ));
-    } else if is_solid {
+    trial.case(name, |trial, case| judge(trial, case, points));
+}
+
+fn judge(trial: &mut Trial<'_>, case: &mut Case, points: &[DVec3]) {
+    let kind = kind_of(points);
+    trial.count(kind.as_str(), 1);
+    case.truth = kind.as_str().to_owned();
+    let mut shuffled = points.to_vec();
+    for i in (1..shuffled.len()).rev() {
+        shuffled.swap(i, trial.rng.below(i + 1));
+    }
+    let size = Aabb::of_points(points.iter().copied()).diagonal();
+    case.peer = peer(trial, points, size);
+
+    let hull = ConvexHull::of_points(points);
+    case.told = format!(
+        "{}: {} vertices, {} triangles, {} facets",
+        hull.kind().as_str(),
+        hull.vertex_count(),
+        hull.triangle_count(),
+        hull.facet_count()
+    );
+    if hull.kind() != kind {
+        case.faults.push(format!("it is {}, but told to be {}", case.truth, hull.kind().as_str()));
+    } else if kind == HullKind::Volume {
         case.faults.extend(rational_hull_fault(points, &triangles(&hull)).map(|fault| fault.what));
     }
     let violations = hull.validate(points);
     if let Some(first) = violations.first() {
         case.faults.push(format!("{} invariants broken, first {first:?}", violations.len()));
     }
-    let mut shuffled = points.to_vec();
-    for i in (1..shuffled.len()).rev() {
-        shuffled.swap(i, trial.rng.below(i + 1));
-    }
     if places(&ConvexHull::of_points(&shuffled)) != places(&hull) {
         case.faults.push("other vertices in another order of points".to_owned());
     }
-    let size = hull.bounds().diagonal();
-    case.figure = Some(hull.thickness_max() / size);
-    case.peer = peer(trial, points, size);
-    trial.count(if is_solid { "solid" } else { "flat" }, 1);
-    trial.push(case);
+    // A point has no size, and nothing to merge.
+    case.figure = (size > 0.0).then(|| hull.thickness_max() / size);
 }
 
 /// How far outside of a peer's hull a point may lie, in sizes: single precision, after some operations.
@@ -168,4 +182,32 @@ fn peer(trial: &mut Trial<'_>, points: &[DVec3], size: f64) -> Option<PeerCase> 
             }
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_points_span_is_told_to_the_last_bit() {
+        let line = [0.0, 1.0, 3.0].map(|t| t * DVec3::new(1.0, 2.0, -1.0));
+        assert_eq!(kind_of(&[]), HullKind::Empty);
+        assert_eq!(kind_of(&line[1..2].repeat(3)), HullKind::Point);
+        assert_eq!(kind_of(&line), HullKind::Segment);
+        let mut flat = line.to_vec();
+        flat[2].x = flat[2].x.next_up();
+        assert_eq!(kind_of(&flat), HullKind::Polygon);
+        flat.push(DVec3::new(0.0, 0.0, f64::EPSILON));
+        assert_eq!(kind_of(&flat), HullKind::Volume);
+    }
+
+    #[test]
+    fn clouds_of_every_kind_are_asked() {
+        let mut trial = Trial::new("hulls", &crate::Settings { seed: 1, variants: 1 }, None);
+        cases(&mut trial);
+        let counts = trial.finish().counts;
+        for kind in [HullKind::Point, HullKind::Segment, HullKind::Polygon, HullKind::Volume] {
+            assert!(counts.contains_key(kind.as_str()), "{counts:?}");
+        }
+    }
 }

@@ -5,7 +5,7 @@ use cranny_geometry::Mesh;
 use cranny_narrow_phase::{PairMemory, Placed};
 
 use super::{DISTANCE_ERROR, PAIR_FAILS};
-use crate::bodies::{baked, hollows, mapped, tetrahedron_over};
+use crate::bodies::{hollows, tetrahedron_over};
 use crate::family::Family;
 use crate::trial::Trial;
 
@@ -32,24 +32,30 @@ fn cases(trial: &mut Trial<'_>) {
                 let (other, what) = if kind % 2 == 0 {
                     let needle = trial.rng.below(2) == 0;
                     let other = self::thin(trial, width, needle);
-                    let Some(other) = other else { continue };
-                    (baked(&other, trial.frame(), DVec3::ZERO), "thin")
+                    (other, "thin")
                 } else {
                     let (what, body) = trial.pick(&hollows).clone();
-                    (baked(&mapped(&body, |p| 0.25 * p), trial.frame(), DVec3::ZERO), what)
+                    (trial.mapped(what, &body, |p| 0.25 * p), what)
                 };
+                let Some(other) = other else { continue };
+                let other_frame = trial.frame();
+                let baked = (
+                    trial.baked(what, &other, other_frame, DVec3::ZERO),
+                    trial.baked("thin", &thin, frame, DVec3::ZERO),
+                );
+                let (Some(other), Some(thin)) = baked else { continue };
                 let (on, up) = spot(trial, &other);
-                let thin = baked(&thin, frame, DVec3::ZERO);
                 let at = lowest(trial, &thin, up);
                 let gap = match trial.rng.below(4) {
                     0 => 0.0,
                     _ => 10f64.powi(trial.rng.between(-15, 0)) * trial.rng.unit(),
                 };
-                let thin = baked(&thin, DMat3::IDENTITY, on - at + gap * up);
                 let name = format!(
                     "{} of 10^-{power} at {what}, {gap:.0e} off",
                     ["needle", "needle", "sliver", "sliver",][kind]
                 );
+                let moved = trial.baked(&name, &thin, DMat3::IDENTITY, on - at + gap * up);
+                let Some(thin) = moved else { continue };
                 let models = (trial.model(&name, other), trial.model(&name, thin));
                 let (Some(a), Some(b)) = models else { continue };
                 let here = |model| Placed { model, pose: Pose::IDENTITY };

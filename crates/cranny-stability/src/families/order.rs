@@ -1,30 +1,30 @@
 //! The same bodies filed in another order, scaled or exchanged.
 
-use cranny_exact::{DVec3, Meeting, Pose};
-use cranny_geometry::Mesh;
+use cranny_exact::{Meeting, Pose};
+use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{Answer, Demand, Placed};
 use cranny_testkit::bodies::quarter_turns;
 
 use super::DISTANCE_ERROR;
-use crate::bodies::{hollows, mapped, small_bodies};
+use crate::bodies::{hollows, small_bodies};
 use crate::case::Case;
 use crate::family::Family;
-use crate::pair::{Truth, cold};
+use crate::pair::cold;
 use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "order",
     asked: "Bodies touching, crossing or apart; then their vertices and faces in another order and each face from \
             another corner on, A and B exchanged, everything 2^-40 to 2^40 times as large.",
-    made: "The first filing is judged by exact rationals; all others must agree with it.",
-    fails: "another verdict or number of triangle pairs; a distance outside the first one's certified interval; \
-            exchanged, any difference",
+    made: "The first filing is judged by exact rationals, as a case of its own; all others must agree with it.",
+    fails: "a filing that is refused; another verdict or number of triangle pairs; a distance outside the first one's \
+            certified interval; exchanged, any difference",
     figure: DISTANCE_ERROR,
     cases,
 };
 
 fn cases(trial: &mut Trial<'_>) {
-    let (hollows, small, turns) = (hollows(), small_bodies(), quarter_turns());
+    let (hollows, small, turns) = (hollows(), small_bodies(trial), quarter_turns());
     for _ in 0..trial.variants {
         for _ in 0..24 {
             let (name_a, a) = trial.pick(&hollows).clone();
@@ -43,7 +43,7 @@ fn shuffle<T>(trial: &mut Trial<'_>, items: &mut [T]) {
 }
 
 /// The same surface, filed in another order.
-fn refiled(trial: &mut Trial<'_>, mesh: &Mesh) -> Mesh {
+fn refiled(trial: &mut Trial<'_>, name: &str, mesh: &Mesh) -> Option<Mesh> {
     let count = mesh.vertices().len();
     let mut order: Vec<usize> = (0..count).collect();
     shuffle(trial, &mut order);
@@ -58,53 +58,72 @@ fn refiled(trial: &mut Trial<'_>, mesh: &Mesh) -> Mesh {
         face.rotate_left(trial.rng.below(3));
     }
     shuffle(trial, &mut faces);
-    Mesh::new(vertices, faces).unwrap_or_else(|_| mesh.clone())
+    trial.meshed(name, vertices, faces)
 }
 
-fn one(trial: &mut Trial<'_>, name: String, meshes: [Mesh; 2], pose: Pose) {
+fn one(trial: &mut Trial<'_>, name: String, [a, b]: [Mesh; 2], pose: Pose) {
     let power = trial.rng.between(-40, 40);
     let scale = 2f64.powi(power);
-    let refiled = [refiled(trial, &meshes[0]), refiled(trial, &meshes[1])];
-    let scaled = meshes.each_ref().map(|mesh| mapped(mesh, |p| scale * p));
+    let refiled = [refiled(trial, "refiled", &a), refiled(trial, "refiled", &b)];
+    let scaled = [&a, &b].map(|mesh| trial.mapped("scaled", mesh, |p| scale * p));
     let scaled_pose = Pose { translation: scale * pose.translation, ..pose };
-    let filings = [
-        ("as filed", meshes, pose, 1.0),
-        ("refiled", refiled, pose, 1.0),
-        ("scaled", scaled, scaled_pose, scale),
-    ];
-    let mut case = Case { name: format!("{name}, 2^{power}"), ..Case::default() };
-    let mut first: Option<Answer> = None;
-    for (what, [a, b], pose, scale) in filings {
-        let (Some(a), Some(b)) = (trial.model(what, a), trial.model(what, b)) else { return };
-        let placed_a = Placed { model: &a, pose: Pose::IDENTITY };
-        let placed_b = Placed { model: &b, pose };
-        let demand = Demand::Regions { margin: 0.0 };
-        let pair = (cold(placed_a, placed_b, demand), cold(placed_b, placed_a, demand));
-        let (Ok(answer), Ok(back)) = pair else {
-            case.faults.push(format!("{what}: refused"));
-            continue;
-        };
-        if back.swapped() != answer {
-            case.faults.push(format!("{what}: differs with A and B exchanged"));
-        }
-        match &first {
-            None => {
-                let truth = Truth::of(placed_a, placed_b, None);
-                let mut memory = Default::default();
-                let told = format!("{name}, as filed");
-                trial.pair_of_truth(told, placed_a, placed_b, &truth, &mut memory);
-                first = Some(answer);
-            }
-            Some(first) => differences(&mut case, first, &answer, what, scale),
-        }
-    }
-    if let Some(first) = first {
+    let Some(first) = filed(trial, &format!("{name}, as filed"), [Some(a), Some(b)]) else {
+        return;
+    };
+    let [placed_a, placed_b] = first.placed(pose);
+    let told = format!("{name}, as filed");
+    trial.pair(told, placed_a, placed_b, None, &mut Default::default());
+    let others = [("refiled", refiled, pose, 1.0), ("scaled", scaled, scaled_pose, scale)];
+    let others = others.map(|(what, meshes, pose, scale)| {
+        (what, filed(trial, &format!("{name}, {what}"), meshes), pose, scale)
+    });
+    trial.case(format!("{name}, 2^{power}"), |_, case| {
         case.truth = "as filed first".to_owned();
-        case.told = format!("{:?}, {:?} apart", first.surface, first.distance);
-        let size = DVec3::splat(4.0).length();
-        case.figure = case.figure.map(|error| error / size);
-        trial.push(case);
+        let Some(reference) = both_ways(case, "as filed", &first, pose) else { return };
+        case.told = format!("{:?}, {:?} apart", reference.surface, reference.distance);
+        for (what, filing, pose, scale) in others {
+            let Some(filing) = filing else { continue };
+            if let Some(answer) = both_ways(case, what, &filing, pose) {
+                differences(case, &reference, &answer, what, scale);
+            }
+        }
+        case.figure = case.figure.map(|error| error / first.size());
+    });
+}
+
+/// Two models.
+struct Filing([Model; 2]);
+
+impl Filing {
+    fn placed(&self, pose: Pose) -> [Placed<'_>; 2] {
+        let [a, b] = &self.0;
+        [Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose }]
     }
+
+    /// The larger body's.
+    fn size(&self) -> f64 {
+        let [a, b] = self.0.each_ref().map(|model| model.bounds().diagonal());
+        a.max(b)
+    }
+}
+
+/// Models of what became meshes; `None`, and a case that failed, where one does not.
+fn filed(trial: &mut Trial<'_>, name: &str, [a, b]: [Option<Mesh>; 2]) -> Option<Filing> {
+    Some(Filing([trial.model(name, a?)?, trial.model(name, b?)?]))
+}
+
+/// The answer, which A and B exchanged must not change; a refusal is a fault.
+fn both_ways(case: &mut Case, what: &str, filing: &Filing, pose: Pose) -> Option<Answer> {
+    let [a, b] = filing.placed(pose);
+    let demand = Demand::Regions { margin: 0.0 };
+    let (Ok(answer), Ok(back)) = (cold(a, b, demand), cold(b, a, demand)) else {
+        case.faults.push(format!("{what}: refused"));
+        return None;
+    };
+    if back.swapped() != answer {
+        case.faults.push(format!("{what}: differs with A and B exchanged"));
+    }
+    Some(answer)
 }
 
 fn differences(case: &mut Case, first: &Answer, other: &Answer, what: &str, scale: f64) {
@@ -118,5 +137,25 @@ fn differences(case: &mut Case, first: &Answer, other: &Answer, what: &str, scal
     case.figure = Some(case.figure.unwrap_or(0.0).max((far - near).abs()));
     if first.surface == Meeting::None && !first.separation.contains(far) {
         case.faults.push(format!("{what}: {far:e} apart, not in {:?}", first.separation));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Settings;
+    use cranny_exact::DVec3;
+    use cranny_testkit::bodies::cuboid;
+
+    #[test]
+    fn a_refused_filing_is_a_case_with_its_fault() {
+        let mut trial = Trial::new("test", &Settings::DEFAULT, None);
+        let cube = cuboid([0.0; 3], [1.0; 3]);
+        one(&mut trial, "boxes".to_owned(), [cube.clone(), cube.clone()], Pose::at(DVec3::X));
+        one(&mut trial, "nowhere".to_owned(), [cube.clone(), cube], Pose::at(DVec3::NAN));
+        let cases = trial.finish().cases;
+        assert_eq!(cases.iter().filter(|case| case.faults.is_empty()).count(), 2);
+        let last = cases.last().expect("cases");
+        assert!(last.name.starts_with("nowhere") && last.faults == ["as filed: refused"]);
     }
 }

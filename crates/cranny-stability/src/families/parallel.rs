@@ -1,12 +1,11 @@
 //! Faces that are nearly parallel.
 
 use cranny_exact::{DMat3, DQuat, DVec3, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{PairMemory, Placed};
 use cranny_testkit::bodies::{angle, channel, cuboid};
 
 use super::{DISTANCE_ERROR, PAIR_FAILS};
-use crate::bodies::{baked, mapped};
 use crate::family::Family;
 use crate::trial::Trial;
 
@@ -23,10 +22,12 @@ pub(super) const FAMILY: Family = Family {
 
 fn cases(trial: &mut Trial<'_>) {
     let grounds = [
-        ("slab", cuboid([-2.0, -1.0, -2.0], [2.0, 0.0, 2.0])),
-        ("channel", mapped(&channel(), |p| p - DVec3::new(1.5, 1.0, 1.0))),
-        ("L", mapped(&angle(), |p| p - DVec3::new(1.5, 1.0, 0.5))),
+        ("slab", cuboid([-2.0, -1.0, -2.0], [2.0, 0.0, 2.0]), DVec3::ZERO),
+        ("channel", channel(), DVec3::new(1.5, 1.0, 1.0)),
+        ("L", angle(), DVec3::new(1.5, 1.0, 0.5)),
     ];
+    let placed = |(name, mesh, on)| Some((name, trial.mapped(name, &mesh, |p| p - on)?));
+    let grounds: Vec<(&str, Mesh)> = grounds.into_iter().filter_map(placed).collect();
     let half = 0.375;
     let cube = cuboid([-half, 0.0, -half], [half, 2.0 * half, half]);
     let mut memory = PairMemory::default();
@@ -44,10 +45,11 @@ fn cases(trial: &mut Trial<'_>) {
             let by = aside + gap * DVec3::Y;
             let name = format!("{angle:.0e} rad over {ground_name}, {gap:.1e} off");
 
-            let tilted = mapped(&cube, |p| world * (turn * p + by));
-            let turned = baked(&ground, world, DVec3::ZERO);
-            let models = (trial.model(&name, turned), trial.model(&name, tilted));
-            if let (Some(a), Some(b)) = models {
+            let tilted = trial.mapped(&name, &cube, |p| world * (turn * p + by));
+            let turned = trial.baked(&name, &ground, world, DVec3::ZERO);
+            let tilted = tilted.and_then(|mesh| trial.model(&name, mesh));
+            let turned = turned.and_then(|mesh| trial.model(&name, mesh));
+            if let (Some(a), Some(b)) = (turned, tilted) {
                 let here = |model| Placed { model, pose: Pose::IDENTITY };
                 trial.pair(format!("{name}, baked"), here(&a), here(&b), None, &mut memory);
             }

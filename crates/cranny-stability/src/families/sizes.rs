@@ -4,7 +4,7 @@ use cranny_exact::{DVec3, Pose};
 use cranny_narrow_phase::{PairMemory, Placed};
 
 use super::{DISTANCE_ERROR, PAIR_FAILS};
-use crate::bodies::{hollows, mapped, small_bodies};
+use crate::bodies::{hollows, small_bodies};
 use crate::family::Family;
 use crate::trial::Trial;
 
@@ -36,7 +36,8 @@ fn cases(trial: &mut Trial<'_>) {
 /// A feature of the second on a feature of the first, some gap between them.
 fn one(trial: &mut Trial<'_>, sizes: [f64; 2], far: f64, name: &str, memory: &mut PairMemory) {
     let (name_a, a) = trial.pick(&hollows()).clone();
-    let (name_b, b) = trial.pick(&small_bodies()).clone();
+    let small = small_bodies(trial);
+    let (name_b, b) = trial.pick(&small).clone();
     let (frame_a, frame_b) = (trial.frame(), trial.frame());
     let face = a.faces()[trial.rng.below(a.faces().len())].map(|v| a.vertices()[v as usize]);
     let on = match trial.rng.below(3) {
@@ -57,10 +58,11 @@ fn one(trial: &mut Trial<'_>, sizes: [f64; 2], far: f64, name: &str, memory: &mu
     let direction = trial.direction();
     let by = far * least * direction;
     // The place where they meet is at `by`: what is small there keeps its coordinates.
-    let a = mapped(&a, |p| by + sizes[0] * (frame_a * (p - on)));
-    let lift = gap * up;
-    let b = mapped(&b, |p| by + (sizes[1] * (frame_b * (p - at)) + lift));
     let name = format!("{name}: {name_b} at {name_a}, {:.0e} off", gap / least);
+    let lift = gap * up;
+    let a = trial.mapped(&name, &a, |p| by + sizes[0] * (frame_a * (p - on)));
+    let b = trial.mapped(&name, &b, |p| by + (sizes[1] * (frame_b * (p - at)) + lift));
+    let (Some(a), Some(b)) = (a, b) else { return };
     let models = (trial.model(&name, a), trial.model(&name, b));
     let (Some(a), Some(b)) = models else { return };
     let here = |model| Placed { model, pose: Pose::IDENTITY };

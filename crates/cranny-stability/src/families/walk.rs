@@ -1,24 +1,31 @@
 //! The closest-feature walk over hulls.
 
 use cranny_exact::{DVec3, Pose, RigidMap};
+use cranny_geometry::hull::HullKind;
 use cranny_narrow_phase::walk::{HullAnswer, Relation, WalkCounters, WalkState, walk_hulls};
+use cranny_testkit::error_of_root;
 
 use crate::case::Case;
 use crate::family::Family;
-use crate::hull_judge::{Body, brute_force, cuboid, disk, faults, platonic_solids, sphere};
+use crate::hull_judge::{
+    Body, brute_force_depth, cuboid, disk, faults_beside, platonic_solids, rounding, sphere,
+};
+use crate::hull_truth::HullTruth;
 use crate::pair::peer_case;
-use crate::trial::Trial;
+use crate::trial::{Trial, caught};
 
 pub(super) const FAMILY: Family = Family {
     name: "walk",
     asked: "How two convex hulls lie: platonic solids, disks, spheres of points, needles and plates, anyhow; nearly \
             parallel, turned by 10^-12 to 10^-3 radians; slid together until f64 has nothing left between apart and \
             not; 10^-6 to 10^6 large.",
-    made: "Brute force over all pairs of exact triangles tells whether they meet and how far they are apart; exact \
-           rationals check that the normal told proves the lower end of the separation.",
-    fails: "a wrong relation; an interval that does not hold the distance, or is wide; points that are not as far \
-            apart; a bound without proof; another relation with memory than without",
-    figure: "width of the interval of hulls that are apart, in sizes of the larger",
+    made: "Exact rationals over pairs of triangles tell whether they meet and how far they are apart, and check that the \
+           normal told proves the lower end of the separation. All faces of the set of differences of two small \
+           hulls, in f64, tell their depth.",
+    fails: "a wrong relation; an interval that by more than rounding misses the distance, or is wide; points that are \
+            not as far apart; a bound without proof; of small hulls a depth below the least that parts them; another \
+            relation with memory than without",
+    figure: "error of the distance of hulls that are apart, in sizes of the larger",
     cases,
 };
 
@@ -27,10 +34,18 @@ pub(super) const FAMILY: Family = Family {
 const NEEDLE: f64 = 1e-9;
 const PLATE: f64 = 1e-12;
 
+/// Hulls of so many triangles are small: all faces of their set of differences are tried.
+const SMALL: usize = 20;
+
 /// A gap between faces that are nearly parallel; likewise.
 const NEAR: f64 = 1e-6;
 
-fn bodies() -> Vec<(&'static str, Body)> {
+/// A hull whose features break their promises is a case that failed.
+fn body(trial: &mut Trial<'_>, name: &str, points: &[DVec3]) -> Option<Body> {
+    caught(|| Body::of(points)).map_err(|fault| trial.failed(name, fault)).ok()
+}
+
+fn bodies(trial: &mut Trial<'_>) -> Vec<(&'static str, Body)> {
     let plate = |by: f64| {
         let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, by * z);
         [
@@ -53,14 +68,14 @@ fn bodies() -> Vec<(&'static str, Body)> {
         ("disk", disk(12, 0.5)),
         ("flat disk", disk(9, 0.0)),
         ("sphere", sphere(30, 7)),
-        ("needle", Body::of(&needle)),
-        ("plate", Body::of(&plate(PLATE))),
     ]);
+    bodies.extend(body(trial, "needle", &needle).map(|body| ("needle", body)));
+    bodies.extend(body(trial, "plate", &plate(PLATE)).map(|body| ("plate", body)));
     bodies
 }
 
 fn cases(trial: &mut Trial<'_>) {
-    let bodies = bodies();
+    let bodies = bodies(trial);
     let mut counters = WalkCounters::default();
     let mut state = WalkState::default();
     for _ in 0..trial.variants {
@@ -79,10 +94,11 @@ fn cases(trial: &mut Trial<'_>) {
         for power in [-6, -3, 3, 6] {
             let scale = 10f64.powi(power);
             let [(_, a), (name, b)] = [trial.pick(&bodies), trial.pick(&bodies)];
-            let scaled = |body: &Body| {
-                Body::of(&body.hull.positions().iter().map(|&p| scale * p).collect::<Vec<_>>())
+            let mut scaled = |of: &Body| {
+                let points: Vec<DVec3> = of.hull.positions().iter().map(|&p| scale * p).collect();
+                body(trial, name, &points)
             };
-            let (a, b) = (scaled(a), scaled(b));
+            let (Some(a), Some(b)) = (scaled(a), scaled(b)) else { continue };
             let unit = anyhow(trial, 1.5);
             let pose = Pose { translation: scale * unit.translation, ..unit };
             ask(trial, format!("{name}, 10^{power}"), [&a, &b], pose, &mut state, &mut counters);
@@ -130,8 +146,9 @@ fn slide_together(
     while low < 0.5 * (low + high) && 0.5 * (low + high) < high {
         let middle = 0.5 * (low + high);
         match walked(bodies, &pose(middle).world_from_body(), &mut state, counters) {
-            Some(HullAnswer { relation: Relation::Separated, .. }) => high = middle,
-            _ => low = middle,
+            Ok(HullAnswer { relation: Relation::Separated, .. }) => high = middle,
+            Ok(_) => low = middle,
+            Err(fault) => return trial.failed(&format!("{names}, {middle:?} along a line"), fault),
         }
     }
     for d in [low, high] {
@@ -140,52 +157,81 @@ fn slide_together(
     }
 }
 
+/// Why there is no answer, a panic included.
 fn walked(
     [a, b]: [&Body; 2],
     map: &RigidMap,
     state: &mut WalkState,
     counters: &mut WalkCounters,
-) -> Option<HullAnswer> {
-    walk_hulls(a.walkable(), b.walkable(), map, state, counters).ok()
+) -> Result<HullAnswer, String> {
+    let walk = || walk_hulls(a.walkable(), b.walkable(), map, state, counters);
+    caught(walk)?.map_err(|error| format!("refused: {error}"))
 }
 
 /// One question: with memory and without.
 fn ask(
     trial: &mut Trial<'_>,
     name: String,
-    [a, b]: [&Body; 2],
+    bodies: [&Body; 2],
     pose: Pose,
     state: &mut WalkState,
     counters: &mut WalkCounters,
 ) {
-    let map = pose.world_from_body();
-    let (meets, distance) = brute_force(a, b, &map);
-    let mut case = Case { name, truth: words(meets, distance), ..Case::default() };
-    let warm = walked([a, b], &map, state, counters);
-    let cold = walked([a, b], &map, &mut WalkState::default(), counters);
-    let size = 2.0 * reach(a).max(reach(b));
-    match (warm, cold) {
-        (Some(warm), Some(cold)) => {
-            case.told = format!("{:?}, {:?}", cold.relation, cold.separation);
-            case.faults = faults(a, b, &map, &cold);
-            case.faults.extend(faults(a, b, &map, &warm).into_iter().map(|f| format!("warm: {f}")));
-            if warm.relation != cold.relation {
-                case.faults.push(format!("with memory: {:?}", warm.relation));
-            }
-            if cold.relation == Relation::Separated {
-                case.figure = Some(cold.separation.width().max(warm.separation.width()) / size);
-            }
+    trial.case(name, |trial, case| {
+        let map = pose.world_from_body();
+        let warm = walked(bodies, &map, state, counters);
+        let cold = walked(bodies, &map, &mut WalkState::default(), counters);
+        let towards = cold.as_ref().map_or(DVec3::Z, |cold| cold.normal);
+        let truth = HullTruth::of(bodies[0], bodies[1], &map, towards);
+        let distance = truth.distance();
+        case.truth = words(truth.meets, distance);
+        trial.count(if truth.meets { "meeting" } else { "apart" }, 1);
+        let size = 2.0 * reach(bodies[0]).max(reach(bodies[1]));
+        if let Some(peer) = trial.peer.as_mut() {
+            let told = peer.hulls(bodies.map(|body| body.hull.positions()), pose);
+            // Whether hulls that touch to rounding meet is for exact arithmetic to say.
+            let near = distance <= f64::EPSILON * size;
+            let meets = (!near || !truth.meets).then_some(truth.meets);
+            case.peer = Some(peer_case(told, meets, distance, size));
         }
-        _ => case.faults.push("refused".to_owned()),
+        match (warm, cold) {
+            (Ok(warm), Ok(cold)) => judge(case, bodies, &map, &truth, [&warm, &cold], size),
+            (warm, cold) => case.faults.extend([warm.err(), cold.err()].into_iter().flatten()),
+        }
+    });
+}
+
+/// The answers with memory and without.
+fn judge(
+    case: &mut Case,
+    [a, b]: [&Body; 2],
+    map: &RigidMap,
+    truth: &HullTruth,
+    [warm, cold]: [&HullAnswer; 2],
+    size: f64,
+) {
+    case.told = format!("{:?}, {:?}", cold.relation, cold.separation);
+    for (how, answer) in [("", cold), ("warm: ", warm)] {
+        let faults = faults_beside(a, b, map, answer, (truth.meets, truth.distance()));
+        case.faults.extend(faults.into_iter().map(|fault| format!("{how}{fault}")));
+        if answer.relation == Relation::Separated && !truth.meets {
+            let [p, q] = answer.points;
+            let error = error_of_root(p.distance(q), &truth.squared).abs() / size;
+            case.figure = Some(case.figure.unwrap_or(0.0).max(error));
+        }
     }
-    trial.count(if meets { "meeting" } else { "apart" }, 1);
-    if let Some(peer) = trial.peer.as_mut() {
-        let told = peer.hulls([a, b].map(|body| body.hull.positions()), pose);
-        // Whether hulls that touch to rounding meet is for exact arithmetic to say.
-        let near = distance <= f64::EPSILON * size;
-        case.peer = Some(peer_case(told, (!near || !meets).then_some(meets), distance, size));
+    if warm.relation != cold.relation {
+        case.faults.push(format!("with memory: {:?}", warm.relation));
     }
-    trial.push(case);
+    let is_small = |body: &Body| (1..=SMALL).contains(&body.hull.triangle_count());
+    let is_judged = cold.relation == Relation::Penetrating && is_small(a) && is_small(b);
+    if is_judged && [a, b].iter().all(|body| body.hull.kind() == HullKind::Volume) {
+        let least = brute_force_depth(a, b, map);
+        let told = -cold.separation.lo.max(warm.separation.lo);
+        if told < least - rounding(a, b, map) {
+            case.faults.push(format!("{told:e} deep, but parting them takes {least:e}"));
+        }
+    }
 }
 
 fn reach(body: &Body) -> f64 {
@@ -196,5 +242,35 @@ fn words(meets: bool, distance: f64) -> String {
     match meets {
         true => "meet".to_owned(),
         false => format!("apart by {distance:.3e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hull_judge::at;
+
+    fn faults(x: f64, alter: impl Fn(&mut HullAnswer)) -> Vec<String> {
+        let (a, b, map) = (cuboid(DVec3::ONE), cuboid(DVec3::splat(0.5)), at(x, 0.125, 0.25));
+        let truth = HullTruth::of(&a, &b, &map, DVec3::X);
+        let mut answer = walked([&a, &b], &map, &mut Default::default(), &mut Default::default())
+            .expect("boxes");
+        alter(&mut answer);
+        let mut case = Case::default();
+        judge(&mut case, [&a, &b], &map, &truth, [&answer, &answer], 2.0);
+        case.faults
+    }
+
+    #[test]
+    fn a_wrong_relation_distance_or_depth_is_a_fault() {
+        for x in [1.25, 1.5, 1.75] {
+            assert_eq!(faults(x, |_| {}), [""; 0], "{x}");
+            let other = |relation| move |answer: &mut HullAnswer| answer.relation = relation;
+            assert!(x > 1.5 || !faults(x, other(Relation::Separated)).is_empty());
+            assert!(x <= 1.5 || !faults(x, other(Relation::Touching)).is_empty());
+        }
+        let shallow = faults(1.25, |answer| answer.separation.lo = -0.125);
+        assert!(shallow.iter().any(|fault| fault.contains("parting them takes 2.5e-1")));
+        assert!(!faults(1.75, |answer| answer.points[0].x -= 0.5).is_empty());
     }
 }

@@ -37,7 +37,7 @@ pub(crate) struct StabilityArgs {
 
 const NOTES: &str = "\
 Bodies that touch, miss each other by a hair or are nearly parallel, needles, tiny and huge ones: the truth of
-each case is known by how it was made or from exact rationals. Any wrong verdict, any length outside what is
+a case is known by how it was made or from exact rationals; --list says how each family is judged. Any wrong verdict, any length outside what is
 claimed of it, any difference that memory, order or exchanging A and B makes fails the run: exit code 1.
 parry's triangle meshes (for hulls, its convex polyhedra) are asked the same in single precision, as they
 come; what they get wrong fails nobody. Where bodies only touch, either of its answers counts as right.

@@ -20,10 +20,13 @@ pub(super) fn page(outcomes: &[Told], settings: &Settings) -> String {
         settings.seed,
         settings.variants
     );
-    text += "The truth of each case is known by how it was made, or from arithmetic in exact rationals that \
-             shares no method with the detector. A case fails for any wrong verdict, for a length outside the \
-             interval that is claimed to hold it, and for any difference that memory, the order of faces or \
-             exchanging the bodies makes.\n\n";
+    text += "The truth of a pair of bodies is known by how it was made, or from exact rationals, which construct \
+             what the detector decides by signs; hulls are held against rationals too, a walk's lengths to \
+             some hundred roundings and its depths in f64. In the family memory the detector is compared \
+             with itself: without memory, and with its own search of all pairs of faces. A case fails for \
+             any wrong verdict, for a length outside the interval that is claimed to hold it, for an \
+             interval that is wide, and for any difference that memory, the order of faces or exchanging \
+             the bodies makes.\n\n";
     text += "| family | cases | failed | worst | of claim | parry: wrong | refused | worst |\n";
     text += "|---|---:|---:|---:|---:|---:|---:|---:|\n";
     for (_, outcome) in outcomes {
