@@ -26,7 +26,8 @@
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
 //! [`walk`] follows the closest features of two convex hulls from frame to frame. `levels` tells what is
-//! certain of a pair when only so much may be spent on it: [`estimate`].
+//! certain of a pair when only so much may be spent on it: [`estimate`]. `verify` asks everything twice, with memory
+//! and without, for whoever doubts it: [`query_verified`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -70,6 +71,7 @@ mod regions;
 mod surface;
 mod touch;
 mod triangle_distance;
+mod verify;
 pub mod walk;
 mod wedge;
 
@@ -86,3 +88,4 @@ pub use memory::PairMemory;
 pub use query::{Demand, Placed, Query};
 pub use reduce::reduce as reduce_contacts;
 pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
+pub use verify::{Mismatch, query_verified};

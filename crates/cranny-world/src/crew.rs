@@ -5,7 +5,7 @@
 
 use std::num::NonZeroUsize;
 
-use cranny_narrow_phase::{Answer, PairMemory, Query, QueryError, query};
+use cranny_narrow_phase::{Answer, Mismatch, PairMemory, Query, QueryError, query, query_verified};
 
 use crate::body::Body;
 
@@ -14,12 +14,20 @@ pub(crate) struct Job<'w> {
     pub(crate) bodies: [&'w Body; 2],
     pub(crate) query: Query,
     pub(crate) memory: PairMemory,
+    /// Whether it is answered without memory as well.
+    pub(crate) verify: bool,
 }
 
+/// An answer, and where memory changed it.
+pub(crate) type Verified = (Answer, Option<Box<Mismatch>>);
+
 impl Job<'_> {
-    fn answer(&mut self) -> Result<Answer, QueryError> {
-        let [a, b] = self.bodies;
-        query(a.placed(), b.placed(), &self.query, &mut self.memory)
+    fn answer(&mut self) -> Result<Verified, QueryError> {
+        let [a, b] = self.bodies.map(|body| body.placed());
+        if self.verify {
+            return query_verified(a, b, &self.query, &mut self.memory);
+        }
+        query(a, b, &self.query, &mut self.memory).map(|answer| (answer, None))
     }
 }
 
@@ -53,7 +61,7 @@ impl Crew {
     }
 
     /// Answers all jobs, in their order.
-    pub(crate) fn answer(&self, jobs: &mut [Job]) -> Vec<Result<Answer, QueryError>> {
+    pub(crate) fn answer(&self, jobs: &mut [Job]) -> Vec<Result<Verified, QueryError>> {
         #[cfg(feature = "parallel")]
         if let Some(pool) = &self.pool {
             use rayon::prelude::*;

@@ -15,6 +15,8 @@
 //!   away while the bodies touch.
 //! - **Any number of threads, the same answers** (feature `parallel`): pairs are answered by a pool
 //!   if [`World::set_threads`] asks for one, and are told in order of ids, equal to the bit.
+//! - **Memory changes no answer**, and whoever doubts it can have every step checked:
+//!   [`World::set_verification`].
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises
@@ -61,5 +63,7 @@ mod world;
 
 pub use body::{Body, BodyId, BodySpec};
 pub use error::{WorldError, WorldInvariantError};
-pub use report::{Deepest, PairAnswer, PairEvent, PairEventKind, StepReport, StepStats};
+pub use report::{
+    Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,
+};
 pub use world::World;

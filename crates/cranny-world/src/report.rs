@@ -1,7 +1,7 @@
 //! What a step tells.
 
 use cranny_broad_phase::BroadPhaseCounters;
-use cranny_narrow_phase::{Answer, Counters, Surface};
+use cranny_narrow_phase::{Answer, Counters, Mismatch, Surface};
 
 use crate::body::BodyId;
 
@@ -16,6 +16,20 @@ pub struct StepReport {
     pub events: Vec<PairEvent>,
     /// Counts and sums.
     pub stats: StepStats,
+    /// Where memory changed an answer, sorted by body ids: faults of Cranny's. Always empty unless
+    /// [`World::set_verification`](crate::World::set_verification) asks for a comparison.
+    pub mismatches: Vec<PairMismatch>,
+}
+
+/// An answer that memory changed; the lower id first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairMismatch {
+    /// The body with the lower id: A of the answers.
+    pub a: BodyId,
+    /// The other: B.
+    pub b: BodyId,
+    /// Both answers.
+    pub mismatch: Box<Mismatch>,
 }
 
 /// The answer about a pair; the lower id first, and the answer in that order.
@@ -71,6 +85,8 @@ pub struct StepStats {
     pub candidate_pairs: usize,
     /// Pairs that the narrow phase was asked about.
     pub queried_pairs: usize,
+    /// Of those, pairs that were answered without memory as well.
+    pub verified_pairs: usize,
     /// Pairs whose answer was supplied.
     pub supplied_pairs: usize,
     /// Pairs that touch or overlap, by their answers.

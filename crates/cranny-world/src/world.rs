@@ -13,7 +13,9 @@ use crate::crew::{Crew, Job};
 use crate::demand::Wish;
 use crate::description::{BodyKind, Effect};
 use crate::error::{WorldError, WorldInvariantError};
-use crate::report::{PairAnswer, PairEvent, PairEventKind, StepReport, StepStats, touches};
+use crate::report::{
+    PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats, touches,
+};
 use crate::supply::swapped;
 
 /// Two bodies, the lower id first.
@@ -35,6 +37,8 @@ pub struct World {
     /// Of pairs whose boxes overlapped at the last step and about which something is asked.
     memories: BTreeMap<Pair, PairMemory>,
     crew: Crew,
+    /// Whether pairs are answered without memory as well.
+    verify: bool,
     supplied: BTreeMap<Pair, Answer>,
     /// Pairs with a demand that touched at the last step.
     touching: BTreeSet<Pair>,
@@ -302,8 +306,9 @@ impl World {
             broad_phase: self.broad_phase.counters(),
             ..StepStats::default()
         };
-        let mut answers = self.query_candidates()?;
+        let (mut answers, mismatches) = self.query_candidates()?;
         stats.queried_pairs = answers.len();
+        stats.verified_pairs = if self.verify { answers.len() } else { 0 };
         let supplied = std::mem::take(&mut self.supplied);
         answers.extend(supplied.into_iter().map(|((a, b), answer)| PairAnswer { a, b, answer }));
         answers.sort_by_key(|pair| (pair.a, pair.b));
@@ -312,7 +317,7 @@ impl World {
         self.left = std::mem::take(&mut self.leaving);
         let step = self.steps;
         self.steps += 1;
-        Ok(StepReport { step, answers, events, stats })
+        Ok(StepReport { step, answers, events, stats, mismatches })
     }
 
     /// Says how many threads answer pairs from now on; until then one does, the caller's. Answers are the
@@ -325,6 +330,14 @@ impl World {
     pub fn set_threads(&mut self, threads: NonZeroUsize) -> Result<(), WorldError> {
         self.crew = Crew::of(threads).map_err(|why| WorldError::Threads { threads, why })?;
         Ok(())
+    }
+
+    /// Says whether from now on every pair that is queried is answered a second time without memory, and the
+    /// two compared, to the bit; off until then. Answers and events stay those with memory; differences,
+    /// which would be faults of Cranny's, are told in [`StepReport::mismatches`]. A step then costs what it
+    /// costs warm and cold together. Supplied answers are not compared.
+    pub fn set_verification(&mut self, verify: bool) {
+        self.verify = verify;
     }
 
     /// How many steps were made: the number that the next one will carry.
@@ -349,7 +362,7 @@ impl World {
     }
 
     /// Answers what is asked about pairs whose boxes overlap, but for what was supplied.
-    fn query_candidates(&mut self) -> Result<Vec<PairAnswer>, WorldError> {
+    fn query_candidates(&mut self) -> Result<(Vec<PairAnswer>, Vec<PairMismatch>), WorldError> {
         let mut memories = std::mem::take(&mut self.memories);
         let answers = self.query_with(&mut memories);
         self.memories = memories;
@@ -359,7 +372,7 @@ impl World {
     fn query_with(
         &self,
         memories: &mut BTreeMap<Pair, PairMemory>,
-    ) -> Result<Vec<PairAnswer>, WorldError> {
+    ) -> Result<(Vec<PairAnswer>, Vec<PairMismatch>), WorldError> {
         let (mut pairs, mut jobs) = (Vec::new(), Vec::new());
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
@@ -374,23 +387,27 @@ impl World {
             }
             pairs.push(pair);
             let memory = memories.remove(&pair).unwrap_or_default();
-            jobs.push(Job { bodies, query: Query::of(demand), memory });
+            jobs.push(Job { bodies, query: Query::of(demand), memory, verify: self.verify });
         }
         let answers = self.crew.answer(&mut jobs);
         let names = |[a, b]: [&Body; 2]| (a.name.clone(), b.name.clone());
         let mut told = Vec::with_capacity(answers.len());
+        let mut mismatches = Vec::new();
         let mut refused = None;
         for ((pair @ (a, b), job), answer) in pairs.into_iter().zip(jobs).zip(answers) {
             memories.insert(pair, job.memory);
             match answer {
-                Ok(answer) => told.push(PairAnswer { a, b, answer }),
+                Ok((answer, mismatch)) => {
+                    told.push(PairAnswer { a, b, answer });
+                    mismatches.extend(mismatch.map(|mismatch| PairMismatch { a, b, mismatch }));
+                }
                 Err(source) => {
                     let (a, b) = names(job.bodies);
                     refused.get_or_insert(WorldError::Query { a, b, source });
                 }
             }
         }
-        refused.map_or(Ok(told), Err)
+        refused.map_or(Ok((told, mismatches)), Err)
     }
 
     /// Replaces the set of touching pairs and tells the difference.

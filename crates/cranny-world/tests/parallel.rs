@@ -64,3 +64,25 @@ fn any_number_of_threads_tells_the_same() {
     }
     assert!(answers > 200 && events > 10, "{answers} answers, {events} events");
 }
+
+#[test]
+fn verification_asks_every_pair_twice_and_changes_nothing() {
+    let (mut plain, mut verified) = (rings(), rings());
+    verified.set_verification(true);
+    verified.set_threads(NonZeroUsize::new(2).unwrap()).unwrap();
+    for step in 1..=5 {
+        for world in [&mut plain, &mut verified] {
+            let ids: Vec<_> = world.bodies().map(|(id, _)| id).collect();
+            ids.iter().for_each(|&id| world.set_pose(id, pose(id.0, step)).unwrap());
+        }
+        if step == 5 {
+            verified.set_verification(false);
+        }
+        let (expected, found) = (plain.step().unwrap(), verified.step().unwrap());
+        let twice = if step < 5 { found.stats.queried_pairs } else { 0 };
+        assert_eq!((expected.stats.verified_pairs, found.stats.verified_pairs), (0, twice));
+        assert!(found.stats.queried_pairs > 20);
+        assert_eq!((found.answers, found.events), (expected.answers, expected.events));
+        assert_eq!((found.mismatches.len(), expected.mismatches.len()), (0, 0));
+    }
+}
