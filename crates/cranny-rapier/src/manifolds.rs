@@ -61,17 +61,30 @@ pub(crate) fn rebuild(
         manifold.local_n2 = narrow(inverse.apply_vector(-normal));
         for contact in members {
             let (first, second) = ids(contact);
-            let mut point = TrackedContact::new(
+            let point = TrackedContact::new(
                 narrow(contact.point_a),
                 narrow(inverse.apply(contact.point_b)),
                 first,
                 second,
                 contact.separation as f32,
             );
-            point.data = memory.recall(&point, normal, reach);
             manifold.points.push(point);
         }
         manifolds.push(manifold);
+    }
+    // Ids first, for all: what stands at a place may belong to a contact that comes later.
+    let mut strangers = Vec::new();
+    for manifold in manifolds {
+        let normal = wide(manifold.local_n1);
+        for point in &mut manifold.points {
+            match memory.by_ids(point) {
+                Some(data) => point.data = data,
+                None => strangers.push((point, normal)),
+            }
+        }
+    }
+    for (point, normal) in strangers {
+        point.data = memory.by_place(point, normal, reach);
     }
 }
 
@@ -89,43 +102,70 @@ pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
     PackedFeatureId::face(patch.0)
 }
 
-/// What the solver learned in the last step.
+/// What the solver learned in the last step. Each impulse is handed on once at most.
 struct Impulses {
-    by_id: HashMap<(PackedFeatureId, PackedFeatureId), Vec<(DVec3, ContactData)>>,
-    by_place: Vec<(DVec3, DVec3, ContactData)>,
+    known: Vec<Known>,
+    by_ids: HashMap<(PackedFeatureId, PackedFeatureId), Vec<usize>>,
+}
+
+struct Known {
+    place: DVec3,
+    normal: DVec3,
+    data: ContactData,
+    taken: bool,
 }
 
 impl Impulses {
     fn of(manifolds: &[Manifold]) -> Self {
-        let mut out = Self { by_id: HashMap::new(), by_place: Vec::new() };
+        let mut out = Self { known: Vec::new(), by_ids: HashMap::new() };
         for manifold in manifolds {
             for point in &manifold.points {
-                let place = wide(point.local_p1);
-                out.by_id.entry((point.fid1, point.fid2)).or_default().push((place, point.data));
-                out.by_place.push((place, wide(manifold.local_n1), point.data));
+                out.by_ids.entry((point.fid1, point.fid2)).or_default().push(out.known.len());
+                out.known.push(Known {
+                    place: wide(point.local_p1),
+                    normal: wide(manifold.local_n1),
+                    data: point.data,
+                    taken: false,
+                });
             }
         }
         out
     }
 
-    /// Each impulse is handed on by ids once at most.
-    fn recall(
+    /// Of a point with the same ids, the nearest of them; `None` if there was none with these ids.
+    fn by_ids(&mut self, point: &TrackedContact<ContactData>) -> Option<ContactData> {
+        let same = self.by_ids.get(&(point.fid1, point.fid2))?;
+        Some(take_nearest(&mut self.known, same.iter().copied(), wide(point.local_p1)))
+    }
+
+    /// Of a point at nearly the same place, and of nearly the same normal.
+    fn by_place(
         &mut self,
         point: &TrackedContact<ContactData>,
         normal: DVec3,
         reach: f64,
     ) -> ContactData {
         let place = wide(point.local_p1);
-        let away = |p: &DVec3| (*p - place).length_squared();
-        if let Some(same) = self.by_id.get_mut(&(point.fid1, point.fid2)) {
-            let nearest =
-                (0..same.len()).min_by(|&i, &j| away(&same[i].0).total_cmp(&away(&same[j].0)));
-            return nearest.map_or_else(ContactData::default, |i| same.swap_remove(i).1);
-        }
-        self.by_place
-            .iter()
-            .filter(|(p, n, _)| n.dot(normal) >= SAME_WAY && away(p) <= reach * reach)
-            .min_by(|x, y| away(&x.0).total_cmp(&away(&y.0)))
-            .map_or_else(ContactData::default, |(_, _, data)| *data)
+        let near: Vec<usize> = (0..self.known.len())
+            .filter(|&i| {
+                let Known { place: p, normal: n, .. } = &self.known[i];
+                n.dot(normal) >= SAME_WAY && (*p - place).length_squared() <= reach * reach
+            })
+            .collect();
+        take_nearest(&mut self.known, near.into_iter(), place)
     }
+}
+
+/// Takes what is nearest and not yet taken; nothing was learned where all is.
+fn take_nearest(
+    known: &mut [Known],
+    among: impl Iterator<Item = usize>,
+    place: DVec3,
+) -> ContactData {
+    let away = |i: &usize| (known[*i].place - place).length_squared();
+    let nearest = among.filter(|&i| !known[i].taken).min_by(|i, j| away(i).total_cmp(&away(j)));
+    nearest.map_or_else(ContactData::default, |i| {
+        known[i].taken = true;
+        known[i].data
+    })
 }
