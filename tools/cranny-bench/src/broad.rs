@@ -15,6 +15,7 @@ use parry3d::math::Vector;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 
 use crate::cloud::Random;
+use crate::count::Work;
 use crate::report::{Cell, Report, Table};
 use crate::stopwatch::{keep, median};
 
@@ -212,6 +213,19 @@ impl<B: BroadPhase> Contestant for B {
     fn counters(&self) -> BroadPhaseCounters {
         BroadPhase::counters(self)
     }
+}
+
+/// So many frames of so many cubes, of which one in `one_in` moves by up to 1 % of its size, after a block of
+/// frames to choose a back end in.
+pub(crate) fn work(boxes: usize, one_in: usize, frames: usize) -> Option<Work> {
+    let case = Case { boxes, one_in, gait: Gait::Random(0.01) };
+    let mut scene = Scene::new(boxes);
+    let mut broad: AdaptiveBroadPhase = filled(&scene.cubes).ok()?;
+    for frame in 0..BLOCK {
+        broad.frame(&scene.step(frame, &case));
+    }
+    let steps: Vec<Step> = (BLOCK..BLOCK + frames).map(|frame| scene.step(frame, &case)).collect();
+    Some(Box::new(move || steps.iter().for_each(|step| broad.frame(step))))
 }
 
 fn filled<B: BroadPhase + Default>(cubes: &[Aabb]) -> Result<B, BroadPhaseError> {

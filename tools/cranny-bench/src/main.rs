@@ -10,6 +10,7 @@
 
 mod broad;
 mod cloud;
+mod count;
 mod export;
 mod hulls;
 mod pairs;
@@ -70,6 +71,12 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
+    /// Does a fixed piece of work once, for a counter of instructions; without a name, lists them
+    Count {
+        /// Which
+        #[arg(value_name = "NAME")]
+        name: Option<String>,
+    },
     /// Writes pairs in motion as files, for `cranny accuracy`
     Export {
         /// Folder for the files; made if it is not there
@@ -98,11 +105,16 @@ fn main() -> ExitCode {
         Command::Walk => Ok(walk::measure(cli.quick)),
         Command::Pairs { only } => Ok(pairs::measure(cli.quick, only)),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
+        Command::Count { name } => return exit(count::count(name.as_deref())),
         Command::Export { folder } => export::write(folder, cli.quick),
         Command::Prepare => Ok(prepare::measure(cli.quick)),
         Command::Trees => Ok(trees::measure(cli.quick)),
     };
-    match report.and_then(|report| print(&report, cli.format)) {
+    exit(report.and_then(|report| print(&report, cli.format)))
+}
+
+fn exit(outcome: io::Result<()>) -> ExitCode {
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {

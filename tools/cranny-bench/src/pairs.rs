@@ -56,6 +56,13 @@ pub(crate) fn measure(quick: bool, only: &str) -> Report {
     }
 }
 
+/// The bodies of the scene of that name, and the second's poses.
+pub(crate) fn models(name: &str) -> Option<([Model; 2], Vec<Pose>)> {
+    let scene = scenes(true, name).into_iter().find(|scene| scene.name == name)?;
+    let Bodies { models, .. } = Bodies::of(&scene.meshes)?;
+    Some((models, scene.poses))
+}
+
 /// Both bodies as we and parry have them.
 struct Bodies {
     models: [Model; 2],

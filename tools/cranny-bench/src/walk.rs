@@ -10,6 +10,7 @@ use parry3d::query;
 use parry3d::shape::ConvexPolyhedron;
 
 use crate::cloud;
+use crate::count::Work;
 use crate::hulls::single;
 use crate::report::{Cell, Report, Table};
 use crate::stopwatch::{Patience, keep, race};
@@ -98,6 +99,23 @@ fn row((name, gap): (&str, f64), n: usize, quick: bool) -> Vec<Cell> {
         Cell::Count(counters.searches as usize),
         Cell::Count(counters.exhausted as usize),
     ]
+}
+
+/// So many frames, after the first, of a hull that rolls round another at a distance.
+pub(crate) fn work(gap: f64, points: usize, frames: usize) -> Option<Work> {
+    let cloud = cloud::sphere(2 * points);
+    let hulls = [&cloud[..points], &cloud[points..]].map(ConvexHull::of_points);
+    let [g, h] = hulls.each_ref().map(|hull| FeatureGraph::new(hull).ok());
+    let graphs = [g?, h?];
+    let maps: Vec<RigidMap> =
+        (0..=frames).map(|frame| rolling(frame, 2.0 + gap).world_from_body()).collect();
+    let mut state = WalkState::default();
+    let mut ask = move |frame: usize| {
+        let [a, b] = [0, 1].map(|i| WalkHull { hull: &hulls[i], graph: &graphs[i] });
+        keep(walk_hulls(a, b, &maps[frame], &mut state, &mut WalkCounters::default()));
+    };
+    ask(0);
+    Some(Box::new(move || (1..=frames).for_each(&mut ask)))
 }
 
 /// Turned about one axis while going round another, 0.1 degrees a frame each.

@@ -1,12 +1,14 @@
 //! Chores of the repository.
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
-//! which, and that the crates which compute do nothing but compute.
+//! which, and that the crates which compute do nothing but compute. `instructions` counts what fixed pieces of
+//! work take, and compares that with what they took.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 
 mod bans;
 mod directions;
+mod instructions;
 mod literals;
 mod report;
 mod sources;
@@ -17,14 +19,35 @@ use report::Violation;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo run -p xtask -- check-deps";
+const USAGE: &str = "usage: cargo run -p xtask -- check-deps | instructions [--update]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments != ["check-deps"] {
-        eprintln!("{USAGE}");
-        return ExitCode::from(2);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match arguments[..] {
+        ["check-deps"] => tell_deps(),
+        ["instructions"] => tell_instructions(false),
+        ["instructions", "--update"] => tell_instructions(true),
+        _ => {
+            eprintln!("{USAGE}");
+            ExitCode::from(2)
+        }
     }
+}
+
+fn tell_instructions(update: bool) -> ExitCode {
+    let root = cargo_metadata().and_then(|metadata| directions::Graph::from_metadata(&metadata));
+    match root.and_then(|graph| instructions::run(Path::new(graph.workspace_root()), update)) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("instructions: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn tell_deps() -> ExitCode {
     match check_deps() {
         Ok((files, violations)) if violations.is_empty() => {
             println!("check-deps: crate directions hold, {files} source files are clean");

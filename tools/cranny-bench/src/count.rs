@@ -1,0 +1,133 @@
+//! Fixed pieces of work, whose instructions somebody else counts: `cargo run -p xtask -- instructions`.
+//!
+//! A clock tells how busy a machine is as much as how much there was to do; the instructions of the same
+//! work are the same to a thousandth, so that a slow-down is seen by comparing two numbers.
+
+use std::hint::black_box;
+use std::io::{self, Write};
+
+use cranny_exact::Pose;
+use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
+use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+
+use crate::stopwatch::keep;
+use crate::{broad, cloud, pairs, solid, walk};
+
+/// Ready to be done: all that is only set-up is behind it.
+pub(crate) type Work = Box<dyn FnMut()>;
+
+/// A piece of work.
+struct Case {
+    name: &'static str,
+    /// Sets it up; `None` where its bodies cannot be made.
+    made: fn() -> Option<Work>,
+}
+
+const DISTANCE: Demand = Demand::Distance { below: None };
+const REGIONS: Demand = Demand::Regions { margin: 0.0 };
+
+/// As far as the gap between the flanks of nut and bolt.
+const THREAD: Demand = Demand::Contacts { margin: 0.05 };
+
+/// Names have no spaces at their ends and stay as they are: figures are kept by them.
+const CASES: &[Case] = &[
+    Case { name: "prepare golf 1k", made: || Some(preparing(solid::golf_ball(1_000).ok()?)) },
+    Case { name: "prepare bolt 28k", made: || Some(preparing(solid::bolt().ok()?)) },
+    Case { name: "load bolt 28k", made: loading },
+    Case { name: "hull of 10k on a sphere", made: hull },
+    Case { name: "walk near 500 points", made: || walk::work(0.1, 500, 300) },
+    Case { name: "walk deep 500 points", made: || walk::work(-0.5, 500, 300) },
+    Case {
+        name: "intersects near golf 1k",
+        made: || warm("golf 1k near", Demand::Intersects, 100),
+    },
+    Case {
+        name: "intersects near golf 10k",
+        made: || warm("golf 10k near", Demand::Intersects, 100),
+    },
+    Case { name: "distance near golf 10k", made: || warm("golf 10k near", DISTANCE, 100) },
+    Case { name: "distance near torus 10k, cold", made: || cold("torus 10k near", DISTANCE, 20) },
+    Case {
+        name: "intersects contact torus 10k",
+        made: || warm("torus 10k contact", Demand::Intersects, 100),
+    },
+    Case { name: "regions contact torus 10k", made: || warm("torus 10k contact", REGIONS, 20) },
+    Case { name: "regions contact golf 10k", made: || warm("golf 10k contact", REGIONS, 20) },
+    Case {
+        name: "contacts contact torus 10k",
+        made: || warm("torus 10k contact", Demand::Contacts { margin: 0.002 }, 20),
+    },
+    Case {
+        name: "intersects nut 2 degrees",
+        made: || warm("nut on bolt, 2 degrees", Demand::Intersects, 8),
+    },
+    Case { name: "contacts nut 1.5 degrees", made: || warm("nut on bolt, 1.5 degrees", THREAD, 8) },
+    Case { name: "broad 2k, 1 in 100 moving", made: || broad::work(2_000, 100, 40) },
+    Case { name: "broad 2k, all moving 1 %", made: || broad::work(2_000, 1, 40) },
+];
+
+/// Does the piece of work of that name; without a name, lists them.
+///
+/// # Errors
+///
+/// A name that there is not, work that cannot be set up; standard output that cannot be written.
+pub(crate) fn count(name: Option<&str>) -> io::Result<()> {
+    let Some(name) = name else {
+        let mut out = io::stdout().lock();
+        return CASES.iter().try_for_each(|case| writeln!(out, "{}", case.name));
+    };
+    let case = CASES.iter().find(|case| case.name == name).ok_or_else(|| {
+        io::Error::other(format!("no piece of work is called {name:?}; `count` alone lists them"))
+    })?;
+    let mut work =
+        (case.made)().ok_or_else(|| io::Error::other(format!("{name:?} cannot be set up")))?;
+    counted(&mut *work);
+    Ok(())
+}
+
+/// What happens in here is counted, and nothing else: the counter knows it by its name.
+#[inline(never)]
+fn counted(work: &mut dyn FnMut()) {
+    work();
+    // Were the call the last thing here, it could become a jump out of the function.
+    black_box(());
+}
+
+fn preparing(mesh: Mesh) -> Work {
+    Box::new(move || keep(Model::build(mesh.clone(), &BuildOptions::default())))
+}
+
+fn loading() -> Option<Work> {
+    let (model, _) = Model::build(solid::bolt().ok()?, &BuildOptions::default()).ok()?;
+    let bytes = model.encode();
+    Some(Box::new(move || keep(Model::decode(&bytes))))
+}
+
+fn hull() -> Option<Work> {
+    let points = cloud::sphere(10_000);
+    Some(Box::new(move || keep(ConvexHull::of_points(&points))))
+}
+
+/// So many frames of a pair of meshes after its first.
+fn warm(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
+    let ([a, b], poses) = pairs::models(scene)?;
+    let mut memory = PairMemory::default();
+    let mut ask = move |frame: usize| {
+        let b = Placed { model: &b, pose: poses[frame] };
+        keep(query(Placed { model: &a, pose: Pose::IDENTITY }, b, &Query::of(demand), &mut memory));
+    };
+    ask(0);
+    Some(Box::new(move || (1..=frames).for_each(&mut ask)))
+}
+
+/// So many frames without memory.
+fn cold(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
+    let ([a, b], poses) = pairs::models(scene)?;
+    Some(Box::new(move || {
+        for &pose in &poses[..frames] {
+            let b = Placed { model: &b, pose };
+            let memory = &mut PairMemory::default();
+            keep(query(Placed { model: &a, pose: Pose::IDENTITY }, b, &Query::of(demand), memory));
+        }
+    }))
+}

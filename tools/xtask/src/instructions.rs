@@ -1,0 +1,210 @@
+//! Counts the instructions of fixed pieces of work, and compares them with what they were.
+//!
+//! The work is `cranny-bench count`; valgrind's callgrind counts what happens in one function of it. The file
+//! stands for the development profile, in which the crates that compute are optimised: it is what tests have
+//! built already. It counts assertions too, and says nothing of other profiles but that less became more.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::{fs, thread};
+
+/// Where the figures are kept, relative to the workspace.
+const FILE: &str = "tools/instructions.txt";
+
+/// What may be more without being told: a hash map's order, another layout of the code.
+const TOLERANCE: f64 = 0.03;
+
+const HEADING: &str = "\
+# Instructions of fixed pieces of work in the development profile, by valgrind's callgrind.
+# Checked by `cargo run -p xtask -- instructions`; written by the same with `--update`, which a change that
+# makes them more has to justify.
+";
+
+/// Whatever is counted by name.
+type Figures = BTreeMap<String, u64>;
+
+/// What came out of a comparison, a line each.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Verdict {
+    wrong: Vec<String>,
+    notes: Vec<String>,
+}
+
+/// Counts; writes the figures down where `update`, else compares. Tells what is to be known; `Ok(false)` where
+/// something takes more than it did.
+///
+/// # Errors
+///
+/// No valgrind; work that does not build or fails; a file that cannot be read or written.
+pub(crate) fn run(root: &Path, update: bool) -> Result<bool, String> {
+    let file = root.join(FILE);
+    let bench = built(root)?;
+    let now = counted(&bench)?;
+    if update {
+        fs::write(&file, written(&now)).map_err(|e| format!("{}: {e}", file.display()))?;
+        println!("instructions: {} figures written to {FILE}", now.len());
+        return Ok(true);
+    }
+    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let verdict = compared(&read(&text)?, &now);
+    verdict.notes.iter().chain(&verdict.wrong).for_each(|line| println!("{line}"));
+    println!("instructions: {} pieces of work, {} take more", now.len(), verdict.wrong.len());
+    Ok(verdict.wrong.is_empty())
+}
+
+/// The program that does the work, built with the features that tests have built it with.
+fn built(root: &Path) -> Result<PathBuf, String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let output = Command::new(cargo)
+        .current_dir(root)
+        .args(["build", "--workspace", "--bin", "cranny-bench", "--message-format", "json"])
+        .output()
+        .map_err(|e| format!("cannot run cargo build: {e}"))?;
+    if !output.status.success() {
+        let why = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("cargo build failed: {}", why.trim()));
+    }
+    String::from_utf8_lossy(&output.stdout)
+        .lines()
+        .filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok())
+        .find_map(|message| Some(PathBuf::from(message.get("executable")?.as_str()?)))
+        .ok_or_else(|| "cargo build names no cranny-bench".to_owned())
+}
+
+/// All pieces of work, two at a time.
+fn counted(bench: &Path) -> Result<Figures, String> {
+    let list = output(Command::new(bench).arg("count"))?.0;
+    let waiting = Mutex::new(list.lines().map(str::to_owned).collect::<Vec<_>>());
+    let figures = Mutex::new(Ok(Figures::new()));
+    let lock = "nothing panics while it holds the lock";
+    thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                loop {
+                    let Some(name) = waiting.lock().expect(lock).pop() else { return };
+                    let count = instructions(bench, &name);
+                    let mut figures = figures.lock().expect(lock);
+                    match (&mut *figures, count) {
+                        (Ok(figures), Ok(count)) => drop(figures.insert(name, count)),
+                        (Ok(_), Err(error)) => *figures = Err(error),
+                        (Err(_), _) => {}
+                    }
+                }
+            });
+        }
+    });
+    figures.into_inner().expect(lock)
+}
+
+fn instructions(bench: &Path, name: &str) -> Result<u64, String> {
+    let mut valgrind = Command::new("valgrind");
+    valgrind
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg("--toggle-collect=cranny_bench::count::counted*")
+        .arg(bench)
+        .args(["count", name]);
+    let (_, told) = output(&mut valgrind)?;
+    collected(&told)
+        .ok_or_else(|| format!("{name}: valgrind tells no count of instructions:\n{told}"))
+}
+
+/// Standard output and standard error of a command that succeeded.
+fn output(command: &mut Command) -> Result<(String, String), String> {
+    let output = command.output().map_err(|e| format!("cannot run {command:?}: {e}"))?;
+    let [out, err] = [&output.stdout, &output.stderr].map(|t| String::from_utf8_lossy(t).into());
+    match output.status.success() {
+        true => Ok((out, err)),
+        false => Err(format!("{command:?} failed: {err}")),
+    }
+}
+
+/// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not found.
+fn collected(told: &str) -> Option<u64> {
+    let (_, number) = told.lines().find_map(|line| line.split_once("Collected :"))?;
+    number.trim().parse().ok().filter(|&count| count > 0)
+}
+
+fn written(figures: &Figures) -> String {
+    let mut text = HEADING.to_owned();
+    for (name, count) in figures {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{count:>12}  {name}");
+    }
+    text
+}
+
+fn read(text: &str) -> Result<Figures, String> {
+    let lines = text.lines().enumerate();
+    let figures = lines.filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
+    figures
+        .map(|(i, line)| {
+            let parsed = line.trim().split_once("  ").and_then(|(count, name)| {
+                Some((name.trim().to_owned(), count.parse::<u64>().ok()?))
+            });
+            parsed.ok_or_else(|| {
+                format!("{FILE}:{}: expected a count, two spaces and a name: {line:?}", i + 1)
+            })
+        })
+        .collect()
+}
+
+fn compared(kept: &Figures, now: &Figures) -> Verdict {
+    let mut verdict = Verdict::default();
+    for (name, &count) in now {
+        let Some(&before) = kept.get(name) else {
+            verdict.wrong.push(format!("{name}: {count}, and no figure is kept: use --update"));
+            continue;
+        };
+        let change = count as f64 / before as f64 - 1.0;
+        let line = format!("{name}: {before} before, {count} now ({:+.1} %)", 100.0 * change);
+        match change {
+            c if c > TOLERANCE => verdict.wrong.push(line),
+            c if c < -TOLERANCE => verdict.notes.push(format!("{line}: keep it with --update")),
+            _ => {}
+        }
+    }
+    for name in kept.keys().filter(|name| !now.contains_key(*name)) {
+        verdict.wrong.push(format!("{name}: kept, and nobody does it any more: use --update"));
+    }
+    verdict
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(of: &[(&str, u64)]) -> Figures {
+        of.iter().map(|&(name, count)| (name.to_owned(), count)).collect()
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let some = figures(&[("walk near, cold", 12), ("load", 3_000_000_000)]);
+        assert_eq!(read(&written(&some)), Ok(some));
+        assert!(read("# a\n\n12 3").unwrap_err().starts_with("tools/instructions.txt:3: expected"));
+        assert!(read("many  walk").is_err());
+    }
+
+    #[test]
+    fn more_is_wrong_and_less_is_told() {
+        let kept = figures(&[("a", 1_000), ("b", 1_000), ("c", 1_000), ("gone", 1)]);
+        let now = figures(&[("a", 1_029), ("b", 1_031), ("c", 900), ("new", 5)]);
+        let Verdict { wrong, notes } = compared(&kept, &now);
+        let begins = |lines: &[String]| -> Vec<String> {
+            lines.iter().map(|line| line.split(':').next().unwrap_or("").to_owned()).collect()
+        };
+        assert_eq!(begins(&wrong), ["b", "new", "gone"]);
+        assert_eq!(begins(&notes), ["c"]);
+        assert!(wrong[0].contains("1031 now (+3.1 %)"), "{}", wrong[0]);
+    }
+
+    #[test]
+    fn nothing_counted_is_no_count() {
+        assert_eq!(collected("==7== Events    : Ir\n==7== Collected : 813275\n"), Some(813_275));
+        assert_eq!(collected("==7== Collected : 0\n"), None);
+        assert_eq!(collected("==7== nothing"), None);
+    }
+}
