@@ -315,7 +315,12 @@ fn stepped(bodies: &mut RigidBodies) -> Result<(), String> {
         return Ok(());
     }
     // The simulation is not used again after a failure.
-    catch_unwind(AssertUnwindSafe(|| bodies.simulation.step())).map_err(|panic| {
+    unless_it_panics(|| bodies.simulation.step())
+}
+
+/// Does something; what it says should it panic.
+fn unless_it_panics(work: impl FnOnce()) -> Result<(), String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         text.or_else(|| panic.downcast_ref::<&str>().copied())
             .unwrap_or("without a word")
@@ -391,7 +396,18 @@ fn leave_removed_alone(
 
 #[cfg(test)]
 mod tests {
+    use std::panic::panic_any;
+
     use super::*;
+
+    #[test]
+    fn what_a_solver_says_as_it_panics_is_told() {
+        assert_eq!(unless_it_panics(|| {}), Ok(()));
+        assert_eq!(unless_it_panics(|| panic!("no pieces")), Err("no pieces".to_owned()));
+        let counted = unless_it_panics(|| panic!("{} pieces", 7));
+        assert_eq!(counted, Err("7 pieces".to_owned()));
+        assert_eq!(unless_it_panics(|| panic_any(3)), Err("without a word".to_owned()));
+    }
 
     #[test]
     fn drift_and_loss_do_not_depend_on_the_zero_of_height() {

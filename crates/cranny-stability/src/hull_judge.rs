@@ -6,9 +6,7 @@
 //! predicates and closest points of triangles that the walk falls back on. [`brute_force_depth`] tries
 //! all faces of the set of differences in `f64`.
 
-use cranny_exact::{
-    DQuat, DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d,
-};
+use cranny_exact::{DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d};
 use cranny_geometry::ConvexHull;
 use cranny_geometry::hull::{HullKind, HullVertexId};
 use cranny_narrow_phase::walk::{FeatureGraph, HullAnswer, Relation, WalkHull};
@@ -204,30 +202,10 @@ pub fn faults_beside(
     faults
 }
 
-/// A direction, all alike.
-pub fn random_direction(rng: &mut Rng) -> DVec3 {
-    loop {
-        let p = DVec3::new(rng.unit(), rng.unit(), rng.unit());
-        if (0.1..1.0).contains(&p.length()) {
-            return p.normalize();
-        }
-    }
-}
-
-/// A rotation, all alike.
-pub fn random_rotation(rng: &mut Rng) -> DQuat {
-    loop {
-        let q = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), rng.unit());
-        if (0.1..1.0).contains(&q.length()) {
-            return q.normalize();
-        }
-    }
-}
-
 /// The second turned anyhow and its origin put `distance` away from the first's, anywhere.
 pub fn random_map(rng: &mut Rng, distance: f64) -> RigidMap {
-    let rotation = random_rotation(rng);
-    Pose { rotation, translation: distance * random_direction(rng) }.world_from_body()
+    let rotation = rng.rotation();
+    Pose { rotation, translation: distance * rng.direction() }.world_from_body()
 }
 
 /// The second moved, not turned.
@@ -275,7 +253,7 @@ pub fn platonic_solids() -> Vec<Body> {
 #[must_use]
 pub fn sphere(count: usize, seed: u64) -> Body {
     let mut rng = Rng::new(seed);
-    Body::of(&(0..count).map(|_| random_direction(&mut rng)).collect::<Vec<_>>())
+    Body::of(&(0..count).map(|_| rng.direction()).collect::<Vec<_>>())
 }
 
 /// A prism of `count` sides, radius 1; flat where `half` is 0.

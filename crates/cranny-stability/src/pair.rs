@@ -78,15 +78,22 @@ impl Truth {
     }
 
     fn words(&self) -> String {
-        words(self.verdict.surface, self.verdict.solid, self.contained(), self.distance())
+        words(self.verdict.surface, self.verdict.solid, self.contained(), Some(self.distance()))
     }
 }
 
-fn words(surface: Meeting, solid: bool, contained: Option<Containment>, distance: f64) -> String {
-    let mut text = match surface {
-        Meeting::None => format!("apart by {distance:.3e}"),
-        Meeting::Touch => "touch".to_owned(),
-        Meeting::Cross => "cross".to_owned(),
+/// A verdict and a distance, where that is known, for people.
+pub(crate) fn words(
+    surface: Meeting,
+    solid: bool,
+    contained: Option<Containment>,
+    distance: Option<f64>,
+) -> String {
+    let mut text = match (surface, distance) {
+        (Meeting::None, Some(distance)) => format!("apart by {distance:.3e}"),
+        (Meeting::None, None) => "apart".to_owned(),
+        (Meeting::Touch, _) => "touch".to_owned(),
+        (Meeting::Cross, _) => "cross".to_owned(),
     };
     if solid {
         text += ", interiors meet";
@@ -97,6 +104,11 @@ fn words(surface: Meeting, solid: bool, contained: Option<Containment>, distance
         None => {}
     }
     text
+}
+
+/// An answer for people.
+pub(crate) fn in_words(answer: &Answer) -> String {
+    words(answer.surface, answer.solid, answer.contained, answer.distance)
 }
 
 /// All of an answer that does not depend on history.
@@ -202,9 +214,8 @@ fn judge(
     for demand in DEMANDS {
         let answer = cold(a, b, demand)?;
         let found = (answer.surface, answer.solid, answer.contained);
-        let distance = answer.distance.unwrap_or_else(|| truth.distance());
         if found != expected {
-            let found = words(found.0, found.1, found.2, distance);
+            let found = in_words(&answer);
             case.faults.push(format!("{demand:?} says: {found}"));
         }
         if cold(b, a, demand)?.swapped() != answer {
@@ -214,7 +225,7 @@ fn judge(
             case.faults.push(format!("{demand:?} differs with memory"));
         }
         if answer.distance.is_some() {
-            case.told = words(answer.surface, answer.solid, answer.contained, distance);
+            case.told = in_words(&answer);
         }
         judge_lengths(case, &answer, demand, truth);
     }

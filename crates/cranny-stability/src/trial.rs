@@ -132,36 +132,13 @@ impl<'p> Trial<'p> {
         DVec3::from_array([0; 3].map(|_| 0.25 * f64::from(self.rng.between(-4 * reach, 4 * reach))))
     }
 
-    pub(crate) fn direction(&mut self) -> DVec3 {
-        loop {
-            let v = DVec3::from_array([0; 3].map(|_| self.rng.unit()));
-            if (0.01..=1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-
-    pub(crate) fn rotation(&mut self) -> DQuat {
-        loop {
-            let q = DQuat::from_xyzw(
-                self.rng.unit(),
-                self.rng.unit(),
-                self.rng.unit(),
-                self.rng.unit(),
-            );
-            if (0.01..=1.0).contains(&q.length_squared()) {
-                return q.normalize();
-            }
-        }
-    }
-
     /// A turn by a small angle, to first order, about an axis of the frame, a diagonal or anything.
     pub(crate) fn tilt(&mut self, angle: f64) -> DQuat {
         let axis = match self.rng.below(4) {
             0 => DVec3::X,
             1 => DVec3::new(1.0, 1.0, 0.0).normalize(),
             2 => DVec3::new(0.6, 0.0, 0.8),
-            _ => self.direction(),
+            _ => self.rng.direction(),
         };
         let half = 0.5 * angle * axis;
         DQuat::from_xyzw(half.x, half.y, half.z, 1.0).normalize()
@@ -169,7 +146,7 @@ impl<'p> Trial<'p> {
 
     /// An orthonormal frame, rounded.
     pub(crate) fn frame(&mut self) -> DMat3 {
-        DMat3::from_quat(self.rotation())
+        DMat3::from_quat(self.rng.rotation())
     }
 }
 

@@ -29,6 +29,7 @@ mod distance;
 mod generate;
 mod hull;
 mod locate;
+mod random;
 mod rational;
 mod solid;
 mod surface;
@@ -38,9 +39,10 @@ pub use brute_force::brute_force_meeting;
 pub use distance::{
     error_of_root, is_root_within, rational_distance_squared, rational_gap_squared,
 };
-pub use generate::{Family, Rng};
+pub use generate::Family;
 pub use hull::{HullFault, rational_hull_fault, spans_a_solid};
 pub use locate::{Location, PosedMesh};
+pub use random::Rng;
 pub use rational::{Q, Q3};
 pub use solid::{Contained, OracleVerdict, rational_verdict};
 pub use surface::{brute_force_surface, rational_surface};

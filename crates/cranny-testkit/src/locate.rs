@@ -7,7 +7,7 @@ use cranny_exact::{Aabb, DVec3, Piercing, Pose, SegmentFeature, TriangleFeature}
 use cranny_geometry::Mesh;
 
 use crate::convex::Region;
-use crate::generate::Rng;
+use crate::random::Rng;
 use crate::rational::{Q, Q3};
 use crate::surface::posed_triangles;
 use crate::triangle::piercing;

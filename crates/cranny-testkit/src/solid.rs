@@ -252,25 +252,7 @@ fn groups_apart(mesh: &PosedMesh, shared: &Shared) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A box from `low` to `high`, outward.
-    fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
-        let vertices = (0..8)
-            .map(|i| {
-                let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
-                DVec3::new(pick(0), pick(1), pick(2))
-            })
-            .collect();
-        let quads =
-            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        Mesh::new(vertices, faces).unwrap()
-    }
-
-    fn inverted(mesh: &Mesh) -> Mesh {
-        let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
-        Mesh::new(mesh.vertices().to_vec(), faces).unwrap()
-    }
+    use crate::bodies::{cuboid, inverted};
 
     /// The verdict, after checking that swapping A and B swaps it.
     fn verdict(a: &Mesh, b: &Mesh) -> (Meeting, bool, Option<Contained>) {

@@ -66,7 +66,7 @@ pub(crate) fn overlapping_pairs(a: &[[DVec3; 3]], b: &[[DVec3; 3]]) -> Vec<(usiz
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::Rng;
+    use crate::random::Rng;
     use cranny_exact::DQuat;
 
     /// Triangles on a small lattice, so that posed by quarter turns they touch and cross exactly.

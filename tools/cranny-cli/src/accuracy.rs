@@ -92,7 +92,6 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     }
     write(&args.out.join("accuracy.csv"), &figures::csv(&all))?;
     let size = a.bounds().diagonal().min(b.bounds().diagonal());
-    let chart = chart::drawn(&all, size)
-        .map_err(|error| Failure::run(format!("the chart cannot be drawn: {error}")))?;
+    let chart = chart::drawn(&all, size)?;
     write(&args.out.join("accuracy.svg"), &chart)
 }

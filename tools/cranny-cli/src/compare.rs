@@ -34,7 +34,7 @@ const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
 /// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What a peer
 /// cannot do is told in its row.
 pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), Failure> {
-    let mut scene = load(&args.scene, args.seed)?;
+    let mut scene = load(&args.scene, args.instead.seed)?;
     let (helices, rings) = (helices(&scene), rings(&scene));
     let inputs: Vec<&Path> =
         std::iter::once(&*scene.path).chain(scene.files.iter().map(|file| &**file)).collect();
@@ -49,19 +49,12 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         description.effects.push(Effect::Contacts { margin: 0.0 });
     }
 
-    let mut asked = if args.detector.is_empty() {
+    let asked = if args.detector.is_empty() {
         Detector::ALL.to_vec()
     } else {
-        args.detector.iter().map(|&argument| detector(argument)).collect()
+        each_once(args.detector.iter().map(|&argument| detector(argument)))
     };
-    let mut seen = Vec::new();
-    asked.retain(|kind| {
-        !seen.contains(kind) && {
-            seen.push(*kind);
-            true
-        }
-    });
-    let step = args.dt.unwrap_or(description.step);
+    let step = args.instead.dt.unwrap_or(description.step);
     let substeps = match args.substeps {
         SubstepsArg::Same => Some(SimulationOptions::substeps_for(step)),
         SubstepsArg::Own => None,
@@ -78,8 +71,8 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
                 rings: rings.clone(),
                 ..PluginOptions::default()
             },
-            step: args.dt,
-            duration: args.duration,
+            step: args.instead.dt,
+            duration: args.instead.duration,
             source: Some(scene.source_text.clone()),
             ..RunOptions::default()
         };
@@ -118,11 +111,21 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     if let Some(folder) = &args.out {
         write(&folder.join(FILES[0]), &figures::csv(&rows))?;
         write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
-        let chart = chart::drawn(&rows)
-            .map_err(|error| Failure::run(format!("the chart cannot be drawn: {error}")))?;
+        let chart = chart::drawn(&description.name, &rows)?;
         write(&folder.join(FILES[2]), &chart)?;
     }
     Ok(())
+}
+
+/// Whoever is named twice runs once, where it was named first.
+fn each_once(named: impl Iterator<Item = Detector>) -> Vec<Detector> {
+    let mut detectors = Vec::new();
+    for detector in named {
+        if !detectors.contains(&detector) {
+            detectors.push(detector);
+        }
+    }
+    detectors
 }
 
 /// With which recycling of contacts a detector runs.
@@ -148,6 +151,12 @@ fn tell(rows: &[Figures], format: Format) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn who_is_named_twice_runs_once() {
+        let named = [Detector::RapierTrimesh, Detector::Cranny, Detector::RapierTrimesh];
+        assert_eq!(each_once(named.into_iter()), named[..2]);
+    }
 
     #[test]
     fn both_ways_begin_with_the_usual_one() {

@@ -5,8 +5,10 @@
 
 mod accuracy;
 mod args;
+mod chart;
 mod check;
 mod compare;
+mod csv;
 mod explain;
 mod failure;
 mod inspect;

@@ -30,7 +30,7 @@ const REDRAWS_PER_SECOND: u8 = 5;
 ///
 /// Wrong arguments or a wrong scene; a step, a recording or a picture that failed.
 pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure> {
-    let scene = load(&args.scene, args.seed)?;
+    let scene = load(&args.scene, args.instead.seed)?;
     let names_cameras = !scene.description.cameras.is_empty();
     let pictured = args.frames.is_some() || args.preview.is_some() || names_cameras;
     let options = RunOptions {
@@ -41,8 +41,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
             threads: Some(args.threads),
             ..PluginOptions::default()
         },
-        step: args.dt,
-        duration: args.duration,
+        step: args.instead.dt,
+        duration: args.instead.duration,
         record: args.record.clone(),
         pictures: PictureOptions {
             frames: args.frames.clone(),

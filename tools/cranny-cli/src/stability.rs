@@ -64,8 +64,7 @@ pub(crate) fn stability(args: &StabilityArgs, format: Option<Format>) -> Result<
     if let Some(folder) = &args.out {
         write(&folder.join("stability.csv"), &rows::csv(&outcomes))?;
         write(&folder.join("cases.csv"), &rows::cases_csv(&outcomes))?;
-        let chart = chart::drawn(&outcomes)
-            .map_err(|error| Failure::run(format!("the chart cannot be drawn: {error}")))?;
+        let chart = chart::drawn(&outcomes)?;
         write(&folder.join("stability.svg"), &chart)?;
         write(&folder.join("stability.md"), &page::page(&outcomes, &settings))?;
     }

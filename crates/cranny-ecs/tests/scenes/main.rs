@@ -4,6 +4,7 @@ mod absence;
 mod build;
 mod detection;
 mod fixed_update;
+mod links;
 #[cfg(feature = "record")]
 mod recording;
 #[cfg(feature = "render")]

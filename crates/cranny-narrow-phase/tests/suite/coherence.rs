@@ -22,15 +22,6 @@ pub(crate) fn bodies() -> Vec<(&'static str, Model)> {
     ]
 }
 
-pub(crate) fn direction(rng: &mut Rng) -> DVec3 {
-    loop {
-        let v = DVec3::new(rng.unit(), rng.unit(), rng.unit());
-        if (0.01..=1.0).contains(&v.length_squared()) {
-            return v.normalize();
-        }
-    }
-}
-
 /// A walk that keeps near the first body: it drifts, turns, rests, turns back and jumps.
 pub(crate) struct Walk {
     pub(crate) pose: Pose,
@@ -41,7 +32,7 @@ pub(crate) struct Walk {
 impl Walk {
     pub(crate) fn new(rng: &mut Rng, reach: f64) -> Self {
         let far = [0.05, 0.5, 0.8, 0.8][rng.below(4)] * reach;
-        let pose = Pose { rotation: DQuat::IDENTITY, translation: far * direction(rng) };
+        let pose = Pose { rotation: DQuat::IDENTITY, translation: far * rng.direction() };
         let mut walk = Self { pose, drift: DVec3::ZERO, spin: DQuat::IDENTITY };
         walk.turn(rng, reach);
         walk
@@ -50,9 +41,9 @@ impl Walk {
     fn turn(&mut self, rng: &mut Rng, reach: f64) {
         let pace = [1e-9, 1e-4, 1e-3, 1e-2][rng.below(4)];
         let home = self.pose.translation.length() > 0.9 * reach;
-        let way = if home { -self.pose.translation.normalize() } else { direction(rng) };
+        let way = if home { -self.pose.translation.normalize() } else { rng.direction() };
         self.drift = pace * reach * way;
-        self.spin = DQuat::from_axis_angle(direction(rng), pace);
+        self.spin = DQuat::from_axis_angle(rng.direction(), pace);
     }
 
     pub(crate) fn step(&mut self, rng: &mut Rng, reach: f64) {
@@ -93,7 +84,7 @@ fn memory_never_changes_an_answer() {
         let (name_b, b) = &bodies[rng.below(bodies.len())];
         let reach = a.radius() + b.radius();
         let at = Pose {
-            rotation: DQuat::from_axis_angle(direction(&mut rng), 1.0),
+            rotation: DQuat::from_axis_angle(rng.direction(), 1.0),
             translation: DVec3::ONE,
         };
         let mut walk = Walk::new(&mut rng, reach);

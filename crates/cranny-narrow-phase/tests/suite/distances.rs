@@ -51,19 +51,10 @@ fn magnitude(rng: &mut Rng, low: i32, high: i32) -> f64 {
     (2.0 + rng.unit()) * 10f64.powi(rng.between(low, high))
 }
 
-fn direction(rng: &mut Rng) -> DVec3 {
-    loop {
-        let v = DVec3::new(rng.unit(), rng.unit(), rng.unit());
-        if (0.01..=1.0).contains(&v.length_squared()) {
-            return v.normalize();
-        }
-    }
-}
-
 /// An orthonormal frame, at random.
 fn frame(rng: &mut Rng) -> [DVec3; 3] {
-    let x = direction(rng);
-    let y = x.cross(direction(rng)).normalize();
+    let x = rng.direction();
+    let y = x.cross(rng.direction()).normalize();
     [x, y, x.cross(y)]
 }
 

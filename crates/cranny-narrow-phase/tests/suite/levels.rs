@@ -12,7 +12,7 @@ use cranny_narrow_phase::{
 use cranny_shapes::{Cuboid, Cup, GolfBall, PyramidInCavity, Sphere, Torus};
 use cranny_testkit::Rng;
 
-use crate::coherence::{self, Walk, direction, told};
+use crate::coherence::{self, Walk, told};
 use crate::measure::{from_surface, world_triangles};
 use crate::solids::{ask, model, shape};
 
@@ -168,12 +168,12 @@ fn no_level_or_budget_excludes_what_exact_finds() {
         let (name_b, b) = &bodies[if within { speck } else { rng.below(bodies.len()) }];
         let reach = a.radius() + b.radius();
         let at = Pose {
-            rotation: DQuat::from_axis_angle(direction(&mut rng), 1.0),
+            rotation: DQuat::from_axis_angle(rng.direction(), 1.0),
             translation: DVec3::ONE,
         };
         let mut walk = Walk::new(&mut rng, reach);
         if within {
-            walk.pose.translation = 0.1 * reach * direction(&mut rng);
+            walk.pose.translation = 0.1 * reach * rng.direction();
         }
         let margin = [0.0, 1e-3, 0.05][rng.below(3)] * reach;
         // Some walks keep to one level and one budget, others change.

@@ -6,8 +6,8 @@ use cranny_narrow_phase::walk::{Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_testkit::Rng;
 
 use crate::walk_judge::{
-    Body, ask, ask_cold, at, brute_force, cuboid, disk, judge, platonic_solids, random_direction,
-    random_map, random_rotation, rounding, sphere,
+    Body, ask, ask_cold, at, brute_force, cuboid, disk, judge, platonic_solids, random_map,
+    rounding, sphere,
 };
 
 #[test]
@@ -57,7 +57,7 @@ fn bisect(rng: &mut Rng, cubes: &[Body; 2], counters: &mut WalkCounters) {
         0 => DVec3::Z,
         1 => DVec3::X,
         2 => DVec3::new(1.0, 1.0, 0.0),
-        _ => random_direction(rng),
+        _ => rng.direction(),
     };
     let half = 0.5 * angle * axis.normalize();
     let rotation = DQuat::from_xyzw(half.x, half.y, half.z, 1.0).normalize();
@@ -101,7 +101,7 @@ fn near_parallel_poses_agree_with_brute_force() {
     for round in 0..200 {
         let (a, b) = (&bodies[rng.below(3)], &bodies[rng.below(3)]);
         let angle = 1e-12 * 10f64.powi(round % 10);
-        let half = 0.5 * angle * random_direction(&mut rng);
+        let half = 0.5 * angle * rng.direction();
         let rotation = DQuat::from_xyzw(half.x, half.y, half.z, 1.0).normalize();
         let gap = if rng.below(2) == 0 { 1e-6 } else { 0.5 };
         let translation = DVec3::new(rng.unit(), rng.unit(), 2.0 + gap);
@@ -118,7 +118,7 @@ fn touching_at_random_is_bracketed() {
     let mut rng = Rng::new(33);
     for _ in 0..60 {
         let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
-        let (rotation, direction) = (random_rotation(&mut rng), random_direction(&mut rng));
+        let (rotation, direction) = (rng.rotation(), rng.direction());
         let map_at = |d: f64| Pose { rotation, translation: d * direction }.world_from_body();
         let (mut low, mut high) = (0.0, 6.0);
         let mut state = WalkState::default();
@@ -142,7 +142,7 @@ fn touching_at_random_is_bracketed() {
 #[test]
 fn sizes_from_tiny_to_huge_give_the_same_answers() {
     let mut rng = Rng::new(34);
-    let points: Vec<DVec3> = (0..20).map(|_| random_direction(&mut rng)).collect();
+    let points: Vec<DVec3> = (0..20).map(|_| rng.direction()).collect();
     let scaled = |s: f64| Body::of(&points.iter().map(|&p| s * p).collect::<Vec<_>>());
     let unit = scaled(1.0);
     for power in [-200, -60, 20, 110] {

@@ -3,8 +3,8 @@
 use cranny_exact::RigidMap;
 use cranny_narrow_phase::walk::{HullAnswer, WalkCounters, WalkState, walk_hulls};
 pub(crate) use cranny_stability::hull_judge::{
-    Body, at, brute_force, brute_force_depth, cuboid, disk, faults, platonic_solids,
-    random_direction, random_map, random_rotation, rounding, sphere,
+    Body, at, brute_force, brute_force_depth, cuboid, disk, faults, platonic_solids, random_map,
+    rounding, sphere,
 };
 
 /// Compares from a given state.

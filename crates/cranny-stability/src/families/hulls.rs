@@ -46,7 +46,7 @@ fn clouds(trial: &mut Trial<'_>) -> Vec<(&'static str, Vec<DVec3>)> {
     let cube: Vec<DVec3> = whole(3).filter(on_rim(3.0)).map(|p| p / 3.0).collect();
     let thin = |by: f64| cube.iter().map(|p| DVec3::new(p.x, p.y, by * p.z)).collect::<Vec<_>>();
     let needle = |by: f64| cube.iter().map(|p| DVec3::new(p.x, by * p.y, by * p.z)).collect();
-    let ball: Vec<DVec3> = (0..60).map(|_| trial.direction()).collect();
+    let ball: Vec<DVec3> = (0..60).map(|_| trial.rng.direction()).collect();
     let rings = (1..8).flat_map(|i| {
         let angle = std::f64::consts::PI * f64::from(i) / 8.0;
         circle(12, 0.0).map(move |p| angle.sin() * p + angle.cos() * DVec3::Z)
@@ -80,7 +80,7 @@ fn cases(trial: &mut Trial<'_>) {
             let frame = trial.frame();
             let turned: Vec<DVec3> = points.iter().map(|&p| frame * p).collect();
             let power = trial.rng.between(-6, 6);
-            let by = 1e6 * trial.direction();
+            let by = 1e6 * trial.rng.direction();
             let (how, moved): (String, Vec<DVec3>) = match (i + round as usize) % 3 {
                 0 => ("turned".to_owned(), turned),
                 1 => {
@@ -132,9 +132,7 @@ fn judge(trial: &mut Trial<'_>, case: &mut Case, points: &[DVec3]) {
     trial.count(kind.as_str(), 1);
     case.truth = kind.as_str().to_owned();
     let mut shuffled = points.to_vec();
-    for i in (1..shuffled.len()).rev() {
-        shuffled.swap(i, trial.rng.below(i + 1));
-    }
+    trial.rng.shuffle(&mut shuffled);
     let size = Aabb::of_points(points.iter().copied()).diagonal();
     case.peer = peer(trial, points, size);
 

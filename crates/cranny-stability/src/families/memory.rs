@@ -8,7 +8,7 @@ use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, NestedShells, Shape, Sphere, To
 
 use crate::case::Case;
 use crate::family::Family;
-use crate::pair::{cold, peer_case, told};
+use crate::pair::{cold, in_words, peer_case, told, words};
 use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
@@ -66,7 +66,8 @@ struct Stroll {
 impl Stroll {
     fn begin(trial: &mut Trial<'_>, reach: f64) -> Self {
         let far = *trial.pick(&[0.05, 0.5, 0.8]) * reach;
-        let pose = Pose { rotation: trial.rotation(), translation: far * trial.direction() };
+        let pose =
+            Pose { rotation: trial.rng.rotation(), translation: far * trial.rng.direction() };
         let mut stroll = Self { pose, drift: DVec3::ZERO, spin: DQuat::IDENTITY };
         stroll.turn(trial, reach);
         stroll
@@ -75,7 +76,7 @@ impl Stroll {
     fn turn(&mut self, trial: &mut Trial<'_>, reach: f64) {
         let pace = *trial.pick(&PACES);
         let is_far = self.pose.translation.length() > 0.9 * reach;
-        let way = if is_far { -self.pose.translation.normalize() } else { trial.direction() };
+        let way = if is_far { -self.pose.translation.normalize() } else { trial.rng.direction() };
         self.drift = pace * reach * way;
         self.spin = trial.tilt(pace);
     }
@@ -111,7 +112,7 @@ const FRAMES: usize = 16;
 
 fn stroll(trial: &mut Trial<'_>, names: &str, [a, b]: [&Model; 2], memory: &mut PairMemory) {
     let reach = a.radius() + b.radius();
-    let at = Pose { rotation: trial.rotation(), translation: trial.quarters(2) };
+    let at = Pose { rotation: trial.rng.rotation(), translation: trial.quarters(2) };
     let mut stroll = Stroll::begin(trial, reach);
     for frame in 0..FRAMES {
         let what = stroll.step(trial, reach);
@@ -155,7 +156,7 @@ fn one(
             case.faults.push(format!("refused: {warm:?}, {cold:?}"));
             return;
         };
-        case.told = format!("{:?}, {:?} apart", warm.surface, warm.distance);
+        case.told = in_words(warm);
         if warm != cold {
             case.faults.push(format!("{warm:?} is not {cold:?}"));
         }
@@ -171,9 +172,9 @@ fn beside_all_pairs(trial: &mut Trial<'_>, case: &mut Case, answer: &Answer, [a,
         Ok(slow) => slow,
         Err(error) => return case.faults.push(format!("all pairs are refused: {error}")),
     };
-    case.truth = format!("{:?}, {:e} apart", slow.surface, slow.distance);
+    case.truth = words(slow.surface, false, None, Some(slow.distance));
     if slow.surface != answer.surface {
-        case.faults.push(format!("all pairs say: {:?}", slow.surface));
+        case.faults.push(format!("all pairs say: {}", case.truth));
     }
     let size = a.model.bounds().diagonal().max(b.model.bounds().diagonal());
     if let Some(distance) = answer.distance {

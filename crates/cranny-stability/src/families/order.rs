@@ -9,7 +9,7 @@ use super::DISTANCE_ERROR;
 use crate::bodies::{hollows, small_bodies};
 use crate::case::Case;
 use crate::family::Family;
-use crate::pair::cold;
+use crate::pair::{cold, in_words};
 use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
@@ -36,17 +36,11 @@ fn cases(trial: &mut Trial<'_>) {
     }
 }
 
-fn shuffle<T>(trial: &mut Trial<'_>, items: &mut [T]) {
-    for i in (1..items.len()).rev() {
-        items.swap(i, trial.rng.below(i + 1));
-    }
-}
-
 /// The same surface, filed in another order.
 fn refiled(trial: &mut Trial<'_>, name: &str, mesh: &Mesh) -> Option<Mesh> {
     let count = mesh.vertices().len();
     let mut order: Vec<usize> = (0..count).collect();
-    shuffle(trial, &mut order);
+    trial.rng.shuffle(&mut order);
     let mut place = vec![0; count];
     for (new, &old) in order.iter().enumerate() {
         place[old] = new as u32;
@@ -57,7 +51,7 @@ fn refiled(trial: &mut Trial<'_>, name: &str, mesh: &Mesh) -> Option<Mesh> {
     for face in &mut faces {
         face.rotate_left(trial.rng.below(3));
     }
-    shuffle(trial, &mut faces);
+    trial.rng.shuffle(&mut faces);
     trial.meshed(name, vertices, faces)
 }
 
@@ -80,7 +74,7 @@ fn one(trial: &mut Trial<'_>, name: String, [a, b]: [Mesh; 2], pose: Pose) {
     trial.case(format!("{name}, 2^{power}"), |_, case| {
         case.truth = "as filed first".to_owned();
         let Some(reference) = both_ways(case, "as filed", &first, pose) else { return };
-        case.told = format!("{:?}, {:?} apart", reference.surface, reference.distance);
+        case.told = in_words(&reference);
         for (what, filing, pose, scale) in others {
             let Some(filing) = filing else { continue };
             if let Some(answer) = both_ways(case, what, &filing, pose) {

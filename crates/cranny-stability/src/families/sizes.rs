@@ -55,7 +55,7 @@ fn one(trial: &mut Trial<'_>, sizes: [f64; 2], far: f64, name: &str, memory: &mu
         0 => 0.0,
         _ => least * 10f64.powi(trial.rng.between(-16, -1)) * trial.rng.unit(),
     };
-    let direction = trial.direction();
+    let direction = trial.rng.direction();
     let by = far * least * direction;
     // The place where they meet is at `by`: what is small there keeps its coordinates.
     let name = format!("{name}: {name_b} at {name_a}, {:.0e} off", gap / least);

@@ -1,6 +1,6 @@
 //! The closest-feature walk over hulls.
 
-use cranny_exact::{DVec3, Pose, RigidMap};
+use cranny_exact::{DVec3, Interval, Pose, RigidMap};
 use cranny_geometry::hull::HullKind;
 use cranny_narrow_phase::walk::{HullAnswer, Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_testkit::error_of_root;
@@ -113,7 +113,7 @@ fn cases(trial: &mut Trial<'_>) {
 
 /// The second turned anyhow, its origin so far away.
 fn anyhow(trial: &mut Trial<'_>, distance: f64) -> Pose {
-    Pose { rotation: trial.rotation(), translation: distance * trial.direction() }
+    Pose { rotation: trial.rng.rotation(), translation: distance * trial.rng.direction() }
 }
 
 /// A box over a box, or a disk over a disk, turned a little: face to face but for the angle.
@@ -139,7 +139,7 @@ fn slide_together(
     bodies: [&Body; 2],
     counters: &mut WalkCounters,
 ) {
-    let (rotation, direction) = (trial.rotation(), trial.direction());
+    let (rotation, direction) = (trial.rng.rotation(), trial.rng.direction());
     let pose = |d: f64| Pose { rotation, translation: d * direction };
     let mut state = WalkState::default();
     let (mut low, mut high) = (0.0, 6.0);
@@ -201,6 +201,16 @@ fn ask(
     });
 }
 
+/// An answer for people.
+fn told(answer: &HullAnswer) -> String {
+    let Interval { lo, hi } = answer.separation;
+    match answer.relation {
+        Relation::Separated => format!("apart by {lo:.3e} to {hi:.3e}"),
+        Relation::Touching => "touch".to_owned(),
+        Relation::Penetrating => format!("overlap, {:.3e} to {:.3e} deep", 0.0 - hi, 0.0 - lo),
+    }
+}
+
 /// The answers with memory and without.
 fn judge(
     case: &mut Case,
@@ -210,7 +220,7 @@ fn judge(
     [warm, cold]: [&HullAnswer; 2],
     size: f64,
 ) {
-    case.told = format!("{:?}, {:?}", cold.relation, cold.separation);
+    case.told = told(cold);
     for (how, answer) in [("", cold), ("warm: ", warm)] {
         let faults = faults_beside(a, b, map, answer, (truth.meets, truth.distance()));
         case.faults.extend(faults.into_iter().map(|fault| format!("{how}{fault}")));

@@ -1,21 +1,15 @@
 //! The drawing: time against what stays unknown, both axes logarithmic.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::figures::Figures;
+use crate::chart::{Area, BLUE, CAPTION, Failed, GREEN, LABEL, PURPLE, SKY, VERMILION, svg};
+use crate::failure::Failure;
 
 const SIZE: (u32, u32) = (960, 640);
 
 /// What is known to rounding is drawn here at the lowest: there is no zero on a logarithmic axis.
 const FLOOR: f64 = 1e-17;
-
-/// Colours that stay apart for whoever confuses red and green (Okabe and Ito, 2008).
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const SKY: RGBColor = RGBColor(86, 180, 233);
-const VERMILION: RGBColor = RGBColor(213, 94, 0);
-const GREEN: RGBColor = RGBColor(0, 158, 115);
-const PURPLE: RGBColor = RGBColor(204, 121, 167);
 
 /// One line of the chart, or some dots.
 struct Series<'a> {
@@ -73,20 +67,11 @@ fn is_clear_of(at: (f64, f64), other: (f64, f64)) -> bool {
 /// # Errors
 ///
 /// What the drawing library says.
-pub(super) fn drawn(all: &[Figures], size: f64) -> Result<String, String> {
-    let mut svg = String::new();
-    draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), all, size)
-        .map_err(|error| error.to_string())?;
-    Ok(svg)
+pub(super) fn drawn(all: &[Figures], size: f64) -> Result<String, Failure> {
+    svg(SIZE, |area| draw(area, all, size))
 }
 
-type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-
-fn draw<'a>(
-    area: &DrawingArea<SVGBackend<'a>, Shift>,
-    all: &[Figures],
-    size: f64,
-) -> Result<(), Failed<'a>> {
+fn draw(area: &Area<'_>, all: &[Figures], size: f64) -> Result<(), Failed> {
     let places: Vec<(f64, f64)> = all.iter().filter_map(|row| place(row, size)).collect();
     let span = |of: fn(&(f64, f64)) -> f64| {
         let (least, most) = places
@@ -95,10 +80,9 @@ fn draw<'a>(
             .fold((f64::INFINITY, 0.0f64), |(least, most), x| (least.min(x), most.max(x)));
         if least <= most { 0.5 * least..2.0 * most } else { 1.0..10.0 }
     };
-    area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(area)
         .margin(16)
-        .caption("What stays unknown, by the time spent on it", ("sans-serif", 22))
+        .caption("What stays unknown, by the time spent on it", CAPTION)
         .x_label_area_size(48)
         .y_label_area_size(80)
         .build_cartesian_2d(span(|p| p.0).log_scale(), span(|p| p.1).log_scale())?;
@@ -108,7 +92,7 @@ fn draw<'a>(
         .bold_line_style(BLACK.mix(0.15))
         .x_desc("median time of a pose, microseconds")
         .y_desc("interval's width (parry: error of the distance) / size of the smaller body")
-        .label_style(("sans-serif", 14))
+        .label_style(LABEL)
         .x_label_formatter(&|x| format!("{x}"))
         .y_label_formatter(&|y| format!("{y:.0e}"))
         .draw()?;
@@ -143,7 +127,6 @@ fn draw<'a>(
         .position(SeriesLabelPosition::LowerLeft)
         .background_style(WHITE.mix(0.85))
         .border_style(BLACK.mix(0.3))
-        .label_font(("sans-serif", 14))
-        .draw()?;
-    area.present()
+        .label_font(LABEL)
+        .draw()
 }

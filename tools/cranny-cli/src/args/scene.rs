@@ -32,6 +32,22 @@ what then stands in the schedule is read from it.
 Example:
   cranny explain assets/scenes/ring_of_tori.ron";
 
+/// What a run may take instead of what the scene says.
+#[derive(Debug, Args)]
+pub(crate) struct InsteadArgs {
+    /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) duration: Option<f64>,
+
+    /// Length of a step in seconds [default: the scene's `step`]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    pub(crate) dt: Option<f64>,
+
+    /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+}
+
 /// Arguments of `cranny run`.
 #[derive(Debug, Args)]
 #[command(after_help = RUN_NOTES)]
@@ -48,17 +64,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "LEVEL", default_value = "exact", value_parser = accuracy)]
     pub(crate) accuracy: AccuracyArg,
 
-    /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) duration: Option<f64>,
-
-    /// Length of a step in seconds [default: the scene's `step`]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) dt: Option<f64>,
-
-    /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) instead: InsteadArgs,
 
     /// Threads for the pairs that no solver detects; results are the same with any number
     #[arg(long, value_name = "N", value_parser = threads, default_value = "1")]
@@ -106,17 +113,8 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_enum, value_name = "WHICH", default_value = "same")]
     pub(crate) substeps: SubstepsArg,
 
-    /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) duration: Option<f64>,
-
-    /// Length of a step in seconds [default: the scene's `step`]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    pub(crate) dt: Option<f64>,
-
-    /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
-    #[arg(long, value_name = "N")]
-    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) instead: InsteadArgs,
 
     /// Folder for compare.csv, steps.csv and compare.svg; made if it is not there
     #[arg(long, value_name = "DIR")]
@@ -187,6 +185,11 @@ pub(crate) enum DetectorArg {
 /// A number of threads.
 fn threads(text: &str) -> Result<NonZeroUsize, String> {
     text.parse().map_err(|_| "a number of threads is 1 or more, such as 4".to_owned())
+}
+
+/// A seed.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
 /// A length of time above 0.

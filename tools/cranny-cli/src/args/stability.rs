@@ -6,6 +6,8 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use cranny_stability::{FAMILIES, Settings};
 
+use super::scene::seed;
+
 /// Arguments of `cranny stability`.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
@@ -14,8 +16,8 @@ pub(crate) struct StabilityArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 
-    /// Run this family only; several may be named
-    #[arg(long = "family", value_name = "NAME", value_parser = PossibleValuesParser::new(FAMILIES.map(|f| f.name)))]
+    /// Run this family only; several may be named, with commas or by naming the option again
+    #[arg(long = "family", value_name = "NAME", value_delimiter = ',', value_parser = PossibleValuesParser::new(FAMILIES.map(|f| f.name)))]
     pub(crate) families: Vec<String>,
 
     /// Make each sort of case anew this often; time is in proportion
@@ -23,7 +25,7 @@ pub(crate) struct StabilityArgs {
     pub(crate) variants: u32,
 
     /// What cases that are made at random depend on: the same seed, the same cases, everywhere
-    #[arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed)]
+    #[arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed, value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: u64,
 
     /// Leave parry out
@@ -54,4 +56,4 @@ cases.csv has every case: what was asked, what is so, what was told, what is wro
 Examples:
   cranny stability
   cranny stability --out report --variants 20
-  cranny stability --family contacts --family needles --seed 7 --format json";
+  cranny stability --family contacts,needles --seed 7 --format json";

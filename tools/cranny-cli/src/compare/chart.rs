@@ -1,11 +1,15 @@
 //! The drawing: what each step cost, over the steps.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::figures::{Figures, StepTimes};
+use crate::chart::{
+    Area, BLUE, CAPTION, Failed, GREEN, GREY, LABEL, ORANGE, PURPLE, SKY, VERMILION, YELLOW,
+    legend, svg,
+};
+use crate::failure::Failure;
 
-const SIZE: (u32, u32) = (960, 540);
+const SIZE: (u32, u32) = (1180, 540);
 
 /// Steps that take no time that a clock sees are drawn here: there is no zero on a logarithmic axis.
 const FLOOR_MS: f64 = 1e-3;
@@ -13,41 +17,30 @@ const FLOOR_MS: f64 = 1e-3;
 /// Points a line at most; each is the median of the steps that it stands for.
 const POINTS: usize = 400;
 
-/// Colours that stay apart for whoever confuses red and green (Okabe and Ito, 2008).
-const COLORS: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(90, 90, 90),
-    RGBColor(240, 228, 66),
-];
+const COLORS: [RGBColor; 8] = [BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, GREY, YELLOW];
 
-/// The chart as SVG.
+/// Pixels on the right for the names of the lines.
+const NAMES: u32 = 270;
+
+/// The chart of a scene as SVG.
 ///
 /// # Errors
 ///
 /// What the drawing library says.
-pub(super) fn drawn(rows: &[Figures]) -> Result<String, String> {
-    let mut svg = String::new();
-    draw(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area(), rows)
-        .map_err(|error| error.to_string())?;
-    Ok(svg)
+pub(super) fn drawn(scene: &str, rows: &[Figures]) -> Result<String, Failure> {
+    svg(SIZE, |area| draw(area, scene, rows))
 }
 
-type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-
-fn draw<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, rows: &[Figures]) -> Result<(), Failed<'a>> {
+fn draw(area: &Area<'_>, scene: &str, rows: &[Figures]) -> Result<(), Failed> {
     let lines: Vec<Vec<(f64, f64)>> = rows.iter().map(|row| thinned(&row.times)).collect();
     let values = || lines.iter().flatten().map(|point| point.1);
     let (least, most) = (values().fold(f64::MAX, f64::min), values().fold(FLOOR_MS, f64::max));
     let steps = rows.iter().map(|row| row.times.len()).max().unwrap_or(0).max(1) as f64;
-    area.fill(&WHITE)?;
+    let caption = format!("{scene}: time of a step (broad phase, narrow phase, solver)");
     let mut chart = ChartBuilder::on(area)
         .margin(16)
-        .caption("Time of a step: broad phase, narrow phase, solver", ("sans-serif", 22))
+        .margin_right(NAMES)
+        .caption(caption, CAPTION)
         .x_label_area_size(48)
         .y_label_area_size(72)
         .build_cartesian_2d(0.0..steps, (0.7 * least.min(most)..1.5 * most).log_scale())?;
@@ -57,25 +50,16 @@ fn draw<'a>(area: &DrawingArea<SVGBackend<'a>, Shift>, rows: &[Figures]) -> Resu
         .bold_line_style(BLACK.mix(0.15))
         .x_desc("step")
         .y_desc("milliseconds")
-        .label_style(("sans-serif", 14))
+        .label_style(LABEL)
         .x_label_formatter(&|x| format!("{x:.0}"))
         .y_label_formatter(&|y| format!("{y}"))
         .draw()?;
-    for ((row, line), color) in rows.iter().zip(lines).zip(COLORS.iter().cycle()) {
-        let style = color.stroke_width(2);
-        chart
-            .draw_series(LineSeries::new(line, style))?
-            .label(row.name())
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+    let colors = || COLORS.into_iter().cycle();
+    for (line, color) in lines.into_iter().zip(colors()) {
+        chart.draw_series(LineSeries::new(line, color.stroke_width(2)))?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .label_font(("sans-serif", 14))
-        .draw()?;
-    area.present()
+    let corner = ((SIZE.0 - NAMES + 10) as i32, 70);
+    legend(area, corner, rows.iter().map(Figures::name).zip(colors()))
 }
 
 /// Steps and their milliseconds, neighbours taken together where there are many.

@@ -9,6 +9,8 @@ use cranny_ecs::{
 use cranny_rapier::Detector;
 use serde::Serialize;
 
+use crate::csv::{cell, quoted};
+
 /// Milliseconds of a step, by phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StepTimes {
@@ -278,8 +280,6 @@ pub(super) fn csv(rows: &[Figures]) -> String {
          step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,deepest,contained_steps,\
          energy_drift,energy_loss,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
     );
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let count = |value: Option<u64>| value.map_or(String::new(), |value| value.to_string());
     for row in rows {
         let Setting { detector, recycling, substeps, prepared_s } = &row.setting;
         let (spread, helix, links) = (row.step_ms, row.helices.first(), row.links.as_ref());
@@ -288,25 +288,25 @@ pub(super) fn csv(rows: &[Figures]) -> String {
             recycling.to_string(),
             substeps.to_string(),
             prepared_s.to_string(),
-            number(row.dt),
+            cell(row.dt),
             row.steps.to_string(),
-            number(spread.map(|s| s.mean)),
-            number(spread.map(|s| s.median)),
-            number(spread.map(|s| s.p99)),
-            number(spread.map(|s| s.max)),
-            number(row.broad_ms),
-            number(row.narrow_ms),
-            number(row.solver_ms),
-            number(row.contacts.map(|c| c.mean)),
-            count(row.contacts.map(|c| c.max)),
-            number(row.deepest.as_ref().map(|d| d.depth)),
-            count(row.contained.as_ref().map(|c| c.steps)),
-            number(row.energy_drift),
-            number(row.energy.as_ref().map(|e| e.loss)),
-            count(links.map(|l| l.at_start as u64)),
-            count(links.map(|l| l.parted.len() as u64)),
-            number(helix.map(|h| h.turns)),
-            number(helix.map(|h| h.deviation_max)),
+            cell(spread.map(|s| s.mean)),
+            cell(spread.map(|s| s.median)),
+            cell(spread.map(|s| s.p99)),
+            cell(spread.map(|s| s.max)),
+            cell(row.broad_ms),
+            cell(row.narrow_ms),
+            cell(row.solver_ms),
+            cell(row.contacts.map(|c| c.mean)),
+            cell(row.contacts.map(|c| c.max)),
+            cell(row.deepest.as_ref().map(|d| d.depth)),
+            cell(row.contained.as_ref().map(|c| c.steps)),
+            cell(row.energy_drift),
+            cell(row.energy.as_ref().map(|e| e.loss)),
+            cell(links.map(|l| l.at_start)),
+            cell(links.map(|l| l.parted.len())),
+            cell(helix.map(|h| h.turns)),
+            cell(helix.map(|h| h.deviation_max)),
             row.state_hash.clone().unwrap_or_default(),
             row.interrupted.to_string(),
             row.failure.as_deref().map_or(String::new(), quoted),
@@ -314,11 +314,6 @@ pub(super) fn csv(rows: &[Figures]) -> String {
         let _ = writeln!(text, "{}", cells.join(","));
     }
     text
-}
-
-/// A text in quotes, as CSV has them.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " "))
 }
 
 /// Every step of every row.

@@ -1,11 +1,12 @@
 //! The drawing: the worst figure of each family, ours and parry's, on one logarithmic axis.
 
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Told;
 use super::rows::Row;
+use crate::chart::{Area, BLUE, CAPTION, Failed, GREEN, LABEL, VERMILION, svg};
+use crate::failure::Failure;
 
 const WIDTH: u32 = 960;
 
@@ -19,36 +20,21 @@ const FLOOR: f64 = 1e-20;
 /// Where the axis ends.
 const CEILING: f64 = 10.0;
 
-/// Colours that stay apart for whoever confuses red and green (Okabe and Ito, 2008).
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const GREEN: RGBColor = RGBColor(0, 158, 115);
-const VERMILION: RGBColor = RGBColor(213, 94, 0);
-
 /// The chart as SVG.
 ///
 /// # Errors
 ///
 /// What the drawing library says.
-pub(super) fn drawn(outcomes: &[Told]) -> Result<String, String> {
-    let mut svg = String::new();
-    let size = (WIDTH, FRAME + ROW * outcomes.len() as u32);
-    draw(&SVGBackend::with_string(&mut svg, size).into_drawing_area(), outcomes)
-        .map_err(|error| error.to_string())?;
-    Ok(svg)
+pub(super) fn drawn(outcomes: &[Told]) -> Result<String, Failure> {
+    svg((WIDTH, FRAME + ROW * outcomes.len() as u32), |area| draw(area, outcomes))
 }
 
-type Failed<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-
-fn draw<'a>(
-    area: &DrawingArea<SVGBackend<'a>, Shift>,
-    outcomes: &[Told],
-) -> Result<(), Failed<'a>> {
+fn draw(area: &Area<'_>, outcomes: &[Told]) -> Result<(), Failed> {
     let count = outcomes.len() as f64;
-    area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(area)
         .margin(16)
         .margin_right(210)
-        .caption("Worst figure of each family of hard cases", ("sans-serif", 22))
+        .caption("Worst figure of each family of hard cases", CAPTION)
         .x_label_area_size(48)
         .y_label_area_size(90)
         .build_cartesian_2d((FLOOR..CEILING).log_scale(), 0.0..count)?;
@@ -60,7 +46,7 @@ fn draw<'a>(
         .light_line_style(TRANSPARENT)
         .bold_line_style(BLACK.mix(0.12))
         .x_desc("figure in sizes of the larger body: mostly the error of a distance (what is 0 stands at 1e-20)")
-        .label_style(("sans-serif", 14))
+        .label_style(LABEL)
         .x_label_formatter(&|x| format!("{x:.0e}"))
         .draw()?;
     for (i, (_, outcome)) in outcomes.iter().enumerate() {
@@ -71,7 +57,7 @@ fn draw<'a>(
         chart.draw_series([PathElement::new(ends, BLACK.mix(0.08))])?;
         chart.draw_series(row.peer_worst.map(|x| dot(x, GREEN.stroke_width(2))))?;
         chart.draw_series(row.worst.map(|x| dot(x, BLUE.filled())))?;
-        let style = |color: &RGBColor| ("sans-serif", 14).into_font().color(color);
+        let style = |color: &RGBColor| LABEL.into_font().color(color);
         let left = style(&BLACK).pos(Pos::new(HPos::Right, VPos::Center));
         let name = EmptyElement::at((FLOOR, y)) + Text::new(row.family, (-10, 0), left);
         chart.plotting_area().draw(&name)?;
@@ -93,9 +79,9 @@ fn draw<'a>(
         [(0, "cranny", BLUE.filled(), BLUE), (90, "parry", GREEN.stroke_width(2), GREEN)]
     {
         area.draw(&Circle::new((x + shift, y), 6, style))?;
-        let style = ("sans-serif", 14).into_font().color(&color);
+        let style = LABEL.into_font().color(&color);
         let style = style.pos(Pos::new(HPos::Left, VPos::Center));
         area.draw(&Text::new(name, (x + shift + 12, y), style))?;
     }
-    area.present()
+    Ok(())
 }

@@ -27,7 +27,7 @@ pub(super) fn page(outcomes: &[Told], settings: &Settings) -> String {
              any wrong verdict, for a length outside the interval that is claimed to hold it, for an \
              interval that is wide, and for any difference that memory, the order of faces or exchanging \
              the bodies makes.\n\n";
-    text += "| family | cases | failed | worst | of claim | parry: wrong | refused | worst |\n";
+    text += "| family | cases | failed | worst | of claim | parry: wrong | parry: refused | parry: worst |\n";
     text += "|---|---:|---:|---:|---:|---:|---:|---:|\n";
     for (_, outcome) in outcomes {
         text += &line(&Row::of(outcome));
@@ -102,9 +102,11 @@ fn details(outcome: &Outcome) -> String {
             }
         }
     }
-    let wrong: Vec<_> = outcome.peer_cases().filter(|(_, peer)| peer.wrong).collect();
+    let mut wrong: Vec<_> = outcome.peer_cases().filter(|(_, peer)| peer.wrong).collect();
+    wrong.sort_by(|(_, p), (_, q)| q.figure.unwrap_or(0.0).total_cmp(&p.figure.unwrap_or(0.0)));
     if !wrong.is_empty() {
-        text += &format!("- **parry** is wrong in {} cases, such as:\n", wrong.len());
+        text +=
+            &format!("- **parry** is wrong in {} cases, the farthest off first:\n", wrong.len());
         for (case, peer) in wrong.iter().take(PEER_EXAMPLES) {
             text += &format!("  - {}: it is so: {}; told: {}\n", case.name, case.truth, peer.told);
         }

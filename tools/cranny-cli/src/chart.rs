@@ -1,0 +1,70 @@
+//! What all drawings have in common: a file in memory, colours, letters, a legend.
+
+use std::io;
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use crate::failure::Failure;
+
+/// Colours that stay apart for whoever confuses red and green (Okabe and Ito, 2008).
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const PURPLE: RGBColor = RGBColor(204, 121, 167);
+pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const GREY: RGBColor = RGBColor(90, 90, 90);
+pub(crate) const YELLOW: RGBColor = RGBColor(240, 228, 66);
+
+/// Letters of a caption, and of all else.
+pub(crate) const CAPTION: (&str, u32) = ("sans-serif", 22);
+pub(crate) const LABEL: (&str, u32) = ("sans-serif", 14);
+
+/// Pixels from one line of a legend to the next.
+const LEGEND_LINE: i32 = 22;
+
+/// What is drawn on.
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// What a drawing may fail with.
+pub(crate) type Failed = DrawingAreaErrorKind<io::Error>;
+
+/// A drawing as SVG, on white.
+///
+/// # Errors
+///
+/// What the drawing library says.
+pub(crate) fn svg(
+    size: (u32, u32),
+    draw: impl FnOnce(&Area<'_>) -> Result<(), Failed>,
+) -> Result<String, Failure> {
+    let mut svg = String::new();
+    let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+    area.fill(&WHITE)
+        .and_then(|()| draw(&area))
+        .and_then(|()| area.present())
+        .map_err(|error| Failure::run(format!("the chart cannot be drawn: {error}")))?;
+    drop(area);
+    Ok(svg)
+}
+
+/// Names lines in a column whose upper left corner is at a pixel: beside the drawing, where it covers nothing.
+///
+/// # Errors
+///
+/// What the drawing library says.
+pub(crate) fn legend(
+    area: &Area<'_>,
+    (x, y): (i32, i32),
+    names: impl Iterator<Item = (String, RGBColor)>,
+) -> Result<(), Failed> {
+    let style = LABEL.into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
+    for (i, (name, color)) in names.enumerate() {
+        let y = y + LEGEND_LINE * i as i32;
+        area.draw(&PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)))?;
+        area.draw(&Text::new(name, (x + 24, y), style.clone()))?;
+    }
+    Ok(())
+}
