@@ -19,6 +19,9 @@ const POINTS: usize = 400;
 
 const COLORS: [RGBColor; 8] = [BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, GREY, YELLOW];
 
+/// Marks on the axis of steps at most: whole numbers, where there are few steps.
+const MARKS: usize = 11;
+
 /// Pixels on the right for the names of the lines.
 const NAMES: u32 = 270;
 
@@ -48,6 +51,7 @@ fn draw(area: &Area<'_>, scene: &str, rows: &[Figures]) -> Result<(), Failed> {
         .configure_mesh()
         .light_line_style(BLACK.mix(0.05))
         .bold_line_style(BLACK.mix(0.15))
+        .x_labels((steps as usize + 1).min(MARKS))
         .x_desc("step")
         .y_desc("milliseconds")
         .label_style(LABEL)
