@@ -3,6 +3,7 @@
 
 mod agreement;
 mod coherence;
+mod combs;
 mod contacts;
 mod demands;
 mod depth;
