@@ -36,7 +36,7 @@ use crate::resolution::default_weld_distance;
 use crate::scan::faces::has_no_area;
 use crate::scan::scan;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FaceTree};
+use crate::tree::{FaceForest, FaceTree, Mates};
 use crate::weld::weld;
 
 pub use file::DecodeError;
@@ -215,8 +215,9 @@ impl Model {
         describe(&mesh, &topology, mass.as_ref(), &mut report);
 
         observe(Stage::Trees);
-        let tree = FaceTree::of(&mesh, options.leaf_size);
-        let patches = Patches::of(&mesh, &topology);
+        let mates = Mates::of(&mesh, &topology);
+        let tree = FaceTree::of_pairs(&mesh, &mates, options.leaf_size);
+        let patches = Patches::with_mates(&mesh, &topology, &mates);
         observe(Stage::Scan);
         let weld_distance = report.weld_distance;
         (report.findings, report.meetings) =

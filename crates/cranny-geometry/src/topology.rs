@@ -66,6 +66,8 @@ pub struct Topology {
     /// Half-edges sorted by edge.
     around: Vec<HalfEdgeId>,
     edge_of: Vec<EdgeId>,
+    /// Every edge is a manifold one between two vertices: its half-edges stand in pairs.
+    is_paired: bool,
     vertex_starts: Vec<u32>,
     vertex_faces: Vec<FaceId>,
     component_of: Vec<ComponentId>,
@@ -111,12 +113,21 @@ impl Topology {
     fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> (Self, bool) {
         let runs = runs_of(mesh);
         let of_pairs = Edges::of_pairs(runs.as_flattened(), &around);
+        let is_paired = of_pairs.is_some();
         let found = of_pairs.unwrap_or_else(|| Edges::of_groups(runs.as_flattened(), &around));
         let Edges { edges, edge_of, sets, is_sorted } = found;
         let (vertex_starts, vertex_faces) = faces_of_vertices(mesh);
         let (component_of, components) = components(&sets, &edges, &around);
-        let topology =
-            Self { edges, around, edge_of, vertex_starts, vertex_faces, component_of, components };
+        let topology = Self {
+            edges,
+            around,
+            edge_of,
+            is_paired,
+            vertex_starts,
+            vertex_faces,
+            component_of,
+            components,
+        };
         (topology, is_sorted)
     }
 
@@ -126,6 +137,7 @@ impl Topology {
             around,
             edges: _,
             edge_of: _,
+            is_paired: _,
             vertex_starts: _,
             vertex_faces: _,
             component_of: _,
@@ -171,8 +183,19 @@ impl Topology {
 
     /// The half-edge along the same manifold edge, in the other direction.
     #[must_use]
+    #[inline]
     pub fn twin(&self, half_edge: HalfEdgeId) -> Option<HalfEdgeId> {
         let edge = self.edge_of(half_edge);
+        if self.is_paired {
+            let first = 2 * edge.index();
+            let pair = &self.around[first..first + 2];
+            return Some(HalfEdgeId(pair[0].0 ^ pair[1].0 ^ half_edge.0));
+        }
+        self.twin_along(edge, half_edge)
+    }
+
+    /// [`twin`](Self::twin), in any mesh.
+    fn twin_along(&self, edge: EdgeId, half_edge: HalfEdgeId) -> Option<HalfEdgeId> {
         let Edge { from, to, kind, .. } = self.edges[edge.index()];
         match *self.half_edges(edge) {
             [g, h] if kind == EdgeKind::Manifold && from != to => {
@@ -376,29 +399,34 @@ fn ascending((a, b): (u32, u32)) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 
-/// All half-edges, sorted by edge, along an edge by number: dealt out to their lesser ends, and sorted there.
+/// All half-edges, sorted by edge, along an edge by number: dealt out to their greater ends, and in that order to
+/// their lesser ones.
 fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
     let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(ascending);
-    // Where the next half-edge of each vertex goes; in the end, where those of the next vertex begin.
-    let mut places = vec![0u32; mesh.vertices().len() + 1];
-    for (from, _) in mesh.faces().iter().flat_map(sides) {
-        places[from as usize + 1] += 1;
+    // Where the next half-edge of each vertex goes, by the lesser end and by the greater.
+    let mut places = vec![[0u32; 2]; mesh.vertices().len() + 1];
+    for (from, to) in mesh.faces().iter().flat_map(sides) {
+        places[from as usize + 1][0] += 1;
+        places[to as usize + 1][1] += 1;
     }
-    for v in 1..places.len() {
-        places[v] += places[v - 1];
+    let mut before = [0; 2];
+    for place in &mut places {
+        before = [before[0] + place[0], before[1] + place[1]];
+        *place = before;
     }
-    let mut keys = vec![0u64; 3 * mesh.faces().len()];
+    let mut by_greater = vec![0u64; 3 * mesh.faces().len()];
     for (h, (from, to)) in (0u64..).zip(mesh.faces().iter().flat_map(sides)) {
-        let place = &mut places[from as usize];
-        keys[*place as usize] = u64::from(to) << 32 | h;
+        let place = &mut places[to as usize][1];
+        by_greater[*place as usize] = u64::from(from) << 32 | h;
         *place += 1;
     }
-    let mut start = 0;
-    for &end in &places[..mesh.vertices().len()] {
-        keys[start as usize..end as usize].sort_unstable();
-        start = end;
+    let mut sorted = vec![HalfEdgeId(0); by_greater.len()];
+    for key in by_greater {
+        let place = &mut places[(key >> 32) as usize][0];
+        sorted[*place as usize] = HalfEdgeId(key as u32);
+        *place += 1;
     }
-    keys.into_iter().map(|key| HalfEdgeId(key as u32)).collect()
+    sorted
 }
 
 fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {

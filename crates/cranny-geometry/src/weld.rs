@@ -4,8 +4,7 @@
 //! point many times. Welding them moves nothing and is what makes edges meet. Face ids stay as they
 //! were filed; a face that had two corners in one place keeps them and is a segment or a point.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasher, Hasher, RandomState};
+use std::hash::{BuildHasher, RandomState};
 
 use cranny_exact::DVec3;
 
@@ -27,71 +26,71 @@ pub(crate) const UNREFERENCED: u32 = u32::MAX;
 
 /// Merges coincident vertices and drops unreferenced ones; the order of first use is kept.
 pub(crate) fn weld(mesh: &Mesh) -> Welded {
-    let mut first_at: HashMap<(u64, u64, u64), u32, Seed> =
-        HashMap::with_capacity_and_hasher(mesh.vertices().len(), Seed::new());
+    let mut places = Places::new(mesh.vertices().len());
     let mut new_id = vec![UNREFERENCED; mesh.vertices().len()];
     let mut vertices: Vec<DVec3> = Vec::with_capacity(mesh.vertices().len());
     let mut duplicates = 0;
     let mut faces = Vec::with_capacity(mesh.faces().len());
     for face in mesh.faces() {
-        faces.push(face.map(|old| {
+        let mut corners = *face;
+        for corner in &mut corners {
+            let old = *corner;
             if new_id[old as usize] == UNREFERENCED {
-                let p = mesh.vertices()[old as usize];
-                // `+ 0.0` makes −0 and 0 the same place.
-                let bits = |x: f64| (x + 0.0).to_bits();
-                let key = (bits(p.x), bits(p.y), bits(p.z));
-                let next = vertices.len() as u32;
-                let id = *first_at.entry(key).or_insert(next);
-                if id == next {
-                    // Boxes then do not depend on the order in which zeros of both signs are met.
-                    vertices.push(p + DVec3::ZERO);
-                } else {
-                    duplicates += 1;
-                }
+                // No zero keeps a sign: boxes then do not depend on the order in which zeros of both signs are met.
+                let p = mesh.vertices()[old as usize] + DVec3::ZERO;
+                let count = vertices.len();
+                let id = places.id_of(p, &mut vertices);
+                duplicates += usize::from(vertices.len() == count);
                 new_id[old as usize] = id;
             }
-            new_id[old as usize]
-        }));
+            *corner = new_id[old as usize];
+        }
+        faces.push(corners);
     }
     let unreferenced = new_id.iter().filter(|&&id| id == UNREFERENCED).count();
     Welded { mesh: Mesh::from_trusted(vertices, faces), duplicates, unreferenced, new_id }
 }
 
-/// How places are hashed: by folded multiplications (Wang Yi, wyhash, 2019), in a quarter of the time of what
-/// a `HashMap` does by itself. The seed differs from map to map: nobody can file vertices that all collide.
-struct Seed(u64);
-
-impl Seed {
-    fn new() -> Self {
-        Self(RandomState::new().hash_one(0))
-    }
+/// Who is where: a table of ids, searched from the place that a hash names (linear probing). Hashed by folded
+/// multiplications (Wang Yi, wyhash, 2019) of the bits of coordinates; the seed differs from table to table, so
+/// that nobody can file vertices that all collide.
+struct Places {
+    /// Less than half full.
+    ids: Vec<u32>,
+    seed: u64,
 }
 
-impl BuildHasher for Seed {
-    type Hasher = Mix;
-
-    fn build_hasher(&self) -> Mix {
-        Mix(self.0)
+impl Places {
+    /// For at most `count` vertices.
+    fn new(count: usize) -> Self {
+        let size = (2 * count + 1).next_power_of_two();
+        Self { ids: vec![UNREFERENCED; size], seed: RandomState::new().hash_one(0) }
     }
-}
 
-/// What was hashed so far.
-struct Mix(u64);
+    /// The id of the vertex at `p`, of those listed; if there is none, the point is appended.
+    fn id_of(&mut self, p: DVec3, vertices: &mut Vec<DVec3>) -> u32 {
+        let mut at = self.hash(p) as usize & (self.ids.len() - 1);
+        loop {
+            let id = self.ids[at];
+            if id == UNREFERENCED {
+                self.ids[at] = vertices.len() as u32;
+                vertices.push(p);
+                return self.ids[at];
+            }
+            if vertices[id as usize] == p {
+                return id;
+            }
+            at = (at + 1) & (self.ids.len() - 1);
+        }
+    }
 
-impl Hasher for Mix {
-    fn write_u64(&mut self, number: u64) {
+    fn hash(&self, p: DVec3) -> u64 {
         /// Odd, with as many ones as zeros, in no pattern.
         const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
-        let product = u128::from(self.0 ^ number) * u128::from(FACTOR);
-        self.0 = (product >> 64) as u64 ^ product as u64;
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
-    }
-
-    fn finish(&self) -> u64 {
-        self.0
+        p.to_array().into_iter().fold(self.seed, |hash, x| {
+            let product = u128::from(hash ^ x.to_bits()) * u128::from(FACTOR);
+            (product >> 64) as u64 ^ product as u64
+        })
     }
 }
 

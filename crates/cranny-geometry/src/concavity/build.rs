@@ -188,6 +188,9 @@ impl Input<'_> {
         let edge = &self.topology.edges()[e.index()];
         let around = self.topology.half_edges(e);
         let concavity = |k: usize| concavity_of_face[around[k].face().index()];
+        if edge.kind == EdgeKind::Manifold && concavity(0) == concavity(1) {
+            return; // nearly every edge
+        }
         let inside = (1..around.len()).all(|k| concavity(k) == concavity(0));
         if edge.from == edge.to || (inside && (concavity(0) == NONE || edge.kind.is_balanced())) {
             return;

@@ -56,6 +56,13 @@ impl Components {
             joined.join_at_cap(group, &off);
         }
         for e in (0..topology.edges().len() as u32).map(EdgeId).filter(|e| !has_cap[e.index()]) {
+            if let [g, h] = *topology.half_edges(e) {
+                let [f, g] = [g, h].map(|h| h.face()); // nearly every edge
+                if !features.is_convex(f) && !features.is_convex(g) {
+                    joined.elements.union(f.index(), g.index());
+                }
+                continue;
+            }
             let off = topology.half_edges(e).iter().map(|h| h.face());
             joined.unite(off.filter(|&f| !features.is_convex(f)).map(FaceId::index));
         }

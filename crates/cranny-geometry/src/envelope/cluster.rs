@@ -62,11 +62,20 @@ pub(super) fn clusters(
             .max_by(|a, b| a.cost.total_cmp(&b.cost).then(b.start.cmp(&a.start)));
         let Some(part) = costliest else { break };
         let (start, end) = (part.start, part.end);
-        let (left_items, Halves { moments: [left, right], costs }) =
-            halves(items, &mut order[start..end], opening, scratch);
+        let order = &mut order[start..end];
+        let (left_items, Halves { moments: [left, right], costs }) = match *order {
+            [a, b] => halves_of_two(items, [a, b], order),
+            _ => halves(items, order, opening, scratch),
+        };
         let middle = start + left_items;
-        *part = Cluster { start, end: middle, moments: left, cost: costs[0] };
-        parts.push(Cluster { start: middle, end, moments: right, cost: costs[1] });
+        // Nobody asks what those cost that are not divided.
+        let cost = |side: usize, moments: &Moments| {
+            let is_divided = moments.count() > options.leaf_faces;
+            let known = || costs.map(|costs| costs[side]);
+            if is_divided { known().unwrap_or_else(|| moments.cost(opening)) } else { 0.0 }
+        };
+        *part = Cluster { start, end: middle, moments: left, cost: cost(0, &left) };
+        parts.push(Cluster { start: middle, end, moments: right, cost: cost(1, &right) });
     }
     parts
 }
@@ -143,13 +152,25 @@ impl Cut {
     }
 }
 
-/// Two parts of some items: the sums over them, and what they cost.
+/// Two parts of some items: the sums over them, and what they cost, if that was asked.
 struct Halves {
     moments: [Moments; 2],
-    costs: [f64; 2],
+    costs: Option<[f64; 2]>,
 }
 
-/// Divides at least two items in the better of two ways; the number of those on the left, and both parts.
+/// [`halves`] of two items: by place, for both ways leave the same two parts.
+fn halves_of_two(items: &[Item], [a, b]: [u32; 2], order: &mut [u32]) -> (usize, Halves) {
+    let [p, q] = [a, b].map(|item| &items[item as usize].keys);
+    let width = |key: usize| (p[key] - q[key]).abs();
+    let wider = |best, key| if width(key) > width(best) { key } else { best };
+    let key = (PLACE + 1..PLACE + 3).fold(PLACE, wider);
+    let is_turned = p[key] > q[key] || (p[key] == q[key] && a > b);
+    let ordered = if is_turned { [b, a] } else { [a, b] };
+    order.copy_from_slice(&ordered);
+    (1, Halves { moments: ordered.map(|item| Moments::of([&items[item as usize]])), costs: None })
+}
+
+/// Divides more than two items in the better of two ways; the number of those on the left, and both parts.
 fn halves(
     items: &[Item],
     order: &mut [u32],
@@ -170,17 +191,22 @@ fn halves(
         let is_lopsided = sides.iter().any(|side| side.count() < least);
         let (cut, sides) =
             if is_lopsided { Cut::halving(cut.key, items, order, scratch) } else { (cut, sides) };
-        (cut, Halves { moments: sides, costs: [sides[0].cost(opening), sides[1].cost(opening)] })
+        (cut, sides)
     };
     let mut best = judged(cuts[0], [a.plus(&b), c.plus(&d)]);
+    let mut costs = None;
     if ranges.width(cuts[1].key) > FLAT {
         let by_facing = judged(cuts[1], [a.plus(&c), b.plus(&d)]);
-        let sum = |(_, halves): &(Cut, Halves)| halves.costs[0] + halves.costs[1];
-        if sum(&by_facing) < sum(&best) {
-            best = by_facing;
+        let costs_of =
+            |(_, sides): &(Cut, [Moments; 2])| [0, 1].map(|k: usize| sides[k].cost(opening));
+        let [of_best, of_other] = [costs_of(&best), costs_of(&by_facing)];
+        costs = Some(of_best);
+        if of_other[0] + of_other[1] < of_best[0] + of_best[1] {
+            (best, costs) = (by_facing, Some(of_other));
         }
     }
-    let (cut, sides) = best;
+    let (cut, moments) = best;
+    let sides = Halves { moments, costs };
     let left = partition(order, &mut scratch.aside, |&item| !cut.is_right(items, item));
     (left, sides)
 }

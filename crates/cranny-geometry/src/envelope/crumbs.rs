@@ -55,6 +55,8 @@ pub(super) struct Crumbs {
     faces: Vec<FaceId>,
     /// Each once in a crumb.
     corners: Vec<VertexId>,
+    /// Of the crumb in the making: how often each of its corners is one of a face, and its area vectors.
+    times: Vec<u32>,
     areas: Vec<DVec3>,
 }
 
@@ -142,21 +144,30 @@ impl Crumbs {
         let starts = [self.faces.len(), self.corners.len()];
         let (mut bounds, mut reach) = (Aabb::EMPTY, f64::NEG_INFINITY);
         let [mut place, mut squares, mut mixed] = [DVec3::ZERO; 3];
+        self.times.clear();
         for &face in faces {
             for vertex in mesh.corners(face) {
-                let p = mesh.position(vertex);
-                let q = opening.beside_origin(p);
-                place += q;
-                squares += q * q;
-                mixed += q * DVec3::new(q.y, q.z, q.x);
-                bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
-                reach = larger(reach, opening.axis.dot(p));
+                let mut is_there = false;
+                for (times, v) in self.times.iter_mut().zip(&self.corners[starts[1]..]) {
+                    *times += u32::from(*v == vertex);
+                    is_there |= *v == vertex;
+                }
                 // Taken back where it stands there: without a branch that nobody can predict.
-                let is_there = |there, v: &VertexId| there | (*v == vertex);
-                let is_there = self.corners[starts[1]..].iter().fold(false, is_there);
                 self.corners.push(vertex);
                 self.corners.truncate(self.corners.len() - usize::from(is_there));
+                self.times.push(1);
+                self.times.truncate(self.times.len() - usize::from(is_there));
             }
+        }
+        for (&vertex, &times) in self.corners[starts[1]..].iter().zip(&self.times) {
+            let times = f64::from(times);
+            let p = mesh.position(vertex);
+            let q = opening.beside_origin(p);
+            place += times * q;
+            squares += times * (q * q);
+            mixed += times * (q * DVec3::new(q.y, q.z, q.x));
+            bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
+            reach = larger(reach, opening.axis.dot(p));
         }
         self.faces.extend_from_slice(faces);
         let ends = [self.faces.len(), self.corners.len()];

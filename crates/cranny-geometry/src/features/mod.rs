@@ -229,11 +229,15 @@ fn judge_edge(
     assignment: &Assignment,
     id: EdgeId,
 ) -> (Feature, Vec<RidgeOnFacet>) {
+    let edge = topology.edges()[id.index()];
+    // Faces on the hull have all corners there.
+    if assignment.facets_of(edge.from).is_empty() || assignment.facets_of(edge.to).is_empty() {
+        return (Feature::Concavity, Vec::new());
+    }
     let around = topology.half_edges(id);
     let on_hull = |h: &&HalfEdgeId| assignment.facet_of_face[h.face().index()] != NONE;
     match around.iter().filter(on_hull).count() {
         0 => {
-            let edge = topology.edges()[id.index()];
             if edge.from == edge.to {
                 return (Feature::Concavity, Vec::new()); // the short side of a collapsed face
             }
@@ -252,9 +256,12 @@ fn judge_edge(
 
 /// Where a vertex lies, and whether it lies on the hull without a convex face.
 fn judge_vertex(topology: &Topology, assignment: &Assignment, v: VertexId) -> (Feature, bool) {
+    // Faces on the hull have all corners there.
+    if assignment.facets_of(v).is_empty() {
+        return (Feature::Concavity, false);
+    }
     let faces = topology.faces_at(v);
     match faces.iter().filter(|f| assignment.facet_of_face[f.index()] != NONE).count() {
-        0 if assignment.facets_of(v).is_empty() => (Feature::Concavity, false),
         0 => (Feature::Convex, true),
         n if n == faces.len() => (Feature::Convex, false),
         _ => (Feature::Boundary, false),
@@ -265,10 +272,18 @@ fn judge_vertex(topology: &Topology, assignment: &Assignment, v: VertexId) -> (F
 fn convex_sets(topology: &Topology, facet_of_face: &[u32]) -> (Vec<u32>, Vec<ConvexSet>) {
     let on_hull = |f: FaceId| facet_of_face[f.index()] != NONE;
     let mut joined = DisjointSets::new(facet_of_face.len());
-    for e in (0..topology.edges().len() as u32).map(EdgeId) {
-        let mut convex = topology.half_edges(e).iter().map(|h| h.face()).filter(|&f| on_hull(f));
-        if let Some(first) = convex.next() {
-            convex.for_each(|f| joined.union(first.index(), f.index()));
+    for face in (0..facet_of_face.len() as u32).map(FaceId).filter(|&face| on_hull(face)) {
+        for half_edge in [0, 1, 2].map(|corner| HalfEdgeId::of(face, corner)) {
+            // Of two faces the lesser one, of more each speaks for all.
+            if let Some(twin) = topology.twin(half_edge) {
+                if half_edge < twin && on_hull(twin.face()) {
+                    joined.union(face.index(), twin.face().index());
+                }
+                continue;
+            }
+            let around = topology.half_edges(topology.edge_of(half_edge)).iter();
+            let convex = around.map(|h| h.face()).filter(|&f| on_hull(f));
+            convex.for_each(|f| joined.union(face.index(), f.index()));
         }
     }
     let mut sets: Vec<ConvexSet> = Vec::new();

@@ -28,7 +28,8 @@ pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 const NEEDLE_SINE: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Twice a face's area vector as computed, and what rounding may have done to it.
-struct Normal {
+#[derive(Clone, Copy)]
+pub(super) struct Normal {
     vector: DVec3,
     length: f64,
     error: f64,
@@ -56,6 +57,10 @@ impl Normal {
         (length > NEEDLE_SINE * scale).then_some(Self { vector, length, error })
     }
 
+    pub(super) fn unit(&self) -> DVec3 {
+        self.vector / self.length
+    }
+
     /// A lower bound of the cosine of its angle with a unit vector.
     fn cosine_lower(&self, axis: DVec3) -> f64 {
         let along = self.vector.dot(axis) - self.error;
@@ -65,7 +70,30 @@ impl Normal {
 
 /// The unit normal of a face, to rounding; `None` for needles and faces without area.
 pub(super) fn unit_normal(mesh: &Mesh, face: FaceId) -> Option<DVec3> {
-    Normal::of(mesh, face).map(|n| n.vector / n.length)
+    Normal::of(mesh, face).map(|n| n.unit())
+}
+
+/// Those of all faces: growth asks for each several times, and measuring once more.
+#[derive(Default)]
+pub(super) struct Normals(Vec<Normal>);
+
+impl Normals {
+    pub(super) fn of(mesh: &Mesh) -> Self {
+        let none = Normal { vector: DVec3::ZERO, length: 0.0, error: 0.0 };
+        let faces = (0..mesh.faces().len() as u32).map(FaceId);
+        Self(faces.map(|face| Normal::of(mesh, face).unwrap_or(none)).collect())
+    }
+
+    /// `None` for needles and faces without area.
+    #[inline]
+    pub(super) fn get(&self, face: FaceId) -> Option<Normal> {
+        Some(self.0[face.index()]).filter(|normal| normal.length > 0.0)
+    }
+
+    /// [`Measured::of`], by normals that are known.
+    pub(super) fn measured(&self, mesh: &Mesh, faces: &[FaceId], axis: DVec3) -> Measured {
+        Measured::by(|face| self.get(face), mesh, faces, axis)
+    }
 }
 
 /// What the normals of some faces have in common.
@@ -79,9 +107,18 @@ pub(super) struct Measured {
 impl Measured {
     /// Cost: O(n).
     pub(super) fn of(mesh: &Mesh, faces: &[FaceId], axis: DVec3) -> Self {
+        Self::by(|face| Normal::of(mesh, face), mesh, faces, axis)
+    }
+
+    fn by(
+        normal_of: impl Fn(FaceId) -> Option<Normal>,
+        mesh: &Mesh,
+        faces: &[FaceId],
+        axis: DVec3,
+    ) -> Self {
         let (mut cosine, mut needles, mut area) = (1.0 - ROUNDING, 0, 0.0);
         for &face in faces {
-            if let Some(normal) = Normal::of(mesh, face) {
+            if let Some(normal) = normal_of(face) {
                 cosine = normal.cosine_lower(axis).min(cosine);
                 area += 0.5 * normal.length;
             } else {
@@ -106,7 +143,7 @@ impl NormalCone {
     }
 
     /// Sine of the half-angle, rounded to nearest; of an angle up to a right one.
-    fn sine(&self) -> f64 {
+    pub(super) fn sine(&self) -> f64 {
         // 1 − cosine is exact where the cosine is above ½, so that no digit of a small angle is lost.
         ((1.0 - self.cosine) * (1.0 + self.cosine)).max(0.0).sqrt()
     }

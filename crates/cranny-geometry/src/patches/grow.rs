@@ -15,7 +15,7 @@ use std::collections::{BTreeSet, VecDeque};
 use cranny_exact::{Aabb, DVec3};
 
 use super::Patch;
-use super::cone::{NormalCone, unit_normal};
+use super::cone::{NormalCone, Normals, unit_normal};
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::topology::{DisjointSets, Topology};
@@ -28,6 +28,10 @@ pub(super) const LEAST_COSINE: f64 = 0.906;
 /// Axes of two cones that make more than twice that angle lie in no such cone; this is the cosine, rounded
 /// down. Larger: patches that may be joined are not; smaller: cones are joined in vain.
 const LEAST_COSINE_OF_AXES: f64 = 0.64;
+
+/// What rounding adds to cosines when cones are joined over and over, with much room. Smaller, and patches that may be
+/// joined are not; larger, and cones are joined in vain.
+const ROOM: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Largest diagonal of a patch's box, as a part of the body's: a flat side is divided too, so that a
 /// patch stands for a place. Smaller: more patches; larger: one point for a whole side.
@@ -147,9 +151,9 @@ pub(super) fn for_each_neighbor(
 }
 
 /// Divides all faces of a mesh.
-pub(super) fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
+pub(super) fn partition_by(mesh: &Mesh, topology: &Topology, normals: &Normals) -> Partition {
     let limits = Limits::of(mesh);
-    let (patch_of, patches) = grown(mesh, topology, &limits);
+    let (patch_of, patches) = grown(mesh, topology, &limits, normals);
     Partition { patch_of, patches }.merged(mesh, topology, &limits)
 }
 
@@ -207,12 +211,14 @@ impl Free for BTreeSet<FaceId> {
 /// No patch.
 const NONE: u32 = u32::MAX;
 
-fn grown(mesh: &Mesh, topology: &Topology, limits: &Limits) -> (Vec<u32>, Vec<Growing>) {
+fn grown(
+    mesh: &Mesh,
+    topology: &Topology,
+    limits: &Limits,
+    normals: &Normals,
+) -> (Vec<u32>, Vec<Growing>) {
     let count = mesh.faces().len();
-    // Most faces are tried by several patches.
-    let faces = (0..count as u32).map(FaceId);
-    let normals: Vec<DVec3> = faces.map(|f| unit_normal(mesh, f).unwrap_or_default()).collect();
-    let normal = |f: FaceId| Some(normals[f.index()]).filter(|&n| n != DVec3::ZERO);
+    let normal = |f: FaceId| normals.get(f).map(|normal| normal.unit());
     let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
     let mut patches = Vec::new();
     for seed in (0..count as u32).map(FaceId) {
@@ -254,6 +260,7 @@ fn grow_from(
     mut taken: impl FnMut(FaceId),
 ) -> Growing {
     let mut patch = Growing::alone(mesh, seed, normal(seed));
+    let mut least_between = least_cosine_between(patch.cone);
     let mut front = VecDeque::from([seed]);
     free.take(seed);
     taken(seed);
@@ -264,12 +271,15 @@ fn grow_from(
             }
             let normal = normal(next);
             if let (Some(cone), Some(normal)) = (patch.cone, normal)
-                && cone.axis.dot(normal) < LEAST_COSINE_OF_AXES
+                && cone.axis.dot(normal) < least_between
             {
                 return; // what `joined` would find in the end
             }
             let alone = Growing::alone(mesh, next, normal);
             if let Some(larger) = limits.joined(&patch, &alone) {
+                if larger.cone != patch.cone {
+                    least_between = least_cosine_between(larger.cone);
+                }
                 patch = larger;
                 free.take(next);
                 taken(next);
@@ -278,6 +288,16 @@ fn grow_from(
         });
     }
     patch
+}
+
+/// The axis of a cone and a direction that make an angle of less than this cosine certainly lie in no cone as wide as
+/// patches may be: that would be narrower than half of what lies between them and on the far side of the axis.
+fn least_cosine_between(cone: Option<NormalCone>) -> f64 {
+    let Some(cone) = cone else { return -1.0 };
+    // Cosine and sine of the widest cone's angle from side to side.
+    let whole = 2.0 * LEAST_COSINE * LEAST_COSINE - 1.0;
+    let across = 2.0 * LEAST_COSINE * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt();
+    whole * cone.cosine + across * cone.sine() - ROOM
 }
 
 /// Joins small patches to neighbours, smallest first, until no limit allows any more; returns the set
@@ -385,6 +405,10 @@ fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Borde
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
+        partition_by(mesh, topology, &Normals::of(mesh))
+    }
 
     #[test]
     fn no_two_neighbours_could_be_one_patch() {

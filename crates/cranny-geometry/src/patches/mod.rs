@@ -27,15 +27,15 @@ use std::collections::BTreeSet;
 
 use cranny_exact::{Aabb, DVec3};
 
-use self::cone::Measured;
 pub use self::cone::NormalCone;
+use self::cone::{Measured, Normals};
 pub use self::slab::Slab;
 pub use self::top::PatchTree;
 use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::rows::rows;
 use crate::topology::Topology;
-use crate::tree::FaceForest;
+use crate::tree::{FaceForest, Mates};
 
 /// What is known of a patch, in the body's frame. Its faces are asked from [`Patches`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,27 +91,37 @@ impl Patches {
     /// Divides the faces of a mesh whose adjacency is `topology`.
     #[must_use]
     pub fn of(mesh: &Mesh, topology: &Topology) -> Self {
-        let partition = grow::partition(mesh, topology);
-        let count = partition.patches.len();
-        let faces = Lists::of(count, &partition.patch_of);
-        let trees = FaceForest::over(mesh, (0..count).map(|p| faces.get(p)), Self::LEAF_SIZE);
-        let ranges = (0..count).map(|p| trees.node_range(p));
-        let slabs = Slab::of_trees(mesh, trees.arena(), ranges);
-        Self::assemble(mesh, partition, trees, slabs)
+        Self::with_mates(mesh, topology, &Mates::of(mesh, topology))
     }
 
-    /// From a partition, trees over its parts, and the slabs of these.
+    /// The same, given which faces hang together.
+    pub(crate) fn with_mates(mesh: &Mesh, topology: &Topology, mates: &Mates) -> Self {
+        let normals = Normals::of(mesh);
+        let partition = grow::partition_by(mesh, topology, &normals);
+        let count = partition.patches.len();
+        let faces = Lists::of(count, &partition.patch_of);
+        let groups = (0..count).map(|p| faces.get(p));
+        let group_of = |face: FaceId| partition.patch_of[face.index()];
+        let trees = FaceForest::over_pairs(mesh, mates, groups, group_of, Self::LEAF_SIZE);
+        let ranges = (0..count).map(|p| trees.node_range(p));
+        let slabs = Slab::of_trees(mesh, trees.arena(), ranges);
+        let measure = |faces: &[FaceId], axis: DVec3| normals.measured(mesh, faces, axis);
+        Self::assemble(mesh, partition, trees, slabs, measure)
+    }
+
+    /// From a partition, trees over its parts, and the slabs of these; `measure` measures faces about an axis.
     fn assemble(
         mesh: &Mesh,
         partition: grow::Partition,
         trees: FaceForest,
         slabs: Vec<Slab>,
+        measure: impl Fn(&[FaceId], DVec3) -> Measured,
     ) -> Self {
         let grow::Partition { patch_of, patches: grown } = partition;
         let patches: Vec<Patch> = grown
             .iter()
             .enumerate()
-            .map(|(p, grown)| Patch::of(mesh, &trees, p, grown.cone))
+            .map(|(p, grown)| Patch::by(&measure, mesh, &trees, p, grown.cone))
             .collect();
         let patch_of_face = patch_of.into_iter().map(PatchId).collect();
         let top = PatchTree::over(&patches);
@@ -259,6 +269,17 @@ impl Patches {
 impl Patch {
     /// Of tree `patch`, which is not empty. `axis`: of the cone; `None` where all faces are needles.
     fn of(mesh: &Mesh, trees: &FaceForest, patch: usize, axis: Option<NormalCone>) -> Self {
+        Self::by(|faces, axis| Measured::of(mesh, faces, axis), mesh, trees, patch, axis)
+    }
+
+    /// The same, given how to measure faces about an axis.
+    fn by(
+        measure: impl Fn(&[FaceId], DVec3) -> Measured,
+        mesh: &Mesh,
+        trees: &FaceForest,
+        patch: usize,
+        axis: Option<NormalCone>,
+    ) -> Self {
         let faces = trees.faces(patch);
         let bounds = trees.nodes(patch)[0].bounds;
         let center = bounds.center();
@@ -269,7 +290,7 @@ impl Patch {
         };
         let farthest = faces.iter().flat_map(|&f| mesh.triangle(f)).fold(0.0, farther);
         let axis = axis.map_or(DVec3::ZERO, |cone| cone.axis);
-        let Measured { cone, needles, area } = Measured::of(mesh, faces, axis);
+        let Measured { cone, needles, area } = measure(faces, axis);
         Self {
             cone,
             bounds,

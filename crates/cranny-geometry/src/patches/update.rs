@@ -8,6 +8,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use cranny_exact::DVec3;
+
+use super::cone::Measured;
 use super::grow::{Growing, Limits, Partition, divided};
 use super::{Lists, Patch, PatchTree, Patches, Slab};
 use crate::ids::{FaceId, PatchId};
@@ -134,7 +137,8 @@ impl Patches {
                 }
             }
         }
-        *self = Self::assemble(mesh, partition, trees, slabs);
+        let measure = |faces: &[FaceId], axis: DVec3| Measured::of(mesh, faces, axis);
+        *self = Self::assemble(mesh, partition, trees, slabs, measure);
         map
     }
 }

@@ -40,19 +40,19 @@ pub(super) fn thin(mesh: &Mesh, without_area: &[bool], weld_distance: f64) -> Ve
 }
 
 /// Groups of two and more faces on the same three vertices, each ascending, by their vertices.
-/// O(n): only faces that share an edge *and* the corner across it come into question.
+/// O(n): only faces that share an edge *and* the corner across it come into question. They share all three
+/// edges, so one a face is looked at.
 pub(crate) fn coincident(mesh: &Mesh, topology: &Topology) -> Vec<Vec<FaceId>> {
     let across = |h: HalfEdgeId| mesh.corners(h.face())[(h.corner() + 2) % 3];
     let mut candidates: Vec<([u32; 3], FaceId)> = Vec::new();
-    for (e, edge) in topology.edges().iter().enumerate() {
-        let around = topology.half_edges(crate::ids::EdgeId(e as u32));
-        if around.len() < 2 || edge.from == edge.to {
-            continue;
+    for (face, corners) in (0..).map(FaceId).zip(mesh.faces()) {
+        let first = HalfEdgeId::of(face, 0);
+        if topology.twin(first).is_some_and(|twin| across(twin).0 != corners[2]) {
+            continue; // nearly every face
         }
-        if let [h, other] = around
-            && across(*h) != across(*other)
-        {
-            continue; // nearly every edge
+        let around = topology.half_edges(topology.edge_of(first));
+        if around.len() < 2 || corners[0] == corners[1] {
+            continue;
         }
         let mut faces: Vec<_> = around.iter().map(|&h| (across(h), h.face())).collect();
         faces.sort_unstable();

@@ -30,9 +30,10 @@ pub(super) fn overlapping_pairs(
         };
         match (content(i), content(j)) {
             (Content::Inner { left, right }, _) if i == j => {
-                push(left, left);
-                push(right, right);
                 push(left, right);
+                // One face alone is no pair.
+                let has_pairs = |node: &u32| nodes[*node as usize].count() != 1;
+                stack.extend([left, right].into_iter().filter(has_pairs).map(|node| (node, node)));
             }
             (Content::Leaf { start, end }, _) if i == j => {
                 let all = leaf(start, end);

@@ -68,18 +68,30 @@ fn faces_of_components(topology: &Topology, faces: usize) -> Vec<Vec<FaceId>> {
 /// absolute values (Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.1);
 /// twice that leaves room for the differences taken first.
 fn signed_volume(mesh: &Mesh, faces: &[FaceId], reference: DVec3) -> (Sign, f64) {
-    let (mut six_volume, mut magnitude) = (0.0, 0.0);
+    let corners = |face: FaceId| mesh.triangle(face).map(|p| p - reference);
+    let (mut six_volume, mut size) = (0.0, DVec3::ZERO);
     for &face in faces {
-        let [a, b, c] = mesh.triangle(face).map(|p| p - reference);
+        let [a, b, c] = corners(face);
         six_volume += a.dot(b.cross(c));
+        size = size.max(a.abs()).max(b.abs()).max(c.abs());
+    }
+    let volume = six_volume / 6.0;
+    let error = |magnitude: f64| (faces.len() + 8) as f64 * f64::EPSILON * magnitude;
+    // No product is greater than that of the sizes; twice as many leave room for the roundings of this bound.
+    let at_most = 12.0 * faces.len() as f64 * size.element_product();
+    if six_volume.abs() > error(at_most) {
+        return (Sign::of(six_volume), volume); // nearly always
+    }
+    let mut magnitude = 0.0;
+    for &face in faces {
+        let [a, b, c] = corners(face);
         let (b, c) = (b.abs(), c.abs());
         let minors =
             DVec3::new(b.y * c.z + b.z * c.y, b.z * c.x + b.x * c.z, b.x * c.y + b.y * c.x);
         magnitude += a.abs().dot(minors);
     }
-    let error = (faces.len() + 8) as f64 * f64::EPSILON * magnitude;
-    let certain = six_volume.abs() > error;
-    (if certain { Sign::of(six_volume) } else { Sign::Zero }, six_volume / 6.0)
+    let certain = six_volume.abs() > error(magnitude);
+    (if certain { Sign::of(six_volume) } else { Sign::Zero }, volume)
 }
 
 /// The other closed components around a component.

@@ -32,11 +32,10 @@ pub(super) struct Stars<'a> {
 impl<'a> Stars<'a> {
     /// O(n).
     pub(super) fn of(mesh: &'a Mesh, topology: &'a Topology) -> Self {
-        let mut ring = Vec::new();
         let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
-        let star = |v| if walk(mesh, topology, v, &mut ring) { Star::Ring } else { Star::Torn };
+        let star = |v| if walk(mesh, topology, v, |_| ()) { Star::Ring } else { Star::Torn };
         let stars = vertices.map(star).collect();
-        Self { mesh, topology, stars, ring }
+        Self { mesh, topology, stars, ring: Vec::new() }
     }
 
     /// Whether the faces at a vertex are not one ring of twins: at a boundary, in several fans, next to a
@@ -52,28 +51,34 @@ impl<'a> Stars<'a> {
         let Self { mesh, topology, stars, ring } = self;
         let star = &mut stars[vertex.index()];
         if *star == Star::Ring {
-            let spread = walk(mesh, topology, vertex, ring) && is_spread(mesh, vertex, ring);
+            ring.clear();
+            let spread =
+                walk(mesh, topology, vertex, |end| ring.push(end)) && is_spread(mesh, vertex, ring);
             *star = if spread { Star::Spread } else { Star::Bent };
         }
         *star == Star::Spread
     }
 }
 
-/// Walks from twin to twin around a vertex, noting the far end of each side; whether it came around and
+/// Walks from twin to twin around a vertex, telling the far end of each side; whether it came around and
 /// passed all faces there. Collapsed faces are in no ring: the side from a vertex to itself has no twin.
-fn walk(mesh: &Mesh, topology: &Topology, vertex: VertexId, ends: &mut Vec<VertexId>) -> bool {
-    ends.clear();
+fn walk(
+    mesh: &Mesh,
+    topology: &Topology,
+    vertex: VertexId,
+    mut visit: impl FnMut(VertexId),
+) -> bool {
     let faces = topology.faces_at(vertex);
     let Some(&face) = faces.first() else { return false };
     let Some(corner) = mesh.corners(face).iter().position(|&v| v == vertex) else { return false };
     let start = HalfEdgeId::of(face, corner);
     let mut half_edge = start;
-    while ends.len() < faces.len() {
+    for passed in 1..=faces.len() {
         let next = half_edge.next();
-        ends.push(VertexId(mesh.faces().as_flattened()[next.index()]));
+        visit(VertexId(mesh.faces().as_flattened()[next.index()]));
         // The side that ends at the vertex; its twin starts there.
         match topology.twin(next.next()) {
-            Some(twin) if twin == start => return ends.len() == faces.len(),
+            Some(twin) if twin == start => return passed == faces.len(),
             Some(twin) => half_edge = twin,
             None => return false,
         }

@@ -5,6 +5,8 @@
 //! `lattice`, which is laid anew where a part has become small for it. The exact boxes are fitted
 //! last, from the leaves up.
 
+use std::ops::Range;
+
 use cranny_exact::Aabb;
 
 use super::lattice::{Extent, Frame, Item, Lows};
@@ -38,12 +40,17 @@ struct Task {
     parent: Option<usize>,
 }
 
+/// In the name of an item: it is a pair of things, the second one numbered next to the first.
+const PAIR: u32 = 1 << 31;
+
 /// Appends trees to an arena, and keeps its scratch memory between them.
 pub(crate) struct Grower<I> {
     leaf_size: usize,
-    /// By name.
+    /// Of things, by number.
     ids: Vec<I>,
     boxes: Vec<Aabb>,
+    /// Numbers of things alone and of the first of each pair.
+    names: Vec<u32>,
     items: Vec<Item>,
     aside: Vec<Item>,
     tasks: Vec<Task>,
@@ -51,9 +58,9 @@ pub(crate) struct Grower<I> {
 
 impl<I: Copy> Grower<I> {
     pub(crate) fn new(leaf_size: usize) -> Self {
-        let (ids, boxes, tasks) = (Vec::new(), Vec::new(), Vec::new());
+        let (ids, boxes, names, tasks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (items, aside) = (Vec::new(), Vec::new());
-        Self { leaf_size: leaf_size.max(1), ids, boxes, items, aside, tasks }
+        Self { leaf_size: leaf_size.max(1), ids, boxes, names, items, aside, tasks }
     }
 
     /// Appends the tree over some boxes to `nodes`, and their names in leaf order to `leaves`.
@@ -63,23 +70,24 @@ impl<I: Copy> Grower<I> {
         nodes: &mut Vec<Node>,
         leaves: &mut Vec<I>,
     ) {
-        let (root, offset) = (nodes.len(), leaves.len());
-        self.ids.clear();
-        self.boxes.clear();
-        self.ids.reserve(boxes.size_hint().0);
-        self.boxes.reserve(boxes.size_hint().0);
-        let mut whole = Aabb::EMPTY;
-        for (id, bounds) in boxes {
-            whole = whole.union(&bounds);
-            self.ids.push(id);
-            self.boxes.push(bounds);
-        }
-        if self.boxes.is_empty() {
+        self.grow_pairs(boxes.map(|own| (own, None)), nodes, leaves);
+    }
+
+    /// The same over things alone and in pairs, which are parted last, where leaves are smaller than pairs.
+    pub(crate) fn grow_pairs(
+        &mut self,
+        things: impl Iterator<Item = ((I, Aabb), Option<(I, Aabb)>)>,
+        nodes: &mut Vec<Node>,
+        leaves: &mut Vec<I>,
+    ) {
+        let frame = Frame::of(&self.list(things));
+        if self.names.is_empty() {
             return;
         }
-        let frame = Frame::of(&whole);
+        let root = nodes.len();
         self.items.clear();
-        self.items.extend((0..).zip(&self.boxes).map(|(name, b)| frame.item(b, name)));
+        let boxes = &self.boxes;
+        self.items.extend(self.names.iter().map(|&name| frame.item(&exact_box(boxes, name), name)));
         let (scale, extent) = (frame.scale, Extent::of(&self.items));
         self.tasks.push(Task { start: 0, extent, scale, parent: None });
         while let Some(Task { start, mut extent, mut scale, parent }) = self.tasks.pop() {
@@ -87,7 +95,7 @@ impl<I: Copy> Grower<I> {
                 nodes[parent].content = nodes.len() as u32;
             }
             // Down the left children.
-            while extent.count as usize > FEW.max(self.leaf_size) {
+            while extent.count as usize > FEW && extent.things as usize > self.leaf_size {
                 let id = nodes.len();
                 nodes.push(INNER);
                 let items = &mut self.items[start..start + extent.count as usize];
@@ -98,56 +106,106 @@ impl<I: Copy> Grower<I> {
                 extent = left;
             }
             let items = &mut self.items[start..start + extent.count as usize];
-            grow_few(items, self.leaf_size, (&self.boxes, scale), offset + start, nodes);
+            let (ids, boxes) = (&self.ids, &self.boxes);
+            let mut twigs = Twigs { leaf_size: self.leaf_size, ids, boxes, nodes, leaves };
+            twigs.grow(items, extent.things as usize, scale);
         }
-        leaves.extend(self.items.iter().map(|item| self.ids[item.name()]));
-        self.fit(nodes, root, offset);
+        for index in (root..nodes.len()).rev() {
+            if let Content::Inner { left, right } = nodes[index].content_at(index as u32) {
+                let both = nodes[left as usize].bounds.union(&nodes[right as usize].bounds);
+                nodes[index].bounds = both;
+            }
+        }
     }
 
-    /// Puts exact boxes around what the nodes from `root` on hold, whose leaves count items from `offset`.
-    fn fit(&self, nodes: &mut [Node], root: usize, offset: usize) {
-        for index in (root..nodes.len()).rev() {
-            nodes[index].bounds = match nodes[index].content_at(index as u32) {
-                Content::Inner { left, right } => {
-                    nodes[left as usize].bounds.union(&nodes[right as usize].bounds)
-                }
-                Content::Leaf { start, end } => {
-                    let items = &self.items[start as usize - offset..end as usize - offset];
-                    let boxes = items.iter().map(|item| &self.boxes[item.name()]);
-                    boxes.fold(Aabb::EMPTY, |all, b| all.union(b))
-                }
-            };
+    /// Takes down things and pairs; the box of all.
+    fn list(&mut self, things: impl Iterator<Item = ((I, Aabb), Option<(I, Aabb)>)>) -> Aabb {
+        self.ids.clear();
+        self.boxes.clear();
+        self.names.clear();
+        let most = things.size_hint().1.unwrap_or(0);
+        self.ids.reserve(most);
+        self.boxes.reserve(most);
+        let mut whole = Aabb::EMPTY;
+        let mut add = |(id, bounds): (I, Aabb)| {
+            whole = whole.union(&bounds);
+            self.ids.push(id);
+            self.boxes.push(bounds);
+        };
+        let mut count = 0;
+        for (first, second) in things {
+            add(first);
+            let is_pair = second.is_some();
+            second.into_iter().for_each(&mut add);
+            self.names.push(if is_pair { count | PAIR } else { count });
+            count += 1 + u32::from(is_pair);
         }
+        whole
     }
 }
 
-/// Appends the tree over at most [`FEW`] items, or a leaf, whose leaves count items from `first`.
-fn grow_few(
-    items: &mut [Item],
+/// The number of the first of what a name stands for, and of that behind the last.
+fn numbers(name: u32) -> Range<usize> {
+    let first = (name & !PAIR) as usize;
+    first..first + 1 + (name >> 31) as usize
+}
+
+/// The box of what a name stands for.
+fn exact_box(boxes: &[Aabb], name: u32) -> Aabb {
+    let Range { start, end } = numbers(name);
+    boxes[start].union(&boxes[end - 1])
+}
+
+/// The lowest parts of a tree in the making.
+struct Twigs<'a, I> {
     leaf_size: usize,
-    (boxes, mut scale): (&[Aabb], f64),
-    first: usize,
-    nodes: &mut Vec<Node>,
-) {
-    if items.len() <= leaf_size {
-        let (content, count) = (first as u32, items.len() as u32);
-        nodes.push(Node { bounds: Aabb::EMPTY, content, count });
-        return;
+    ids: &'a [I],
+    boxes: &'a [Aabb],
+    nodes: &'a mut Vec<Node>,
+    leaves: &'a mut Vec<I>,
+}
+
+impl<I: Copy> Twigs<'_, I> {
+    /// Appends the tree over at most [`FEW`] items, or a leaf. Boxes of inner nodes are not fitted.
+    fn grow(&mut self, items: &mut [Item], things: usize, mut scale: f64) {
+        if things <= self.leaf_size {
+            self.leaf(items.iter().flat_map(|item| numbers(item.name() as u32)));
+            return;
+        }
+        let id = self.nodes.len();
+        self.nodes.push(INNER);
+        if let [pair] = items {
+            let Range { start, end } = numbers(pair.name() as u32);
+            self.leaf(start..start + 1);
+            self.nodes[id].content = self.nodes.len() as u32;
+            self.leaf(start + 1..end);
+            return;
+        }
+        let mut cut = 1;
+        if items.len() > 2 {
+            let mut extent = Extent::of(items);
+            lay_anew(items, self.boxes, &mut extent, &mut scale);
+            let axis = extent.centers.longest();
+            sort(items, axis);
+            cut = cheapest_cut(items.len(), |k| (items[k].lows(), items[k].things()));
+        }
+        let (left, right) = items.split_at_mut(cut);
+        let on_left = left.iter().map(|item| item.things() as usize).sum();
+        self.grow(left, on_left, scale);
+        self.nodes[id].content = self.nodes.len() as u32;
+        self.grow(right, things - on_left, scale);
     }
-    let id = nodes.len();
-    nodes.push(INNER);
-    let mut cut = 1;
-    if items.len() > 2 {
-        let mut extent = Extent::of(items);
-        lay_anew(items, boxes, &mut extent, &mut scale);
-        let axis = extent.centers.longest();
-        sort(items, axis);
-        cut = cheapest_cut(items.len(), |k| (items[k].lows(), 1));
+
+    fn leaf(&mut self, held: impl Iterator<Item = usize>) {
+        let first = self.leaves.len();
+        let mut bounds = Aabb::EMPTY;
+        for number in held {
+            bounds = bounds.union(&self.boxes[number]);
+            self.leaves.push(self.ids[number]);
+        }
+        let count = (self.leaves.len() - first) as u32;
+        self.nodes.push(Node { bounds, content: first as u32, count });
     }
-    let (left, right) = items.split_at_mut(cut);
-    grow_few(left, leaf_size, (boxes, scale), first, nodes);
-    nodes[id].content = nodes.len() as u32;
-    grow_few(right, leaf_size, (boxes, scale), first + cut, nodes);
 }
 
 /// Lays a finer lattice over items that hardly differ on theirs.
@@ -156,7 +214,7 @@ fn lay_anew(items: &mut [Item], boxes: &[Aabb], extent: &mut Extent, scale: &mut
     if centers.size(centers.longest()) >= LEAST_SPREAD {
         return;
     }
-    let exact = |item: &Item| boxes[item.name()];
+    let exact = |item: &Item| exact_box(boxes, item.name() as u32);
     let whole = items.iter().fold(Aabb::EMPTY, |all, item| all.union(&exact(item)));
     let frame = Frame::of(&whole);
     if frame.scale >= FINER * *scale {
@@ -185,7 +243,7 @@ fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent;
         bins[bin % BINS].add(item);
     }
     let bins = &bins[..count];
-    let cut = cheapest_cut(count, |k| (&bins[k].bounds, bins[k].count));
+    let cut = cheapest_cut(count, |k| (&bins[k].bounds, bins[k].things));
     // The least middle of the bins from the cut on.
     let first = low + ((cut as u64) << 32).div_ceil(scale) as i32;
     partition(items, aside, |item| item.center(axis) < first);

@@ -88,7 +88,8 @@ impl Lows {
     }
 }
 
-/// Something on its way into a leaf: its box, and its name in the spare places.
+/// Something on its way into a leaf: its box, and its name in the spare places. The highest bit of the name tells
+/// one thing from two.
 #[derive(Clone, Copy)]
 pub(super) struct Item(Lows);
 
@@ -102,6 +103,11 @@ impl Item {
         usize::from(low as u16) | usize::from(high as u16) << 16
     }
 
+    /// How many things it is.
+    pub(super) fn things(&self) -> u32 {
+        1 + u32::from(self.0.0[7] < 0)
+    }
+
     /// Twice the middle of its box along an axis: at least 0.
     pub(super) fn center(&self, axis: usize) -> i32 {
         i32::from(self.0.0[axis]) - i32::from(self.0.0[axis + 4])
@@ -113,11 +119,15 @@ impl Item {
 pub(super) struct Extent {
     pub(super) bounds: Lows,
     pub(super) centers: Lows,
+    /// Of items.
     pub(super) count: u32,
+    /// What the items are, one or two each.
+    pub(super) things: u32,
 }
 
 impl Extent {
-    pub(super) const NONE: Self = Self { bounds: Lows::NONE, centers: Lows::NONE, count: 0 };
+    pub(super) const NONE: Self =
+        Self { bounds: Lows::NONE, centers: Lows::NONE, count: 0, things: 0 };
 
     pub(super) fn of(items: &[Item]) -> Self {
         let mut extent = Self::NONE;
@@ -130,6 +140,7 @@ impl Extent {
         self.bounds.join(&item.0);
         self.centers.join(&item.0.center());
         self.count += 1;
+        self.things += item.things();
     }
 
     pub(super) fn of_all(parts: &[Self]) -> Self {
@@ -138,6 +149,7 @@ impl Extent {
             all.bounds.join(&part.bounds);
             all.centers.join(&part.centers);
             all.count += part.count;
+            all.things += part.things;
         }
         all
     }

@@ -8,6 +8,7 @@ mod build;
 mod codec;
 mod forest;
 mod lattice;
+mod mates;
 mod prune;
 mod refit;
 
@@ -16,6 +17,7 @@ use cranny_exact::Aabb;
 pub(crate) use self::build::{Grower, partition};
 pub(crate) use self::codec::{FaceBoxes, Shape};
 pub use self::forest::FaceForest;
+pub(crate) use self::mates::Mates;
 pub use self::refit::NodeChanges;
 pub(crate) use self::refit::{GrownAreas, MovedFace};
 
@@ -90,6 +92,18 @@ impl FaceTree {
         let mut tree = Self::with_capacity(faces.len(), leaf_size);
         let boxes = face_boxes(mesh, faces);
         Grower::new(leaf_size).grow(boxes, &mut tree.nodes, &mut tree.faces);
+        tree
+    }
+
+    /// [`of`](Self::of), pairs of faces being parted last.
+    ///
+    /// Cost: half as much.
+    pub(crate) fn of_pairs(mesh: &Mesh, mates: &Mates, leaf_size: usize) -> Self {
+        let count = mesh.faces().len();
+        let mut tree = Self::with_capacity(count, leaf_size);
+        let all = (0..count as u32).map(FaceId);
+        let pairs = paired_boxes(mesh, mates, all, |_| true);
+        Grower::new(leaf_size).grow_pairs(pairs, &mut tree.nodes, &mut tree.faces);
         tree
     }
 
@@ -221,6 +235,21 @@ fn face_boxes<'a>(
     faces: &'a [FaceId],
 ) -> impl Iterator<Item = (FaceId, Aabb)> + 'a {
     faces.iter().map(|&face| (face, Aabb::of_points(mesh.triangle(face))))
+}
+
+/// Faces with their boxes, alone and in pairs; `among`: whether a face is one of these.
+fn paired_boxes(
+    mesh: &Mesh,
+    mates: &Mates,
+    faces: impl Iterator<Item = FaceId>,
+    among: impl Fn(FaceId) -> bool,
+) -> impl Iterator<Item = ((FaceId, Aabb), Option<(FaceId, Aabb)>)> {
+    let boxed = |face: FaceId| (face, Aabb::of_points(mesh.triangle(face)));
+    faces.filter_map(move |face| {
+        let mate = mates.of_face(face).filter(|&mate| among(mate));
+        // The lesser of two speaks for both.
+        (mate.is_none_or(|mate| face < mate)).then(|| (boxed(face), mate.map(boxed)))
+    })
 }
 
 #[cfg(test)]

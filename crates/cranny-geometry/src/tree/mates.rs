@@ -1,0 +1,66 @@
+//! Which two faces hang together most: over the longest side of both.
+//!
+//! Most surfaces are quadrangles cut in two; trees that keep the two halves together are grown in half the time, and
+//! would part nearly all of them last anyway.
+
+use cranny_exact::Aabb;
+
+use crate::ids::{FaceId, HalfEdgeId};
+use crate::mesh::Mesh;
+use crate::topology::Topology;
+
+/// The box of a pair has at most so many times the mean area of its faces' boxes. Larger, and trees over balls have 4 %
+/// more area; smaller, and the halves of slanted quadrangles are no pairs (with 1.5 the boxes of all nodes have as much
+/// area as without pairs, to within 0.7 %).
+const SNUG: f64 = 1.5;
+
+/// For each face the one that it is paired with, if any.
+pub(crate) struct Mates(Vec<FaceId>);
+
+impl Mates {
+    /// Cost: O(n).
+    pub(crate) fn of(mesh: &Mesh, topology: &Topology) -> Self {
+        let all = || (0..mesh.faces().len() as u32).map(FaceId);
+        let longest: Vec<HalfEdgeId> = all().map(|face| longest_side(mesh, face)).collect();
+        let mut mates: Vec<FaceId> = all().collect();
+        for face in all() {
+            let side = longest[face.index()];
+            // Of two the lesser one speaks for both.
+            let Some(twin) = topology.twin(side).filter(|twin| *twin > side) else { continue };
+            let other = twin.face();
+            if longest[other.index()] == twin && fit_in_one_box(mesh, face, other) {
+                (mates[face.index()], mates[other.index()]) = (other, face);
+            }
+        }
+        Self(mates)
+    }
+
+    /// The other face of a pair.
+    pub(super) fn of_face(&self, face: FaceId) -> Option<FaceId> {
+        Some(self.0[face.index()]).filter(|&mate| mate != face)
+    }
+}
+
+/// The longest side of a face, the first of equals.
+fn longest_side(mesh: &Mesh, face: FaceId) -> HalfEdgeId {
+    let [a, b, c] = mesh.triangle(face);
+    let [x, y, z] = [b - a, c - b, a - c].map(|side| side.length_squared());
+    let corner = if y > x {
+        if z > y { 2 } else { 1 }
+    } else if z > x {
+        2
+    } else {
+        0
+    };
+    HalfEdgeId::of(face, corner)
+}
+
+/// Whether the box of both faces is hardly larger than that of either.
+fn fit_in_one_box(mesh: &Mesh, face: FaceId, other: FaceId) -> bool {
+    let [a, b] = [face, other].map(|face| Aabb::of_points(mesh.triangle(face)));
+    let half_area = |b: Aabb| {
+        let size = b.max - b.min;
+        size.x * size.y + size.y * size.z + size.z * size.x
+    };
+    2.0 * half_area(a.union(&b)) <= SNUG * (half_area(a) + half_area(b))
+}
