@@ -2,7 +2,14 @@
 
 #![expect(clippy::print_stderr, reason = "figures are told where a person looks for them")]
 
+mod cups;
+mod gears;
+mod hook;
+mod key;
+mod l_on_slab;
 mod linking;
 mod nut;
+mod overlap;
+mod peg;
 mod ring;
 mod run;

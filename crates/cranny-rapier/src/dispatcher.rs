@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Contact, Demand, PairMemory};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::{NonlinearRigidMotion, NormalConstraints, ShapeCastOptions};
@@ -29,7 +29,9 @@ use rapier3d::parry::query::{
 };
 use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
 
+use crate::ask::ask;
 use crate::convert::{narrow, pose_from_rapier, wide};
+use crate::deep::{thickness, way_out};
 use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, packed, packed_patch, rebuild};
 use crate::partners::{
@@ -75,6 +77,8 @@ struct PairWorkspace {
     memory: Mutex<PairMemory>,
     /// Models of partners that are polyhedra; `None` for our own shapes.
     partners: [Option<Model>; 2],
+    /// Of the thinner one, as [`thickness`] tells it.
+    thickness: f64,
 }
 
 impl WorkspaceData for PairWorkspace {
@@ -86,6 +90,7 @@ impl WorkspaceData for PairWorkspace {
         Box::new(Self {
             memory: Mutex::new(self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone()),
             partners: self.partners.clone(),
+            thickness: self.thickness,
         })
     }
 }
@@ -132,24 +137,6 @@ fn holds_partner(model: &Model, model_from_partner: &Pose, partner: &dyn Shape) 
     let middle = partner.compute_local_aabb().center();
     let point = partner.project_local_point(middle, true).point;
     holds(model, pose_from_rapier(model_from_partner).world_from_body().apply(wide(point)))
-}
-
-fn ask(
-    models: [&Model; 2],
-    pose: ExactPose,
-    demand: Demand,
-    memory: &mut PairMemory,
-) -> Option<Answer> {
-    let a = Placed { model: models[0], pose: ExactPose::IDENTITY };
-    let b = Placed { model: models[1], pose };
-    match query(a, b, &Query::of(demand), memory) {
-        Ok(answer) => Some(answer),
-        Err(error) => {
-            // rapier lets no error out of a step; it quarantines bodies whose pose is not finite.
-            tracing::error!("pair left out of this step: {error}");
-            None
-        }
-    }
 }
 
 impl Dispatcher {
@@ -229,7 +216,9 @@ impl Dispatcher {
         match ask(models.each_ref(), pose, demand, memory) {
             Some(answer) => {
                 let ids = |contact: &Contact| ids_of(contact, &models, demand);
-                rebuild(&answer.contacts, ids, &pose, SAME_PLACE * reach, manifolds);
+                let led = way_out(&models, pair.thickness, &pose, &answer, reach, memory);
+                let contacts = led.as_ref().unwrap_or(&answer.contacts);
+                rebuild(contacts, ids, &pose, SAME_PLACE * reach, manifolds);
                 if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
                     let wanted = log.demand(s1.tag(), s2.tag());
                     let told = if demand.covers(wanted) {
@@ -278,7 +267,7 @@ fn ids_of(
 
 impl PairWorkspace {
     fn blank() -> Self {
-        Self { memory: Mutex::default(), partners: [None, None] }
+        Self { memory: Mutex::default(), partners: [None, None], thickness: f64::INFINITY }
     }
 
     /// Takes the pair's workspace, or makes one where both shapes are polyhedra and one is ours.
@@ -297,7 +286,15 @@ impl PairWorkspace {
             return Some(own);
         }
         let partner = |g: &dyn Shape| if ours(g).is_some() { None } else { polyhedron(g) };
-        Some(Box::new(Self { memory: Mutex::default(), partners: [partner(g1), partner(g2)] }))
+        let partners = [partner(g1), partner(g2)];
+        let model = |g, partner: &Option<Model>| {
+            ours(g).map(|shape| shape.model().clone()).or_else(|| partner.clone())
+        };
+        let thickness = match (model(g1, &partners[0]), model(g2, &partners[1])) {
+            (Some(m1), Some(m2)) => thickness([&m1, &m2]),
+            _ => f64::INFINITY,
+        };
+        Some(Box::new(Self { memory: Mutex::default(), partners, thickness }))
     }
 }
 

@@ -48,7 +48,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ask;
 mod convert;
+mod deep;
 mod detector;
 mod dispatcher;
 mod joint;

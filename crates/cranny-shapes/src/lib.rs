@@ -26,8 +26,11 @@
 //! ```
 
 mod builder;
+mod cylinder;
 mod error;
 mod fasteners;
+mod floor;
+mod furniture;
 mod gear;
 mod golf_ball;
 mod lathe;
@@ -39,8 +42,11 @@ mod shape;
 mod thread;
 mod vessels;
 
+pub use cylinder::Cylinder;
 pub use error::{MAX_FACES, MAX_LENGTH, MIN_DETAIL, MIN_LENGTH, ShapeError};
 pub use fasteners::{IsoBolt, IsoNut};
+pub use floor::Floor;
+pub use furniture::{Hook, LockPlug, Stairs};
 pub use gear::Gear;
 pub use golf_ball::GolfBall;
 pub use polyhedra::{Cuboid, Pyramid, Tetrahedron};

@@ -103,7 +103,7 @@ fn check_extents(checked: &Checked, w: f64, h: f64, depth: f64) -> Result<(), Sh
 }
 
 /// The polygon, moved so that its centroid is the origin.
-fn about_centroid(outline: &[DVec2]) -> Vec<DVec2> {
+pub(crate) fn about_centroid(outline: &[DVec2]) -> Vec<DVec2> {
     let (mut area, mut moment) = (0.0, DVec2::ZERO);
     for (k, &p) in outline.iter().enumerate() {
         let q = outline[(k + 1) % outline.len()];

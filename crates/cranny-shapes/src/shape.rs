@@ -4,8 +4,9 @@ use cranny_geometry::Mesh;
 use serde::Deserialize;
 
 use crate::{
-    CPrism, ChainLink, Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, NestedShells,
-    Pyramid, PyramidInCavity, ShapeError, Sphere, Tetrahedron, Torus, UPrism,
+    CPrism, ChainLink, Comb, Cuboid, Cup, Cylinder, Floor, Gear, GolfBall, Hook, IsoBolt, IsoNut,
+    LPrism, LockPlug, NestedShells, Pyramid, PyramidInCavity, ShapeError, Sphere, Stairs,
+    Tetrahedron, Torus, UPrism,
 };
 
 macro_rules! shapes {
@@ -72,4 +73,9 @@ shapes! {
     PyramidInCavity: "A block with a well, in which a pyramid stands.",
     Comb: "A bar with prongs.",
     Tetrahedron: "A regular tetrahedron.",
+    Cylinder: "A cylinder, its rims chamfered or not.",
+    Floor: "A slab cut into squares.",
+    Hook: "A hook.",
+    Stairs: "A flight of stairs.",
+    LockPlug: "A lock's plug, with a keyway for an L.",
 }

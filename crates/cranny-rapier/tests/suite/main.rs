@@ -10,4 +10,5 @@ mod nut;
 mod pairs;
 mod queries;
 mod resting;
+mod rolling;
 mod world;

@@ -1,7 +1,7 @@
 //! The form of what rapier's solver is given: few points, true distances, ids that persist.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{FaceId, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::{MeshShape, dispatcher, pose_from_rapier, pose_to_rapier};
 use cranny_shapes::{Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, Torus};
@@ -65,8 +65,9 @@ fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: f32, size
     }
 }
 
-/// How many contacts the exact query makes: per region, at most four a direction.
-fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> usize {
+/// How many contacts the exact query makes: per region, at most four a direction. `None` where the bodies overlap by
+/// half of what the thinner one is thick (2·V/A), or one is inside the other: then a way out takes their place.
+fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option<usize> {
     let margin = f64::from(margin as f32);
     let (a, b) = (
         Placed { model: a, pose: Pose::IDENTITY },
@@ -86,7 +87,15 @@ fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> usize 
         }
         assert!(region.points.len() <= 8 * directions.len(), "{} points", region.points.len());
     }
-    answer.contacts.len()
+    let thickness = [a.model, b.model].map(|m| {
+        let faces = (0..m.mesh().faces().len() as u32).map(FaceId);
+        let area: f64 = faces.map(|face| m.mesh().area_vector(face).length()).sum();
+        2.0 * m.mass_properties().expect("closed").volume / area
+    });
+    let deep = 0.5 * thickness[0].min(thickness[1]);
+    let deepest = answer.contacts.first().map_or(0.0, |c| -c.separation);
+    let way_out = answer.solid && (answer.contained.is_some() || deepest >= deep);
+    (!way_out).then_some(answer.contacts.len())
 }
 
 /// Whether a feature id is one of the model's.
@@ -114,19 +123,28 @@ fn bodies() -> Vec<(&'static str, Model)> {
 #[test]
 fn meshes_in_all_positions() {
     let mut random = Random(1);
-    let (mut met, mut apart, mut most) = (0, 0, 0);
+    let (mut met, mut apart, mut most, mut deep) = (0, 0, 0, 0);
     let bodies = bodies();
     for (i, (first, a)) in bodies.iter().enumerate() {
         for (second, b) in &bodies[i..] {
             let shapes = [a, b].map(|m| MeshShape::new(m, 0).expect("parry takes it"));
-            for _ in 0..12 {
+            for _ in 0..24 {
                 let pose = random.pose(0.9);
                 let found = manifolds(&pose_to_rapier(&pose), &shapes[0], &shapes[1], 0.05);
                 check(&found, &pose_to_rapier(&pose), 0.05, 2.0);
-                let direct = query_contacts([a, b], &pose_to_rapier(&pose), 0.05);
                 let points: usize = found.iter().map(|m| m.points.len()).sum();
-                assert_eq!(points, direct, "{first} and {second}: each contact once");
                 most = most.max(found.len());
+                let Some(direct) = query_contacts([a, b], &pose_to_rapier(&pose), 0.05) else {
+                    // One way out: nothing that overlaps is pushed against another.
+                    let into = found.iter().filter(|m| m.points.iter().any(|p| p.dist < 0.0));
+                    let into: Vec<Vector> = into.map(|m| m.local_n1).collect();
+                    assert!(!into.is_empty(), "{first} and {second}: no way out");
+                    let free = |way: &Vector| into.iter().all(|n| n.dot(*way) > -0.26);
+                    assert!(into.iter().any(free), "{first} and {second}: {into:?}");
+                    deep += 1;
+                    continue;
+                };
+                assert_eq!(points, direct, "{first} and {second}: each contact once");
                 for point in found.iter().flat_map(|m| &m.points) {
                     if point.dist <= 0.0 {
                         met += 1;
@@ -144,7 +162,10 @@ fn meshes_in_all_positions() {
             }
         }
     }
-    assert!(met > 100 && apart > 100 && most > 3, "{met} {apart} {most}: the test tests nothing");
+    assert!(
+        met > 100 && apart > 100 && most > 3 && deep > 10,
+        "{met} {apart} {most} {deep}: the test tests nothing"
+    );
 }
 
 #[test]
@@ -156,6 +177,8 @@ fn primitives_in_all_positions() {
         ("cuboid", SharedShape::cuboid(0.3, 0.2, 0.1)),
         ("half-space", SharedShape::halfspace(Vector::new(0.6, 0.0, 0.8))),
     ];
+    let brick = cuboid(0.6, 0.4, 0.2); // the same as a model
+    let mut told_alike = 0;
     for (body, a) in &bodies() {
         let shape = MeshShape::new(a, 0).expect("parry takes it");
         for (name, partner) in &partners {
@@ -174,11 +197,16 @@ fn primitives_in_all_positions() {
                     all.iter().flat_map(|m| &m.points).map(|p| p.dist).fold(f32::INFINITY, f32::min)
                 };
                 let (there, here) = (depth(&found), depth(&swapped));
-                assert!(there == here || (there - here).abs() < 1e-4, "{there} but {here}");
+                // Of two ways out that are equally long, rounding may choose another.
+                let led = *name == "cuboid" && query_contacts([a, &brick], &pose, 0.05).is_none();
+                let same = there == here || (there - here).abs() < 1e-4;
+                assert!(led || same, "{there} but {here}");
+                told_alike += usize::from(!led);
             }
             assert!(points > 10, "{body} and {name}: {points} points");
         }
     }
+    assert!(told_alike > 600, "{told_alike} of 640");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use cranny_geometry::Mesh;
 use cranny_scene::encode_obj;
 use cranny_shapes::{LPrism, UPrism};
 
-use crate::arm;
+use crate::{arm, physical};
 
 /// Path under `assets/` and content.
 pub(crate) fn files() -> Vec<(String, String)> {
@@ -22,6 +22,7 @@ pub(crate) fn files() -> Vec<(String, String)> {
         ("meshes/l.obj".to_owned(), encode_obj(&cut(&LPrism::default().build().unwrap(), 5))),
         ("meshes/u.obj".to_owned(), encode_obj(&cut(&UPrism::default().build().unwrap(), 4))),
     ];
+    files.extend(physical::files());
     files.extend(arm::files());
     files
 }

@@ -5,6 +5,7 @@
 mod arm;
 mod generated;
 mod meeting;
+mod physical;
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,8 +1,9 @@
 //! Bad parameters are refused by name; scene files may leave parameters out.
 
 use cranny_shapes::{
-    CPrism, ChainLink, Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, NestedShells,
-    Pyramid, PyramidInCavity, Shape, ShapeError, Sphere, Tetrahedron, Torus, UPrism,
+    CPrism, ChainLink, Comb, Cuboid, Cup, Cylinder, Floor, Gear, GolfBall, Hook, IsoBolt, IsoNut,
+    LPrism, LockPlug, NestedShells, Pyramid, PyramidInCavity, Shape, ShapeError, Sphere, Stairs,
+    Tetrahedron, Torus, UPrism,
 };
 
 #[track_caller]
@@ -66,6 +67,23 @@ fn every_parameter_is_checked() {
         refused(IsoBolt { across_flats: Some(bad), ..IsoBolt::default() }, "across_flats");
         refused(IsoBolt { head_height: Some(bad), ..IsoBolt::default() }, "head_height");
         refused(IsoNut { height: Some(bad), ..IsoNut::default() }, "height");
+        refused(Cylinder { radius: bad, ..Cylinder::default() }, "radius");
+        refused(Cylinder { height: bad, ..Cylinder::default() }, "height");
+        refused(Floor { size: [1.0, 1.0, bad], ..Floor::default() }, "size z");
+        refused(Hook { length: bad, ..Hook::default() }, "length");
+        refused(Hook { opening: bad, ..Hook::default() }, "opening");
+        refused(Hook { tip: bad, ..Hook::default() }, "tip");
+        refused(Hook { thickness: bad, ..Hook::default() }, "thickness");
+        refused(Hook { depth: bad, ..Hook::default() }, "depth");
+        refused(Stairs { rise: bad, ..Stairs::default() }, "rise");
+        refused(Stairs { tread: bad, ..Stairs::default() }, "tread");
+        refused(Stairs { landing: bad, ..Stairs::default() }, "landing");
+        refused(Stairs { depth: bad, ..Stairs::default() }, "depth");
+        refused(LockPlug { radius: bad, ..LockPlug::default() }, "radius");
+        refused(LockPlug { width: bad, ..LockPlug::default() }, "width");
+        refused(LockPlug { thickness: bad, ..LockPlug::default() }, "thickness");
+        refused(LockPlug { clearance: bad, ..LockPlug::default() }, "clearance");
+        refused(LockPlug { depth: bad, ..LockPlug::default() }, "depth");
     }
     for bad in [-0.1, f64::NAN, 1.5] {
         refused(Gear { bore: bad, ..Gear::default() }, "bore");
@@ -73,6 +91,7 @@ fn every_parameter_is_checked() {
         refused(IsoNut { clearance: bad, ..IsoNut::default() }, "clearance");
         refused(IsoNut { lead_in: Some(4.0 * bad), ..IsoNut::default() }, "lead_in");
         refused(IsoBolt { lead_in: Some(4.0 * bad), ..IsoBolt::default() }, "lead_in");
+        refused(Cylinder { chamfer: bad, ..Cylinder::default() }, "chamfer");
     }
 }
 
@@ -85,6 +104,10 @@ fn parts_that_do_not_fit_are_refused() {
     refused(UPrism { thickness: 0.5, ..UPrism::default() }, "thickness");
     refused(CPrism { inner_radius: 0.5, ..CPrism::default() }, "inner_radius");
     refused(IsoNut { across_flats: Some(18.0), ..IsoNut::default() }, "across_flats");
+    refused(Cylinder { chamfer: 0.5, ..Cylinder::default() }, "chamfer");
+    refused(Hook { tip: 0.9, ..Hook::default() }, "tip");
+    refused(LockPlug { radius: 0.55, ..LockPlug::default() }, "radius");
+    refused(LockPlug { clearance: 0.25, ..LockPlug::default() }, "clearance");
 }
 
 #[test]
@@ -96,6 +119,10 @@ fn counts_have_bounds() {
     refused(Comb { teeth: 1, ..Comb::default() }, "teeth");
     refused(IsoBolt { segments: 11, ..IsoBolt::default() }, "segments");
     refused(NestedShells { shells: 0, ..NestedShells::default() }, "shells");
+    refused(Cylinder { segments: 2, ..Cylinder::default() }, "segments");
+    refused(Floor { squares: [1, 0], ..Floor::default() }, "squares y");
+    refused(Stairs { steps: 0, ..Stairs::default() }, "steps");
+    refused(LockPlug { segments: 11, ..LockPlug::default() }, "segments");
     let torus = Torus { major_segments: 16_384, minor_segments: 16_384, ..Torus::default() };
     let limit = cranny_shapes::MAX_FACES;
     let expected = ShapeError::TooManyFaces { shape: "Torus", faces: 1 << 29, limit };

@@ -7,8 +7,9 @@ use crate::closed_shell::{genus_of_closed_shell, self_intersection, volume};
 use cranny_exact::DVec3;
 use cranny_geometry::Mesh;
 use cranny_shapes::{
-    CPrism, ChainLink, Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, NestedShells,
-    Pyramid, PyramidInCavity, Shape, Sphere, Tetrahedron, Torus, UPrism,
+    CPrism, ChainLink, Comb, Cuboid, Cup, Cylinder, Floor, Gear, GolfBall, Hook, IsoBolt, IsoNut,
+    LPrism, LockPlug, NestedShells, Pyramid, PyramidInCavity, Shape, Sphere, Stairs, Tetrahedron,
+    Torus, UPrism,
 };
 
 /// Area of the regular polygon inscribed in the unit circle.
@@ -140,6 +141,57 @@ fn prisms() {
         let area = (0.2 * n - 0.1) * 0.2 + n * 0.1 * 0.6;
         let mesh = check(comb, 0, 0.1 * area, ROUNDING);
         assert_eq!(mesh.faces().len() as u32, 16 * teeth + 4);
+    }
+}
+
+#[test]
+fn floors_are_level() {
+    for squares in [[1, 1], [2, 3], [7, 1], [20, 20]] {
+        let floor = Floor { size: [3.0, 2.0, 0.7], squares };
+        let mesh = check(floor, 0, 4.2, ROUNDING);
+        let [n, m] = squares.map(|k| k as usize);
+        assert_eq!(mesh.faces().len(), 4 * (n * m + n + m));
+        let on_top = mesh.vertices().iter().filter(|p| p.z == 0.0).count();
+        assert_eq!(on_top, (n + 1) * (m + 1), "one plane, to the bit");
+    }
+}
+
+#[test]
+fn cylinders() {
+    for (chamfer, segments) in [(0.0, 3), (0.1, 48), (1e-3, 64), (0.299, 7)] {
+        let cylinder = Cylinder { radius: 0.4, height: 0.6, chamfer, segments };
+        let cone = (0.16 + 0.4 * (0.4 - chamfer) + (0.4 - chamfer).powi(2)) * chamfer / 3.0;
+        let expected = disc(segments) * (0.16 * (0.6 - 2.0 * chamfer) + 2.0 * cone);
+        let mesh = check(cylinder, 0, expected, ROUNDING);
+        let bands = if chamfer == 0.0 { 4 } else { 8 };
+        assert_eq!(mesh.faces().len() as u32, bands * segments);
+    }
+}
+
+#[test]
+fn hooks_stairs_and_keyways() {
+    for (length, opening, tip, thickness) in [(1.2, 0.7, 0.5, 0.3), (4.0, 0.1, 0.01, 1.0)] {
+        let hook = Hook { length, opening, tip, thickness, depth: 0.3 };
+        // Shank, bar without the shank, tip.
+        let area = thickness * (length + (opening + thickness) + tip);
+        assert_eq!(check(hook, 0, 0.3 * area, ROUNDING).faces().len(), 28);
+    }
+    for steps in [1, 2, 9] {
+        let stairs = Stairs { steps, rise: 0.2, tread: 0.3, landing: 0.5, depth: 2.0 };
+        let n = f64::from(steps);
+        let area = 0.2 * (0.5 * (n + 1.0) + 0.3 * n * (n + 1.0) / 2.0);
+        let mesh = check(stairs, 0, 2.0 * area, ROUNDING);
+        assert_eq!(mesh.faces().len() as u32, 8 * steps + 12);
+    }
+    for (width, height, thickness, clearance) in
+        [(0.8, 0.8, 0.3, 0.01), (1.2, 0.4, 0.2, 1e-3), (0.3, 1.1, 0.1, 0.05)]
+    {
+        let plug = LockPlug { width, height, thickness, clearance, ..LockPlug::default() };
+        // The keyway is an L of its own: longer arms, thicker by twice the clearance.
+        let [w, h, t] = [width, height, thickness].map(|x| x + 2.0 * clearance);
+        let expected = 0.5 * (disc(48) - t * (w + h - t));
+        let mesh = check(plug, 1, expected, ROUNDING);
+        assert_eq!(mesh.faces().len(), 4 * (48 + 6));
     }
 }
 
