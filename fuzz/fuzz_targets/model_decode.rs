@@ -5,8 +5,9 @@
 
 use std::sync::LazyLock;
 
+use cranny_exact::DVec3;
 use cranny_fuzz::{Bytes, ask};
-use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_geometry::{BuildOptions, Mesh, Model, VertexId};
 use cranny_shapes::{Cuboid, Cup, NestedShells, PyramidInCavity, Torus};
 use libfuzzer_sys::fuzz_target;
 
@@ -26,10 +27,14 @@ static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         cup,
         open,
     ];
-    let encode = |mesh| {
-        Model::build(mesh, &BuildOptions::default()).expect("a sound mesh").0.encode()
-    };
-    meshes.into_iter().map(encode).collect()
+    let build = |mesh| Model::build(mesh, &BuildOptions::default()).expect("a sound mesh").0;
+    let mut models: Vec<Model> = meshes.into_iter().map(build).collect();
+    // Of a deformed model more is written.
+    let mut moved = models[1].clone();
+    let place = moved.mesh().position(VertexId(0)) + DVec3::splat(1e-3);
+    moved.deform(&[(VertexId(0), place)]).expect("a small move");
+    models.push(moved);
+    models.iter().map(Model::encode).collect()
 });
 
 fn sealed(mut file: Vec<u8>) -> Vec<u8> {

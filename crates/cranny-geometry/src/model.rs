@@ -12,6 +12,7 @@
 //!    8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
 
 mod file;
+mod late;
 
 use std::sync::{Arc, Weak};
 
@@ -40,6 +41,7 @@ use crate::tree::{FaceForest, FaceTree, Mates};
 use crate::weld::weld;
 
 pub use file::DecodeError;
+pub(crate) use late::Late;
 
 /// How to prepare a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -153,8 +155,11 @@ pub(crate) struct Parts {
     pub(crate) features: Features,
     pub(crate) concavities: Concavities,
     pub(crate) tree: FaceTree,
-    pub(crate) concavity_trees: FaceForest,
-    pub(crate) envelopes: Envelopes,
+    pub(crate) concavity_trees: Late<FaceForest>,
+    pub(crate) envelopes: Late<Envelopes>,
+    /// Whether trees and envelopes of concavities are those that would be made now from the other parts; not
+    /// so after a deformation.
+    pub(crate) is_as_made: bool,
     pub(crate) patches: Patches,
     pub(crate) mass: Option<MassProperties>,
     pub(crate) radius: f64,
@@ -238,8 +243,9 @@ impl Model {
             features,
             concavities,
             tree,
-            concavity_trees,
-            envelopes,
+            concavity_trees: Late::made(concavity_trees),
+            envelopes: Late::made(envelopes),
+            is_as_made: true,
             patches,
             mass,
             radius,
@@ -320,15 +326,29 @@ impl Model {
     }
 
     /// A box tree for each of the [`concavities`](Self::concavities), by their ids.
+    ///
+    /// A model that was [loaded](Self::decode) makes them at the first call, which then costs what that stage
+    /// of building does (README); see [`prepare_all`](Self::prepare_all).
     #[must_use]
     pub fn concavity_trees(&self) -> &FaceForest {
-        &self.0.concavity_trees
+        self.0.concavity_trees()
     }
 
     /// An envelope for each of the [`concavities`](Self::concavities), by their ids.
+    ///
+    /// A model that was [loaded](Self::decode) makes them, and the trees that they are made from, at the first
+    /// call, which then costs what these stages of building do (README); see
+    /// [`prepare_all`](Self::prepare_all).
     #[must_use]
     pub fn envelopes(&self) -> &Envelopes {
-        &self.0.envelopes
+        self.0.envelopes()
+    }
+
+    /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
+    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes). For whoever wants no
+    /// late cost; nothing to do for a model that was built.
+    pub fn prepare_all(&self) {
+        self.0.envelopes();
     }
 
     /// The surface in connected patches of nearly one normal.
@@ -384,6 +404,27 @@ impl Model {
     }
 }
 
+impl Parts {
+    pub(crate) fn concavity_trees(&self) -> &FaceForest {
+        let Self { mesh, tree, concavities, .. } = self;
+        self.concavity_trees.get(|| concavity_trees(mesh, tree, concavities))
+    }
+
+    pub(crate) fn envelopes(&self) -> &Envelopes {
+        let Self { mesh, concavities, .. } = self;
+        self.envelopes.get(|| envelopes(mesh, concavities, self.concavity_trees()))
+    }
+
+    /// Takes trees and envelopes of concavities out, for whoever puts others in their places.
+    pub(crate) fn take_late(&mut self) -> (FaceForest, Envelopes) {
+        let Self { mesh, tree, concavities, concavity_trees: trees, envelopes: all, .. } = self;
+        let make_trees = || concavity_trees(mesh, tree, concavities);
+        let trees = std::mem::take(trees).into_made(make_trees);
+        let all = std::mem::take(all).into_made(|| envelopes(mesh, concavities, &trees));
+        (trees, all)
+    }
+}
+
 /// Stages 4 to 7: what the hull covers, and whether the body fills it.
 pub(crate) struct Covered {
     pub(crate) features: Features,
@@ -407,8 +448,7 @@ impl Covered {
         let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
         let concavities = Concavities::of(mesh, topology, hull, &features, caps);
         observe(Stage::ConcavityTrees);
-        let groups = concavities.iter().map(|concavity| concavity.faces);
-        let concavity_trees = FaceForest::within(tree, mesh, groups, FaceForest::DEFAULT_LEAF_SIZE);
+        let concavity_trees = concavity_trees(mesh, tree, &concavities);
         observe(Stage::Envelopes);
         let envelopes = envelopes(mesh, &concavities, &concavity_trees);
         Self { features, concavities, concavity_trees, envelopes }
@@ -457,6 +497,12 @@ impl ModelTag {
         // The tag holds on to the place, so no other model can have come to stand there.
         std::ptr::eq(self.0.as_ptr(), Arc::as_ptr(&model.0))
     }
+}
+
+/// A tree for each concavity, given the one over all faces.
+fn concavity_trees(mesh: &Mesh, tree: &FaceTree, concavities: &Concavities) -> FaceForest {
+    let groups = concavities.iter().map(|concavity| concavity.faces);
+    FaceForest::within(tree, mesh, groups, FaceForest::DEFAULT_LEAF_SIZE)
 }
 
 /// An envelope for each concavity, which opens through its lids.

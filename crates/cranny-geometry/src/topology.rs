@@ -105,20 +105,25 @@ impl Topology {
     /// case.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
-        Self::of_sorted(mesh, sorted_half_edges(mesh)).0
+        let around = sorted_half_edges(mesh);
+        let mut sets = DisjointSets::new(mesh.faces().len());
+        let edges = Edges::of(mesh, &around, |g, h| sets.union(g.index(), h.index()));
+        let components = components(&sets);
+        Self::assembled(around, edges, faces_of_vertices(mesh), components)
     }
 
-    /// From all half-edges, sorted by edge, along an edge by number; the second part tells whether they
-    /// are. Near linear.
-    fn of_sorted(mesh: &Mesh, around: Vec<HalfEdgeId>) -> (Self, bool) {
-        let runs = runs_of(mesh);
-        let of_pairs = Edges::of_pairs(runs.as_flattened(), &around);
-        let is_paired = of_pairs.is_some();
-        let found = of_pairs.unwrap_or_else(|| Edges::of_groups(runs.as_flattened(), &around));
-        let Edges { edges, edge_of, sets, is_sorted } = found;
-        let (vertex_starts, vertex_faces) = faces_of_vertices(mesh);
-        let (component_of, components) = components(&sets, &edges, &around);
-        let topology = Self {
+    fn assembled(
+        around: Vec<HalfEdgeId>,
+        Edges { edges, edge_of, is_paired, is_sorted: _ }: Edges,
+        (vertex_starts, vertex_faces): (Vec<u32>, Vec<FaceId>),
+        (component_of, mut components): (Vec<ComponentId>, Vec<Component>),
+    ) -> Self {
+        let unbalanced = |e: &&Edge| !is_paired && !e.kind.is_balanced();
+        for edge in edges.iter().filter(unbalanced) {
+            let face = around[edge.first as usize].face();
+            components[component_of[face.index()].index()].closed = false;
+        }
+        Self {
             edges,
             around,
             edge_of,
@@ -127,35 +132,53 @@ impl Topology {
             vertex_faces,
             component_of,
             components,
-        };
-        (topology, is_sorted)
+        }
     }
 
-    /// Writes the order of half-edges, which is what takes time to find.
+    /// Writes what takes time to find: the order of half-edges, how many faces in a row are of one component,
+    /// and how many are at each vertex.
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self {
             around,
+            component_of,
+            vertex_starts,
+            vertex_faces: _,
             edges: _,
             edge_of: _,
             is_paired: _,
-            vertex_starts: _,
-            vertex_faces: _,
-            component_of: _,
             components: _,
         } = self;
         out.list(around);
+        let runs = component_of.chunk_by(|a, b| a == b);
+        let runs: Vec<[u32; 2]> = runs.map(|run| [run[0].0, run.len() as u32]).collect();
+        out.list(&runs);
+        out.list(vertex_starts);
     }
 
     /// Reads the adjacency of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let around: Vec<HalfEdgeId> = input.list()?;
+        let (around, runs): (Vec<HalfEdgeId>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
         let count = 3 * mesh.faces().len();
         check(around.len() == count, "it is not one of all half-edges")?;
         check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
-        // As many as there are, strictly ascending: each once.
-        let (read, is_sorted) = Self::of_sorted(mesh, around);
-        check(is_sorted, "half-edges are not sorted")?;
-        Ok(read)
+        let components = components_of_runs(&runs, mesh.faces().len())?;
+        let starts: Vec<u32> = input.list()?;
+        check(starts.len() == mesh.vertices().len() + 1, "a row for each vertex is needed")?;
+        let vertex_faces = faces_in_rows(mesh, &starts).ok_or("rows of vertices are too short")?;
+        let component_of = components.0.as_slice();
+        let mut is_one = true;
+        // As many half-edges as there are, strictly ascending: each once.
+        let edges = if components.1.len() == 1 {
+            Edges::of(mesh, &around, |_, _| ())
+        } else {
+            let join = |g: FaceId, h: FaceId| {
+                is_one &= component_of[g.index()] == component_of[h.index()];
+            };
+            Edges::of(mesh, &around, join)
+        };
+        check(edges.is_sorted, "half-edges are not sorted")?;
+        check(is_one, "an edge joins two components")?;
+        Ok(Self::assembled(around, edges, (starts, vertex_faces), components))
     }
 
     /// All edges, sorted by their ends.
@@ -320,19 +343,30 @@ fn ends(edge: u64) -> (VertexId, VertexId) {
 struct Edges {
     edges: Vec<Edge>,
     edge_of: Vec<EdgeId>,
-    /// Faces that hang together.
-    sets: DisjointSets,
     is_sorted: bool,
+    /// Whether all are between two faces that run along them in opposite directions.
+    is_paired: bool,
 }
 
 impl Edges {
+    /// From all half-edges of a mesh, by edge, along an edge by number; in the end it is known whether they are
+    /// sorted so. `join` is told of faces that share an edge. Near linear.
+    fn of(mesh: &Mesh, around: &[HalfEdgeId], mut join: impl FnMut(FaceId, FaceId)) -> Self {
+        let runs = runs_of(mesh);
+        let of_pairs = Self::of_pairs(runs.as_flattened(), around, &mut join);
+        of_pairs.unwrap_or_else(|| Self::of_groups(runs.as_flattened(), around, &mut join))
+    }
+
     /// In short steps, where all edges are between two faces and two vertices, and sorted.
-    fn of_pairs(runs: &[Run], around: &[HalfEdgeId]) -> Option<Self> {
+    fn of_pairs(
+        runs: &[Run],
+        around: &[HalfEdgeId],
+        join: &mut impl FnMut(FaceId, FaceId),
+    ) -> Option<Self> {
         let (pairs, []) = around.as_chunks::<2>() else { return None };
         let mut edge_of = vec![EdgeId(0); around.len()];
         // The same length: one check serves both.
         let runs = &runs[..edge_of.len()];
-        let mut sets = DisjointSets::new(runs.len() / 3);
         // Of no edge between two vertices.
         let mut before = 0;
         let (from, to) = ends(before);
@@ -349,16 +383,19 @@ impl Edges {
             *edge = Edge { from, to, kind: EdgeKind::Manifold, first: 2 * id };
             edge_of[g.index()] = EdgeId(id);
             edge_of[h.index()] = EdgeId(id);
-            sets.union(g.face().index(), h.face().index());
+            join(g.face(), h.face());
         }
-        Some(Self { edges, edge_of, sets, is_sorted: true })
+        Some(Self { edges, edge_of, is_sorted: true, is_paired: true })
     }
 
     /// In any case.
-    fn of_groups(runs: &[Run], around: &[HalfEdgeId]) -> Self {
+    fn of_groups(
+        runs: &[Run],
+        around: &[HalfEdgeId],
+        join: &mut impl FnMut(FaceId, FaceId),
+    ) -> Self {
         let mut edges = Vec::with_capacity(around.len() / 2);
         let mut edge_of = vec![EdgeId(0); runs.len()];
-        let mut sets = DisjointSets::new(runs.len() / 3);
         let mut is_sorted = true;
         let mut before = None;
         let mut first = 0;
@@ -368,7 +405,7 @@ impl Edges {
             let forward = group.iter().filter(|h| runs[h.index()].is_forward()).count();
             for h in group {
                 edge_of[h.index()] = EdgeId(edges.len() as u32);
-                sets.union(group[0].face().index(), h.face().index());
+                join(group[0].face(), h.face());
             }
             is_sorted &= group.is_sorted_by(|g, h| g < h) && before < Some(edge);
             before = Some(edge);
@@ -385,7 +422,7 @@ impl Edges {
             edges.push(Edge { from, to, kind, first });
             first += group.len() as u32;
         }
-        Self { edges, edge_of, sets, is_sorted }
+        Self { edges, edge_of, is_sorted, is_paired: false }
     }
 }
 
@@ -429,6 +466,7 @@ fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
     sorted
 }
 
+/// Where the faces of each vertex begin, and one more, where the last end; and these faces.
 fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
     let mut starts = vec![0u32; mesh.vertices().len() + 1];
     for &i in mesh.faces().as_flattened() {
@@ -437,23 +475,29 @@ fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
     for v in 1..starts.len() {
         starts[v] += starts[v - 1];
     }
-    let mut cursor = starts.clone();
-    let mut faces = vec![FaceId(0); 3 * mesh.faces().len()];
-    for (f, corners) in mesh.faces().iter().enumerate() {
-        for &i in corners {
-            faces[cursor[i as usize] as usize] = FaceId(f as u32);
-            cursor[i as usize] += 1;
-        }
-    }
-    (starts, faces)
+    let faces = faces_in_rows(mesh, &starts);
+    debug_assert!(faces.is_some(), "each row is as long as it was counted");
+    (starts, faces.unwrap_or_default())
 }
 
-/// Numbers the sets of faces that hang together, by their least members.
-fn components(
-    sets: &DisjointSets,
-    edges: &[Edge],
-    around: &[HalfEdgeId],
-) -> (Vec<ComponentId>, Vec<Component>) {
+/// The faces of each vertex in its row, if rows that begin at `starts` have just the length for that.
+fn faces_in_rows(mesh: &Mesh, starts: &[u32]) -> Option<Vec<FaceId>> {
+    let (&first, ends) = starts.split_first()?;
+    let mut places = starts.to_vec();
+    let mut faces = vec![FaceId(0); 3 * mesh.faces().len()];
+    for (f, corners) in (0..).zip(mesh.faces()) {
+        for &i in corners {
+            let place = &mut places[i as usize];
+            *faces.get_mut(*place as usize)? = FaceId(f);
+            *place += 1;
+        }
+    }
+    // Each row was filled from its beginning to where the next one begins, as often as there are places.
+    (first == 0 && places[..ends.len()] == *ends).then_some(faces)
+}
+
+/// Numbers the sets of faces that hang together, by their least members; all closed, for now.
+fn components(sets: &DisjointSets) -> (Vec<ComponentId>, Vec<Component>) {
     let mut components: Vec<Component> = Vec::new();
     let mut component_of: Vec<ComponentId> = Vec::with_capacity(sets.0.len());
     for (face, &before) in (0..).map(FaceId).zip(&sets.0) {
@@ -466,11 +510,31 @@ fn components(
     for run in component_of.chunk_by(|a, b| a == b) {
         components[run[0].index()].faces += run.len() as u32;
     }
-    for edge in edges.iter().filter(|e| !e.kind.is_balanced()) {
-        let face = around[edge.first as usize].face();
-        components[component_of[face.index()].index()].closed = false;
-    }
     (component_of, components)
+}
+
+/// The same from the components of faces in a row, each with its number of faces.
+fn components_of_runs(
+    runs: &[[u32; 2]],
+    faces: usize,
+) -> Result<(Vec<ComponentId>, Vec<Component>), Flaw> {
+    let total: u64 = runs.iter().map(|&[_, count]| u64::from(count)).sum();
+    check(total == faces as u64, "components hold too many or too few faces")?;
+    let is_apart = |a: &[u32; 2], b: &[u32; 2]| a[0] != b[0];
+    let is_whole = runs.is_sorted_by(is_apart) && runs.iter().all(|&[_, count]| count > 0);
+    check(is_whole, "faces of a component are not told together")?;
+    let mut components: Vec<Component> = Vec::new();
+    let mut component_of: Vec<ComponentId> = Vec::with_capacity(faces);
+    for &[component, count] in runs {
+        if component as usize == components.len() {
+            let first_face = FaceId(component_of.len() as u32);
+            components.push(Component { first_face, faces: 0, closed: true });
+        }
+        let own = components.get_mut(component as usize);
+        own.ok_or("components are not in order")?.faces += count;
+        component_of.resize(component_of.len() + count as usize, ComponentId(component));
+    }
+    Ok((component_of, components))
 }
 
 /// Union–find with path halving; the representative of a set is its least member, and each member but that
@@ -585,6 +649,60 @@ mod tests {
         assert_eq!(topology.components().len(), 1);
         let balanced = topology.edges().iter().filter(|e| e.kind == EdgeKind::Balanced).count();
         assert_eq!(balanced, 1);
+    }
+
+    #[test]
+    fn components_are_read_from_runs_or_refused() {
+        let read = |runs: &[[u32; 2]]| components_of_runs(runs, 6).map_err(|Flaw(what)| what);
+        let (of_faces, all) = read(&[[0, 1], [1, 2], [0, 1], [2, 2]]).unwrap();
+        assert_eq!(of_faces, [0, 1, 1, 0, 2, 2].map(ComponentId));
+        let told: Vec<_> = all.iter().map(|c| (c.first_face.0, c.faces)).collect();
+        assert_eq!(told, [(0, 2), (1, 2), (4, 2)]);
+        for (runs, flaw) in [
+            (&[[0, 5]][..], "too few"),
+            (&[[0, 3], [1, u32::MAX]], "too many"),
+            (&[[0, 3], [0, 3]], "not told together"),
+            (&[[0, 6], [1, 0]], "not told together"),
+            (&[[1, 6]], "not in order"),
+            (&[[0, 3], [2, 3]], "not in order"),
+        ] {
+            let error = read(runs).unwrap_err();
+            assert!(error.contains(flaw), "{runs:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn an_edge_does_not_join_two_components() {
+        let mesh = Mesh::new(points(4), tetrahedron(0)).unwrap();
+        let whole = Topology::of(&mesh);
+        let read = |runs: &[[u32; 2]]| {
+            let mut out = Writer::default();
+            out.list(&whole.around);
+            out.list(runs);
+            out.list(&whole.vertex_starts);
+            let read = Topology::decode(&mut Reader::new(&out.into_bytes()), &mesh);
+            read.map_err(|Flaw(what)| what)
+        };
+        assert_eq!(read(&[[0, 4]]).unwrap().components(), whole.components());
+        assert!(read(&[[0, 3], [1, 1]]).unwrap_err().contains("joins two"));
+    }
+
+    #[test]
+    fn rows_of_vertices_have_just_the_length_that_is_needed() {
+        let mesh = Mesh::new(points(5), tetrahedron(0)).unwrap();
+        let (starts, faces) = faces_of_vertices(&mesh);
+        assert_eq!(starts, [0, 3, 6, 9, 12, 12]);
+        assert_eq!(faces_in_rows(&mesh, &starts), Some(faces));
+        for wrong in [
+            [0, 2, 6, 9, 12, 12],
+            [0, 4, 6, 9, 12, 12],
+            [1, 3, 6, 9, 12, 12],
+            [0, 3, 6, 9, 12, 13],
+            [0, 3, 6, u32::MAX, 12, 12],
+            [3, 0, 6, 9, 12, 12],
+        ] {
+            assert_eq!(faces_in_rows(&mesh, &wrong), None, "{wrong:?}");
+        }
     }
 
     #[test]

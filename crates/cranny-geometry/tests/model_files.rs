@@ -163,6 +163,98 @@ fn a_few_moves(model: &Model, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
 }
 
 #[test]
+fn what_is_made_late_is_made_once_and_as_it_was_built() {
+    for model in bodies().iter().map(built) {
+        let late = |model: &Model| format!("{:?}", (model.concavity_trees(), model.envelopes()));
+        let back = Model::decode(&model.encode()).unwrap();
+        // Whoever comes first, all get the same.
+        let places: Vec<_> = std::thread::scope(|scope| {
+            let ask =
+                || (std::ptr::from_ref(back.concavity_trees()) as usize, back.envelopes().len());
+            let asking: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
+            asking.into_iter().map(|asked| asked.join().unwrap()).collect()
+        });
+        assert!(places.iter().all(|place| *place == places[0]));
+        assert_eq!(late(&back), late(&model));
+        let forced = Model::decode(&model.encode()).unwrap();
+        forced.prepare_all();
+        assert_eq!(late(&forced), late(&model));
+        forced.concavity_trees().validate(back.mesh(), groups(&back).iter().copied()).unwrap();
+        // Made or not, the same is written.
+        assert!(back.encode() == model.encode() && forced.encode() == model.encode());
+    }
+}
+
+/// Moves a vertex a little.
+fn nudge(model: &mut Model) {
+    let place = model.mesh().position(VertexId(0)) + 1e-3 * model.radius() * DVec3::ONE;
+    model.deform(&[(VertexId(0), place)]).unwrap();
+}
+
+fn groups(model: &Model) -> Vec<&[FaceId]> {
+    model.concavities().iter().map(|concavity| concavity.faces).collect()
+}
+
+#[test]
+fn trees_and_envelopes_are_written_where_they_cannot_be_made_again() {
+    let mut model = built(&Cup::default().build().unwrap());
+    let written = |model: &Model| -> Vec<bool> {
+        let bytes = model.encode();
+        let tags = [*b"CTRE", *b"ENVE"];
+        let holds =
+            |at: &std::ops::Range<usize>| tags.iter().any(|t| bytes[..at.start - 8].ends_with(t));
+        sections(&bytes).iter().filter(|at| holds(at)).map(|at| !at.is_empty()).collect()
+    };
+    assert_eq!(written(&model), [false, false]);
+    let bytes = model.encode();
+    nudge(&mut model);
+    assert_eq!(written(&model), [true, true]);
+    let back = Model::decode(&model.encode()).unwrap();
+    assert!(shown(&back) == shown(&model));
+    // One without the other is no file of ours.
+    let mut one = bytes.clone();
+    let at =
+        sections(&bytes).into_iter().find(|at| bytes[..at.start - 8].ends_with(b"ENVE")).unwrap();
+    one[at.start - 8..at.start].copy_from_slice(&8u64.to_le_bytes());
+    one.splice(at.start..at.start, [0; 8]);
+    let error = Model::decode(&sealed(one)).unwrap_err();
+    assert!(error.to_string().contains("envelopes, there are no trees"), "{error}");
+}
+
+#[test]
+fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
+    let mut rng = Rng::new(21);
+    for model in bodies().iter().map(built) {
+        let bytes = model.encode();
+        let moves = a_few_moves(&model, &mut rng);
+        let [asked, fresh] = [true, false].map(|ask| {
+            let mut back = Model::decode(&bytes).unwrap();
+            if ask {
+                back.prepare_all();
+            }
+            let change = back.deform(&moves);
+            (format!("{change:?}"), shown(&back))
+        });
+        assert!(asked == fresh);
+        // All is made again as building makes it, so the same comes of the one that was built.
+        let mut own = model.clone();
+        let change = own.deform(&moves);
+        assert!(fresh == (format!("{change:?}"), shown(&own)));
+    }
+}
+
+#[test]
+fn the_largest_leaves_come_back_and_deform() {
+    let options = BuildOptions { leaf_size: usize::MAX, ..BuildOptions::default() };
+    let (model, _) = Model::build(Cup::default().build().unwrap(), &options).unwrap();
+    assert_eq!(model.tree().nodes().len(), 1);
+    let mut back = Model::decode(&model.encode()).unwrap();
+    assert!(shown(&back) == shown(&model));
+    nudge(&mut back);
+    use_all(&back);
+}
+
+#[test]
 fn corpus_models_come_back() {
     for (name, mesh) in corpus() {
         let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
@@ -183,7 +275,7 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Model::decode(&other).unwrap_err()
     };
-    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 5 });
+    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 6 });
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
     assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;
@@ -265,7 +357,8 @@ fn sections(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
 /// Changes a few bytes of a section as somebody would who wants to do harm.
 fn harmed(bytes: &[u8], rng: &mut Rng) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
-    let sections = sections(&bytes);
+    let mut sections = sections(&bytes);
+    sections.retain(|section| !section.is_empty());
     let section = sections[rng.below(sections.len())].clone();
     for _ in 0..1 + rng.below(2) {
         let at = section.start + rng.below(section.len());
@@ -294,8 +387,17 @@ fn harmed(bytes: &[u8], rng: &mut Rng) -> Vec<u8> {
 fn whoever_writes_a_right_checksum_does_no_harm() {
     let mut rng = Rng::new(11);
     let (mut accepted, mut deformed) = (0, 0);
-    for mesh in bodies().iter().filter(|mesh| mesh.faces().len() < 700) {
-        let bytes = built(mesh).encode();
+    let small: Vec<Model> =
+        bodies().iter().filter(|mesh| mesh.faces().len() < 700).map(built).collect();
+    // Of deformed ones more is written.
+    let moved = small.iter().cloned().filter_map(|mut model| {
+        let moves = a_few_moves(&model, &mut Rng::new(8));
+        model.deform(&moves).is_ok().then_some(model)
+    });
+    let files: Vec<Vec<u8>> =
+        small.iter().cloned().chain(moved).map(|model| model.encode()).collect();
+    assert!(files.len() > small.len() + 10);
+    for bytes in files {
         for _ in 0..400 {
             let other = harmed(&bytes, &mut rng);
             match Model::decode(&other) {

@@ -32,13 +32,16 @@ pub(crate) fn measure(quick: bool) -> Report {
             "decomposition: parry's VHACD::decompose and compute_exact_convex_hulls, both at their defaults, f32".into(),
             "same run, same meshes, in turns; medians of thread CPU time; ratio = decomposition / cranny".into(),
             "load: Model::decode of what Model::encode made, in turns with building; build / load likewise".into(),
+            "load all: the same and Model::prepare_all, which makes the trees and envelopes of concavities that \
+             a loaded model otherwise makes when it is first asked for them"
+                .into(),
         ],
         tables: vec![
             Table {
                 title: "Against parry",
                 columns: vec![
                     "mesh", "triangles", "cranny", "decomposition", "ratio", "hull alone",
-                    "cranny / hull", "parry hull", "load", "build / load",
+                    "cranny / hull", "parry hull", "load", "build / load", "load all", "build / all",
                 ],
                 rows: peers,
             },
@@ -93,10 +96,15 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
     );
     let saved =
         Model::build(mesh.clone(), &BuildOptions::default()).map(|(model, _)| model.encode());
-    let [built, load] = race(
+    let loaded = || saved.as_ref().map(|bytes| Model::decode(bytes));
+    let [built, load, load_all] = race(
         Patience::of(quick),
-        [&mut || build(mesh), &mut || {
-            keep(saved.as_ref().map(|bytes| Model::decode(bytes)));
+        [&mut || build(mesh), &mut || keep(loaded()), &mut || {
+            let model = loaded();
+            if let Ok(Ok(model)) = &model {
+                model.prepare_all();
+            }
+            keep(model);
         }],
     );
     vec![
@@ -110,11 +118,13 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
         Cell::Time(parry_hull),
         Cell::Time(load),
         Cell::Ratio(built / load),
+        Cell::Time(load_all),
+        Cell::Ratio(built / load_all),
     ]
 }
 
 fn refused(name: &str, error: &str) -> Vec<Cell> {
-    let mut row = vec![Cell::Absent; 10];
+    let mut row = vec![Cell::Absent; 12];
     row[0] = Cell::Text(format!("{name}: {error}"));
     row
 }

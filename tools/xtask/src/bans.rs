@@ -72,10 +72,16 @@ const BANS: &[Ban] = &[
         reason: "state lives with its owner, so that two worlds in one process cannot meet: make it a field, \
                  or an argument",
         applies: |path| {
-            path.segments.iter().any(|word| ["OnceLock", "LazyLock"].contains(&word.as_str()))
+            path.segments.iter().any(|word| word == "LazyLock")
                 || last(path) == "thread_local" && path.followed_by == "!"
                 || path.segments == ["static"] && !path.followed_by.is_empty()
         },
+    },
+    Ban {
+        rule: "no-late-values",
+        reason: "what is made at first use makes somebody pay who did not ask, and is a global in a static: \
+                 make it where its owner is made, or pass it in",
+        applies: |path| path.segments.iter().any(|word| word == "OnceLock"),
     },
     Ban {
         rule: "f64-only",
@@ -160,9 +166,13 @@ fn is_f32(word: &str) -> bool {
     word == "f32" || F32_TYPES.contains(&word)
 }
 
-/// What a folder may do though it is banned: parry's tree has boxes of single precision, which are rounded
-/// outward there and decide nothing.
-const EXEMPT: &[(&str, &str)] = &[("crates/cranny-broad-phase/src/box_tree/", "f64-only")];
+/// What a folder or file may do though it is banned. Parry's tree has boxes of single precision, which are
+/// rounded outward there and decide nothing. A model that was loaded makes those of its parts late that queries
+/// never read: a field of the model, which no static can be.
+const EXEMPT: &[(&str, &str)] = &[
+    ("crates/cranny-broad-phase/src/box_tree/", "f64-only"),
+    ("crates/cranny-geometry/src/model/late.rs", "no-late-values"),
+];
 
 /// Every ban that a file breaks, in order of lines.
 pub(crate) fn check(file: &str, tokens: &[Token]) -> Vec<Violation> {
@@ -205,6 +215,18 @@ mod tests {
     }
 
     #[test]
+    fn one_file_may_make_values_late_but_no_statics() {
+        let source = "use std::sync::OnceLock; static N: OnceLock<u32> = OnceLock::new();";
+        let tokens = tokens::of(&strip::strip(source).text);
+        let has = |file: &str, rule| check(file, &tokens).iter().any(|found| found.rule == rule);
+        let file = "crates/cranny-geometry/src/model/late.rs";
+        assert!(has(file, "no-globals") && !has(file, "no-late-values"));
+        for other in ["crates/cranny-geometry/src/model.rs", "crates/cranny-world/src/lib.rs"] {
+            assert!(has(other, "no-globals") && has(other, "no-late-values"));
+        }
+    }
+
+    #[test]
     fn each_ban_bites() {
         for (source, rule) in [
             ("use std::fs;", "no-files"),
@@ -228,6 +250,8 @@ mod tests {
             ("extern crate std as t;", "no-alias-of-std"),
             ("let y = (x as f32) as f64;", "f64-only"),
             ("static N: OnceLock<u32> = OnceLock::new();", "no-globals"),
+            ("static N: LazyLock<u32> = LazyLock::new(f);", "no-globals"),
+            ("struct S(std::sync::OnceLock<u32>);", "no-late-values"),
             ("thread_local! { }", "no-globals"),
             ("fn f(v: glam::Vec3) {}", "f64-only"),
             ("use glam::{DVec3, Quat};", "f64-only"),

@@ -146,20 +146,25 @@ pub(crate) use plain_struct;
 pub(crate) trait Coded: Copy {
     /// Its byte.
     fn code(self) -> u8;
+    /// The thing with this byte; some other one, if there is none.
+    fn nearest(code: u8) -> Self;
     /// The thing with this byte, if there is one.
-    fn of_code(code: u8) -> Option<Self>;
+    fn of_code(code: u8) -> Option<Self> {
+        let nearest = Self::nearest(code);
+        (nearest.code() == code).then_some(nearest)
+    }
 }
 
 /// Numbers the variants of an enum: one left out does not compile.
 macro_rules! coded {
-    ($name:ty { $($variant:pat => $code:literal => $value:expr),* $(,)? }) => {
+    ($name:ty { $first:pat => 0 => $least:expr $(, $variant:pat => $code:literal => $value:expr)* $(,)? }) => {
         impl $crate::codec::Coded for $name {
             fn code(self) -> u8 {
-                match self { $($variant => $code),* }
+                match self { $first => 0 $(, $variant => $code)* }
             }
 
-            fn of_code(code: u8) -> Option<Self> {
-                match code { $($code => Some($value),)* _ => None }
+            fn nearest(code: u8) -> Self {
+                match code { $($code => $value,)* _ => $least }
             }
         }
     };
@@ -186,7 +191,7 @@ pub(crate) fn is_unit(v: DVec3) -> bool {
 
 /// Whether a number is one, and not negative.
 pub(crate) fn is_size(x: f64) -> bool {
-    x.is_finite() && x >= 0.0
+    x.is_finite() & (x >= 0.0)
 }
 
 /// Whether a number can say how flat is flat: not negative, infinite where everything is.

@@ -45,18 +45,11 @@ impl<'a> Reader<'a> {
     pub(crate) fn codes<T: Coded>(&mut self) -> Result<Vec<T>, Flaw> {
         let count = self.one()?;
         let codes = self.bytes_of(count, 1)?;
-        let unknown = "a byte stands for nothing known";
-        let Some(&first) = codes.first() else { return Ok(Vec::new()) };
-        let stand_in = T::of_code(first).ok_or(unknown)?;
-        let mut is_known = true;
+        let all: Vec<T> = codes.iter().map(|&code| T::nearest(code)).collect();
         // No way out of the loop, so that it stays short.
-        let of_code = |&code: &u8| {
-            let found = T::of_code(code);
-            is_known &= found.is_some();
-            found.unwrap_or(stand_in)
-        };
-        let all = codes.iter().map(of_code).collect();
-        check(is_known, unknown)?;
+        let is_known = |(known, code): (&T, &u8)| known.code() == *code;
+        let are_known = all.iter().zip(codes).fold(true, |all, own| all & is_known(own));
+        check(are_known, "a byte stands for nothing known")?;
         Ok(all)
     }
 
@@ -73,8 +66,13 @@ impl<'a> Reader<'a> {
         Ok(Self::new(self.bytes_of(length, 1)?))
     }
 
+    /// Whether nothing is left.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rest.is_empty()
+    }
+
     /// That nothing is left.
     pub(crate) fn end(&self) -> Result<(), Flaw> {
-        check(self.rest.is_empty(), "something follows its end")
+        check(self.is_empty(), "something follows its end")
     }
 }

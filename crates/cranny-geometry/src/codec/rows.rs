@@ -19,20 +19,31 @@ pub(crate) fn owners_of_rows(
     count: usize,
 ) -> Result<Vec<u32>, Flaw> {
     check_rows(starts, rows, members.len())?;
-    check_ascending(starts, members)?;
-    owners(count, starts.windows(2).map(|row| &members[row[0] as usize..row[1] as usize]))
+    let mut owners = vec![NOBODY; count];
+    let (mut is_there, mut is_ascending, mut from) = (true, true, 0);
+    for (row, &end) in (0..).zip(&starts[1..]) {
+        // One more than the member before.
+        let mut least = 0;
+        for &member in &members[from as usize..end as usize] {
+            is_ascending &= member >= least;
+            least = member.wrapping_add(1);
+            match owners.get_mut(member as usize) {
+                Some(owner) => *owner = row,
+                None => is_there = false,
+            }
+        }
+        from = end;
+    }
+    check(is_ascending, "a row is not ascending")?;
+    check(is_there, "a row names what is not there")?;
+    check_named_once(&owners, members.len())?;
+    Ok(owners)
 }
 
-/// Whether members ascend within each row. `starts` cover them.
-///
-/// As many steps down as there are from one row to the next are all of them: two counts, in short loops.
-fn check_ascending(starts: &[u32], members: &[u32]) -> Result<(), Flaw> {
-    let after = members.get(1..).unwrap_or_default();
-    let down = members.iter().zip(after).filter(|(a, b)| a >= b).count();
-    let is_down = |at: u32| at > 0 && members[at as usize - 1] >= members[at as usize];
-    // Where rows are empty, several begin at one place.
-    let begun = starts.windows(2).filter(|pair| pair[0] < pair[1]);
-    check(begun.filter(|pair| is_down(pair[0])).count() == down, "a row is not ascending")
+/// As many have owners as were named.
+fn check_named_once(owners: &[u32], named: usize) -> Result<(), Flaw> {
+    let owned = owners.iter().filter(|&&owner| owner != NOBODY).count();
+    check(owned == named, "rows name something twice")
 }
 
 /// Of each of `count` things the row that names it, or [`NOBODY`]; none may be named twice.
@@ -52,8 +63,7 @@ pub(crate) fn owners<'a>(
         }
     }
     check(is_there, "a row names what is not there")?;
-    let owned = owners.iter().filter(|&&owner| owner != NOBODY).count();
-    check(owned == named, "rows name something twice")?;
+    check_named_once(&owners, named)?;
     Ok(owners)
 }
 
@@ -73,11 +83,15 @@ mod tests {
 
     #[test]
     fn rows_ascend_each_by_itself() {
-        let ascend = |starts: &[u32], members: &[u32]| check_ascending(starts, members).is_ok();
+        let ascend = |starts: &[u32], members: &[u32]| {
+            owners_of_rows(starts, starts.len() - 1, members, 8).is_ok()
+        };
         assert!(ascend(&[0], &[]) && ascend(&[0, 0], &[]) && ascend(&[0, 1], &[7]));
         assert!(ascend(&[0, 2, 2, 2, 4], &[3, 5, 1, 4]) && ascend(&[0, 1, 2], &[1, 2]));
         assert!(!ascend(&[0, 4], &[3, 5, 1, 4]) && !ascend(&[0, 3, 4], &[3, 5, 1, 4]));
         assert!(!ascend(&[0, 2], &[3, 3]) && !ascend(&[0, 0, 3], &[2, 3, 1]));
+        assert!(!ascend(&[0, 1], &[8]) && !ascend(&[0, 2], &[7, u32::MAX]));
+        assert_eq!(owners_of_rows(&[0, 0, 2], 2, &[0, 2], 3).ok(), Some(vec![1, NOBODY, 1]));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! follows from that.
 
 use cranny_exact::DVec3;
+use cranny_exact::domain::MAX_COORDINATE;
 
 use super::{Border, Concavities, ConcavityKind, LidRecord, MIXED, Measures, Record, SOLID, Skin};
 use crate::boundary::Loops;
@@ -56,6 +57,10 @@ plain_struct!(LidHead {
     area: f64,
     opening: DVec3,
 });
+
+/// No area vector of a lid is longer: 2^31 triangles of the largest box. Envelopes are made from these when they
+/// are asked for, and products of larger ones would overflow.
+const LARGEST_OPENING: f64 = MAX_COORDINATE * MAX_COORDINATE * (1u64 << 35) as f64;
 
 impl Record {
     fn head(&self) -> Head {
@@ -221,7 +226,9 @@ fn lids_of(heads: &[LidHead], records: usize, outlines: usize) -> Result<Vec<Lid
     let first = heads.first().map_or(outlines, |l| l.first_outline as usize);
     check(first == 0, "an outline is of no lid")?;
     check(heads.last().is_none_or(|l| l.first_outline as usize <= outlines), "lids lack outlines")?;
-    let is_measured = |l: &LidHead| l.area.is_finite() && l.opening.is_finite();
+    let is_measured = |l: &LidHead| {
+        l.area.is_finite() && l.opening.to_array().iter().all(|x| x.abs() <= LARGEST_OPENING)
+    };
     check(heads.iter().all(is_measured), "a lid has no size")?;
     let lid = |&LidHead { concavity, first_cap, first_outline, area, opening }: &LidHead| {
         LidRecord { concavity, first_cap, first_outline, area, opening }

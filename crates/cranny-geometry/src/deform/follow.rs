@@ -6,18 +6,20 @@ use cranny_exact::DVec3;
 use super::{ChangeSet, Workshop};
 use crate::caps::CapSurface;
 use crate::concavity::Concavities;
-use crate::envelope::Pocket;
+use crate::envelope::{Envelopes, Pocket};
 use crate::features::{Judged, NONE};
 use crate::hull::{Followed, GONE, HullKind, Location};
 use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
 use crate::mass::MassProperties;
-use crate::model::{Parts, digest, openings, radius};
+use crate::model::{Late, Parts, digest, openings, radius};
 use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
 
 pub(super) struct Deformation<'a> {
     parts: &'a mut Parts,
     workshop: &'a mut Workshop,
     moved: Vec<MovedFace>,
+    concavity_trees: FaceForest,
+    envelopes: Envelopes,
     change: ChangeSet,
 }
 
@@ -32,6 +34,7 @@ impl<'a> Deformation<'a> {
         let old =
             |&face: &FaceId| MovedFace { face, old: Aabb::of_points(parts.mesh.triangle(face)) };
         let moved = faces.iter().map(old).collect();
+        let (concavity_trees, envelopes) = parts.take_late();
         for &(vertex, place) in moves {
             parts.mesh.set_position(vertex, place);
         }
@@ -40,6 +43,8 @@ impl<'a> Deformation<'a> {
             parts,
             workshop,
             moved,
+            concavity_trees,
+            envelopes,
             change: ChangeSet { vertices, faces, ..ChangeSet::default() },
         }
     }
@@ -55,6 +60,9 @@ impl<'a> Deformation<'a> {
         self.measure();
         let nodes = [&self.change.tree, &self.change.concavity_trees, &self.change.patch_trees];
         self.change.work.nodes = nodes.iter().map(|n| n.count()).sum();
+        self.parts.concavity_trees = Late::made(self.concavity_trees);
+        self.parts.envelopes = Late::made(self.envelopes);
+        self.parts.is_as_made = false;
         self.change
     }
 
@@ -189,7 +197,7 @@ impl<'a> Deformation<'a> {
 
     /// `same`: for each concavity the one before that has the same faces.
     fn follow_with_trees(&mut self, same: &[Option<usize>]) {
-        let Parts { mesh, concavities, concavity_trees: trees, .. } = &mut *self.parts;
+        let (Parts { mesh, concavities, .. }, trees) = (&*self.parts, &mut self.concavity_trees);
         let grown = &mut self.workshop.concavity_trees;
         let changes = &mut self.change.concavity_trees;
         let groups = || concavities.iter().map(|c| c.faces);
@@ -227,7 +235,7 @@ impl<'a> Deformation<'a> {
 
     /// `openings`: how the lids of each concavity before opened.
     fn follow_with_envelopes(&mut self, same: &[Option<usize>], before: &[Vec<DVec3>]) {
-        let Parts { mesh, concavities, concavity_trees, envelopes, .. } = &mut *self.parts;
+        let Parts { mesh, concavities, .. } = &*self.parts;
         let openings = openings(concavities);
         let mut moved = vec![false; concavities.len()];
         for concavity in self.change.faces.iter().filter_map(|&f| concavities.of_face(f)) {
@@ -238,7 +246,7 @@ impl<'a> Deformation<'a> {
         self.change.work.enveloped = built.map(|c| c.faces.len()).sum();
         let pockets = concavities.iter().zip(&openings);
         let pockets = pockets.map(|(c, openings)| Pocket { faces: c.faces, openings });
-        *envelopes = envelopes.updated(mesh, pockets, concavity_trees, kept);
+        self.envelopes = self.envelopes.updated(mesh, pockets, &self.concavity_trees, kept);
     }
 
     fn measure(&mut self) {

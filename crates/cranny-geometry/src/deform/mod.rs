@@ -46,7 +46,7 @@ impl Workshop {
             assignment,
             ridges,
             tree: GrownAreas::of(&parts.tree),
-            concavity_trees: GrownAreas::of(parts.concavity_trees.arena()),
+            concavity_trees: GrownAreas::of(parts.concavity_trees().arena()),
             patch_trees: GrownAreas::of(parts.patches.trees().arena()),
         }
     }

@@ -13,9 +13,10 @@ use crate::concavity::Concavities;
 use crate::features::Features;
 use crate::hull::ConvexHull;
 use crate::ids::{FaceId, PatchId};
-use crate::model::{Covered, Parts};
+use crate::model::{Covered, Late, Parts};
 use crate::patches::Patches;
-use crate::tree::{FaceForest, FaceTree, NodeChanges};
+use crate::topology::Topology;
+use crate::tree::{FaceForest, FaceTree, Mates, NodeChanges};
 
 /// What was read, and whether something else was made in its place.
 pub(super) struct Renewal {
@@ -34,27 +35,34 @@ impl Renewal {
         if !std::mem::take(&mut parts.only_read) {
             return None;
         }
+        // Which faces hang together was believed; edges are the same.
+        parts.topology = Topology::of(&parts.mesh);
         let Parts { mesh, topology, flatness, leaf_size, .. } = &*parts;
-        let tree = FaceTree::of(mesh, *leaf_size);
-        let patches = Patches::of(mesh, topology);
+        let mates = Mates::of(mesh, topology);
+        let tree = FaceTree::of_pairs(mesh, &mates, *leaf_size);
+        let patches = Patches::with_mates(mesh, topology, &mates);
         let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
             Covered::of(mesh, topology, &hull, &tree, &mut |_| {});
         let hull = std::mem::replace(&mut parts.hull, hull);
         let tree = std::mem::replace(&mut parts.tree, tree);
-        let concavity_trees = std::mem::replace(&mut parts.concavity_trees, concavity_trees);
+        let concavities = std::mem::replace(&mut parts.concavities, concavities);
         let patches = std::mem::replace(&mut parts.patches, patches);
-        parts.envelopes = envelopes;
+        let tree_differs = differ([&tree, &parts.tree], FaceTree::encode);
+        let concavity_trees_differ = match parts.concavity_trees.if_made() {
+            Some(read) => differ([read, &concavity_trees], FaceForest::encode),
+            // Nobody has seen any; what would have been made of what was read.
+            None => tree_differs || concavities.owners() != parts.concavities.owners(),
+        };
+        parts.concavity_trees = Late::made(concavity_trees);
+        parts.envelopes = Late::made(envelopes);
         Some(Self {
             hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
-            tree_differs: differ([&tree, &parts.tree], FaceTree::encode),
-            concavity_trees_differ: differ(
-                [&concavity_trees, &parts.concavity_trees],
-                FaceForest::encode,
-            ),
+            tree_differs,
+            concavity_trees_differ,
             patches_differ: differ([&patches, &parts.patches], Patches::encode),
             features: std::mem::replace(&mut parts.features, features),
-            concavities: std::mem::replace(&mut parts.concavities, concavities),
+            concavities,
             patches,
         })
     }

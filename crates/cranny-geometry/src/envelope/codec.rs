@@ -3,7 +3,7 @@
 use cranny_exact::{Aabb, DVec3};
 
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head};
-use crate::codec::{Flaw, Reader, Writer, check, is_unit, owners, plain_struct};
+use crate::codec::{Flaw, Plain, Reader, Writer, check, is_unit, owners, plain_struct};
 use crate::concavity::Concavities;
 use crate::ids::FaceId;
 use crate::tree::FaceBoxes;
@@ -20,6 +20,21 @@ struct FacetRecord {
 }
 plain_struct!(FacetRecord { beneath: HalfSpace, reach: f64, faces: [u32; 2], layer: u32 });
 
+/// Comes back without a box.
+impl Plain for EnvelopeFacet {
+    const SIZE: usize = FacetRecord::SIZE;
+
+    fn put(self, out: &mut Vec<u8>) {
+        let Self { beneath, bounds: _, reach, faces, layer } = self;
+        FacetRecord { beneath, reach, faces, layer }.put(out);
+    }
+
+    fn get(bytes: &[u8]) -> Self {
+        let FacetRecord { beneath, reach, faces, layer } = FacetRecord::get(bytes);
+        Self { beneath, bounds: Aabb::EMPTY, reach, faces, layer }
+    }
+}
+
 /// What is written of an envelope as a whole.
 #[derive(Clone, Copy)]
 struct HeadRecord {
@@ -29,17 +44,28 @@ struct HeadRecord {
 }
 plain_struct!(HeadRecord { axis: DVec3, lids: [u32; 2], layer: u32 });
 
+/// Comes back without a box.
+impl Plain for Head {
+    const SIZE: usize = HeadRecord::SIZE;
+
+    fn put(self, out: &mut Vec<u8>) {
+        let Self { axis, bounds: _, lids, layer } = self;
+        HeadRecord { axis, lids, layer }.put(out);
+    }
+
+    fn get(bytes: &[u8]) -> Self {
+        let HeadRecord { axis, lids, layer } = HeadRecord::get(bytes);
+        Self { axis, bounds: Aabb::EMPTY, lids, layer }
+    }
+}
+
 impl Envelopes {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self { heads, layers, facets, faces, lids, options } = self;
         let &EnvelopeOptions { width, leaf_faces } = options;
-        let head = |&Head { axis, bounds: _, lids, layer }: &Head| HeadRecord { axis, lids, layer };
-        let facet = |&EnvelopeFacet { beneath, bounds: _, reach, faces, layer }: &EnvelopeFacet| {
-            FacetRecord { beneath, reach, faces, layer }
-        };
-        out.items(heads.len(), heads.iter().map(head));
+        out.list(heads);
         out.list(layers);
-        out.items(facets.len(), facets.iter().map(facet));
+        out.list(facets);
         out.list(faces);
         out.list(lids);
         out.one([width, leaf_faces].map(|n| n as u64));
@@ -51,39 +77,26 @@ impl Envelopes {
         boxes: &FaceBoxes,
         concavities: &Concavities,
     ) -> Result<Self, Flaw> {
-        let (heads, layers): (Vec<HeadRecord>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
-        let (facets, faces): (Vec<FacetRecord>, Vec<u32>) = (input.list()?, input.list()?);
+        let (heads, layers): (Vec<Head>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
+        let (facets, faces): (Vec<EnvelopeFacet>, Vec<u32>) = (input.list()?, input.list()?);
         let lids: Vec<HalfSpace> = input.list()?;
         let [width, leaf_faces]: [u64; 2] = input.one()?;
 
         check(heads.len() == concavities.len(), "an envelope for each concavity is needed")?;
-        check(lids.iter().all(HalfSpace::is_sound), "a lid has no plane")?;
-        let is_sound = |f: &FacetRecord| f.beneath.is_sound() && f.reach.is_finite();
-        check(facets.iter().all(is_sound), "a facet has no plane")?;
-        let facet = |&FacetRecord { beneath, reach, faces, layer }: &FacetRecord| EnvelopeFacet {
-            beneath,
-            bounds: Aabb::EMPTY,
-            reach,
-            faces,
-            layer,
-        };
-        let head = |&HeadRecord { axis, lids: [from, to], layer }: &HeadRecord| {
-            check(is_unit(axis), "an axis has no direction")?;
-            check(from <= to && to as usize <= lids.len(), "a lid is not there")?;
-            Ok(Head { axis, bounds: Aabb::EMPTY, lids: [from, to], layer })
-        };
+        check(heads.iter().fold(true, |all, h| all & is_unit(h.axis)), "an axis has no direction")?;
+        let has_lids =
+            |&Head { lids: [from, to], .. }: &Head| (from <= to) & (to as usize <= lids.len());
+        check(heads.iter().fold(true, |all, head| all & has_lids(head)), "a lid is not there")?;
+        check(lids.iter().fold(true, |all, lid| all & lid.is_sound()), "a lid has no plane")?;
+        let is_sound = |f: &EnvelopeFacet| f.beneath.is_sound() & f.reach.is_finite();
+        check(facets.iter().fold(true, |all, f| all & is_sound(f)), "a facet has no plane")?;
         check_faces(&faces, concavities)?;
-        let mut read = Self {
-            heads: heads.iter().map(head).collect::<Result<_, Flaw>>()?,
-            layers,
-            facets: facets.iter().map(facet).collect(),
-            faces: faces.into_iter().map(FaceId).collect(),
-            lids,
-            options: EnvelopeOptions {
-                width: usize::try_from(width)?,
-                leaf_faces: usize::try_from(leaf_faces)?,
-            },
+        let options = EnvelopeOptions {
+            width: usize::try_from(width)?,
+            leaf_faces: usize::try_from(leaf_faces)?,
         };
+        let faces = faces.into_iter().map(FaceId).collect();
+        let mut read = Self { heads, layers, facets, faces, lids, options };
         read.check_layers(concavities)?;
         read.enclose(boxes);
         Ok(read)
@@ -195,6 +208,6 @@ fn check_faces(faces: &[u32], concavities: &Concavities) -> Result<(), Flaw> {
 
 impl HalfSpace {
     fn is_sound(&self) -> bool {
-        is_unit(self.normal) && self.offset.is_finite()
+        is_unit(self.normal) & self.offset.is_finite()
     }
 }

@@ -55,7 +55,7 @@ impl ConvexHull {
         let pairs: Vec<[u32; 2]> = input.list()?;
         let order;
         (surface.twins, order) = twins_of(&wedges, &pairs)?;
-        check(is_convex(kind, &positions, &surface, &wedges, &pairs), "it is not convex")?;
+        check(is_convex(kind, &positions, &surface, &wedges), "it is not convex")?;
         let graph = match order {
             Order::Strict => SupportGraph::of_pairs(&positions, &surface, &wedges, &pairs),
             Order::WithEquals => SupportGraph::new(&positions, &surface),
@@ -125,7 +125,8 @@ impl FacetLayer {
         let outlines = Outlines { starts, corners, neighbours: input.list()? };
         let count = planes.len();
         check(is_flatness(tolerance), "the flatness is no number")?;
-        check(planes.iter().all(Plane::is_sound), "a facet has no plane")?;
+        let are_sound = planes.iter().fold(true, |all, plane| all & plane.is_sound());
+        check(are_sound, "a facet has no plane")?;
         let facet_of = owners_of_rows(&triangle_starts, count, &triangles, triangle_count)?;
         check(triangles.len() == triangle_count, "a facet for each triangle is needed")?;
         check(triangle_starts.is_sorted_by(|a, b| a < b), "a facet has no triangle")?;
@@ -141,6 +142,6 @@ impl FacetLayer {
 
 impl Plane {
     fn is_sound(&self) -> bool {
-        is_unit(self.normal) && self.offset.is_finite() && is_size(self.thickness)
+        is_unit(self.normal) & self.offset.is_finite() & is_size(self.thickness)
     }
 }

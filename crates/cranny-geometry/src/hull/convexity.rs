@@ -16,48 +16,51 @@ use super::side::Side;
 use super::span::{Projection, planar_hull};
 use super::{HullKind, plate};
 
-/// Whether a surface whose twins match is that of a hull with these vertices; `wedges` and `pairs` are the
-/// surface's.
+/// Whether a surface whose twins match is that of a hull with these vertices; `wedges` are the surface's.
 pub(super) fn is_convex(
     kind: HullKind,
     positions: &[DVec3],
     surface: &Surface,
     wedges: &[Wedge],
-    pairs: &[[u32; 2]],
 ) -> bool {
     match kind {
         HullKind::Empty | HullKind::Point | HullKind::Segment => true,
         HullKind::Polygon => is_plate(positions, surface),
-        HullKind::Volume => is_around_a_body(positions, surface, wedges, pairs),
+        HullKind::Volume => is_around_a_body(positions, surface, wedges),
     }
 }
 
-fn is_around_a_body(
-    positions: &[DVec3],
-    surface: &Surface,
-    wedges: &[Wedge],
-    pairs: &[[u32; 2]],
-) -> bool {
+fn is_around_a_body(positions: &[DVec3], surface: &Surface, wedges: &[Wedge]) -> bool {
     let bounds = Aabb::of_points(positions.iter().copied());
     let mean = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let middle = mean.clamp(bounds.min, bounds.max);
-    let corners = |t: usize| surface.triangles[t].map(|v| positions[v as usize]);
     let extent = bounds.max - bounds.min;
-    let triangles = 0..surface.triangles.len();
-    let sides: Vec<Side> = triangles.clone().map(|t| Side::new(corners(t), extent)).collect();
-    let sign = |t: usize, p: DVec3| sides[t].sign(sides[t].height(p), p, || corners(t));
-    for &[g, h] in pairs {
-        let apex = positions[wedges[h as usize].apex as usize];
-        if sign(g as usize / 3, apex) == Sign::Positive {
-            return false;
-        }
-    }
+    let margin = Side::greatest_margin(extent);
+    let (twins, _) = surface.twins.as_chunks::<3>();
     let (mut is_beneath_all, mut crossed) = (true, 0);
-    for t in triangles {
-        is_beneath_all &= sign(t, middle) == Sign::Negative;
-        crossed += usize::from(is_crossed(corners(t), middle));
+    for ((t, corners), twins) in (0..).zip(&surface.triangles).zip(twins) {
+        let triangle @ [a, b, c] = corners.map(|v| positions[v as usize]);
+        let normal = (b - a).cross(c - a);
+        // Each edge is looked at from one side.
+        for &twin in twins.iter().filter(|&&twin| twin > 3 * t) {
+            let apex = positions[wedges[twin as usize].apex as usize];
+            let is_beneath = normal.dot(apex - a) < -margin;
+            if !is_beneath && nearly_on(triangle, extent, apex) == Sign::Positive {
+                return false;
+            }
+        }
+        is_beneath_all &= normal.dot(middle - a) < -margin
+            || nearly_on(triangle, extent, middle) == Sign::Negative;
+        crossed += usize::from(is_crossed(triangle, middle));
     }
     if is_beneath_all { crossed == 1 } else { has_edges_of_hull(positions, surface) }
+}
+
+/// The side of a triangle's plane on which a point lies, looked at more closely.
+#[cold]
+fn nearly_on(triangle: [DVec3; 3], extent: DVec3, p: DVec3) -> Sign {
+    let side = Side::new(triangle, extent);
+    side.sign(side.height(p), p, || triangle)
 }
 
 /// Whether the ray from a point along x meets a triangle that it is beneath: whether it does so seen along x,
@@ -120,7 +123,7 @@ mod tests {
     use super::*;
 
     fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
-        super::is_convex(kind, positions, surface, &surface.wedges(), &surface.pairs())
+        super::is_convex(kind, positions, surface, &surface.wedges())
     }
 
     /// Whether the hull of some points passes, once as it is and once with its triangles changed.

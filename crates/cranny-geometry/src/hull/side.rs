@@ -44,6 +44,12 @@ impl Side {
         Self { normal: d.cross(e), anchor: a, bound: FILTER * magnitudes.dot(extent) }
     }
 
+    /// The [`margin`](Self::margin) of any triangle of a box of size `extent`, at least: the sums over its
+    /// monomials are at most the sums over a triangle as large as the box.
+    pub(super) fn greatest_margin(extent: DVec3) -> f64 {
+        6.0 * FILTER * (extent.x * extent.y * extent.z)
+    }
+
     /// How far above zero `normal · (p − anchor)` can be, in real arithmetic too, for a point `p` of the
     /// box that is not above the exact plane.
     pub(super) fn margin(&self) -> f64 {
@@ -85,6 +91,17 @@ mod tests {
         let above = sign(DVec3::new(0.4, 0.4, 0.4f64.next_up()));
         assert_eq!(above, sign(DVec3::new(0.4, 0.4, 0.9)));
         assert_eq!(above.flipped(), sign(DVec3::new(0.4, 0.4, 0.4f64.next_down())));
+    }
+
+    #[test]
+    fn no_triangle_of_a_box_has_more_than_the_greatest_margin() {
+        let extent = DVec3::new(3.0, 0.7, 1e-3);
+        let corner = |i: usize| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
+        let greatest = Side::greatest_margin(extent);
+        for i in 0..512 {
+            let triangle = [i & 7, i >> 3 & 7, i >> 6].map(|i| corner(i) * extent);
+            assert!(Side::new(triangle, extent).margin() <= greatest * (1.0 + 8.0 * f64::EPSILON));
+        }
     }
 
     #[test]

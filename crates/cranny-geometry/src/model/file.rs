@@ -13,7 +13,7 @@ use std::sync::Arc;
 use cranny_exact::{DMat3, DVec3};
 use thiserror::Error;
 
-use super::{Model, Parts, radius};
+use super::{Late, Model, Parts, radius};
 use crate::codec::{Flaw, Reader, Writer, check, checksum, is_flatness};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
@@ -31,7 +31,7 @@ use crate::tree::{FaceBoxes, FaceForest, FaceTree};
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
 
 /// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// What is before the checksum: magic, version, 0, length.
 const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;
@@ -109,7 +109,7 @@ impl Model {
     }
 
     /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always gives the
-    /// same bytes, about 180 a face. Cost: linear.
+    /// same bytes, 80 to 180 a face. Cost: linear.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let Parts {
@@ -119,8 +119,10 @@ impl Model {
             features,
             concavities,
             tree,
-            concavity_trees,
-            envelopes,
+            // Written where they cannot be made again.
+            concavity_trees: _,
+            envelopes: _,
+            is_as_made,
             patches,
             mass,
             // Made again from the mesh.
@@ -152,8 +154,16 @@ impl Model {
         section(section::FEATURES, &|out| features.encode(out));
         section(section::CONCAVITIES, &|out| concavities.encode(out));
         section(section::TREE, &|out| tree.encode(out));
-        section(section::CONCAVITY_TREES, &|out| concavity_trees.encode(out));
-        section(section::ENVELOPES, &|out| envelopes.encode(out));
+        section(section::CONCAVITY_TREES, &|out| {
+            if !is_as_made {
+                self.concavity_trees().encode(out);
+            }
+        });
+        section(section::ENVELOPES, &|out| {
+            if !is_as_made {
+                self.envelopes().encode(out);
+            }
+        });
         section(section::PATCHES, &|out| patches.encode(out));
         section(section::MASS, &|out| out.list(&mass_numbers(mass.as_ref())));
         section(section::ORIGIN, &|out| {
@@ -176,6 +186,14 @@ impl Model {
     /// model can be read and queried like any other, and its answers are only as true as the bytes. Memory
     /// is bounded by a small multiple of their number. Cost: linear.
     ///
+    /// # What is left for later
+    ///
+    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), which no query reads, are
+    /// made when somebody first asks for them, from the rest of the model and as building makes them; so the
+    /// first call costs what these stages of building cost (README). Whoever wants no late cost calls
+    /// [`prepare_all`](Self::prepare_all). Of a model that was deformed before it was saved they
+    /// would come out otherwise: there they are in the file, and are read and checked here.
+    ///
     /// # What is checked
     ///
     /// Length and checksum; that every section is of the length it says, every index in range, every number
@@ -183,13 +201,15 @@ impl Model {
     ///
     /// - Mesh: as [`Mesh::new`], and that a face has an area. Radius and box are computed; the digest is what
     ///   the file says.
-    /// - Topology: that half-edges are each there once, sorted by edge. All else is made from that.
+    /// - Topology: that half-edges are each there once, sorted by edge, that rows of vertices hold just their
+    ///   faces, and that no edge joins two components. All else is made from that. Not that the faces of
+    ///   a component hang together.
     /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once. Not that it
     ///   holds the other vertices, nor that the planes of its facets lie above it.
     /// - Features, concavities: that a face lies on a facet or in a concavity, not both; that rows are whole;
     ///   that none surrounds itself. Not how faces were classified, nor sizes.
     /// - Trees, over faces and over patches: that each holds its faces once. Boxes are made again.
-    /// - Envelopes: that layers nest and divide their faces. Not that planes hold them. Boxes are made again.
+    /// - Envelopes, where they are in the file: that layers nest and divide their faces. Not that planes hold them. Boxes are made again.
     /// - Patches: that each face is in one. Not that cones, slabs and sizes are theirs.
     /// - Mass: that it is there where the mesh is closed. Not that it is the mesh's.
     ///
@@ -214,13 +234,11 @@ impl Model {
         let boxes = FaceBoxes::of(&mesh);
         let tree = read(&mut sections, section::TREE, |s| FaceTree::decode(s, &boxes))?;
         let concavity_trees = read(&mut sections, section::CONCAVITY_TREES, |s| {
-            let (trees, owners) = FaceForest::decode(s, &boxes)?;
-            check(trees.len() == concavities.len(), "a tree for each concavity is needed")?;
-            check(owners == concavities.owners(), "a tree is not over its concavity")?;
-            Ok(trees)
+            unless_empty(s, |s| concavity_trees_of(s, &boxes, &concavities))
         })?;
         let envelopes = read(&mut sections, section::ENVELOPES, |s| {
-            Envelopes::decode(s, &boxes, &concavities)
+            check(s.is_empty() == concavity_trees.is_none(), "there are no trees, or only trees")?;
+            unless_empty(s, |s| Envelopes::decode(s, &boxes, &concavities))
         })?;
         let patches = read(&mut sections, section::PATCHES, |s| Patches::decode(s, &boxes))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
@@ -235,8 +253,9 @@ impl Model {
             features,
             concavities,
             tree,
-            concavity_trees,
-            envelopes,
+            is_as_made: concavity_trees.is_none(),
+            concavity_trees: concavity_trees.map_or_else(Late::default, Late::made),
+            envelopes: envelopes.map_or_else(Late::default, Late::made),
             patches,
             mass,
             radius,
@@ -288,6 +307,25 @@ fn read<T>(
         Ok(read)
     };
     whole().map_err(|flaw| flawed(section, flaw))
+}
+
+/// What is read, unless there is nothing.
+fn unless_empty<T>(
+    input: &mut Reader,
+    read: impl FnOnce(&mut Reader) -> Result<T, Flaw>,
+) -> Result<Option<T>, Flaw> {
+    if input.is_empty() { Ok(None) } else { read(input).map(Some) }
+}
+
+fn concavity_trees_of(
+    input: &mut Reader,
+    boxes: &FaceBoxes,
+    concavities: &Concavities,
+) -> Result<FaceForest, Flaw> {
+    let (trees, owners) = FaceForest::decode(input, boxes)?;
+    check(trees.len() == concavities.len(), "a tree for each concavity is needed")?;
+    check(owners == concavities.owners(), "a tree is not over its concavity")?;
+    Ok(trees)
 }
 
 /// The mesh and its digest.

@@ -78,7 +78,7 @@ impl PatchTree {
             check(!std::mem::replace(is_named, true), "a patch is named twice")?;
         }
         check_below(counts.iter().copied(), 2, "a leaf has two patches")?;
-        let mut shape = Shape::new(&counts);
+        let mut shape = Shape::new(&counts, order.len(), counts.len())?;
         shape.tree(0..counts.len(), 0..order.len(), |leaf| {
             patches[order[leaf.start].index()].bounds
         })?;

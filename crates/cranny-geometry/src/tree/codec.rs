@@ -53,7 +53,7 @@ impl FaceTree {
         check(faces.len() == boxes.len(), "it is not over all faces")?;
         owners(boxes.len(), [faces.as_slice()])?;
         let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
-        let mut shape = Shape::new(&counts);
+        let mut shape = Shape::new(&counts, faces.len(), counts.len())?;
         shape.tree(0..counts.len(), 0..faces.len(), |leaf| boxes.around(&faces[leaf]))?;
         Ok(Self { nodes: shape.into_nodes(), faces })
     }
@@ -80,7 +80,8 @@ impl FaceForest {
             .map(|pair| [0, 1].map(|kind: usize| pair[0][kind] as usize..pair[1][kind] as usize));
         let owners = owners(boxes.len(), trees.clone().map(|[_, held]| &faces[held]))?;
         let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
-        let mut shape = Shape::new(&counts);
+        let most = trees.clone().map(|[nodes, _]| nodes.len()).max().unwrap_or(0);
+        let mut shape = Shape::new(&counts, faces.len(), most)?;
         for [nodes, held] in trees {
             shape.tree(nodes, held, |leaf| boxes.around(&faces[leaf]))?;
         }
@@ -92,14 +93,20 @@ impl FaceForest {
 pub(crate) struct Shape<'a> {
     counts: &'a [u32],
     nodes: Vec<Node>,
-    /// Of each node, the one that comes behind all that is beneath it.
-    ends: Vec<u32>,
+    /// The roots of finished trees that wait for a parent, but for the one that was finished last; the first
+    /// stands for none. As long as the largest tree needs: it never grows, which keeps its loop short.
+    waiting: Vec<u32>,
 }
 
 impl<'a> Shape<'a> {
-    pub(crate) fn new(counts: &'a [u32]) -> Self {
+    /// Of trees that hold `held` things in all, one of them at most `most` nodes.
+    pub(crate) fn new(counts: &'a [u32], held: usize, most: usize) -> Result<Self, Flaw> {
+        // Leaves hold one or more, and there are fewer inner nodes. A node takes fourteen times the bytes of its
+        // count: whoever counts more than there can be shall not have memory for them.
+        check(counts.len() <= 2 * held, "trees have more nodes than they can")?;
         let blank = Node { bounds: Aabb::EMPTY, content: 0, count: 0 };
-        Self { counts, nodes: vec![blank; counts.len()], ends: vec![0; counts.len()] }
+        // Of the nodes of a tree, one more than half are leaves.
+        Ok(Self { counts, nodes: vec![blank; counts.len()], waiting: vec![0; most / 2 + 1] })
     }
 
     pub(crate) fn into_nodes(self) -> Vec<Node> {
@@ -108,40 +115,50 @@ impl<'a> Shape<'a> {
 
     /// Fills a range of nodes with a tree over a range of things: no nodes where there are none. `box_of` is
     /// asked for those of each leaf.
+    ///
+    /// From the last node to the first: the tree finished last begins right behind an inner node, which makes it
+    /// the left child, and the one that has waited least is the right one.
     pub(crate) fn tree(
         &mut self,
         range: Range<usize>,
         held: Range<usize>,
         box_of: impl Fn(Range<usize>) -> Aabb,
     ) -> Result<(), Flaw> {
+        /// In place of a node: there is none.
+        const NONE: u32 = u32::MAX;
         let nodes = &mut self.nodes[range.clone()];
-        let ends = &mut self.ends[range.clone()];
-        let counts = &self.counts[range.clone()];
-        let mut first_held = held.end;
-        // Within the range, the node behind all that is beneath the one that was made last: right of it,
-        // there a brother stands, if it has one.
-        let mut behind = nodes.len();
-        for (index, &count) in counts.iter().enumerate().rev() {
-            if count > 0 {
-                let start = first_held.checked_sub(count as usize).filter(|&f| f >= held.start);
-                let start = start.ok_or("a tree has more in its leaves than it holds")?;
-                let bounds = box_of(start..first_held);
-                nodes[index] = Node { bounds, content: start as u32, count };
-                first_held = start;
-                behind = index + 1;
+        let waiting = self.waiting.as_mut_slice();
+        let (mut first_held, mut waits) = (held.end, 0);
+        // Within the range.
+        let (mut index, mut finished) = (nodes.len(), NONE);
+        for &count in self.counts[range.clone()].iter().rev() {
+            index -= 1;
+            let own = if count > 0 {
+                if count as usize > first_held - held.start {
+                    return Err("a tree has more in its leaves than it holds".into());
+                }
+                let place = waiting.get_mut(waits).ok_or("a tree has too many leaves")?;
+                *place = finished;
+                waits += 1;
+                let end = first_held;
+                first_held -= count as usize;
+                Node { bounds: box_of(first_held..end), content: first_held as u32, count }
             } else {
-                let right = behind;
-                let ([left, ..], Some(brother)) = (&nodes[index + 1..], nodes.get(right)) else {
+                waits = waits.wrapping_sub(1);
+                let right = waiting.get(waits).copied().unwrap_or(NONE);
+                let (Some(left), Some(brother)) = (nodes.get(index + 1), nodes.get(right as usize))
+                else {
                     return Err("a tree lacks nodes".into());
                 };
                 let bounds = left.bounds.union(&brother.bounds);
-                nodes[index] = Node { bounds, content: (range.start + right) as u32, count };
-                behind = ends[right] as usize;
-            }
-            ends[index] = behind as u32;
+                Node { bounds, content: range.start as u32 + right, count }
+            };
+            nodes[index] = own;
+            finished = index as u32;
         }
         check(first_held == held.start, "a tree has less in its leaves than it holds")?;
-        check(behind == nodes.len(), "nodes belong to no tree")
+        // What was finished last is the root; beneath it nothing waits but what stands for none.
+        check(waits == usize::from(!range.is_empty()), "nodes belong to no tree")
     }
 }
 
@@ -157,9 +174,11 @@ mod tests {
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
         let faces: Vec<FaceId> = (0..6).map(FaceId).collect();
         let boxes = FaceBoxes::of(&mesh);
-        let mut shape = Shape::new(counts);
-        let whole = shape.tree(0..counts.len(), 0..size, |leaf| boxes.around(&faces[leaf]));
-        whole.map_err(|Flaw(what)| what)?;
+        let whole = |shape: &mut Shape| {
+            shape.tree(0..counts.len(), 0..size, |leaf| boxes.around(&faces[leaf]))
+        };
+        let mut shape = Shape::new(counts, size, counts.len()).map_err(|Flaw(what)| what)?;
+        whole(&mut shape).map_err(|Flaw(what)| what)?;
         let tree = FaceTree { nodes: shape.into_nodes(), faces: faces[..size].to_vec() };
         tree.validate(&mesh, &faces[..size])?;
         Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
@@ -177,12 +196,14 @@ mod tests {
         for (counts, size, flaw) in [
             (vec![0, 0, 0, 0], 4, "lacks nodes"),
             (vec![0, 1], 1, "lacks nodes"),
-            (vec![0], 0, "lacks nodes"),
+            (vec![0], 0, "more nodes"),
             (vec![], 1, "less in"),
             (vec![1, 1], 2, "no tree"),
+            (vec![1, 1, 1], 3, "too many leaves"),
+            (vec![2], 1, "more in"),
             (vec![0, 1, 1, 1], 3, "no tree"),
             (vec![0, 1, 1], 3, "less in"),
-            (vec![1], 0, "more in"),
+            (vec![1], 0, "more nodes"),
             (vec![0, 1, u32::MAX], 3, "more in"),
         ] {
             let error = shape(&counts, size).unwrap_err();

@@ -73,7 +73,7 @@ impl FaceTree {
         let root = arena.nodes.len();
         arena.faces.reserve(kept.len());
         // Leaves are a little more than half full, and there are nearly as many inner nodes.
-        arena.nodes.reserve(5 * kept.len() / (2 * leaf_size));
+        arena.nodes.reserve(5 * kept.len().div_ceil(leaf_size.max(1)) / 2);
         let place = Place { node: 0, first: 0 };
         let mut stack = vec![Task { place, held: self.faces.len(), parent: None }];
         while let Some(Task { mut place, mut held, parent }) = stack.pop() {
@@ -153,6 +153,7 @@ mod tests {
         assert_eq!(left.content(0), Content::Inner { left: 1, right: 2 });
         assert_eq!((left.leaf_faces(1).len(), left.leaf_faces(2).len()), (1, 2));
         assert_eq!(pruned(3).nodes().len(), 1);
+        assert_eq!(pruned(usize::MAX).nodes().len(), 1);
         assert!(tree.is_worth_pruning(3) && !tree.is_worth_pruning(2));
         assert!(!FaceTree::of(&mesh, 2).is_worth_pruning(3));
     }
