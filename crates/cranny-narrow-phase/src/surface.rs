@@ -39,18 +39,27 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
 }
 
 /// The verdict alone, and what it needs of the touching pairs; ends at the first crossing, which
-/// comes with them.
-pub(crate) fn surface_verdict(pair: &Pair, counters: &mut Counters) -> (Surface, Vec<FacePair>) {
-    let (mut surface, mut touching) = (Meeting::None, Vec::new());
+/// comes with them. `None` where `most` pairs of faces were looked at, and no crossing was found.
+pub(crate) fn surface_verdict(
+    pair: &Pair,
+    most: u64,
+    counters: &mut Counters,
+) -> Option<(Surface, Vec<FacePair>)> {
+    let (mut surface, mut touching, mut left) = (Meeting::None, Vec::new(), Some(most));
     for_each_near_pair(pair, 0.0, counters, |first, second, counters| {
+        left = left.and_then(|left| left.checked_sub(1));
+        if left.is_none() {
+            return ControlFlow::Break(());
+        }
         if let Some(found) = looked_at(pair, first, second, counters) {
             surface = surface.max(found.meeting);
             touching.push(found);
         }
         if surface == Meeting::Cross { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
+    left?;
     touching.sort_unstable();
-    (surface, touching)
+    Some((surface, touching))
 }
 
 /// The strongest meeting among pairs.

@@ -43,19 +43,17 @@ fn contact(
     if side == Side::First { told } else { told.swapped() }
 }
 
-/// A vertex of `side` before a face of the other body, not behind its plane (but for rounding), no farther
-/// than `below`.
+/// A vertex of `side`, at `p`, before a face of the other body, of these corners; not behind its plane (but
+/// for rounding), no farther than `below`.
 pub(crate) fn vertex_face(
     pair: &Pair,
     side: Side,
-    vertex: VertexId,
-    face: FaceId,
+    (vertex, p): (VertexId, DVec3),
+    (face, triangle): (FaceId, &[DVec3; 3]),
     below: f64,
 ) -> Stand {
-    let triangle = pair.triangle(side.other(), face);
-    let p = pair.position(side, vertex);
     let raw = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-    let (foot, part) = closest_on_triangle(p, &triangle);
+    let (foot, part) = closest_on_triangle(p, triangle);
     let (height, apart) = (raw.dot(p - triangle[0]), (p - foot).length());
     if apart > below + pair.length_error() {
         return Stand::Over(None);
@@ -65,7 +63,10 @@ pub(crate) fn vertex_face(
     }
     let Some(outward) = raw.try_normalize() else { return Stand::Over(None) };
     let separation = if height < 0.0 { -apart } else { apart };
-    let real = separation >= -pair.length_error() && faces_towards(pair, side, vertex, -outward);
+    // Lengths first: which way features face costs more to tell.
+    let real = separation <= below
+        && separation >= -pair.length_error()
+        && faces_towards(pair, side, vertex, -outward);
     let features = [Feature::Vertex(vertex), Feature::Face(face)];
     Stand::Over(real.then(|| contact(side, features, [p, foot], -outward, separation)))
 }
@@ -107,7 +108,7 @@ pub(crate) fn vertex_rim(
     faced.then(|| contact(side, [Feature::Vertex(vertex), rim], [p, foot], towards, separation))
 }
 
-/// Two edges that cross when seen along their common normal, no farther than `below` apart; the
+/// Two edges that cross when seen along their common normal, no farther than `below` (or rounding) apart; the
 /// separation is negative where the solids beneath them overlap.
 pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option<Contact> {
     let (p, q) = (pair.segment(Side::First, e), pair.segment(Side::Second, g));
@@ -118,7 +119,8 @@ pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option
         return None;
     }
     let lift = cross.dot(q[0] - p[0]);
-    if lift * lift > below * below * squared {
+    let reach = below + pair.length_error();
+    if lift * lift > reach * reach * squared {
         return None;
     }
     let (s, t) = closest_on_segments(&p, &q);
@@ -127,18 +129,22 @@ pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option
     if !open(s) || !open(t) {
         return None;
     }
+    let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
+    let unit = cross / squared.sqrt();
+    // Lengths first: which way features face costs more to tell.
+    if unit.dot(point_b - point_a).abs() > below.max(pair.length_error()) {
+        return None;
+    }
     let (ridge_e, ridge_g) = (Ridge::of(pair, Side::First, e), Ridge::of(pair, Side::Second, g));
     if !ridge_e.is_sharp || !ridge_g.is_sharp {
         return None;
     }
-    let unit = cross / squared.sqrt();
     let normal = [unit, -unit].into_iter().find(|&n| {
         ridge_e.leads_out(n)
             && ridge_g.leads_out(-n)
             && faces_fall_away(pair, Side::First, e, n)
             && faces_fall_away(pair, Side::Second, g, -n)
     })?;
-    let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
     let separation = normal.dot(point_b - point_a);
     Some(Contact { id: (Feature::Edge(e), Feature::Edge(g)), point_a, point_b, normal, separation })
 }
@@ -146,15 +152,16 @@ pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option
 /// The contact of two features across a gap, named as an answer names them; `None` where they do not
 /// (or no longer) face each other.
 pub(crate) fn across_gap(pair: &Pair, id: (Feature, Feature), below: f64) -> Option<Contact> {
-    let over = |stand| match stand {
-        Stand::Over(contact) => contact,
-        Stand::Beside(_) => None,
+    let before = |side: Side, v, f| {
+        let triangle = pair.triangle(side.other(), f);
+        match vertex_face(pair, side, (v, pair.position(side, v)), (f, &triangle), below) {
+            Stand::Over(contact) => contact,
+            Stand::Beside(_) => None,
+        }
     };
     let found = match id {
-        (Feature::Vertex(v), Feature::Face(g)) => over(vertex_face(pair, Side::First, v, g, below)),
-        (Feature::Face(f), Feature::Vertex(w)) => {
-            over(vertex_face(pair, Side::Second, w, f, below))
-        }
+        (Feature::Vertex(v), Feature::Face(g)) => before(Side::First, v, g),
+        (Feature::Face(f), Feature::Vertex(w)) => before(Side::Second, w, f),
         (Feature::Vertex(v), rim) => vertex_rim(pair, Side::First, v, rim, below),
         (rim, Feature::Vertex(w)) => vertex_rim(pair, Side::Second, w, rim, below),
         (Feature::Edge(e), Feature::Edge(g)) => edge_edge(pair, e, g, below),

@@ -6,14 +6,16 @@
 //! branch and bound (`search`), begun from last step's. A patch too large to be a place yields
 //! as many as span it. Features make contacts only along directions that they face in the full
 //! mesh (`facing`), and their normals are exact there (`feature_pair`). Where the solids overlap,
-//! depths take the place of gaps (`overlap`).
+//! depths take the place of gaps (`overlap`). From which face a feature is looked at stands in `ownership`.
 //!
-//! The answer is a function of models, poses and margin: memory holds upper bounds only.
+//! The answer is a function of models, poses and margin: memory holds upper bounds, and what
+//! the models alone say.
 
 mod facet;
 pub(crate) mod facing;
 mod feature_pair;
 mod overlap;
+mod ownership;
 mod posed;
 mod search;
 
@@ -23,6 +25,7 @@ use cranny_exact::Meeting;
 use cranny_geometry::{Model, PatchId};
 
 use self::feature_pair::{across_gap, patch_index};
+pub(crate) use self::search::Kept;
 use self::search::{Search, nearer};
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
@@ -34,6 +37,7 @@ use crate::surface::{FacePair, strongest};
 pub(crate) struct ContactMemory {
     digests: [[u8; 32]; 2],
     nearest: BTreeMap<[PatchId; 2], (Feature, Feature)>,
+    kept: Kept,
 }
 
 impl ContactMemory {
@@ -41,12 +45,12 @@ impl ContactMemory {
     fn belong_to(&mut self, pair: &Pair) {
         let digests = Side::BOTH.map(|side| pair.model(side).digest());
         if self.digests != digests {
-            *self = Self { digests, nearest: BTreeMap::new() };
+            *self = Self { digests, ..Self::default() };
         }
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.nearest.len() * size_of::<([PatchId; 2], (Feature, Feature))>()
+        self.nearest.len() * size_of::<([PatchId; 2], (Feature, Feature))>() + self.kept.bytes()
     }
 }
 
@@ -69,7 +73,8 @@ pub(crate) fn near_patches(
     counters: &mut Counters,
 ) -> Near {
     memory.belong_to(pair);
-    let mut search = Search::new(pair);
+    memory.kept.reserve(pair);
+    let mut search = Search::new(pair, std::mem::take(&mut memory.kept));
     let mut groups: BTreeMap<[PatchId; 2], Vec<Contact>> = BTreeMap::new();
     let mut nearest = BTreeMap::new();
     for patches in search.near_patches(margin, counters) {
@@ -89,9 +94,8 @@ pub(crate) fn near_patches(
         }
     }
     memory.nearest = nearest;
-    let mut meeting = std::mem::take(&mut search.meeting);
-    meeting.sort_unstable();
-    meeting.dedup();
+    let (kept, meeting) = search.end();
+    memory.kept = kept;
     if strongest(&meeting) == Meeting::Cross {
         for contact in overlap::overlaps(pair, &meeting, counters) {
             groups.entry(patches_of(pair, contact.id)).or_default().push(contact);
@@ -109,6 +113,28 @@ pub(crate) fn near_patches(
     Near { meeting, contacts }
 }
 
+/// Every pair of faces that meet, by ascending ids; where `only_verdict`, none but those that were seen when the
+/// first patches crossed.
+///
+/// What boxes cannot part, planes over patches may: the flanks of a thread.
+pub(crate) fn meetings_of_patches(
+    pair: &Pair,
+    only_verdict: bool,
+    kept: &mut Kept,
+    counters: &mut Counters,
+) -> Vec<FacePair> {
+    let mut search = Search::new(pair, std::mem::take(kept));
+    for patches in search.near_patches(0.0, counters) {
+        search.meetings(patches, counters);
+        if only_verdict && search.has_crossed() {
+            break;
+        }
+    }
+    let meeting;
+    (*kept, meeting) = search.end();
+    meeting
+}
+
 fn patches_of(pair: &Pair, id: (Feature, Feature)) -> [PatchId; 2] {
     let of = |side, feature| PatchId(patch_index(pair.model(side), feature));
     [of(Side::First, id.0), of(Side::Second, id.1)]
@@ -121,5 +147,58 @@ impl Contact {
     pub fn patches(&self, a: &Model, b: &Model) -> (PatchId, PatchId) {
         let of = |model: &Model, feature| PatchId(patch_index(model, feature));
         (of(a, self.id.0), of(b, self.id.1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pair::PosedVertices;
+    use crate::query::Placed;
+    use crate::surface::meeting_pairs;
+    use cranny_exact::{DQuat, DVec3, Pose};
+    use cranny_geometry::BuildOptions;
+    use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
+    use cranny_testkit::Rng;
+
+    fn shape(shape: impl Into<Shape>) -> Model {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
+    }
+
+    #[test]
+    fn patches_meet_where_boxes_do() {
+        let bodies = [
+            shape(Cuboid::default()),
+            shape(Cup { segments: 9, ..Cup::default() }),
+            shape(Comb { teeth: 4, ..Comb::default() }),
+            shape(Torus { major_segments: 12, minor_segments: 7, ..Torus::default() }),
+        ];
+        let mut rng = Rng::new(9);
+        let (mut met, mut kept) = ([0; 3], Kept::default());
+        for round in 0..240 {
+            // Every other one is of cubes without a turn: faces lie on faces, and edges on edges.
+            let turned = round % 2 == 1;
+            let (a, b) = if turned { (rng.below(4), rng.below(4)) } else { (0, 0) };
+            let (a, b) = (&bodies[a], &bodies[b]);
+            let turn = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
+            let rotation = if turned { turn } else { DQuat::IDENTITY };
+            let step = |rng: &mut Rng| 0.25 * rng.below(9) as f64 - 1.0;
+            let translation = DVec3::new(step(&mut rng), step(&mut rng), step(&mut rng));
+            let (a, b) = (
+                Placed { model: a, pose: Pose::IDENTITY },
+                Placed { model: b, pose: Pose { rotation, translation } },
+            );
+            let mut posed = PosedVertices::default();
+            let pair = Pair::new(a, b, &mut posed);
+            let mut counters = Counters::default();
+            let truth = meeting_pairs(&pair, &mut counters);
+            let found = meetings_of_patches(&pair, false, &mut kept, &mut counters);
+            assert_eq!(found, truth, "round {round}");
+            let some = meetings_of_patches(&pair, true, &mut kept, &mut counters);
+            assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
+            assert_eq!(strongest(&some), strongest(&truth), "round {round}");
+            met[strongest(&truth) as usize] += 1;
+        }
+        assert!(met.iter().all(|&n| n > 10), "{met:?}");
     }
 }

@@ -2,40 +2,78 @@
 //! met, each leaf's corners when that is first opened, each triangle's planes when they are first asked for. Kept
 //! for one query.
 
-use cranny_exact::DVec3;
-use cranny_geometry::{FaceId, PatchId, Slab};
+use cranny_exact::{Aabb, DMat3, DVec3};
+use cranny_geometry::{FaceId, PatchId};
 
 use super::facet::Facet;
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 
-/// A node of a patch's tree: a ball around its box, and the plane over its faces.
+/// What is not there yet.
+const NONE: u32 = u32::MAX;
+
+/// Whether two boxes are more than `reach` apart along some axis.
+#[inline]
+pub(super) fn are_apart(x: &Aabb, y: &Aabb, reach: f64) -> bool {
+    let [along, back] = [y.min - x.max, x.min - y.max];
+    let beyond = |gap: DVec3| gap.x > reach || gap.y > reach || gap.z > reach;
+    beyond(along) || beyond(back)
+}
+
+/// The box of three points.
+#[inline]
+fn around([a, b, c]: &[DVec3; 3]) -> Aabb {
+    Aabb { min: a.min(*b).min(*c), max: a.max(*b).max(*c) }
+}
+
+/// A node of a patch's tree: a box and a ball around its faces, and a plane over them.
 pub(super) struct Node {
-    pub(super) center: DVec3,
-    pub(super) radius: f64,
+    /// In the pair's frame: for the second body the box of its posed box.
+    bounds: Aabb,
+    center: DVec3,
+    radius: f64,
     pub(super) normal: DVec3,
     pub(super) height: f64,
-    /// Where a leaf's triangles are, once they are posed.
-    triangles: Option<[u32; 2]>,
+    /// The number of an opened leaf.
+    leaf: u32,
 }
 
 impl Node {
-    /// A lower bound of the distance between what two nodes hold, but for rounding.
+    /// A lower bound of the distance between what two nodes hold, but for rounding; `None` where that is beyond
+    /// `limit`.
     ///
-    /// Balls tell, and each plane about the other's ball. Planes that face each other tell more: along the
-    /// normal n of one, points y below the other's plane, m · y <= g, are as high as
+    /// Boxes and balls tell, and each plane about the other's ball. Planes that face each other tell more: along
+    /// the normal n of one, points y below the other's plane, m · y <= g, are as high as
     /// n · y = (n + m) · y − m · y >= (n + m) · y − g, and n + m nearly vanishes.
     #[inline]
-    pub(super) fn separation_lower(&self, other: &Self) -> f64 {
-        let balls = (other.center - self.center).length() - self.radius - other.radius;
+    pub(super) fn separation_lower(&self, other: &Self, limit: f64) -> Option<f64> {
+        if are_apart(&self.bounds, &other.bounds, limit) {
+            return None;
+        }
+        let touching = self.radius + other.radius + limit;
+        if (other.center - self.center).length_squared() > touching * touching {
+            return None;
+        }
         let over_self = self.normal.dot(other.center) - other.radius - self.height;
         let over_other = other.normal.dot(self.center) - self.radius - other.height;
+        if over_self > limit || over_other > limit {
+            return None;
+        }
         let sum = self.normal + other.normal;
         let (length, heights) = (sum.length(), self.height + other.height);
         let along_self = sum.dot(other.center) - length * other.radius - heights;
         let along_other = sum.dot(self.center) - length * self.radius - heights;
-        balls.max(over_self).max(over_other).max(along_self).max(along_other)
+        let most = |x: f64, y: f64| if x > y { x } else { y };
+        let lower = most(most(over_self, over_other), most(along_self, along_other));
+        (lower <= limit).then_some(lower)
     }
+}
+
+/// A leaf's triangles, and a box around them.
+#[derive(Clone, Copy)]
+struct Leaf {
+    triangles: [u32; 2],
+    bounds: Aabb,
 }
 
 /// A patch's tree among the nodes that are kept.
@@ -46,32 +84,60 @@ pub(super) struct PosedTree {
     start: u32,
 }
 
-/// A posed triangle, and which facet it is, once that is made.
+/// A posed triangle, its box, and which facet it is, once that is made.
 struct Triangle {
     face: FaceId,
     corners: [DVec3; 3],
-    facet: Option<u32>,
+    bounds: Aabb,
+    facet: u32,
+}
+
+/// How much of a body was posed for a query.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sizes {
+    nodes: usize,
+    leaves: usize,
+    triangles: usize,
+    facets: usize,
 }
 
 /// What of one body was posed.
 pub(super) struct Posed {
     side: Side,
+    /// Absolute values of the rotation from second to first.
+    absolute: DMat3,
     patches: Numbering,
     trees: Vec<Option<PosedTree>>,
     nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
     triangles: Vec<Triangle>,
     facets: Vec<Facet>,
 }
 
 impl Posed {
-    pub(super) fn new(side: Side) -> Self {
+    /// With room for as much as was posed the last time.
+    pub(super) fn new(pair: &Pair, side: Side, sizes: Sizes) -> Self {
+        let m = pair.first_from_second.linear;
+        let Sizes { nodes, leaves, triangles, facets } = sizes;
         Self {
             side,
+            absolute: DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs()),
             patches: Numbering::default(),
             trees: Vec::new(),
-            nodes: Vec::new(),
-            triangles: Vec::new(),
-            facets: Vec::new(),
+            nodes: Vec::with_capacity(nodes),
+            leaves: Vec::with_capacity(leaves),
+            triangles: Vec::with_capacity(triangles),
+            facets: Vec::with_capacity(facets),
+        }
+    }
+
+    /// How much was posed.
+    pub(super) fn sizes(&self) -> Sizes {
+        Sizes {
+            nodes: self.nodes.len(),
+            leaves: self.leaves.len(),
+            triangles: self.triangles.len(),
+            facets: self.facets.len(),
         }
     }
 
@@ -86,70 +152,90 @@ impl Posed {
         let start = self.nodes.len() as u32;
         let tree = forest.root(patch.index()).map(|root| PosedTree { root, start });
         self.trees.push(tree);
+        let map = &pair.first_from_second;
         for (node, index) in forest.nodes(patch.index()).iter().zip(tree?.root..) {
-            let (slab, center) = (patches.slab(index), node.bounds.center());
-            let radius = node.bounds.half_extents().length();
-            self.nodes.push(self.posed(pair, slab, center, radius));
+            let (slab, bounds) = (patches.slab(index), node.bounds);
+            let (center, extents) = (bounds.center(), bounds.half_extents());
+            let radius = extents.length();
+            let posed = match self.side {
+                Side::First => Node {
+                    bounds,
+                    center,
+                    radius,
+                    normal: slab.normal,
+                    height: slab.height,
+                    leaf: NONE,
+                },
+                Side::Second => {
+                    let (center, normal) = (map.apply(center), map.apply_vector(slab.normal));
+                    let reach = self.absolute * extents;
+                    let bounds = Aabb { min: center - reach, max: center + reach };
+                    let height = slab.height + normal.dot(map.translation);
+                    Node { bounds, center, radius, normal, height, leaf: NONE }
+                }
+            };
+            self.nodes.push(posed);
         }
         tree
-    }
-
-    fn posed(&self, pair: &Pair, slab: &Slab, center: DVec3, radius: f64) -> Node {
-        let Slab { normal, height } = *slab;
-        let (center, normal, height) = match self.side {
-            Side::First => (center, normal, height),
-            Side::Second => {
-                let map = &pair.first_from_second;
-                let normal = map.apply_vector(normal);
-                (map.apply(center), normal, height + normal.dot(map.translation))
-            }
-        };
-        Node { center, radius, normal, height, triangles: None }
     }
 
     pub(super) fn node(&self, tree: &PosedTree, node: u32) -> &Node {
         &self.nodes[(tree.start + (node - tree.root)) as usize]
     }
 
-    /// Lists the facets of a leaf but those whose corners all lie higher than `height` along `normal`.
-    pub(super) fn facets_beneath(
-        &mut self,
-        pair: &Pair,
+    /// Opens a leaf, whose triangles are posed if they are not there; returns the box around them.
+    pub(super) fn open(&mut self, pair: &Pair, (tree, leaf): (&PosedTree, u32)) -> Aabb {
+        let at = (tree.start + (leaf - tree.root)) as usize;
+        if self.nodes[at].leaf == NONE {
+            self.nodes[at].leaf = self.leaves.len() as u32;
+            let arena = pair.model(self.side).patches().trees().arena();
+            let first = self.triangles.len() as u32;
+            let mut all = Aabb::EMPTY;
+            for &face in arena.leaf_faces(leaf) {
+                let corners = pair.triangle(self.side, face);
+                let bounds = around(&corners);
+                all = all.union(&bounds);
+                self.triangles.push(Triangle { face, corners, bounds, facet: NONE });
+            }
+            // Tighter than the box of a posed box.
+            self.nodes[at].bounds = all;
+            self.leaves.push(Leaf { triangles: [first, self.triangles.len() as u32], bounds: all });
+        }
+        self.leaves[self.nodes[at].leaf as usize].bounds
+    }
+
+    /// Lists the triangles of an opened leaf that reach into a box, but those whose corners all lie higher than
+    /// `height` along `normal`.
+    pub(super) fn within(
+        &self,
         (tree, leaf): (&PosedTree, u32),
+        (bounds, reach): (&Aabb, f64),
         (normal, height): (DVec3, f64),
-        found: &mut Vec<u32>,
+        found: &mut Vec<(u32, Aabb)>,
     ) {
         found.clear();
-        let [start, end] = self.opened(pair, tree, leaf);
-        for triangle in &mut self.triangles[start as usize..end as usize] {
-            if triangle.corners.iter().all(|p| normal.dot(*p) > height) {
-                continue;
+        let Leaf { triangles: [start, end], .. } = self.leaves[self.node(tree, leaf).leaf as usize];
+        for (i, triangle) in (start..end).zip(&self.triangles[start as usize..end as usize]) {
+            if !are_apart(&triangle.bounds, bounds, reach)
+                && triangle.corners.iter().any(|p| normal.dot(*p) <= height)
+            {
+                found.push((i, triangle.bounds));
             }
-            let facets = &mut self.facets;
-            found.push(*triangle.facet.get_or_insert_with(|| {
-                let Triangle { face, corners, .. } = *triangle;
-                facets.push(Facet::of(face, corners));
-                facets.len() as u32 - 1
-            }));
         }
     }
 
-    /// Where a leaf's triangles are; poses them, if they are not there.
-    fn opened(&mut self, pair: &Pair, tree: &PosedTree, leaf: u32) -> [u32; 2] {
-        let slot = &mut self.nodes[(tree.start + (leaf - tree.root)) as usize].triangles;
-        *slot.get_or_insert_with(|| {
-            let arena = pair.model(self.side).patches().trees().arena();
-            let first = self.triangles.len() as u32;
-            self.triangles.extend(arena.leaf_faces(leaf).iter().map(|&face| {
-                let corners = pair.triangle(self.side, face);
-                Triangle { face, corners, facet: None }
-            }));
-            [first, self.triangles.len() as u32]
-        })
+    /// The facet of a triangle; its number among facets.
+    pub(super) fn make_facet(&mut self, triangle: u32) -> usize {
+        let slot = &mut self.triangles[triangle as usize];
+        if slot.facet == NONE {
+            slot.facet = self.facets.len() as u32;
+            self.facets.push(Facet::of(slot.face, slot.corners));
+        }
+        slot.facet as usize
     }
 
-    pub(super) fn facet(&self, index: u32) -> &Facet {
-        &self.facets[index as usize]
+    pub(super) fn facet(&self, index: usize) -> &Facet {
+        &self.facets[index]
     }
 }
 
@@ -159,23 +245,35 @@ mod tests {
 
     fn node(center: [f64; 3], normal: DVec3, height: f64) -> Node {
         let center = DVec3::from_array(center);
-        Node { center, radius: 1.0, normal, height, triangles: None }
+        // As if it held whatever fits into the ball.
+        let bounds = Aabb { min: center - DVec3::ONE, max: center + DVec3::ONE };
+        Node { bounds, center, radius: 1.0, normal, height, leaf: NONE }
     }
 
     #[test]
-    fn balls_and_planes_bound_the_gap_between_nodes() {
-        let nothing = |x| node([x, 0.0, 0.0], DVec3::ZERO, 0.0);
-        assert_eq!(nothing(0.0).separation_lower(&nothing(5.0)), 3.0);
+    fn boxes_balls_and_planes_bound_the_gap_between_nodes() {
+        let nothing = |x, y| node([x, y, 0.0], DVec3::ZERO, 0.0);
+        let beyond = |a: &Node, b: &Node, limit| a.separation_lower(b, limit).is_none();
+        // Boxes tell, and across corners balls do.
+        let middle = nothing(0.0, 0.0);
+        assert!(
+            beyond(&middle, &nothing(5.0, 0.0), 2.9) && !beyond(&middle, &nothing(5.0, 0.0), 3.0)
+        );
+        assert!(
+            beyond(&middle, &nothing(3.0, 4.0), 2.9) && !beyond(&middle, &nothing(3.0, 4.0), 3.0)
+        );
         // Faces that lie along z = 0 and z = 0.25, looking at each other; their balls overlap.
         let floor = node([0.0; 3], DVec3::Z, 0.0);
         let ceiling = |tilt: DVec3| node([0.5, 0.0, 0.25], (tilt - DVec3::Z).normalize(), -0.25);
-        assert_eq!(floor.separation_lower(&ceiling(DVec3::ZERO)), 0.25);
-        assert_eq!(ceiling(DVec3::ZERO).separation_lower(&floor), 0.25);
+        assert_eq!(floor.separation_lower(&ceiling(DVec3::ZERO), 1.0), Some(0.25));
+        assert_eq!(ceiling(DVec3::ZERO).separation_lower(&floor, 1.0), Some(0.25));
+        assert!(beyond(&floor, &ceiling(DVec3::ZERO), 0.2));
         // A little tilted: what is lost is what the tilt takes within a ball.
-        let tilted = floor.separation_lower(&ceiling(0.01 * DVec3::X));
+        let tilted = floor.separation_lower(&ceiling(0.01 * DVec3::X), 1.0).unwrap();
         assert!((0.23..0.25).contains(&tilted), "{tilted}");
         // Whatever looks the other way is bounded by the plane about its ball.
         let above = node([0.0, 0.0, 1.5], DVec3::Z, 1.5);
-        assert_eq!(floor.separation_lower(&above), 0.5);
+        assert_eq!(floor.separation_lower(&above, 1.0), Some(0.5));
+        assert!(beyond(&floor, &above, 0.4));
     }
 }

@@ -9,11 +9,13 @@
 //! The descent sees every pair of triangles that meet, since a bound above 0 is what leaves a pair out:
 //! the exact verdict on the surfaces comes with the contacts.
 
+use cranny_exact::{Aabb, Meeting};
 use cranny_geometry::{Content, PatchId};
 
-use super::facet::{Facet, Outcodes, may_cross};
+use super::facet::{Facet, Outcodes, may_cross, ones};
 use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
-use super::posed::{Posed, PosedTree};
+use super::ownership::{Owned, Ownership};
+use super::posed::{Posed, PosedTree, Sizes, are_apart};
 use crate::answer::{Contact, Counters, Feature};
 use crate::descent::{BoxTest, Opened, opened};
 use crate::pair::{Pair, Side};
@@ -29,6 +31,27 @@ pub(super) fn nearer(x: &Contact, y: &Contact) -> std::cmp::Ordering {
     x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id))
 }
 
+/// What of a search serves the next one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kept {
+    owned: [Ownership; 2],
+    /// How much was posed: as much will be.
+    sizes: [Sizes; 2],
+}
+
+impl Kept {
+    /// Makes room for what faces own, which a search for contacts asks for.
+    pub(super) fn reserve(&mut self, pair: &Pair) {
+        for side in Side::BOTH {
+            self.owned[side.index()].reserve(pair, side);
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.owned.iter().map(Ownership::bytes).sum()
+    }
+}
+
 /// Searches pairs of patches of one pair of bodies.
 pub(super) struct Search<'a, 'b> {
     pair: &'a Pair<'b>,
@@ -39,18 +62,27 @@ pub(super) struct Search<'a, 'b> {
     coarse_beyond: [f64; 2],
     stack: Vec<(f64, u32, u32)>,
     posed: [Posed; 2],
-    /// Scratch: facets of two leaves that are not wholly over the other leaf's plane.
-    near: [Vec<u32>; 2],
+    /// Scratch: triangles of two leaves that may be within reach of the other leaf.
+    near: [Vec<(u32, Aabb)>; 2],
+    kept: Kept,
     /// Faces that meet, in the order of their discovery; a pair of patches searched twice tells twice.
-    pub(super) meeting: Vec<FacePair>,
+    meeting: Vec<FacePair>,
+}
+
+/// Which contacts of two patches are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    /// None: only which faces meet.
+    Nothing,
+    Nearest,
+    All,
 }
 
 /// What is looked for between two patches.
 struct Quest {
     /// No contact farther than this is wanted; shrinks as nearer ones are found.
     limit: f64,
-    /// All contacts, not only the nearest.
-    all: bool,
+    wanted: Wanted,
     found: Vec<Contact>,
 }
 
@@ -59,7 +91,7 @@ impl Quest {
         if contact.separation > self.limit {
             return;
         }
-        if self.all {
+        if self.wanted == Wanted::All {
             self.found.push(contact);
         } else if self.found.first().is_none_or(|best| nearer(&contact, best).is_lt()) {
             self.limit = contact.separation.max(0.0);
@@ -69,7 +101,7 @@ impl Quest {
 }
 
 impl<'a, 'b> Search<'a, 'b> {
-    pub(super) fn new(pair: &'a Pair<'b>) -> Self {
+    pub(super) fn new(pair: &'a Pair<'b>, kept: Kept) -> Self {
         let coarse_beyond = Side::BOTH.map(|side| {
             let b = pair.model(side).bounds();
             COARSE * COARSE * (b.max - b.min).length_squared()
@@ -81,10 +113,20 @@ impl<'a, 'b> Search<'a, 'b> {
             culling_error: pair.culling_error(),
             coarse_beyond,
             stack: Vec::new(),
-            posed: Side::BOTH.map(Posed::new),
+            posed: Side::BOTH.map(|side| Posed::new(pair, side, kept.sizes[side.index()])),
             near: [Vec::new(), Vec::new()],
+            kept,
             meeting: Vec::new(),
         }
+    }
+
+    /// What is kept, and the faces that meet, by ascending ids.
+    pub(super) fn end(&mut self) -> (Kept, Vec<FacePair>) {
+        let mut meeting = std::mem::take(&mut self.meeting);
+        meeting.sort_unstable();
+        meeting.dedup();
+        let Kept { owned, .. } = std::mem::take(&mut self.kept);
+        (Kept { owned, sizes: self.posed.each_ref().map(Posed::sizes) }, meeting)
     }
 
     /// All pairs of patches whose boxes may be within `margin`.
@@ -131,19 +173,37 @@ impl<'a, 'b> Search<'a, 'b> {
         limit: f64,
         counters: &mut Counters,
     ) -> Vec<Contact> {
+        let wanted = if self.is_coarse(patches) { Wanted::All } else { Wanted::Nearest };
+        let mut quest = Quest { limit, wanted, found: Vec::new() };
+        self.descend(patches, &mut quest, counters);
+        quest.found
+    }
+
+    /// The faces of two patches that meet; are added to [`meeting`](Self::meeting).
+    pub(super) fn meetings(&mut self, patches: [PatchId; 2], counters: &mut Counters) {
+        let mut quest = Quest { limit: 0.0, wanted: Wanted::Nothing, found: Vec::new() };
+        self.descend(patches, &mut quest, counters);
+    }
+
+    /// Whether faces that cross were seen.
+    pub(super) fn has_crossed(&self) -> bool {
+        self.meeting.iter().any(|p| p.meeting == Meeting::Cross)
+    }
+
+    fn descend(&mut self, patches: [PatchId; 2], quest: &mut Quest, counters: &mut Counters) {
         let pair = self.pair;
-        let mut quest = Quest { limit, all: self.is_coarse(patches), found: Vec::new() };
         let [first, second] = Side::BOTH.map(|side| pair.model(side).patches().trees().arena());
         let [posed_a, posed_b] = &mut self.posed;
         let (Some(tree_a), Some(tree_b)) =
             (posed_a.tree(pair, patches[0]), posed_b.tree(pair, patches[1]))
         else {
-            return Vec::new();
+            return;
         };
         let trees = [tree_a, tree_b];
         let mut stack = std::mem::take(&mut self.stack);
         let (root_a, root_b) = (tree_a.root, tree_b.root);
-        stack.push((self.lower(&trees, root_a, root_b, limit), root_a, root_b));
+        let lower = self.lower(&trees, root_a, root_b, quest.limit);
+        stack.extend(lower.map(|lower| (lower, root_a, root_b)));
         while let Some((lower, a, b)) = stack.pop() {
             if lower > quest.limit {
                 continue;
@@ -154,33 +214,29 @@ impl<'a, 'b> Search<'a, 'b> {
                 Opened::First(left, right) => [(left, b), (right, b)],
                 Opened::Second(left, right) => [(a, left), (a, right)],
                 Opened::Neither => {
-                    self.leaves(&trees, [a, b], &mut quest, counters);
+                    self.leaves(&trees, [a, b], quest, counters);
                     continue;
                 }
             };
-            let mut children = children.map(|(a, b)| (self.lower(&trees, a, b, quest.limit), a, b));
-            if children[0].0 < children[1].0 {
+            let lower = |(a, b)| Some((self.lower(&trees, a, b, quest.limit)?, a, b));
+            let mut children = children.map(lower);
+            if let [Some(left), Some(right)] = children
+                && left.0 < right.0
+            {
                 children.swap(0, 1); // the nearer one is popped first
             }
-            stack.extend(children.into_iter().filter(|child| child.0 <= quest.limit));
+            stack.extend(children.into_iter().flatten());
         }
         self.stack = stack;
-        quest.found
     }
 
-    /// A lower bound of the gap between what two nodes of the patches' trees hold; boxes are not asked where
-    /// balls and planes tell that it is beyond `limit`.
-    fn lower(&self, trees: &[PosedTree; 2], a: u32, b: u32, limit: f64) -> f64 {
+    /// A lower bound of the gap between what two nodes of the patches' trees hold; `None` where that is beyond
+    /// `limit`.
+    fn lower(&self, trees: &[PosedTree; 2], a: u32, b: u32, limit: f64) -> Option<f64> {
         let [first, second] = &self.posed;
         let (posed_a, posed_b) = (first.node(&trees[0], a), second.node(&trees[1], b));
-        let lower = posed_a.separation_lower(posed_b) - self.culling_error;
-        if lower > limit {
-            return lower;
-        }
-        let arena = |side| self.pair.model(side).patches().trees().arena();
-        let (box_a, box_b) =
-            (&arena(Side::First).node(a).bounds, &arena(Side::Second).node(b).bounds);
-        lower.max(self.boxes.distance_lower(box_a, box_b))
+        let lower = posed_a.separation_lower(posed_b, limit + self.culling_error)?;
+        Some(lower - self.culling_error)
     }
 
     fn leaves(
@@ -193,6 +249,8 @@ impl<'a, 'b> Search<'a, 'b> {
         let pair = self.pair;
         let mut meeting = std::mem::take(&mut self.meeting);
         let [mut near_a, mut near_b] = std::mem::take(&mut self.near);
+        near_a.clear();
+        near_b.clear();
         let [(tree_a, a), (tree_b, b)] = [(&trees[0], leaves[0]), (&trees[1], leaves[1])];
         let rounding = self.culling_error;
         let reach = quest.limit + rounding;
@@ -201,26 +259,32 @@ impl<'a, 'b> Search<'a, 'b> {
             (node.normal, node.height + reach)
         };
         let [first, second] = &mut self.posed;
-        let over_b = plane(second, tree_b, b);
-        first.facets_beneath(pair, (tree_a, a), over_b, &mut near_a);
-        if !near_a.is_empty() {
+        let bounds = [first.open(pair, (tree_a, a)), second.open(pair, (tree_b, b))];
+        if !are_apart(&bounds[0], &bounds[1], reach) {
+            let over_b = plane(second, tree_b, b);
+            first.within((tree_a, a), (&bounds[1], reach), over_b, &mut near_a);
+            let kept = near_a.iter().fold(Aabb::EMPTY, |all, (_, bounds)| all.union(bounds));
             let over_a = plane(first, tree_a, a);
-            second.facets_beneath(pair, (tree_b, b), over_a, &mut near_b);
+            second.within((tree_b, b), (&kept, reach), over_a, &mut near_b);
         }
-        let [first, second] = &self.posed;
-        for f in near_a.iter().map(|&i| first.facet(i)) {
-            for g in near_b.iter().map(|&i| second.facet(i)) {
+        for (i, bounds) in &near_a {
+            for (j, others) in &near_b {
                 let reach = quest.limit + rounding;
-                if f.is_far_from(g, reach) {
+                if are_apart(bounds, others, reach) {
                     continue;
                 }
-                let Some(of_g) = f.outcodes(g, reach) else { continue };
-                let Some(of_f) = g.outcodes(f, reach) else { continue };
+                let [first, second] = &mut self.posed;
+                let (i, j) = (first.make_facet(*i), second.make_facet(*j));
+                let [first, second] = &self.posed;
+                let (f, g) = (first.facet(i), second.facet(j));
+                let Some(out) = Facet::outcodes([f, g], quest.limit, rounding) else { continue };
                 counters.triangle_tests += 1;
-                if of_f.least_height.max(of_g.least_height) <= rounding {
+                if out.iter().all(|of| of.least_height <= rounding) {
                     meeting.extend(FacePair::of([f.face, g.face], [&f.corners, &g.corners]));
                 }
-                self.facets(f, g, [of_f, of_g], quest);
+                if quest.wanted != Wanted::Nothing {
+                    self.facets(f, g, out, quest);
+                }
             }
         }
         (self.meeting, self.near) = (meeting, [near_a, near_b]);
@@ -228,30 +292,25 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Offers the contacts of two triangles; `out` tells where the corners of the first and of the second are.
     fn facets(&self, f: &Facet, g: &Facet, out: [Outcodes; 2], quest: &mut Quest) {
-        for corner in 0..3 {
-            if !out[0].corner_out(corner) && f.owns_corner(self.pair, Side::First, corner) {
-                self.vertex(Side::First, f, corner, g, quest);
-            }
+        let [own_f, own_g] = [self.owned(Side::First, f), self.owned(Side::Second, g)];
+        for corner in ones(out[0].corners() & own_f.corners) {
+            self.vertex(Side::First, f, corner, g, quest);
         }
-        for corner in 0..3 {
-            if !out[1].corner_out(corner) && g.owns_corner(self.pair, Side::Second, corner) {
-                self.vertex(Side::Second, g, corner, f, quest);
-            }
+        for corner in ones(out[1].corners() & own_g.corners) {
+            self.vertex(Side::Second, g, corner, f, quest);
         }
-        for i in (0..3).filter(|&i| !out[0].side_out(i)) {
-            for j in (0..3).filter(|&j| !out[1].side_out(j)) {
+        let sides = out[1].sides() & own_g.sides;
+        for i in ones(out[0].sides() & own_f.sides) {
+            for j in ones(sides) {
                 let below = quest.limit + self.error;
-                if !may_cross(f.side(i), g.side(j), below)
-                    || !f.owns_side(self.pair, Side::First, i)
-                    || !g.owns_side(self.pair, Side::Second, j)
-                {
+                if !may_cross(f.side(i), g.side(j), below) {
                     continue;
                 }
                 let (e, k) = (
                     self.pair.edge(Side::First, f.face, i),
                     self.pair.edge(Side::Second, g.face, j),
                 );
-                if let Some(contact) = edge_edge(self.pair, e, k, below)
+                if let Some(contact) = edge_edge(self.pair, e, k, quest.limit)
                     && contact.separation >= -self.error
                 {
                     quest.offer(contact);
@@ -260,17 +319,24 @@ impl<'a, 'b> Search<'a, 'b> {
         }
     }
 
+    /// What is looked at from a facet.
+    fn owned(&self, side: Side, facet: &Facet) -> Owned {
+        self.kept.owned[side.index()].of(self.pair, side, facet.face)
+    }
+
     /// Offers the contact of a corner of one triangle before another.
     fn vertex(&self, side: Side, own: &Facet, corner: usize, its: &Facet, quest: &mut Quest) {
         let vertex = self.pair.corner(side, own.face, corner);
-        let found = match vertex_face(self.pair, side, vertex, its.face, quest.limit) {
+        let (own, before) = ((vertex, own.corners[corner]), (its.face, &its.corners));
+        let found = match vertex_face(self.pair, side, own, before, quest.limit) {
             Stand::Over(found) => found,
             Stand::Beside(part) => {
                 let other = side.other();
                 let rim = part.feature(self.pair.model(other), its.face);
+                let Owned { corners, sides } = self.owned(other, its);
                 let owned = match part {
-                    Part::Corner(i) => its.owns_corner(self.pair, other, i.into()),
-                    Part::Edge(i) => its.owns_side(self.pair, other, i.into()),
+                    Part::Corner(i) => corners >> i & 1 != 0,
+                    Part::Edge(i) => sides >> i & 1 != 0,
                     Part::Inside => false,
                 };
                 // Two vertices are one pair, told from the first.
@@ -303,8 +369,8 @@ mod tests {
             separation,
         };
         let offered = [contact(1, 0.5), contact(3, 0.25), contact(2, 0.25), contact(0, 2.0)];
-        for (all, expected) in [(false, vec![2]), (true, vec![1, 3, 2])] {
-            let mut quest = Quest { limit: 1.0, all, found: Vec::new() };
+        for (wanted, expected) in [(Wanted::Nearest, vec![2]), (Wanted::All, vec![1, 3, 2])] {
+            let mut quest = Quest { limit: 1.0, wanted, found: Vec::new() };
             offered.into_iter().for_each(|c| quest.offer(c));
             let found: Vec<u32> = quest
                 .found

@@ -120,7 +120,7 @@ fn follow(a: &Model, b: &Model, nearest: bool, walk: impl IntoIterator<Item = Po
         let pair = Pair::new(at(a, Pose::IDENTITY), at(b, pose), &mut posed);
         let counters = &mut Counters::default();
         let truth = meeting_pairs(&pair, counters);
-        let (surface, _) = surface_verdict(&pair, counters);
+        let (surface, _) = surface_verdict(&pair, u64::MAX, counters).unwrap();
         // What is nearest is asked of surfaces that do not meet.
         let nearest = nearest && truth.is_empty();
         let now = truth.is_empty().then(|| solidity(&pair, surface, &truth, counters));

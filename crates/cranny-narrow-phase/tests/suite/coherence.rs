@@ -208,6 +208,38 @@ fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     assert!(answer.triangle_pairs > 100, "{}", answer.triangle_pairs);
 }
 
+/// Boxes do not part a thread's flanks: the verdict is then sought among patches. Regions, whose pairs of faces
+/// come from boxes, know nothing of that.
+#[test]
+fn a_verdict_among_patches_is_that_of_boxes() {
+    let bolt = shape(IsoBolt { length: Some(16.0), ..IsoBolt::default() });
+    let nut = shape(IsoNut { height: Some(6.0), ..IsoNut::default() });
+    let a = Placed { model: &bolt, pose: Pose::IDENTITY };
+    let mut memory = PairMemory::default();
+    let mut seen = [0; 3];
+    for frame in 0..12 {
+        // Along the helix, and now and then off it: against a flank, and back.
+        let turn = 0.006 * f64::from(frame);
+        let lift = [0.0, 0.0, 0.1, 0.0, -0.06, -0.06][frame as usize % 6];
+        let pose = Pose {
+            rotation: DQuat::from_axis_angle(DVec3::Z, turn * std::f64::consts::TAU),
+            translation: DVec3::new(0.0, 0.0, 8.0 + 2.0 * turn + lift),
+        };
+        let b = Placed { model: &nut, pose };
+        let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
+        let cold = ask(a, b, Demand::Intersects);
+        assert_eq!(told(&warm), told(&cold), "frame {frame}");
+        let by_boxes = ask(a, b, Demand::Regions { margin: 0.0 });
+        assert_eq!((warm.surface, warm.solid), (by_boxes.surface, by_boxes.solid), "frame {frame}");
+        seen[warm.surface as usize] += 1;
+        if warm.surface == Meeting::None {
+            assert!(4 * cold.counters.triangle_tests < by_boxes.counters.triangle_tests);
+            assert!(2 * cold.counters.node_tests < by_boxes.counters.node_tests);
+        }
+    }
+    assert!(seen[Meeting::None as usize] > 4 && seen[Meeting::Cross as usize] > 2, "{seen:?}");
+}
+
 #[test]
 fn what_is_inside_stays_inside_until_it_crosses() {
     let cup = shape(Cup { segments: 24, ..Cup::default() });
