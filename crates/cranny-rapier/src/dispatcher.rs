@@ -1,56 +1,46 @@
 //! The query dispatcher: Cranny's answers where our shape takes part, parry's elsewhere.
 //!
-//! | partner of a [`MeshShape`] | contacts from |
+//! | partner of a [`MeshShape`](crate::MeshShape) | contacts from |
 //! |---|---|
-//! | `MeshShape`, cuboid, convex polyhedron, triangle mesh, height field | the exact pair query |
+//! | `MeshShape`, cuboid, convex polyhedron, triangle, triangle mesh, height field, voxels | the exact pair query |
+//! | cuboid, convex polyhedron and triangle with a border radius | the same about what they are rounded from |
 //! | ball, capsule | nearest features of the mesh |
 //! | half-space | lowest vertices of the mesh |
-//! | all others | parry, with the mesh of the same triangles: hollow |
+//! | compound, also one that holds a `MeshShape` | each of its parts, as above |
+//! | all others: segment, cylinder, cone, the latter two rounded, shapes of an app's own | parry, with the mesh of the same triangles: hollow |
 //!
 //! Intersection tests, distances, closest points and single contacts between polyhedra are exact too.
 //! Of other partners parry tells how far the surfaces are; that one lies wholly inside our solid is
-//! seen here (a compound: when any part does).
+//! seen here. Of compounds each part is asked about.
 //! Shape casts (continuous collision detection) use the parry mesh of the same triangles.
 
-use std::any::Any;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Contact, Demand, PairMemory};
+use cranny_narrow_phase::{Demand, PairMemory};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose, Real, Vector};
-use rapier3d::parry::query::details::{NonlinearRigidMotion, NormalConstraints, ShapeCastOptions};
+use rapier3d::parry::query::details::{
+    self, NonlinearRigidMotion, NormalConstraints, ShapeCastOptions,
+};
 use rapier3d::parry::query::{
     ClosestPoints, Contact as ParryContact, ContactManifold, ContactManifoldsWorkspace,
     DefaultQueryDispatcher, PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit,
-    ShapeDistance, ShapeIntersection, TypedWorkspaceData, Unsupported, WorkspaceData,
+    ShapeDistance, ShapeIntersection, Unsupported,
 };
-use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
+use rapier3d::parry::shape::{Compound, Shape};
 
 use crate::ask::ask;
 use crate::convert::{narrow, pose_from_rapier, wide};
-use crate::deep::{thickness, way_out};
 use crate::log::AnswerLog;
-use crate::manifolds::{Manifold, packed, packed_patch, rebuild};
-use crate::partners::{
-    ball_contacts, capsule_contacts, half_space_contacts, holds, is_polyhedral, polyhedron,
-};
-use crate::shape::MeshShape;
+use crate::manifolds::{Manifold, rebuild};
+use crate::pair::{Found, PairWorkspace, for_parry, involves_ours, ours};
+use crate::partners::{holds, polyhedron};
 
 /// How far, as a multiple of the prediction distance, a contact may have moved and still be the
 /// same: beyond, its impulse belongs to another place.
 const SAME_PLACE: f64 = 1.0;
-
-/// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
-/// time is lost on what patches tell as well; smaller: a hook of 20 faces slips off an edge, since
-/// its patches are whole sides.
-const FINE: usize = 64;
-
-fn is_fine(model: &Model) -> bool {
-    model.mesh().faces().len() >= FINE
-}
 
 /// Puts the detector into rapier: `NarrowPhase::with_query_dispatcher(Dispatcher::default())`.
 #[derive(Clone, Debug, Default)]
@@ -70,39 +60,6 @@ impl Dispatcher {
     pub fn with_log(log: AnswerLog) -> Self {
         Self { log: Some(log) }
     }
-}
-
-/// What a pair keeps between steps, inside rapier's own workspace of the pair.
-struct PairWorkspace {
-    memory: Mutex<PairMemory>,
-    /// Models of partners that are polyhedra; `None` for our own shapes.
-    partners: [Option<Model>; 2],
-    /// Of the thinner one, as [`thickness`] tells it.
-    thickness: f64,
-}
-
-impl WorkspaceData for PairWorkspace {
-    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
-        TypedWorkspaceData::Custom
-    }
-
-    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
-        Box::new(Self {
-            memory: Mutex::new(self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone()),
-            partners: self.partners.clone(),
-            thickness: self.thickness,
-        })
-    }
-}
-
-fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
-    let any: &dyn Any = shape;
-    any.downcast_ref()
-}
-
-/// The shape that parry's own dispatcher understands in place of ours.
-fn for_parry(shape: &dyn Shape) -> &dyn Shape {
-    ours(shape).map_or(shape, |s| s.mesh() as &dyn Shape)
 }
 
 /// The models of two shapes that are polyhedra, one of them ours.
@@ -126,11 +83,6 @@ fn encloses(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
 
 /// One point of a connected shape decides for all of it.
 fn holds_partner(model: &Model, model_from_partner: &Pose, partner: &dyn Shape) -> bool {
-    if let Some(compound) = partner.as_compound() {
-        let mut parts = compound.shapes().iter();
-        return parts
-            .any(|(pose, part)| holds_partner(model, &(*model_from_partner * *pose), &**part));
-    }
     if partner.as_support_map().is_none() {
         return false; // a half-space or a surface: nothing encloses it
     }
@@ -139,53 +91,22 @@ fn holds_partner(model: &Model, model_from_partner: &Pose, partner: &dyn Shape) 
     holds(model, pose_from_rapier(model_from_partner).world_from_body().apply(wide(point)))
 }
 
+/// A pair of which one side is a compound and ours takes part: parry goes through the parts and asks us about
+/// each.
+enum Composite<'a> {
+    First(&'a Compound),
+    Second(&'a Compound),
+}
+
+impl<'a> Composite<'a> {
+    fn of(g1: &'a dyn Shape, g2: &'a dyn Shape) -> Option<Self> {
+        let first = g1.as_compound().map(Self::First);
+        let found = first.or_else(|| g2.as_compound().map(Self::Second))?;
+        (involves_ours(g1) || involves_ours(g2)).then_some(found)
+    }
+}
+
 impl Dispatcher {
-    /// Contacts of our shape with a shape that is no polyhedron, in our shape's frame; `None` where
-    /// parry must answer.
-    fn primitive_contacts(
-        shape: &MeshShape,
-        partner: &dyn Shape,
-        shape_from_partner: &ExactPose,
-        reach: f64,
-    ) -> Option<Vec<Contact>> {
-        let map = shape_from_partner.world_from_body();
-        let model = shape.model();
-        match partner.as_typed_shape() {
-            TypedShape::Ball(ball) => {
-                Some(ball_contacts(model, map.translation, ball.radius.into(), reach))
-            }
-            TypedShape::Capsule(capsule) => {
-                let axis = [capsule.segment.a, capsule.segment.b].map(|p| map.apply(wide(p)));
-                Some(capsule_contacts(model, axis, capsule.radius.into(), reach))
-            }
-            TypedShape::HalfSpace(half_space) => {
-                let normal = map.apply_vector(wide(half_space.normal)).normalize_or_zero();
-                Some(half_space_contacts(model, normal, normal.dot(map.translation), reach))
-            }
-            _ => None,
-        }
-    }
-
-    /// Contacts of a pair of which one shape is ours and the other no polyhedron, in the first
-    /// shape's frame; `None` where parry must answer.
-    fn partner_contacts(
-        pose: &ExactPose,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-        reach: f64,
-    ) -> Option<Vec<Contact>> {
-        if let Some(shape) = ours(g1) {
-            return Self::primitive_contacts(shape, g2, pose, reach);
-        }
-        let forth = pose.world_from_body();
-        let back = ExactPose {
-            rotation: pose.rotation.conjugate(),
-            translation: forth.inverse().translation,
-        };
-        let contacts = Self::primitive_contacts(ours(g2)?, g1, &back, reach)?;
-        Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
-    }
-
     /// Fills the manifolds of a pair in which ours takes part, and returns the time that the log's reader
     /// cost besides; `None` where parry must fill them.
     fn fill(
@@ -199,102 +120,46 @@ impl Dispatcher {
     ) -> Option<Duration> {
         let pose = pose_from_rapier(pos12);
         let reach = f64::from(prediction);
-        let Some(mut pair) = PairWorkspace::of(workspace, g1, g2) else {
-            let contacts = Self::partner_contacts(&pose, g1, g2, reach)?;
-            *workspace = Some(ContactManifoldsWorkspace::from(PairWorkspace::blank()));
-            let features = |contact: &Contact| (packed(contact.id.0), packed(contact.id.1));
-            rebuild(&contacts, features, &pose, SAME_PLACE * reach, manifolds);
-            return Some(Duration::ZERO);
-        };
-        let memory = pair.memory.get_mut().unwrap_or_else(PoisonError::into_inner);
-        let model = |g, partner: &Option<Model>| {
-            ours(g).map(|s| s.model().clone()).or_else(|| partner.clone())
-        };
-        let models = [model(g1, &pair.partners[0])?, model(g2, &pair.partners[1])?];
-        let demand = solver_demand(&models, reach);
+        let mut pair = taken(workspace, g1, g2);
+        let Found { contacts, answer } = pair.found(&pose, g1, g2, reach)?;
+        rebuild(&contacts, &pose, SAME_PLACE * reach, manifolds);
         let mut read = Duration::ZERO;
-        match ask(models.each_ref(), pose, demand, memory) {
-            Some(answer) => {
-                let ids = |contact: &Contact| ids_of(contact, &models, demand);
-                let led = way_out(&models, pair.thickness, &pose, &answer, reach, memory);
-                let contacts = led.as_ref().unwrap_or(&answer.contacts);
-                rebuild(contacts, ids, &pose, SAME_PLACE * reach, manifolds);
-                if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
-                    let wanted = log.demand(s1.tag(), s2.tag());
-                    let told = if demand.covers(wanted) {
-                        Some(answer)
-                    } else {
-                        let begin = Instant::now();
-                        let told = ask(models.each_ref(), pose, wanted, memory);
-                        read = begin.elapsed();
-                        told
-                    };
-                    if let Some(told) = told {
-                        log.put((s1.tag(), s2.tag()), Arc::new(told), pose);
-                    }
+        if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
+            let wanted = log.demand(s1.tag(), s2.tag());
+            let told = match answer {
+                Some((answer, demand)) if demand.covers(wanted) => Some(answer),
+                Some(_) => {
+                    let begin = Instant::now();
+                    let told = ask([s1.model(), s2.model()], pose, wanted, pair.memory());
+                    read = begin.elapsed();
+                    told
                 }
+                None => None,
+            };
+            if let Some(told) = told {
+                log.put((s1.tag(), s2.tag()), Arc::new(told), pose);
             }
-            None => manifolds.clear(),
         }
         *workspace = Some(ContactManifoldsWorkspace::from(*pair));
         Some(read)
     }
 }
 
-/// What the solver needs of a pair of polyhedra.
-fn solver_demand(models: &[Model; 2], margin: f64) -> Demand {
-    if models.iter().all(is_fine) {
-        Demand::Contacts { margin }
-    } else {
-        Demand::Regions { margin }
-    }
-}
-
-/// By what a contact is known from step to step.
-fn ids_of(
-    contact: &Contact,
-    [m1, m2]: &[Model; 2],
-    demand: Demand,
-) -> (PackedFeatureId, PackedFeatureId) {
-    match demand {
-        Demand::Contacts { .. } => {
-            let (a, b) = contact.patches(m1, m2);
-            (packed_patch(a), packed_patch(b))
-        }
-        _ => (packed(contact.id.0), packed(contact.id.1)),
-    }
-}
-
-impl PairWorkspace {
-    fn blank() -> Self {
-        Self { memory: Mutex::default(), partners: [None, None], thickness: f64::INFINITY }
-    }
-
-    /// Takes the pair's workspace, or makes one where both shapes are polyhedra and one is ours.
-    fn of(
-        workspace: &mut Option<ContactManifoldsWorkspace>,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-    ) -> Option<Box<Self>> {
-        let is_polyhedron = |g: &dyn Shape| ours(g).is_some() || is_polyhedral(g);
-        if !is_polyhedron(g1) || !is_polyhedron(g2) {
-            return None;
-        }
-        if let Some(data) = workspace.take()
-            && let Ok(own) = data.0.downcast::<Self>()
-        {
-            return Some(own);
-        }
-        let partner = |g: &dyn Shape| if ours(g).is_some() { None } else { polyhedron(g) };
-        let partners = [partner(g1), partner(g2)];
-        let model = |g, partner: &Option<Model>| {
-            ours(g).map(|shape| shape.model().clone()).or_else(|| partner.clone())
-        };
-        let thickness = match (model(g1, &partners[0]), model(g2, &partners[1])) {
-            (Some(m1), Some(m2)) => thickness([&m1, &m2]),
-            _ => f64::INFINITY,
-        };
-        Some(Box::new(Self { memory: Mutex::default(), partners, thickness }))
+/// The pair's workspace, where there is one of ours already.
+fn taken(
+    workspace: &mut Option<ContactManifoldsWorkspace>,
+    g1: &dyn Shape,
+    g2: &dyn Shape,
+) -> Box<PairWorkspace> {
+    match workspace.take() {
+        Some(data) => match data.0.downcast() {
+            Ok(own) => own,
+            Err(other) => {
+                *workspace = Some(ContactManifoldsWorkspace(other));
+                Box::new(PairWorkspace::new(g1, g2))
+            }
+        },
+        None => Box::new(PairWorkspace::new(g1, g2)),
     }
 }
 
@@ -309,7 +174,7 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for Dispatcher 
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
         let begin = Instant::now();
-        let involved = ours(g1).is_some() || ours(g2).is_some();
+        let involved = involves_ours(g1) || involves_ours(g2);
         let filled =
             involved.then(|| self.fill(pos12, g1, g2, prediction, manifolds, workspace)).flatten();
         let result = if filled.is_some() {
@@ -360,6 +225,15 @@ impl QueryDispatcher for Dispatcher {
         g1: &dyn Shape,
         g2: &dyn Shape,
     ) -> Result<ShapeIntersection, Unsupported> {
+        match Composite::of(g1, g2) {
+            Some(Composite::First(c1)) => {
+                return Ok(details::intersection_test_composite_shape_shape(self, pos12, c1, g2));
+            }
+            Some(Composite::Second(c2)) => {
+                return Ok(details::intersection_test_shape_composite_shape(self, pos12, g1, c2));
+            }
+            None => {}
+        }
         let parry = DefaultQueryDispatcher.intersection_test(pos12, for_parry(g1), for_parry(g2));
         let Some([m1, m2]) = models(g1, g2) else {
             let parry = parry?;
@@ -383,6 +257,15 @@ impl QueryDispatcher for Dispatcher {
         g1: &dyn Shape,
         g2: &dyn Shape,
     ) -> Result<ShapeDistance, Unsupported> {
+        match Composite::of(g1, g2) {
+            Some(Composite::First(c1)) => {
+                return Ok(details::distance_composite_shape_shape(self, pos12, c1, g2));
+            }
+            Some(Composite::Second(c2)) => {
+                return Ok(details::distance_shape_composite_shape(self, pos12, g1, c2));
+            }
+            None => {}
+        }
         let Some([m1, m2]) = models(g1, g2) else {
             let apart = DefaultQueryDispatcher.distance(pos12, for_parry(g1), for_parry(g2))?;
             let distance = if encloses(pos12, g1, g2) { 0.0 } else { apart.distance };
@@ -402,21 +285,26 @@ impl QueryDispatcher for Dispatcher {
         g2: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<ParryContact>, Unsupported> {
+        match Composite::of(g1, g2) {
+            Some(Composite::First(c1)) => {
+                let told = details::contact_composite_shape_shape(self, pos12, c1, g2, prediction);
+                return Ok(told);
+            }
+            Some(Composite::Second(c2)) => {
+                let told = details::contact_shape_composite_shape(self, pos12, g1, c2, prediction);
+                return Ok(told);
+            }
+            None => {}
+        }
         let (pose, reach) = (pose_from_rapier(pos12), f64::from(prediction));
-        let contacts = if let Some([m1, m2]) = models(g1, g2) {
-            let demand = Demand::Contacts { margin: reach };
-            ask([&m1, &m2], pose, demand, &mut PairMemory::default())
-                .map(|answer| answer.contacts)
-                .ok_or(Unsupported)?
-        } else if let Some(contacts) = Self::partner_contacts(&pose, g1, g2, reach) {
-            contacts
-        } else {
+        let Some(found) = PairWorkspace::new(g1, g2).found(&pose, g1, g2, reach) else {
             return DefaultQueryDispatcher.contact(pos12, for_parry(g1), for_parry(g2), prediction);
         };
         let inverse = pose.world_from_body().inverse();
-        Ok(contacts.first().map(|c| ParryContact {
-            point1: narrow(c.point_a),
-            point2: narrow(inverse.apply(c.point_b)),
+        let deepest = found.contacts.iter().min_by(|x, y| x.separation.total_cmp(&y.separation));
+        Ok(deepest.map(|c| ParryContact {
+            point1: narrow(c.on_first),
+            point2: narrow(inverse.apply(c.on_second)),
             normal1: narrow(c.normal),
             normal2: narrow(inverse.apply_vector(-c.normal)),
             dist: c.separation as Real,
@@ -432,6 +320,19 @@ impl QueryDispatcher for Dispatcher {
         g2: &dyn Shape,
         max_dist: Real,
     ) -> Result<ClosestPoints, Unsupported> {
+        match Composite::of(g1, g2) {
+            Some(Composite::First(c1)) => {
+                let told =
+                    details::closest_points_composite_shape_shape(self, pos12, c1, g2, max_dist);
+                return Ok(told);
+            }
+            Some(Composite::Second(c2)) => {
+                let told =
+                    details::closest_points_shape_composite_shape(self, pos12, g1, c2, max_dist);
+                return Ok(told);
+            }
+            None => {}
+        }
         let Some([m1, m2]) = models(g1, g2) else {
             if encloses(pos12, g1, g2) {
                 return Ok(ClosestPoints::Intersecting);
@@ -467,6 +368,17 @@ impl QueryDispatcher for Dispatcher {
         g2: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        match Composite::of(g1, g2) {
+            Some(Composite::First(c1)) => {
+                let cast = details::cast_shapes_composite_shape_shape;
+                return Ok(cast(self, pos12, local_vel12, c1, g2, options));
+            }
+            Some(Composite::Second(c2)) => {
+                let cast = details::cast_shapes_shape_composite_shape;
+                return Ok(cast(self, pos12, local_vel12, g1, c2, options));
+            }
+            None => {}
+        }
         let (g1, g2) = (for_parry(g1), for_parry(g2));
         DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options)
     }
@@ -481,6 +393,33 @@ impl QueryDispatcher for Dispatcher {
         end_time: Real,
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        match Composite::of(g1, g2) {
+            Some(Composite::First(c1)) => {
+                return Ok(details::cast_shapes_nonlinear_composite_shape_shape(
+                    self,
+                    motion1,
+                    c1,
+                    motion2,
+                    g2,
+                    start_time,
+                    end_time,
+                    stop_at_penetration,
+                ));
+            }
+            Some(Composite::Second(c2)) => {
+                return Ok(details::cast_shapes_nonlinear_shape_composite_shape(
+                    self,
+                    motion1,
+                    g1,
+                    motion2,
+                    c2,
+                    start_time,
+                    end_time,
+                    stop_at_penetration,
+                ));
+            }
+            None => {}
+        }
         DefaultQueryDispatcher.cast_shapes_nonlinear(
             motion1,
             for_parry(g1),

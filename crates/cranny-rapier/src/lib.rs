@@ -11,13 +11,11 @@
 //!
 //! # Non-promises
 //!
-//! Partners other than meshes, height fields, cuboids, convex polyhedra, balls, capsules and
-//! half-spaces meet our shape as a hollow parry mesh, and so do all shape casts. rapier's own
-//! continuous detection leaves our shape out, as it does its own meshes: give fast bodies a
-//! `soft_ccd_prediction`, as [`simulation`] does. A body wholly inside a solid is
-//! told as such, but no contact drives it out, balls and capsules excepted. Our shape inside a
-//! rapier compound is not seen by this dispatcher. A snapshot of rapier's world does not hold our
-//! shapes. rapier's own settings matter: see [`simulation`].
+//! Segments, cylinders, cones and the latter two rounded meet our shape as a hollow parry mesh, and so do all
+//! shape casts: see [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
+//! its own meshes: give fast bodies a `soft_ccd_prediction`, as [`simulation`] does. A body of
+//! these kinds that lies wholly inside a solid is told as such, but no contact drives it out. A snapshot of
+//! rapier's world does not hold our shapes. rapier's own settings matter: see [`simulation`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -57,6 +55,7 @@ mod joint;
 mod log;
 mod manifolds;
 mod mass;
+mod pair;
 mod partners;
 mod shape;
 pub mod simulation;

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::PatchId;
 use cranny_narrow_phase::{Contact, Feature};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
@@ -31,11 +31,49 @@ const SAME_WAY: f64 = 0.99;
 /// Points of a manifold at most: rapier solves no more.
 const MAX_POINTS: usize = 4;
 
-/// Replaces the manifolds by those of the given contacts (coordinates of the first shape's frame,
-/// normals from first to second), keeping impulses. `ids` names each contact from step to step.
+/// A contact as the solver gets it, in the first shape's frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SolverContact {
+    /// By what it is known from step to step, on the first shape and on the second.
+    pub(crate) ids: (PackedFeatureId, PackedFeatureId),
+    pub(crate) on_first: DVec3,
+    pub(crate) on_second: DVec3,
+    /// Unit, from first to second.
+    pub(crate) normal: DVec3,
+    /// Along the normal: > 0 apart, < 0 overlapping.
+    pub(crate) separation: f64,
+}
+
+impl SolverContact {
+    pub(crate) fn of(contact: &Contact, ids: (PackedFeatureId, PackedFeatureId)) -> Self {
+        let Contact { point_a, point_b, normal, separation, .. } = *contact;
+        Self { ids, on_first: point_a, on_second: point_b, normal, separation }
+    }
+
+    /// Told in another frame.
+    pub(crate) fn moved(self, map: &RigidMap) -> Self {
+        Self {
+            on_first: map.apply(self.on_first),
+            on_second: map.apply(self.on_second),
+            normal: map.apply_vector(self.normal),
+            ..self
+        }
+    }
+
+    /// Of the same shapes, grown by a radius each.
+    pub(crate) fn rounded(self, [first, second]: [f64; 2]) -> Self {
+        Self {
+            on_first: self.on_first + first * self.normal,
+            on_second: self.on_second - second * self.normal,
+            separation: self.separation - first - second,
+            ..self
+        }
+    }
+}
+
+/// Replaces the manifolds by those of the given contacts, keeping impulses.
 pub(crate) fn rebuild(
-    contacts: &[Contact],
-    ids: impl Fn(&Contact) -> (PackedFeatureId, PackedFeatureId),
+    contacts: &[SolverContact],
     first_from_second: &Pose,
     reach: f64,
     manifolds: &mut Vec<Manifold>,
@@ -43,7 +81,7 @@ pub(crate) fn rebuild(
     let mut memory = Impulses::of(manifolds);
     let map = first_from_second.world_from_body();
     let inverse = map.inverse();
-    let mut groups: Vec<(DVec3, Vec<&Contact>)> = Vec::new();
+    let mut groups: Vec<(DVec3, Vec<&SolverContact>)> = Vec::new();
     for contact in contacts {
         let home = groups.iter_mut().find(|(normal, members)| {
             members.len() < MAX_POINTS && normal.dot(contact.normal) >= SAME_NORMAL
@@ -60,10 +98,10 @@ pub(crate) fn rebuild(
         manifold.local_n1 = narrow(normal);
         manifold.local_n2 = narrow(inverse.apply_vector(-normal));
         for contact in members {
-            let (first, second) = ids(contact);
+            let (first, second) = contact.ids;
             let point = TrackedContact::new(
-                narrow(contact.point_a),
-                narrow(inverse.apply(contact.point_b)),
+                narrow(contact.on_first),
+                narrow(inverse.apply(contact.on_second)),
                 first,
                 second,
                 contact.separation as f32,

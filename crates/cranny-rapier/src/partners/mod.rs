@@ -8,4 +8,4 @@ mod polyhedron;
 
 pub(crate) use ball::{ball_contacts, capsule_contacts, holds};
 pub(crate) use half_space::half_space_contacts;
-pub(crate) use polyhedron::{is_polyhedral, polyhedron};
+pub(crate) use polyhedron::{Core, polyhedron};

@@ -11,17 +11,11 @@ fn upright() -> Rotation {
     Rotation::from_rotation_x(std::f32::consts::FRAC_PI_2)
 }
 
-fn balls() -> SharedShape {
-    let ball = |x: f32, y: f32| (Pose::translation(x, y, 0.0), SharedShape::ball(0.2));
-    SharedShape::compound(vec![ball(-0.3, -0.2), ball(0.3, -0.2), ball(0.0, 0.3)])
-}
-
 #[test]
 fn they_rest_on_ours() {
     for (name, shape, half) in [
         ("cylinder", SharedShape::cylinder(0.25, 0.4), 0.25),
         ("cone", SharedShape::cone(0.25, 0.4), 0.25),
-        ("round cuboid", SharedShape::round_cuboid(0.3, 0.2, 0.3, 0.05), 0.25),
         ("round cylinder", SharedShape::round_cylinder(0.2, 0.4, 0.05), 0.25),
     ] {
         let mut world = World::new();
@@ -35,25 +29,13 @@ fn they_rest_on_ours() {
 }
 
 #[test]
-fn a_compound_rests_on_ours() {
-    let mut world = World::new();
-    world.fixed(&ours(&cuboid(4.0, 4.0, 1.0)), Pose::IDENTITY);
-    let body = world.dynamic(&balls(), up(0.75));
-    world.run(180);
-    assert!((world.at(body).z - 0.7).abs() < 2e-2, "{}", world.at(body));
-}
-
-#[test]
 fn ours_rests_on_them() {
     let field = SharedShape::heightfield(Array2::repeat(9, 9, 0.5), Vector::new(4.0, 1.0, 4.0));
-    for (name, shape, top) in [
-        ("height field", field, 0.5),
-        ("cylinder", SharedShape::cylinder(0.5, 1.5), 0.5),
-        ("compound", balls(), 0.2),
-    ] {
-        let turn = if name == "compound" { Rotation::IDENTITY } else { upright() };
+    for (name, shape, top) in
+        [("height field", field, 0.5), ("cylinder", SharedShape::cylinder(0.5, 1.5), 0.5)]
+    {
         let mut world = World::new();
-        world.fixed(&shape, Pose::from_parts(Vector::ZERO, turn));
+        world.fixed(&shape, Pose::from_parts(Vector::ZERO, upright()));
         let body = world.dynamic(&ours(&cuboid(1.0, 1.0, 1.0)), up(top + 0.5 + 0.05));
         world.run(180);
         let at = world.at(body);

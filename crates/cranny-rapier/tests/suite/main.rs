@@ -1,6 +1,7 @@
 //! The detector inside rapier, judged by what bodies do and by answers that it did not give itself.
 
 mod chain;
+mod compounds;
 mod concave;
 mod fallback;
 mod manifolds;

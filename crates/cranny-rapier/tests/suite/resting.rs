@@ -1,8 +1,8 @@
 //! Each partner on ours, and ours on each partner: at rest at the right height.
 
 use cranny_shapes::Cup;
-use rapier3d::math::{Pose, Vector};
-use rapier3d::parry::shape::SharedShape;
+use rapier3d::math::{IVector, Pose, Vector};
+use rapier3d::parry::shape::{RoundShape, SharedShape};
 
 use crate::world::{World, cuboid, model, ours, up};
 
@@ -20,6 +20,39 @@ fn hexagon() -> SharedShape {
     };
     let points: Vec<Vector> = (0..6).flat_map(|k| [corner(k, -0.25), corner(k, 0.25)]).collect();
     SharedShape::convex_hull(&points).expect("a volume")
+}
+
+fn round_hexagon() -> SharedShape {
+    let hexagon = hexagon();
+    let inner_shape = hexagon.as_convex_polyhedron().expect("a hull").clone();
+    SharedShape::new(RoundShape { inner_shape, border_radius: 0.05 })
+}
+
+/// Three by three cells of half a unit, in the middle, without the one at a corner.
+fn voxels() -> SharedShape {
+    let cells = (-1..=1).flat_map(|x| (-1..=1).map(move |y| IVector::new(x, y, 0)));
+    let cells: Vec<IVector> = cells.filter(|c| (c.x, c.y) != (1, 1)).collect();
+    let corner = SharedShape::voxels(Vector::splat(0.5), &cells);
+    // Cells begin at multiples of their size.
+    SharedShape::compound(vec![(Pose::translation(-0.25, -0.25, -0.25), corner)])
+}
+
+/// A large triangle through the origin that looks up, with a border radius or without.
+fn triangle(radius: f32) -> SharedShape {
+    let [a, b, c] = [[-3.0, -2.0], [3.0, -2.0], [0.0, 4.0]].map(|[x, y]| Vector::new(x, y, 0.0));
+    match radius {
+        0.0 => SharedShape::triangle(a, b, c),
+        radius => SharedShape::round_triangle(a, b, c, radius),
+    }
+}
+
+/// Two rails.
+fn segments() -> SharedShape {
+    let rail = |y: f32| {
+        let ends = [-2.0, 2.0].map(|x| Vector::new(x, y, 0.0));
+        (Pose::IDENTITY, SharedShape::segment(ends[0], ends[1]))
+    };
+    SharedShape::compound(vec![rail(-0.3), rail(0.3)])
 }
 
 fn parry_mesh(x: f64, y: f64, z: f64) -> SharedShape {
@@ -66,6 +99,9 @@ fn every_partner_rests_on_ours() {
         ("convex polyhedron", hexagon(), 0.25),
         ("triangle mesh", parry_mesh(0.6, 0.6, 0.5), 0.25),
         ("ours", ours(&cuboid(0.6, 0.8, 0.5)), 0.25),
+        ("round cuboid", SharedShape::round_cuboid(0.3, 0.2, 0.15, 0.1), 0.25),
+        ("round hexagon", round_hexagon(), 0.3),
+        ("voxels", voxels(), 0.25),
     ];
     for (name, upper, half) in partners {
         rests(name, &slab, &upper, TOP + half);
@@ -82,6 +118,12 @@ fn ours_rests_on_every_partner() {
         ("convex polyhedron", hexagon(), 0.25),
         ("triangle mesh", parry_mesh(4.0, 4.0, 1.0), TOP),
         ("ours", ours(&cuboid(4.0, 4.0, 1.0)), TOP),
+        ("triangle", triangle(0.0), 0.0),
+        ("round triangle", triangle(0.1), 0.1),
+        ("round cuboid", SharedShape::round_cuboid(2.0, 2.0, 0.3, 0.2), TOP),
+        ("small round cuboid", SharedShape::round_cuboid(0.2, 0.2, 0.3, 0.2), TOP),
+        ("voxels", voxels(), 0.25),
+        ("segments", segments(), 0.0),
     ];
     for (name, lower, top) in partners {
         rests(name, &lower, &cube, top + 0.5);

@@ -1,0 +1,312 @@
+//! The contacts of a pair of shapes in which ours takes part, and what is kept of the pair between steps.
+//!
+//! Compounds are taken apart: each part meets each part near it as a pair of its own, with memory of its own.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::mem;
+use std::sync::{Mutex, PoisonError};
+
+use cranny_exact::Pose as ExactPose;
+use cranny_geometry::Model;
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory};
+use rapier3d::math::{Pose, Real};
+use rapier3d::parry::bounding_volume::BoundingVolume;
+use rapier3d::parry::query::{
+    DefaultQueryDispatcher, PersistentQueryDispatcher, TypedWorkspaceData, WorkspaceData,
+};
+use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
+
+use crate::ask::ask;
+use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
+use crate::deep::{thickness, way_out};
+use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
+use crate::partners::{Core, ball_contacts, capsule_contacts, half_space_contacts};
+use crate::shape::MeshShape;
+
+/// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
+/// time is lost on what patches tell as well; smaller: a hook of 20 faces slips off an edge, since
+/// its patches are whole sides.
+const FINE: usize = 64;
+
+/// Our shape, where it is one.
+pub(crate) fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
+    let any: &dyn Any = shape;
+    any.downcast_ref()
+}
+
+/// Whether a shape is ours, or a compound that holds one of ours.
+pub(crate) fn involves_ours(shape: &dyn Shape) -> bool {
+    match shape.as_compound() {
+        Some(compound) => compound.shapes().iter().any(|(_, part)| involves_ours(&**part)),
+        None => ours(shape).is_some(),
+    }
+}
+
+/// The shape that parry's own dispatcher understands in place of ours.
+pub(crate) fn for_parry(shape: &dyn Shape) -> &dyn Shape {
+    ours(shape).map_or(shape, |s| s.mesh() as &dyn Shape)
+}
+
+/// What a pair keeps between steps, inside rapier's own workspace of the pair.
+pub(crate) struct PairWorkspace {
+    memory: Mutex<PairMemory>,
+    /// What is asked about of each side: a model, where both have one.
+    cores: Option<[Core; 2]>,
+    /// Of the thinner core, as [`thickness`] tells it.
+    thickness: f64,
+    /// Of pairs of a compound's parts, by the parts' numbers; of those alone that are near.
+    parts: BTreeMap<(usize, usize), Self>,
+}
+
+impl Clone for PairWorkspace {
+    fn clone(&self) -> Self {
+        Self {
+            memory: Mutex::new(self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone()),
+            cores: self.cores.clone(),
+            thickness: self.thickness,
+            parts: self.parts.clone(),
+        }
+    }
+}
+
+impl WorkspaceData for PairWorkspace {
+    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
+        TypedWorkspaceData::Custom
+    }
+
+    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
+        Box::new(self.clone())
+    }
+}
+
+/// What a pair's contacts are.
+pub(crate) struct Found {
+    /// Within reach, in the first shape's frame, from first to second.
+    pub(crate) contacts: Vec<SolverContact>,
+    /// The whole answer and what it was asked, where the pair was asked about as two models.
+    pub(crate) answer: Option<(Answer, Demand)>,
+}
+
+impl Found {
+    fn of_contacts(contacts: Vec<Contact>) -> Self {
+        let contacts = contacts.iter().map(|c| SolverContact::of(c, features_of(c)));
+        Self { contacts: contacts.collect(), answer: None }
+    }
+}
+
+impl PairWorkspace {
+    /// Of a pair that has not been asked about yet.
+    pub(crate) fn new(g1: &dyn Shape, g2: &dyn Shape) -> Self {
+        let involved = ours(g1).is_some() || ours(g2).is_some();
+        let core = |g: &dyn Shape| match ours(g) {
+            Some(shape) => Some(Core { model: shape.model().clone(), radius: 0.0 }),
+            None => Core::of(g),
+        };
+        let cores: Option<[Core; 2]> = involved.then(|| Some([core(g1)?, core(g2)?])).flatten();
+        let thickness = cores
+            .as_ref()
+            .map_or(f64::INFINITY, |cores| thickness(cores.each_ref().map(|core| &core.model)));
+        Self { memory: Mutex::default(), cores, thickness, parts: BTreeMap::new() }
+    }
+
+    /// What the pair's queries keep.
+    pub(crate) fn memory(&mut self) -> &mut PairMemory {
+        self.memory.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The contacts within `reach` (> 0); `None` where parry must answer: ours takes no part in the pair,
+    /// or what its partner is, is not known here.
+    pub(crate) fn found(
+        &mut self,
+        pose: &ExactPose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        reach: f64,
+    ) -> Option<Found> {
+        if g1.as_compound().is_some() || g2.as_compound().is_some() {
+            let involved = involves_ours(g1) || involves_ours(g2);
+            let contacts = involved.then(|| self.of_parts(pose, g1, g2, reach))?;
+            return Some(Found { contacts, answer: None });
+        }
+        match &self.cores {
+            Some(cores) => {
+                let cores = cores.clone();
+                Some(self.of_models(pose, cores, reach))
+            }
+            None => partner_contacts(pose, g1, g2, reach).map(Found::of_contacts),
+        }
+    }
+
+    fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: f64) -> Found {
+        let radii = cores.each_ref().map(|core| core.radius);
+        let models = cores.map(|core| core.model);
+        let demand = solver_demand(models.each_ref(), reach + radii[0] + radii[1]);
+        let Some(answer) = ask(models.each_ref(), *pose, demand, self.memory()) else {
+            return Found { contacts: Vec::new(), answer: None };
+        };
+        let thickness = self.thickness;
+        let led = way_out(&models, thickness, pose, &answer, reach, self.memory());
+        let contacts = led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
+            let ids = ids_of(contact, models.each_ref(), demand);
+            SolverContact::of(contact, ids).rounded(radii)
+        });
+        Found { contacts: contacts.collect(), answer: Some((answer, demand)) }
+    }
+
+    fn of_parts(
+        &mut self,
+        pose: &ExactPose,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        reach: f64,
+    ) -> Vec<SolverContact> {
+        let mut known = mem::take(&mut self.parts);
+        let mut contacts = Vec::new();
+        for (i, (pose1, part1)) in parts(g1).into_iter().enumerate() {
+            let back = inverse(&pose1);
+            let home = pose1.world_from_body();
+            let near = part1.compute_local_aabb().loosened(reach as Real);
+            for (j, (pose2, part2)) in parts(g2).into_iter().enumerate() {
+                let between = back.compose(&pose.compose(&pose2));
+                if !near.intersects(&part2.compute_aabb(&pose_to_rapier(&between))) {
+                    continue;
+                }
+                let mut pair = known.remove(&(i, j)).unwrap_or_else(|| Self::new(part1, part2));
+                let found = match pair.found(&between, part1, part2, reach) {
+                    Some(found) => found.contacts,
+                    None => parry_contacts(&between, part1, part2, reach),
+                };
+                contacts.extend(found.into_iter().map(|contact| contact.moved(&home)));
+                self.parts.insert((i, j), pair);
+            }
+        }
+        contacts
+    }
+}
+
+/// The parts of a compound, each with its pose; any other shape is its own only part.
+fn parts(shape: &dyn Shape) -> Vec<(ExactPose, &dyn Shape)> {
+    match shape.as_compound() {
+        Some(compound) => {
+            let parts = compound.shapes().iter();
+            parts.map(|(pose, part)| (pose_from_rapier(pose), &**part)).collect()
+        }
+        None => vec![(ExactPose::IDENTITY, shape)],
+    }
+}
+
+fn inverse(pose: &ExactPose) -> ExactPose {
+    ExactPose {
+        rotation: pose.rotation.conjugate(),
+        translation: pose.world_from_body().inverse().translation,
+    }
+}
+
+/// What the solver needs of a pair of polyhedra.
+fn solver_demand(models: [&Model; 2], margin: f64) -> Demand {
+    if models.iter().all(|model| model.mesh().faces().len() >= FINE) {
+        Demand::Contacts { margin }
+    } else {
+        Demand::Regions { margin }
+    }
+}
+
+/// By what a contact is known from step to step.
+fn ids_of(
+    contact: &Contact,
+    [m1, m2]: [&Model; 2],
+    demand: Demand,
+) -> (PackedFeatureId, PackedFeatureId) {
+    match demand {
+        Demand::Contacts { .. } => {
+            let (a, b) = contact.patches(m1, m2);
+            (packed_patch(a), packed_patch(b))
+        }
+        _ => features_of(contact),
+    }
+}
+
+fn features_of(contact: &Contact) -> (PackedFeatureId, PackedFeatureId) {
+    (packed(contact.id.0), packed(contact.id.1))
+}
+
+/// Contacts of a pair of which one shape is ours and the other has no core, in the first shape's frame;
+/// `None` where parry must answer.
+fn partner_contacts(
+    pose: &ExactPose,
+    g1: &dyn Shape,
+    g2: &dyn Shape,
+    reach: f64,
+) -> Option<Vec<Contact>> {
+    if let Some(shape) = ours(g1) {
+        return primitive_contacts(shape, g2, pose, reach);
+    }
+    let contacts = primitive_contacts(ours(g2)?, g1, &inverse(pose), reach)?;
+    let forth = pose.world_from_body();
+    Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
+}
+
+/// Contacts of our shape with a shape that has no core, in our shape's frame; `None` where parry must answer.
+fn primitive_contacts(
+    shape: &MeshShape,
+    partner: &dyn Shape,
+    shape_from_partner: &ExactPose,
+    reach: f64,
+) -> Option<Vec<Contact>> {
+    let map = shape_from_partner.world_from_body();
+    let model = shape.model();
+    match partner.as_typed_shape() {
+        TypedShape::Ball(ball) => {
+            Some(ball_contacts(model, map.translation, ball.radius.into(), reach))
+        }
+        TypedShape::Capsule(capsule) => {
+            let axis = [capsule.segment.a, capsule.segment.b].map(|p| map.apply(wide(p)));
+            Some(capsule_contacts(model, axis, capsule.radius.into(), reach))
+        }
+        TypedShape::HalfSpace(half_space) => {
+            let normal = map.apply_vector(wide(half_space.normal)).normalize_or_zero();
+            Some(half_space_contacts(model, normal, normal.dot(map.translation), reach))
+        }
+        _ => None,
+    }
+}
+
+/// What parry says of two parts, of which either may be the mesh of our triangles: in the first part's frame.
+fn parry_contacts(
+    pose: &ExactPose,
+    g1: &dyn Shape,
+    g2: &dyn Shape,
+    reach: f64,
+) -> Vec<SolverContact> {
+    let pos12 = pose_to_rapier(pose);
+    let (mut manifolds, reach): (Vec<Manifold>, _) = (Vec::new(), reach as Real);
+    let (g1, g2) = (for_parry(g1), for_parry(g2));
+    let told =
+        DefaultQueryDispatcher.contact_manifolds(&pos12, g1, g2, reach, &mut manifolds, &mut None);
+    if told.is_err() {
+        // As rapier itself does with such a pair; no step can tell an error.
+        tracing::debug!(
+            "parts that nobody knows contacts of: {:?}",
+            (g1.shape_type(), g2.shape_type())
+        );
+    }
+    manifolds.iter().flat_map(|manifold| parry_points(manifold, &pos12)).collect()
+}
+
+/// The points of a manifold in the frame of its first shape.
+fn parry_points<'a>(
+    manifold: &'a Manifold,
+    pos12: &'a Pose,
+) -> impl Iterator<Item = SolverContact> + 'a {
+    let first = manifold.subshape_pos1().copied().unwrap_or(Pose::IDENTITY);
+    let second = *pos12 * manifold.subshape_pos2().copied().unwrap_or(Pose::IDENTITY);
+    let normal = wide(first.rotation * manifold.local_n1).normalize_or_zero();
+    manifold.points.iter().map(move |point| SolverContact {
+        ids: (point.fid1, point.fid2),
+        on_first: wide(first * point.local_p1),
+        on_second: wide(second * point.local_p2),
+        normal,
+        separation: point.dist.into(),
+    })
+}
