@@ -98,6 +98,11 @@ fuzz_target!(|data: &[u8]| {
     let file = sealed(file(data));
     if let Ok(model) = Model::decode(&file) {
         assert!(model.encode() == file, "a file that is read is the one that would be written");
+        // What is made late is made of what was read.
+        model.prepare_all();
+        let groups = model.concavities().iter().map(|concavity| concavity.faces);
+        let trees = model.concavity_trees().validate(model.mesh(), groups);
+        assert_eq!(trees, Ok(()), "a tree for each concavity");
         ask(&model);
     }
 });
