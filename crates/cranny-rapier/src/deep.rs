@@ -4,8 +4,9 @@
 //! nearer to the far side of what it is stuck in, and the body is torn between ways; and wholly inside a
 //! solid it meets no surface at all. Then one direction has to hold for the whole body:
 //!
-//! - where surfaces meet, that of the region of contact ([`Region::normal`](cranny_narrow_phase::Region)), along
-//!   which the pieces part by the least translation: it leads back where the body came in;
+//! - where surfaces meet, that of the region of contact ([`Region::normal`](cranny_narrow_phase::Region)), the
+//!   direction of the area that the curves enclose: it leads back where the body came in, though where a body
+//!   overhangs it is oblique, and not the shortest way;
 //! - wholly inside, that to the nearest point of the outer surface.
 //!
 //! Along it, each vertex that is inside has the plane of the other surface before it, as if that were a
@@ -39,16 +40,12 @@ const TOLD: f64 = 0.15;
 /// Larger: what bears on a side at a right angle comes and goes by rounding; smaller: the far side holds the body in.
 const ASIDE: f64 = -0.25;
 
-/// Twice the volume per area of the thinner of two bodies (a plate's thickness, a wire's radius); infinite
-/// where neither bounds a volume.
-pub(crate) fn thickness(models: [&Model; 2]) -> f64 {
-    let of = |model: &Model| {
-        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
-        let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
-        let volume = model.mass_properties().map(|mass| mass.volume);
-        volume.filter(|v| *v > 0.0).map_or(f64::INFINITY, |v| 2.0 * v / area)
-    };
-    of(models[0]).min(of(models[1]))
+/// Twice the volume per area of a body (a plate's thickness, a wire's radius); infinite where it bounds no volume.
+pub(crate) fn thickness(model: &Model) -> f64 {
+    let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
+    let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
+    let volume = model.mass_properties().map(|mass| mass.volume);
+    volume.filter(|v| *v > 0.0).map_or(f64::INFINITY, |v| 2.0 * v / area)
 }
 
 /// Contacts in place of an answer's own (first body's frame), where those do not lead out; `None` where they do.
@@ -69,7 +66,7 @@ pub(crate) fn way_out(
             .map(|led| leveled(led, told, reach));
     }
     let deep = DEEP * thickness;
-    if answer.contacts.first().is_none_or(|c| -c.separation < deep) {
+    if answer.contacts.iter().all(|c| -c.separation < deep) {
         return None;
     }
     let asked;

@@ -156,10 +156,10 @@ fn taken(
             Ok(own) => own,
             Err(other) => {
                 *workspace = Some(ContactManifoldsWorkspace(other));
-                Box::new(PairWorkspace::new(g1, g2))
+                Box::new(PairWorkspace::for_solver(g1, g2))
             }
         },
-        None => Box::new(PairWorkspace::new(g1, g2)),
+        None => Box::new(PairWorkspace::for_solver(g1, g2)),
     }
 }
 
@@ -297,7 +297,7 @@ impl QueryDispatcher for Dispatcher {
             None => {}
         }
         let (pose, reach) = (pose_from_rapier(pos12), f64::from(prediction));
-        let Some(found) = PairWorkspace::new(g1, g2).found(&pose, g1, g2, reach) else {
+        let Some(found) = PairWorkspace::for_question(g1, g2).found(&pose, g1, g2, reach) else {
             return DefaultQueryDispatcher.contact(pos12, for_parry(g1), for_parry(g2), prediction);
         };
         let inverse = pose.world_from_body().inverse();

@@ -19,7 +19,7 @@ use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
 
 use crate::ask::ask;
 use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
-use crate::deep::{thickness, way_out};
+use crate::deep::way_out;
 use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, ball_contacts, capsule_contacts, half_space_contacts};
 use crate::shape::MeshShape;
@@ -53,10 +53,12 @@ pub(crate) struct PairWorkspace {
     memory: Mutex<PairMemory>,
     /// What is asked about of each side: a model, where both have one.
     cores: Option<[Core; 2]>,
-    /// Of the thinner core, as [`thickness`] tells it.
-    thickness: f64,
+    /// Whether deep overlaps are told as a solver is led out of them, not as they are.
+    leads_out: bool,
     /// Of pairs of a compound's parts, by the parts' numbers; of those alone that are near.
     parts: BTreeMap<(usize, usize), Self>,
+    /// Of the parts that were ever near, by side and number: what takes long to make is made once.
+    part_cores: BTreeMap<(usize, usize), Option<Core>>,
 }
 
 impl Clone for PairWorkspace {
@@ -64,8 +66,9 @@ impl Clone for PairWorkspace {
         Self {
             memory: Mutex::new(self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone()),
             cores: self.cores.clone(),
-            thickness: self.thickness,
+            leads_out: self.leads_out,
             parts: self.parts.clone(),
+            part_cores: self.part_cores.clone(),
         }
     }
 }
@@ -95,19 +98,49 @@ impl Found {
     }
 }
 
+/// What a shape is asked about as; `None` where parry has to be asked.
+fn core(shape: &dyn Shape) -> Option<Core> {
+    match ours(shape) {
+        Some(shape) => Some(Core::new(shape.model().clone(), 0.0)),
+        None => Core::of(shape),
+    }
+}
+
 impl PairWorkspace {
-    /// Of a pair that has not been asked about yet.
-    pub(crate) fn new(g1: &dyn Shape, g2: &dyn Shape) -> Self {
+    /// Of a pair that has not been asked about yet, for a solver.
+    pub(crate) fn for_solver(g1: &dyn Shape, g2: &dyn Shape) -> Self {
+        Self::new(g1, g2, true)
+    }
+
+    /// Of a pair that is asked about once, by somebody who wants to know how it is.
+    pub(crate) fn for_question(g1: &dyn Shape, g2: &dyn Shape) -> Self {
+        Self::new(g1, g2, false)
+    }
+
+    fn new(g1: &dyn Shape, g2: &dyn Shape, leads_out: bool) -> Self {
         let involved = ours(g1).is_some() || ours(g2).is_some();
-        let core = |g: &dyn Shape| match ours(g) {
-            Some(shape) => Some(Core { model: shape.model().clone(), radius: 0.0 }),
-            None => Core::of(g),
+        let cores = involved.then(|| Some([core(g1)?, core(g2)?])).flatten();
+        Self::of_cores(cores, leads_out)
+    }
+
+    fn of_cores(cores: Option<[Core; 2]>, leads_out: bool) -> Self {
+        Self {
+            memory: Mutex::default(),
+            cores,
+            leads_out,
+            parts: BTreeMap::new(),
+            part_cores: BTreeMap::new(),
+        }
+    }
+
+    /// Of two parts, whose cores are made when they first come near anything.
+    fn of_part_cores(&mut self, [i, j]: [usize; 2], g1: &dyn Shape, g2: &dyn Shape) -> Self {
+        let involved = ours(g1).is_some() || ours(g2).is_some();
+        let mut kept = |side, index, shape: &dyn Shape| {
+            self.part_cores.entry((side, index)).or_insert_with(|| core(shape)).clone()
         };
-        let cores: Option<[Core; 2]> = involved.then(|| Some([core(g1)?, core(g2)?])).flatten();
-        let thickness = cores
-            .as_ref()
-            .map_or(f64::INFINITY, |cores| thickness(cores.each_ref().map(|core| &core.model)));
-        Self { memory: Mutex::default(), cores, thickness, parts: BTreeMap::new() }
+        let cores = involved.then(|| Some([kept(0, i, g1)?, kept(1, j, g2)?])).flatten();
+        Self::of_cores(cores, self.leads_out)
     }
 
     /// What the pair's queries keep.
@@ -140,13 +173,20 @@ impl PairWorkspace {
 
     fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: f64) -> Found {
         let radii = cores.each_ref().map(|core| core.radius);
+        let thickness = cores[0].thickness.min(cores[1].thickness);
         let models = cores.map(|core| core.model);
-        let demand = solver_demand(models.each_ref(), reach + radii[0] + radii[1]);
+        let margin = reach + radii[0] + radii[1];
+        let demand = match self.leads_out {
+            true => solver_demand(models.each_ref(), margin),
+            false => Demand::Contacts { margin },
+        };
         let Some(answer) = ask(models.each_ref(), *pose, demand, self.memory()) else {
             return Found { contacts: Vec::new(), answer: None };
         };
-        let thickness = self.thickness;
-        let led = way_out(&models, thickness, pose, &answer, reach, self.memory());
+        let led = match self.leads_out {
+            true => way_out(&models, thickness, pose, &answer, margin, self.memory()),
+            false => None,
+        };
         let contacts = led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
             let ids = ids_of(contact, models.each_ref(), demand);
             SolverContact::of(contact, ids).rounded(radii)
@@ -163,16 +203,20 @@ impl PairWorkspace {
     ) -> Vec<SolverContact> {
         let mut known = mem::take(&mut self.parts);
         let mut contacts = Vec::new();
+        let seconds = parts(g2);
         for (i, (pose1, part1)) in parts(g1).into_iter().enumerate() {
             let back = inverse(&pose1);
             let home = pose1.world_from_body();
             let near = part1.compute_local_aabb().loosened(reach as Real);
-            for (j, (pose2, part2)) in parts(g2).into_iter().enumerate() {
+            for (j, &(pose2, part2)) in seconds.iter().enumerate() {
                 let between = back.compose(&pose.compose(&pose2));
                 if !near.intersects(&part2.compute_aabb(&pose_to_rapier(&between))) {
                     continue;
                 }
-                let mut pair = known.remove(&(i, j)).unwrap_or_else(|| Self::new(part1, part2));
+                let mut pair = match known.remove(&(i, j)) {
+                    Some(pair) => pair,
+                    None => self.of_part_cores([i, j], part1, part2),
+                };
                 let found = match pair.found(&between, part1, part2, reach) {
                     Some(found) => found.contacts,
                     None => parry_contacts(&between, part1, part2, reach),

@@ -9,7 +9,7 @@
 //! depths take the place of gaps (`overlap`). From which face a feature is looked at stands in `ownership`.
 //!
 //! The answer is a function of models, poses and margin: memory holds upper bounds, and what
-//! the models alone say.
+//! these two models alone say.
 
 mod facet;
 pub(crate) mod facing;
@@ -22,7 +22,7 @@ mod search;
 use std::collections::BTreeMap;
 
 use cranny_exact::Meeting;
-use cranny_geometry::{Model, PatchId};
+use cranny_geometry::{Model, ModelTag, PatchId};
 
 use self::feature_pair::{across_gap, patch_index};
 pub(crate) use self::search::Kept;
@@ -35,17 +35,19 @@ use crate::surface::{FacePair, strongest};
 /// What the last search found: the features of each pair of patches' nearest contact.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactMemory {
-    digests: [[u8; 32]; 2],
+    /// Whose: patches are numbered by the model, and one mesh may have other patches after deformations.
+    models: Option<[ModelTag; 2]>,
     nearest: BTreeMap<[PatchId; 2], (Feature, Feature)>,
     kept: Kept,
 }
 
 impl ContactMemory {
-    /// Features are numbers of these two models; others' mean nothing.
+    /// Features and patches are numbers of these two models; others' mean nothing.
     fn belong_to(&mut self, pair: &Pair) {
-        let digests = Side::BOTH.map(|side| pair.model(side).digest());
-        if self.digests != digests {
-            *self = Self { digests, ..Self::default() };
+        let models = Side::BOTH.map(|side| pair.model(side));
+        let same = |tags: &[ModelTag; 2]| tags.iter().zip(models).all(|(tag, m)| tag.is_of(m));
+        if !self.models.as_ref().is_some_and(same) {
+            *self = Self { models: Some(models.map(ModelTag::of)), ..Self::default() };
         }
     }
 

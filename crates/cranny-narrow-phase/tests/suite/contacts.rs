@@ -343,3 +343,40 @@ fn a_nut_along_its_helix_has_contacts_all_around_and_none_is_off() {
         assert_eq!(cold, answer);
     }
 }
+
+/// A model whose vertices were moved and moved back has the same mesh, and other patches: memory of the one must
+/// not speak for the other.
+#[test]
+fn memory_of_a_model_says_nothing_of_one_with_other_patches() {
+    let original = shape(GolfBall::default());
+    let mut deformed = original.clone();
+    for k in 0..60 {
+        let vertex = VertexId(k * (original.mesh().vertices().len() as u32 / 61));
+        let place = original.mesh().position(vertex);
+        if deformed.deform(&[(vertex, 1.3 * place)]).is_ok() {
+            deformed.deform(&[(vertex, place)]).unwrap();
+        }
+    }
+    assert_eq!(original.digest(), deformed.digest());
+    assert_ne!(original.patches().len(), deformed.patches().len());
+    let reach = original.radius();
+    for turn in 0..24 {
+        let axis = DVec3::new(0.3, 0.5, 0.8).normalize();
+        let rotation = DQuat::from_axis_angle(axis, 0.37 * f64::from(turn));
+        let away = rotation * DVec3::X;
+        let ask = |model: &Model, pose: Pose, demand, memory: &mut PairMemory| {
+            let a = Placed { model, pose: Pose::IDENTITY };
+            let answer = query(a, Placed { model: &original, pose }, &Query::of(demand), memory);
+            Answer { counters: Default::default(), ..answer.unwrap() }
+        };
+        let far = Pose { rotation, translation: 3.0 * reach * away };
+        let distance = Demand::Distance { below: None };
+        let gap = ask(&original, far, distance, &mut PairMemory::default()).distance.unwrap();
+        let pose = Pose { translation: (3.0 * reach - gap) * away, ..far };
+        let demand = Demand::Contacts { margin: 0.2 * reach };
+        let mut memory = PairMemory::default();
+        ask(&original, pose, demand, &mut memory);
+        let warm = ask(&deformed, pose, demand, &mut memory);
+        assert_eq!(warm, ask(&deformed, pose, demand, &mut PairMemory::default()), "turn {turn}");
+    }
+}

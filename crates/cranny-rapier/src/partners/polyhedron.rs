@@ -8,6 +8,7 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use rapier3d::parry::shape::{AxisMask, Shape, TypedShape, Voxels};
 
 use crate::convert::wide;
+use crate::deep::thickness;
 
 /// A shape as all that is within a radius of a polyhedron.
 #[derive(Clone, Debug)]
@@ -15,6 +16,8 @@ pub(crate) struct Core {
     pub(crate) model: Model,
     /// 0 for a polyhedron.
     pub(crate) radius: f64,
+    /// As [`thickness`] tells it.
+    pub(crate) thickness: f64,
 }
 
 impl Core {
@@ -26,7 +29,12 @@ impl Core {
             TypedShape::RoundConvexPolyhedron(round) => (&round.inner_shape, round.border_radius),
             _ => (shape, 0.0),
         };
-        Some(Self { model: polyhedron(inner)?, radius: radius.into() })
+        Some(Self::new(polyhedron(inner)?, radius.into()))
+    }
+
+    pub(crate) fn new(model: Model, radius: f64) -> Self {
+        let thickness = thickness(&model);
+        Self { model, radius, thickness }
     }
 }
 
@@ -109,6 +117,7 @@ const SIDES: [[AxisMask; 2]; 3] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cranny_exact::Aabb;
     use rapier3d::math::{IVector, Vector};
     use rapier3d::parry::shape::{Ball, Cuboid, RoundCuboid};
 
@@ -120,7 +129,6 @@ mod tests {
         assert!(polyhedron(&Ball::new(1.0)).is_none());
     }
 
-    /// Of three cells around a corner, parry counts the corner of a cell at cell times size.
     #[test]
     fn voxels_become_the_closed_surface_of_their_union() {
         let size = Vector::new(0.5, 0.25, 2.0);
@@ -129,9 +137,12 @@ mod tests {
         let model = polyhedron(&voxels).unwrap();
         assert!(model.is_closed());
         assert_eq!(model.mass_properties().unwrap().volume, 3.0 * 0.25);
-        let bounds = voxels.local_aabb();
-        assert_eq!(model.bounds().min, wide(bounds.mins));
-        assert_eq!(model.bounds().max, wide(bounds.maxs));
+        // parry's own box is that of whole chunks of voxels.
+        let corners = voxels
+            .voxels()
+            .filter(|voxel| !voxel.state.is_empty())
+            .flat_map(|voxel| [-0.5, 0.5].map(|half| wide(voxel.center) + half * wide(size)));
+        assert_eq!(model.bounds(), Aabb::of_points(corners));
     }
 
     #[test]

@@ -212,3 +212,20 @@ fn conversions_keep_what_f32_can_hold() {
     assert!((back.rotation.length() - 1.0).abs() < 1e-15, "normalised in f64");
     assert_eq!(narrow(DVec3::X), Vector::X);
 }
+
+/// Unit cubes side by side, overlapping by more and more: a question is answered with the depth that there is,
+/// also where the solver is told less so as to be led out slowly.
+#[test]
+fn a_deep_contact_is_told_as_deep_as_it_is() {
+    let cube = shape(&cuboid(1.0, 1.0, 1.0));
+    for (z, depth) in [(0.95f32, 0.05), (0.9, 0.1), (0.8, 0.2), (0.7, 0.3), (0.6, 0.4)] {
+        let pose = RapierPose::translation(0.1, 0.0, z);
+        let told = dispatcher().contact(&pose, &cube, &cube, 0.1).expect("ours").expect("deep");
+        // Along the direction of the area that the curves enclose, which leans a little.
+        assert!((-told.dist / depth - 1.0).abs() < 0.1, "{} where it is {depth}", told.dist);
+        for (point, name) in [(told.point1, "first"), (told.point2, "second")] {
+            let out = point.abs().max_element();
+            assert!((out - 0.5).abs() < 1e-5, "{point} is not on the {name} cube");
+        }
+    }
+}
