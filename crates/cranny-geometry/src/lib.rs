@@ -36,6 +36,7 @@ pub mod features;
 mod flatness;
 pub mod hull;
 mod ids;
+mod late;
 mod mass;
 mod mesh;
 mod model;

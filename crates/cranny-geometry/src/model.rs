@@ -12,7 +12,6 @@
 //!    8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
 
 mod file;
-mod late;
 
 use std::sync::{Arc, Weak};
 
@@ -27,6 +26,7 @@ use crate::features::{Assignment, Features};
 use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
+use crate::late::Late;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -41,7 +41,6 @@ use crate::tree::{FaceForest, FaceTree, Mates};
 use crate::weld::weld;
 
 pub use file::DecodeError;
-pub(crate) use late::Late;
 
 /// How to prepare a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -345,10 +344,11 @@ impl Model {
     }
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
-    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes). For whoever wants no
-    /// late cost; nothing to do for a model that was built.
+    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), and the graph over the vertices
+    /// of the [`hull`](Self::hull). For whoever wants no late cost; nothing to do for a model that was built.
     pub fn prepare_all(&self) {
         self.0.envelopes();
+        self.0.hull.prepare_all();
     }
 
     /// The surface in connected patches of nearly one normal.

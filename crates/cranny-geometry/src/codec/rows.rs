@@ -40,6 +40,25 @@ pub(crate) fn owners_of_rows(
     Ok(owners)
 }
 
+/// That as many members as there are things name each of them once.
+pub(crate) fn check_each_once(
+    members: impl ExactSizeIterator<Item = u32>,
+    count: usize,
+) -> Result<(), Flaw> {
+    check(members.len() == count, "too many or too few are named")?;
+    let mut is_named = vec![0u8; count];
+    let mut is_there = true;
+    for member in members {
+        match is_named.get_mut(member as usize) {
+            Some(own) => *own = 1,
+            None => is_there = false,
+        }
+    }
+    check(is_there, "a row names what is not there")?;
+    // As many were named as there are.
+    check(is_named.iter().fold(1, |all, own| all & own) == 1, "rows name something twice")
+}
+
 /// As many have owners as were named.
 fn check_named_once(owners: &[u32], named: usize) -> Result<(), Flaw> {
     let owned = owners.iter().filter(|&&owner| owner != NOBODY).count();

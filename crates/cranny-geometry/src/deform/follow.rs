@@ -10,8 +10,9 @@ use crate::envelope::{Envelopes, Pocket};
 use crate::features::{Judged, NONE};
 use crate::hull::{Followed, GONE, HullKind, Location};
 use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
+use crate::late::Late;
 use crate::mass::MassProperties;
-use crate::model::{Late, Parts, digest, openings, radius};
+use crate::model::{Parts, digest, openings, radius};
 use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
 
 pub(super) struct Deformation<'a> {

@@ -1,19 +1,19 @@
-//! Hulls as bytes: triangles, the half-edges along each edge, and the facets; positions, neighbours and owners
-//! are made again.
+//! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are made again, and
+//! the graph when it is asked for.
 
 use cranny_exact::DVec3;
 
 use super::convexity::is_convex;
 use super::facets::{FacetLayer, Plane};
 use super::outline::Outlines;
-use super::quickhull::{Surface, Wedge};
-use super::support::SupportGraph;
+use super::quickhull::Surface;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId};
 use crate::codec::{
     Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_flatness, is_size,
     is_unit, owners_of_rows, plain_struct,
 };
 use crate::ids::VertexId;
+use crate::late::Late;
 use crate::mesh::Mesh;
 
 coded!(HullKind {
@@ -30,78 +30,57 @@ plain_struct!(Plane { normal: DVec3, offset: f64, thickness: f64 });
 impl ConvexHull {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self { kind, sources, positions: _, surface, graph: _, facets, excluded } = self;
-        let Surface { triangles, twins: _ } = surface;
+        let Surface { triangles, twins } = surface;
         out.one(kind.code());
         out.list(sources);
         out.list(triangles);
-        out.list(&surface.pairs());
+        out.list(twins);
         facets.encode(out);
         out.list(excluded);
     }
 
     /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked exactly; not
-    /// that this holds the other vertices.
+    /// that this holds the other vertices. Its graph is made when it is first asked for.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;
-        let mut surface = Surface { triangles: input.list()?, twins: Vec::new() };
+        let surface = Surface { triangles: input.list()?, twins: input.list()? };
         check_below(sources.iter().map(|v| v.0), mesh.vertices().len(), "a vertex is not there")?;
         check(sources.is_sorted_by(|a, b| a < b), "vertices are not ascending")?;
         let positions: Vec<_> = sources.iter().map(|&v| mesh.position(v)).collect();
         let corners = surface.triangles.as_flattened();
         check_below(corners.iter().copied(), positions.len(), "a corner is not there")?;
         check(kind.allows(positions.len(), surface.triangles.len()), "it has the wrong dimension")?;
-        let wedges = surface.wedges();
-        let pairs: Vec<[u32; 2]> = input.list()?;
-        let order;
-        (surface.twins, order) = twins_of(&wedges, &pairs)?;
-        check(is_convex(kind, &positions, &surface, &wedges), "it is not convex")?;
-        let graph = match order {
-            Order::Strict => SupportGraph::of_pairs(&positions, &surface, &wedges, &pairs),
-            Order::WithEquals => SupportGraph::new(&positions, &surface),
-        };
+        check_twins(&surface)?;
+        check(is_convex(kind, &positions, &surface), "it is not convex")?;
         let facets = FacetLayer::decode(input, positions.len(), surface.triangles.len())?;
         let excluded: Vec<VertexId> = input.list()?;
         check_below(excluded.iter().map(|v| v.0), mesh.vertices().len(), "a point is not there")?;
         check(excluded.is_sorted_by(|a, b| a < b), "points are not ascending")?;
-        Ok(Self { kind, sources, positions, surface, graph, facets, excluded })
+        Ok(Self { kind, sources, positions, surface, graph: Late::default(), facets, excluded })
     }
 }
 
-/// How edges are sorted.
-enum Order {
-    /// No two have the same ends, and there are some.
-    Strict,
-    /// Some may: a plate has each diagonal twice.
-    WithEquals,
-}
-
-/// The twin of each half-edge, from [`Surface::pairs`]: they run opposite ways, and every triangle has three
+/// That each half-edge is the twin of its twin, which runs the opposite way, and that every triangle has three
 /// corners.
-fn twins_of(wedges: &[Wedge], pairs: &[[u32; 2]]) -> Result<(Vec<u32>, Order), Flaw> {
-    const NONE: u32 = u32::MAX;
-    check(2 * pairs.len() == wedges.len(), "half-edges lack twins")?;
-    check_below(pairs.as_flattened().iter().copied(), wedges.len(), "a twin is not there")?;
-    let mut twins = vec![NONE; wedges.len()];
-    let (mut do_match, mut is_strict, mut before) = (true, !pairs.is_empty(), 0);
-    for &[g, h] in pairs {
-        let (own, other) = (wedges[g as usize], wedges[h as usize]);
-        do_match &= own.ends == other.ends.rotate_left(32) && own.ends != other.ends && g < h;
-        // The first edge has an end other than vertex 0.
-        is_strict &= before < own.edge();
-        before = own.edge();
-        twins[g as usize] = h;
-        twins[h as usize] = g;
+fn check_twins(surface: &Surface) -> Result<(), Flaw> {
+    let Surface { triangles, twins } = surface;
+    let corners = triangles.as_flattened();
+    check(twins.len() == corners.len(), "half-edges lack twins")?;
+    let (of_triangles, _) = twins.as_chunks::<3>();
+    let (mut are_there, mut do_match) = (true, true);
+    for ((first, &[a, b, c]), own) in (0..).step_by(3).zip(triangles).zip(of_triangles) {
+        do_match &= (a != b) & (b != c) & (c != a);
+        for ((half_edge, to), &twin) in (first..).zip([b, c, a]).zip(own) {
+            // Where its twin begins, it ends; that this holds of the twin as well is seen at the twin.
+            match (corners.get(twin as usize), twins.get(twin as usize)) {
+                (Some(&from), Some(&back)) => do_match &= (from == to) & (back == half_edge),
+                _ => are_there = false,
+            }
+        }
     }
-    // As many places as were written to: each once.
-    let are_all = twins.iter().fold(true, |all, &twin| all & (twin != NONE));
-    check(do_match && are_all, "half-edges and twins do not match")?;
-    if is_strict {
-        return Ok((twins, Order::Strict));
-    }
-    let key = |[g, _]: [u32; 2]| (wedges[g as usize].edge(), g);
-    check(pairs.is_sorted_by(|&a, &b| key(a) < key(b)), "edges are not sorted")?;
-    Ok((twins, Order::WithEquals))
+    check(are_there, "a twin is not there")?;
+    check(do_match, "half-edges and twins do not match")
 }
 
 impl FacetLayer {
@@ -143,5 +122,33 @@ impl FacetLayer {
 impl Plane {
     fn is_sound(&self) -> bool {
         is_unit(self.normal) & self.offset.is_finite() & is_size(self.thickness)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twins_run_opposite_ways_and_are_of_each_other() {
+        let corners: Vec<DVec3> = (0..8)
+            .map(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64))
+            .collect();
+        let flaw = |change: &dyn Fn(&mut Surface)| {
+            let mut surface = ConvexHull::of_points(&corners).surface;
+            change(&mut surface);
+            check_twins(&surface).err().map(|Flaw(what)| what)
+        };
+        let says = |change: &dyn Fn(&mut Surface), what| {
+            assert!(flaw(change).is_some_and(|flaw| flaw.contains(what)), "{what}");
+        };
+        assert_eq!(flaw(&|_| ()), None);
+        says(&|surface| surface.twins.swap(0, 1), "do not match");
+        says(&|surface| surface.twins[7] = 7, "do not match");
+        says(&|surface| surface.triangles[3].swap(0, 1), "do not match");
+        says(&|surface| surface.triangles[3][0] = surface.triangles[3][1], "do not match");
+        says(&|surface| surface.twins[5] = 36, "not there");
+        says(&|surface| surface.twins[5] = u32::MAX, "not there");
+        says(&|surface| drop(surface.twins.pop()), "lack twins");
     }
 }

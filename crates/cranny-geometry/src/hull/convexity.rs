@@ -11,39 +11,35 @@
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 
-use super::quickhull::{Surface, Wedge, edge_sign, hull_of_some};
+use super::quickhull::{Surface, edge_sign, hull_of_some, previous};
 use super::side::Side;
 use super::span::{Projection, planar_hull};
-use super::{HullKind, plate};
+use super::{HullKind, plate, twofold};
 
-/// Whether a surface whose twins match is that of a hull with these vertices; `wedges` are the surface's.
-pub(super) fn is_convex(
-    kind: HullKind,
-    positions: &[DVec3],
-    surface: &Surface,
-    wedges: &[Wedge],
-) -> bool {
+/// Whether a surface whose twins match is that of a hull with these vertices.
+pub(super) fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
     match kind {
         HullKind::Empty | HullKind::Point | HullKind::Segment => true,
         HullKind::Polygon => is_plate(positions, surface),
-        HullKind::Volume => is_around_a_body(positions, surface, wedges),
+        HullKind::Volume => is_around_a_body(positions, surface),
     }
 }
 
-fn is_around_a_body(positions: &[DVec3], surface: &Surface, wedges: &[Wedge]) -> bool {
+fn is_around_a_body(positions: &[DVec3], surface: &Surface) -> bool {
     let bounds = Aabb::of_points(positions.iter().copied());
     let mean = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let middle = mean.clamp(bounds.min, bounds.max);
     let extent = bounds.max - bounds.min;
     let margin = Side::greatest_margin(extent);
     let (twins, _) = surface.twins.as_chunks::<3>();
+    let origins = surface.triangles.as_flattened();
     let (mut is_beneath_all, mut crossed) = (true, 0);
     for ((t, corners), twins) in (0..).zip(&surface.triangles).zip(twins) {
         let triangle @ [a, b, c] = corners.map(|v| positions[v as usize]);
         let normal = (b - a).cross(c - a);
         // Each edge is looked at from one side.
         for &twin in twins.iter().filter(|&&twin| twin > 3 * t) {
-            let apex = positions[wedges[twin as usize].apex as usize];
+            let apex = positions[origins[previous(twin) as usize] as usize];
             let is_beneath = normal.dot(apex - a) < -margin;
             if !is_beneath && nearly_on(triangle, extent, apex) == Sign::Positive {
                 return false;
@@ -60,7 +56,10 @@ fn is_around_a_body(positions: &[DVec3], surface: &Surface, wedges: &[Wedge]) ->
 #[cold]
 fn nearly_on(triangle: [DVec3; 3], extent: DVec3, p: DVec3) -> Sign {
     let side = Side::new(triangle, extent);
-    side.sign(side.height(p), p, || triangle)
+    let height = side.height(p);
+    let is_near = height.abs() <= side.margin();
+    let by_pairs = if is_near { twofold::sign(&side, triangle, p) } else { None };
+    by_pairs.unwrap_or_else(|| side.sign(height, p, || triangle))
 }
 
 /// Whether the ray from a point along x meets a triangle that it is beneath: whether it does so seen along x,
@@ -121,10 +120,6 @@ fn is_plate(positions: &[DVec3], surface: &Surface) -> bool {
 mod tests {
     use super::super::ConvexHull;
     use super::*;
-
-    fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
-        super::is_convex(kind, positions, surface, &surface.wedges())
-    }
 
     /// Whether the hull of some points passes, once as it is and once with its triangles changed.
     fn passes(points: &[DVec3], change: impl Fn(&mut Surface)) -> bool {

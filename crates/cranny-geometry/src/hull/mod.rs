@@ -38,6 +38,7 @@ mod side;
 mod sieve;
 mod span;
 mod support;
+mod twofold;
 mod update;
 mod validate;
 
@@ -45,6 +46,7 @@ use cranny_exact::{Aabb, DVec3, DomainError, check_point};
 use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
+use crate::late::Late;
 use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};
 pub use locate::Location;
@@ -133,15 +135,29 @@ pub enum HullError {
 pub const MAX_POINTS: usize = 1 << 29;
 
 /// The convex hull of a point set. Owns copies of its vertices; needs the input no more.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ConvexHull {
     kind: HullKind,
     sources: Vec<VertexId>,
     positions: Vec<DVec3>,
     surface: Surface,
-    graph: SupportGraph,
+    /// Made of positions and surface: `graph()`.
+    graph: Late<SupportGraph>,
     facets: FacetLayer,
     excluded: Vec<VertexId>,
+}
+
+/// The graph follows from the rest.
+impl PartialEq for ConvexHull {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { kind, sources, positions, surface, graph: _, facets, excluded } = self;
+        *kind == other.kind
+            && *sources == other.sources
+            && *positions == other.positions
+            && *surface == other.surface
+            && *facets == other.facets
+            && *excluded == other.excluded
+    }
 }
 
 impl ConvexHull {
@@ -236,7 +252,7 @@ impl ConvexHull {
             sources: vertices.iter().map(|&v| VertexId(v)).collect(),
             positions,
             surface,
-            graph,
+            graph: Late::made(graph),
             facets,
             excluded: Vec::new(),
         }
@@ -331,7 +347,7 @@ impl ConvexHull {
     /// Where the id is not of this hull.
     #[must_use]
     pub fn neighbours(&self, vertex: HullVertexId) -> &[HullVertexId] {
-        self.graph.neighbours(vertex)
+        self.graph().neighbours(vertex)
     }
 
     /// Number of merged facets.
@@ -404,7 +420,17 @@ impl ConvexHull {
     /// Where `start` is not of this hull.
     #[must_use]
     pub fn support(&self, direction: DVec3, start: Option<HullVertexId>) -> Option<HullVertexId> {
-        self.graph.support(&self.positions, direction, start)
+        self.graph().support(&self.positions, direction, start)
+    }
+
+    /// The graph over the vertices. A hull that was read makes it at the first call, in linear time.
+    fn graph(&self) -> &SupportGraph {
+        self.graph.get(|| SupportGraph::new(&self.positions, &self.surface))
+    }
+
+    /// Makes what a hull that was read makes late.
+    pub(crate) fn prepare_all(&self) {
+        self.graph();
     }
 }
 

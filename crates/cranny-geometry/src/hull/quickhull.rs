@@ -115,22 +115,6 @@ pub(super) fn edge_sign(points: &[DVec3], surface: &Surface, half_edge: u32) -> 
     cranny_exact::orient3d(a, b, c, points[apex as usize])
 }
 
-/// A half-edge with its triangle.
-#[derive(Clone, Copy)]
-pub(super) struct Wedge {
-    /// Where from, where to, in one word.
-    pub(super) ends: u64,
-    /// The third corner.
-    pub(super) apex: u32,
-}
-
-impl Wedge {
-    /// The ends of its edge, the lesser first.
-    pub(super) fn edge(&self) -> u64 {
-        self.ends.min(self.ends.rotate_left(32))
-    }
-}
-
 /// The next half-edge of the same triangle.
 pub(super) fn next(half_edge: u32) -> u32 {
     if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }
@@ -145,26 +129,6 @@ impl Surface {
     /// The vertex that a half-edge starts from.
     pub(super) fn origin(&self, half_edge: u32) -> u32 {
         self.triangles[half_edge as usize / 3][half_edge as usize % 3]
-    }
-
-    /// What is asked of each half-edge, to be had in one place.
-    pub(super) fn wedges(&self) -> Vec<Wedge> {
-        let ends = |from: u32, to: u32| u64::from(from) << 32 | u64::from(to);
-        let of_triangle = |&[a, b, c]: &[u32; 3]| {
-            [[a, b, c], [b, c, a], [c, a, b]]
-                .map(|[from, to, apex]| Wedge { ends: ends(from, to), apex })
-        };
-        self.triangles.iter().map(of_triangle).collect::<Vec<_>>().into_flattened()
-    }
-
-    /// The two half-edges along each edge, the lower first; by the ends of edges, where these are the same
-    /// by number.
-    pub(super) fn pairs(&self) -> Vec<[u32; 2]> {
-        let wedges = self.wedges();
-        let pairs = (0..).zip(&self.twins).map(|(h, &twin)| [h, twin]);
-        let mut pairs: Vec<[u32; 2]> = pairs.filter(|[h, twin]| h < twin).collect();
-        pairs.sort_unstable_by_key(|&[h, _]| (wedges[h as usize].edge(), h));
-        pairs
     }
 
     /// Start and end of a half-edge.

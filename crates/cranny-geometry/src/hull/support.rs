@@ -15,7 +15,7 @@
 use cranny_exact::DVec3;
 
 use super::HullVertexId;
-use super::quickhull::{Surface, Wedge};
+use super::quickhull::Surface;
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
 /// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus quadratic,
@@ -59,37 +59,6 @@ impl SupportGraph {
                 }
             }
             sort_rows(&mut starts, &mut neighbours);
-        }
-        Self::with_seeds(positions, starts, neighbours)
-    }
-
-    /// The same for a surface no two edges of which have the same ends; `wedges` and `pairs` are the surface's.
-    ///
-    /// Edges come by their lesser ends, then by their greater ones: each vertex meets its lesser neighbours
-    /// before it is the lesser one itself, and both in order.
-    pub(super) fn of_pairs(
-        positions: &[DVec3],
-        surface: &Surface,
-        wedges: &[Wedge],
-        pairs: &[[u32; 2]],
-    ) -> Self {
-        let mut starts = vec![0u32; positions.len() + 1];
-        for &v in surface.triangles.as_flattened() {
-            starts[v as usize + 1] += 1;
-        }
-        for v in 0..positions.len() {
-            starts[v + 1] += starts[v];
-        }
-        let mut neighbours = vec![HullVertexId(0); 2 * pairs.len()];
-        let mut fill = starts.clone();
-        for &[h, _] in pairs {
-            let edge = wedges[h as usize].edge();
-            let (lesser, greater) = ((edge >> 32) as u32, edge as u32);
-            for (from, to) in [(lesser, greater), (greater, lesser)] {
-                let place = &mut fill[from as usize];
-                neighbours[*place as usize] = HullVertexId(to);
-                *place += 1;
-            }
         }
         Self::with_seeds(positions, starts, neighbours)
     }

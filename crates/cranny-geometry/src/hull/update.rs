@@ -14,6 +14,7 @@ use super::repair::{Repair, Repaired};
 use super::support::SupportGraph;
 use super::{ConvexHull, HullKind, Surface};
 use crate::ids::VertexId;
+use crate::late::Late;
 
 /// No facet.
 pub(crate) const GONE: u32 = u32::MAX;
@@ -70,7 +71,7 @@ impl ConvexHull {
             sources: vertices.into_iter().map(VertexId).collect(),
             positions,
             surface,
-            graph,
+            graph: Late::made(graph),
             facets,
             excluded: Vec::new(),
         };

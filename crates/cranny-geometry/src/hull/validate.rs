@@ -201,7 +201,7 @@ impl ConvexHull {
         if (facet.normal.length() - 1.0).abs() > 4.0 * f64::EPSILON {
             found.push(HullViolation::BadNormal(id));
         }
-        let rounding = self.graph.rounding(facet.normal);
+        let rounding = self.graph().rounding(facet.normal);
         let height = |v: u32| facet.normal.dot(self.positions[v as usize]);
         for v in 0..self.vertex_count() as u32 {
             if height(v) + rounding > facet.offset {

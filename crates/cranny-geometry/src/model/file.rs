@@ -13,13 +13,14 @@ use std::sync::Arc;
 use cranny_exact::{DMat3, DVec3};
 use thiserror::Error;
 
-use super::{Late, Model, Parts, radius};
+use super::{Model, Parts, radius};
 use crate::codec::{Flaw, Reader, Writer, check, checksum, is_flatness};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
 use crate::features::Features;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
+use crate::late::Late;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -31,7 +32,7 @@ use crate::tree::{FaceBoxes, FaceForest, FaceTree};
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
 
 /// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// What is before the checksum: magic, version, 0, length.
 const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;
@@ -190,9 +191,13 @@ impl Model {
     ///
     /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), which no query reads, are
     /// made when somebody first asks for them, from the rest of the model and as building makes them; so the
-    /// first call costs what these stages of building cost (README). Whoever wants no late cost calls
-    /// [`prepare_all`](Self::prepare_all). Of a model that was deformed before it was saved they
-    /// would come out otherwise: there they are in the file, and are read and checked here.
+    /// first call costs what these stages of building cost (README). Of a model that was deformed before it was
+    /// saved they would come out otherwise: there they are in the file, and are read and checked here.
+    ///
+    /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is made when it is
+    /// first asked for, in linear time; queries do so where they make their own graph of the hull's features.
+    ///
+    /// Whoever wants no late cost calls [`prepare_all`](Self::prepare_all).
     ///
     /// # What is checked
     ///
@@ -204,13 +209,14 @@ impl Model {
     /// - Topology: that half-edges are each there once, sorted by edge, that rows of vertices hold just their
     ///   faces, and that no edge joins two components. All else is made from that. Not that the faces of
     ///   a component hang together.
-    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once. Not that it
-    ///   holds the other vertices, nor that the planes of its facets lie above it.
+    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once, and that twins are
+    ///   twins. Not that it holds the other vertices, nor that the planes of its facets lie above it.
     /// - Features, concavities: that a face lies on a facet or in a concavity, not both; that rows are whole;
     ///   that none surrounds itself. Not how faces were classified, nor sizes.
     /// - Trees, over faces and over patches: that each holds its faces once. Boxes are made again.
     /// - Envelopes, where they are in the file: that layers nest and divide their faces. Not that planes hold them. Boxes are made again.
-    /// - Patches: that each face is in one. Not that cones, slabs and sizes are theirs.
+    /// - Patches: that each face is in one. Not that cones (those of the nodes over them too), slabs and sizes are
+    ///   theirs.
     /// - Mass: that it is there where the mesh is closed. Not that it is the mesh's.
     ///
     /// [`deform`](Self::deform) builds on more than is proved here, and so believes nothing but the mesh:

@@ -1,10 +1,12 @@
-//! Patches as bytes: what was measured of them, and the shape of their trees and of the tree over them. Boxes
-//! and cones of nodes are made again.
+//! Patches as bytes: what was measured of them, the cones of the tree over them, and the shape of all trees. Boxes
+//! are made again.
 
 use cranny_exact::DVec3;
 
 use super::{NormalCone, Patch, PatchTree, Patches, Slab};
-use crate::codec::{Flaw, Reader, Writer, check, check_below, is_size, is_unit, plain_struct};
+use crate::codec::{
+    Flaw, Reader, Writer, check, check_below, check_each_once, is_size, is_unit, plain_struct,
+};
 use crate::ids::PatchId;
 use crate::tree::{FaceBoxes, FaceForest, Node, Shape};
 
@@ -46,7 +48,7 @@ impl Patches {
         let mut patches = Vec::with_capacity(records.len());
         for (tree, &Record { cone, radius, area, needles }) in records.iter().enumerate() {
             let root = trees.root(tree).ok_or("a patch has no face")?;
-            check(is_unit(cone.axis) && cone.cosine.abs() <= 1.0, "a cone has no axis")?;
+            check(cone.is_sound(), "a cone has no axis")?;
             check(is_size(radius) && is_size(area), "a patch has no size")?;
             check(
                 needles as usize <= trees.faces(tree).len(),
@@ -63,26 +65,32 @@ impl Patches {
 
 impl PatchTree {
     fn encode(&self, out: &mut Writer) {
-        let Self { nodes, cones: _, order } = self;
+        let Self { nodes, cones, order } = self;
         out.list(order);
         out.items(nodes.len(), nodes.iter().map(Node::count));
+        out.list(cones);
     }
 
-    /// Reads the shape of the tree over all patches.
+    /// Reads the tree over all patches.
     fn decode(input: &mut Reader, patches: &[Patch]) -> Result<Self, Flaw> {
         let (order, counts): (Vec<PatchId>, Vec<u32>) = (input.list()?, input.list()?);
         check(order.len() == patches.len(), "a leaf for each patch is needed")?;
-        let mut is_named = vec![false; patches.len()];
-        for patch in &order {
-            let is_named = is_named.get_mut(patch.index()).ok_or("a patch is not there")?;
-            check(!std::mem::replace(is_named, true), "a patch is named twice")?;
-        }
+        check_each_once(order.iter().map(|patch| patch.0), patches.len())?;
         check_below(counts.iter().copied(), 2, "a leaf has two patches")?;
         let mut shape = Shape::new(&counts, order.len(), counts.len())?;
         shape.tree(0..counts.len(), 0..order.len(), |leaf| {
             patches[order[leaf.start].index()].bounds
         })?;
-        Ok(Self::with_cones(shape.into_nodes(), order, patches))
+        let cones: Vec<NormalCone> = input.list()?;
+        check(cones.len() == counts.len(), "a cone for each node is needed")?;
+        check(cones.iter().all(NormalCone::is_sound), "the cone of a node has no axis")?;
+        Ok(Self { nodes: shape.into_nodes(), cones, order })
+    }
+}
+
+impl NormalCone {
+    fn is_sound(&self) -> bool {
+        is_unit(self.axis) && self.cosine.abs() <= 1.0
     }
 }
 

@@ -24,7 +24,7 @@ impl PatchTree {
     }
 
     /// Puts cones around what the nodes of a tree hold.
-    pub(super) fn with_cones(nodes: Vec<Node>, order: Vec<PatchId>, patches: &[Patch]) -> Self {
+    fn with_cones(nodes: Vec<Node>, order: Vec<PatchId>, patches: &[Patch]) -> Self {
         let cones = vec![NormalCone::WHOLE; nodes.len()];
         let mut tree = Self { nodes, cones, order };
         // Children stand behind their parents.

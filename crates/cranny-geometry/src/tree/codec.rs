@@ -6,10 +6,10 @@
 
 use std::ops::Range;
 
-use cranny_exact::Aabb;
+use cranny_exact::{Aabb, DVec3};
 
 use super::{FaceForest, FaceTree, Node};
-use crate::codec::{Flaw, Reader, Writer, check, owners};
+use crate::codec::{Flaw, Reader, Writer, check, check_each_once, owners};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -34,9 +34,14 @@ impl FaceBoxes {
     /// The box around some faces; the empty one around none.
     #[inline]
     pub(crate) fn around(&self, faces: &[FaceId]) -> Aabb {
-        let [first, others @ ..] = faces else { return Aabb::EMPTY };
         let own = |face: &FaceId| &self.0[face.index()];
-        others.iter().map(own).fold(*own(first), |all, own| all.union(own))
+        match faces {
+            [] => Aabb::EMPTY,
+            [face] => *own(face),
+            [first, others @ ..] => {
+                others.iter().map(own).fold(*own(first), |all, own| all.union(own))
+            }
+        }
     }
 }
 
@@ -49,10 +54,9 @@ impl FaceTree {
 
     /// Reads a tree over all faces of a mesh.
     pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<Self, Flaw> {
-        let (faces, counts): (Vec<u32>, Vec<u32>) = (input.list()?, input.list()?);
+        let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
         check(faces.len() == boxes.len(), "it is not over all faces")?;
-        owners(boxes.len(), [faces.as_slice()])?;
-        let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
+        check_each_once(faces.iter().map(|face| face.0), boxes.len())?;
         let mut shape = Shape::new(&counts, faces.len(), counts.len())?;
         shape.tree(0..counts.len(), 0..faces.len(), |leaf| boxes.around(&faces[leaf]))?;
         Ok(Self { nodes: shape.into_nodes(), faces })
@@ -104,7 +108,9 @@ impl<'a> Shape<'a> {
         // Leaves hold one or more, and there are fewer inner nodes. A node takes fourteen times the bytes of its
         // count: whoever counts more than there can be shall not have memory for them.
         check(counts.len() <= 2 * held, "trees have more nodes than they can")?;
-        let blank = Node { bounds: Aabb::EMPTY, content: 0, count: 0 };
+        // All zero: memory is filled at once.
+        let blank = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
+        let blank = Node { bounds: blank, content: 0, count: 0 };
         // Of the nodes of a tree, one more than half are leaves.
         Ok(Self { counts, nodes: vec![blank; counts.len()], waiting: vec![0; most / 2 + 1] })
     }
@@ -118,6 +124,7 @@ impl<'a> Shape<'a> {
     ///
     /// From the last node to the first: the tree finished last begins right behind an inner node, which makes it
     /// the left child, and the one that has waited least is the right one.
+    #[inline]
     pub(crate) fn tree(
         &mut self,
         range: Range<usize>,
@@ -126,14 +133,16 @@ impl<'a> Shape<'a> {
     ) -> Result<(), Flaw> {
         /// In place of a node: there is none.
         const NONE: u32 = u32::MAX;
+        let first = range.start as u32;
         let nodes = &mut self.nodes[range.clone()];
+        let counts = &self.counts[range][..nodes.len()];
         let waiting = self.waiting.as_mut_slice();
         let (mut first_held, mut waits) = (held.end, 0);
-        // Within the range.
-        let (mut index, mut finished) = (nodes.len(), NONE);
-        for &count in self.counts[range.clone()].iter().rev() {
-            index -= 1;
-            let own = if count > 0 {
+        // The root of the tree finished last, within the range, and what is around it.
+        let (mut finished, mut bounds) = (NONE, Aabb::EMPTY);
+        for index in (0..nodes.len()).rev() {
+            let count = counts[index];
+            if count > 0 {
                 if count as usize > first_held - held.start {
                     return Err("a tree has more in its leaves than it holds".into());
                 }
@@ -142,30 +151,28 @@ impl<'a> Shape<'a> {
                 waits += 1;
                 let end = first_held;
                 first_held -= count as usize;
-                Node { bounds: box_of(first_held..end), content: first_held as u32, count }
+                bounds = box_of(first_held..end);
+                nodes[index] = Node { bounds, content: first_held as u32, count };
             } else {
                 waits = waits.wrapping_sub(1);
                 let right = waiting.get(waits).copied().unwrap_or(NONE);
-                let (Some(left), Some(brother)) = (nodes.get(index + 1), nodes.get(right as usize))
-                else {
+                // Where no tree is finished, none waits.
+                let Some(brother) = nodes.get(right as usize) else {
                     return Err("a tree lacks nodes".into());
                 };
-                let bounds = left.bounds.union(&brother.bounds);
-                Node { bounds, content: range.start as u32 + right, count }
-            };
-            nodes[index] = own;
+                bounds = bounds.union(&brother.bounds);
+                nodes[index] = Node { bounds, content: first + right, count };
+            }
             finished = index as u32;
         }
         check(first_held == held.start, "a tree has less in its leaves than it holds")?;
         // What was finished last is the root; beneath it nothing waits but what stands for none.
-        check(waits == usize::from(!range.is_empty()), "nodes belong to no tree")
+        check(waits == usize::from(!nodes.is_empty()), "nodes belong to no tree")
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use cranny_exact::DVec3;
-
     use super::*;
 
     /// The right children of inner nodes, and how the shape of a tree over `size` faces ends.

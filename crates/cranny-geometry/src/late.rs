@@ -1,8 +1,9 @@
 //! Parts of a model that are made when somebody first asks for them.
 //!
-//! Queries never look at the trees and envelopes of concavities, and to read and check them took a tenth to a
-//! quarter of loading. So a model that was loaded makes them from what it has, as building did. `OnceLock` sees to it
-//! that threads which ask at once get the same; it is a field of its model, nothing is shared beyond that.
+//! Some follow from what was read, and few ask for them: to read and check them, or to make them while loading,
+//! would be time that most never get back. So they are made of the rest at the first question, as building makes
+//! them. `OnceLock` sees to it that threads which ask at once get the same; it is a field of its owner, nothing
+//! is shared beyond that.
 
 use std::sync::OnceLock;
 
