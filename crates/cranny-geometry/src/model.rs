@@ -224,8 +224,9 @@ impl Model {
         let patches = Patches::with_mates(&mesh, &topology, &mates);
         observe(Stage::Scan);
         let weld_distance = report.weld_distance;
-        (report.findings, report.meetings) =
-            scan(&mesh, &topology, &tree, weld_distance, options.self_intersections);
+        let mass_of = mass.as_ref();
+        let searches = options.self_intersections;
+        report.take(scan(&mesh, &topology, &tree, mass_of, weld_distance, searches));
 
         observe(Stage::Hull);
         report.flatness = options.flatness.resolve(&mesh);
@@ -275,8 +276,8 @@ impl Model {
             ..Report::default()
         };
         describe(mesh, topology, mass.as_ref(), &mut report);
-        (report.findings, report.meetings) =
-            scan(mesh, topology, tree, report.weld_distance, options.self_intersections);
+        let (mass, distance) = (mass.as_ref(), report.weld_distance);
+        report.take(scan(mesh, topology, tree, mass, distance, options.self_intersections));
         report.add(concavities.surface().findings(mesh, hull, features.slab_depth()));
         Ok(report)
     }
@@ -467,8 +468,6 @@ fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, rep
     report.components = topology.components().len();
     report.closed = topology.is_closed();
     report.oriented = topology.is_oriented();
-    report.area =
-        (0..mesh.faces().len() as u32).map(|f| mesh.area_vector(FaceId(f)).length()).sum();
     report.volume = mass.map(|m| m.volume);
 }
 

@@ -2,6 +2,8 @@
 
 use cranny_exact::DVec3;
 
+use crate::scan::Scanned;
+
 /// The outcome of preparing a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
@@ -45,6 +47,11 @@ impl Report {
     #[must_use]
     pub fn is_sound(&self) -> bool {
         self.findings.iter().all(|finding| finding.kind.limits().is_empty())
+    }
+
+    /// Takes in what a scan found.
+    pub(crate) fn take(&mut self, Scanned { findings, meetings, area }: Scanned) {
+        (self.findings, self.meetings, self.area) = (findings, meetings, area);
     }
 
     /// Adds findings: what limits answers stays first, kind by kind.

@@ -98,6 +98,11 @@ impl HalfEdgeId {
     pub fn next(self) -> Self {
         Self(if self.0 % 3 == 2 { self.0 - 2 } else { self.0 + 1 })
     }
+
+    /// The one before, which begins at the corner across.
+    pub(crate) fn previous(self) -> Self {
+        Self(if self.0.is_multiple_of(3) { self.0 + 2 } else { self.0 - 1 })
+    }
 }
 
 impl Topology {
@@ -188,6 +193,11 @@ impl Topology {
         &self.edges
     }
 
+    /// The two half-edges of each edge, where every edge is a manifold one between two vertices.
+    pub(crate) fn pairs(&self) -> Option<&[[HalfEdgeId; 2]]> {
+        self.is_paired.then(|| self.around.as_chunks().0)
+    }
+
     /// The edge of a half-edge.
     #[must_use]
     #[inline]
@@ -264,7 +274,8 @@ impl Topology {
     /// Whether no two faces contradict each other's orientation.
     #[must_use]
     pub fn is_oriented(&self) -> bool {
-        self.edges.iter().all(|e| !matches!(e.kind, EdgeKind::Contradictory | EdgeKind::Tangled))
+        let agrees = |e: &Edge| !matches!(e.kind, EdgeKind::Contradictory | EdgeKind::Tangled);
+        self.is_paired || self.edges.iter().all(agrees)
     }
 
     /// Checks the invariants; for tests and debugging.

@@ -9,7 +9,7 @@ use crate::boundary::Loops;
 use crate::caps::{CapSurface, outlines};
 use crate::features::{Features, NONE};
 use crate::hull::{ConvexHull, FacetId};
-use crate::ids::{CapId, ConcavityId, EdgeId, FaceId};
+use crate::ids::{CapId, ConcavityId, EdgeId, FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::rows::rows;
 use crate::topology::{EdgeKind, Topology};
@@ -161,8 +161,18 @@ impl Input<'_> {
     /// The boundary of each concavity's faces, split into simple loops.
     fn find_loops(&self, all: &mut Concavities) {
         let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
-        for e in (0..self.topology.edges().len() as u32).map(EdgeId) {
-            self.rims_at(e, &all.concavity_of_face, &mut rims);
+        let of_face = &all.concavity_of_face;
+        let edges = (0..self.topology.edges().len() as u32).map(EdgeId);
+        if let Some(pairs) = self.topology.pairs() {
+            // Nearly no edge.
+            let parts = |pair: &[HalfEdgeId; 2]| {
+                let [one, other] = pair.map(|h| of_face[h.face().index()]);
+                one != other
+            };
+            let on_rims = edges.zip(pairs).filter(|(_, pair)| parts(pair));
+            on_rims.for_each(|(e, _)| self.rims_at(e, of_face, &mut rims));
+        } else {
+            edges.for_each(|e| self.rims_at(e, of_face, &mut rims));
         }
         rims.sort_unstable();
         let mut edges = Vec::new();

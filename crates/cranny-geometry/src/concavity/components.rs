@@ -8,7 +8,7 @@
 
 use crate::caps::CapSurface;
 use crate::features::Features;
-use crate::ids::{EdgeId, FaceId};
+use crate::ids::{EdgeId, FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::topology::{DisjointSets, Edge, Topology};
 
@@ -55,12 +55,21 @@ impl Components {
             }
             joined.join_at_cap(group, &off);
         }
+        let join = |joined: &mut Self, pair: [HalfEdgeId; 2]| {
+            let [f, g] = pair.map(HalfEdgeId::face);
+            if !features.is_convex(f) && !features.is_convex(g) {
+                joined.elements.union(f.index(), g.index());
+            }
+        };
+        if let Some(pairs) = topology.pairs() {
+            let without_cap = pairs.iter().zip(&has_cap).filter(|&(_, &has_cap)| !has_cap);
+            without_cap.for_each(|(&pair, _)| join(&mut joined, pair));
+            joined.join_at_tips(topology, features, caps);
+            return joined;
+        }
         for e in (0..topology.edges().len() as u32).map(EdgeId).filter(|e| !has_cap[e.index()]) {
             if let [g, h] = *topology.half_edges(e) {
-                let [f, g] = [g, h].map(|h| h.face()); // nearly every edge
-                if !features.is_convex(f) && !features.is_convex(g) {
-                    joined.elements.union(f.index(), g.index());
-                }
+                join(&mut joined, [g, h]);
                 continue;
             }
             let off = topology.half_edges(e).iter().map(|h| h.face());

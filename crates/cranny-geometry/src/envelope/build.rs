@@ -97,8 +97,8 @@ impl Envelopes {
         let count = workshop.crumbs.items.len();
         workshop.order.clear();
         workshop.order.extend(0..count as u32);
-        // Nearly as many facets are made as there are crumbs.
-        self.facets.reserve(count);
+        // Fewer than a third more facets are made than there are crumbs, as a rule.
+        self.facets.reserve(count + count / 3);
         self.faces.reserve(pocket.faces.len());
         for direction in pocket.openings.iter().filter_map(|&o| unit(o)) {
             let corners = workshop.crumbs.all_corners().iter();
@@ -128,7 +128,7 @@ impl Envelopes {
         opening: &Opening,
         workshop: &mut Workshop,
     ) {
-        let Workshop { crumbs, order, scratch, layer, waiting } = workshop;
+        let Workshop { crumbs, order, scratch, layer, in_order, waiting } = workshop;
         let range = &mut order[start..end];
         let mut parts = clusters(&crumbs.items, range, opening, &self.options, scratch);
         parts.sort_unstable_by_key(|part| part.start);
@@ -156,11 +156,13 @@ impl Envelopes {
             layer.push((facet, range));
             face = next;
         }
-        layer.sort_unstable_by(|(a, _), (b, _)| {
-            b.reach.total_cmp(&a.reach).then(a.faces.cmp(&b.faces))
-        });
+        // Sorted by name: facets are large.
+        in_order.clear();
+        in_order.extend(layer.iter().zip(0..).map(|((facet, _), at)| (facet.reach, at)));
+        in_order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let first = self.facets.len();
-        for &(facet, range) in &*layer {
+        for &(_, at) in &*in_order {
+            let (facet, range) = layer[at as usize];
             if (facet.faces[1] - facet.faces[0]) as usize > self.options.leaf_faces {
                 waiting.push_back((self.facets.len(), range));
             }
@@ -179,6 +181,8 @@ pub(super) struct Workshop {
     scratch: Scratch,
     /// Facets of a layer in the making, and their ranges of the order.
     layer: Vec<(EnvelopeFacet, [usize; 2])>,
+    /// Their reaches and places there, from the cap inwards.
+    in_order: Vec<(f64, u32)>,
     /// Facets whose crumbs are to be divided.
     waiting: VecDeque<(usize, [usize; 2])>,
 }

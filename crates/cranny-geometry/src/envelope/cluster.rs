@@ -50,12 +50,22 @@ pub(super) fn clusters(
     options: &EnvelopeOptions,
     scratch: &mut Scratch,
 ) -> Vec<Cluster> {
+    if order.len() <= options.width && no_two_stay_together(items, order, options.leaf_faces) {
+        let alone = |(start, &item): (usize, &u32)| Cluster {
+            start,
+            end: start + 1,
+            moments: Moments::of([&items[item as usize]]),
+            cost: 0.0,
+        };
+        return order.iter().enumerate().map(alone).collect();
+    }
+    let most = options.leaf_faces as f64;
     let moments = Moments::of(order.iter().map(|&item| &items[item as usize]));
     let whole = Cluster { start: 0, end: order.len(), moments, cost: 0.0 };
     let mut parts = Vec::with_capacity(options.width.min(order.len()));
     parts.push(whole);
     while parts.len() < options.width {
-        let divisible = |c: &&mut Cluster| c.moments.count() > options.leaf_faces;
+        let divisible = |c: &&mut Cluster| c.moments.count() > most;
         let costliest = parts
             .iter_mut()
             .filter(divisible)
@@ -70,7 +80,7 @@ pub(super) fn clusters(
         let middle = start + left_items;
         // Nobody asks what those cost that are not divided.
         let cost = |side: usize, moments: &Moments| {
-            let is_divided = moments.count() > options.leaf_faces;
+            let is_divided = moments.count() > most;
             let known = || costs.map(|costs| costs[side]);
             if is_divided { known().unwrap_or_else(|| moments.cost(opening)) } else { 0.0 }
         };
@@ -78,6 +88,18 @@ pub(super) fn clusters(
         parts.push(Cluster { start: middle, end, moments: right, cost: cost(1, &right) });
     }
     parts
+}
+
+/// Whether any two of some items have too many faces for a part that is not divided: then each becomes a part, in
+/// whichever way they are divided.
+fn no_two_stay_together(items: &[Item], order: &[u32], leaf_faces: usize) -> bool {
+    let [mut least, mut next] = [usize::MAX; 2];
+    for &item in order {
+        let count = items[item as usize].count as usize;
+        next = next.min(least.max(count));
+        least = least.min(count);
+    }
+    least.saturating_add(next) > leaf_faces
 }
 
 /// Least and greatest keys of some items.
@@ -185,13 +207,11 @@ fn halves(
         quarters[2 * by_place + by_facing].add(&items[item as usize]);
     }
     let [a, b, c, d] = quarters;
-    let faces: usize = quarters.iter().map(Moments::count).sum();
-    let least = (LEAST_SHARE * faces as f64).max(1.0) as usize;
+    let faces: f64 = quarters.iter().map(Moments::count).sum();
+    let least = f64::from((LEAST_SHARE * faces) as u32).max(1.0);
     let mut judged = |cut: Cut, sides: [Moments; 2]| {
         let is_lopsided = sides.iter().any(|side| side.count() < least);
-        let (cut, sides) =
-            if is_lopsided { Cut::halving(cut.key, items, order, scratch) } else { (cut, sides) };
-        (cut, sides)
+        if is_lopsided { Cut::halving(cut.key, items, order, scratch) } else { (cut, sides) }
     };
     let mut best = judged(cuts[0], [a.plus(&b), c.plus(&d)]);
     let mut costs = None;

@@ -58,6 +58,10 @@ pub(super) struct Crumbs {
     /// Of the crumb in the making: how often each of its corners is one of a face, and its area vectors.
     times: Vec<u32>,
     areas: Vec<DVec3>,
+    /// Of each vertex the last crumb that it is a corner of, counted through all pockets, and its place there.
+    places: Vec<[u32; 2]>,
+    /// How many crumbs have been made in all.
+    made: u32,
 }
 
 impl Crumbs {
@@ -75,6 +79,7 @@ impl Crumbs {
         self.crumbs.clear();
         self.faces.clear();
         self.corners.clear();
+        self.places.resize(mesh.vertices().len(), [0; 2]);
         let (nodes, faces) = tree.beneath(root);
         // They are half full as a rule.
         let crumbs = 2 * faces.len().div_ceil(most);
@@ -84,6 +89,10 @@ impl Crumbs {
         // In depth-first order: the next node is the left child, or what follows all beneath this one.
         let mut node = nodes.start;
         while node < nodes.end {
+            if tree.surely_has_more(node, most) {
+                node += 1;
+                continue;
+            }
             let (beneath, range) = tree.beneath(node);
             let faces = &tree.faces()[range.start as usize..range.end as usize];
             if faces.len() <= most && !self.is_bent(mesh, faces) {
@@ -128,6 +137,10 @@ impl Crumbs {
     /// Whether faces lie across a sharp edge. Notes their area vectors.
     fn is_bent(&mut self, mesh: &Mesh, faces: &[FaceId]) -> bool {
         self.areas.clear();
+        if let [face] = faces {
+            self.areas.push(mesh.area_vector(*face));
+            return false;
+        }
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for &face in faces {
             let area = mesh.area_vector(face);
@@ -145,20 +158,22 @@ impl Crumbs {
         let (mut bounds, mut reach) = (Aabb::EMPTY, f64::NEG_INFINITY);
         let [mut place, mut squares, mut mixed] = [DVec3::ZERO; 3];
         self.times.clear();
+        self.times.resize(3 * faces.len(), 0);
+        self.corners.resize(starts[1] + 3 * faces.len(), VertexId(0));
+        self.made += 1;
+        let (corners, mut count) = (&mut self.corners[starts[1]..], 0);
         for &face in faces {
             for vertex in mesh.corners(face) {
-                let mut is_there = false;
-                for (times, v) in self.times.iter_mut().zip(&self.corners[starts[1]..]) {
-                    *times += u32::from(*v == vertex);
-                    is_there |= *v == vertex;
-                }
-                // Taken back where it stands there: without a branch that nobody can predict.
-                self.corners.push(vertex);
-                self.corners.truncate(self.corners.len() - usize::from(is_there));
-                self.times.push(1);
-                self.times.truncate(self.times.len() - usize::from(is_there));
+                // Where it stands, or behind the others: without a branch that nobody can predict.
+                let [crumb, place] = self.places[vertex.index()];
+                let at = if crumb == self.made { place } else { count };
+                self.places[vertex.index()] = [self.made, at];
+                corners[at as usize] = vertex;
+                self.times[at as usize] += 1;
+                count += u32::from(at == count);
             }
         }
+        self.corners.truncate(starts[1] + count as usize);
         for (&vertex, &times) in self.corners[starts[1]..].iter().zip(&self.times) {
             let times = f64::from(times);
             let p = mesh.position(vertex);

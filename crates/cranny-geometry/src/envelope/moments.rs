@@ -135,8 +135,9 @@ impl Moments {
         self
     }
 
-    pub(super) fn count(&self) -> usize {
-        self.0[0] as usize
+    /// The number of faces. As a float, which it is summed as: no conversion is as cheap as none.
+    pub(super) fn count(&self) -> f64 {
+        self.0[0]
     }
 
     /// The normal of the part's plane: a unit vector, to rounding, in the body's frame.
@@ -189,7 +190,7 @@ mod tests {
             (&crumbs.items[..], [0.0625, 4.0 / 9.0 + 0.0625]),
         ] {
             let moments = Moments::of(items);
-            assert_eq!(moments.count(), items.len());
+            assert_eq!(moments.count(), items.len() as f64);
             assert!((moments.normal(&opening) - DVec3::Z).length() < 1e-15);
             let [deep, wide] = variances.map(f64::sqrt);
             let cost = items.len() as f64 * 12f64.sqrt() * (deep + 0.125 * wide);

@@ -104,12 +104,14 @@ impl Finder<'_> {
             if left.is_empty() {
                 continue;
             }
-            let (_, faces) = self.tree.beneath(node);
             match self.tree.content(node) {
-                Content::Inner { left: one, right: other } if faces.len() > FEW => {
+                Content::Inner { left: one, right: other }
+                    if self.tree.surely_has_more(node, FEW)
+                        || self.tree.beneath(node).1.len() > FEW =>
+                {
                     tasks.extend([other, one].map(|node| Task { node, left: left.clone(), level }));
                 }
-                _ => self.settle(faces, level, left),
+                _ => self.settle(self.tree.beneath(node).1, level, left),
             }
         }
     }

@@ -86,18 +86,31 @@ fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Vec<u32>)> {
 
 /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
 /// convex; inside an edge of the hull two are, inside a facet none. `edge_sign` is the exact
-/// [`edge_sign`] of a half-edge of the surface, over `points` points.
+/// [`edge_sign`] of a half-edge of the surface, over `points` points; it takes longest for zeros, so it is not asked
+/// of those that `is_surely_bent` names, nor of edges between vertices that are known to be extreme.
 pub(super) fn flat_vertices(
     points: usize,
     surface: &Surface,
+    is_surely_bent: impl Fn(u32) -> bool,
     edge_sign: impl Fn(u32) -> Sign,
 ) -> Vec<u32> {
     let mut convex_edges = vec![0u32; points];
+    let mut doubtful = Vec::new();
     for (half_edge, &twin) in (0u32..).zip(&surface.twins) {
-        if half_edge < twin && edge_sign(half_edge) != Sign::Zero {
-            for v in surface.ends(half_edge) {
-                convex_edges[v as usize] += 1;
-            }
+        if half_edge > twin {
+            continue;
+        }
+        if is_surely_bent(half_edge) {
+            surface.ends(half_edge).into_iter().for_each(|v| convex_edges[v as usize] += 1);
+        } else {
+            doubtful.push(half_edge);
+        }
+    }
+    for half_edge in doubtful {
+        let ends = surface.ends(half_edge);
+        let matters = ends.iter().any(|&v| convex_edges[v as usize] < 3);
+        if matters && edge_sign(half_edge) != Sign::Zero {
+            ends.into_iter().for_each(|v| convex_edges[v as usize] += 1);
         }
     }
     let mut flat: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
@@ -390,10 +403,17 @@ impl<'a> Builder<'a> {
             surface.triangles.push(vertices.map(|v| *lowest.get(&v).unwrap_or(&v)));
             surface.twins.extend(twins.map(|t| 3 * new_index[(t >> 2) as usize] + (t & 3)));
         }
-        let flat = flat_vertices(self.points.len(), &surface, |half_edge| {
+        let across = |half_edge: u32| {
             let apex = surface.origin(previous(surface.twins[half_edge as usize]));
-            let (face, p) = (alive[half_edge as usize / 3], self.points[apex as usize]);
-            let side = &self.facing[face as usize].side;
+            let face = alive[half_edge as usize / 3];
+            (face, &self.facing[face as usize].side, self.points[apex as usize])
+        };
+        let is_surely_bent = |half_edge: u32| {
+            let (_, side, p) = across(half_edge);
+            side.height(p).abs() > side.margin()
+        };
+        let flat = flat_vertices(self.points.len(), &surface, is_surely_bent, |half_edge| {
+            let (face, side, p) = across(half_edge);
             side.sign(side.height(p), p, || self.corners(face))
         });
         (surface, flat)

@@ -71,7 +71,10 @@ impl Side {
             Sign::Positive
         } else {
             let [a, b, c] = triangle();
-            orient3d(a, b, c, p)
+            // The predicate takes longest for zeros, and many facets stand square to an axis.
+            let level =
+                |axis: usize| a[axis] == p[axis] && b[axis] == p[axis] && c[axis] == p[axis];
+            if (0..3).any(level) { Sign::Zero } else { orient3d(a, b, c, p) }
         }
     }
 }

@@ -135,7 +135,7 @@ impl ConvexHull {
         match self.kind {
             HullKind::Volume => {
                 let sign = |h| edge_sign(&self.positions, &self.surface, h);
-                let flat = flat_vertices(self.vertex_count(), &self.surface, sign);
+                let flat = flat_vertices(self.vertex_count(), &self.surface, |_| false, sign);
                 flat.into_iter().map(HullVertexId).collect()
             }
             HullKind::Polygon => {

@@ -82,6 +82,18 @@ impl Growing {
         let bounds = Aabb::of_points(mesh.triangle(face));
         Self { cone, bounds, face_squared: diagonal_squared(&bounds), faces: 1 }
     }
+
+    /// Takes in one face whose normal the cone holds, given its box, if the limits allow.
+    fn take_in(&mut self, face: &Aabb, limits: &Limits) -> bool {
+        let bounds = self.bounds.union(face);
+        let face_squared = self.face_squared.max(diagonal_squared(face));
+        let fits = diagonal_squared(&bounds) <= limits.diagonal_squared(face_squared);
+        if fits {
+            (self.bounds, self.face_squared) = (bounds, face_squared);
+            self.faces += 1;
+        }
+        fits
+    }
 }
 
 fn diagonal_squared(b: &Aabb) -> f64 {
@@ -220,11 +232,11 @@ fn grown(
     let count = mesh.faces().len();
     let normal = |f: FaceId| normals.get(f).map(|normal| normal.unit());
     let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
-    let mut patches = Vec::new();
+    let (mut patches, mut front) = (Vec::new(), VecDeque::new());
     for seed in (0..count as u32).map(FaceId) {
         if numbering.has(seed) {
-            let free = &mut numbering;
-            patches.push(grow_from(seed, mesh, topology, limits, normal, free, |_| {}));
+            let (free, front) = (&mut numbering, &mut front);
+            patches.push(grow_from(seed, mesh, topology, limits, normal, free, front, |_| {}));
             numbering.number += 1;
         }
     }
@@ -239,17 +251,17 @@ pub(super) fn divided(
     faces: &[FaceId],
 ) -> Vec<(Growing, Vec<FaceId>)> {
     let mut left: BTreeSet<FaceId> = faces.iter().copied().collect();
-    let mut patches = Vec::new();
+    let (mut patches, mut front) = (Vec::new(), VecDeque::new());
     while let Some(&seed) = left.first() {
         let mut taken = Vec::new();
-        let normal = |f| unit_normal(mesh, f);
-        let patch = grow_from(seed, mesh, topology, limits, normal, &mut left, |f| taken.push(f));
+        let (normal, take) = (|f| unit_normal(mesh, f), |f| taken.push(f));
+        let patch = grow_from(seed, mesh, topology, limits, normal, &mut left, &mut front, take);
         patches.push((patch, taken));
     }
     patches
 }
 
-/// Grows one patch, breadth-first.
+/// Grows one patch, breadth-first; `front` is memory to be used again.
 fn grow_from(
     seed: FaceId,
     mesh: &Mesh,
@@ -257,11 +269,13 @@ fn grow_from(
     limits: &Limits,
     normal: impl Fn(FaceId) -> Option<DVec3>,
     free: &mut impl Free,
+    front: &mut VecDeque<FaceId>,
     mut taken: impl FnMut(FaceId),
 ) -> Growing {
     let mut patch = Growing::alone(mesh, seed, normal(seed));
     let mut least_between = least_cosine_between(patch.cone);
-    let mut front = VecDeque::from([seed]);
+    front.clear();
+    front.push_back(seed);
     free.take(seed);
     taken(seed);
     while let Some(face) = front.pop_front() {
@@ -270,10 +284,20 @@ fn grow_from(
                 return;
             }
             let normal = normal(next);
-            if let (Some(cone), Some(normal)) = (patch.cone, normal)
-                && cone.axis.dot(normal) < least_between
-            {
-                return; // what `joined` would find in the end
+            if let (Some(cone), Some(normal)) = (&patch.cone, normal) {
+                // In either case what `joined` would find in the end.
+                let between = cone.axis.dot(normal);
+                if between < least_between {
+                    return;
+                }
+                if between >= cone.cosine {
+                    if patch.take_in(&Aabb::of_points(mesh.triangle(next)), limits) {
+                        free.take(next);
+                        taken(next);
+                        front.push_back(next);
+                    }
+                    return;
+                }
             }
             let alone = Growing::alone(mesh, next, normal);
             if let Some(larger) = limits.joined(&patch, &alone) {
@@ -305,6 +329,7 @@ fn least_cosine_between(cone: Option<NormalCone>) -> f64 {
 fn merged(limits: &Limits, mut borders: Vec<Border>, patches: &mut [Growing]) -> Vec<u32> {
     let mut sets = DisjointSets::new(patches.len());
     let mut order: Vec<u32> = (0..patches.len() as u32).collect();
+    let mut near: Vec<Border> = Vec::new();
     loop {
         order.sort_unstable_by_key(|&p| (patches[p as usize].faces, p));
         let mut any = false;
@@ -314,8 +339,8 @@ fn merged(limits: &Limits, mut borders: Vec<Border>, patches: &mut [Growing]) ->
                 continue; // joined by a neighbour in this round
             }
             let first = borders.partition_point(|b| b.own < small);
-            let mut near: Vec<Border> =
-                borders[first..].iter().take_while(|b| b.own == small).copied().collect();
+            near.clear();
+            near.extend(borders[first..].iter().take_while(|b| b.own == small));
             near.sort_unstable_by(|a, b| b.length.total_cmp(&a.length).then(a.other.cmp(&b.other)));
             let fitting = near.iter().find_map(|border| {
                 let set = sets.find(border.other as usize);
@@ -381,11 +406,25 @@ fn collect(borders: &mut Vec<Border>, patches: usize) {
     });
 }
 
+/// Whether a face is, along any of its edges, on a border and the lesser one there; all, where edges are not between two
+/// faces each. Most are not, and edges tell that quicker than their faces.
+fn lesser_faces_on_borders(topology: &Topology, patch_of: &[u32]) -> Vec<bool> {
+    let pairs = topology.pairs();
+    let mut on_border = vec![pairs.is_none(); patch_of.len()];
+    for pair in pairs.unwrap_or_default() {
+        // In a pair the lesser half-edge comes first, and with it the lesser face.
+        let [face, other] = pair.map(|h| h.face().index());
+        on_border[face] |= patch_of[face] != patch_of[other];
+    }
+    on_border
+}
+
 /// All borders, from both sides.
 fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Border> {
     let Partition { patch_of, patches } = partition;
     let mut borders = Vec::new();
-    for face in (0..patch_of.len() as u32).map(FaceId) {
+    let on_border = lesser_faces_on_borders(topology, patch_of);
+    for face in (0..patch_of.len() as u32).map(FaceId).filter(|f| on_border[f.index()]) {
         let own = patch_of[face.index()];
         for_each_neighbor(topology, face, |corner, next| {
             let other = patch_of[next.index()];

@@ -30,37 +30,49 @@ impl Slab {
     ) -> Vec<Self> {
         let mut slabs = Vec::new();
         let mut beneath: Vec<Beneath> = Vec::new();
-        let mut corners: Vec<[DVec3; 3]> = Vec::new();
+        let mut corners: Vec<DVec3> = Vec::new();
+        // The last leaf in which each vertex is a corner.
+        let mut seen = vec![u32::MAX; mesh.vertices().len()];
         for nodes in trees {
             let at = slabs.len();
             slabs.resize(at + nodes.len(), Self { normal: DVec3::ZERO, height: 0.0 });
             beneath.clear();
-            beneath.resize(nodes.len(), Beneath { area: DVec3::ZERO, faces: [0, 0] });
-            // In leaf order: each is looked up once, and read once a level.
+            beneath.resize(nodes.len(), Beneath { area: DVec3::ZERO, corners: [0, 0] });
+            // In leaf order, each once in a leaf: looked up once, and read once a level.
             corners.clear();
             for node in nodes.clone() {
+                let (first, mut area) = (corners.len(), DVec3::ZERO);
                 let faces = arena.leaf_faces(node as u32);
-                beneath[node - nodes.start].faces = [corners.len(), corners.len() + faces.len()];
-                corners.extend(faces.iter().map(|&f| mesh.triangle(f)));
+                corners.resize(first + 3 * faces.len(), DVec3::ZERO);
+                let mut end = first;
+                for &face in faces {
+                    let triangle = mesh.triangle(face);
+                    let [a, b, c] = triangle;
+                    area += 0.5 * (b - a).cross(c - a);
+                    for (vertex, corner) in mesh.corners(face).into_iter().zip(triangle) {
+                        let last = std::mem::replace(&mut seen[vertex.index()], node as u32);
+                        // Written over where it stands there: without a branch that nobody can predict.
+                        corners[end] = corner;
+                        end += usize::from(last != node as u32);
+                    }
+                }
+                corners.truncate(end);
+                beneath[node - nodes.start] = Beneath { area, corners: [first, corners.len()] };
             }
-            // Children stand behind their parents, and the faces beneath a node side by side.
+            // Children stand behind their parents, and the corners beneath a node side by side.
             for node in (0..nodes.len()).rev() {
                 let own = match arena.content((nodes.start + node) as u32) {
-                    Content::Leaf { .. } => {
-                        let faces @ [start, end] = beneath[node].faces;
-                        let area = |&[a, b, c]: &[DVec3; 3]| 0.5 * (b - a).cross(c - a);
-                        Beneath { area: corners[start..end].iter().map(area).sum(), faces }
-                    }
+                    Content::Leaf { .. } => beneath[node],
                     Content::Inner { left, right } => {
                         let [left, right] =
                             [left, right].map(|n| beneath[n as usize - nodes.start]);
-                        let faces = [left.faces[0], right.faces[1]];
-                        Beneath { area: left.area + right.area, faces }
+                        let corners = [left.corners[0], right.corners[1]];
+                        Beneath { area: left.area + right.area, corners }
                     }
                 };
                 beneath[node] = own;
                 let normal = own.area.normalize_or_zero();
-                let held = corners[own.faces[0]..own.faces[1]].iter().flatten();
+                let held = corners[own.corners[0]..own.corners[1]].iter();
                 // Not by `f64::max`, which would look for NaN among them.
                 let higher =
                     |most, p: &DVec3| if normal.dot(*p) > most { normal.dot(*p) } else { most };
@@ -72,11 +84,11 @@ impl Slab {
     }
 }
 
-/// What is beneath a node: the sum of area vectors, and which faces of the tree.
+/// What is beneath a node: the sum of area vectors, and which corners of the tree's faces.
 #[derive(Clone, Copy)]
 struct Beneath {
     area: DVec3,
-    faces: [usize; 2],
+    corners: [usize; 2],
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub(super) fn orient(work: &mut Work, full: bool, records: &mut Vec<RepairRecord
         return Vec::new();
     }
     let tree = FaceTree::of(&work.mesh, 1);
-    let mut shells = shells(&work.mesh, &topology, &tree);
+    let mut shells = shells(&work.mesh, &topology, &tree, None);
     let inside_out = inside_out(&shells);
     turn_components(
         work,

@@ -50,8 +50,11 @@ pub(crate) fn t_vertices(
     tree: &FaceTree,
     weld_distance: f64,
 ) -> Vec<TVertex> {
-    let unmatched = on_unmatched_edges(topology, mesh.vertices().len());
     let mut found = Vec::new();
+    if topology.pairs().is_some() {
+        return found;
+    }
+    let unmatched = on_unmatched_edges(topology, mesh.vertices().len());
     for (e, edge) in topology.edges().iter().enumerate().filter(|(_, e)| is_unmatched(e)) {
         let ends = [edge.from, edge.to].map(|v| mesh.position(v));
         let other = |v: VertexId| unmatched[v.index()] && v != edge.from && v != edge.to;

@@ -5,7 +5,7 @@ use cranny_exact::{DVec3, orient3d};
 use super::judge::overlap_in_plane;
 use super::stars::Stars;
 use super::turns::Turn;
-use crate::ids::{EdgeId, FaceId, VertexId};
+use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
 use crate::topology::{EdgeKind, Topology};
@@ -13,6 +13,9 @@ use crate::topology::{EdgeKind, Topology};
 /// Open, contradictory and non-manifold edges.
 pub(super) fn unsound(mesh: &Mesh, topology: &Topology) -> Vec<Finding> {
     let mut findings = Vec::new();
+    if topology.pairs().is_some() {
+        return findings;
+    }
     for (e, edge) in topology.edges().iter().enumerate() {
         let kind = match edge.kind {
             EdgeKind::Manifold => continue,
@@ -92,23 +95,29 @@ pub(super) fn flat(
     without_area: &[bool],
 ) -> Option<Finding> {
     let (mut count, mut longest, mut at) = (0, 0.0, DVec3::ZERO);
-    for (e, edge) in topology.edges().iter().enumerate() {
-        if edge.kind != EdgeKind::Manifold || edge.from == edge.to {
-            continue;
+    let start = |h: HalfEdgeId| mesh.position(VertexId(mesh.faces().as_flattened()[h.index()]));
+    // Nearly no edge.
+    let may_be_flat = |&[g, h]: &[HalfEdgeId; 2]| {
+        !turns[g.face().index()].is_off_plane(start(h.previous()) - start(g))
+    };
+    let looked_at: Vec<[HalfEdgeId; 2]> = match topology.pairs() {
+        Some(pairs) => pairs.iter().copied().filter(may_be_flat).collect(),
+        None => {
+            let edges = (0..).map(EdgeId).zip(topology.edges());
+            let manifold = edges.filter(|(_, e)| e.kind == EdgeKind::Manifold && e.from != e.to);
+            let pairs = manifold.filter_map(|(e, _)| topology.half_edges(e).try_into().ok());
+            pairs.filter(may_be_flat).collect()
         }
-        let around = topology.half_edges(EdgeId(e as u32));
-        let [f, g] = [around[0].face(), around[1].face()];
-        let apex = mesh.corners(g)[(around[1].corner() + 2) % 3];
-        let [a, b, c] = mesh.triangle(f);
-        if turns[f.index()].is_off_plane(mesh.position(apex) - a) {
-            continue; // nearly every edge
-        }
+    };
+    for [g, h] in looked_at {
+        let [f, other] = [g, h].map(HalfEdgeId::face);
+        let ([a, b, c], apex) = (mesh.triangle(f), start(h.previous()));
         let sound = |f: FaceId| !without_area[f.index()];
-        let coplanar = sound(f) && sound(g) && in_one_plane([a, b, c, mesh.position(apex)]);
-        if !coplanar || overlap_in_plane(&mesh.triangle(f), &mesh.triangle(g)) {
+        let coplanar = sound(f) && sound(other) && in_one_plane([a, b, c, apex]);
+        if !coplanar || overlap_in_plane(&[a, b, c], &mesh.triangle(other)) {
             continue;
         }
-        let (p, q) = (mesh.position(edge.from), mesh.position(edge.to));
+        let (p, q) = (start(g), start(h));
         count += 1;
         if (q - p).length() > longest {
             (longest, at) = ((q - p).length(), 0.5 * (p + q));

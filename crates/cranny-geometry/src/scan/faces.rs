@@ -2,6 +2,7 @@
 
 use cranny_exact::DVec3;
 
+use super::turns::Turn;
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::near::on_line;
@@ -14,19 +15,54 @@ pub(crate) fn has_no_area(mesh: &Mesh, face: FaceId) -> bool {
     on_line(c, a, b)
 }
 
+/// What is read of each face by itself, in one pass.
+pub(super) struct Looked {
+    pub(super) turns: Vec<Turn>,
+    /// Whether each has no area, exactly.
+    pub(super) without_area: Vec<bool>,
+    /// Those that may be [`thin`]; ascending.
+    low: Vec<FaceId>,
+    /// The sum of all areas.
+    pub(super) area: f64,
+}
+
+impl Looked {
+    /// O(n).
+    pub(super) fn at(mesh: &Mesh, weld_distance: f64) -> Self {
+        let count = mesh.faces().len();
+        let (mut turns, mut low) = (Vec::with_capacity(count), Vec::new());
+        let mut without_area = vec![false; count];
+        let mut twice_area = 0.0;
+        for face in (0..count as u32).map(FaceId) {
+            let [a, b, c] = mesh.triangle(face);
+            let turn = Turn::of(&[a, b, c]);
+            // Twice as high, which rounding leaves alone where nothing is lost below the least number.
+            let squared = turn.normal.length_squared();
+            let is_high = squared > 4.0 * weld_distance * weld_distance * longest_squared(a, b, c);
+            if !(is_high && squared > f64::MIN_POSITIVE && turn.has_area()) {
+                without_area[face.index()] = !turn.has_area() && has_no_area(mesh, face);
+                low.push(face);
+            }
+            twice_area += squared.sqrt();
+            turns.push(turn);
+        }
+        Self { turns, without_area, low, area: 0.5 * twice_area }
+    }
+}
+
+fn longest_squared(a: DVec3, b: DVec3, c: DVec3) -> f64 {
+    let [x, y, z] = [b - a, c - b, a - c].map(DVec3::length_squared);
+    // Not by `f64::max`, which would look for NaN among them.
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    larger(larger(x, y), z)
+}
+
 /// Faces without area, and needles: faces no higher than the weld distance.
-pub(super) fn thin(mesh: &Mesh, without_area: &[bool], weld_distance: f64) -> Vec<Finding> {
+pub(super) fn thin(mesh: &Mesh, looked: &Looked, weld_distance: f64) -> Vec<Finding> {
+    let Looked { without_area, low, .. } = looked;
     let finding = |face: FaceId| {
         let [a, b, c] = mesh.triangle(face);
-        let sides = [b - a, c - b, a - c].map(DVec3::length_squared);
-        let longest_squared = sides[0].max(sides[1]).max(sides[2]);
-        // Twice as high, which rounding leaves alone where nothing is lost below the least number.
-        let height_squared = (b - a).cross(c - a).length_squared();
-        let is_high = height_squared > 4.0 * weld_distance * weld_distance * longest_squared;
-        if is_high && height_squared > f64::MIN_POSITIVE && !without_area[face.index()] {
-            return None; // nearly every face
-        }
-        let longest = longest_squared.sqrt();
+        let longest = longest_squared(a, b, c).sqrt();
         let (kind, measure) = if without_area[face.index()] {
             (FindingKind::ZeroAreaFace, longest)
         } else {
@@ -36,7 +72,7 @@ pub(super) fn thin(mesh: &Mesh, without_area: &[bool], weld_distance: f64) -> Ve
         let at = (a + b + c) / 3.0;
         unusual.then(|| Finding { kind, ids: vec![face.0], at, measure, count: 1 })
     };
-    (0..mesh.faces().len() as u32).filter_map(|f| finding(FaceId(f))).collect()
+    low.iter().filter_map(|&face| finding(face)).collect()
 }
 
 /// Groups of two and more faces on the same three vertices, each ascending, by their vertices.
@@ -125,8 +161,9 @@ mod tests {
     fn needles_are_no_higher_than_the_weld_distance() {
         let tip = DVec3::new(0.5, 0.125, 0.0);
         let mesh = Mesh::new(vec![DVec3::ZERO, DVec3::X, tip], vec![[0, 1, 2]]).unwrap();
-        let found = thin(&mesh, &[false], 0.125);
+        let thin = |distance| thin(&mesh, &Looked::at(&mesh, distance), distance);
+        let found = thin(0.125);
         assert_eq!((found[0].kind, found[0].measure), (FindingKind::NeedleFace, 0.125));
-        assert!(thin(&mesh, &[false], 0.124).is_empty());
+        assert!(thin(0.124).is_empty());
     }
 }

@@ -23,38 +23,47 @@ mod views;
 use cranny_exact::{DVec3, Sign};
 
 use crate::ids::{ComponentId, FaceId, VertexId};
+use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind, MeetingScan};
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 use cracks::TVertex;
+use faces::Looked;
 use stars::Stars;
-use turns::Turn;
 
-/// The findings of a mesh, kind by kind, harmless ones last.
+/// What a scan found.
+pub(crate) struct Scanned {
+    /// Kind by kind, harmless ones last.
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) meetings: MeetingScan,
+    /// The sum of the areas of all faces, which was read on the way.
+    pub(crate) area: f64,
+}
+
+/// The findings of a mesh.
 pub(crate) fn scan(
     mesh: &Mesh,
     topology: &Topology,
     tree: &FaceTree,
+    mass: Option<&MassProperties>,
     weld_distance: f64,
     self_intersections: bool,
-) -> (Vec<Finding>, MeetingScan) {
-    let all_faces = || (0..mesh.faces().len() as u32).map(FaceId);
-    let turns: Vec<Turn> = all_faces().map(|f| Turn::of(&mesh.triangle(f))).collect();
-    let has_no_area = |(f, turn): (FaceId, &Turn)| !turn.has_area() && faces::has_no_area(mesh, f);
-    let without_area: Vec<bool> = all_faces().zip(&turns).map(has_no_area).collect();
+) -> Scanned {
+    let looked = Looked::at(mesh, weld_distance);
+    let Looked { turns, without_area, area, .. } = &looked;
     let in_one_place = faces::coincident(mesh, topology);
     let t_vertices = cracks::t_vertices(mesh, topology, tree, weld_distance);
     let near = cracks::near(mesh, tree, weld_distance, |_| true);
     let mut stars = Stars::of(mesh, topology);
 
-    let mut findings = faces::thin(mesh, &without_area, weld_distance);
+    let mut findings = faces::thin(mesh, &looked, weld_distance);
     findings.extend(faces::in_one_place(mesh, &in_one_place));
     findings.extend(edges::unsound(mesh, topology));
     findings.extend(edges::pinched(mesh, topology, &stars));
     findings.extend(cracks::t_vertex_findings(mesh, topology, &t_vertices));
     findings.extend(cracks::near_findings(mesh, &near));
-    findings.extend(shell_findings(mesh, topology, tree));
+    findings.extend(shell_findings(mesh, topology, tree, mass.map(|mass| mass.volume)));
     let mut meetings = MeetingScan::Skipped;
     if self_intersections {
         let mut left_out = without_area.clone();
@@ -69,12 +78,12 @@ pub(crate) fn scan(
         };
         let found;
         (found, meetings) =
-            meetings::meetings(mesh, topology, tree, &mut stars, &turns, &left_out, explained);
+            meetings::meetings(mesh, topology, tree, &mut stars, turns, &left_out, explained);
         findings.extend(found);
     }
-    findings.extend(edges::flat(mesh, topology, &turns, &without_area));
+    findings.extend(edges::flat(mesh, topology, turns, without_area));
     findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
-    (findings, meetings)
+    Scanned { findings, meetings, area: *area }
 }
 
 /// Faces with a T-vertex on one of their edges, and that vertex; sorted.
@@ -88,11 +97,16 @@ fn touches_at_t_vertices(topology: &Topology, found: &[TVertex]) -> Vec<(FaceId,
 }
 
 /// Which way the components look, and how they lie in each other.
-fn shell_findings(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<Finding> {
+fn shell_findings(
+    mesh: &Mesh,
+    topology: &Topology,
+    tree: &FaceTree,
+    volume: Option<f64>,
+) -> Vec<Finding> {
     let mut findings = Vec::new();
     let area = |faces: &[FaceId]| faces.iter().map(|&f| mesh.area_vector(f).length()).sum();
     let middle = |f: FaceId| mesh.triangle(f).iter().sum::<DVec3>() / 3.0;
-    let shells = shells::shells(mesh, topology, tree);
+    let shells = shells::shells(mesh, topology, tree, volume);
     let disagreement = shells::disagreement(mesh.faces().len(), topology);
     for group in &disagreement.turned {
         let ids = group.iter().map(|f| f.0).collect();

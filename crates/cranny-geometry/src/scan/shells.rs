@@ -5,7 +5,7 @@ use cranny_exact::{Aabb, DVec3, Meeting, Sign, classify_triangles};
 
 use crate::ids::{ComponentId, FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
-use crate::topology::{EdgeKind, Topology};
+use crate::topology::{Edge, EdgeKind, Topology};
 use crate::tree::FaceTree;
 use crate::winding::{Winding, winding};
 
@@ -24,8 +24,23 @@ pub(crate) struct Shell {
     pub(crate) inside: Vec<ComponentId>,
 }
 
-/// All shells, by component. O(n log n).
-pub(crate) fn shells(mesh: &Mesh, topology: &Topology, tree: &FaceTree) -> Vec<Shell> {
+/// All shells, by component; `volume`: of all together, rounded, if it is known. O(n log n).
+pub(crate) fn shells(
+    mesh: &Mesh,
+    topology: &Topology,
+    tree: &FaceTree,
+    volume: Option<f64>,
+) -> Vec<Shell> {
+    if let (Some(volume), [component]) = (volume, topology.components())
+        && component.closed
+    {
+        let bounds = tree.node(0).bounds;
+        let at_most = largest_volume(mesh.faces().len(), bounds.max - bounds.center());
+        if volume.abs() > volume_error(mesh.faces().len(), at_most) {
+            let (looks, center) = (Sign::of(volume), bounds.center());
+            return vec![Shell { looks, volume, center, inside: Vec::new() }]; // nearly always
+        }
+    }
     let faces = faces_of_components(topology, mesh.faces().len());
     let several = faces.len() > 1;
     let box_of =
@@ -76,10 +91,7 @@ fn signed_volume(mesh: &Mesh, faces: &[FaceId], reference: DVec3) -> (Sign, f64)
         size = size.max(a.abs()).max(b.abs()).max(c.abs());
     }
     let volume = six_volume / 6.0;
-    let error = |magnitude: f64| (faces.len() + 8) as f64 * f64::EPSILON * magnitude;
-    // No product is greater than that of the sizes; twice as many leave room for the roundings of this bound.
-    let at_most = 12.0 * faces.len() as f64 * size.element_product();
-    if six_volume.abs() > error(at_most) {
+    if volume.abs() > volume_error(faces.len(), largest_volume(faces.len(), size)) {
         return (Sign::of(six_volume), volume); // nearly always
     }
     let mut magnitude = 0.0;
@@ -90,8 +102,20 @@ fn signed_volume(mesh: &Mesh, faces: &[FaceId], reference: DVec3) -> (Sign, f64)
             DVec3::new(b.y * c.z + b.z * c.y, b.z * c.x + b.x * c.z, b.x * c.y + b.y * c.x);
         magnitude += a.abs().dot(minors);
     }
-    let certain = six_volume.abs() > error(magnitude);
+    let certain = six_volume.abs() > volume_error(faces.len(), magnitude);
     (if certain { Sign::of(six_volume) } else { Sign::Zero }, volume)
+}
+
+/// What rounding may do to a sum of products over so many faces whose absolute values add up to `magnitude`.
+fn volume_error(faces: usize, magnitude: f64) -> f64 {
+    (faces + 8) as f64 * f64::EPSILON * magnitude
+}
+
+/// A bound of the sum of absolute volumes of the tetrahedra over so many faces, of which no corner is farther from the
+/// common tip than `size` along any axis: of six products a face none is greater than that of the sizes, a sixth of
+/// them is the volume, and twice as many leave room for the roundings of this bound.
+fn largest_volume(faces: usize, size: DVec3) -> f64 {
+    2.0 * faces as f64 * size.element_product()
 }
 
 /// The other closed components around a component.
@@ -153,7 +177,8 @@ pub(crate) struct Disagreement {
 /// Walks every patch over its edges of two faces. O(n).
 pub(crate) fn disagreement(faces: usize, topology: &Topology) -> Disagreement {
     let mut found = Disagreement::default();
-    if topology.edges().iter().all(|e| e.kind != EdgeKind::Contradictory) {
+    let agrees = |e: &Edge| e.kind != EdgeKind::Contradictory;
+    if topology.pairs().is_some() || topology.edges().iter().all(agrees) {
         return found;
     }
     let mut side: Vec<Option<bool>> = vec![None; faces];

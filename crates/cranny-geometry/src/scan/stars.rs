@@ -52,21 +52,26 @@ impl<'a> Stars<'a> {
         let star = &mut stars[vertex.index()];
         if *star == Star::Ring {
             ring.clear();
-            let spread =
-                walk(mesh, topology, vertex, |end| ring.push(end)) && is_spread(mesh, vertex, ring);
+            let spread = walk(mesh, topology, vertex, |h| ring.push(start_of(mesh, h.next())))
+                && is_spread(mesh, vertex, ring);
             *star = if spread { Star::Spread } else { Star::Bent };
         }
         *star == Star::Spread
     }
 }
 
-/// Walks from twin to twin around a vertex, telling the far end of each side; whether it came around and
+/// The vertex at which a half-edge begins.
+fn start_of(mesh: &Mesh, half_edge: HalfEdgeId) -> VertexId {
+    VertexId(mesh.faces().as_flattened()[half_edge.index()])
+}
+
+/// Walks from twin to twin around a vertex, telling each half-edge that begins there; whether it came around and
 /// passed all faces there. Collapsed faces are in no ring: the side from a vertex to itself has no twin.
 fn walk(
     mesh: &Mesh,
     topology: &Topology,
     vertex: VertexId,
-    mut visit: impl FnMut(VertexId),
+    mut visit: impl FnMut(HalfEdgeId),
 ) -> bool {
     let faces = topology.faces_at(vertex);
     let Some(&face) = faces.first() else { return false };
@@ -74,10 +79,9 @@ fn walk(
     let start = HalfEdgeId::of(face, corner);
     let mut half_edge = start;
     for passed in 1..=faces.len() {
-        let next = half_edge.next();
-        visit(VertexId(mesh.faces().as_flattened()[next.index()]));
+        visit(half_edge);
         // The side that ends at the vertex; its twin starts there.
-        match topology.twin(next.next()) {
+        match topology.twin(half_edge.previous()) {
             Some(twin) if twin == start => return passed == faces.len(),
             Some(twin) => half_edge = twin,
             None => return false,

@@ -19,7 +19,7 @@ use cranny_exact::{DVec2, DVec3};
 
 use super::outline::Outline;
 use super::turns::Turn;
-use crate::ids::{HalfEdgeId, VertexId};
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 use crate::tree::FaceTree;
@@ -31,14 +31,22 @@ const LEAST_FACES: usize = 12;
 /// tree may be as deep as it has leaves. Sound meshes need a dozen or two.
 const LOOKS_A_FACE: usize = 64;
 
+/// How many faces lie between two sums that are kept. Fewer, and sums fill memory; more, and more is added up anew
+/// for each node.
+const STEP: usize = 8;
+
+fn sum_of(turns: &[Turn], faces: &[FaceId]) -> DVec3 {
+    faces.iter().map(|face| turns[face.index()].normal).sum()
+}
+
 /// What is needed to look at the nodes of a tree.
 pub(super) struct Views<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
     tree: &'a FaceTree,
-    /// Of each face, in leaf order.
-    turns: Vec<Turn>,
-    /// Sums of the normals of the faces before each, in leaf order.
+    /// Of each face.
+    turns: &'a [Turn],
+    /// Sums of the normals of the faces before each [`STEP`]th, in leaf order.
     sums: Vec<DVec3>,
     /// Where each face stands in leaf order.
     places: Vec<u32>,
@@ -53,16 +61,15 @@ impl<'a> Views<'a> {
         mesh: &'a Mesh,
         topology: &'a Topology,
         tree: &'a FaceTree,
-        turns: &[Turn],
+        turns: &'a [Turn],
     ) -> Self {
-        let turns: Vec<Turn> = tree.faces().iter().map(|f| turns[f.index()]).collect();
-        let mut sums = Vec::with_capacity(turns.len() + 1);
-        sums.push(DVec3::ZERO);
         let mut sum = DVec3::ZERO;
-        sums.extend(turns.iter().map(|turn| {
-            sum += turn.normal;
-            sum
-        }));
+        let sums = tree.faces().chunks(STEP).map(|faces| {
+            let before = sum;
+            sum += sum_of(turns, faces);
+            before
+        });
+        let sums = sums.collect();
         let mut places = vec![0; mesh.faces().len()];
         for (place, face) in tree.faces().iter().enumerate() {
             places[face.index()] = place as u32;
@@ -89,14 +96,20 @@ impl<'a> Views<'a> {
         if count < LEAST_FACES || self.looks_left < count {
             return false;
         }
-        let towards = self.sums[faces.end] - self.sums[faces.start];
+        let towards = self.sum_before(faces.end) - self.sum_before(faces.start);
         let axis = towards.abs().max_position();
         // The greatest component is 1 or −1, exactly. A sum of zero gives no number, which nothing looks at.
         let towards = towards / towards[axis].abs();
-        let turned_away = |turn: &Turn| !turn.looks_towards(towards);
-        let seen = self.turns[faces.clone()].iter().position(turned_away);
+        let turned_away = |face: &FaceId| !self.turns[face.index()].looks_towards(towards);
+        let seen = self.tree.faces()[faces.clone()].iter().position(turned_away);
         self.looks_left -= seen.unwrap_or(count);
         seen.is_none() && self.has_simple_rim(node, faces, towards, axis)
+    }
+
+    /// The sum of the normals of the faces before a place in leaf order.
+    fn sum_before(&self, place: usize) -> DVec3 {
+        let whole = (place / STEP).min(self.sums.len() - 1);
+        self.sums[whole] + sum_of(self.turns, &self.tree.faces()[whole * STEP..place])
     }
 
     fn has_simple_rim(
@@ -135,7 +148,6 @@ impl<'a> Views<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ids::FaceId;
 
     fn turns_of(mesh: &Mesh) -> Vec<Turn> {
         (0..mesh.faces().len() as u32).map(|f| Turn::of(&mesh.triangle(FaceId(f)))).collect()
@@ -182,7 +194,8 @@ mod tests {
     fn is_clear(mesh: &Mesh) -> bool {
         let known = |mesh: &Mesh| {
             let (topology, tree) = (Topology::of(mesh), FaceTree::of(mesh, 1));
-            Views::of(mesh, &topology, &tree, &turns_of(mesh)).is_clear(0)
+            let turns = turns_of(mesh);
+            Views::of(mesh, &topology, &tree, &turns).is_clear(0)
         };
         let clear = known(mesh);
         for axis in 0..3 {

@@ -3,7 +3,7 @@
 //! Items are moved, not indexed, so that every pass reads memory in order; the bins know the boxes
 //! of what falls into them, so that no pass is spent on the boxes of the children. All this happens on a
 //! `lattice`, which is laid anew where a part has become small for it. The exact boxes are fitted
-//! last, from the leaves up.
+//! from the leaves up: those of twigs while they grow, those above in the end.
 
 use std::ops::Range;
 
@@ -54,13 +54,15 @@ pub(crate) struct Grower<I> {
     items: Vec<Item>,
     aside: Vec<Item>,
     tasks: Vec<Task>,
+    /// Inner nodes above twigs, whose boxes are not fitted yet.
+    stem: Vec<usize>,
 }
 
 impl<I: Copy> Grower<I> {
     pub(crate) fn new(leaf_size: usize) -> Self {
         let (ids, boxes, names, tasks) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (items, aside) = (Vec::new(), Vec::new());
-        Self { leaf_size: leaf_size.max(1), ids, boxes, names, items, aside, tasks }
+        let (items, aside, stem) = (Vec::new(), Vec::new(), Vec::new());
+        Self { leaf_size: leaf_size.max(1), ids, boxes, names, items, aside, tasks, stem }
     }
 
     /// Appends the tree over some boxes to `nodes`, and their names in leaf order to `leaves`.
@@ -84,7 +86,7 @@ impl<I: Copy> Grower<I> {
         if self.names.is_empty() {
             return;
         }
-        let root = nodes.len();
+        self.stem.clear();
         self.items.clear();
         let boxes = &self.boxes;
         self.items.extend(self.names.iter().map(|&name| frame.item(&exact_box(boxes, name), name)));
@@ -98,6 +100,7 @@ impl<I: Copy> Grower<I> {
             while extent.count as usize > FEW && extent.things as usize > self.leaf_size {
                 let id = nodes.len();
                 nodes.push(INNER);
+                self.stem.push(id);
                 let items = &mut self.items[start..start + extent.count as usize];
                 lay_anew(items, &self.boxes, &mut extent, &mut scale);
                 let [left, right] = split(items, &extent, &mut self.aside);
@@ -110,7 +113,7 @@ impl<I: Copy> Grower<I> {
             let mut twigs = Twigs { leaf_size: self.leaf_size, ids, boxes, nodes, leaves };
             twigs.grow(items, extent.things as usize, scale);
         }
-        for index in (root..nodes.len()).rev() {
+        for &index in self.stem.iter().rev() {
             if let Content::Inner { left, right } = nodes[index].content_at(index as u32) {
                 let both = nodes[left as usize].bounds.union(&nodes[right as usize].bounds);
                 nodes[index].bounds = both;
@@ -126,6 +129,7 @@ impl<I: Copy> Grower<I> {
         let most = things.size_hint().1.unwrap_or(0);
         self.ids.reserve(most);
         self.boxes.reserve(most);
+        self.names.reserve(most);
         let mut whole = Aabb::EMPTY;
         let mut add = |(id, bounds): (I, Aabb)| {
             whole = whole.union(&bounds);
@@ -166,20 +170,19 @@ struct Twigs<'a, I> {
 }
 
 impl<I: Copy> Twigs<'_, I> {
-    /// Appends the tree over at most [`FEW`] items, or a leaf. Boxes of inner nodes are not fitted.
-    fn grow(&mut self, items: &mut [Item], things: usize, mut scale: f64) {
+    /// Appends the tree over at most [`FEW`] items, or a leaf; the box of all.
+    fn grow(&mut self, items: &mut [Item], things: usize, mut scale: f64) -> Aabb {
         if things <= self.leaf_size {
-            self.leaf(items.iter().flat_map(|item| numbers(item.name() as u32)));
-            return;
+            return self.leaf(items);
         }
         let id = self.nodes.len();
         self.nodes.push(INNER);
         if let [pair] = items {
             let Range { start, end } = numbers(pair.name() as u32);
-            self.leaf(start..start + 1);
+            let left = self.single(start);
             self.nodes[id].content = self.nodes.len() as u32;
-            self.leaf(start + 1..end);
-            return;
+            let right = self.single(end - 1);
+            return self.fit(id, &left, &right);
         }
         let mut cut = 1;
         if items.len() > 2 {
@@ -191,20 +194,41 @@ impl<I: Copy> Twigs<'_, I> {
         }
         let (left, right) = items.split_at_mut(cut);
         let on_left = left.iter().map(|item| item.things() as usize).sum();
-        self.grow(left, on_left, scale);
+        let left_box = self.grow(left, on_left, scale);
         self.nodes[id].content = self.nodes.len() as u32;
-        self.grow(right, things - on_left, scale);
+        let right_box = self.grow(right, things - on_left, scale);
+        self.fit(id, &left_box, &right_box)
     }
 
-    fn leaf(&mut self, held: impl Iterator<Item = usize>) {
+    fn fit(&mut self, node: usize, left: &Aabb, right: &Aabb) -> Aabb {
+        let both = left.union(right);
+        self.nodes[node].bounds = both;
+        both
+    }
+
+    fn leaf(&mut self, items: &[Item]) -> Aabb {
+        if let [item] = items
+            && item.things() == 1
+        {
+            return self.single(item.name());
+        }
         let first = self.leaves.len();
         let mut bounds = Aabb::EMPTY;
-        for number in held {
+        for number in items.iter().flat_map(|item| numbers(item.name() as u32)) {
             bounds = bounds.union(&self.boxes[number]);
             self.leaves.push(self.ids[number]);
         }
         let count = (self.leaves.len() - first) as u32;
         self.nodes.push(Node { bounds, content: first as u32, count });
+        bounds
+    }
+
+    /// A leaf of one thing.
+    fn single(&mut self, number: usize) -> Aabb {
+        let (bounds, content) = (self.boxes[number], self.leaves.len() as u32);
+        self.leaves.push(self.ids[number]);
+        self.nodes.push(Node { bounds, content, count: 1 });
+        bounds
     }
 }
 

@@ -70,7 +70,8 @@ impl FaceTree {
         let kept_of = |first: u32, held: usize| {
             (before[first as usize + held] - before[first as usize]) as usize
         };
-        let root = arena.nodes.len();
+        // Inner nodes that lose some of their faces, whose boxes are not fitted yet.
+        let mut parted = Vec::new();
         arena.faces.reserve(kept.len());
         // Leaves are a little more than half full, and there are nearly as many inner nodes.
         arena.nodes.reserve(5 * kept.len().div_ceil(leaf_size.max(1)) / 2);
@@ -100,7 +101,12 @@ impl FaceTree {
                 let id = arena.nodes.len();
                 stack.push(Task { place: right.0, held: right.1, parent: Some(id) });
                 stack.push(Task { place: left.0, held: left.1, parent: None });
-                arena.nodes.push(INNER);
+                if count == held {
+                    arena.nodes.push(Node { bounds: self.node(place.node).bounds, ..INNER });
+                } else {
+                    arena.nodes.push(INNER);
+                    parted.push(id);
+                }
                 continue;
             }
             let first = arena.faces.len();
@@ -115,7 +121,7 @@ impl FaceTree {
             };
             arena.nodes.push(Node { bounds, content: first as u32, count: count as u32 });
         }
-        for index in (root..arena.nodes.len()).rev() {
+        for index in parted.into_iter().rev() {
             if let Content::Inner { left, right } = arena.content(index as u32) {
                 let both = arena.node(left).bounds.union(&arena.node(right).bounds);
                 arena.nodes[index].bounds = both;

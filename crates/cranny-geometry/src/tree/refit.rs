@@ -200,6 +200,16 @@ impl FaceTree {
         Some(nodes)
     }
 
+    /// Whether a node is an inner one with more than `few` faces beneath. True is certain, and quicker than to count
+    /// them; false may only mean that most of them are on one side.
+    pub(crate) fn surely_has_more(&self, node: u32, few: usize) -> bool {
+        match self.content(node) {
+            // Of the left child and the nodes beneath it more than half are leaves; no leaf is empty.
+            Content::Inner { left, right } => (right - left).div_ceil(2) as usize >= few,
+            Content::Leaf { .. } => false,
+        }
+    }
+
     /// The nodes that hang at a node, itself included, and the faces that they hold: both stand together.
     pub(crate) fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
         let (mut first, mut last) = (node, node);
