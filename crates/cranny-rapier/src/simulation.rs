@@ -7,10 +7,11 @@
 //! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for | it keeps contacts while a pair drifts by several prediction distances; thin gaps do not forgive that |
 //! | `friction_model` | Coulomb with [`Detector::Cranny`] | the simplified model rubs at a manifold's middle; most of ours have one point |
 //! | `num_solver_iterations` | enough for [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] unless asked for | they are rapier's substeps: at 1/60 s its default of 4 lets a falling chain sink in by half a link before it is stopped |
-//! | `soft_ccd_prediction` of dynamic bodies | the body's radius, every detector | contacts are then seen as far ahead as a pair moves in a step, so that fast bodies are stopped before they overlap |
+//! | `normalized_prediction_distance` | with [`Detector::Cranny`] at each step at least as far as two bodies can come nearer in it | contacts are then seen as far ahead, so that fast bodies are stopped before they overlap, also where one of two that fall together is stopped by a third |
+//! | `soft_ccd_prediction` of dynamic bodies | the body's radius with other detectors | rapier's own way to look ahead; it leaves out pairs that approach each other only once one of them is stopped |
 //! | the rest | rapier's defaults | |
 //!
-//! Other detectors run with rapier's defaults but for that prediction, recycling as the options say.
+//! Other detectors run with rapier's defaults but for the last of these, recycling as the options say.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -19,6 +20,7 @@ use cranny_exact::{DVec3, Pose, PoseError};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Demand};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
+use rapier3d::math::Vector;
 use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
     ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
@@ -238,6 +240,8 @@ pub struct Simulation {
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
     handles: Vec<RigidBodyHandle>,
+    /// Of the bodies' models, about their origins.
+    radii: Vec<f32>,
     poses_before: Vec<Pose>,
     exclusions: Exclusions,
     log: AnswerLog,
@@ -291,6 +295,7 @@ impl Simulation {
             soft_bodies: SoftBodySet::new(),
             ccd: CCDSolver::new(),
             handles: Vec::new(),
+            radii: Vec::new(),
             poses_before: Vec::new(),
             exclusions: Exclusions::default(),
             log,
@@ -328,15 +333,18 @@ impl Simulation {
             BodyKind::Kinematic => RigidBodyType::KinematicVelocityBased,
             BodyKind::Dynamic => RigidBodyType::Dynamic,
         };
-        let ahead = if spec.kind == BodyKind::Dynamic { spec.model.radius() as f32 } else { 0.0 };
+        let radius = spec.model.radius() as f32;
+        // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning of the step.
+        let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let body = RigidBodyBuilder::new(kind)
-            .soft_ccd_prediction(ahead)
+            .soft_ccd_prediction(if own { radius } else { 0.0 })
             .pose(pose_to_rapier(&pose))
             .linvel(narrow(spec.linear_velocity))
             .angvel(narrow(spec.angular_velocity));
         let handle = self.bodies.insert(body);
         self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
         self.handles.push(handle);
+        self.radii.push(radius);
         self.poses_before.push(self.pose(BodyIndex(index)));
         Ok(BodyIndex(index))
     }
@@ -373,9 +381,10 @@ impl Simulation {
         for index in 0..self.handles.len() {
             self.poses_before[index] = self.pose(BodyIndex(index as u32));
         }
+        let parameters = self.looking_ahead();
         self.pipeline.step(
             narrow(self.options.gravity),
-            &self.parameters,
+            &parameters,
             &mut self.islands,
             &mut self.broad_phase,
             &mut self.narrow_phase,
@@ -389,6 +398,26 @@ impl Simulation {
             &(),
         );
         self.forget_parted();
+    }
+
+    /// rapier's parameters, with a prediction distance no shorter than any two bodies can come nearer in the next
+    /// step, be it that one of them is stopped by a third: rapier asks about no more, and the solver sees no more.
+    fn looking_ahead(&self) -> IntegrationParameters {
+        let mut parameters = self.parameters;
+        if self.options.detector != Detector::Cranny {
+            return parameters;
+        }
+        // The box of all motions, rest among them: none differs from another by more than its diagonal.
+        let (mut least, mut most) = (Vector::ZERO, Vector::ZERO);
+        for (&handle, &radius) in self.handles.iter().zip(&self.radii) {
+            let motion = self.bodies[handle].linvel() * parameters.dt;
+            let motion = motion.clamp_length_max(radius);
+            (least, most) = (least.min(motion), most.max(motion));
+        }
+        let ahead = (most - least).length() / parameters.length_unit;
+        parameters.normalized_prediction_distance =
+            parameters.normalized_prediction_distance.max(ahead);
+        parameters
     }
 
     /// Drops answers about pairs that rapier no longer considers, whenever they are the greater part.

@@ -10,7 +10,7 @@
 use std::collections::HashSet;
 
 use cranny_exact::{DVec3, WeightedPoint};
-use cranny_geometry::{Content, FaceId, VertexId};
+use cranny_geometry::{Content, EdgeId, FaceId, VertexId};
 
 use super::facing::faces_towards;
 use super::feature_pair::edge_edge;
@@ -20,9 +20,10 @@ use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
 use crate::triangle_distance::{Part, closest_on_triangle};
 
-/// How much deeper than the nearest way out of either edge's point the crossing of two edges may be.
-/// Two square edges meeting corner on need 1.42. Smaller: these get no contact; larger: edges on
-/// opposite sides of a thin bar are pressed through it.
+/// How much farther than the nearest way out the faces at the other edge may be from a point of an edge that
+/// crosses it: 1 where edges cross locally, however sharp they are, and a little more where these faces are
+/// smaller than the overlap is deep. Smaller: finely cut edges get no contact; larger: edges on opposite sides of
+/// a thin bar are pressed through it.
 const DETOUR: f64 = 2.0;
 
 /// The nearest point of a surface.
@@ -123,14 +124,18 @@ fn edges_crossing(
     let mut last = [None; 2];
     for (e, g) in crossing {
         let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
-        let mut dips = |side: Side, p: DVec3, counters: &mut Counters| {
+        let mut dips = |side: Side, edge: EdgeId, p: DVec3, counters: &mut Counters| {
             let last = &mut last[side.index()];
-            -contact.separation <= DETOUR * nearest_on(pair, side, p, last, counters).distance
+            let nearest = nearest_on(pair, side, p, last, counters).distance;
+            let around = pair.topology(side).half_edges(edge);
+            around
+                .iter()
+                .any(|h| NearestFace::on(pair, side, p, h.face()).distance <= DETOUR * nearest)
                 && is_inside(pair, side, p, counters)
         };
         if contact.separation < 0.0
-            && dips(Side::Second, contact.point_a, counters)
-            && dips(Side::First, contact.point_b, counters)
+            && dips(Side::Second, g, contact.point_a, counters)
+            && dips(Side::First, e, contact.point_b, counters)
         {
             contacts.push(contact);
         }

@@ -5,6 +5,7 @@ mod agreement;
 mod coherence;
 mod combs;
 mod contacts;
+mod crossing_edges;
 mod demands;
 mod depth;
 mod distances;

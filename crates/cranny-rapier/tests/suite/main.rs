@@ -4,6 +4,7 @@ mod chain;
 mod compounds;
 mod concave;
 mod fallback;
+mod falling;
 mod manifolds;
 mod mass;
 mod motion;
