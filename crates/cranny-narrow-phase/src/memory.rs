@@ -9,7 +9,7 @@ use crate::pair::PosedVertices;
 ///
 /// It holds the front of the last descent (16 bytes for each pair of boxes that was found apart,
 /// and half as much again for the blocks that these rest in), the faces that crossed or were nearest,
-/// the features of the last contacts for a solver, and with them a byte for each face of both models. Models
+/// the features of the last contacts for a solver, and with them two bytes for each face of both models. Models
 /// are recognised, not kept alive.
 #[derive(Clone, Debug, Default)]
 pub struct PairMemory {

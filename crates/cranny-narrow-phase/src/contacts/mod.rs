@@ -14,6 +14,7 @@
 mod facet;
 pub(crate) mod facing;
 mod feature_pair;
+mod leaf;
 mod overlap;
 mod ownership;
 mod posed;

@@ -1,11 +1,13 @@
 //! The patches of one body that a search comes across, in the pair's frame: each patch's nodes when it is first
-//! met, each leaf's corners when that is first opened, each triangle's planes when they are first asked for. Kept
+//! met, each leaf's points when that is first opened, what it has when they do not tell. Kept
 //! for one query.
 
 use cranny_exact::{Aabb, DMat3, DVec3};
-use cranny_geometry::{FaceId, PatchId};
+use cranny_geometry::{FaceId, PatchId, VertexId};
 
-use super::facet::Facet;
+use super::facet::{Facet, ones};
+use super::leaf::{Corner, Leaf, LeafParts, Outline, Parts, Range, Segment};
+use super::ownership::Owned;
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 
@@ -20,16 +22,10 @@ pub(super) fn are_apart(x: &Aabb, y: &Aabb, reach: f64) -> bool {
     beyond(along) || beyond(back)
 }
 
-/// The box of three points.
-#[inline]
-fn around([a, b, c]: &[DVec3; 3]) -> Aabb {
-    Aabb { min: a.min(*b).min(*c), max: a.max(*b).max(*c) }
-}
-
 /// A node of a patch's tree: a box and a ball around its faces, and a plane over them.
 pub(super) struct Node {
     /// In the pair's frame: for the second body the box of its posed box.
-    bounds: Aabb,
+    pub(super) bounds: Aabb,
     center: DVec3,
     radius: f64,
     pub(super) normal: DVec3,
@@ -69,11 +65,13 @@ impl Node {
     }
 }
 
-/// A leaf's triangles, and a box around them.
-#[derive(Clone, Copy)]
-struct Leaf {
-    triangles: [u32; 2],
-    bounds: Aabb,
+impl Node {
+    /// Whether all of some points lie higher over the node's plane than `reach`.
+    #[inline]
+    pub(super) fn is_beneath(&self, points: &[DVec3], reach: f64) -> bool {
+        let over = self.height + reach;
+        points.iter().all(|p| self.normal.dot(*p) > over)
+    }
 }
 
 /// A patch's tree among the nodes that are kept.
@@ -84,21 +82,17 @@ pub(super) struct PosedTree {
     start: u32,
 }
 
-/// A posed triangle, its box, and which facet it is, once that is made.
-struct Triangle {
-    face: FaceId,
-    corners: [DVec3; 3],
-    bounds: Aabb,
-    facet: u32,
-}
-
 /// How much of a body was posed for a query.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sizes {
     nodes: usize,
     leaves: usize,
-    triangles: usize,
+    points: usize,
+    places: usize,
+    parts: usize,
     facets: usize,
+    corners: usize,
+    edges: usize,
 }
 
 /// What of one body was posed.
@@ -110,15 +104,22 @@ pub(super) struct Posed {
     trees: Vec<Option<PosedTree>>,
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
-    triangles: Vec<Triangle>,
+    points: Vec<DVec3>,
+    parts: Vec<LeafParts>,
     facets: Vec<Facet>,
+    corners: Vec<Corner>,
+    edges: Vec<Segment>,
+    /// Of each face of each opened leaf: where its corners are among the leaf's points.
+    places: Vec<[u16; 3]>,
+    /// Scratch: the names of a leaf's points.
+    names: Vec<VertexId>,
 }
 
 impl Posed {
     /// With room for as much as was posed the last time.
     pub(super) fn new(pair: &Pair, side: Side, sizes: Sizes) -> Self {
         let m = pair.first_from_second.linear;
-        let Sizes { nodes, leaves, triangles, facets } = sizes;
+        let Sizes { nodes, leaves, points, places, parts, facets, corners, edges } = sizes;
         Self {
             side,
             absolute: DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs()),
@@ -126,9 +127,18 @@ impl Posed {
             trees: Vec::new(),
             nodes: Vec::with_capacity(nodes),
             leaves: Vec::with_capacity(leaves),
-            triangles: Vec::with_capacity(triangles),
+            points: Vec::with_capacity(points),
+            parts: Vec::with_capacity(parts),
             facets: Vec::with_capacity(facets),
+            corners: Vec::with_capacity(corners),
+            edges: Vec::with_capacity(edges),
+            places: Vec::with_capacity(places),
+            names: Vec::new(),
         }
+    }
+
+    pub(super) fn side(&self) -> Side {
+        self.side
     }
 
     /// How much was posed.
@@ -136,8 +146,12 @@ impl Posed {
         Sizes {
             nodes: self.nodes.len(),
             leaves: self.leaves.len(),
-            triangles: self.triangles.len(),
+            points: self.points.len(),
+            places: self.places.len(),
+            parts: self.parts.len(),
             facets: self.facets.len(),
+            corners: self.corners.len(),
+            edges: self.edges.len(),
         }
     }
 
@@ -180,63 +194,112 @@ impl Posed {
     }
 
     pub(super) fn node(&self, tree: &PosedTree, node: u32) -> &Node {
-        &self.nodes[(tree.start + (node - tree.root)) as usize]
+        &self.nodes[slot((tree, node))]
     }
 
-    /// Opens a leaf, whose triangles are posed if they are not there; returns the box around them.
-    pub(super) fn open(&mut self, pair: &Pair, (tree, leaf): (&PosedTree, u32)) -> Aabb {
-        let at = (tree.start + (leaf - tree.root)) as usize;
-        if self.nodes[at].leaf == NONE {
-            self.nodes[at].leaf = self.leaves.len() as u32;
-            let arena = pair.model(self.side).patches().trees().arena();
-            let first = self.triangles.len() as u32;
-            let mut all = Aabb::EMPTY;
-            for &face in arena.leaf_faces(leaf) {
-                let corners = pair.triangle(self.side, face);
-                let bounds = around(&corners);
-                all = all.union(&bounds);
-                self.triangles.push(Triangle { face, corners, bounds, facet: NONE });
-            }
-            // Tighter than the box of a posed box.
-            self.nodes[at].bounds = all;
-            self.leaves.push(Leaf { triangles: [first, self.triangles.len() as u32], bounds: all });
+    /// Opens a leaf: its points are posed if they are not there.
+    pub(super) fn open(&mut self, pair: &Pair, at: (&PosedTree, u32)) {
+        let (slot, leaf) = (slot(at), at.1);
+        if self.nodes[slot].leaf != NONE {
+            return;
         }
-        self.leaves[self.nodes[at].leaf as usize].bounds
+        self.nodes[slot].leaf = self.leaves.len() as u32;
+        let (start, faces) = (self.points.len(), self.places.len() as u32);
+        let mut bounds = Aabb::EMPTY;
+        self.names.clear();
+        for &face in pair.model(self.side).patches().trees().arena().leaf_faces(leaf) {
+            self.places.push(pair.mesh(self.side).corners(face).map(|vertex| {
+                // Few: to look for it costs less than to pose it again.
+                let known = self.names.iter().position(|&known| known == vertex);
+                let place = known.unwrap_or_else(|| {
+                    let p = pair.position(self.side, vertex);
+                    bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
+                    self.names.push(vertex);
+                    self.points.push(p);
+                    self.names.len() - 1
+                });
+                place as u16
+            }));
+        }
+        // Tighter than the box of a posed box.
+        self.nodes[slot].bounds = bounds;
+        let points = Range::since(start, self.points.len());
+        self.leaves.push(Leaf { points, faces, bounds, parts: NONE });
     }
 
-    /// Lists the triangles of an opened leaf that reach into a box, but those whose corners all lie higher than
-    /// `height` along `normal`.
-    pub(super) fn within(
-        &self,
-        (tree, leaf): (&PosedTree, u32),
-        (bounds, reach): (&Aabb, f64),
-        (normal, height): (DVec3, f64),
-        found: &mut Vec<(u32, Aabb)>,
+    /// A leaf that was opened.
+    #[inline]
+    pub(super) fn outline(&self, at: (&PosedTree, u32)) -> Outline<'_> {
+        let node = &self.nodes[slot(at)];
+        let leaf = &self.leaves[node.leaf as usize];
+        Outline { node, points: leaf.points.of(&self.points), bounds: &leaf.bounds }
+    }
+
+    /// Makes what an opened leaf has, if it is not there. `owned` tells what is looked at from its faces.
+    pub(super) fn fill(
+        &mut self,
+        pair: &Pair,
+        at: (&PosedTree, u32),
+        owned: impl Fn(FaceId) -> Owned,
     ) {
-        found.clear();
-        let Leaf { triangles: [start, end], .. } = self.leaves[self.node(tree, leaf).leaf as usize];
-        for (i, triangle) in (start..end).zip(&self.triangles[start as usize..end as usize]) {
-            if !are_apart(&triangle.bounds, bounds, reach)
-                && triangle.corners.iter().any(|p| normal.dot(*p) <= height)
-            {
-                found.push((i, triangle.bounds));
+        let side = self.side;
+        let leaf = self.nodes[slot(at)].leaf as usize;
+        if self.leaves[leaf].parts != NONE {
+            return;
+        }
+        self.leaves[leaf].parts = self.parts.len() as u32;
+        let starts = self.sizes();
+        let [mut corner_bounds, mut edge_bounds] = [Aabb::EMPTY; 2];
+        let Leaf { points, faces: first, .. } = self.leaves[leaf];
+        let points = points.of(&self.points);
+        let faces = pair.model(side).patches().trees().arena().leaf_faces(at.1);
+        for (&face, corners_at) in faces.iter().zip(&self.places[first as usize..]) {
+            let places = corners_at.map(|i| points[usize::from(i)]);
+            self.facets.push(Facet::of(face, places));
+            let Owned { corners, ridges, .. } = owned(face);
+            let vertices = pair.mesh(side).corners(face);
+            for i in ones(corners) {
+                let at = places[i];
+                corner_bounds = corner_bounds.union(&Aabb { min: at, max: at });
+                self.corners.push(Corner { vertex: vertices[i], at });
+            }
+            for i in ones(ridges) {
+                let ends = [places[i], places[(i + 1) % 3]];
+                let bounds = Aabb { min: ends[0].min(ends[1]), max: ends[0].max(ends[1]) };
+                edge_bounds = edge_bounds.union(&bounds);
+                self.edges.push(Segment { edge: pair.edge(side, face, i), ends, bounds });
             }
         }
+        self.parts.push(LeafParts {
+            facets: Range::since(starts.facets, self.facets.len()),
+            corners: Range::since(starts.corners, self.corners.len()),
+            edges: Range::since(starts.edges, self.edges.len()),
+            corner_bounds,
+            edge_bounds,
+        });
     }
 
-    /// The facet of a triangle; its number among facets.
-    pub(super) fn make_facet(&mut self, triangle: u32) -> usize {
-        let slot = &mut self.triangles[triangle as usize];
-        if slot.facet == NONE {
-            slot.facet = self.facets.len() as u32;
-            self.facets.push(Facet::of(slot.face, slot.corners));
+    /// What a leaf has, which was made.
+    pub(super) fn parts(&self, at: (&PosedTree, u32)) -> Parts<'_> {
+        let node = &self.nodes[slot(at)];
+        let leaf = &self.leaves[node.leaf as usize];
+        let parts = &self.parts[leaf.parts as usize];
+        Parts {
+            node,
+            bounds: &leaf.bounds,
+            points: leaf.points.of(&self.points),
+            facets: parts.facets.of(&self.facets),
+            corners: parts.corners.of(&self.corners),
+            corner_bounds: &parts.corner_bounds,
+            edges: parts.edges.of(&self.edges),
+            edge_bounds: &parts.edge_bounds,
         }
-        slot.facet as usize
     }
+}
 
-    pub(super) fn facet(&self, index: usize) -> &Facet {
-        &self.facets[index]
-    }
+/// Where a node of a patch's tree stands among those that are kept.
+fn slot((tree, node): (&PosedTree, u32)) -> usize {
+    (tree.start + (node - tree.root)) as usize
 }
 
 #[cfg(test)]

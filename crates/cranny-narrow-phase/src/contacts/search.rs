@@ -2,9 +2,9 @@
 //!
 //! Along a thread all triangles of two flanks are nearly equally near, and boxes tell nothing: a box
 //! around slanted triangles is thicker than the gap. What tells is a plane over them (`posed`);
-//! of two triangles in the end, their own: if the corners of one
-//! triangle all lie higher over the other's plane than the best contact so far, the pair has no
-//! better one (nor do the triangles meet). Nothing else is done for most pairs.
+//! of two leaves in the end, their points: if those of one all lie higher over the other's plane than
+//! the best contact so far, the pair has no better one (nor do triangles meet). In what is left, corners
+//! are compared with triangles and ridges with ridges, each from the one face that owns it.
 //!
 //! The descent sees every pair of triangles that meet, since a bound above 0 is what leaves a pair out:
 //! the exact verdict on the surfaces comes with the contacts.
@@ -12,8 +12,9 @@
 use cranny_exact::{Aabb, Meeting};
 use cranny_geometry::{Content, PatchId};
 
-use super::facet::{Facet, Outcodes, may_cross, ones};
+use super::facet::{Facet, may_cross};
 use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
+use super::leaf::{Corner, Parts};
 use super::ownership::{Owned, Ownership};
 use super::posed::{Posed, PosedTree, Sizes, are_apart};
 use crate::answer::{Contact, Counters, Feature};
@@ -62,8 +63,6 @@ pub(super) struct Search<'a, 'b> {
     coarse_beyond: [f64; 2],
     stack: Vec<(f64, u32, u32)>,
     posed: [Posed; 2],
-    /// Scratch: triangles of two leaves that may be within reach of the other leaf.
-    near: [Vec<(u32, Aabb)>; 2],
     kept: Kept,
     /// Faces that meet, in the order of their discovery; a pair of patches searched twice tells twice.
     meeting: Vec<FacePair>,
@@ -114,7 +113,6 @@ impl<'a, 'b> Search<'a, 'b> {
             coarse_beyond,
             stack: Vec::new(),
             posed: Side::BOTH.map(|side| Posed::new(pair, side, kept.sizes[side.index()])),
-            near: [Vec::new(), Vec::new()],
             kept,
             meeting: Vec::new(),
         }
@@ -246,102 +244,87 @@ impl<'a, 'b> Search<'a, 'b> {
         quest: &mut Quest,
         counters: &mut Counters,
     ) {
-        let pair = self.pair;
-        let mut meeting = std::mem::take(&mut self.meeting);
-        let [mut near_a, mut near_b] = std::mem::take(&mut self.near);
-        near_a.clear();
-        near_b.clear();
-        let [(tree_a, a), (tree_b, b)] = [(&trees[0], leaves[0]), (&trees[1], leaves[1])];
-        let rounding = self.culling_error;
+        let (pair, rounding, wanted) = (self.pair, self.culling_error, quest.wanted);
+        let at = [(&trees[0], leaves[0]), (&trees[1], leaves[1])];
         let reach = quest.limit + rounding;
-        let plane = |posed: &Posed, tree: &PosedTree, leaf: u32| {
-            let node = posed.node(tree, leaf);
-            (node.normal, node.height + reach)
-        };
         let [first, second] = &mut self.posed;
-        let bounds = [first.open(pair, (tree_a, a)), second.open(pair, (tree_b, b))];
-        if !are_apart(&bounds[0], &bounds[1], reach) {
-            let over_b = plane(second, tree_b, b);
-            first.within((tree_a, a), (&bounds[1], reach), over_b, &mut near_a);
-            let kept = near_a.iter().fold(Aabb::EMPTY, |all, (_, bounds)| all.union(bounds));
-            let over_a = plane(first, tree_a, a);
-            second.within((tree_b, b), (&kept, reach), over_a, &mut near_b);
+        first.open(pair, at[0]);
+        // What is posed of the one may tell already.
+        if first.outline(at[0]).is_apart_from_node(second.node(at[1].0, at[1].1), reach) {
+            return;
         }
-        for (i, bounds) in &near_a {
-            for (j, others) in &near_b {
-                let reach = quest.limit + rounding;
-                if are_apart(bounds, others, reach) {
-                    continue;
-                }
-                let [first, second] = &mut self.posed;
-                let (i, j) = (first.make_facet(*i), second.make_facet(*j));
-                let [first, second] = &self.posed;
-                let (f, g) = (first.facet(i), second.facet(j));
-                let Some(out) = Facet::outcodes([f, g], quest.limit, rounding) else { continue };
-                counters.triangle_tests += 1;
-                if out.iter().all(|of| of.least_height <= rounding) {
-                    meeting.extend(FacePair::of([f.face, g.face], [&f.corners, &g.corners]));
-                }
-                if quest.wanted != Wanted::Nothing {
-                    self.facets(f, g, out, quest);
+        second.open(pair, at[1]);
+        let [first, second] = &self.posed;
+        let (a, b) = (first.outline(at[0]), second.outline(at[1]));
+        if a.is_apart_from(&b, reach) {
+            return;
+        }
+        let may_meet = !a.is_apart_from(&b, rounding);
+        for (posed, at) in self.posed.iter_mut().zip(at) {
+            let side = posed.side();
+            let ownership = &self.kept.owned[side.index()];
+            // Which faces meet is no matter of owners.
+            posed.fill(pair, at, |face| match wanted {
+                Wanted::Nothing => Owned::NOTHING,
+                _ => ownership.of(pair, side, face),
+            });
+        }
+        let [first, second] = &self.posed;
+        let (a, b) = (first.parts(at[0]), second.parts(at[1]));
+        if may_meet {
+            meet([&a, &b], rounding, &mut self.meeting, counters);
+        }
+        if wanted != Wanted::Nothing {
+            self.corners(Side::First, [&a, &b], quest, counters);
+            self.corners(Side::Second, [&b, &a], quest, counters);
+            self.edges([&a, &b], quest, counters);
+        }
+    }
+
+    /// Offers the contacts of a leaf's corners before another's faces, and beside them.
+    fn corners(
+        &self,
+        side: Side,
+        [own, its]: [&Parts; 2],
+        quest: &mut Quest,
+        counters: &mut Counters,
+    ) {
+        let rounding = self.culling_error;
+        if !its.is_near(own.corner_bounds, quest.limit + rounding) {
+            return;
+        }
+        for corner in own.corners {
+            let reach = quest.limit + rounding;
+            if !its.may_reach(&[corner.at], &Aabb { min: corner.at, max: corner.at }, reach) {
+                continue;
+            }
+            for facet in its.facets {
+                if facet.may_reach(corner.at, quest.limit + rounding) {
+                    counters.triangle_tests += 1;
+                    self.corner(side, corner, facet, quest);
                 }
             }
         }
-        (self.meeting, self.near) = (meeting, [near_a, near_b]);
     }
 
-    /// Offers the contacts of two triangles; `out` tells where the corners of the first and of the second are.
-    fn facets(&self, f: &Facet, g: &Facet, out: [Outcodes; 2], quest: &mut Quest) {
-        let [own_f, own_g] = [self.owned(Side::First, f), self.owned(Side::Second, g)];
-        for corner in ones(out[0].corners() & own_f.corners) {
-            self.vertex(Side::First, f, corner, g, quest);
-        }
-        for corner in ones(out[1].corners() & own_g.corners) {
-            self.vertex(Side::Second, g, corner, f, quest);
-        }
-        let sides = out[1].sides() & own_g.sides;
-        for i in ones(out[0].sides() & own_f.sides) {
-            for j in ones(sides) {
-                let below = quest.limit + self.error;
-                if !may_cross(f.side(i), g.side(j), below) {
-                    continue;
-                }
-                let (e, k) = (
-                    self.pair.edge(Side::First, f.face, i),
-                    self.pair.edge(Side::Second, g.face, j),
-                );
-                if let Some(contact) = edge_edge(self.pair, e, k, quest.limit)
-                    && contact.separation >= -self.error
-                {
-                    quest.offer(contact);
-                }
-            }
-        }
-    }
-
-    /// What is looked at from a facet.
-    fn owned(&self, side: Side, facet: &Facet) -> Owned {
-        self.kept.owned[side.index()].of(self.pair, side, facet.face)
-    }
-
-    /// Offers the contact of a corner of one triangle before another.
-    fn vertex(&self, side: Side, own: &Facet, corner: usize, its: &Facet, quest: &mut Quest) {
-        let vertex = self.pair.corner(side, own.face, corner);
-        let (own, before) = ((vertex, own.corners[corner]), (its.face, &its.corners));
-        let found = match vertex_face(self.pair, side, own, before, quest.limit) {
+    /// Offers the contact of a corner before a triangle.
+    fn corner(&self, side: Side, corner: &Corner, its: &Facet, quest: &mut Quest) {
+        let &Corner { vertex, at } = corner;
+        let before = (its.face, &its.corners);
+        let found = match vertex_face(self.pair, side, (vertex, at), before, quest.limit) {
             Stand::Over(found) => found,
             Stand::Beside(part) => {
                 let other = side.other();
                 let rim = part.feature(self.pair.model(other), its.face);
-                let Owned { corners, sides } = self.owned(other, its);
-                let owned = match part {
-                    Part::Corner(i) => corners >> i & 1 != 0,
-                    Part::Edge(i) => sides >> i & 1 != 0,
+                let owned = self.kept.owned[other.index()].of(self.pair, other, its.face);
+                let is_owned = match part {
+                    Part::Corner(i) => owned.corners >> i & 1 != 0,
+                    Part::Edge(i) => owned.sides >> i & 1 != 0,
                     Part::Inside => false,
                 };
                 // Two vertices are one pair, told from the first.
                 let twice = side == Side::Second && matches!(rim, Feature::Vertex(_));
-                if !owned || twice {
+                if !is_owned || twice {
                     return;
                 }
                 vertex_rim(self.pair, side, vertex, rim, quest.limit)
@@ -349,6 +332,53 @@ impl<'a, 'b> Search<'a, 'b> {
         };
         if let Some(contact) = found {
             quest.offer(contact);
+        }
+    }
+
+    /// Offers the contacts of the edges of two leaves.
+    fn edges(&self, [a, b]: [&Parts; 2], quest: &mut Quest, counters: &mut Counters) {
+        let rounding = self.culling_error;
+        if are_apart(a.edge_bounds, b.edge_bounds, quest.limit + rounding) {
+            return;
+        }
+        for e in a.edges {
+            let reach = quest.limit + rounding;
+            if are_apart(&e.bounds, b.edge_bounds, reach) || !b.may_reach(&e.ends, &e.bounds, reach)
+            {
+                continue;
+            }
+            for k in b.edges {
+                if are_apart(&e.bounds, &k.bounds, quest.limit + rounding)
+                    || !may_cross(e.ends, k.ends, quest.limit + self.error)
+                {
+                    continue;
+                }
+                counters.triangle_tests += 1;
+                if let Some(contact) = edge_edge(self.pair, e.edge, k.edge, quest.limit)
+                    && contact.separation >= -self.error
+                {
+                    quest.offer(contact);
+                }
+            }
+        }
+    }
+}
+
+/// Lists the faces of two leaves that meet.
+fn meet([a, b]: [&Parts; 2], rounding: f64, meeting: &mut Vec<FacePair>, counters: &mut Counters) {
+    for f in a.facets {
+        if f.is_beneath(b.points, rounding) {
+            continue;
+        }
+        let bounds = Aabb::of_points(f.corners);
+        for g in b.facets {
+            if !are_apart(&bounds, &Aabb::of_points(g.corners), rounding)
+                && !f.is_beneath(&g.corners, rounding)
+                && !g.is_beneath(&f.corners, rounding)
+            {
+                counters.triangle_tests += 1;
+                meeting.extend(FacePair::of([f.face, g.face], [&f.corners, &g.corners]));
+            }
         }
     }
 }
