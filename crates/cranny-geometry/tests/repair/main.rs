@@ -1,6 +1,10 @@
 //! Defects seeded into sound meshes: the scan finds exactly those, repairs undo them, and what is
 //! repaired lies where it lay, by an independent measurement.
 
+mod distance;
+mod outcome;
+mod seeds;
+
 use std::collections::BTreeMap;
 
 use cranny_exact::{DVec3, Tolerance};
@@ -8,127 +12,12 @@ use cranny_geometry::{
     BuildError, BuildOptions, FaceId, FindingKind, MeetingScan, Mesh, Model, Repair, RepairKind,
     Report,
 };
-use cranny_shapes::{Cuboid, Shape, Torus};
+use cranny_shapes::Shape;
 use cranny_testkit::Rng;
 
-fn built(mesh: &Mesh, repair: Repair) -> (Model, Report) {
-    Model::build(mesh.clone(), &BuildOptions { repair, ..BuildOptions::default() }).unwrap()
-}
-
-fn within(mesh: &Mesh, repair: Repair, weld_distance: f64) -> (Model, Report) {
-    let tolerance = Some(Tolerance { weld_distance });
-    let options = BuildOptions { repair, tolerance, ..BuildOptions::default() };
-    Model::build(mesh.clone(), &options).unwrap()
-}
-
-/// How many of each kind, but for edges within planes.
-fn kinds(report: &Report) -> BTreeMap<&'static str, usize> {
-    let mut kinds = BTreeMap::new();
-    for finding in &report.findings {
-        if finding.kind != FindingKind::CoplanarAdjacent {
-            *kinds.entry(finding.kind.name()).or_default() += finding.count;
-        }
-    }
-    kinds
-}
-
-fn repaired(report: &Report) -> Vec<(RepairKind, usize)> {
-    report.repairs.iter().map(|r| (r.kind, r.count)).collect()
-}
-
-/// Two by four by eight: every half of every coordinate is exact. Outward, 12 faces, volume 64.
-fn cuboid() -> Mesh {
-    Cuboid { size: [2.0, 4.0, 8.0] }.build().unwrap()
-}
-
-fn torus() -> Mesh {
-    Torus { major_segments: 24, minor_segments: 10, ..Torus::default() }.build().unwrap()
-}
-
-fn moved(mesh: &Mesh, by: DVec3) -> Mesh {
-    let vertices = mesh.vertices().iter().map(|&p| p + by).collect();
-    Mesh::new(vertices, mesh.faces().to_vec()).unwrap()
-}
-
-fn turned(mesh: &Mesh) -> Mesh {
-    let faces = mesh.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
-    Mesh::new(mesh.vertices().to_vec(), faces).unwrap()
-}
-
-fn edited(mesh: &Mesh, edit: impl FnOnce(&mut Vec<DVec3>, &mut Vec<[u32; 3]>)) -> Mesh {
-    let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
-    edit(&mut vertices, &mut faces);
-    Mesh::new(vertices, faces).unwrap()
-}
-
-/// Splits a side of one face at equal parts, without its neighbour: T-vertices.
-fn with_t_vertices(mesh: &Mesh, face: usize, parts: u32, lift: DVec3) -> Mesh {
-    edited(mesh, |vertices, faces| {
-        let [a, b, c] = faces[face];
-        let (p, q) = (vertices[a as usize], vertices[b as usize]);
-        let mut last = a;
-        for i in 1..parts {
-            let new = vertices.len() as u32;
-            vertices.push(p.lerp(q, f64::from(i) / f64::from(parts)) + lift);
-            faces.push([last, new, c]);
-            last = new;
-        }
-        faces[face] = [last, b, c];
-    })
-}
-
-/// The corners of every face: preparation numbers vertices by their first use.
-fn triangles(mesh: &Mesh) -> Vec<[DVec3; 3]> {
-    (0..mesh.faces().len() as u32).map(|f| mesh.triangle(FaceId(f))).collect()
-}
-
-/// Volume to a hundredth of a unit: the seeds' volumes are whole numbers.
-fn volume(report: &Report) -> Option<f64> {
-    report.volume.map(|v| (100.0 * v).round() / 100.0)
-}
-
-/// The distance of a point from a triangle, by its sides and its foot on the plane.
-fn triangle_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
-    let normal = (b - a).cross(c - a);
-    let side = |from: DVec3, to: DVec3| {
-        let t = ((p - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
-        if t.is_nan() { p.distance(from) } else { p.distance(from.lerp(to, t)) }
-    };
-    let sides = side(a, b).min(side(b, c)).min(side(c, a));
-    let inside =
-        [(a, b), (b, c), (c, a)].iter().all(|&(s, t)| (t - s).cross(p - s).dot(normal) > 0.0);
-    match inside {
-        true => sides.min((p - a).dot(normal).abs() / normal.length()),
-        false => sides,
-    }
-}
-
-/// The farthest that samples of one surface (15 a face) lie from the other.
-fn one_way(from: &Mesh, to: &Mesh) -> f64 {
-    let mut farthest = 0.0f64;
-    for face in from.faces() {
-        let [a, b, c] = face.map(|v| from.vertices()[v as usize]);
-        for i in 0..5 {
-            for j in 0..5 - i {
-                let p = a + (b - a) * (f64::from(i) / 4.0) + (c - a) * (f64::from(j) / 4.0);
-                let triangles = to.faces().iter().map(|f| f.map(|v| to.vertices()[v as usize]));
-                let nearest =
-                    triangles.map(|t| triangle_distance(p, t)).fold(f64::INFINITY, f64::min);
-                farthest = farthest.max(nearest);
-            }
-        }
-    }
-    farthest
-}
-
-/// Checks that the repaired surface is where the filed one is, as closely as its report claims.
-fn assert_same_surface(filed: &Mesh, model: &Model, report: &Report) {
-    assert!(report.deviation <= report.weld_distance);
-    let rounding = 1e-14 * filed.bounds().diagonal();
-    let (out, back) = (one_way(filed, model.mesh()), one_way(model.mesh(), filed));
-    assert!(out <= report.deviation + rounding, "{out:e} from filed, {:e}", report.deviation);
-    assert!(back <= report.deviation + rounding, "{back:e} from mended, {:e}", report.deviation);
-}
+use crate::distance::assert_same_surface;
+use crate::outcome::{built, kinds, repaired, triangles, volume, within};
+use crate::seeds::{cuboid, edited, moved, torus, turned, with_t_vertices};
 
 #[test]
 fn sound_generators_have_nothing_but_flat_edges_and_stay_as_they_are() {
