@@ -2,7 +2,7 @@
 
 use crate::hull::FLATNESS;
 use crate::mesh::Mesh;
-use crate::resolution::{decimal_step, is_single, largest};
+use crate::resolution::{is_single, largest, written_step};
 
 /// How far from a plane, relative to the largest coordinate magnitude, points may lie that are meant to
 /// lie in it: the rounding of the coordinates as they were stored. Facets of the hull are merged by it,
@@ -11,12 +11,14 @@ use crate::resolution::{decimal_step, is_single, largest};
 pub enum Flatness {
     /// Read off the coordinates; which flatness was taken is in the report.
     ///
-    /// Numbers written with few decimals or few significant digits give [`DECIMAL_STEPS`](Self::DECIMAL_STEPS)
-    /// of the last digit of the largest, at most [`DECIMAL_LIMIT`](Self::DECIMAL_LIMIT) and at least
-    /// what follows: [`Single`](Self::Single) where every coordinate has no more than nine digits, with
-    /// which such numbers are written, or is a number of single precision; otherwise
-    /// [`Double`](Self::Double). Scaled or turned after it was read, a mesh no longer shows how it was
-    /// written: then say it by [`Relative`](Self::Relative).
+    /// Numbers rounded to a grid (few decimals, whatever unit they were scaled to since), or to few
+    /// significant digits, give [`GRID_STEPS`](Self::GRID_STEPS) of the grid, or of the last digit of
+    /// the largest, at most [`GRID_LIMIT`](Self::GRID_LIMIT) and at least what follows. Where most
+    /// numbers are round ones, of ten steps, the grid is where the body was drawn, and says nothing.
+    /// [`Single`](Self::Single) where every coordinate has no more than nine digits, with which such
+    /// numbers are written, or is a number of single precision; otherwise [`Double`](Self::Double).
+    /// Turned after it was read, a mesh no longer shows how it was written: then say it by
+    /// [`Relative`](Self::Relative).
     #[default]
     Auto,
     /// Coordinates are rounded to `f64`: [`FLATNESS`].
@@ -34,15 +36,15 @@ impl Flatness {
     /// marks on a surface are taken for rounding.
     pub const SINGLE: f64 = 2e-7;
 
-    /// Rounding to a decimal grid moves a point by up to half a diagonal of a cell, 0.87 of a step, and
-    /// so the plane through three others. Smaller, and a torus written with six decimals has dents
+    /// Rounding to a grid moves a point by up to half a diagonal of a cell, 0.87 of a step, and so the
+    /// plane through three others. Smaller, and a torus written with six decimals has dents
     /// (`decimals_make_no_dents`); larger, and marks a few steps deep are taken for rounding.
-    pub const DECIMAL_STEPS: f64 = 2.0;
+    pub const GRID_STEPS: f64 = 2.0;
 
     /// On a coarse lattice (whole numbers) the step says nothing of precision. Smaller, and nuts of 15 mm
     /// written in metres with six decimals, a step of 7e-5, have dents; larger, and pockets
     /// of a thousandth of the body are taken for rounding (`shallow_pockets_on_a_lattice_stay`).
-    pub const DECIMAL_LIMIT: f64 = 1.5e-4;
+    pub const GRID_LIMIT: f64 = 1.5e-4;
 
     /// The step of nine digits is no less than this share of the largest number. Smaller, and all large
     /// numbers of double precision, whole as they are, pass for written ones; larger, and numbers of
@@ -54,10 +56,11 @@ impl Flatness {
     pub fn resolve(self, mesh: &Mesh) -> f64 {
         match self {
             Self::Auto => {
-                let step = decimal_step(mesh).map_or(0.0, |step| step / largest(mesh));
+                let share = |step: f64| step / largest(mesh);
+                let step = written_step(mesh).map_or(0.0, share);
                 let is_single = is_single(mesh) || step >= Self::NINE_DIGITS;
                 let binary = if is_single { Self::SINGLE } else { FLATNESS };
-                binary.max((Self::DECIMAL_STEPS * step).min(Self::DECIMAL_LIMIT))
+                binary.max((Self::GRID_STEPS * step).min(Self::GRID_LIMIT))
             }
             Self::Double => FLATNESS,
             Self::Single => Self::SINGLE,

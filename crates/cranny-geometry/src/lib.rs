@@ -34,6 +34,7 @@ mod deform;
 pub mod envelope;
 pub mod features;
 mod flatness;
+mod grid;
 pub mod hull;
 mod ids;
 mod late;

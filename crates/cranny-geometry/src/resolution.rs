@@ -6,6 +6,7 @@
 //! stored in metres with six decimals has vertices up to 0.79 micrometres off the edges that they
 //! were meant for, with a step of 1 micrometre.
 
+use crate::grid::common_step;
 use crate::mesh::Mesh;
 
 /// Two roundings to a grid of step `s` displace by half a diagonal of its cell each, together by
@@ -25,20 +26,30 @@ const MAX_SHARE: f64 = 1e-4;
 /// Decimals looked for; files with more digits are as fine as single precision.
 const MAX_DECIMALS: i32 = 9;
 
+/// Significant digits looked for: no writer uses fewer, and a few round numbers (a plate of 300,000 with a
+/// pocket of 80) have less without having been rounded.
+const MIN_DIGITS: i32 = 5;
+
 /// Significant digits looked for: single precision shows itself by nine.
 const MAX_DIGITS: i32 = 9;
+
+/// So many coordinates are looked at to see which powers of two are likely.
+const SAMPLE: usize = 64;
+
+/// Powers of two by which written numbers are thought to have been scaled since.
+const MAX_POWER: i32 = 40;
 
 /// Powers of ten that `f64` holds exactly, so that a decimal number is one rounding of a division.
 const EXACT_POWERS: i32 = 22;
 
 /// The default weld distance of a mesh. Deterministic; 0 only where all vertices coincide.
 ///
-/// The step is the coarsest of: a decimal grid of 0 to 9 places that holds every coordinate, single
-/// precision where every coordinate has it, double precision (both at the largest coordinate).
+/// The step is the coarsest of: the grid that holds every coordinate, single precision where every
+/// coordinate has it, double precision (both at the largest coordinate).
 pub(crate) fn default_weld_distance(mesh: &Mesh) -> f64 {
     let binary = if is_single(mesh) { SINGLE } else { f64::EPSILON };
-    let decimal = GRID_STEPS * grid_step(mesh).unwrap_or(0.0);
-    let least = decimal.max(BINARY_STEPS * binary * largest(mesh));
+    let grid = GRID_STEPS * grid_step(mesh).unwrap_or(0.0);
+    let least = grid.max(BINARY_STEPS * binary * largest(mesh));
     least.min(MAX_SHARE * mesh.bounds().diagonal())
 }
 
@@ -52,30 +63,63 @@ pub(crate) fn is_single(mesh: &Mesh) -> bool {
     coordinates(mesh).all(|x| x.to_bits() & ((1 << 29) - 1) == 0)
 }
 
-/// The step between decimal numbers as they were written, at the largest coordinate: the coarser of
-/// that of a grid of so many decimals and that of so many significant digits, of which a writer uses
-/// either. Nothing where the coordinates are no short decimal numbers.
-pub(crate) fn decimal_step(mesh: &Mesh) -> Option<f64> {
-    grid_step(mesh).into_iter().chain(digit_step(mesh)).reduce(f64::max)
+/// The step between numbers as they were rounded when written, at the largest coordinate: the coarser of that
+/// of a grid and that of so many significant digits, of which a writer uses either. Nothing where the
+/// coordinates are neither, or were drawn at multiples of the step and not rounded to it.
+pub(crate) fn written_step(mesh: &Mesh) -> Option<f64> {
+    let steps = [grid_step(mesh), digit_step(mesh)].into_iter().flatten();
+    steps.filter(|&step| !is_drawn(mesh, step)).reduce(f64::max)
 }
 
-/// The step of the decimal grid of 0 to 9 places that holds every coordinate.
+/// Whether at least half of the coordinates are multiples of ten steps, as only a tenth of rounded numbers is.
+fn is_drawn(mesh: &Mesh, step: f64) -> bool {
+    let tens = |x: &f64| {
+        let tens = x / (10.0 * step);
+        (tens - tens.round()).abs() < 0.05
+    };
+    2 * written(mesh).filter(tens).count() >= written(mesh).count()
+}
+
+/// The step of the grid that holds every coordinate: in any unit if it is coarse, otherwise of 0 to 9
+/// decimal places, which single precision may have rounded since.
 fn grid_step(mesh: &Mesh) -> Option<f64> {
-    let written = written(mesh);
-    (0..=MAX_DECIMALS)
-        .find(|&places| written.clone().all(|x| has_places(x, places)))
-        .map(|places| 1.0 / power_of_ten(places))
+    let (written, largest) = (written(mesh), largest(mesh));
+    common_step(written.clone(), largest).or_else(|| {
+        let is_single = is_single(mesh);
+        let holds = |places: i32| {
+            let is_seen = 1.0 / power_of_ten(places) >= LEAST_SINGLE_STEPS * SINGLE * largest;
+            match is_single && is_seen {
+                true => written.clone().all(|x| has_places_in_single(x, places)),
+                false => written.clone().all(|x| has_places(x, places)),
+            }
+        };
+        (0..=MAX_DECIMALS).find(|&places| holds(places)).map(|places| 1.0 / power_of_ten(places))
+    })
 }
 
 /// The step, at the largest coordinate, between numbers of as many significant digits as every
-/// coordinate has at most.
+/// coordinate has at most, before they were scaled by a power of two.
 fn digit_step(mesh: &Mesh) -> Option<f64> {
+    let largest = largest(mesh);
+    let step = |numbers: &mut dyn Iterator<Item = f64>, scale: f64| {
+        Some(digit_step_of(&mut numbers.map(|x| scale * x), scale * largest)? / scale)
+    };
+    let powers = (0..=MAX_POWER).flat_map(|power| [2f64.powi(power), 2f64.powi(-power)]);
+    // A written number times another power of two has more digits, but perhaps not too many.
+    let sample = |scale| Some((step(&mut written(mesh).take(SAMPLE), scale)?, scale));
+    let mut likely: Vec<(f64, f64)> = powers.filter_map(sample).collect();
+    likely.sort_by(|a, b| b.0.total_cmp(&a.0));
+    likely.into_iter().find_map(|(_, scale)| step(&mut written(mesh), scale))
+}
+
+/// The step between numbers of as many digits as these have, at the largest.
+fn digit_step_of(numbers: &mut dyn Iterator<Item = f64>, largest: f64) -> Option<f64> {
     let mut digits = 0;
-    for x in written(mesh).map(f64::abs) {
+    for x in numbers.map(f64::abs) {
         let decade = decade(x)?;
-        digits = (digits.max(1)..=MAX_DIGITS).find(|&d| has_places(x, d - 1 - decade))?;
+        digits = (digits.max(MIN_DIGITS)..=MAX_DIGITS).find(|&d| has_places(x, d - 1 - decade))?;
     }
-    let places = digits - 1 - decade(largest(mesh)).filter(|_| digits > 0)?;
+    let places = digits - 1 - decade(largest).filter(|_| digits > 0)?;
     Some(if places < 0 { power_of_ten(-places) } else { 1.0 / power_of_ten(places) })
 }
 
@@ -86,6 +130,12 @@ fn has_places(x: f64, places: i32) -> bool {
         0.. => (x * scale).round() / scale == x,
         _ => (x / scale).round() * scale == x,
     }
+}
+
+/// Whether a number of single precision is the nearest one to a number of no more decimal places.
+fn has_places_in_single(x: f64, places: i32) -> bool {
+    let scale = power_of_ten(places);
+    ((x * scale).round() / scale) as f32 == x as f32
 }
 
 /// The power of ten of a number's first digit, if near enough to 0 for all its digits to be exact.
@@ -102,6 +152,11 @@ fn decade(x: f64) -> Option<i32> {
 fn power_of_ten(exponent: i32) -> f64 {
     (0..exponent).fold(1.0, |power, _| 10.0 * power)
 }
+
+/// Decimals that single precision has rounded are looked for if their step is so many of its own. Fewer, and
+/// numbers of a coarse single precision pass for decimal ones by chance; more, and six decimals of a body that
+/// reaches to 1 are missed.
+const LEAST_SINGLE_STEPS: f64 = 4.0;
 
 /// The distance between 1 and the next number in single precision, 2^-23.
 const SINGLE: f64 = 1.0 / (1u64 << 23) as f64;
@@ -129,10 +184,16 @@ mod tests {
         default_weld_distance(&Mesh::new(vertices.to_vec(), vec![[0, 1, 2]]).unwrap())
     }
 
+    fn close(a: f64, b: f64) -> bool {
+        (a / b - 1.0).abs() < 1e-9
+    }
+
     #[test]
     fn decimal_files_are_as_coarse_as_their_last_digit() {
-        assert_eq!(distance(1.0, 0.000_25), 2.0 / 100_000.0);
-        assert_eq!(distance(0.5, 0.000_001), 2.0 / 1_000_000.0);
+        assert!(close(distance(1.0, 0.000_01), 2.0 / 100_000.0));
+        assert!(close(distance(0.5, 0.000_001), 2.0 / 1_000_000.0));
+        // In inches, now in metres.
+        assert!(close(distance(0.5 * 0.0254, 0.000_001 * 0.0254), 2.0 * 0.0254 / 1_000_000.0));
     }
 
     #[test]
@@ -142,26 +203,36 @@ mod tests {
 
     #[test]
     fn single_and_double_precision_are_told_apart() {
-        let third = 1.0 / 3.0;
-        let single = f64::from_bits(f64::to_bits(third) & !((1 << 29) - 1));
-        assert_eq!(distance(single, 0.0), 8.0 * SINGLE * single);
-        assert_eq!(distance(third, 0.0), 8.0 * f64::EPSILON * third);
+        let numbers = [1.0 / 3.0, 0.1f64.sqrt(), 0.7];
+        let single = numbers.map(|x: f64| f64::from(x as f32));
+        assert_eq!(default_weld_distance(&mesh(single)), 8.0 * SINGLE * single[2]);
+        assert_eq!(default_weld_distance(&mesh(numbers)), 8.0 * f64::EPSILON * 0.7);
     }
 
     #[test]
     fn powers_of_two_scale_it() {
-        assert_eq!(distance(1.0 / 3.0 * 1024.0, 0.0), 1024.0 * distance(1.0 / 3.0, 0.0));
+        for (scale, shift) in [(1.0 / 3.0, 0.1f64.sqrt()), (0.7, 0.000_013), (1.0, 0.0)] {
+            let power = 2f64.powi(-13);
+            assert_eq!(distance(scale * power, shift * power), power * distance(scale, shift));
+        }
     }
 
     #[test]
     fn what_is_left_of_a_quarter_turn_counts_for_nothing() {
-        assert_eq!(step([1.25, 6.123_233_995_736_766e-17, 0.25]), Some(0.01));
+        assert_eq!(step([1.27976, 6.123_233_995_736_766e-17, 0.0898721]), Some(1e-5));
         assert_eq!(distance(0.25, 1.653_27e-18), MAX_SHARE * 0.25 * 3f64.sqrt());
     }
 
-    fn step(coordinates: [f64; 3]) -> Option<f64> {
+    fn mesh(coordinates: [f64; 3]) -> Mesh {
         let vertices = vec![DVec3::from_array(coordinates), DVec3::ZERO, DVec3::ZERO];
-        decimal_step(&Mesh::new(vertices, vec![[0, 1, 2]]).unwrap())
+        Mesh::new(vertices, vec![[0, 1, 2]]).unwrap()
+    }
+
+    fn step(coordinates: [f64; 3]) -> Option<f64> {
+        digit_step(&mesh(coordinates))
+            .into_iter()
+            .chain(grid_step(&mesh(coordinates)))
+            .reduce(f64::max)
     }
 
     #[test]
@@ -169,19 +240,29 @@ mod tests {
         // Six digits: the largest has five decimals, others more.
         assert_eq!(step([1.27976, -0.0898721, 0.25]), Some(1e-5));
         assert_eq!(step([1.27976e3, -0.0898721, 1.224_65e-9]), Some(0.01));
-        assert_eq!(step([123_456e7, 2e6, 3e7]), Some(1e7));
+        assert_eq!(step([123_457e7, 2e6, 3e7]), Some(1e7));
+        // Scaled by a power of two since.
+        let scaled = [1.27976, -0.0898721, 0.25].map(|x| x / 512.0);
+        assert_eq!(step(scaled), Some(1e-5 / 512.0));
         // Six decimals, written in full.
-        assert_eq!(step([1.279761, -0.089872, 0.25]), Some(1e-6));
+        assert!(close(step([1.279761, -0.089872, 0.25]).unwrap(), 1e-6));
         // Both hold: the coarser.
         assert_eq!(step([0.05, 0.00737769, 0.00130089]), Some(1e-7));
+        // Round numbers have few digits without having lost any.
+        assert_eq!(written_step(&mesh([300_000.0, 80.0, 299_750.0])), Some(10.0));
     }
 
     #[test]
-    fn numbers_that_nobody_wrote_have_no_decimal_step() {
-        assert_eq!(step([1.0 / 3.0, 0.5, 0.25]), None);
-        assert_eq!(step([2f64.powi(-60); 3]), None);
-        // Beyond 2^53 every number is whole.
-        assert_eq!(step([2f64.powi(80), 0.5, 0.25]), Some(1.0));
-        assert_eq!(step([0.1 + 0.2, 0.5, 0.25]), None);
+    fn decimals_are_seen_through_single_precision() {
+        let single = [1.279761, -0.089872, 0.25].map(|x| f64::from(x as f32));
+        assert_eq!(step(single), Some(1e-6));
+    }
+
+    #[test]
+    fn numbers_that_nobody_wrote_have_no_written_step() {
+        assert_eq!(step([0.5f64.sqrt(), 0.5, 0.25]), None);
+        assert_eq!(step([2f64.powi(-60), 3f64.sqrt() * 2f64.powi(-60), 0.0]), None);
+        // Drawn on a grid of a third of a hundredth.
+        assert_eq!(written_step(&mesh([1.0 / 3.0, 0.1, 0.77 / 3.0])), None);
     }
 }

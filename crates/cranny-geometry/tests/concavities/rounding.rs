@@ -4,7 +4,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::hull::FacetId;
 use cranny_geometry::{BuildOptions, FaceId, Finding, FindingKind, Flatness, Mesh, Model};
-use cranny_shapes::{Cuboid, Gear, Shape, Sphere, Torus};
+use cranny_shapes::{Cuboid, Cylinder, Gear, Shape, Sphere, Torus};
 use cranny_testkit::Rng;
 
 use crate::bodies;
@@ -217,11 +217,13 @@ fn sides_divided_otherwise_than_the_hull_divides_them_are_covered_once() {
 
 #[test]
 fn shallow_pockets_on_a_lattice_stay() {
-    // Whole numbers: a hole a thousandth of the body's size deep, in a plate that reaches to 2000.
+    // Whole numbers: holes of a thousandth of the body's size deep, and less, in plates that reach to 2000 and on.
     let plate = bodies::gridded_cuboid([3, 3, 2], |x, y| (x, y) == (1, 1));
-    let deep = |p: DVec3| DVec3::new(p.x * 500.0, p.y * 500.0, p.z);
-    let model = closed_checked(&moved(&plate, deep));
-    assert_eq!(census(&model), [(ConcavityKind::Passage, 2, 2)]);
+    for (side, depth) in [(500.0, 1.0), (3_000.0, 1.0), (10_000.0, 4.0), (100_000.0, 40.0)] {
+        let deep = |p: DVec3| DVec3::new(p.x * side, p.y * side, p.z * depth);
+        let model = closed_checked(&moved(&plate, deep));
+        assert_eq!(census(&model), [(ConcavityKind::Passage, 2, 2)], "{side} by {depth}");
+    }
 }
 
 #[test]
@@ -239,7 +241,8 @@ fn flatness_is_chosen_by_the_coordinates() {
     let largest = mesh.vertices().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
     let decimals = |n| flatness(&rounded_to_decimals(&mesh, n), Flatness::Auto) * largest;
     assert!((decimals(6) - 2e-6).abs() < 1e-11 && (decimals(5) - 2e-5).abs() < 1e-9);
-    assert_eq!(decimals(3) / largest, Flatness::DECIMAL_LIMIT);
+    assert_eq!(decimals(3) / largest, Flatness::GRID_LIMIT);
+    // Nine decimals are finer than single precision.
     assert!((decimals(9) - 2e-9).abs() < 1e-14);
     assert_eq!(flatness(&rounded_to_digits(&mesh, 9), Flatness::Auto), Flatness::SINGLE);
     assert_eq!(flatness(&mesh, Flatness::Relative(-1.0)), 0.0);
@@ -286,5 +289,30 @@ fn scaling_by_powers_of_two_and_renumbering_change_nothing() {
         let (renumbered, name) = bodies::renumbered(&mesh, &mut rng);
         let model = closed_checked(&renumbered);
         assert_eq!(classification(&model, |f| name[f.index()]), expected, "{}", shape.name());
+    }
+}
+
+#[test]
+fn rounded_meshes_in_other_units_keep_their_classes() {
+    let torus =
+        Torus { major_segments: 48, minor_segments: 24, ..Torus::default() }.build().unwrap();
+    let peg = Cylinder { segments: 144, ..Cylinder::default() }.build().unwrap();
+    let gear = Gear::default().build().unwrap();
+    for mesh in [torus, peg, gear].map(|mesh| turned(&mesh)) {
+        for stored in [rounded_to_decimals(&mesh, 6), rounded_to_digits(&mesh, 6)] {
+            let expected = census(&closed_checked(&stored));
+            for unit in [2f64.powi(-9), 8.0, 2f64.powi(30)] {
+                let model = closed_checked(&moved(&stored, |p| unit * p));
+                assert_eq!(census(&model), expected, "unit {unit:e}");
+            }
+        }
+        let stored = rounded_to_decimals(&mesh, 6);
+        let expected = census(&closed_checked(&stored));
+        for unit in [1e-3, 0.0254, 25.4] {
+            let model = closed_checked(&moved(&stored, |p| unit * p));
+            assert_eq!(census(&model), expected, "unit {unit:e}");
+        }
+        // Six decimals of a body of this size are still seen in single precision.
+        assert_eq!(census(&closed_checked(&rounded_to_single(&stored))), expected);
     }
 }

@@ -1,11 +1,7 @@
 //! Whether two meshes are the same surface, measured without the code under test.
 
-
 use cranny_exact::DVec3;
-use cranny_geometry::{
-    Mesh, Model,
-    Report,
-};
+use cranny_geometry::{Mesh, Model, Report};
 
 /// The distance of a point from a triangle, by its sides and its foot on the plane.
 pub(crate) fn triangle_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {

@@ -3,10 +3,7 @@
 use std::collections::BTreeMap;
 
 use cranny_exact::{DVec3, Tolerance};
-use cranny_geometry::{
-    BuildOptions, FaceId, FindingKind, Mesh, Model, Repair, RepairKind,
-    Report,
-};
+use cranny_geometry::{BuildOptions, FaceId, FindingKind, Mesh, Model, Repair, RepairKind, Report};
 
 pub(crate) fn built(mesh: &Mesh, repair: Repair) -> (Model, Report) {
     Model::build(mesh.clone(), &BuildOptions { repair, ..BuildOptions::default() }).unwrap()

@@ -1,6 +1,5 @@
 //! Sound meshes, and defects to put into them.
 
-
 use cranny_exact::DVec3;
 use cranny_geometry::Mesh;
 use cranny_shapes::{Cuboid, Torus};
