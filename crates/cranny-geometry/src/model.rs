@@ -93,12 +93,20 @@ impl Default for BuildOptions {
     }
 }
 
+/// That no face of so many has an area, in words.
+pub(crate) fn no_area(faces: usize) -> String {
+    match faces {
+        1 => "the only face has zero area".to_owned(),
+        n => format!("all {n} faces have zero area"),
+    }
+}
+
 /// A model that cannot be prepared.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
     /// The mesh holds no triangle with an area.
-    #[error("all {faces} faces have zero area: a body needs at least one triangle with an area")]
+    #[error("{}: a body needs at least one triangle with an area", no_area(*.faces))]
     OnlyDegenerateFaces {
         /// Number of faces.
         faces: usize,

@@ -34,7 +34,7 @@ use chain::{ChainEdge, Origin, cancel};
 use interface::Divisions;
 use share::Sharing;
 use straddle::drop_straddled;
-pub(crate) use triangulate::outlines;
+pub(crate) use triangulate::{outlines, triangulate};
 
 /// The cap triangles of a hull, by facet.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -182,7 +182,7 @@ impl Covering {
         };
         let forced: Vec<[u32; 2]> =
             ridges.iter().map(|r| r.ends.map(local)).filter(|&e| !in_chain(e)).collect();
-        let made = triangulate::triangulate(&points, &edges, &forced);
+        let made = triangulate(&points, &edges, &forced);
         let judged = |corners: [u32; 3]| {
             let [a, b, c] = corners.map(|i| points[i as usize]);
             let is_negative = orient2d(a, b, c) == Sign::Negative;
@@ -372,7 +372,7 @@ mod tests {
         for [a, b, c] in [[0, 2, 1], [1, 0, 2], [2, 1, 3], [0, 1, 3], [3, 0, 2]] {
             for edges in [[[a, b], [b, c], [c, a]], [[b, c], [a, b], [c, a]]] {
                 let corners = single_triangle(&chain(edges)).unwrap();
-                let of_sweep = triangulate::triangulate(&points, &edges, &[]);
+                let of_sweep = triangulate(&points, &edges, &[]);
                 let quick = as_swept(corners, corners.map(|v| points[v as usize]));
                 assert_eq!((of_sweep.triangles, of_sweep.exact), (vec![quick.unwrap()], true));
             }

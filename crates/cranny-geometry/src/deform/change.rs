@@ -4,6 +4,7 @@ use cranny_exact::DomainError;
 use thiserror::Error;
 
 use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
+use crate::model::no_area;
 use crate::tree::NodeChanges;
 
 /// Moves that are refused; the model is as it was.
@@ -37,7 +38,7 @@ pub enum DeformError {
         source: DomainError,
     },
     /// No face would have an area.
-    #[error("after these moves all {faces} faces have zero area")]
+    #[error("after these moves {}", no_area(*.faces))]
     OnlyDegenerateFaces {
         /// Number of faces.
         faces: usize,

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use cranny_exact::{DVec3, check_point};
 use cranny_geometry::{Mesh, MeshError};
 
+use super::polygons::Polygons;
 use super::problem::{DecodeError, Place, Problem};
 use super::{MeshFile, MeshFormat};
 
@@ -13,7 +14,7 @@ pub(super) struct Builder {
     format: MeshFormat,
     vertices: Vec<DVec3>,
     faces: Vec<[u32; 3]>,
-    polygons: usize,
+    polygons: Polygons,
     notes: Vec<String>,
     remark: String,
 }
@@ -24,7 +25,7 @@ impl Builder {
             format,
             vertices: Vec::new(),
             faces: Vec::new(),
-            polygons: 0,
+            polygons: Polygons::default(),
             notes: Vec::new(),
             remark: String::new(),
         }
@@ -50,11 +51,13 @@ impl Builder {
         Ok(())
     }
 
-    /// Adds a polygon of at least three corners as a fan from the first. The caller has checked
-    /// the indices.
-    pub(super) fn polygon(&mut self, corners: &[u32]) {
-        self.polygons += usize::from(corners.len() > 3);
-        self.faces.extend(corners.windows(2).skip(1).map(|w| [corners[0], w[0], w[1]]));
+    /// Adds a polygon of at least three corners, split at the end, when all vertices are known. The caller has
+    /// checked the indices.
+    pub(super) fn polygon(&mut self, corners: &[u32], place: impl FnOnce() -> Place) {
+        match *corners {
+            [a, b, c] => self.faces.push([a, b, c]),
+            _ => self.polygons.add(self.faces.len(), corners, place()),
+        }
     }
 
     /// Something the reader left out or changed, one sentence.
@@ -69,15 +72,13 @@ impl Builder {
 
     /// The mesh as gathered.
     pub(super) fn finish(mut self) -> Result<MeshFile, DecodeError> {
-        if self.polygons > 0 {
-            self.notes.push(format!(
-                "{} polygons with more than three corners were split into fans from their first corner",
-                self.polygons
-            ));
-        }
         let format = self.format;
-        match Mesh::new(self.vertices, self.faces) {
-            Ok(mesh) => Ok(MeshFile { mesh, format, notes: self.notes }),
+        let (faces, splits) = self.polygons.split(&self.vertices, self.faces);
+        match Mesh::new(self.vertices, faces) {
+            Ok(mesh) => {
+                self.notes.extend(splits.notes(&mesh));
+                Ok(MeshFile { mesh, format, notes: self.notes })
+            }
             Err(error) => {
                 let (place, problem) = match error {
                     MeshError::NoFaces { vertices } => {

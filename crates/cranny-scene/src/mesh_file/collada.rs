@@ -12,7 +12,7 @@ use cranny_exact::DVec3;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::builder::Builder;
-use super::problem::{DecodeError, Place, Problem, excerpt};
+use super::problem::{DecodeError, Place, Problem, counted, excerpt};
 use super::{MeshFile, MeshFormat};
 use crate::xml::nested_beyond;
 use geometry::Geometry;
@@ -299,27 +299,34 @@ impl<'a, 'i> Scene<'a, 'i> {
             };
             self.builder.vertex(scene_from_mesh.apply(p), place)?;
         }
-        for mut corners in geometry.polygons {
+        for (polygon, mut corners) in geometry.polygons.into_iter().enumerate() {
             if scene_from_mesh.mirrors() {
                 corners[1..].reverse();
             }
             corners.iter_mut().for_each(|corner| *corner += first);
-            self.builder.polygon(&corners);
+            // Finding its line costs a pass over the file.
+            self.builder.polygon(&corners, || {
+                let id = node.attribute("id").unwrap_or_default();
+                Place::Element(format!("geometry {id:?}, polygon {polygon} (numbered from 0)"))
+            });
         }
         Ok(())
     }
 
     fn finish(mut self) -> Result<MeshFile, DecodeError> {
         if self.skipped > 0 {
-            let note = format!(
-                "{} groups of points, lines, splines or holed polygons were skipped",
-                self.skipped
-            );
+            let groups = counted(self.skipped, "group");
+            let were = if self.skipped == 1 { "was" } else { "were" };
+            let note =
+                format!("{groups} of points, lines, splines or holed polygons {were} skipped");
             self.builder.remark(note.clone());
             self.builder.note(note);
         }
         if self.skinned > 0 {
-            self.builder.note(format!("{} skins were read in their bind shape", self.skinned));
+            self.builder.note(match self.skinned {
+                1 => "one skin was read in its bind shape".to_owned(),
+                n => format!("{n} skins were read in their bind shape"),
+            });
         }
         self.builder.finish()
     }

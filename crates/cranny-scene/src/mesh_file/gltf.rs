@@ -11,7 +11,7 @@ mod document;
 use cranny_exact::{DMat3, DQuat, DVec3};
 
 use super::builder::Builder;
-use super::problem::{DecodeError, Place, Problem, excerpt};
+use super::problem::{DecodeError, Place, Problem, counted, excerpt};
 use super::{Fetch, MeshFile, MeshFormat};
 use accessor::Buffers;
 use document::{Document, Node, Primitive};
@@ -213,20 +213,24 @@ impl Scene<'_> {
         let mirrored = scene_from_mesh.linear.determinant() < 0.0;
         for [a, b, c] in triangles(mode, &corners) {
             let face = if mirrored { [a, c, b] } else { [a, b, c] };
-            self.builder.polygon(&face.map(|i| i + first as u32));
+            self.builder.polygon(&face.map(|i| i + first as u32), place);
         }
         Ok(())
     }
 
     fn finish(mut self) -> Result<MeshFile, DecodeError> {
         if self.skipped > 0 {
-            let note = format!("{} primitives of points or lines were skipped", self.skipped);
+            let were = if self.skipped == 1 { "was" } else { "were" };
+            let primitives = counted(self.skipped, "primitive");
+            let note = format!("{primitives} of points or lines {were} skipped");
             self.builder.remark(note.clone());
             self.builder.note(note);
         }
         if self.skinned > 0 {
-            self.builder
-                .note(format!("{} skinned meshes were read in their bind pose", self.skinned));
+            self.builder.note(match self.skinned {
+                1 => "one skinned mesh was read in its bind pose".to_owned(),
+                n => format!("{n} skinned meshes were read in their bind pose"),
+            });
         }
         self.builder.finish()
     }

@@ -3,7 +3,8 @@
 //! Coordinates written as text are read at the full precision of `f64`, whatever the format calls
 //! their type, since every exact decision later reads these numbers. Positions are kept as filed;
 //! only formats that carry a scene (glTF, COLLADA) apply its node transforms, and COLLADA its unit
-//! and up-axis. Polygons are split into fans from their first corner. Indexing is kept as filed,
+//! and up-axis. Polygons are split into triangles that cover them once
+//! ([`cranny_geometry::split_polygon`]); what is no flat, simple polygon is split too, with a note. Indexing is kept as filed,
 //! except for STL, which has none: there, equal positions become one vertex.
 
 mod builder;
@@ -12,6 +13,7 @@ mod gltf;
 mod obj;
 mod off;
 mod ply;
+mod polygons;
 mod problem;
 mod stl;
 mod text;

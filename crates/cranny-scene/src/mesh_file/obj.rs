@@ -52,9 +52,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
         }
     }
     for (keyword, (count, first)) in &skipped {
-        builder.note(format!(
-            "{count} lines beginning with {keyword} were skipped, the first is line {first}"
-        ));
+        builder.note(match count {
+            1 => format!("line {first}, beginning with {keyword}, was skipped"),
+            _ => format!(
+                "{count} lines beginning with {keyword} were skipped, the first is line {first}"
+            ),
+        });
         builder.remark(format!("line {first} begins with {keyword}, which is no OBJ surface"));
     }
     polygons.add_to(&mut builder)?;
@@ -132,7 +135,7 @@ impl Polygons {
                     builder.error(Place::Line(line), problem)
                 })?);
             }
-            builder.polygon(&checked);
+            builder.polygon(&checked, || Place::Line(line));
             start = end;
         }
         Ok(())

@@ -50,7 +50,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
         })?;
         let mut words = Words::new(FORMAT, number, line);
         read_corners(&mut words, vertices, &mut corners)?;
-        builder.polygon(&corners);
+        builder.polygon(&corners, || Place::Line(number));
     }
     if let Some((number, line)) = lines.next() {
         builder.note(format!(

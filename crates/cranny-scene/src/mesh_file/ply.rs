@@ -186,7 +186,12 @@ fn read_element(
                 return Err(builder.error(values.place(), problem));
             }
             if wanted {
-                builder.polygon(&corners);
+                // A byte of a binary file tells nobody where to look.
+                let place = || match values.place() {
+                    Place::Byte(_) => Place::Face(row as usize),
+                    line => line,
+                };
+                builder.polygon(&corners, place);
             }
         }
         if let Some(axes) = axes {

@@ -138,6 +138,12 @@ fn aside(remark: &str) -> String {
     if remark.is_empty() { String::new() } else { format!("; {remark}") }
 }
 
+/// A number of things, in words: "1 line", "2 lines".
+pub(super) fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
 /// At most this many characters of a file are quoted in a message.
 const QUOTED: usize = 40;
 

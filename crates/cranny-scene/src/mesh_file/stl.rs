@@ -48,7 +48,10 @@ fn decode_binary(bytes: &[u8], promised: Option<u64>) -> Result<MeshFile, Decode
         return Err(builder.error(Place::Whole, problem));
     }
     if found > needed {
-        builder.note(format!("{} bytes after the last face were skipped", found - needed));
+        builder.note(match found - needed {
+            1 => "1 byte after the last face was skipped".to_owned(),
+            n => format!("{n} bytes after the last face were skipped"),
+        });
     }
     let mut weld = Weld::default();
     for (face, record) in bytes[HEADER..needed as usize].chunks_exact(RECORD).enumerate() {
@@ -65,7 +68,7 @@ fn decode_binary(bytes: &[u8], promised: Option<u64>) -> Result<MeshFile, Decode
             };
             *corner = weld.index(&mut builder, position, place)?;
         }
-        builder.polygon(&corners);
+        builder.polygon(&corners, || Place::Face(face));
     }
     builder.finish()
 }
@@ -124,7 +127,7 @@ fn decode_ascii(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
                 Inside::Loop
             }
             (Inside::Loop, "endloop") if corners.len() == 3 => {
-                builder.polygon(&corners);
+                builder.polygon(&corners, || Place::Line(last));
                 corners.clear();
                 Inside::FacetEnd
             }
