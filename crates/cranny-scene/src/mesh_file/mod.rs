@@ -10,6 +10,7 @@
 mod builder;
 mod collada;
 mod gltf;
+mod looks;
 mod obj;
 mod off;
 mod ply;
@@ -26,6 +27,7 @@ use cranny_geometry::Mesh;
 use thiserror::Error;
 
 pub use collada::UpAxis;
+pub use looks::Looks;
 pub use obj::encode_obj;
 pub use problem::{DecodeError, Place, Problem};
 
@@ -179,15 +181,28 @@ fn decode(
     up_axis: UpAxis,
     fetch: Fetch<'_>,
 ) -> Result<MeshFile, DecodeError> {
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(DecodeError { format, place: Place::Whole, problem: Problem::Empty });
+    let refused = |problem| DecodeError { format, place: Place::Whole, problem };
+    let text = without_mark(bytes);
+    if text.iter().all(u8::is_ascii_whitespace) {
+        return Err(refused(Problem::Empty));
     }
-    match format {
-        MeshFormat::Obj => obj::decode(bytes),
+    let read = match format {
+        MeshFormat::Obj => obj::decode(text),
+        // Of binary ones, the first bytes mean nothing.
         MeshFormat::Stl => stl::decode(bytes),
-        MeshFormat::Ply => ply::decode(bytes),
-        MeshFormat::Off => off::decode(bytes),
-        MeshFormat::Gltf => gltf::decode(bytes, fetch),
-        MeshFormat::Collada => collada::decode(bytes, up_axis),
-    }
+        MeshFormat::Ply => ply::decode(text),
+        MeshFormat::Off => off::decode(text),
+        MeshFormat::Gltf => gltf::decode(text, fetch),
+        MeshFormat::Collada => collada::decode(text, up_axis),
+    };
+    // What cannot be read and plainly is something else has one fault: its name.
+    read.map_err(|error| match Looks::of(text) {
+        Some(looks) if looks.format() != Some(format) => refused(Problem::Misnamed { looks }),
+        _ => error,
+    })
+}
+
+/// The bytes without the byte order mark that some editors put before UTF-8.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes)
 }

@@ -6,7 +6,7 @@ use cranny_exact::DomainError;
 use cranny_geometry::MeshError;
 use thiserror::Error;
 
-use super::MeshFormat;
+use super::{Looks, MeshFormat};
 
 /// Content that is no mesh of its format.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -58,6 +58,24 @@ pub enum Problem {
     /// No byte, or nothing but blanks.
     #[error("the file is empty. Export the mesh again")]
     Empty,
+    /// The file plainly is something else than its name says.
+    #[error("this is {}", looks.advice())]
+    Misnamed {
+        /// What it is.
+        looks: Looks,
+    },
+    /// Text that no reader of this format knows.
+    #[error(
+        "found text that begins with {head}, expected 'solid' or a binary file (as one it would have {count} faces and {needed} bytes). Give the file the extension of its format, or export it again"
+    )]
+    OtherText {
+        /// How it begins, quoted.
+        head: String,
+        /// The number of faces that a binary file would state with these bytes.
+        count: u64,
+        /// The size that it would have.
+        needed: u64,
+    },
     /// A word where a number must stand.
     #[error(
         "{text:?} is not a number where {expected} must stand. Correct the number or export the mesh again"

@@ -8,7 +8,7 @@ use cranny_exact::DVec3;
 use super::builder::{Builder, Weld};
 use super::problem::{DecodeError, Place, Problem, excerpt};
 use super::text::Words;
-use super::{MeshFile, MeshFormat};
+use super::{MeshFile, MeshFormat, without_mark};
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
@@ -20,9 +20,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
         .map(|count| u64::from(u32::from_le_bytes(count)));
     let fits =
         promised.is_some_and(|n| (HEADER as u64) + n * (RECORD as u64) == bytes.len() as u64);
-    let word = bytes.trim_ascii_start().get(..5).unwrap_or_default();
-    if !fits && word.eq_ignore_ascii_case(b"solid") && is_text(bytes) {
-        decode_ascii(bytes)
+    let text = without_mark(bytes);
+    let word = text.trim_ascii_start().get(..5).unwrap_or_default();
+    if !fits && word.eq_ignore_ascii_case(b"solid") && is_text(text) {
+        decode_ascii(text)
     } else {
         decode_binary(bytes, promised)
     }
@@ -42,6 +43,11 @@ fn decode_binary(bytes: &[u8], promised: Option<u64>) -> Result<MeshFile, Decode
         return Err(builder.error(Place::Whole, problem));
     };
     let needed = HEADER as u64 + count * RECORD as u64;
+    if found < needed && is_text(bytes) {
+        let head = String::from_utf8_lossy(bytes.trim_ascii());
+        let head = excerpt(head.lines().next().unwrap_or_default());
+        return Err(builder.error(Place::Whole, Problem::OtherText { head, count, needed }));
+    }
     if found < needed {
         let what = format!("a binary file of {count} faces");
         let problem = Problem::Truncated { what, needed, found };

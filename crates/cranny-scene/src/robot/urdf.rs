@@ -34,8 +34,10 @@ const MAX_DEPTH: usize = 64;
 pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
     let text = fs::read_to_string(path).map_err(unreadable)?;
-    check_xml(path, &text)?;
-    let urdf = urdf_rs::read_from_string(&text).map_err(|error| {
+    // Some editors put a byte order mark before the text.
+    let text = text.trim_start_matches('\u{feff}');
+    check_xml(path, text)?;
+    let urdf = urdf_rs::read_from_string(text).map_err(|error| {
         let message = error.to_string();
         RobotError::Urdf { path: path.to_owned(), message }
     })?;

@@ -85,10 +85,14 @@ pub fn load_scene_with(path: &Path, options: &LoadOptions) -> Result<LoadedScene
 ///
 /// As [`load_scene`].
 pub fn parse_scene(
-    text: String,
+    mut text: String,
     path: &Path,
     options: &LoadOptions,
 ) -> Result<LoadedScene, SceneError> {
+    // Some editors put a byte order mark before the text.
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
     let scene = syntax::parse(&text, path)?;
     let (description, files, notes) = assemble::assemble(scene, &text, path, options)?;
     Ok(LoadedScene { description, source_text: text, path: path.to_owned(), files, notes })
