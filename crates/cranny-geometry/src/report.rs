@@ -283,10 +283,10 @@ impl FindingKind {
                 &["the component counts as negative volume; normals of its contacts point inwards"]
             }
             Self::NegativeCap => &[
-                "a lid's area is less than what it covers by what is covered too often; volumes are right",
+                "a lid's area is less than what it covers by what is covered too often; volumes are right to within a few slabs",
             ],
             Self::CrossedCap => &[
-                "a point there may lie beneath several lids, so more is opened than need be; volumes are right",
+                "a point there may lie beneath several lids, so more is opened than need be; volumes are right to within a few slabs",
             ],
             Self::NestedSolid => {
                 &["its volume counts twice: once of its own, once of the component around it"]

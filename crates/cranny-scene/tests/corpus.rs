@@ -93,6 +93,8 @@ fn concavities_of_the_corpus_keep_their_invariants() {
             let pockets: f64 = all.iter().map(|c| c.measures.pocket_volume).sum();
             let missing = hull.volume() - volume - pockets - all.skin().volume;
             assert!(missing.abs() <= 1e-11 * hull.volume(), "{name}: {missing:e}");
+            let (skin, layer) = (all.skin(), features.slab_depth() * hull.area());
+            assert!(skin.volume.abs() <= layer, "{name}: {skin:?}, a layer {layer:e}");
         }
     }
 }

@@ -8,7 +8,10 @@
 //! one projection, and each triangle is filed under the facet beneath its middle.
 //!
 //! What the caps bound is the same, joined or not; how far something reaches is therefore measured in
-//! rounded lengths. A group stays joined where that leaves less area negative than before.
+//! rounded lengths. But where caps run is not: slivers along an edge of the hull lead from one side to the
+//! next, and caps over both would cut the corner between them off. So no facet joins that turns far away from the
+//! largest of its group, and a group stays joined only where all its caps lie near the hull and less area
+//! is negative than before. If it does not, it is tried once more without its slivers.
 //!
 //! Cost: nothing where all facets are covered once. Otherwise O(n log n) in the chains of groups, and for each
 //! group the product of its rim and its negative caps, up to [`MOST_LOOKS`].
@@ -32,6 +35,19 @@ const ROUNDS: usize = 4;
 /// Comparisons of a place with an edge that a group may cost, a millisecond or so. Smaller, and large
 /// sides with many negative caps are left as they are; larger, and a soup of coincident faces takes long.
 const MOST_LOOKS: usize = 1 << 18;
+
+/// The least cosine of the angle between a facet and the largest of its group. Smaller than 0, and sides that
+/// bend away from each other meet in one projection; above 0.7, and the slivers that cut off a right edge
+/// remain apart, and negative.
+const MOST_TURNED: f64 = 0.5;
+
+/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by far.
+const HARDLY_TURNED: f64 = 0.99;
+
+/// How many slabs deep a group's caps may lie beneath the hull. Smaller than 4, and sides rough by a few
+/// flatnesses are left with negative caps, at 4 a bolt that bends a little as well; larger, and volumes may
+/// be off by that much more.
+const DEEPEST: f64 = 16.0;
 
 /// What is looked at.
 pub(super) struct Sharing<'a> {
@@ -61,14 +77,14 @@ impl Sharing<'_> {
         for _ in 0..ROUNDS {
             groups = self.grown(groups);
         }
-        groups.retain(|group| group.members.len() > 1 && self.is_better(group, &alone));
+        let mut groups: Vec<Group> =
+            groups.into_iter().filter_map(|group| self.kept(group, &alone)).collect();
         groups.sort_unstable_by_key(|group| group.members.first().copied());
         self.filed(&alone, &groups)
     }
 
     fn group(&self, members: BTreeSet<u32>) -> Group {
-        let normal: DVec3 = members.iter().map(|&f| self.hull.facet(FacetId(f)).normal).sum();
-        let projection = Projection::along(normal);
+        let projection = Projection::along(self.largest(&members));
         let of = |f: &u32| self.chains.binary_search_by_key(f, |chain| chain.0).ok();
         let rows = members.iter().filter_map(of).map(|at| &self.chains[at].1);
         let mut chain: Vec<ChainEdge> = rows.flatten().copied().collect();
@@ -90,20 +106,27 @@ impl Sharing<'_> {
         let mut members: Vec<BTreeSet<u32>> = groups.iter().map(|g| g.members.clone()).collect();
         for group in groups.iter().filter(|g| g.has_grown && !g.covering.is_sound()) {
             let Some(first) = group.members.first() else { continue };
+            let mut largest = self.largest(&members[home[first]]);
             for facet in self.reached(group) {
                 let at = home[first];
-                match home.get(&facet) {
-                    Some(&other) if other == at => {}
-                    Some(&other) => {
-                        let joined = std::mem::take(&mut members[other]);
-                        home.extend(joined.iter().map(|&f| (f, at)));
-                        members[at].extend(joined);
-                    }
-                    None => {
-                        home.insert(facet, at);
-                        members[at].insert(facet);
-                    }
+                let other = home.get(&facet).copied().filter(|&other| other != at);
+                let joined = match other {
+                    Some(other) => members[other].clone(),
+                    None => BTreeSet::from([facet]),
+                };
+                let of_both = larger(largest, self.largest(&joined));
+                let mut both = members[at].iter().chain(&joined);
+                if members[at].contains(&facet)
+                    || !both.all(|&f| self.is_turned_less(f, of_both, MOST_TURNED))
+                {
+                    continue;
                 }
+                if let Some(other) = other {
+                    members[other].clear();
+                }
+                home.extend(joined.iter().map(|&f| (f, at)));
+                members[at].extend(joined);
+                largest = of_both;
             }
         }
         let mut all = Vec::with_capacity(groups.len());
@@ -115,6 +138,22 @@ impl Sharing<'_> {
             }
         }
         all
+    }
+
+    /// The area vector, doubled, of the largest of some facets.
+    fn largest(&self, facets: &BTreeSet<u32>) -> DVec3 {
+        let twice = |&t: &u32| {
+            let [a, b, c] = self.hull.triangle(t as usize).map(|v| self.hull.position(v));
+            (b - a).cross(c - a)
+        };
+        let of_facet =
+            |&f: &u32| self.hull.facet(FacetId(f)).triangles.iter().map(twice).sum::<DVec3>();
+        facets.iter().map(of_facet).fold(DVec3::ZERO, larger)
+    }
+
+    /// Whether the cosine of the angle between a facet and an area vector is no less than `least`.
+    fn is_turned_less(&self, facet: u32, from: DVec3, least: f64) -> bool {
+        self.hull.facet(FacetId(facet)).normal.dot(from) >= least * from.length()
     }
 
     /// Facets across the rim of a group over which its negative caps reach.
@@ -156,6 +195,35 @@ impl Sharing<'_> {
             }
         }
         rim
+    }
+
+    /// A group, or what of it hardly turns, that is the better for being covered together.
+    fn kept(&self, group: Group, alone: &CapSurface) -> Option<Group> {
+        let is_kept = |group: &Group| {
+            group.members.len() > 1 && self.is_better(group, alone) && self.is_near_hull(group)
+        };
+        if is_kept(&group) {
+            return Some(group);
+        }
+        let largest = self.largest(&group.members);
+        let count = group.members.len();
+        let mut members = group.members;
+        members.retain(|&f| self.is_turned_less(f, largest, HARDLY_TURNED));
+        (members.len() < count).then(|| self.group(members)).filter(is_kept)
+    }
+
+    /// Whether each triangle lies beneath some member, no deeper than [`DEEPEST`] slabs. Those of a facet alone
+    /// always do, since its chain lies in its slab; so volumes are right up to layers as thin.
+    fn is_near_hull(&self, group: &Group) -> bool {
+        let is_near = |facet: u32, corners: [DVec3; 3]| {
+            let Facet { normal, offset, thickness, .. } = self.hull.facet(FacetId(facet));
+            let floor = offset - DEEPEST * thickness.max(self.assignment.depth());
+            corners.iter().all(|p| normal.dot(*p) >= floor)
+        };
+        group.covering.triangles.iter().all(|(corners, _)| {
+            let corners = corners.map(|v| self.mesh.position(VertexId(v)));
+            group.members.iter().any(|&f| is_near(f, corners))
+        })
     }
 
     /// Whether less is negative than where each facet is covered alone, or as little and nothing crosses.
@@ -211,6 +279,11 @@ impl Sharing<'_> {
         }
         surface
     }
+}
+
+/// The longer of two vectors, the first of equals.
+fn larger(a: DVec3, b: DVec3) -> DVec3 {
+    if b.length_squared() > a.length_squared() { b } else { a }
 }
 
 /// An edge of the hull on the rim of a group.

@@ -3,7 +3,7 @@
 use cranny_exact::{DVec2, DVec3};
 use cranny_geometry::concavity::ConcavityKind;
 use cranny_geometry::hull::FacetId;
-use cranny_geometry::{BuildOptions, FaceId, Mesh, Model};
+use cranny_geometry::{BuildOptions, FaceId, Finding, Mesh, Model};
 
 /// Pairs of points and triangles up to which hulls are validated here, every pair of which is looked at.
 const LARGEST_HULL: usize = 4_000_000;
@@ -15,7 +15,20 @@ pub(crate) fn checked(mesh: &Mesh) -> Model {
 
 /// [`checked`], with other options.
 pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
-    let (model, _) = Model::build(mesh.clone(), options).unwrap();
+    let (model, _) = built_with(mesh, options);
+    covered_once(&model);
+    model
+}
+
+/// [`closed_checked`], and what is told of the mesh; but whether each facet is covered once is not asked.
+pub(crate) fn checked_told(mesh: &Mesh) -> (Model, Vec<Finding>) {
+    let (model, findings) = built_with(mesh, &BuildOptions::default());
+    check_sums(&model);
+    (model, findings)
+}
+
+fn built_with(mesh: &Mesh, options: &BuildOptions) -> (Model, Vec<Finding>) {
+    let (model, report) = Model::build(mesh.clone(), options).unwrap();
     model.features().validate(model.mesh(), model.topology()).unwrap();
     let (topology, hull) = (model.topology(), model.hull());
     let points = model.mesh().vertices();
@@ -23,8 +36,7 @@ pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
         assert_eq!(hull.validate(points), []);
     }
     model.concavities().validate(model.mesh(), topology, hull, model.features()).unwrap();
-    covered_once(&model);
-    model
+    (model, report.findings)
 }
 
 /// As [`checked`]; and what only a closed mesh promises: volumes and areas add up, no opening.
@@ -35,6 +47,13 @@ pub(crate) fn closed_checked(mesh: &Mesh) -> Model {
 /// [`closed_checked`], with other options.
 pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
     let model = checked_with(mesh, options);
+    check_sums(&model);
+    model
+}
+
+/// Volumes and areas of a closed body add up; what is left over is skin, and a pocket's volume is not negative
+/// but for skin. The sums alone would add up whatever caps were.
+fn check_sums(model: &Model) {
     assert!(model.is_closed());
     let all = model.concavities();
     assert!(all.iter().all(|c| c.kind != ConcavityKind::Opening));
@@ -49,8 +68,18 @@ pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Model 
     let gained: f64 = all.iter().map(|c| c.measures.cap_area - c.measures.face_area).sum();
     let missing = hull.area() - area - gained - all.skin().area;
     assert!(missing.abs() <= 1e-11 * area, "area: {missing:e}");
-    assert!(all.skin().volume.abs() <= 4.0 * hull.flatness() * hull.area(), "{:?}", all.skin());
-    model
+
+    let (slab, skin) = (model.features().slab_depth(), all.skin());
+    assert!(skin.volume.abs() <= slab * hull.area(), "{skin:?}");
+    let edges = model.topology().edges().iter();
+    let at = |v| model.mesh().position(v);
+    let along: f64 = edges.map(|e| at(e.from).distance(at(e.to))).sum();
+    assert!(skin.area.abs() <= slab * along, "{skin:?} along {along}");
+    for concavity in all.iter().filter(|c| !c.caps.is_empty()) {
+        let sizes = concavity.measures;
+        let layer = slab * (sizes.face_area + sizes.cap_area.abs());
+        assert!(sizes.pocket_volume >= -layer, "{sizes:?}");
+    }
 }
 
 /// In the projection along its dominant axis every facet, or every group that is covered together, has the

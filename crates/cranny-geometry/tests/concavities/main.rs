@@ -3,6 +3,8 @@
 mod bodies;
 mod check;
 mod counts;
+mod noisy;
 mod random;
+mod rough;
 mod rounding;
 mod ways;
