@@ -288,9 +288,9 @@ impl FindingKind {
             Self::CrossedCap => &[
                 "a point there may lie beneath several lids, so more is opened than need be; volumes are right to within a few slabs",
             ],
-            Self::NestedSolid => {
-                &["its volume counts twice: once of its own, once of the component around it"]
-            }
+            Self::NestedSolid => &[
+                "its volume counts twice where material surrounds it: once of its own, once of the part around it",
+            ],
         }
     }
 }

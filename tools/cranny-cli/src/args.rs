@@ -196,6 +196,12 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_negative_numbers = true)]
     pub(crate) weld: Option<f64>,
 
+    /// How far from a plane points may lie that are meant to lie in it, as a share of the largest
+    /// coordinate, at most 0.01; marks no deeper are taken for rounding [default: from how finely its
+    /// coordinates are stored, which a mesh that was turned since does not show]
+    #[arg(long, value_name = "SHARE", value_parser = flat, allow_negative_numbers = true)]
+    pub(crate) flat: Option<f64>,
+
     /// Draw the mesh; what the colours mean is told in the report
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
@@ -234,10 +240,12 @@ lid and no faces beneath: the mesh is open there. With --format json all are lis
   pocket_volume       between them; negative for an island
   parent              what surrounds one without a lid, or null
   tree_nodes          boxes of its tree; envelope_layers, envelope_depth, envelope_facets likewise
-skin_volume is what else lies between hull and body: pockets as thin as rounding.
+skin_volume is what else lies between hull and body, pockets as thin as rounding; skin_area what the hull
+has more there than the body. flatness is the share of the largest coordinate that counted as rounding:
+see --flat.
 bytes is the size of the saved model, null without --save. Of a saved model that is inspected,
-filed_vertices, filed_faces, deviation and repairs are null: it does not say; --repair and --weld need
-the mesh.
+filed_vertices, filed_faces, deviation and repairs are null: it does not say; --repair, --weld
+and --flat need the mesh.
 
 Pictures:
   classes         on the hull grey; concavities in colours, their caps translucent, loops dark
@@ -284,6 +292,14 @@ fn weld(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
         Ok(_) => Err("a weld distance must be finite and not below 0".to_owned()),
         Err(_) => Err("a weld distance is a number, such as 1e-6".to_owned()),
+    }
+}
+
+fn flat(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=0.01).contains(&value) => Ok(value),
+        Ok(_) => Err("a flatness is a share from 0 to 0.01".to_owned()),
+        Err(_) => Err("a flatness is a number, such as 2e-6".to_owned()),
     }
 }
 
@@ -361,6 +377,10 @@ mod tests {
         assert_eq!(scale("-0.5"), Ok(-0.5));
         for text in ["0", "inf", "NaN", "two", ""] {
             assert!(scale(text).is_err(), "{text}");
+        }
+        assert_eq!((flat("0"), flat("2e-6")), (Ok(0.0), Ok(2e-6)));
+        for text in ["-1e-9", "0.02", "inf", "NaN", "flat"] {
+            assert!(flat(text).is_err(), "{text}");
         }
         assert_eq!((weld("0"), weld("2e-6")), (Ok(0.0), Ok(2e-6)));
         for text in ["-1", "inf", "NaN", "two", ""] {

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use cranny_ecs::check_outputs;
 use cranny_exact::Tolerance;
-use cranny_geometry::BuildOptions;
+use cranny_geometry::{BuildOptions, Flatness};
 
 use crate::args::{Format, InspectArgs, Up};
 use crate::failure::Failure;
@@ -38,6 +38,7 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
     let options = BuildOptions {
         repair: args.repair.into(),
         tolerance: args.weld.map(|weld_distance| Tolerance { weld_distance }),
+        flatness: args.flat.map_or(Flatness::Auto, Flatness::Relative),
         ..BuildOptions::default()
     };
     let loaded = load_with_report(&args.mesh, &options)?;

@@ -29,6 +29,8 @@ pub(super) struct Summary {
     pub(super) volume: Option<f64>,
     pub(super) area: f64,
     pub(super) weld_distance: f64,
+    /// What counted as rounding when flat things were told, as a share of the largest coordinate.
+    pub(super) flatness: f64,
     /// The prepared surface is the filed one within this distance.
     pub(super) deviation: Option<f64>,
     pub(super) findings: Vec<FindingLine>,
@@ -40,6 +42,8 @@ pub(super) struct Summary {
     pub(super) concavities: Vec<ConcavityLine>,
     /// Volume between the hull and the faces on it.
     pub(super) skin_volume: f64,
+    /// Area of the hull beyond that of the faces on it.
+    pub(super) skin_area: f64,
     pub(super) patches: usize,
     /// Of the saved model; null where none was saved.
     pub(super) bytes: Option<usize>,
@@ -168,6 +172,7 @@ impl Summary {
             volume: report.volume,
             area: report.area,
             weld_distance: report.weld_distance,
+            flatness: report.flatness,
             deviation: knows_origin.then_some(report.deviation),
             findings: report.findings.iter().map(FindingLine::new).collect(),
             findings_complete: report.meetings == MeetingScan::Complete,
@@ -180,6 +185,7 @@ impl Summary {
                 .map(|concavity| ConcavityLine::new(model, &concavity))
                 .collect(),
             skin_volume: model.concavities().skin().volume,
+            skin_area: model.concavities().skin().area,
             patches: model.patches().len(),
             bytes: None,
             time_ms: TimesLine {

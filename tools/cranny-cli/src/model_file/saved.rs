@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cranny_geometry::{BuildOptions, Model, Repair};
+use cranny_geometry::{BuildOptions, Flatness, Model, Repair};
 
 use super::{LoadedModel, Times};
 use crate::failure::Failure;
@@ -22,7 +22,7 @@ pub(crate) fn is_model(path: &Path) -> bool {
 ///
 /// # Errors
 ///
-/// A missing or broken file; a scale, a repair or a weld distance, which need the mesh.
+/// A missing or broken file; a scale, a repair, a weld distance or a flatness, which need the mesh.
 pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Model, Failure> {
     let needs_mesh = |what: &str| {
         Err(Failure::input(format!(
@@ -38,6 +38,9 @@ pub(super) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Mo
     }
     if options.tolerance.is_some() {
         return needs_mesh("--weld");
+    }
+    if options.flatness != Flatness::Auto {
+        return needs_mesh("--flat");
     }
     let bytes = fs::read(path).map_err(|error| {
         let kind = error.kind();

@@ -42,6 +42,8 @@ fn assert_consistent(report: &Value) {
     let hull = &report["hull"];
     let air = number(&hull["volume"]) - number(&report["volume"]);
     assert_near(&report["skin_volume"], air - sum("pocket_volume"));
+    let more = number(&hull["area"]) - number(&report["area"]);
+    assert_near(&report["skin_area"], more - sum("cap_area") + sum("area"));
     let rough = number(&hull["area"]) - number(&report["area"]);
     assert!((rough - (sum("cap_area") - sum("area"))).abs() < 1e-9, "{report}");
     assert_eq!(report["features"]["concavities"], all.len());
@@ -148,4 +150,31 @@ fn a_pebble_in_a_cup_is_an_island_in_its_well() {
     let folder = Folder::new();
     let text = run(&["inspect", &folder.mesh("both.obj", &both)]).stdout;
     assert!(text.contains("island in 0"), "{text}");
+}
+
+#[test]
+fn how_flat_is_flat_can_be_said() {
+    let folder = Folder::new();
+    let torus = Torus::default().build().unwrap();
+    let moved = |mesh: &Mesh, to: &dyn Fn(DVec3) -> DVec3| {
+        let vertices = mesh.vertices().iter().map(|&p| to(p)).collect();
+        Mesh::new(vertices, mesh.faces().to_vec()).unwrap()
+    };
+    let rounded = moved(&torus, &|p| (1e6 * p).round() / 1e6);
+    let turned =
+        moved(&rounded, &|p| DVec3::new(0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, p.z) / 3.0);
+    let mesh = folder.mesh("turned.obj", &turned);
+    let count = |more: &[&str]| {
+        let arguments = [&["inspect", &mesh, "--format", "json"], more].concat();
+        let report = run(&arguments).json_lines().remove(0);
+        (concavities(&report).len(), number(&report["flatness"]))
+    };
+    // Turned, the grid of the rounding is gone, and its dents are marks like any others.
+    assert!(count(&[]).0 > 1);
+    assert_eq!(count(&["--flat", "2e-6"]), (1, 2e-6));
+    for (flat, word) in [("-1", "0 to 0.01"), ("1", "0 to 0.01"), ("even", "such as")] {
+        let refused = run(&["inspect", &mesh, "--flat", flat]);
+        assert_eq!((refused.code, refused.stdout.as_str()), (Some(2), ""), "{refused:?}");
+        assert!(refused.stderr.contains(word), "{word:?} is missing in {refused:?}");
+    }
 }

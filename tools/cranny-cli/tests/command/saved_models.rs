@@ -68,6 +68,7 @@ fn a_broken_model_is_refused_with_what_to_do() {
         .assert_refused(2, &["a scale needs the mesh"]);
     run(&["inspect", &model, "--repair", "safe"]).assert_refused(2, &["--repair needs the mesh"]);
     run(&["inspect", &model, "--weld", "1e-6"]).assert_refused(2, &["--weld needs the mesh"]);
+    run(&["inspect", &model, "--flat", "1e-6"]).assert_refused(2, &["--flat needs the mesh"]);
 }
 
 #[test]
