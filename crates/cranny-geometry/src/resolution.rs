@@ -77,13 +77,15 @@ fn is_drawn(mesh: &Mesh, step: f64) -> bool {
         let tens = x / (10.0 * step);
         (tens - tens.round()).abs() < 0.05
     };
-    2 * written(mesh).filter(tens).count() >= written(mesh).count()
+    let written = written(mesh, largest(mesh));
+    2 * written.clone().filter(tens).count() >= written.count()
 }
 
 /// The step of the grid that holds every coordinate: in any unit if it is coarse, otherwise of 0 to 9
 /// decimal places, which single precision may have rounded since.
 fn grid_step(mesh: &Mesh) -> Option<f64> {
-    let (written, largest) = (written(mesh), largest(mesh));
+    let largest = largest(mesh);
+    let written = written(mesh, largest);
     common_step(written.clone(), largest).or_else(|| {
         let is_single = is_single(mesh);
         let holds = |places: i32| {
@@ -101,15 +103,16 @@ fn grid_step(mesh: &Mesh) -> Option<f64> {
 /// coordinate has at most, before they were scaled by a power of two.
 fn digit_step(mesh: &Mesh) -> Option<f64> {
     let largest = largest(mesh);
+    let (written, sample) = (written(mesh, largest), written(mesh, largest).take(SAMPLE));
     let step = |numbers: &mut dyn Iterator<Item = f64>, scale: f64| {
         Some(digit_step_of(&mut numbers.map(|x| scale * x), scale * largest)? / scale)
     };
     let powers = (0..=MAX_POWER).flat_map(|power| [2f64.powi(power), 2f64.powi(-power)]);
     // A written number times another power of two has more digits, but perhaps not too many.
-    let sample = |scale| Some((step(&mut written(mesh).take(SAMPLE), scale)?, scale));
-    let mut likely: Vec<(f64, f64)> = powers.filter_map(sample).collect();
+    let likely = powers.filter_map(|scale| Some((step(&mut sample.clone(), scale)?, scale)));
+    let mut likely: Vec<(f64, f64)> = likely.collect();
     likely.sort_by(|a, b| b.0.total_cmp(&a.0));
-    likely.into_iter().find_map(|(_, scale)| step(&mut written(mesh), scale))
+    likely.into_iter().find_map(|(_, scale)| step(&mut written.clone(), scale))
 }
 
 /// The step between numbers of as many digits as these have, at the largest.
@@ -163,8 +166,8 @@ const SINGLE: f64 = 1.0 / (1u64 << 23) as f64;
 
 /// The coordinates but for those that computing left where nothing was meant: the 6e-17 of a
 /// quarter turn is written with all its digits beside a 1.
-fn written(mesh: &Mesh) -> impl Iterator<Item = f64> + Clone + '_ {
-    let noise = BINARY_STEPS * f64::EPSILON * largest(mesh);
+fn written(mesh: &Mesh, largest: f64) -> impl Iterator<Item = f64> + Clone + '_ {
+    let noise = BINARY_STEPS * f64::EPSILON * largest;
     coordinates(mesh).filter(move |x| x.abs() > noise)
 }
 

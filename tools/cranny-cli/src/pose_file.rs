@@ -68,7 +68,8 @@ fn parse_poses(text: &str) -> Result<Vec<PosePair>, PoseFileError> {
     if text.trim().is_empty() {
         return Err(PoseFileError::Empty);
     }
-    let value: Value = serde_json::from_str(text)?;
+    // A byte order mark, as some editors write it.
+    let value: Value = serde_json::from_str(text.trim_start_matches('\u{feff}'))?;
     let Value::Array(entries) = &value else {
         return Err(PoseFileError::NoList(described(&value)));
     };
@@ -152,6 +153,11 @@ mod tests {
         assert_eq!(poses[0][0], Pose::IDENTITY);
         assert_eq!(poses[1], [poses[0][1], Pose::IDENTITY]);
         assert_eq!(poses[2], [Pose::IDENTITY; 2]);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_passed_over() {
+        assert_eq!(parse_poses("\u{feff}[{}]").unwrap(), [[Pose::IDENTITY; 2]]);
     }
 
     #[test]
