@@ -60,7 +60,7 @@ pub(crate) fn largest(mesh: &Mesh) -> f64 {
 
 /// Whether single precision holds every coordinate, whatever their scale.
 pub(crate) fn is_single(mesh: &Mesh) -> bool {
-    coordinates(mesh).all(|x| x.to_bits() & ((1 << 29) - 1) == 0)
+    coordinates(mesh).all(|x| x.to_bits() & ((1 << SINGLE_CUT) - 1) == 0)
 }
 
 /// The step between numbers as they were rounded when written, at the largest coordinate: the coarser of that
@@ -138,7 +138,14 @@ fn has_places(x: f64, places: i32) -> bool {
 /// Whether a number of single precision is the nearest one to a number of no more decimal places.
 fn has_places_in_single(x: f64, places: i32) -> bool {
     let scale = power_of_ten(places);
-    ((x * scale).round() / scale) as f32 == x as f32
+    to_single((x * scale).round() / scale) == x
+}
+
+/// The nearest number with the digits of single precision, of two the even one.
+fn to_single(x: f64) -> f64 {
+    let (bits, cut) = (x.to_bits(), SINGLE_CUT);
+    let rounded = bits + ((1 << (cut - 1)) - 1) + ((bits >> cut) & 1);
+    f64::from_bits(rounded & !((1 << cut) - 1))
 }
 
 /// The power of ten of a number's first digit, if near enough to 0 for all its digits to be exact.
@@ -160,6 +167,9 @@ fn power_of_ten(exponent: i32) -> f64 {
 /// numbers of a coarse single precision pass for decimal ones by chance; more, and six decimals of a body that
 /// reaches to 1 are missed.
 const LEAST_SINGLE_STEPS: f64 = 4.0;
+
+/// Binary digits that single precision has less than double precision.
+const SINGLE_CUT: u32 = 29;
 
 /// The distance between 1 and the next number in single precision, 2^-23.
 const SINGLE: f64 = 1.0 / (1u64 << 23) as f64;
@@ -207,7 +217,7 @@ mod tests {
     #[test]
     fn single_and_double_precision_are_told_apart() {
         let numbers = [1.0 / 3.0, 0.1f64.sqrt(), 0.7];
-        let single = numbers.map(|x: f64| f64::from(x as f32));
+        let single = numbers.map(to_single);
         assert_eq!(default_weld_distance(&mesh(single)), 8.0 * SINGLE * single[2]);
         assert_eq!(default_weld_distance(&mesh(numbers)), 8.0 * f64::EPSILON * 0.7);
     }
@@ -257,7 +267,7 @@ mod tests {
 
     #[test]
     fn decimals_are_seen_through_single_precision() {
-        let single = [1.279761, -0.089872, 0.25].map(|x| f64::from(x as f32));
+        let single = [1.279761, -0.089872, 0.25].map(to_single);
         assert_eq!(step(single), Some(1e-6));
     }
 
