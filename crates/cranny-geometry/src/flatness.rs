@@ -2,7 +2,7 @@
 
 use crate::hull::FLATNESS;
 use crate::mesh::Mesh;
-use crate::resolution::{is_single, largest, written_step};
+use crate::resolution::{is_single, largest, rounding_step, written_step};
 
 /// How far from a plane, relative to the largest coordinate magnitude, points may lie that are meant to
 /// lie in it: the rounding of the coordinates as they were stored. Facets of the hull are merged by it,
@@ -13,8 +13,9 @@ pub enum Flatness {
     ///
     /// Numbers rounded to a grid (few decimals, whatever unit they were scaled to since), or to few
     /// significant digits, give [`GRID_STEPS`](Self::GRID_STEPS) of the grid, or of the last digit of
-    /// the largest, at most [`GRID_LIMIT`](Self::GRID_LIMIT) and at least what follows. Where most
-    /// numbers are round ones, of ten steps, the grid is where the body was drawn, and says nothing.
+    /// the largest, at most [`GRID_LIMIT`](Self::GRID_LIMIT) and at least what follows. Where all
+    /// numbers are round ones, of ten steps, or small ones, of a few, the body was drawn on the grid, and
+    /// the grid says nothing.
     /// [`Single`](Self::Single) where every coordinate has no more than nine digits, with which such
     /// numbers are written, or is a number of single precision; otherwise [`Double`](Self::Double).
     /// Turned after it was read, a mesh no longer shows how it was written: then say it by
@@ -56,9 +57,9 @@ impl Flatness {
     pub fn resolve(self, mesh: &Mesh) -> f64 {
         match self {
             Self::Auto => {
-                let share = |step: f64| step / largest(mesh);
-                let step = written_step(mesh).map_or(0.0, share);
-                let is_single = is_single(mesh) || step >= Self::NINE_DIGITS;
+                let share = |step: Option<f64>| step.map_or(0.0, |step| step / largest(mesh));
+                let is_single = is_single(mesh) || share(written_step(mesh)) >= Self::NINE_DIGITS;
+                let step = share(rounding_step(mesh));
                 let binary = if is_single { Self::SINGLE } else { FLATNESS };
                 binary.max((Self::GRID_STEPS * step).min(Self::GRID_LIMIT))
             }

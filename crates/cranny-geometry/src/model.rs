@@ -51,7 +51,7 @@ pub struct BuildOptions {
     pub repair: Repair,
     /// What 'the same place' means for findings and repairs: at most
     /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from how
-    /// finely the coordinates were stored: twice the step of a decimal grid that holds them all,
+    /// finely the coordinates were stored: twice the step of a grid that holds them all, in any unit,
     /// or eight times the step of single or double precision at the largest coordinate, but never
     /// more than a ten-thousandth of the diagonal.
     pub tolerance: Option<Tolerance>,

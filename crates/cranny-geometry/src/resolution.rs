@@ -33,8 +33,12 @@ const MIN_DIGITS: i32 = 5;
 /// Significant digits looked for: single precision shows itself by nine.
 const MAX_DIGITS: i32 = 9;
 
-/// So many coordinates are looked at to see which powers of two are likely.
+/// So many coordinates, spread over all, are looked at to see which powers of two are likely.
 const SAMPLE: usize = 64;
+
+/// Numbers of fewer steps may be drawn. Smaller, and shallow pockets in large drawings are taken for rounding;
+/// larger, and numbers that were rounded to few digits pass for drawn.
+const FEW_STEPS: f64 = 1000.0;
 
 /// Powers of two by which written numbers are thought to have been scaled since.
 const MAX_POWER: i32 = 40;
@@ -63,22 +67,29 @@ pub(crate) fn is_single(mesh: &Mesh) -> bool {
     coordinates(mesh).all(|x| x.to_bits() & ((1 << SINGLE_CUT) - 1) == 0)
 }
 
-/// The step between numbers as they were rounded when written, at the largest coordinate: the coarser of that
-/// of a grid and that of so many significant digits, of which a writer uses either. Nothing where the
-/// coordinates are neither, or were drawn at multiples of the step and not rounded to it.
+/// The step between numbers as they were written, at the largest coordinate: the coarser of that of a grid
+/// and that of so many significant digits, of which a writer uses either. Nothing where the
+/// coordinates are neither.
 pub(crate) fn written_step(mesh: &Mesh) -> Option<f64> {
-    let steps = [grid_step(mesh), digit_step(mesh)].into_iter().flatten();
-    steps.filter(|&step| !is_drawn(mesh, step)).reduce(f64::max)
+    steps(mesh).reduce(f64::max)
 }
 
-/// Whether at least half of the coordinates are multiples of ten steps, as only a tenth of rounded numbers is.
+/// [`written_step`] if numbers were rounded to it: nothing where they were drawn at round multiples.
+pub(crate) fn rounding_step(mesh: &Mesh) -> Option<f64> {
+    steps(mesh).filter(|&step| !is_drawn(mesh, step)).reduce(f64::max)
+}
+
+fn steps(mesh: &Mesh) -> impl Iterator<Item = f64> {
+    [grid_step(mesh), digit_step(mesh)].into_iter().flatten()
+}
+
+/// Whether every coordinate is a multiple of ten steps, or only a few steps from 0: rounding leaves numbers of
+/// many steps, one in ten of which is round.
 fn is_drawn(mesh: &Mesh, step: f64) -> bool {
-    let tens = |x: &f64| {
+    written(mesh, largest(mesh)).all(|x| {
         let tens = x / (10.0 * step);
-        (tens - tens.round()).abs() < 0.05
-    };
-    let written = written(mesh, largest(mesh));
-    2 * written.clone().filter(tens).count() >= written.count()
+        tens.abs() < 0.1 * FEW_STEPS || (tens - tens.round()).abs() < 0.05
+    })
 }
 
 /// The step of the grid that holds every coordinate: in any unit if it is coarse, otherwise of 0 to 9
@@ -103,7 +114,8 @@ fn grid_step(mesh: &Mesh) -> Option<f64> {
 /// coordinate has at most, before they were scaled by a power of two.
 fn digit_step(mesh: &Mesh) -> Option<f64> {
     let largest = largest(mesh);
-    let (written, sample) = (written(mesh, largest), written(mesh, largest).take(SAMPLE));
+    let written = written(mesh, largest);
+    let sample = written.clone().step_by((3 * mesh.vertices().len()).div_ceil(SAMPLE).max(1));
     let step = |numbers: &mut dyn Iterator<Item = f64>, scale: f64| {
         Some(digit_step_of(&mut numbers.map(|x| scale * x), scale * largest)? / scale)
     };
@@ -262,7 +274,7 @@ mod tests {
         // Both hold: the coarser.
         assert_eq!(step([0.05, 0.00737769, 0.00130089]), Some(1e-7));
         // Round numbers have few digits without having lost any.
-        assert_eq!(written_step(&mesh([300_000.0, 80.0, 299_750.0])), Some(10.0));
+        assert_eq!(rounding_step(&mesh([300_000.0, 80.0, 200_000.0])), None);
     }
 
     #[test]
@@ -276,6 +288,6 @@ mod tests {
         assert_eq!(step([0.5f64.sqrt(), 0.5, 0.25]), None);
         assert_eq!(step([2f64.powi(-60), 3f64.sqrt() * 2f64.powi(-60), 0.0]), None);
         // Drawn on a grid of a third of a hundredth.
-        assert_eq!(written_step(&mesh([1.0 / 3.0, 0.1, 0.77 / 3.0])), None);
+        assert_eq!(rounding_step(&mesh([1.0 / 3.0, 0.1, 0.77 / 3.0])), None);
     }
 }

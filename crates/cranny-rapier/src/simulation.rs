@@ -402,6 +402,8 @@ impl Simulation {
 
     /// rapier's parameters, with a prediction distance no shorter than any two bodies can come nearer in the next
     /// step, be it that one of them is stopped by a third: rapier asks about no more, and the solver sees no more.
+    /// A body that moves by more than its radius a step is looked ahead of by its radius only. All pairs get
+    /// the same distance: one fast body makes those at rest dearer, too.
     fn looking_ahead(&self) -> IntegrationParameters {
         let mut parameters = self.parameters;
         if self.options.detector != Detector::Cranny {

@@ -316,3 +316,32 @@ fn rounded_meshes_in_other_units_keep_their_classes() {
         assert_eq!(census(&closed_checked(&rounded_to_single(&stored))), expected);
     }
 }
+
+/// A frustum between two regular polygons.
+fn frustum(corners: u32, bottom: (f64, f64), top: (f64, f64)) -> Mesh {
+    let ring = |(radius, z): (f64, f64)| {
+        (0..corners).map(move |i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(corners);
+            DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
+        })
+    };
+    let side = |i: u32| {
+        let j = (i + 1) % corners;
+        [[i, j, corners + j], [i, corners + j, corners + i]]
+    };
+    let lids = (2..corners).flat_map(|i| [[0, i, i - 1], [corners, corners + i - 1, corners + i]]);
+    let faces = (0..corners).flat_map(side).chain(lids).collect();
+    Mesh::new(ring(bottom).chain(ring(top)).collect(), faces).unwrap()
+}
+
+#[test]
+fn frusta_with_round_sizes_have_no_dents_of_rounding() {
+    for corners in [6, 8, 12] {
+        for (bottom, top) in
+            [((4.7, 0.0), (5.5, 2.5)), ((1.0, -1.0), (0.7, 1.0)), ((1.0, 0.0), (0.8, 1.0))]
+        {
+            let frustum = rounded_to_decimals(&frustum(corners, bottom, top), 6);
+            assert_eq!(census(&closed_checked(&frustum)), [], "{corners} corners, {top:?}");
+        }
+    }
+}

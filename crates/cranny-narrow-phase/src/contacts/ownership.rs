@@ -82,6 +82,11 @@ impl Owned {
 /// Whether the edge of these half-edges may cross another body's and make a contact.
 fn may_be_ridge(mesh: &Mesh, around: &[HalfEdgeId]) -> bool {
     let [h, g] = around else { return true };
+    // Of faces that contradict each other, the normals say nothing of which way the edge is bent.
+    let start = |h: &HalfEdgeId| mesh.faces()[h.face().index()][h.corner()];
+    if start(h) == start(g) {
+        return true;
+    }
     let [n, m] = [h, g].map(|h| mesh.area_vector(h.face()).normalize_or_zero());
     let ends = mesh.triangle(h.face());
     let along = (ends[(h.corner() + 1) % 3] - ends[h.corner()]).normalize_or_zero();
@@ -97,23 +102,37 @@ mod tests {
     use crate::pair::PosedVertices;
     use crate::query::Placed;
     use cranny_exact::{DVec3, Pose};
-    use cranny_geometry::{BuildOptions, Model};
-    use cranny_shapes::{Cup, LPrism, Shape};
+    use cranny_geometry::{BuildOptions, Mesh, Model};
+    use cranny_shapes::{Cuboid, Cup, LPrism, Shape};
+
+    fn ridges(model: &Model) -> u32 {
+        let at = |x| Placed { model, pose: Pose::at(DVec3::new(x, 0.0, 0.0)) };
+        let mut posed = PosedVertices::default();
+        let pair = Pair::new(at(0.0), at(9.0), &mut posed);
+        let mut ownership = Ownership::default();
+        ownership.reserve(&pair, Side::First);
+        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
+        faces.map(|f| ownership.of(&pair, Side::First, f).ridges.count_ones()).sum()
+    }
 
     /// Of an L there are 18 edges between its 8 sides, one of them bent inwards; its faces' other edges are drawn on planes.
     #[test]
     fn ridges_are_sharp_and_bent_outwards() {
         let mesh = Shape::from(LPrism::default()).build().unwrap();
         let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
-        let at = |x| Placed { model: &model, pose: Pose::at(DVec3::new(x, 0.0, 0.0)) };
-        let mut posed = PosedVertices::default();
-        let pair = Pair::new(at(0.0), at(9.0), &mut posed);
-        let mut ownership = Ownership::default();
-        ownership.reserve(&pair, Side::First);
-        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
-        let ridges = faces.map(|f| ownership.of(&pair, Side::First, f).ridges.count_ones());
-        assert_eq!(ridges.sum::<u32>(), 17);
+        assert_eq!(ridges(&model), 17);
         assert!(model.topology().edges().len() > 18);
+    }
+
+    #[test]
+    fn edges_of_faces_that_contradict_each_other_are_ridges() {
+        let cube = Shape::from(Cuboid::default()).build().unwrap();
+        let mut faces = cube.faces().to_vec();
+        faces[0].swap(0, 1);
+        let mesh = Mesh::new(cube.vertices().to_vec(), faces).unwrap();
+        let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        // The cube's own, and the diagonal beside the face that was turned.
+        assert_eq!(ridges(&model), 13);
     }
 
     #[test]
