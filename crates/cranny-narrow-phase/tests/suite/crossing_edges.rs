@@ -1,7 +1,7 @@
 //! Edges that cross under each other: a contact of their own, however obliquely they cross.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Contact, Demand, Feature, PairMemory, Placed, Query, query};
 use cranny_shapes::Cuboid;
 
@@ -47,5 +47,38 @@ fn oblique_edges_have_their_contact() {
             assert!(edges.normal.dot(normal) > 1.0 - 1e-9, "{degrees}, {askew}: {edges:?}");
             assert!((edges.separation + DEPTH).abs() < 1e-9, "{degrees}, {askew}: {edges:?}");
         }
+    }
+}
+
+/// A mesh and a copy of it elsewhere, as one body.
+fn with_copy(mesh: &Mesh, place: impl Fn(DVec3) -> DVec3) -> Model {
+    let count = mesh.vertices().len() as u32;
+    let copies = mesh.vertices().iter().map(|&p| place(p));
+    let vertices = mesh.vertices().iter().copied().chain(copies).collect();
+    let moved = mesh.faces().iter().map(|f| f.map(|v| v + count));
+    let faces = mesh.faces().iter().copied().chain(moved).collect();
+    Model::build(Mesh::new(vertices, faces).unwrap(), &BuildOptions::default()).unwrap().0
+}
+
+/// Where nothing else overlaps, the crossing is told for want of a contact; here a corner dips in elsewhere.
+#[test]
+fn oblique_edges_have_their_contact_beside_others() {
+    let cube = shape(Cuboid::default());
+    for degrees in [30.0f64, 15.0, 8.0] {
+        let (a, b, normal) = crossed(&cube, degrees.to_radians(), 0.3);
+        let below = DVec3::new(0.0, 0.0, -5.0);
+        let first = with_copy(cube.mesh(), |p| p + below);
+        let (turn, at) = (b.pose.rotation, b.pose.translation);
+        // In the world as the first's copy is, a little aside: corners dip by a tenth.
+        let aside = below + DVec3::new(0.3, 0.2, -0.9);
+        let second = with_copy(cube.mesh(), |p| turn.inverse() * (p + aside - at));
+        let found = contacts(
+            Placed { model: &first, pose: a.pose },
+            Placed { model: &second, pose: b.pose },
+        );
+        assert!(found.iter().any(|c| c.separation < -0.05), "{degrees}: {found:?}");
+        let is_crossing =
+            |c: &&Contact| c.normal.dot(normal) > 1.0 - 1e-9 && (c.separation + DEPTH).abs() < 1e-9;
+        assert!(found.iter().any(|c| is_crossing(&c)), "{degrees} degrees: {found:?}");
     }
 }
