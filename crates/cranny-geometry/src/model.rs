@@ -19,7 +19,7 @@ use cranny_exact::{Aabb, DVec3, Tolerance};
 use thiserror::Error;
 
 use crate::caps::CapSurface;
-use crate::concavity::Concavities;
+use crate::concavity::{Concavities, HullCovers};
 use crate::deform::Workshop;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features};
@@ -47,6 +47,10 @@ pub use file::DecodeError;
 pub struct BuildOptions {
     /// Faces per leaf of the tree, at least 1. Default: [`BuildOptions::DEFAULT_LEAF_SIZE`].
     pub leaf_size: usize,
+    /// Faces per leaf of the trees over concavities, at least 1. Default: [`FaceForest::DEFAULT_LEAF_SIZE`], as
+    /// measured there. Envelopes are made of parts of these trees: leaves of more faces than
+    /// [`EnvelopeOptions::leaf_faces`] give envelopes of single faces, which take longer to build.
+    pub concavity_leaf_size: usize,
     /// What may be mended. Default: [`Repair::None`], which keeps the surface as it was filed.
     pub repair: Repair,
     /// What 'the same place' means for findings and repairs: at most
@@ -69,6 +73,15 @@ impl BuildOptions {
     /// everything: repairs mean nothing and searches take quadratic time.
     pub const LARGEST_WELD_SHARE: f64 = 0.01;
 
+    /// Refuses leaves without faces.
+    fn check_leaves(&self) -> Result<(), BuildError> {
+        let all = [("all faces", self.leaf_size), ("concavities", self.concavity_leaf_size)];
+        match all.into_iter().find(|&(_, size)| size == 0) {
+            Some((trees, _)) => Err(BuildError::LeafSize { trees }),
+            None => Ok(()),
+        }
+    }
+
     fn weld_distance(&self, mesh: &Mesh) -> Result<f64, BuildError> {
         let Some(Tolerance { weld_distance }) = self.tolerance else {
             return Ok(default_weld_distance(mesh));
@@ -85,6 +98,7 @@ impl Default for BuildOptions {
     fn default() -> Self {
         Self {
             leaf_size: Self::DEFAULT_LEAF_SIZE,
+            concavity_leaf_size: FaceForest::DEFAULT_LEAF_SIZE,
             repair: Repair::None,
             tolerance: None,
             self_intersections: true,
@@ -120,6 +134,12 @@ pub enum BuildError {
         weld_distance: f64,
         /// The largest for this mesh.
         limit: f64,
+    },
+    /// Trees whose leaves would hold no face.
+    #[error("leaves of 0 faces are asked for, in trees over {trees}: ask for at least 1")]
+    LeafSize {
+        /// What the trees are over.
+        trees: &'static str,
     },
     /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
     #[error("the repaired mesh could not be proved to be the same surface: {0}")]
@@ -161,6 +181,8 @@ pub(crate) struct Parts {
     pub(crate) hull: ConvexHull,
     pub(crate) features: Features,
     pub(crate) concavities: Concavities,
+    /// Follows from hull, features and concavities.
+    pub(crate) hull_covers: Late<HullCovers>,
     pub(crate) tree: FaceTree,
     pub(crate) concavity_trees: Late<FaceForest>,
     pub(crate) envelopes: Late<Envelopes>,
@@ -177,6 +199,8 @@ pub(crate) struct Parts {
     pub(crate) flatness: f64,
     /// Faces per leaf of the tree.
     pub(crate) leaf_size: usize,
+    /// Faces per leaf of the trees over concavities.
+    pub(crate) concavity_leaf_size: usize,
     /// Whether it was read from bytes and never deformed, so that of what was prepared only the mesh is
     /// sure.
     pub(crate) only_read: bool,
@@ -189,7 +213,7 @@ impl Model {
     ///
     /// # Errors
     ///
-    /// [`BuildError`] where no face has an area.
+    /// [`BuildError`] where no face has an area, or an option is none.
     pub fn build(mesh: Mesh, options: &BuildOptions) -> Result<(Self, Report), BuildError> {
         Self::build_observed(mesh, options, &mut |_| {})
     }
@@ -204,6 +228,7 @@ impl Model {
         options: &BuildOptions,
         observe: &mut dyn FnMut(Stage),
     ) -> Result<(Self, Report), BuildError> {
+        options.check_leaves()?;
         observe(Stage::Repair);
         let mut report = Report {
             filed_vertices: mesh.vertices().len(),
@@ -240,7 +265,7 @@ impl Model {
         report.flatness = options.flatness.resolve(&mesh);
         let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
-            Covered::of(&mesh, &topology, &hull, &tree, observe);
+            Covered::of(&mesh, &topology, &hull, &tree, options.concavity_leaf_size, observe);
         report.add(concavities.surface().findings(&mesh, &hull, features.slab_depth()));
         let (radius, digest) = (radius(&mesh), digest(&mesh));
         observe(Stage::Done);
@@ -250,6 +275,7 @@ impl Model {
             hull,
             features,
             concavities,
+            hull_covers: Late::default(),
             tree,
             concavity_trees: Late::made(concavity_trees),
             envelopes: Late::made(envelopes),
@@ -261,6 +287,7 @@ impl Model {
             filed_faces,
             flatness: report.flatness,
             leaf_size: options.leaf_size,
+            concavity_leaf_size: options.concavity_leaf_size,
             only_read: false,
             workshop: None,
         };
@@ -327,6 +354,16 @@ impl Model {
         &self.0.concavities
     }
 
+    /// What covers facets, edges and vertices of the [`hull`](Self::hull): faces of the mesh, or lids of which
+    /// [`concavities`](Self::concavities).
+    ///
+    /// Made at the first call, also of a model that was built: few ask. See [`HullCovers`] for the cost.
+    #[must_use]
+    pub fn hull_covers(&self) -> &HullCovers {
+        let Parts { mesh, topology, hull, features, concavities, hull_covers, .. } = &*self.0;
+        hull_covers.get(|| HullCovers::of(mesh, topology, hull, features, concavities))
+    }
+
     /// Box tree over all faces.
     #[must_use]
     pub fn tree(&self) -> &FaceTree {
@@ -354,7 +391,8 @@ impl Model {
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
     /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), and the graph over the vertices
-    /// of the [`hull`](Self::hull). For whoever wants no late cost; nothing to do for a model that was built.
+    /// of the [`hull`](Self::hull). For whoever wants no late cost; nothing to do for a model that was built. Not
+    /// [`hull_covers`](Self::hull_covers), which building leaves for later too.
     pub fn prepare_all(&self) {
         self.0.envelopes();
         self.0.hull.prepare_all();
@@ -415,8 +453,8 @@ impl Model {
 
 impl Parts {
     pub(crate) fn concavity_trees(&self) -> &FaceForest {
-        let Self { mesh, tree, concavities, .. } = self;
-        self.concavity_trees.get(|| concavity_trees(mesh, tree, concavities))
+        let Self { mesh, tree, concavities, concavity_leaf_size, .. } = self;
+        self.concavity_trees.get(|| concavity_trees(mesh, tree, concavities, *concavity_leaf_size))
     }
 
     pub(crate) fn envelopes(&self) -> &Envelopes {
@@ -426,8 +464,9 @@ impl Parts {
 
     /// Takes trees and envelopes of concavities out, for whoever puts others in their places.
     pub(crate) fn take_late(&mut self) -> (FaceForest, Envelopes) {
-        let Self { mesh, tree, concavities, concavity_trees: trees, envelopes: all, .. } = self;
-        let make_trees = || concavity_trees(mesh, tree, concavities);
+        let Self { mesh, tree, concavities, concavity_leaf_size, .. } = self;
+        let (trees, all) = (&mut self.concavity_trees, &mut self.envelopes);
+        let make_trees = || concavity_trees(mesh, tree, concavities, *concavity_leaf_size);
         let trees = std::mem::take(trees).into_made(make_trees);
         let all = std::mem::take(all).into_made(|| envelopes(mesh, concavities, &trees));
         (trees, all)
@@ -448,6 +487,7 @@ impl Covered {
         topology: &Topology,
         hull: &ConvexHull,
         tree: &FaceTree,
+        leaf_size: usize,
         observe: &mut dyn FnMut(Stage),
     ) -> Self {
         observe(Stage::Classify);
@@ -457,7 +497,7 @@ impl Covered {
         let caps = CapSurface::build(mesh, topology, hull, &assignment, &ridges);
         let concavities = Concavities::of(mesh, topology, hull, &features, caps);
         observe(Stage::ConcavityTrees);
-        let concavity_trees = concavity_trees(mesh, tree, &concavities);
+        let concavity_trees = concavity_trees(mesh, tree, &concavities, leaf_size);
         observe(Stage::Envelopes);
         let envelopes = envelopes(mesh, &concavities, &concavity_trees);
         Self { features, concavities, concavity_trees, envelopes }
@@ -507,9 +547,14 @@ impl ModelTag {
 }
 
 /// A tree for each concavity, given the one over all faces.
-fn concavity_trees(mesh: &Mesh, tree: &FaceTree, concavities: &Concavities) -> FaceForest {
+fn concavity_trees(
+    mesh: &Mesh,
+    tree: &FaceTree,
+    concavities: &Concavities,
+    leaf_size: usize,
+) -> FaceForest {
     let groups = concavities.iter().map(|concavity| concavity.faces);
-    FaceForest::within(tree, mesh, groups, FaceForest::DEFAULT_LEAF_SIZE)
+    FaceForest::within(tree, mesh, groups, leaf_size)
 }
 
 /// An envelope for each concavity, which opens through its lids.

@@ -72,7 +72,7 @@ fn shown(model: &Model) -> String {
         (
             (model.mesh(), model.topology(), model.hull(), model.features(), model.concavities()),
             (model.tree(), model.concavity_trees(), model.envelopes(), model.patches()),
-            (model.mass_properties(), model.radius(), model.digest()),
+            (model.mass_properties(), model.radius(), model.digest(), model.hull_covers()),
         )
     )
 }
@@ -533,6 +533,13 @@ fn use_concavities(model: &Model) {
     }
     for cap in (0..concavities.cap_count() as u32).map(CapId) {
         let _ = concavities.cap(cap);
+    }
+    let (hull, covers) = (model.hull(), model.hull_covers());
+    let facets = (0..hull.facet_count() as u32).map(|f| covers.facet(FacetId(f)));
+    let edges = (0..3 * hull.triangle_count() as u32).map(|h| covers.edge(HalfEdgeId(h)));
+    let vertices = (0..hull.vertex_count() as u32).map(|v| covers.vertex(HullVertexId(v)));
+    for concavity in facets.chain(edges).chain(vertices).flat_map(|cover| cover.lids()) {
+        let _ = concavities.get(concavity);
     }
     for facet in (0..model.hull().facet_count() as u32).map(FacetId) {
         if let Cover::Lid(concavity) = concavities.cover(facet) {

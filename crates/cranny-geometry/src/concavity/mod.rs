@@ -14,6 +14,7 @@
 mod build;
 mod codec;
 mod components;
+mod covers;
 mod nesting;
 mod update;
 mod validate;
@@ -25,6 +26,7 @@ use crate::caps::CapSurface;
 use crate::features::NONE;
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, ConcavityId, FaceId, LidId, VertexId};
+pub use covers::{FeatureCover, HullCovers};
 
 /// What a concavity is, by its lids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -353,7 +355,8 @@ impl Concavities {
         }
     }
 
-    /// What covers a facet of the hull. O(1).
+    /// What covers a facet of the hull. O(1). For edges and vertices see
+    /// [`Model::hull_covers`](crate::Model::hull_covers).
     #[must_use]
     pub fn cover(&self, facet: FacetId) -> Cover {
         match self.cover[facet.index()] {

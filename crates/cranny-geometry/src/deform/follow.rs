@@ -189,6 +189,8 @@ impl<'a> Deformation<'a> {
         let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
         let new = Concavities::of(mesh, topology, hull, features, caps);
         let old = std::mem::replace(concavities, new);
+        self.parts.hull_covers = Late::default();
+        let concavities = &self.parts.concavities;
         let same = tell_concavities(&mut self.change, &old, concavities);
         let same: Vec<Option<usize>> = same.iter().map(|s| s.map(ConcavityId::index)).collect();
         let openings = openings(&old);
@@ -198,15 +200,15 @@ impl<'a> Deformation<'a> {
 
     /// `same`: for each concavity the one before that has the same faces.
     fn follow_with_trees(&mut self, same: &[Option<usize>]) {
-        let (Parts { mesh, concavities, .. }, trees) = (&*self.parts, &mut self.concavity_trees);
+        let Parts { mesh, concavities, concavity_leaf_size, .. } = &*self.parts;
+        let (trees, leaf_size) = (&mut self.concavity_trees, *concavity_leaf_size);
         let grown = &mut self.workshop.concavity_trees;
         let changes = &mut self.change.concavity_trees;
         let groups = || concavities.iter().map(|c| c.faces);
-        const LEAF_SIZE: usize = FaceForest::DEFAULT_LEAF_SIZE;
         let in_place =
             same.len() == trees.len() && same.iter().enumerate().all(|(i, s)| *s == Some(i));
         if !in_place {
-            let new = trees.updated(mesh, groups(), LEAF_SIZE, |i| same[i]);
+            let new = trees.updated(mesh, groups(), leaf_size, |i| same[i]);
             *grown = grown.carried(trees, &new, |i| same[i]);
             *trees = new;
         }
@@ -217,7 +219,7 @@ impl<'a> Deformation<'a> {
             let i = id.index();
             let is_well = same[i].is_none()
                 || moved.is_empty()
-                || trees.refit(i, mesh, &moved, LEAF_SIZE, grown, changes);
+                || trees.refit(i, mesh, &moved, leaf_size, grown, changes);
             if !is_well {
                 bad.push(i);
             }
@@ -225,7 +227,7 @@ impl<'a> Deformation<'a> {
         changes.settle();
         if !bad.is_empty() {
             let kept = |i: usize| (!bad.contains(&i)).then_some(i);
-            let new = trees.updated(mesh, groups(), LEAF_SIZE, kept);
+            let new = trees.updated(mesh, groups(), leaf_size, kept);
             *grown = grown.carried(trees, &new, kept);
             *trees = new;
         }

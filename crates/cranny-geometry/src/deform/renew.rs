@@ -38,13 +38,13 @@ impl Renewal {
         }
         // Which faces hang together was believed; edges are the same.
         parts.topology = Topology::of(&parts.mesh);
-        let Parts { mesh, topology, flatness, leaf_size, .. } = &*parts;
+        let Parts { mesh, topology, flatness, leaf_size, concavity_leaf_size, .. } = &*parts;
         let mates = Mates::of(mesh, topology);
         let tree = FaceTree::of_pairs(mesh, &mates, *leaf_size);
         let patches = Patches::with_mates(mesh, topology, &mates);
         let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
-            Covered::of(mesh, topology, &hull, &tree, &mut |_| {});
+            Covered::of(mesh, topology, &hull, &tree, *concavity_leaf_size, &mut |_| {});
         let hull = std::mem::replace(&mut parts.hull, hull);
         let tree = std::mem::replace(&mut parts.tree, tree);
         let concavities = std::mem::replace(&mut parts.concavities, concavities);
@@ -55,6 +55,7 @@ impl Renewal {
             // Nobody has seen any; what would have been made of what was read.
             None => tree_differs || concavities.owners() != parts.concavities.owners(),
         };
+        parts.hull_covers = Late::default();
         parts.concavity_trees = Late::made(concavity_trees);
         parts.envelopes = Late::made(envelopes);
         Some(Self {

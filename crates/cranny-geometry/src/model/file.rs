@@ -119,6 +119,8 @@ impl Model {
             hull,
             features,
             concavities,
+            // Follows from what is written.
+            hull_covers: _,
             tree,
             // Written where they cannot be made again.
             concavity_trees: _,
@@ -132,6 +134,7 @@ impl Model {
             filed_faces,
             flatness,
             leaf_size,
+            concavity_leaf_size,
             // Made when it is needed.
             only_read: _,
             workshop: _,
@@ -172,6 +175,10 @@ impl Model {
             out.one(*leaf_size as u64);
             // None at all where all are as filed; a mesh has at least one.
             out.list(filed_faces.as_deref().unwrap_or_default());
+            // Where it was asked for only.
+            if *concavity_leaf_size != FaceForest::DEFAULT_LEAF_SIZE {
+                out.one(*concavity_leaf_size as u64);
+            }
         });
         let mut bytes = out.into_bytes();
         let length = bytes.len() as u64;
@@ -248,7 +255,7 @@ impl Model {
         })?;
         let patches = read(&mut sections, section::PATCHES, |s| Patches::decode(s, &boxes))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
-        let (flatness, leaf_size, filed_faces) =
+        let Origin { flatness, leaf_size, concavity_leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
         sections.end().map_err(|flaw| flawed(section::ORIGIN, flaw))?;
         let radius = radius(&mesh);
@@ -258,6 +265,7 @@ impl Model {
             hull,
             features,
             concavities,
+            hull_covers: Late::default(),
             tree,
             is_as_made: concavity_trees.is_none(),
             concavity_trees: concavity_trees.map_or_else(Late::default, Late::made),
@@ -269,6 +277,7 @@ impl Model {
             filed_faces,
             flatness,
             leaf_size,
+            concavity_leaf_size,
             only_read: true,
             workshop: None,
         };
@@ -373,15 +382,29 @@ fn read_mass(input: &mut Reader, is_closed: bool) -> Result<Option<MassPropertie
     }))
 }
 
-/// How the model was built: flatness, faces per leaf, filed faces.
-fn read_origin(
-    input: &mut Reader,
-    faces: usize,
-) -> Result<(f64, usize, Option<Vec<FaceId>>), Flaw> {
+/// How the model was built; as in [`Parts`].
+struct Origin {
+    flatness: f64,
+    leaf_size: usize,
+    concavity_leaf_size: usize,
+    filed_faces: Option<Vec<FaceId>>,
+}
+
+fn read_origin(input: &mut Reader, faces: usize) -> Result<Origin, Flaw> {
     let (flatness, leaf_size): (f64, u64) = (input.one()?, input.one()?);
     let filed: Vec<FaceId> = input.list()?;
     check(is_flatness(flatness), "the flatness is no number")?;
-    check(leaf_size > 0, "leaves without faces are asked for")?;
     check(filed.is_empty() || filed.len() == faces, "a filed face for each face is needed")?;
-    Ok((flatness, usize::try_from(leaf_size)?, (!filed.is_empty()).then_some(filed)))
+    let default = FaceForest::DEFAULT_LEAF_SIZE;
+    let of_concavities = match unless_empty(input, |s| s.one::<u64>())? {
+        Some(size) => usize::try_from(size)?,
+        None => default,
+    };
+    check(leaf_size > 0 && of_concavities > 0, "leaves without faces are asked for")?;
+    Ok(Origin {
+        flatness,
+        leaf_size: usize::try_from(leaf_size)?,
+        concavity_leaf_size: of_concavities,
+        filed_faces: (!filed.is_empty()).then_some(filed),
+    })
 }

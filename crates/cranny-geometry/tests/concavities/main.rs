@@ -3,6 +3,7 @@
 mod bodies;
 mod check;
 mod counts;
+mod covers;
 mod noisy;
 mod random;
 mod rough;

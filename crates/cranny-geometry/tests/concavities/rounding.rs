@@ -172,7 +172,11 @@ fn cut_anyhow(corners: u32, rng: &mut Rng) -> Vec<[u32; 3]> {
 
 /// A prism of height 1 over a convex polygon, its top cut anyhow. Every corner of the top lies as far
 /// below its plane as `depth` says.
-fn prism_cut_anyhow(corners: u32, rng: &mut Rng, mut depth: impl FnMut(&mut Rng) -> f64) -> Mesh {
+pub(crate) fn prism_cut_anyhow(
+    corners: u32,
+    rng: &mut Rng,
+    mut depth: impl FnMut(&mut Rng) -> f64,
+) -> Mesh {
     let step = std::f64::consts::TAU / f64::from(corners);
     let angle = |k: u32, rng: &mut Rng| step * (f64::from(k) + 0.1 * f64::from(rng.between(-4, 4)));
     let rim: Vec<DVec3> = (0..corners)

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_geometry::concavity::{Concavity, Lid};
 use cranny_geometry::envelope::Pocket;
-use cranny_geometry::hull::HullKind;
+use cranny_geometry::hull::{HullKind, HullVertexId};
 use cranny_geometry::{
-    BuildOptions, ChangeSet, ConcavityId, ConvexSetId, EdgeId, FaceId, Flatness, Model, PatchId,
-    VertexId,
+    BuildOptions, ChangeSet, ConcavityId, ConvexSetId, EdgeId, FaceId, Flatness, HalfEdgeId, Model,
+    PatchId, VertexId,
 };
 
 /// With a flatness that does not depend on which numbers the coordinates happen to be.
@@ -67,6 +67,7 @@ pub(crate) fn assert_equal(model: &Model, rebuilt: &Model, what: &str) {
     let size = model.bounds().diagonal();
     hulls(model, rebuilt, what);
     classes(model, rebuilt, what);
+    covers(model, rebuilt, what);
     let (a, b) = (model.concavities(), rebuilt.concavities());
     assert_eq!((a.len(), a.lid_count()), (b.len(), b.lid_count()), "{what}");
     for (a, b) in a.iter().zip(b.iter()) {
@@ -114,6 +115,33 @@ fn hulls(model: &Model, rebuilt: &Model, what: &str) {
     };
     if a.kind() == HullKind::Volume {
         assert_eq!(facets(model), facets(rebuilt), "{what}");
+    }
+}
+
+/// Of each vertex of the hull, and of each edge between two facets, what covers it.
+fn covers(model: &Model, rebuilt: &Model, what: &str) {
+    type Told = BTreeMap<Vec<VertexId>, (bool, Vec<ConcavityId>)>;
+    let told = |model: &Model| -> Told {
+        let (hull, covers) = (model.hull(), model.hull_covers());
+        let facet = |h: HalfEdgeId| hull.facet_of_triangle(h.index() / 3);
+        let edges = (0..3 * hull.triangle_count() as u32).map(HalfEdgeId);
+        let creases = edges.filter(|&h| facet(h) != facet(hull.twin(h)));
+        let of_edge = |h: HalfEdgeId| {
+            let corners = hull.triangle(h.index() / 3).map(|v| hull.source(v));
+            let mut ends = vec![corners[h.index() % 3], corners[(h.index() + 1) % 3]];
+            ends.sort_unstable();
+            (ends, covers.edge(h))
+        };
+        let vertices = (0..hull.vertex_count() as u32).map(HullVertexId);
+        let of_vertex = |v: HullVertexId| (vec![hull.source(v)], covers.vertex(v));
+        let all = creases.map(of_edge).chain(vertices.map(of_vertex));
+        all.map(|(ids, cover)| (ids, (cover.is_solid(), cover.lids().collect()))).collect()
+    };
+    if model.hull().kind() == HullKind::Volume {
+        let (a, b) = (told(model), told(rebuilt));
+        let other: Vec<_> = a.iter().filter(|(ids, told)| b.get(*ids) != Some(told)).collect();
+        let rebuilt: Vec<_> = other.iter().map(|(ids, _)| b.get(*ids)).collect();
+        assert!(other.is_empty() && a.len() == b.len(), "{what}: {other:?} was {rebuilt:?}");
     }
 }
 
