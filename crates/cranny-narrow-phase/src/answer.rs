@@ -149,6 +149,10 @@ pub struct Curve {
 /// Work done for an answer. No hash includes them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
+    /// Directions along which the two hulls were compared, two support points each.
+    pub planes_tried: u64,
+    /// Queries for which a plane was found that parts the hulls as far as was asked.
+    pub planes_parted: u64,
     /// Pairs of tree nodes compared.
     pub node_tests: u64,
     /// Pairs of triangles classified exactly or measured.
@@ -169,6 +173,8 @@ pub struct Counters {
 
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
+        self.planes_tried += other.planes_tried;
+        self.planes_parted += other.planes_parted;
         self.node_tests += other.node_tests;
         self.triangle_tests += other.triangle_tests;
         self.inside_tests += other.inside_tests;

@@ -10,6 +10,7 @@ use crate::front::coherent::Coherent;
 use crate::memory::PairMemory;
 use crate::near::near_regions;
 use crate::pair::{Pair, Side};
+use crate::parting::Parting;
 use crate::query::{Demand, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::meeting_regions;
@@ -55,10 +56,11 @@ pub fn query(
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
     check_lengths(&query.demand)?;
-    let mut pair = Pair::new(a, b, &mut memory.posed);
+    let PairMemory { posed, parting, contacts: kept, coherent, .. } = memory;
+    let mut pair = Pair::new(a, b, posed);
     Ok(match query.demand {
-        Demand::Contacts { margin } => contacts(&mut pair, margin, &mut memory.contacts),
-        demand => answer(&mut pair, &demand, &mut memory.coherent),
+        Demand::Contacts { margin } => contacts(&mut pair, margin, parting, kept),
+        demand => answer(&mut pair, &demand, parting, coherent),
     })
 }
 
@@ -96,16 +98,29 @@ fn blank() -> Answer {
     }
 }
 
-fn answer(pair: &mut Pair, demand: &Demand, coherent: &mut Coherent) -> Answer {
+fn answer(
+    pair: &mut Pair,
+    demand: &Demand,
+    parting: &mut Parting,
+    coherent: &mut Coherent,
+) -> Answer {
     let mut out = blank();
     if *demand == Demand::None {
         return out;
     }
     coherent.begin(pair);
     let mut counters = Counters::default();
+    // What crossed last is looked at first: mostly it crosses still.
+    let gap = match coherent.has_crossed() {
+        true => 0.0,
+        false => parting.gap(pair, enough(demand), &mut counters),
+    };
+    let parted = gap > 0.0;
     let wants_regions = demand.margin().is_some();
     // Pairs are enumerated only for contacts; a verdict ends at the first crossing.
-    let pairs = if wants_regions {
+    let pairs = if parted {
+        Vec::new()
+    } else if wants_regions {
         let pairs = coherent.meetings(pair, &mut counters);
         out.surface = strongest(&pairs);
         pairs
@@ -115,17 +130,19 @@ fn answer(pair: &mut Pair, demand: &Demand, coherent: &mut Coherent) -> Answer {
         out.surface = surface;
         touching
     };
-    let Solidity { solid, contained } = coherent.solidity(pair, out.surface, &pairs, &mut counters);
-    out.solid = solid;
-    out.contained = contained.map(|c| pair.ordered_containment(c));
+    if !parted {
+        let found = coherent.solidity(pair, out.surface, &pairs, &mut counters);
+        out.solid = found.solid;
+        out.contained = found.contained.map(|c| pair.ordered_containment(c));
+    }
     if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
-        measure(pair, demand, &pairs, coherent, &mut out, &mut counters);
+        measure(pair, demand, &pairs, gap, coherent, &mut out, &mut counters);
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
-        let (regions, depth_error) = meeting_regions(pair, &pairs, solid, &mut counters);
+        let (regions, depth_error) = meeting_regions(pair, &pairs, out.solid, &mut counters);
         out.regions = regions;
-        if margin > 0.0 {
+        if margin > 0.0 && gap <= margin {
             out.regions.extend(gaps(pair, margin, &mut counters));
         }
         // Of equally deep ones the ids decide, in the pair's own order: not in that of A and B.
@@ -145,11 +162,31 @@ fn answer(pair: &mut Pair, demand: &Demand, coherent: &mut Coherent) -> Answer {
     out
 }
 
+/// How far apart surfaces need only be known to be.
+fn enough(demand: &Demand) -> f64 {
+    match *demand {
+        Demand::Distance { below: Some(length) }
+        | Demand::Contacts { margin: length }
+        | Demand::Regions { margin: length } => length,
+        Demand::Distance { below: None } | Demand::Intersects | Demand::None => 0.0,
+    }
+}
+
 /// Contacts for a solver, and the verdict that comes with them.
-fn contacts(pair: &mut Pair, margin: f64, memory: &mut ContactMemory) -> Answer {
+fn contacts(
+    pair: &mut Pair,
+    margin: f64,
+    parting: &mut Parting,
+    memory: &mut ContactMemory,
+) -> Answer {
     let mut counters = Counters::default();
-    let near = near_patches(pair, margin, memory, &mut counters);
     let mut out = blank();
+    if parting.gap(pair, margin, &mut counters) > margin {
+        out.separation = gap_seen(&out, pair.length_error());
+        out.counters = counters;
+        return out;
+    }
+    let near = near_patches(pair, margin, memory, &mut counters);
     out.surface = strongest(&near.meeting);
     out.triangle_pairs = near.meeting.len() as u32;
     let Solidity { solid, contained } = solidity(pair, out.surface, &near.meeting, &mut counters);
@@ -182,11 +219,12 @@ fn gap_seen(answer: &Answer, error: f64) -> Interval {
     Interval { lo: 0.0, hi: least + error }
 }
 
-/// Distance and witnesses.
+/// Distance and witnesses of surfaces that are known to be at least `gap` apart.
 fn measure(
     pair: &Pair,
     demand: &Demand,
     pairs: &[FacePair],
+    gap: f64,
     coherent: &mut Coherent,
     out: &mut Answer,
     counters: &mut Counters,
@@ -207,7 +245,8 @@ fn measure(
         Demand::Distance { below: Some(below) } => *below,
         _ => f64::INFINITY,
     };
-    match coherent.closest(pair, below, counters) {
+    let found = if gap > below { None } else { coherent.closest(pair, below, counters) };
+    match found {
         Some(found) => {
             out.distance = Some(found.distance);
             out.separation = Interval::around(found.distance, pair.length_error());

@@ -18,9 +18,9 @@
 //! # The story, file by file
 //!
 //! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
-//! vertices; `descent` finds the faces that may meet; `surface` classifies them; `inside`,
+//! vertices; `parting` looks for a plane between their hulls; where there is none, `descent` finds the faces that may meet; `surface` classifies them; `inside`,
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
-//! gaps with `triangle_distance`; `front` keeps from frame to frame what these searches leave. `intersection` chains the segments of
+//! gaps with `triangle_distance`; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
@@ -63,6 +63,8 @@ mod memory;
 mod near;
 mod numbering;
 mod pair;
+mod parting;
+mod patience;
 mod pieces;
 mod projection;
 mod query;

@@ -4,10 +4,11 @@ use crate::contacts::ContactMemory;
 use crate::front::coherent::Coherent;
 use crate::levels::Carried;
 use crate::pair::PosedVertices;
+use crate::parting::Parting;
 
 /// Memory of one pair. Dropping it costs time, never a different answer.
 ///
-/// It holds the front of the last descent (16 bytes for each pair of boxes that was found apart,
+/// It holds a plane between the hulls, the front of the last descent (16 bytes for each pair of boxes that was found apart,
 /// and half as much again for the blocks that these rest in), the faces that crossed or were nearest,
 /// the features of the last contacts for a solver, and with them two bytes for each face of both models. Models
 /// are recognised, not kept alive.
@@ -16,6 +17,7 @@ pub struct PairMemory {
     pub(crate) posed: PosedVertices,
     pub(crate) contacts: ContactMemory,
     pub(crate) coherent: Coherent,
+    pub(crate) parting: Parting,
     pub(crate) levels: Option<Box<Carried>>,
 }
 

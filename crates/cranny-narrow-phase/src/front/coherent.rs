@@ -14,6 +14,7 @@ use crate::closest::{Closest, NearestFaces, search};
 use crate::contacts::{Kept, meetings_of_patches};
 use crate::containment::{Solidity, solidity};
 use crate::pair::{Pair, Side};
+use crate::patience::Patience;
 use crate::surface::{FacePair, meeting_pairs, strongest, surface_verdict};
 
 /// Crossing faces that are kept at most. More: more to look at before giving up; fewer: a search
@@ -32,37 +33,13 @@ const FEW_NODES: u64 = 4_000;
 #[derive(Clone, Copy, Debug, Default)]
 struct Pace {
     asked: bool,
-    /// Queries to answer without a front.
-    wait: u32,
-    /// How many will be, after the next failure.
-    patience: u32,
-    /// Queries that the front has kept up with since patience last changed.
-    calm: u32,
+    patience: Patience,
 }
 
 impl Pace {
-    /// The longest wait: one front in so many queries is built in vain, at a third more than a descent.
-    const LONGEST: u32 = 63;
-
     fn allows_front(&mut self) -> bool {
-        if !self.asked || self.wait > 0 {
-            (self.asked, self.wait) = (true, self.wait.saturating_sub(1));
-            return false;
-        }
-        true
-    }
-
-    fn outrun(&mut self) {
-        self.wait = self.patience;
-        self.patience = (2 * self.patience + 1).min(Self::LONGEST);
-        self.calm = 0;
-    }
-
-    fn kept_up(&mut self) {
-        self.calm += 1;
-        if self.calm > self.patience {
-            (self.calm, self.patience) = (0, self.patience / 2);
-        }
+        let waited = self.patience.is_over();
+        std::mem::replace(&mut self.asked, true) && waited
     }
 }
 
@@ -97,6 +74,11 @@ impl Coherent {
         self.advanced = false;
     }
 
+    /// Whether faces are known that crossed in the last query: looking at them comes first then.
+    pub(crate) fn has_crossed(&self) -> bool {
+        !self.crossing.is_empty()
+    }
+
     /// The front, moved to this pose; `None` if there is none that is worth its while.
     fn ready(&mut self, pair: &Pair, limit: f64, counters: &mut Counters) -> Option<&mut Front> {
         let front = self.front.as_mut()?;
@@ -106,12 +88,12 @@ impl Coherent {
         }
         if front.is_exhausted(pair, limit) {
             counters.bypassed += 1;
-            self.pace.outrun();
+            self.pace.patience.failed();
             self.front = None;
         } else if front.is_sparse() {
             self.front = None;
         } else {
-            self.pace.kept_up();
+            self.pace.patience.succeeded();
         }
         self.front.as_mut()
     }
@@ -121,7 +103,7 @@ impl Coherent {
         self.front = Front::of(pair, quest, counters);
         self.advanced = true;
         if self.front.is_none() && !quest.is_done() {
-            self.pace.outrun();
+            self.pace.patience.failed();
         }
     }
 

@@ -110,7 +110,8 @@ impl Method for Ours {
                 counters.node_tests
                     + counters.triangle_tests
                     + counters.inside_tests
-                    + counters.hull_steps,
+                    + counters.hull_steps
+                    + counters.planes_tried,
             ),
         }
     }

@@ -101,7 +101,8 @@ impl Line {
             tests: counters.node_tests
                 + counters.triangle_tests
                 + counters.inside_tests
-                + counters.hull_steps,
+                + counters.hull_steps
+                + counters.planes_tried,
             micros,
             closed_a: shown.closed[0],
             closed_b: shown.closed[1],
