@@ -4,41 +4,41 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
-/// Bytes, taken from the front; zeros when there are no more.
-pub struct Bytes<'a>(pub &'a [u8]);
+// The tests of cranny-geometry ask the same of bytes from seeds; what they ask is written once.
+#[path = "../../crates/cranny-geometry/tests/from_bytes/asked.rs"]
+mod asked;
+#[allow(dead_code, reason = "the tests use all of it")]
+#[path = "../../crates/cranny-geometry/tests/concavities/check.rs"]
+mod check;
+#[allow(dead_code, reason = "the tests use all of it")]
+#[path = "../../crates/cranny-geometry/tests/deform/equal.rs"]
+mod equal;
 
-impl Bytes<'_> {
-    /// Whether none is left.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
+pub use cranny_testkit::Bytes;
 
-    /// The next byte.
-    pub fn byte(&mut self) -> u8 {
-        let Some((&first, rest)) = self.0.split_first() else { return 0 };
-        self.0 = rest;
-        first
-    }
+/// What the target of that name asks.
+pub fn nearly_flat(data: &[u8]) {
+    asked::nearly_flat(data);
+}
 
-    /// The next four bytes as a number.
-    pub fn word(&mut self) -> u32 {
-        u32::from_le_bytes([0; 4].map(|_: u8| self.byte()))
-    }
+/// What the target of that name asks.
+pub fn deform(data: &[u8]) {
+    asked::deform(data);
+}
 
-    /// A point of a lattice of 16 steps a side, one in eight a hair off.
-    pub fn point(&mut self) -> DVec3 {
-        let [low, high] = [self.byte(), self.byte()];
-        let whole = [low & 15, low >> 4, high & 15].map(f64::from);
-        let hair = if high & 128 == 0 { 0.0 } else { f64::from(high >> 4 & 7) * f64::EPSILON };
-        DVec3::from_array(whole) * (1.0 + hair)
-    }
+/// A point of a lattice of 16 steps a side, one in eight a hair off.
+pub fn point(bytes: &mut Bytes) -> DVec3 {
+    let [low, high] = [bytes.byte(), bytes.byte()];
+    let whole = [low & 15, low >> 4, high & 15].map(f64::from);
+    let hair = if high & 128 == 0 { 0.0 } else { f64::from(high >> 4 & 7) * f64::EPSILON };
+    DVec3::from_array(whole) * (1.0 + hair)
 }
 
 /// A mesh of up to `faces` faces over lattice points.
 pub fn mesh(bytes: &mut Bytes, faces: usize) -> Option<Mesh> {
     let points = 3 + bytes.byte() as usize % 30;
     let scale = [1.0, 0.1, 1e-20, 1e20][bytes.byte() as usize % 4];
-    let vertices: Vec<DVec3> = (0..points).map(|_| bytes.point() * scale).collect();
+    let vertices: Vec<DVec3> = (0..points).map(|_| point(bytes) * scale).collect();
     let mut triples = Vec::new();
     while !bytes.is_empty() && triples.len() < faces {
         triples.push([0; 3].map(|_: u32| u32::from(bytes.byte()) % points as u32));

@@ -29,6 +29,7 @@ mod distance;
 mod generate;
 mod hull;
 mod locate;
+mod nearly_flat;
 mod random;
 mod rational;
 mod solid;
@@ -42,6 +43,7 @@ pub use distance::{
 pub use generate::Family;
 pub use hull::{HullFault, rational_hull_fault, spans_a_solid};
 pub use locate::{Location, PosedMesh};
+pub use nearly_flat::{Bytes, few_moves, nearly_flat_solid};
 pub use random::Rng;
 pub use rational::{Q, Q3};
 pub use solid::{Contained, OracleVerdict, rational_verdict};

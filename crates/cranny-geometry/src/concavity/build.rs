@@ -14,6 +14,12 @@ use crate::mesh::Mesh;
 use crate::rows::rows;
 use crate::topology::{EdgeKind, Topology};
 
+/// A lid opens nowhere whose opening is this share of its area or less: it goes around, as the whole hull does,
+/// and what is left of a sum is rounding. Smaller, and the rounding of some thousand caps is taken for a direction;
+/// larger, and so are lids that bend back but for a sliver
+/// (`a_lid_all_around_opens_nowhere`).
+const CANCELLED: f64 = 1e-12;
+
 /// A record that the steps below fill in.
 const BLANK: Record = Record {
     kind: ConcavityKind::Pocket,
@@ -33,6 +39,27 @@ pub(super) struct Input<'a> {
     pub(super) features: &'a Features,
     /// Volumes are measured from here: the less, the less they round.
     pub(super) center: DVec3,
+}
+
+/// Caps without faces that hang together.
+#[derive(Clone, Copy, Default)]
+struct Layer {
+    /// Area, negative where too much is covered.
+    covered: f64,
+    area: f64,
+    /// Their lengths.
+    edges: f64,
+    /// Between the caps and the centre.
+    volume: f64,
+    /// It has a boundary.
+    is_open: bool,
+}
+
+impl Layer {
+    fn is_skin(&self, slab_depth: f64) -> bool {
+        let is_flat = !self.is_open && self.volume.abs() <= slab_depth * self.area;
+        is_flat || self.covered.abs() <= slab_depth * self.edges
+    }
 }
 
 impl Concavities {
@@ -131,23 +158,38 @@ impl Input<'_> {
         }
     }
 
-    /// For each component of caps without faces, by its least cap, whether it covers no more than a strip
-    /// along its edges as wide as slabs are deep: needles, and what faces that straddle facets cover too
-    /// often here and too little there.
+    /// For each component of caps without faces, by its least cap, whether it is skin. It is, where it covers no
+    /// more than a strip along its edges as wide as slabs are deep: needles, and what faces that straddle facets
+    /// cover too often here and too little there. And where it is closed in itself and no deeper than slabs: the
+    /// two sides of a flange about as thin as these, whose faces lie on either side's facets.
     fn skin(&self, components: &mut Components, caps: &CapSurface) -> Vec<bool> {
         let faces = self.mesh.faces().len();
-        let mut covered = vec![0.0; caps.triangles.len()];
-        let mut strip = vec![0.0; caps.triangles.len()];
-        for cap in 0..caps.triangles.len() {
+        let mut layers = vec![Layer::default(); caps.triangles.len()];
+        let mut borders = Vec::new();
+        for (cap, &ids) in caps.triangles.iter().enumerate() {
             let Some(root) = components.of_cap(cap).checked_sub(faces) else { continue };
             let corners @ [a, b, c] = self.cap_triangle(caps, cap);
             let is_negative = caps.negative.binary_search(&CapId(cap as u32)).is_ok();
             let sign = if is_negative { -1.0 } else { 1.0 };
-            covered[root] += sign * 0.5 * twice_area_vector(corners).length();
-            let length = (b - a).length() + (c - b).length() + (a - c).length();
-            strip[root] += self.features.slab_depth() * length;
+            let layer = &mut layers[root];
+            let area = 0.5 * twice_area_vector(corners).length();
+            layer.covered += sign * area;
+            layer.area += area;
+            layer.edges += (b - a).length() + (c - b).length() + (a - c).length();
+            let [a, b, c] = corners.map(|p| p - self.center);
+            layer.volume += a.dot(b.cross(c)) / 6.0;
+            borders.extend((0..3).map(|k| {
+                let (from, to) = (ids[k], ids[(k + 1) % 3]);
+                ((root, from.min(to), from.max(to)), if from < to { 1 } else { -1 })
+            }));
         }
-        covered.iter().zip(strip).map(|(covered, strip)| covered.abs() <= strip).collect()
+        borders.sort_unstable();
+        for edge in borders.chunk_by(|a, b| a.0 == b.0) {
+            let times: i32 = edge.iter().map(|b| b.1).sum();
+            layers[edge[0].0.0].is_open |= times != 0;
+        }
+        let depth = self.features.slab_depth();
+        layers.iter().map(|layer| layer.is_skin(depth)).collect()
     }
 
     fn gather_faces(&self, all: &mut Concavities) {
@@ -310,6 +352,7 @@ impl Input<'_> {
                 }
             }
         }
+        let mut gross = vec![0.0; all.lids.len()];
         let mut sign = vec![1.0; all.caps.triangles.len()];
         for cap in &all.caps.negative {
             sign[cap.index()] = -1.0;
@@ -332,6 +375,12 @@ impl Input<'_> {
             let lid = &mut all.lids[all.lid_of_cap[cap] as usize];
             lid.area += area;
             lid.opening += opening;
+            gross[all.lid_of_cap[cap] as usize] += area.abs();
+        }
+        for (lid, gross) in all.lids.iter_mut().zip(gross) {
+            if lid.opening.length() <= CANCELLED * gross {
+                lid.opening = DVec3::ZERO;
+            }
         }
         all.skin = skin;
     }
