@@ -242,7 +242,7 @@ impl Model {
         }
         let mut topology = Topology::of(&mesh);
         let mut mass = topology.is_closed().then(|| MassProperties::of(&mesh));
-        if mass.is_some_and(|m| m.volume < 0.0) {
+        if mass.is_some_and(|m| m.volume < -volume_rounding(&mesh)) {
             mesh = mesh.turned_inside_out();
             topology = Topology::of(&mesh);
             mass = Some(MassProperties::of(&mesh));
@@ -509,6 +509,12 @@ pub(crate) fn openings(concavities: &Concavities) -> Vec<Vec<DVec3>> {
     concavities.iter().map(|c| c.lids().map(|lid| lid.opening).collect()).collect()
 }
 
+/// What rounding may leave of the volume of a closed mesh that has none: two sheets back to back are not inside
+/// out. Each face adds products of its corners, which reach as far as half the diagonal.
+fn volume_rounding(mesh: &Mesh) -> f64 {
+    8.0 * f64::EPSILON * mesh.bounds().diagonal().powi(3)
+}
+
 /// Counts and measures what is prepared.
 fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, report: &mut Report) {
     report.vertices = mesh.vertices().len();
@@ -607,12 +613,13 @@ fn mended(
     report: &mut Report,
 ) -> Result<(Mesh, Option<Vec<FaceId>>), BuildError> {
     let welded = weld(&mesh);
-    for (kind, count) in [
-        (RepairKind::WeldedVertices, welded.duplicates),
-        (RepairKind::DroppedVertices, welded.unreferenced),
+    for (kind, vertices) in [
+        (RepairKind::WeldedVertices, &welded.duplicates),
+        (RepairKind::DroppedVertices, &welded.unreferenced),
     ] {
-        if count > 0 {
-            report.repairs.push(RepairRecord::new(kind, count));
+        if !vertices.is_empty() {
+            let record = RepairRecord::new(kind, vertices.len());
+            report.repairs.push(RepairRecord { vertices: vertices.clone(), ..record });
         }
     }
     if policy == Repair::None {

@@ -82,7 +82,7 @@ pub struct Finding {
     /// What it is.
     pub kind: FindingKind,
     /// What is concerned: numbers of the prepared mesh's vertices, faces or components, as
-    /// [`FindingKind::element`] says. Empty in a finding that sums up many.
+    /// [`FindingKind::element`] says. In a finding that sums up many, of the largest.
     pub ids: Vec<u32>,
     /// A point of it, in the body's frame.
     pub at: DVec3,
@@ -304,6 +304,8 @@ pub struct RepairRecord {
     pub count: usize,
     /// The filed faces concerned, where it was not done to nearly all of them: ascending.
     pub faces: Vec<u32>,
+    /// The filed vertices concerned, ascending: of what is always done to vertices.
+    pub vertices: Vec<u32>,
     /// The farthest that any point of the surface was moved. Unit: length.
     pub moved: f64,
 }
@@ -359,7 +361,7 @@ impl RepairKind {
 
 impl RepairRecord {
     pub(crate) fn new(kind: RepairKind, count: usize) -> Self {
-        Self { kind, count, faces: Vec::new(), moved: 0.0 }
+        Self { kind, count, faces: Vec::new(), vertices: Vec::new(), moved: 0.0 }
     }
 }
 

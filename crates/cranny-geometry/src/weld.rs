@@ -13,10 +13,10 @@ use crate::mesh::Mesh;
 /// A mesh without coincident or unreferenced vertices, and how it came about.
 pub(crate) struct Welded {
     pub(crate) mesh: Mesh,
-    /// Vertices that were merged into another in the same place.
-    pub(crate) duplicates: usize,
-    /// Vertices that no face used.
-    pub(crate) unreferenced: usize,
+    /// Filed vertices that were merged into another in the same place, ascending.
+    pub(crate) duplicates: Vec<u32>,
+    /// Filed vertices that no face used, ascending.
+    pub(crate) unreferenced: Vec<u32>,
     /// New id of each filed vertex; [`UNREFERENCED`] where no face uses it.
     pub(crate) new_id: Vec<u32>,
 }
@@ -29,7 +29,7 @@ pub(crate) fn weld(mesh: &Mesh) -> Welded {
     let mut places = Places::new(mesh.vertices().len());
     let mut new_id = vec![UNREFERENCED; mesh.vertices().len()];
     let mut vertices: Vec<DVec3> = Vec::with_capacity(mesh.vertices().len());
-    let mut duplicates = 0;
+    let mut duplicates = Vec::new();
     let mut faces = Vec::with_capacity(mesh.faces().len());
     for face in mesh.faces() {
         let mut corners = *face;
@@ -40,14 +40,18 @@ pub(crate) fn weld(mesh: &Mesh) -> Welded {
                 let p = mesh.vertices()[old as usize] + DVec3::ZERO;
                 let count = vertices.len();
                 let id = places.id_of(p, &mut vertices);
-                duplicates += usize::from(vertices.len() == count);
+                if vertices.len() == count {
+                    duplicates.push(old);
+                }
                 new_id[old as usize] = id;
             }
             *corner = new_id[old as usize];
         }
         faces.push(corners);
     }
-    let unreferenced = new_id.iter().filter(|&&id| id == UNREFERENCED).count();
+    duplicates.sort_unstable();
+    let ids = (0..).zip(&new_id).filter(|&(_, &id)| id == UNREFERENCED);
+    let unreferenced = ids.map(|(old, _)| old).collect();
     Welded { mesh: Mesh::from_trusted(vertices, faces), duplicates, unreferenced, new_id }
 }
 
@@ -109,7 +113,7 @@ mod tests {
         let welded = weld(&mesh);
         assert_eq!(welded.mesh.vertices(), [a, b, c, d]);
         assert_eq!(welded.mesh.faces(), [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!((welded.duplicates, welded.unreferenced), (2, 1));
+        assert_eq!((welded.duplicates, welded.unreferenced), (vec![3, 4], vec![6]));
         assert_eq!(welded.new_id, [0, 1, 2, 0, 2, 3, UNREFERENCED]);
     }
 

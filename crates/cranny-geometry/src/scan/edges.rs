@@ -94,7 +94,7 @@ pub(super) fn flat(
     turns: &[Turn],
     without_area: &[bool],
 ) -> Option<Finding> {
-    let (mut count, mut longest, mut at) = (0, 0.0, DVec3::ZERO);
+    let (mut count, mut longest, mut at, mut ids) = (0, 0.0, DVec3::ZERO, Vec::new());
     let start = |h: HalfEdgeId| mesh.position(VertexId(mesh.faces().as_flattened()[h.index()]));
     // Nearly no edge.
     let may_be_flat = |&[g, h]: &[HalfEdgeId; 2]| {
@@ -121,10 +121,11 @@ pub(super) fn flat(
         count += 1;
         if (q - p).length() > longest {
             (longest, at) = ((q - p).length(), 0.5 * (p + q));
+            ids = vec![f.0.min(other.0), f.0.max(other.0)];
         }
     }
     let kind = FindingKind::CoplanarAdjacent;
-    (count > 0).then(|| Finding { kind, ids: Vec::new(), at, measure: longest, count })
+    (count > 0).then_some(Finding { kind, ids, at, measure: longest, count })
 }
 
 /// Whether four points lie in one plane, exactly.

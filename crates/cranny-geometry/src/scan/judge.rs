@@ -31,7 +31,7 @@ pub(super) fn judge(
     let (a, b) = (mesh.triangle(f), mesh.triangle(g));
     match shared {
         SharedCorners::None => {
-            if seen_parted(&a, &b) {
+            if parted_across(&a, &b) || seen_parted(&a, &b) {
                 return None;
             }
             let meeting = classify_triangles(&a, &b);
@@ -135,6 +135,34 @@ fn seen_parted(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
         !turn.is_zero() && (0..3).any(outside)
     };
     beyond(&a, &b) || beyond(&b, &a)
+}
+
+/// Whether two triangles lie plainly apart along the direction across the longest sides of both, with more room
+/// than projecting can round: as needles that pass each other do, whose boxes all overlap and whose planes
+/// part nothing.
+fn parted_across(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
+    let across = longest_side(a).cross(longest_side(b));
+    let span = |t: &[DVec3; 3]| {
+        let [x, y, z] = t.map(|p| across.dot(p));
+        [x.min(y).min(z), x.max(y).max(z)]
+    };
+    let ([low, high], [from, to]) = (span(a), span(b));
+    let reach = a.iter().chain(b).fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
+    // Three products and two sums on either side.
+    let rounding = 8.0 * f64::EPSILON * across.abs().element_sum() * reach + f64::MIN_POSITIVE;
+    from - high > rounding || low - to > rounding
+}
+
+fn longest_side(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let sides = [b - a, c - b, a - c];
+    let [x, y, z] = sides.map(DVec3::length_squared);
+    if x >= y && x >= z {
+        sides[0]
+    } else if y >= z {
+        sides[1]
+    } else {
+        sides[2]
+    }
 }
 
 /// Whether two triangles that share a side lie on either side of it, seen along the axis nearest the
@@ -255,5 +283,29 @@ mod tests {
         assert_eq!(with_floor(&side_by_side, [3, 4, 5]), Some(FindingKind::SelfTouch));
         let far = [[9.0, 1.0, -1.0], [9.0, 1.0, 1.0], [9.0, 2.0, 1.0]];
         assert_eq!(with_floor(&far, [3, 4, 5]), None);
+    }
+
+    #[test]
+    fn what_is_parted_across_meets_nowhere() {
+        // Needles of a lattice, in all directions: many touch, and many miss each other by little.
+        let mut state = 1u64;
+        let mut whole = |reach: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            ((state >> 33) % (2 * reach + 1)) as f64 - reach as f64
+        };
+        let (mut parted, mut met) = (0, 0);
+        for _ in 0..20_000 {
+            let mut needle = || {
+                let mut point = |reach| DVec3::new(whole(reach), whole(reach), whole(reach));
+                let (foot, along, aside) = (point(2), point(4), 0.125 * point(1));
+                [foot - along, foot + along, foot + along + aside]
+            };
+            let (a, b) = (needle(), needle());
+            let meets = classify_triangles(&a, &b).meets();
+            assert!(!(meets && parted_across(&a, &b)), "{a:?} {b:?}");
+            parted += usize::from(parted_across(&a, &b));
+            met += usize::from(meets);
+        }
+        assert!(parted > 10_000 && met > 100, "{parted} {met}");
     }
 }
