@@ -119,6 +119,7 @@ fn answer(
     let wants_regions = demand.margin().is_some();
     // Pairs are enumerated only for contacts; a verdict ends at the first crossing.
     let pairs = if parted {
+        coherent.let_go();
         Vec::new()
     } else if wants_regions {
         let pairs = coherent.meetings(pair, &mut counters);
@@ -182,6 +183,7 @@ fn contacts(
     let mut counters = Counters::default();
     let mut out = blank();
     if parting.gap(pair, margin, &mut counters) > margin {
+        memory.let_go();
         out.separation = gap_seen(&out, pair.length_error());
         out.counters = counters;
         return out;

@@ -69,6 +69,7 @@ pub(crate) struct Pair<'a> {
     bulge: f64,
     /// The first in canonical order is the caller's B.
     swapped: bool,
+    length_error: f64,
     posed: &'a mut PosedVertices,
 }
 
@@ -79,9 +80,12 @@ impl<'a> Pair<'a> {
         let key = |p: &Placed| (p.model.digest(), p.pose.bits());
         let swapped = key(&b) < key(&a);
         let (first, second) = if swapped { (b, a) } else { (a, b) };
+        let (models, first_from_second) =
+            ([first.model, second.model], RigidMap::between(&first.pose, &second.pose));
         Self {
-            models: [first.model, second.model],
-            first_from_second: RigidMap::between(&first.pose, &second.pose),
+            models,
+            first_from_second,
+            length_error: length_error(models, &first_from_second),
             world_from_first: first.pose.world_from_body(),
             bulge: 0.0,
             swapped,
@@ -103,6 +107,7 @@ impl<'a> Pair<'a> {
             world_from_first: self.world_from_first,
             bulge,
             swapped: self.swapped,
+            length_error: length_error(self.models, &first_from_second),
             posed: self.posed,
         }
     }
@@ -182,16 +187,14 @@ impl<'a> Pair<'a> {
 
     /// The largest length that occurs in the pair's arithmetic; rounding is measured by it.
     pub(crate) fn scale(&self) -> f64 {
-        self.models[0].radius()
-            + self.models[1].radius()
-            + self.first_from_second.translation.length()
+        scale(self.models, &self.first_from_second)
     }
 
     /// An upper bound of the error of a constructed length: a distance, a depth, a coordinate of a
     /// witness. Posing rounds about 8 times, a closest point about 30 times, each by at most half an
     /// ulp of [`scale`](Self::scale).
     pub(crate) fn length_error(&self) -> f64 {
-        64.0 * f64::EPSILON * self.scale()
+        self.length_error
     }
 
     /// By how much a posed vertex may leave the posed box of what holds it, and by how much more a
@@ -258,4 +261,12 @@ impl<'a> Pair<'a> {
         let n = self.world_vector(normal);
         if self.swapped { -n } else { n }
     }
+}
+
+fn scale(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
+    models[0].radius() + models[1].radius() + first_from_second.translation.length()
+}
+
+fn length_error(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
+    64.0 * f64::EPSILON * scale(models, first_from_second)
 }

@@ -1,18 +1,23 @@
-//! A triangle in the pair's frame, with what tells at once that a point is out of its reach.
+//! A triangle with what tells at once that a point is out of its reach: its planes, in its body's frame, and so for
+//! every pose.
 
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
 
-/// A triangle and the planes on top and at the bottom of it. Those of a triangle without area hold everything.
+/// A triangle and the planes on top of it, at its bottom and along its sides. Those of a triangle without area hold everything.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
     pub(super) face: FaceId,
-    pub(super) corners: [DVec3; 3],
+    /// Where its corners are among the points of its leaf.
+    pub(super) places: [u16; 3],
     /// Unit, or zero without area.
-    normal: DVec3,
+    pub(super) normal: DVec3,
     /// How far the corners reach along the normal, and against it. All three, so that bounds hold also where
     /// rounding tilts it.
-    top: f64,
+    pub(super) top: f64,
     bottom: f64,
+    /// Directions across the sides, outward: unit, or zero; and how far the corners reach that way. Again all three.
+    sides: [(DVec3, f64); 3],
 }
 
 /// The numbers of the bits that are set, of three.
@@ -21,39 +26,42 @@ pub(super) fn ones(bits: u8) -> impl Iterator<Item = usize> {
 }
 
 impl Facet {
-    /// Of a face and its corners in the pair's frame.
-    pub(super) fn of(face: FaceId, corners: [DVec3; 3]) -> Self {
-        let [a, b, c] = corners;
+    /// Of a face and its corners in the body's frame.
+    pub(super) fn of(face: FaceId, corners: &[DVec3; 3], places: [u16; 3]) -> Self {
+        let [a, b, c] = *corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
-        let [bottom, top] = extent(&corners, normal);
-        Self { face, corners, normal, top, bottom }
+        let [bottom, top] = extent(corners, normal);
+        let sides = [b - a, c - b, a - c].map(|along| {
+            let outward = along.cross(normal).normalize_or_zero();
+            (outward, extent(corners, outward)[1])
+        });
+        Self { face, places, normal, top, bottom, sides }
     }
 
-    /// Whether a point may be no farther than `reach` away: false for what is over the triangle, beneath it or
-    /// beyond one of its sides by more.
+    /// Whether a point of the body's frame may be no farther than `reach` away: false for what is over the triangle,
+    /// beneath it or beyond one of its sides by more.
     #[inline]
     pub(super) fn may_reach(&self, p: DVec3, reach: f64) -> bool {
         let height = self.normal.dot(p);
-        height <= self.top + reach && height >= self.bottom - reach && self.may_be_over(p, reach)
+        height <= self.top + reach
+            && height >= self.bottom - reach
+            && self.sides.iter().all(|(outward, end)| outward.dot(p) <= end + reach)
     }
+}
 
-    /// Whether a point is not beyond a side by more than `reach`, seen along the normal.
-    fn may_be_over(&self, p: DVec3, reach: f64) -> bool {
-        let [a, b, c] = self.corners;
-        [(a, b), (b, c), (c, a)].iter().all(|&(start, end)| {
-            let along = end - start;
-            let beyond = along.cross(self.normal).dot(p - start);
-            // The outward direction is as long as the side.
-            beyond <= 0.0 || beyond * beyond <= reach * reach * along.length_squared()
-        })
-    }
-
-    /// Whether all of some points lie higher over the triangle than `reach`.
+impl Facet {
+    /// Where its corners are, given the points of its leaf.
     #[inline]
-    pub(super) fn is_beneath(&self, points: &[DVec3], reach: f64) -> bool {
-        let over = self.top + reach;
-        points.iter().all(|p| self.normal.dot(*p) > over)
+    pub(super) fn corners(&self, points: &[DVec3]) -> [DVec3; 3] {
+        self.places.map(|place| points[usize::from(place)])
     }
+}
+
+/// Whether all of some points lie higher over a plane than `reach`.
+#[inline]
+pub(super) fn is_beneath(normal: DVec3, height: f64, points: &[DVec3], reach: f64) -> bool {
+    let over = height + reach;
+    points.iter().all(|p| normal.dot(*p) > over)
 }
 
 /// How far points reach along a direction: least and most.
@@ -70,6 +78,7 @@ const NEAR_MISS: f64 = 1e-3;
 
 /// Whether two segments may cross when seen along their common normal, their lines no farther than
 /// `below` apart: cheap, and true too often rather than too seldom.
+#[inline]
 pub(super) fn may_cross([p0, p1]: [DVec3; 2], [q0, q1]: [DVec3; 2], below: f64) -> bool {
     let (d1, d2, apart) = (p1 - p0, q1 - q0, q0 - p0);
     let cross = d1.cross(d2);
@@ -87,7 +96,7 @@ mod tests {
     use super::*;
 
     fn facet(corners: [[f64; 3]; 3]) -> Facet {
-        Facet::of(FaceId(0), corners.map(DVec3::from_array))
+        Facet::of(FaceId(0), &corners.map(DVec3::from_array), [0, 1, 2])
     }
 
     #[test]
@@ -101,8 +110,10 @@ mod tests {
         assert!(
             floor.may_reach(at(1.0, 1.0, 0.0), 0.71) && !floor.may_reach(at(1.0, 1.0, 0.0), 0.7)
         );
-        assert!(floor.is_beneath(&[at(5.0, 5.0, 0.3), at(0.0, 0.0, 0.4)], 0.29));
-        assert!(!floor.is_beneath(&[at(5.0, 5.0, 0.3), at(0.0, 0.0, 0.4)], 0.31));
+        let beneath = |reach| {
+            is_beneath(floor.normal, floor.top, &[at(5.0, 5.0, 0.3), at(0.0, 0.0, 0.4)], reach)
+        };
+        assert!(beneath(0.29) && !beneath(0.31));
         // A needle has no planes of its own.
         let needle = facet([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
         assert!(needle.may_reach(at(9.0, 9.0, 9.0), 0.5));

@@ -111,7 +111,17 @@ pub(crate) fn vertex_rim(
 /// Two edges that cross when seen along their common normal, no farther than `below` (or rounding) apart; the
 /// separation is negative where the solids beneath them overlap.
 pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option<Contact> {
-    let (p, q) = (pair.segment(Side::First, e), pair.segment(Side::Second, g));
+    let segments = [pair.segment(Side::First, e), pair.segment(Side::Second, g)];
+    edge_edge_at(pair, [e, g], segments, below)
+}
+
+/// The same, given where the edges are, each from its lesser vertex to its greater.
+pub(crate) fn edge_edge_at(
+    pair: &Pair,
+    [e, g]: [EdgeId; 2],
+    [p, q]: [[DVec3; 2]; 2],
+    below: f64,
+) -> Option<Contact> {
     let (d1, d2) = (p[1] - p[0], q[1] - q[0]);
     let cross = d1.cross(d2);
     let squared = cross.length_squared();

@@ -1,56 +1,304 @@
-//! Leaves of patches' trees in the pair's frame: first their points, which may tell that two of them are out of
-//! reach, then what in them can make contacts.
+//! Leaves of patches' trees: what they have, in their body's frame, found once and kept from query to query; and
+//! where their points are in the pair's frame, for the body whose frame that is not, in the present query.
 
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::{EdgeId, VertexId};
+use cranny_geometry::{Edge, EdgeId, VertexId};
 
-use super::facet::Facet;
+use super::facet::{Facet, ones};
+use super::ownership::{Owned, Ownership};
 use super::posed::{Node, are_apart};
+use crate::pair::{Pair, Side};
 
 /// Which range of a list.
-#[derive(Clone, Copy)]
-pub(super) struct Range {
+#[derive(Clone, Copy, Debug, Default)]
+struct Range {
     start: u32,
     end: u32,
 }
 
 impl Range {
-    pub(super) fn since(start: usize, now: usize) -> Self {
+    fn since(start: usize, now: usize) -> Self {
         Self { start: start as u32, end: now as u32 }
     }
 
-    pub(super) fn of<T>(self, list: &[T]) -> &[T] {
+    #[inline]
+    fn of<T>(self, list: &[T]) -> &[T] {
         &list[self.start as usize..self.end as usize]
     }
 }
 
-/// A leaf that was opened: the corners of its faces, each once.
-#[derive(Clone, Copy)]
-pub(super) struct Leaf {
-    pub(super) points: Range,
-    /// The first of its faces among places.
-    pub(super) faces: u32,
-    pub(super) bounds: Aabb,
-    /// The number of what it has, once that is made.
-    pub(super) parts: u32,
+/// A leaf that was met, the corners of its faces each once.
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    /// Its node in the arena of all patches' trees.
+    node: u32,
+    points: Range,
+    /// Empty until they are asked for, as the following are.
+    facets: Range,
+    corners: Range,
+    edges: Range,
+    has_features: bool,
+    /// Of which query the points are, and the boxes of corners and edges.
+    posed: u32,
+    boxed: u32,
+    bounds: Aabb,
+    corner_bounds: Aabb,
+    edge_bounds: Aabb,
 }
 
-/// What a leaf has: corners and edges are those that are looked at from its faces.
-#[derive(Clone, Copy)]
-pub(super) struct LeafParts {
-    pub(super) facets: Range,
-    pub(super) corners: Range,
-    pub(super) edges: Range,
-    pub(super) corner_bounds: Aabb,
-    pub(super) edge_bounds: Aabb,
+/// A vertex that is looked at from a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub(super) vertex: VertexId,
+    /// Which of the leaf's points.
+    at: u16,
+}
+
+/// An edge that is looked at from a leaf and may cross others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    pub(super) edge: EdgeId,
+    /// Which of the leaf's points: from the edge's lesser vertex to its greater.
+    ends: [u16; 2],
+}
+
+/// The leaves of one body that searches came across.
+#[derive(Clone, Debug)]
+pub(super) struct Leaves {
+    side: Side,
+    /// The present query; none is 0.
+    query: u32,
+    /// How many leaves it has opened.
+    opened: usize,
+    leaves: Vec<Leaf>,
+    names: Vec<VertexId>,
+    points: Vec<DVec3>,
+    facets: Vec<Facet>,
+    corners: Vec<Corner>,
+    edges: Vec<Segment>,
+    /// Of each edge.
+    boxes: Vec<Aabb>,
+}
+
+/// More leaves than this beyond twice those that a query opens are not kept. Fewer: what moves on forgets what it
+/// comes back to; more: what has moved on keeps what it left.
+const SPARE: usize = 64;
+
+impl Leaves {
+    pub(super) fn new(side: Side) -> Self {
+        Self {
+            side,
+            query: 0,
+            opened: 0,
+            leaves: Vec::new(),
+            names: Vec::new(),
+            points: Vec::new(),
+            facets: Vec::new(),
+            corners: Vec::new(),
+            edges: Vec::new(),
+            boxes: Vec::new(),
+        }
+    }
+
+    /// Begins a query.
+    pub(super) fn begin(&mut self, query: u32) {
+        (self.query, self.opened) = (query, 0);
+    }
+
+    /// Whether most of what is kept was not met in the present query.
+    pub(super) fn are_stale(&self) -> bool {
+        self.leaves.len() > 2 * self.opened + SPARE
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.leaves.capacity() * size_of::<Leaf>()
+            + self.names.capacity() * size_of::<VertexId>()
+            + self.points.capacity() * size_of::<DVec3>()
+            + self.facets.capacity() * size_of::<Facet>()
+            + self.corners.capacity() * size_of::<Corner>()
+            + self.edges.capacity() * size_of::<Segment>()
+            + self.boxes.capacity() * size_of::<Aabb>()
+    }
+
+    /// Takes in a leaf, given by its node in the arena of all patches' trees; tells its number.
+    pub(super) fn add(&mut self, pair: &Pair, node: u32) -> u32 {
+        let start = self.names.len();
+        for &face in pair.model(self.side).patches().trees().arena().leaf_faces(node) {
+            for vertex in pair.mesh(self.side).corners(face) {
+                // Few: to look for it costs less than to pose it again.
+                if !self.names[start..].contains(&vertex) {
+                    self.names.push(vertex);
+                }
+            }
+        }
+        self.points.resize(self.names.len(), DVec3::ZERO);
+        let (points, empty) = (Range::since(start, self.names.len()), Range::default());
+        self.leaves.push(Leaf {
+            node,
+            points,
+            facets: empty,
+            corners: empty,
+            edges: empty,
+            has_features: false,
+            posed: 0,
+            boxed: 0,
+            bounds: Aabb::EMPTY,
+            corner_bounds: Aabb::EMPTY,
+            edge_bounds: Aabb::EMPTY,
+        });
+        self.leaves.len() as u32 - 1
+    }
+
+    /// Opens a leaf: its points are posed if they are not there. Their box, if so.
+    #[inline]
+    pub(super) fn open(&mut self, pair: &Pair, number: u32) -> Option<&Aabb> {
+        let leaf = &mut self.leaves[number as usize];
+        if leaf.posed == self.query {
+            return None;
+        }
+        self.opened += 1;
+        // The first body's do not move.
+        if self.side == Side::Second || leaf.posed == 0 {
+            let range = leaf.points.start as usize..leaf.points.end as usize;
+            let mut bounds = Aabb::EMPTY;
+            for (point, &vertex) in self.points[range.clone()].iter_mut().zip(&self.names[range]) {
+                let p = pair.position(self.side, vertex);
+                bounds = Aabb { min: least(bounds.min, p), max: most(bounds.max, p) };
+                *point = p;
+            }
+            leaf.bounds = bounds;
+        }
+        leaf.posed = self.query;
+        Some(&leaf.bounds)
+    }
+
+    /// Makes what an opened leaf has, if it is not there. `ownership` tells what is looked at from its faces; without
+    /// it nothing is.
+    pub(super) fn fill(&mut self, pair: &Pair, number: u32, ownership: Option<&Ownership>) {
+        let at = number as usize;
+        if self.leaves[at].facets.end == 0 {
+            self.make_facets(pair, at);
+        }
+        let Some(ownership) = ownership else { return };
+        let is_new = !self.leaves[at].has_features;
+        if is_new {
+            self.make_features(pair, at, ownership);
+        }
+        let leaf = &mut self.leaves[at];
+        if leaf.boxed == self.query {
+            return;
+        }
+        if is_new || self.side == Side::Second {
+            let points = leaf.points.of(&self.points);
+            let mut bounds = Aabb::EMPTY;
+            for corner in leaf.corners.of(&self.corners) {
+                let p = corner.at(points);
+                bounds = Aabb { min: least(bounds.min, p), max: most(bounds.max, p) };
+            }
+            leaf.corner_bounds = bounds;
+            let mut bounds = Aabb::EMPTY;
+            let boxes = &mut self.boxes[leaf.edges.start as usize..leaf.edges.end as usize];
+            for (edge, around) in leaf.edges.of(&self.edges).iter().zip(boxes) {
+                let [p, q] = edge.ends(points);
+                *around = Aabb { min: least(p, q), max: most(p, q) };
+                let (min, max) = (least(bounds.min, around.min), most(bounds.max, around.max));
+                bounds = Aabb { min, max };
+            }
+            leaf.edge_bounds = bounds;
+        }
+        leaf.boxed = self.query;
+    }
+
+    fn make_facets(&mut self, pair: &Pair, at: usize) {
+        let leaf = &mut self.leaves[at];
+        let (mesh, start) = (pair.mesh(self.side), self.facets.len());
+        let names = leaf.points.of(&self.names);
+        for &face in pair.model(self.side).patches().trees().arena().leaf_faces(leaf.node) {
+            let places = mesh.corners(face).map(|vertex| place(names, vertex));
+            self.facets.push(Facet::of(face, &mesh.triangle(face), places));
+        }
+        leaf.facets = Range::since(start, self.facets.len());
+    }
+
+    fn make_features(&mut self, pair: &Pair, at: usize, ownership: &Ownership) {
+        let (side, leaf) = (self.side, &mut self.leaves[at]);
+        let starts = [self.corners.len(), self.edges.len()];
+        let names = leaf.points.of(&self.names);
+        for facet in leaf.facets.of(&self.facets) {
+            let Owned { corners, ridges, .. } = ownership.of(pair, side, facet.face);
+            for i in ones(corners) {
+                let vertex = pair.corner(side, facet.face, i);
+                self.corners.push(Corner { vertex, at: facet.places[i] });
+            }
+            for i in ones(ridges) {
+                let edge = pair.edge(side, facet.face, i);
+                let Edge { from, to, .. } = pair.topology(side).edges()[edge.index()];
+                self.edges.push(Segment { edge, ends: [from, to].map(|v| place(names, v)) });
+            }
+        }
+        self.boxes.resize(self.edges.len(), Aabb::EMPTY);
+        leaf.corners = Range::since(starts[0], self.corners.len());
+        leaf.edges = Range::since(starts[1], self.edges.len());
+        leaf.has_features = true;
+    }
+
+    /// A leaf that was opened.
+    #[inline]
+    pub(super) fn outline<'a>(&'a self, node: &'a Node, number: u32) -> Outline<'a> {
+        let leaf = &self.leaves[number as usize];
+        Outline { node, points: leaf.points.of(&self.points), bounds: &leaf.bounds }
+    }
+
+    /// What a leaf has, which was made.
+    #[inline]
+    pub(super) fn parts<'a>(&'a self, node: &'a Node, number: u32) -> Parts<'a> {
+        Parts { node, leaf: &self.leaves[number as usize], all: self }
+    }
+
+    /// Lets go of room for much more than there is.
+    pub(super) fn shrink(&mut self) {
+        shrink(&mut self.leaves);
+        shrink(&mut self.names);
+        shrink(&mut self.points);
+        shrink(&mut self.facets);
+        shrink(&mut self.corners);
+        shrink(&mut self.edges);
+        shrink(&mut self.boxes);
+    }
+}
+
+/// Leaves room for an eighth more than there is, where there is room for more than a quarter: lists that grow double.
+pub(super) fn shrink<T>(list: &mut Vec<T>) {
+    let len = list.len();
+    if list.capacity() > len + len / 4 {
+        list.shrink_to(len + len / 8);
+    }
+}
+
+/// Which of a leaf's points a vertex is, which is among them.
+fn place(names: &[VertexId], vertex: VertexId) -> u16 {
+    names.iter().take_while(|&&name| name != vertex).count() as u16
+}
+
+/// Coordinate by coordinate, for numbers that are no NaN.
+#[inline]
+fn least(a: DVec3, b: DVec3) -> DVec3 {
+    let less = |a: f64, b: f64| if b < a { b } else { a };
+    DVec3::new(less(a.x, b.x), less(a.y, b.y), less(a.z, b.z))
+}
+
+#[inline]
+fn most(a: DVec3, b: DVec3) -> DVec3 {
+    let more = |a: f64, b: f64| if b > a { b } else { a };
+    DVec3::new(more(a.x, b.x), more(a.y, b.y), more(a.z, b.z))
 }
 
 /// An opened leaf: all its points, a box around them, and a plane over them.
 #[derive(Clone, Copy)]
 pub(super) struct Outline<'a> {
-    pub(super) node: &'a Node,
-    pub(super) points: &'a [DVec3],
-    pub(super) bounds: &'a Aabb,
+    node: &'a Node,
+    points: &'a [DVec3],
+    bounds: &'a Aabb,
 }
 
 impl Outline<'_> {
@@ -73,42 +321,66 @@ impl Outline<'_> {
 /// What an opened leaf has.
 #[derive(Clone, Copy)]
 pub(super) struct Parts<'a> {
-    pub(super) node: &'a Node,
-    pub(super) bounds: &'a Aabb,
-    pub(super) points: &'a [DVec3],
-    pub(super) facets: &'a [Facet],
-    /// Corners that are looked at from here.
-    pub(super) corners: &'a [Corner],
-    pub(super) corner_bounds: &'a Aabb,
-    /// Edges that are looked at from here and may cross others.
-    pub(super) edges: &'a [Segment],
-    pub(super) edge_bounds: &'a Aabb,
+    node: &'a Node,
+    leaf: &'a Leaf,
+    all: &'a Leaves,
 }
 
-impl Parts<'_> {
-    /// Whether any of a leaf's corners or edges, in this box, may be within reach.
-    pub(super) fn is_near(&self, bounds: &Aabb, reach: f64) -> bool {
-        !are_apart(bounds, self.bounds, reach)
+impl<'a> Parts<'a> {
+    pub(super) fn side(&self) -> Side {
+        self.all.side
+    }
+
+    pub(super) fn bounds(&self) -> &Aabb {
+        &self.leaf.bounds
+    }
+
+    pub(super) fn points(&self) -> &'a [DVec3] {
+        self.leaf.points.of(&self.all.points)
+    }
+
+    pub(super) fn facets(&self) -> &'a [Facet] {
+        self.leaf.facets.of(&self.all.facets)
+    }
+
+    /// Corners that are looked at from here.
+    pub(super) fn corners(&self) -> &'a [Corner] {
+        self.leaf.corners.of(&self.all.corners)
+    }
+
+    pub(super) fn corner_bounds(&self) -> &Aabb {
+        &self.leaf.corner_bounds
+    }
+
+    /// Edges that are looked at from here and may cross others, in their boxes.
+    pub(super) fn edges(&self) -> impl Iterator<Item = (&'a Segment, &'a Aabb)> + use<'a> {
+        let edges = self.leaf.edges;
+        edges.of(&self.all.edges).iter().zip(edges.of(&self.all.boxes))
+    }
+
+    pub(super) fn edge_bounds(&self) -> &Aabb {
+        &self.leaf.edge_bounds
     }
 
     /// Whether what lies between some points, in a box around them, may be within reach of the leaf.
     #[inline]
     pub(super) fn may_reach(&self, points: &[DVec3], bounds: &Aabb, reach: f64) -> bool {
-        !are_apart(bounds, self.bounds, reach) && !self.node.is_beneath(points, reach)
+        !are_apart(bounds, &self.leaf.bounds, reach) && !self.node.is_beneath(points, reach)
     }
 }
 
-/// A vertex that is looked at.
-#[derive(Clone, Copy)]
-pub(super) struct Corner {
-    pub(super) vertex: VertexId,
-    pub(super) at: DVec3,
+impl Corner {
+    /// Where it is, given the leaf's points.
+    #[inline]
+    pub(super) fn at(&self, points: &[DVec3]) -> DVec3 {
+        points[usize::from(self.at)]
+    }
 }
 
-/// An edge that is looked at.
-#[derive(Clone, Copy)]
-pub(super) struct Segment {
-    pub(super) edge: EdgeId,
-    pub(super) ends: [DVec3; 2],
-    pub(super) bounds: Aabb,
+impl Segment {
+    /// Where its ends are, given the leaf's points.
+    #[inline]
+    pub(super) fn ends(&self, points: &[DVec3]) -> [DVec3; 2] {
+        self.ends.map(|end| points[usize::from(end)])
+    }
 }

@@ -11,10 +11,13 @@
 //! The answer is a function of models, poses and margin: memory holds upper bounds, and what
 //! these two models alone say.
 
+mod coarse;
 mod facet;
 pub(crate) mod facing;
 mod feature_pair;
+mod kept;
 mod leaf;
+mod meet;
 mod overlap;
 mod ownership;
 mod posed;
@@ -23,10 +26,11 @@ mod search;
 use std::collections::BTreeMap;
 
 use cranny_exact::Meeting;
-use cranny_geometry::{Model, ModelTag, PatchId};
+use cranny_geometry::{Model, PatchId};
 
+use self::coarse::Coarse;
 use self::feature_pair::{across_gap, patch_index};
-pub(crate) use self::search::Kept;
+pub(crate) use self::kept::Kept;
 use self::search::{Search, nearer};
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
@@ -36,20 +40,14 @@ use crate::surface::{FacePair, strongest};
 /// What the last search found: the features of each pair of patches' nearest contact.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactMemory {
-    /// Whose: patches are numbered by the model, and one mesh may have other patches after deformations.
-    models: Option<[ModelTag; 2]>,
     nearest: BTreeMap<[PatchId; 2], (Feature, Feature)>,
     kept: Kept,
 }
 
 impl ContactMemory {
-    /// Features and patches are numbers of these two models; others' mean nothing.
-    fn belong_to(&mut self, pair: &Pair) {
-        let models = Side::BOTH.map(|side| pair.model(side));
-        let same = |tags: &[ModelTag; 2]| tags.iter().zip(models).all(|(tag, m)| tag.is_of(m));
-        if !self.models.as_ref().is_some_and(same) {
-            *self = Self { models: Some(models.map(ModelTag::of)), ..Self::default() };
-        }
+    /// Lets go of what is of use only while bodies are near each other.
+    pub(crate) fn let_go(&mut self) {
+        self.kept.let_go();
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -75,13 +73,16 @@ pub(crate) fn near_patches(
     memory: &mut ContactMemory,
     counters: &mut Counters,
 ) -> Near {
-    memory.belong_to(pair);
+    if !memory.kept.belong_to(pair) {
+        memory.nearest.clear();
+    }
     memory.kept.reserve(pair);
     let mut search = Search::new(pair, std::mem::take(&mut memory.kept));
+    let coarse = Coarse::of(pair);
     let mut groups: BTreeMap<[PatchId; 2], Vec<Contact>> = BTreeMap::new();
     let mut nearest = BTreeMap::new();
     for patches in search.near_patches(margin, counters) {
-        let known = memory.nearest.get(&patches).filter(|_| !search.is_coarse(patches));
+        let known = memory.nearest.get(&patches).filter(|_| !coarse.holds(pair, patches));
         let bound = known.and_then(|&id| across_gap(pair, id, margin)).map(|c| c.separation);
         let mut found = match bound {
             Some(bound) => search.between(patches, bound.max(0.0), counters),
@@ -106,7 +107,7 @@ pub(crate) fn near_patches(
     }
     let mut contacts: Vec<Contact> = Vec::new();
     for (patches, group) in groups {
-        if search.is_coarse(patches) {
+        if coarse.holds(pair, patches) {
             contacts.extend(reduce(group));
         } else {
             contacts.extend(group.into_iter().min_by(nearer));

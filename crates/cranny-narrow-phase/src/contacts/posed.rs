@@ -1,17 +1,17 @@
-//! The patches of one body that a search comes across, in the pair's frame: each patch's nodes when it is first
-//! met, each leaf's points when that is first opened, what it has when they do not tell. Kept
-//! for one query.
+//! The patches of one body that searches come across, in the pair's frame: each patch's nodes, and its leaves when
+//! they are opened (`leaf`). What does not depend on the pose is kept from query to query; of the body whose frame
+//! the pair's is, that is everything.
 
 use cranny_exact::{Aabb, DMat3, DVec3};
-use cranny_geometry::{FaceId, PatchId, VertexId};
+use cranny_geometry::{Content, PatchId};
 
-use super::facet::{Facet, ones};
-use super::leaf::{Corner, Leaf, LeafParts, Outline, Parts, Range, Segment};
-use super::ownership::Owned;
+use super::facet::is_beneath;
+use super::leaf::{Leaves, Outline, Parts, shrink};
+use super::ownership::Ownership;
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 
-/// What is not there yet.
+/// What is not there.
 const NONE: u32 = u32::MAX;
 
 /// Whether two boxes are more than `reach` apart along some axis.
@@ -23,18 +23,31 @@ pub(super) fn are_apart(x: &Aabb, y: &Aabb, reach: f64) -> bool {
 }
 
 /// A node of a patch's tree: a box and a ball around its faces, and a plane over them.
+#[derive(Clone, Debug)]
 pub(super) struct Node {
     /// In the pair's frame: for the second body the box of its posed box.
     pub(super) bounds: Aabb,
     center: DVec3,
     radius: f64,
-    pub(super) normal: DVec3,
-    pub(super) height: f64,
-    /// The number of an opened leaf.
+    normal: DVec3,
+    height: f64,
+    /// Square of the diagonal of its box, in the body's frame.
+    pub(super) size: f64,
+    /// Where its children stand; of a leaf `NONE` twice.
+    children: [u32; 2],
+    /// The node of the arena of all patches' trees.
+    name: u32,
+    /// The number of a leaf that was met.
     leaf: u32,
 }
 
 impl Node {
+    /// Where its children stand; `None` for a leaf.
+    #[inline]
+    pub(super) fn children(&self) -> Option<[u32; 2]> {
+        (self.children[0] != NONE).then_some(self.children)
+    }
+
     /// A lower bound of the distance between what two nodes hold, but for rounding; `None` where that is beyond
     /// `limit`.
     ///
@@ -69,237 +82,169 @@ impl Node {
     /// Whether all of some points lie higher over the node's plane than `reach`.
     #[inline]
     pub(super) fn is_beneath(&self, points: &[DVec3], reach: f64) -> bool {
-        let over = self.height + reach;
-        points.iter().all(|p| self.normal.dot(*p) > over)
+        is_beneath(self.normal, self.height, points, reach)
     }
 }
 
-/// A patch's tree among the nodes that are kept.
-#[derive(Clone, Copy)]
-pub(super) struct PosedTree {
-    /// The tree's root in the arena of all patches' trees.
-    pub(super) root: u32,
+/// A patch's tree among the nodes that are kept; `len` is 0 where it holds no faces.
+#[derive(Clone, Copy, Debug)]
+struct PosedTree {
     start: u32,
+    len: u32,
+    /// In which query its nodes were posed.
+    posed: u32,
 }
 
-/// How much of a body was posed for a query.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sizes {
-    nodes: usize,
-    leaves: usize,
-    points: usize,
-    places: usize,
-    parts: usize,
-    facets: usize,
-    corners: usize,
-    edges: usize,
-}
-
-/// What of one body was posed.
+/// What is known of one body.
+#[derive(Clone, Debug)]
 pub(super) struct Posed {
     side: Side,
+    query: u32,
     /// Absolute values of the rotation from second to first.
     absolute: DMat3,
     patches: Numbering,
-    trees: Vec<Option<PosedTree>>,
+    trees: Vec<PosedTree>,
     nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
-    points: Vec<DVec3>,
-    parts: Vec<LeafParts>,
-    facets: Vec<Facet>,
-    corners: Vec<Corner>,
-    edges: Vec<Segment>,
-    /// Of each face of each opened leaf: where its corners are among the leaf's points.
-    places: Vec<[u16; 3]>,
-    /// Scratch: the names of a leaf's points.
-    names: Vec<VertexId>,
+    leaves: Leaves,
 }
 
 impl Posed {
-    /// With room for as much as was posed the last time.
-    pub(super) fn new(pair: &Pair, side: Side, sizes: Sizes) -> Self {
-        let m = pair.first_from_second.linear;
-        let Sizes { nodes, leaves, points, places, parts, facets, corners, edges } = sizes;
+    pub(super) fn new(side: Side) -> Self {
         Self {
             side,
-            absolute: DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs()),
+            query: 0,
+            absolute: DMat3::ZERO,
             patches: Numbering::default(),
             trees: Vec::new(),
-            nodes: Vec::with_capacity(nodes),
-            leaves: Vec::with_capacity(leaves),
-            points: Vec::with_capacity(points),
-            parts: Vec::with_capacity(parts),
-            facets: Vec::with_capacity(facets),
-            corners: Vec::with_capacity(corners),
-            edges: Vec::with_capacity(edges),
-            places: Vec::with_capacity(places),
-            names: Vec::new(),
+            nodes: Vec::new(),
+            leaves: Leaves::new(side),
         }
     }
 
-    pub(super) fn side(&self) -> Side {
-        self.side
-    }
-
-    /// How much was posed.
-    pub(super) fn sizes(&self) -> Sizes {
-        Sizes {
-            nodes: self.nodes.len(),
-            leaves: self.leaves.len(),
-            points: self.points.len(),
-            places: self.places.len(),
-            parts: self.parts.len(),
-            facets: self.facets.len(),
-            corners: self.corners.len(),
-            edges: self.edges.len(),
+    /// Begins a query.
+    pub(super) fn begin(&mut self, pair: &Pair) {
+        if self.query == u32::MAX {
+            *self = Self::new(self.side);
         }
+        self.query += 1;
+        self.leaves.begin(self.query);
+        let m = pair.first_from_second.linear;
+        self.absolute = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     }
 
-    /// The tree of a patch; `None` where it holds no faces.
-    pub(super) fn tree(&mut self, pair: &Pair, patch: PatchId) -> Option<PosedTree> {
+    /// Ends a query: what is kept is little more than what it met.
+    pub(super) fn end(&mut self) {
+        if self.leaves.are_stale() {
+            *self = Self::new(self.side);
+        }
+        shrink(&mut self.nodes);
+        self.leaves.shrink();
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.patches.bytes()
+            + self.trees.capacity() * size_of::<PosedTree>()
+            + self.nodes.capacity() * size_of::<Node>()
+            + self.leaves.bytes()
+    }
+
+    /// Where the root of a patch's tree stands; `None` where it holds no faces.
+    pub(super) fn root(&mut self, pair: &Pair, patch: PatchId) -> Option<u32> {
         let (number, is_new) = self.patches.number(u64::from(patch.0));
-        if !is_new {
-            return self.trees[number as usize];
+        if is_new {
+            self.add(pair, patch);
         }
+        let tree = &mut self.trees[number as usize];
+        if tree.posed != self.query {
+            tree.posed = self.query;
+            if self.side == Side::Second {
+                let nodes = tree.start as usize..(tree.start + tree.len) as usize;
+                pose(pair, &self.absolute, &mut self.nodes[nodes]);
+            }
+        }
+        (tree.len > 0).then_some(tree.start)
+    }
+
+    /// Takes in the nodes of a patch, in the body's frame.
+    fn add(&mut self, pair: &Pair, patch: PatchId) {
         let patches = pair.model(self.side).patches();
         let forest = patches.trees();
         let start = self.nodes.len() as u32;
-        let tree = forest.root(patch.index()).map(|root| PosedTree { root, start });
-        self.trees.push(tree);
-        let map = &pair.first_from_second;
-        for (node, index) in forest.nodes(patch.index()).iter().zip(tree?.root..) {
-            let (slab, bounds) = (patches.slab(index), node.bounds);
-            let (center, extents) = (bounds.center(), bounds.half_extents());
-            let radius = extents.length();
-            let posed = match self.side {
-                Side::First => Node {
-                    bounds,
-                    center,
-                    radius,
-                    normal: slab.normal,
-                    height: slab.height,
-                    leaf: NONE,
-                },
-                Side::Second => {
-                    let (center, normal) = (map.apply(center), map.apply_vector(slab.normal));
-                    let reach = self.absolute * extents;
-                    let bounds = Aabb { min: center - reach, max: center + reach };
-                    let height = slab.height + normal.dot(map.translation);
-                    Node { bounds, center, radius, normal, height, leaf: NONE }
-                }
+        let nodes = forest.nodes(patch.index());
+        self.trees.push(PosedTree { start, len: nodes.len() as u32, posed: 0 });
+        let Some(root) = forest.root(patch.index()) else { return };
+        for (node, name) in nodes.iter().zip(root..) {
+            let (bounds, slab) = (node.bounds, patches.slab(name));
+            let children = match forest.arena().content(name) {
+                Content::Inner { left, right } => [left, right].map(|name| start + (name - root)),
+                Content::Leaf { .. } => [NONE; 2],
             };
-            self.nodes.push(posed);
+            self.nodes.push(Node {
+                bounds,
+                center: bounds.center(),
+                radius: bounds.half_extents().length(),
+                normal: slab.normal,
+                height: slab.height,
+                size: (bounds.max - bounds.min).length_squared(),
+                children,
+                name,
+                leaf: NONE,
+            });
         }
-        tree
     }
 
-    pub(super) fn node(&self, tree: &PosedTree, node: u32) -> &Node {
-        &self.nodes[slot((tree, node))]
+    #[inline]
+    pub(super) fn node(&self, at: u32) -> &Node {
+        &self.nodes[at as usize]
     }
 
     /// Opens a leaf: its points are posed if they are not there.
-    pub(super) fn open(&mut self, pair: &Pair, at: (&PosedTree, u32)) {
-        let (slot, leaf) = (slot(at), at.1);
-        if self.nodes[slot].leaf != NONE {
-            return;
+    #[inline]
+    pub(super) fn open(&mut self, pair: &Pair, at: u32) {
+        let node = &mut self.nodes[at as usize];
+        if node.leaf == NONE {
+            node.leaf = self.leaves.add(pair, node.name);
         }
-        self.nodes[slot].leaf = self.leaves.len() as u32;
-        let (start, faces) = (self.points.len(), self.places.len() as u32);
-        let mut bounds = Aabb::EMPTY;
-        self.names.clear();
-        for &face in pair.model(self.side).patches().trees().arena().leaf_faces(leaf) {
-            self.places.push(pair.mesh(self.side).corners(face).map(|vertex| {
-                // Few: to look for it costs less than to pose it again.
-                let known = self.names.iter().position(|&known| known == vertex);
-                let place = known.unwrap_or_else(|| {
-                    let p = pair.position(self.side, vertex);
-                    bounds = Aabb { min: bounds.min.min(p), max: bounds.max.max(p) };
-                    self.names.push(vertex);
-                    self.points.push(p);
-                    self.names.len() - 1
-                });
-                place as u16
-            }));
+        if let Some(bounds) = self.leaves.open(pair, node.leaf) {
+            // Tighter than the box of a posed box.
+            node.bounds = *bounds;
         }
-        // Tighter than the box of a posed box.
-        self.nodes[slot].bounds = bounds;
-        let points = Range::since(start, self.points.len());
-        self.leaves.push(Leaf { points, faces, bounds, parts: NONE });
     }
 
     /// A leaf that was opened.
     #[inline]
-    pub(super) fn outline(&self, at: (&PosedTree, u32)) -> Outline<'_> {
-        let node = &self.nodes[slot(at)];
-        let leaf = &self.leaves[node.leaf as usize];
-        Outline { node, points: leaf.points.of(&self.points), bounds: &leaf.bounds }
+    pub(super) fn outline(&self, at: u32) -> Outline<'_> {
+        let node = self.node(at);
+        self.leaves.outline(node, node.leaf)
     }
 
-    /// Makes what an opened leaf has, if it is not there. `owned` tells what is looked at from its faces.
-    pub(super) fn fill(
-        &mut self,
-        pair: &Pair,
-        at: (&PosedTree, u32),
-        owned: impl Fn(FaceId) -> Owned,
-    ) {
-        let side = self.side;
-        let leaf = self.nodes[slot(at)].leaf as usize;
-        if self.leaves[leaf].parts != NONE {
-            return;
-        }
-        self.leaves[leaf].parts = self.parts.len() as u32;
-        let starts = self.sizes();
-        let [mut corner_bounds, mut edge_bounds] = [Aabb::EMPTY; 2];
-        let Leaf { points, faces: first, .. } = self.leaves[leaf];
-        let points = points.of(&self.points);
-        let faces = pair.model(side).patches().trees().arena().leaf_faces(at.1);
-        for (&face, corners_at) in faces.iter().zip(&self.places[first as usize..]) {
-            let places = corners_at.map(|i| points[usize::from(i)]);
-            self.facets.push(Facet::of(face, places));
-            let Owned { corners, ridges, .. } = owned(face);
-            let vertices = pair.mesh(side).corners(face);
-            for i in ones(corners) {
-                let at = places[i];
-                corner_bounds = corner_bounds.union(&Aabb { min: at, max: at });
-                self.corners.push(Corner { vertex: vertices[i], at });
-            }
-            for i in ones(ridges) {
-                let ends = [places[i], places[(i + 1) % 3]];
-                let bounds = Aabb { min: ends[0].min(ends[1]), max: ends[0].max(ends[1]) };
-                edge_bounds = edge_bounds.union(&bounds);
-                self.edges.push(Segment { edge: pair.edge(side, face, i), ends, bounds });
-            }
-        }
-        self.parts.push(LeafParts {
-            facets: Range::since(starts.facets, self.facets.len()),
-            corners: Range::since(starts.corners, self.corners.len()),
-            edges: Range::since(starts.edges, self.edges.len()),
-            corner_bounds,
-            edge_bounds,
-        });
+    /// Makes what an opened leaf has, if it is not there. `ownership` tells what is looked at from its faces; without
+    /// it nothing is.
+    #[inline]
+    pub(super) fn fill(&mut self, pair: &Pair, at: u32, ownership: Option<&Ownership>) {
+        self.leaves.fill(pair, self.node(at).leaf, ownership);
     }
 
     /// What a leaf has, which was made.
-    pub(super) fn parts(&self, at: (&PosedTree, u32)) -> Parts<'_> {
-        let node = &self.nodes[slot(at)];
-        let leaf = &self.leaves[node.leaf as usize];
-        let parts = &self.parts[leaf.parts as usize];
-        Parts {
-            node,
-            bounds: &leaf.bounds,
-            points: leaf.points.of(&self.points),
-            facets: parts.facets.of(&self.facets),
-            corners: parts.corners.of(&self.corners),
-            corner_bounds: &parts.corner_bounds,
-            edges: parts.edges.of(&self.edges),
-            edge_bounds: &parts.edge_bounds,
-        }
+    #[inline]
+    pub(super) fn parts(&self, at: u32) -> Parts<'_> {
+        let node = self.node(at);
+        self.leaves.parts(node, node.leaf)
     }
 }
 
-/// Where a node of a patch's tree stands among those that are kept.
-fn slot((tree, node): (&PosedTree, u32)) -> usize {
-    (tree.start + (node - tree.root)) as usize
+/// Poses nodes of the second body.
+fn pose(pair: &Pair, absolute: &DMat3, nodes: &mut [Node]) {
+    let patches = pair.model(Side::Second).patches();
+    let (map, arena) = (&pair.first_from_second, patches.trees().arena());
+    for node in nodes {
+        let (slab, bounds) = (patches.slab(node.name), &arena.node(node.name).bounds);
+        node.center = map.apply(bounds.center());
+        let reach = *absolute * bounds.half_extents();
+        node.bounds = Aabb { min: node.center - reach, max: node.center + reach };
+        node.normal = map.apply_vector(slab.normal);
+        node.height = slab.height + node.normal.dot(map.translation);
+    }
 }
 
 #[cfg(test)]
@@ -310,7 +255,17 @@ mod tests {
         let center = DVec3::from_array(center);
         // As if it held whatever fits into the ball.
         let bounds = Aabb { min: center - DVec3::ONE, max: center + DVec3::ONE };
-        Node { bounds, center, radius: 1.0, normal, height, leaf: NONE }
+        Node {
+            bounds,
+            center,
+            radius: 1.0,
+            normal,
+            height,
+            size: 12.0,
+            children: [NONE; 2],
+            name: 0,
+            leaf: NONE,
+        }
     }
 
     #[test]

@@ -9,48 +9,25 @@
 //! The descent sees every pair of triangles that meet, since a bound above 0 is what leaves a pair out:
 //! the exact verdict on the surfaces comes with the contacts.
 
-use cranny_exact::{Aabb, Meeting};
+use cranny_exact::{Aabb, DVec3, Meeting, RigidMap};
 use cranny_geometry::{Content, PatchId};
 
+use super::coarse::Coarse;
 use super::facet::{Facet, may_cross};
-use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
-use super::leaf::{Corner, Parts};
-use super::ownership::{Owned, Ownership};
-use super::posed::{Posed, PosedTree, Sizes, are_apart};
+use super::feature_pair::{Stand, edge_edge_at, vertex_face, vertex_rim};
+use super::kept::Kept;
+use super::leaf::{Corner, Parts, Segment};
+use super::meet::meet;
+use super::posed::{Posed, are_apart};
 use crate::answer::{Contact, Counters, Feature};
 use crate::descent::{BoxTest, Opened, opened};
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
 use crate::triangle_distance::Part;
 
-/// A patch whose box is longer than this part of its body's counts as coarse: it has large faces (others
-/// are cut to this length), so a whole side of the body may stand on it, and one point is not enough.
-const COARSE: f64 = 0.26;
-
 /// Order of contacts: the nearest first, ties by lowest features.
 pub(super) fn nearer(x: &Contact, y: &Contact) -> std::cmp::Ordering {
     x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id))
-}
-
-/// What of a search serves the next one.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Kept {
-    owned: [Ownership; 2],
-    /// How much was posed: as much will be.
-    sizes: [Sizes; 2],
-}
-
-impl Kept {
-    /// Makes room for what faces own, which a search for contacts asks for.
-    pub(super) fn reserve(&mut self, pair: &Pair) {
-        for side in Side::BOTH {
-            self.owned[side.index()].reserve(pair, side);
-        }
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        self.owned.iter().map(Ownership::bytes).sum()
-    }
 }
 
 /// Searches pairs of patches of one pair of bodies.
@@ -60,9 +37,12 @@ pub(super) struct Search<'a, 'b> {
     error: f64,
     /// What posing may add to a distance between nodes.
     culling_error: f64,
-    coarse_beyond: [f64; 2],
+    coarse: Coarse,
+    second_from_first: RigidMap,
     stack: Vec<(f64, u32, u32)>,
-    posed: [Posed; 2],
+    /// Scratch: edges of the second leaf that may be near any of the first's.
+    near_edges: Vec<(Segment, [DVec3; 2], Aabb)>,
+    posed: Box<[Posed; 2]>,
     kept: Kept,
     /// Faces that meet, in the order of their discovery; a pair of patches searched twice tells twice.
     meeting: Vec<FacePair>,
@@ -100,31 +80,33 @@ impl Quest {
 }
 
 impl<'a, 'b> Search<'a, 'b> {
-    pub(super) fn new(pair: &'a Pair<'b>, kept: Kept) -> Self {
-        let coarse_beyond = Side::BOTH.map(|side| {
-            let b = pair.model(side).bounds();
-            COARSE * COARSE * (b.max - b.min).length_squared()
-        });
+    pub(super) fn new(pair: &'a Pair<'b>, mut kept: Kept) -> Self {
+        kept.belong_to(pair);
+        let mut posed = kept.posed.take().unwrap_or_else(|| Side::BOTH.map(Posed::new).into());
+        posed.iter_mut().for_each(|posed| posed.begin(pair));
         Self {
             pair,
             boxes: BoxTest::of(pair),
             error: pair.length_error(),
             culling_error: pair.culling_error(),
-            coarse_beyond,
+            coarse: Coarse::of(pair),
+            second_from_first: pair.first_from_second.inverse(),
             stack: Vec::new(),
-            posed: Side::BOTH.map(|side| Posed::new(pair, side, kept.sizes[side.index()])),
+            near_edges: Vec::new(),
+            posed,
             kept,
             meeting: Vec::new(),
         }
     }
 
     /// What is kept, and the faces that meet, by ascending ids.
-    pub(super) fn end(&mut self) -> (Kept, Vec<FacePair>) {
-        let mut meeting = std::mem::take(&mut self.meeting);
+    pub(super) fn end(self) -> (Kept, Vec<FacePair>) {
+        let Self { mut meeting, mut kept, mut posed, .. } = self;
         meeting.sort_unstable();
         meeting.dedup();
-        let Kept { owned, .. } = std::mem::take(&mut self.kept);
-        (Kept { owned, sizes: self.posed.each_ref().map(Posed::sizes) }, meeting)
+        posed.iter_mut().for_each(Posed::end);
+        kept.posed = Some(posed);
+        (kept, meeting)
     }
 
     /// All pairs of patches whose boxes may be within `margin`.
@@ -154,15 +136,6 @@ impl<'a, 'b> Search<'a, 'b> {
         found
     }
 
-    /// Whether either patch is coarse, so that contacts are to span the pair.
-    pub(super) fn is_coarse(&self, patches: [PatchId; 2]) -> bool {
-        Side::BOTH.into_iter().any(|side| {
-            let patch = self.pair.model(side).patches().patch(patches[side.index()]);
-            let extent = (patch.bounds.max - patch.bounds.min).length_squared();
-            extent > self.coarse_beyond[side.index()]
-        })
-    }
-
     /// The nearest contact of two patches across a gap of at most `margin`, or all of them where a
     /// patch is coarse. `limit <= margin`: that of a contact known to exist, or the margin.
     pub(super) fn between(
@@ -171,7 +144,8 @@ impl<'a, 'b> Search<'a, 'b> {
         limit: f64,
         counters: &mut Counters,
     ) -> Vec<Contact> {
-        let wanted = if self.is_coarse(patches) { Wanted::All } else { Wanted::Nearest };
+        let wanted =
+            if self.coarse.holds(self.pair, patches) { Wanted::All } else { Wanted::Nearest };
         let mut quest = Quest { limit, wanted, found: Vec::new() };
         self.descend(patches, &mut quest, counters);
         quest.found
@@ -189,128 +163,122 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     fn descend(&mut self, patches: [PatchId; 2], quest: &mut Quest, counters: &mut Counters) {
-        let pair = self.pair;
-        let [first, second] = Side::BOTH.map(|side| pair.model(side).patches().trees().arena());
-        let [posed_a, posed_b] = &mut self.posed;
-        let (Some(tree_a), Some(tree_b)) =
-            (posed_a.tree(pair, patches[0]), posed_b.tree(pair, patches[1]))
-        else {
-            return;
-        };
-        let trees = [tree_a, tree_b];
+        let [posed_a, posed_b] = &mut *self.posed;
+        let roots = (posed_a.root(self.pair, patches[0]), posed_b.root(self.pair, patches[1]));
+        let (Some(root_a), Some(root_b)) = roots else { return };
         let mut stack = std::mem::take(&mut self.stack);
-        let (root_a, root_b) = (tree_a.root, tree_b.root);
-        let lower = self.lower(&trees, root_a, root_b, quest.limit);
+        let lower = self.lower(root_a, root_b, quest.limit);
         stack.extend(lower.map(|lower| (lower, root_a, root_b)));
         while let Some((lower, a, b)) = stack.pop() {
             if lower > quest.limit {
                 continue;
             }
             counters.node_tests += 1;
-            let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
-            let children = match opened(first.content(a), second.content(b), box_a, box_b) {
-                Opened::First(left, right) => [(left, b), (right, b)],
-                Opened::Second(left, right) => [(a, left), (a, right)],
-                Opened::Neither => {
-                    self.leaves(&trees, [a, b], quest, counters);
+            let [node_a, node_b] = [self.posed[0].node(a), self.posed[1].node(b)];
+            // The larger of two nodes is opened, or the one that can be.
+            let children = match (node_a.children(), node_b.children()) {
+                (Some([left, right]), other) if other.is_none() || node_a.size >= node_b.size => {
+                    [(left, b), (right, b)]
+                }
+                (_, Some([left, right])) => [(a, left), (a, right)],
+                _ => {
+                    self.leaves([a, b], quest, counters);
                     continue;
                 }
             };
-            let lower = |(a, b)| Some((self.lower(&trees, a, b, quest.limit)?, a, b));
-            let mut children = children.map(lower);
-            if let [Some(left), Some(right)] = children
-                && left.0 < right.0
-            {
-                children.swap(0, 1); // the nearer one is popped first
+            let [x, y] = children;
+            let lower_x = self.lower(x.0, x.1, quest.limit);
+            let lower_y = self.lower(y.0, y.1, quest.limit);
+            // The nearer one is popped first.
+            let is_x_nearer = lower_x < lower_y;
+            if is_x_nearer {
+                stack.extend(lower_y.map(|lower| (lower, y.0, y.1)));
             }
-            stack.extend(children.into_iter().flatten());
+            stack.extend(lower_x.map(|lower| (lower, x.0, x.1)));
+            if !is_x_nearer {
+                stack.extend(lower_y.map(|lower| (lower, y.0, y.1)));
+            }
         }
         self.stack = stack;
     }
 
     /// A lower bound of the gap between what two nodes of the patches' trees hold; `None` where that is beyond
     /// `limit`.
-    fn lower(&self, trees: &[PosedTree; 2], a: u32, b: u32, limit: f64) -> Option<f64> {
-        let [first, second] = &self.posed;
-        let (posed_a, posed_b) = (first.node(&trees[0], a), second.node(&trees[1], b));
-        let lower = posed_a.separation_lower(posed_b, limit + self.culling_error)?;
+    #[inline]
+    fn lower(&self, a: u32, b: u32, limit: f64) -> Option<f64> {
+        let [first, second] = &*self.posed;
+        let lower = first.node(a).separation_lower(second.node(b), limit + self.culling_error)?;
         Some(lower - self.culling_error)
     }
 
-    fn leaves(
-        &mut self,
-        trees: &[PosedTree; 2],
-        leaves: [u32; 2],
-        quest: &mut Quest,
-        counters: &mut Counters,
-    ) {
+    fn leaves(&mut self, [a, b]: [u32; 2], quest: &mut Quest, counters: &mut Counters) {
         let (pair, rounding, wanted) = (self.pair, self.culling_error, quest.wanted);
-        let at = [(&trees[0], leaves[0]), (&trees[1], leaves[1])];
         let reach = quest.limit + rounding;
-        let [first, second] = &mut self.posed;
-        first.open(pair, at[0]);
+        let [first, second] = &mut *self.posed;
+        first.open(pair, a);
         // What is posed of the one may tell already.
-        if first.outline(at[0]).is_apart_from_node(second.node(at[1].0, at[1].1), reach) {
+        if first.outline(a).is_apart_from_node(second.node(b), reach) {
             return;
         }
-        second.open(pair, at[1]);
-        let [first, second] = &self.posed;
-        let (a, b) = (first.outline(at[0]), second.outline(at[1]));
-        if a.is_apart_from(&b, reach) {
+        second.open(pair, b);
+        let (outline_a, outline_b) = (first.outline(a), second.outline(b));
+        if outline_a.is_apart_from(&outline_b, reach) {
             return;
         }
-        let may_meet = !a.is_apart_from(&b, rounding);
-        for (posed, at) in self.posed.iter_mut().zip(at) {
-            let side = posed.side();
-            let ownership = &self.kept.owned[side.index()];
+        let may_meet = !outline_a.is_apart_from(&outline_b, rounding);
+        for (posed, (at, owned)) in
+            [first, second].into_iter().zip([a, b].into_iter().zip(&self.kept.owned))
+        {
             // Which faces meet is no matter of owners.
-            posed.fill(pair, at, |face| match wanted {
-                Wanted::Nothing => Owned::NOTHING,
-                _ => ownership.of(pair, side, face),
-            });
+            posed.fill(pair, at, (wanted != Wanted::Nothing).then_some(owned));
         }
-        let [first, second] = &self.posed;
-        let (a, b) = (first.parts(at[0]), second.parts(at[1]));
+        let [first, second] = &*self.posed;
+        let (parts_a, parts_b) = (first.parts(a), second.parts(b));
         if may_meet {
-            meet([&a, &b], rounding, &mut self.meeting, counters);
+            meet(pair, [&parts_a, &parts_b], &mut self.meeting, counters);
         }
         if wanted != Wanted::Nothing {
-            self.corners(Side::First, [&a, &b], quest, counters);
-            self.corners(Side::Second, [&b, &a], quest, counters);
-            self.edges([&a, &b], quest, counters);
+            self.corners([&parts_a, &parts_b], quest, counters);
+            self.corners([&parts_b, &parts_a], quest, counters);
+            self.edges([a, b], quest, counters);
         }
     }
 
     /// Offers the contacts of a leaf's corners before another's faces, and beside them.
-    fn corners(
-        &self,
-        side: Side,
-        [own, its]: [&Parts; 2],
-        quest: &mut Quest,
-        counters: &mut Counters,
-    ) {
+    fn corners(&self, [own, its]: [&Parts; 2], quest: &mut Quest, counters: &mut Counters) {
         let rounding = self.culling_error;
-        if !its.is_near(own.corner_bounds, quest.limit + rounding) {
+        if are_apart(own.corner_bounds(), its.bounds(), quest.limit + rounding) {
             return;
         }
-        for corner in own.corners {
-            let reach = quest.limit + rounding;
-            if !its.may_reach(&[corner.at], &Aabb { min: corner.at, max: corner.at }, reach) {
+        let (points, its_points) = (own.points(), its.points());
+        for corner in own.corners() {
+            let (at, reach) = (corner.at(points), quest.limit + rounding);
+            if !its.may_reach(&[at], &Aabb { min: at, max: at }, reach) {
                 continue;
             }
-            for facet in its.facets {
-                if facet.may_reach(corner.at, quest.limit + rounding) {
+            let local = match its.side() {
+                Side::First => at,
+                Side::Second => self.second_from_first.apply(at),
+            };
+            for facet in its.facets() {
+                if facet.may_reach(local, quest.limit + rounding) {
                     counters.triangle_tests += 1;
-                    self.corner(side, corner, facet, quest);
+                    let triangle = facet.corners(its_points);
+                    self.corner(own.side(), (corner, at), (facet, &triangle), quest);
                 }
             }
         }
     }
 
     /// Offers the contact of a corner before a triangle.
-    fn corner(&self, side: Side, corner: &Corner, its: &Facet, quest: &mut Quest) {
-        let &Corner { vertex, at } = corner;
-        let before = (its.face, &its.corners);
+    fn corner(
+        &self,
+        side: Side,
+        (corner, at): (&Corner, DVec3),
+        (its, corners): (&Facet, &[DVec3; 3]),
+        quest: &mut Quest,
+    ) {
+        let (vertex, before) = (corner.vertex, (its.face, corners));
         let found = match vertex_face(self.pair, side, (vertex, at), before, quest.limit) {
             Stand::Over(found) => found,
             Stand::Beside(part) => {
@@ -336,50 +304,46 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Offers the contacts of the edges of two leaves.
-    fn edges(&self, [a, b]: [&Parts; 2], quest: &mut Quest, counters: &mut Counters) {
+    fn edges(&mut self, [a, b]: [u32; 2], quest: &mut Quest, counters: &mut Counters) {
         let rounding = self.culling_error;
-        if are_apart(a.edge_bounds, b.edge_bounds, quest.limit + rounding) {
-            return;
-        }
-        for e in a.edges {
+        let mut near = std::mem::take(&mut self.near_edges);
+        let [a, b] = [self.posed[0].parts(a), self.posed[1].parts(b)];
+        let [points_a, points_b] = [a.points(), b.points()];
+        near.clear();
+        if !are_apart(a.edge_bounds(), b.edge_bounds(), quest.limit + rounding) {
             let reach = quest.limit + rounding;
-            if are_apart(&e.bounds, b.edge_bounds, reach) || !b.may_reach(&e.ends, &e.bounds, reach)
-            {
+            for (k, around) in b.edges() {
+                let ends = k.ends(points_b);
+                if !are_apart(around, a.edge_bounds(), reach) && a.may_reach(&ends, around, reach) {
+                    near.push((*k, ends, *around));
+                }
+            }
+        }
+        for (e, around) in a.edges() {
+            if near.is_empty() {
+                break;
+            }
+            let (ends, reach) = (e.ends(points_a), quest.limit + rounding);
+            if are_apart(around, b.edge_bounds(), reach) || !b.may_reach(&ends, around, reach) {
                 continue;
             }
-            for k in b.edges {
-                if are_apart(&e.bounds, &k.bounds, quest.limit + rounding)
-                    || !may_cross(e.ends, k.ends, quest.limit + self.error)
+            for (k, its_ends, its_box) in &near {
+                if are_apart(around, its_box, quest.limit + rounding)
+                    || !may_cross(ends, *its_ends, quest.limit + self.error)
                 {
                     continue;
                 }
                 counters.triangle_tests += 1;
-                if let Some(contact) = edge_edge(self.pair, e.edge, k.edge, quest.limit)
+                let segments = [ends, *its_ends];
+                let found = edge_edge_at(self.pair, [e.edge, k.edge], segments, quest.limit);
+                if let Some(contact) = found
                     && contact.separation >= -self.error
                 {
                     quest.offer(contact);
                 }
             }
         }
-    }
-}
-
-/// Lists the faces of two leaves that meet.
-fn meet([a, b]: [&Parts; 2], rounding: f64, meeting: &mut Vec<FacePair>, counters: &mut Counters) {
-    for f in a.facets {
-        if f.is_beneath(b.points, rounding) {
-            continue;
-        }
-        let bounds = Aabb::of_points(f.corners);
-        for g in b.facets {
-            if !are_apart(&bounds, &Aabb::of_points(g.corners), rounding)
-                && !f.is_beneath(&g.corners, rounding)
-                && !g.is_beneath(&f.corners, rounding)
-            {
-                counters.triangle_tests += 1;
-                meeting.extend(FacePair::of([f.face, g.face], [&f.corners, &g.corners]));
-            }
-        }
+        self.near_edges = near;
     }
 }
 

@@ -161,7 +161,15 @@ impl Coherent {
         let surface = strongest(&touching);
         let few = counters.node_tests - before < FEW_NODES;
         self.slanted = !few || surface == Meeting::Cross;
+        if !self.slanted {
+            self.patches.let_go();
+        }
         (surface, touching)
+    }
+
+    /// Lets go of what is of use only while patches are near each other.
+    pub(crate) fn let_go(&mut self) {
+        self.patches.let_go();
     }
 
     /// All pairs of faces that meet, by ascending ids.

@@ -344,6 +344,59 @@ fn a_nut_along_its_helix_has_contacts_all_around_and_none_is_off() {
     }
 }
 
+/// Leaves of patches are kept from query to query, and posed anew: whatever happens in between must not show.
+#[test]
+fn what_is_kept_of_patches_changes_no_answer() {
+    let bolt = shape(IsoBolt { segments: 24, length: Some(20.0), ..IsoBolt::default() });
+    let nut = shape(IsoNut { segments: 24, clearance: 0.3, ..IsoNut::default() });
+    let ball = shape(GolfBall::default());
+    let mut rng = Rng::new(2024);
+    let (mut memory, mut other, mut balls) = Default::default();
+    let mut angle = 0.0;
+    let mut found = 0;
+    for step in 0..48 {
+        // Along the helix, mostly; at times a freeze, a reversal, a jump, or off the helix into the thread.
+        angle += match step % 12 {
+            5 => 0.0,
+            7 => -0.3,
+            9 => 2.0 + rng.unit(),
+            _ => 0.026,
+        };
+        let off = if step % 12 == 11 { 0.2 } else { 0.01 * rng.unit() };
+        let pose = Pose {
+            rotation: DQuat::from_rotation_z(angle),
+            translation: DVec3::new(0.01, 0.02, 4.0 + angle / PI + off),
+        };
+        if step % 16 == 13 {
+            memory = PairMemory::default();
+        }
+        let margin = [0.2, 0.05, 0.3][step % 3];
+        let (a, b) = (at(&bolt, 0.0, 0.0, 0.0), Placed { model: &nut, pose });
+        let cold = contacts(a, b, margin);
+        let mut warm = contacts_with(a, b, margin, &mut memory);
+        let mut swapped = contacts_with(b, a, margin, &mut other).swapped();
+        (warm.counters, swapped.counters) = (cold.counters, cold.counters);
+        assert_eq!(warm, cold, "step {step}");
+        assert_eq!(swapped, cold, "step {step}");
+        // One model twice, asked about in either order.
+        let places = [0.0, 0.99 + 0.02 * rng.unit()].map(|x| Pose {
+            rotation: DQuat::from_rotation_y(x * angle),
+            translation: (1.0 - 2.0 * x) * ball.radius() * DVec3::new(1.0, 0.1, 0.0),
+        });
+        let [a, b] = places.map(|pose| Placed { model: &ball, pose });
+        let (a, b) = if step % 2 == 0 { (a, b) } else { (b, a) };
+        let (cold, mut warm) = (contacts(a, b, 0.05), contacts_with(a, b, 0.05, &mut balls));
+        warm.counters = cold.counters;
+        assert_eq!(warm, cold, "step {step}");
+        found += cold.contacts.len();
+    }
+    assert!(found > 48, "{found}");
+    let before = memory.bytes();
+    let far = at(&nut, 500.0, 0.0, 0.0);
+    assert!(contacts_with(at(&bolt, 0.0, 0.0, 0.0), far, 0.2, &mut memory).contacts.is_empty());
+    assert!(4 * memory.bytes() < before, "{} of {before} bytes", memory.bytes());
+}
+
 /// A model whose vertices were moved and moved back has the same mesh, and other patches: memory of the one must
 /// not speak for the other.
 #[test]
