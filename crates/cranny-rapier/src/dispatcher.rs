@@ -31,6 +31,7 @@ use rapier3d::parry::query::{
 };
 use rapier3d::parry::shape::{Compound, Shape};
 
+use crate::ahead::{Motions, PairAhead};
 use crate::ask::ask;
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::log::AnswerLog;
@@ -38,14 +39,15 @@ use crate::manifolds::{Manifold, rebuild};
 use crate::pair::{Found, PairWorkspace, for_parry, involves_ours, ours};
 use crate::partners::{holds, polyhedron};
 
-/// How far, as a multiple of the prediction distance, a contact may have moved and still be the
-/// same: beyond, its impulse belongs to another place.
+/// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact may have moved
+/// and still be the same: beyond, its impulse belongs to another place.
 const SAME_PLACE: f64 = 1.0;
 
 /// Puts the detector into rapier: `NarrowPhase::with_query_dispatcher(Dispatcher::default())`.
 #[derive(Clone, Debug, Default)]
 pub struct Dispatcher {
     log: Option<AnswerLog>,
+    motions: Motions,
 }
 
 /// A dispatcher without an answer log to share.
@@ -58,7 +60,12 @@ impl Dispatcher {
     /// A dispatcher that tells a log what it answers and how long it took.
     #[must_use]
     pub fn with_log(log: AnswerLog) -> Self {
-        Self { log: Some(log) }
+        Self { log: Some(log), ..Self::default() }
+    }
+
+    /// The same, looking no farther ahead than bodies come nearer.
+    pub(crate) fn looking_ahead(self, motions: Motions) -> Self {
+        Self { motions, ..self }
     }
 }
 
@@ -119,10 +126,20 @@ impl Dispatcher {
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Option<Duration> {
         let pose = pose_from_rapier(pos12);
-        let reach = f64::from(prediction);
+        let ahead =
+            ours(g1).zip(ours(g2)).and_then(|(s1, s2)| self.motions.between(s1.tag(), s2.tag()));
+        let reach = ahead.map_or(prediction, |ahead| ahead.reach().min(prediction));
+        if ahead.is_some_and(|ahead| ahead.stay_apart()) {
+            manifolds.clear();
+            return Some(Duration::ZERO);
+        }
         let mut pair = taken(workspace, g1, g2);
-        let Found { contacts, answer } = pair.found(&pose, g1, g2, reach)?;
-        rebuild(&contacts, &pose, SAME_PLACE * reach, manifolds);
+        let Found { mut contacts, answer } = pair.found(&pose, g1, g2, reach.into())?;
+        if let Some(ahead) = &ahead {
+            contacts.retain(|contact| ahead.may_close(contact));
+        }
+        let drift = ahead.as_ref().map_or(prediction, PairAhead::drift);
+        rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
         let mut read = Duration::ZERO;
         if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
             let wanted = log.demand(s1.tag(), s2.tag());

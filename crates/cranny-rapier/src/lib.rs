@@ -13,7 +13,7 @@
 //!
 //! Segments, cylinders, cones and the latter two rounded meet our shape as a hollow parry mesh, and so do all
 //! shape casts: see [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
-//! its own meshes: give fast bodies a `soft_ccd_prediction`, as [`simulation`] does. A body of
+//! its own meshes: look ahead of fast bodies, as [`simulation`] does. A body of
 //! these kinds that lies wholly inside a solid is told as such, but no contact drives it out. A snapshot of
 //! rapier's world does not hold our shapes. rapier's own settings matter: see [`simulation`].
 //!
@@ -46,6 +46,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ahead;
 mod ask;
 mod convert;
 mod deep;

@@ -149,8 +149,8 @@ impl Shape for MeshShape {
 
     /// Infinite: rapier's own continuous detection never starts, as it never does for parry's meshes
     /// and height fields. It would cast the hollow mesh, find contact at once, and hold a body that
-    /// slides along another where it is. `soft_ccd_prediction` sees fast bodies ahead instead;
-    /// [`Simulation`](crate::Simulation) sets it.
+    /// slides along another where it is. A prediction distance as long as bodies move sees
+    /// fast ones ahead instead; [`Simulation`](crate::Simulation) sets it.
     fn ccd_thickness(&self) -> Real {
         Real::MAX
     }

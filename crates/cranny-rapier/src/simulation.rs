@@ -7,7 +7,7 @@
 //! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for | it keeps contacts while a pair drifts by several prediction distances; thin gaps do not forgive that |
 //! | `friction_model` | Coulomb with [`Detector::Cranny`] | the simplified model rubs at a manifold's middle; most of ours have one point |
 //! | `num_solver_iterations` | enough for [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] unless asked for | they are rapier's substeps: at 1/60 s its default of 4 lets a falling chain sink in by half a link before it is stopped |
-//! | `normalized_prediction_distance` | with [`Detector::Cranny`] at each step at least as far as two bodies can come nearer in it | contacts are then seen as far ahead, so that fast bodies are stopped before they overlap, also where one of two that fall together is stopped by a third |
+//! | `normalized_prediction_distance` | with [`Detector::Cranny`] at each step at least as far as any two bodies near each other can come nearer in it; each pair is looked at as far as *its* bodies can | fast bodies are stopped before they overlap, also where one of two that fall together is stopped by a third |
 //! | `soft_ccd_prediction` of dynamic bodies | the body's radius with other detectors | rapier's own way to look ahead; it leaves out pairs that approach each other only once one of them is stopped |
 //! | the rest | rapier's defaults | |
 //!
@@ -20,7 +20,6 @@ use cranny_exact::{DVec3, Pose, PoseError};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Demand};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
-use rapier3d::math::Vector;
 use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
     ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
@@ -30,6 +29,7 @@ use rapier3d::prelude::{
 };
 use thiserror::Error;
 
+use crate::ahead::{Motions, Tagged, World};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 use crate::detector::Detector;
 use crate::dispatcher::Dispatcher;
@@ -240,8 +240,12 @@ pub struct Simulation {
     soft_bodies: SoftBodySet,
     ccd: CCDSolver,
     handles: Vec<RigidBodyHandle>,
-    /// Of the bodies' models, about their origins.
-    radii: Vec<f32>,
+    tagged: Vec<Tagged>,
+    motions: Motions,
+    /// Whether rapier has seen all bodies where they are.
+    settled: bool,
+    /// The prediction distance of the last step.
+    looked_ahead: f32,
     poses_before: Vec<Pose>,
     exclusions: Exclusions,
     log: AnswerLog,
@@ -278,7 +282,8 @@ impl Simulation {
         }
         parameters.num_solver_iterations = options.substeps();
         parameters.contact_recycling = options.recycling.unwrap_or(!ours);
-        let log = AnswerLog::default();
+        let (log, motions) = (AnswerLog::default(), Motions::default());
+        let dispatcher = Dispatcher::with_log(log.clone()).looking_ahead(motions.clone());
         let mut pipeline = PhysicsPipeline::new();
         pipeline.counters.enable();
         Self {
@@ -287,7 +292,7 @@ impl Simulation {
             pipeline,
             islands: IslandManager::new(),
             broad_phase: DefaultBroadPhase::new(),
-            narrow_phase: NarrowPhase::with_query_dispatcher(Dispatcher::with_log(log.clone())),
+            narrow_phase: NarrowPhase::with_query_dispatcher(dispatcher),
             bodies: RigidBodySet::new(),
             colliders: ColliderSet::new(),
             joints: ImpulseJointSet::new(),
@@ -295,7 +300,10 @@ impl Simulation {
             soft_bodies: SoftBodySet::new(),
             ccd: CCDSolver::new(),
             handles: Vec::new(),
-            radii: Vec::new(),
+            tagged: Vec::new(),
+            motions,
+            settled: false,
+            looked_ahead: 0.0,
             poses_before: Vec::new(),
             exclusions: Exclusions::default(),
             log,
@@ -333,18 +341,18 @@ impl Simulation {
             BodyKind::Kinematic => RigidBodyType::KinematicVelocityBased,
             BodyKind::Dynamic => RigidBodyType::Dynamic,
         };
-        let radius = spec.model.radius() as f32;
         // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning of the step.
         let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let body = RigidBodyBuilder::new(kind)
-            .soft_ccd_prediction(if own { radius } else { 0.0 })
+            .soft_ccd_prediction(if own { spec.model.radius() as f32 } else { 0.0 })
             .pose(pose_to_rapier(&pose))
             .linvel(narrow(spec.linear_velocity))
             .angvel(narrow(spec.angular_velocity));
         let handle = self.bodies.insert(body);
-        self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
+        let collider = self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
         self.handles.push(handle);
-        self.radii.push(radius);
+        self.tagged.push(Tagged::new(spec.model, collider));
+        self.settled = false;
         self.poses_before.push(self.pose(BodyIndex(index)));
         Ok(BodyIndex(index))
     }
@@ -382,6 +390,7 @@ impl Simulation {
             self.poses_before[index] = self.pose(BodyIndex(index as u32));
         }
         let parameters = self.looking_ahead();
+        self.looked_ahead = parameters.prediction_distance();
         self.pipeline.step(
             narrow(self.options.gravity),
             &parameters,
@@ -400,26 +409,27 @@ impl Simulation {
         self.forget_parted();
     }
 
-    /// rapier's parameters, with a prediction distance no shorter than any two bodies can come nearer in the next
-    /// step, be it that one of them is stopped by a third: rapier asks about no more, and the solver sees no more.
-    /// A body that moves by more than its radius a step is looked ahead of by its radius only. All pairs get
-    /// the same distance: one fast body makes those at rest dearer, too.
-    fn looking_ahead(&self) -> IntegrationParameters {
+    /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs: rapier asks about
+    /// no more, and the solver sees no more.
+    fn looking_ahead(&mut self) -> IntegrationParameters {
         let mut parameters = self.parameters;
         if self.options.detector != Detector::Cranny {
             return parameters;
         }
-        // The box of all motions, rest among them: none differs from another by more than its diagonal.
-        let (mut least, mut most) = (Vector::ZERO, Vector::ZERO);
-        for (&handle, &radius) in self.handles.iter().zip(&self.radii) {
-            let motion = self.bodies[handle].linvel() * parameters.dt;
-            let motion = motion.clamp_length_max(radius);
-            (least, most) = (least.min(motion), most.max(motion));
-        }
-        let ahead = (most - least).length() / parameters.length_unit;
-        parameters.normalized_prediction_distance =
-            parameters.normalized_prediction_distance.max(ahead);
+        let world =
+            World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
+        let broad_phase = &mut self.broad_phase;
+        let ahead = self.motions.look(&world, broad_phase, &parameters, self.settled);
+        self.settled = true;
+        parameters.normalized_prediction_distance = ahead / parameters.length_unit;
         parameters
+    }
+
+    /// How far ahead bodies were looked at in the last step, at most: rapier's prediction distance, as long as nothing
+    /// fast is near anything. With our detector each pair has a reach of its own, up to this.
+    #[must_use]
+    pub fn prediction_distance(&self) -> f64 {
+        self.looked_ahead.into()
     }
 
     /// Drops answers about pairs that rapier no longer considers, whenever they are the greater part.
@@ -475,6 +485,7 @@ impl Simulation {
     pub fn set_pose(&mut self, body: BodyIndex, pose: Pose) {
         let handle = self.handle(body);
         self.bodies[handle].set_position(pose_to_rapier(&pose), true);
+        self.settled = false;
     }
 
     /// Gives a body other velocities.

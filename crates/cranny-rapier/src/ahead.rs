@@ -1,0 +1,288 @@
+//! How far ahead two bodies are looked at: as far as they may come nearer in the next step.
+//!
+//! rapier has one prediction distance for all pairs, and its way to widen it for a fast body leaves out pairs that do
+//! not approach at the beginning of a step: of two bodies that fall together the upper one would go into the lower one
+//! in the step in which that lands. So here each pair has a reach of its own. A body may go on as it moves, or be
+//! brought to the motion of what is near it, or to any motion in between: a box of motions ([`Motion::may`]). A pair's reach
+//! is what two motions of its boxes differ by at most; and of the contacts within it only those count along whose normals
+//! they differ by as much. What rapier is told is the longest reach of bodies that are near each other. So what lies at
+//! rest, or is lost far away, makes nothing else dearer.
+//!
+//! Motions are those of centres of mass: what spins fast needs steps in which its rim moves by less than the prediction
+//! distance.
+
+use std::sync::{Arc, PoisonError, RwLock};
+
+use cranny_exact::DVec3;
+use cranny_geometry::Model;
+use rapier3d::geometry::BroadPhaseBvh;
+use rapier3d::math::{Pose, Vector};
+use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use rapier3d::prelude::{
+    ColliderHandle, ColliderSet, IntegrationParameters, QueryFilter, RigidBody, RigidBodySet,
+};
+
+use crate::convert::narrow;
+use crate::dispatcher::Dispatcher;
+use crate::manifolds::SolverContact;
+
+/// Through how many bodies a motion is handed on within a step. More: everything in a pile that one body falls on
+/// looks ahead; fewer: what stands close behind a body that is hit is not seen by it.
+const HOPS: usize = 2;
+
+/// What a body does in the next step.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    pose: Pose,
+    /// Of its collider.
+    bounds: Aabb,
+    /// World coordinates.
+    center: Vector,
+    /// Of the center, no longer than the body's radius about it.
+    linear: Vector,
+    angular: Vector,
+    /// What others may make of `linear`: a box that holds it.
+    may: Aabb,
+}
+
+impl Motion {
+    fn of(body: &RigidBody, bounds: Aabb, tagged: &Tagged, dt: f32) -> Self {
+        let linear = (body.linvel() * dt).clamp_length_max(tagged.radius);
+        Self {
+            pose: *body.position(),
+            bounds,
+            center: *body.position() * tagged.center,
+            linear,
+            angular: body.angvel() * dt,
+            may: Aabb::new(linear, linear),
+        }
+    }
+
+    /// How far a point moves by the body's turning.
+    fn turning(&self, point: Vector) -> Vector {
+        self.angular.cross(point - self.center)
+    }
+
+    /// Where the body may be until the end of the step, and a margin around it.
+    fn swept(&self, margin: f32) -> Aabb {
+        let (least, most) = (self.may.mins.min(Vector::ZERO), self.may.maxs.max(Vector::ZERO));
+        Aabb::new(self.bounds.mins + least, self.bounds.maxs + most).loosened(margin)
+    }
+}
+
+/// How two bodies may move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairAhead {
+    motions: [Motion; 2],
+    base: f32,
+}
+
+impl PairAhead {
+    /// Motions of the first as the second sees them.
+    fn may(&self) -> Aabb {
+        let [a, b] = &self.motions;
+        Aabb::new(a.may.mins - b.may.maxs, a.may.maxs - b.may.mins)
+    }
+
+    /// Contacts that are farther away do not matter in this step.
+    pub(crate) fn reach(&self) -> f32 {
+        let may = self.may();
+        self.base.max(may.mins.abs().max(may.maxs.abs()).length())
+    }
+
+    /// How far a contact may have moved since the step before.
+    pub(crate) fn drift(&self) -> f32 {
+        let [a, b] = &self.motions;
+        self.base.max((a.linear - b.linear).length())
+    }
+
+    /// Whether not even the bodies' boxes come within the shortest reach.
+    pub(crate) fn stay_apart(&self) -> bool {
+        let ([a, b], may) = (&self.motions, self.may());
+        let (least, most) = (may.mins.min(Vector::ZERO), may.maxs.max(Vector::ZERO));
+        let swept = Aabb::new(a.bounds.mins + least, a.bounds.maxs + most);
+        !swept.loosened(self.base).intersects(&b.bounds)
+    }
+
+    /// Whether the bodies may come together at a contact (told in the frame of the first).
+    pub(crate) fn may_close(&self, contact: &SolverContact) -> bool {
+        let ([a, b], may) = (&self.motions, self.may());
+        let point = a.pose * narrow(contact.on_first);
+        let normal = a.pose.rotation * narrow(contact.normal);
+        let linear = (may.mins * normal).max(may.maxs * normal).element_sum();
+        let turning = (a.turning(point) - b.turning(point)).dot(normal);
+        contact.separation <= f64::from(self.base.max(linear + turning.max(0.0)))
+    }
+}
+
+/// What all bodies do in the next step, by tags. Shared by a dispatcher and its owner.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Motions(Arc<RwLock<Known>>);
+
+#[derive(Debug, Default)]
+struct Known {
+    bodies: Vec<Motion>,
+    /// The shortest reach.
+    base: f32,
+}
+
+/// Bodies as a simulation keeps them.
+pub(crate) struct World<'a> {
+    pub(crate) bodies: &'a RigidBodySet,
+    pub(crate) colliders: &'a ColliderSet,
+    /// By tag.
+    pub(crate) tagged: &'a [Tagged],
+}
+
+/// What does not change about a body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tagged {
+    pub(crate) collider: ColliderHandle,
+    /// Of mass, in the body's frame.
+    pub(crate) center: Vector,
+    /// About the centre of mass.
+    pub(crate) radius: f32,
+}
+
+impl Tagged {
+    /// The origin stands for a centre of mass where a model has none.
+    pub(crate) fn new(model: &Model, collider: ColliderHandle) -> Self {
+        let center = model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
+        let away = |p: &DVec3| p.distance(center);
+        let radius = model.mesh().vertices().iter().map(away).fold(0.0, f64::max);
+        Self { collider, center: narrow(center), radius: radius as f32 }
+    }
+}
+
+impl World<'_> {
+    fn body(&self, tag: usize) -> Option<&RigidBody> {
+        self.bodies.get(self.colliders.get(self.tagged[tag].collider)?.parent()?)
+    }
+
+    fn motion(&self, tag: usize, dt: f32) -> Option<Motion> {
+        let (tagged, body) = (&self.tagged[tag], self.body(tag)?);
+        // Where somebody put the body: its collider follows within the step.
+        let bounds = self.colliders.get(tagged.collider)?.shape().compute_aabb(body.position());
+        Some(Motion::of(body, bounds, tagged, dt))
+    }
+}
+
+impl Motions {
+    /// How far two tagged bodies are looked at; `None` where one is not known.
+    pub(crate) fn between(&self, first: u32, second: u32) -> Option<PairAhead> {
+        let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        let of = |tag: u32| known.bodies.get(tag as usize).copied();
+        Some(PairAhead { motions: [of(first)?, of(second)?], base: known.base })
+    }
+
+    /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the prediction
+    /// distance that rapier has to be told: no contact that a pair's reach holds is farther.
+    ///
+    /// `settled`: whether the broad phase has boxes of all bodies where they are.
+    pub(crate) fn look(
+        &self,
+        world: &World,
+        broad_phase: &mut BroadPhaseBvh,
+        parameters: &IntegrationParameters,
+        settled: bool,
+    ) -> f32 {
+        let base = parameters.prediction_distance();
+        let tags = 0..world.tagged.len();
+        let mut bodies: Vec<Motion> =
+            tags.filter_map(|tag| world.motion(tag, parameters.dt)).collect();
+        let reach = if settled {
+            Neighbours { world, parameters, base }.influence(&mut bodies, broad_phase)
+        } else {
+            // Nobody knows yet what is near: anything may take over any motion.
+            let rest = Aabb::new(Vector::ZERO, Vector::ZERO);
+            let all = bodies.iter().fold(rest, |all, motion| all.merged(&motion.may));
+            bodies.iter_mut().for_each(|motion| motion.may = all);
+            // rapier loosens boxes by half of it, but not those of what has long been there.
+            2.0 * all.extents().length()
+        };
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Known { bodies, base };
+        reach.max(base)
+    }
+}
+
+/// Who is near whom.
+struct Neighbours<'a> {
+    world: &'a World<'a>,
+    parameters: &'a IntegrationParameters,
+    base: f32,
+}
+
+impl Neighbours<'_> {
+    /// Tells each body what others may make of its motion, and returns the longest reach.
+    fn influence(&self, motions: &mut [Motion], broad_phase: &mut BroadPhaseBvh) -> f32 {
+        let mut seen = vec![false; motions.len()];
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        for hop in 0..=HOPS {
+            let fast: Vec<u32> = (0..motions.len() as u32)
+                .filter(|&i| !seen[i as usize] && self.is_fast(&motions[i as usize]))
+                .collect();
+            for &i in &fast {
+                seen[i as usize] = true;
+                let swept = motions[i as usize].swept(0.5 * self.base);
+                broad_phase.set_aabb(
+                    self.parameters,
+                    self.world.tagged[i as usize].collider,
+                    swept,
+                );
+            }
+            if fast.is_empty() || hop == HOPS {
+                break;
+            }
+            let World { bodies, colliders, .. } = *self.world;
+            let dispatcher = Dispatcher::default();
+            let tree =
+                broad_phase.as_query_pipeline(&dispatcher, bodies, colliders, QueryFilter::new());
+            for &i in &fast {
+                let swept = motions[i as usize].swept(0.5 * self.base);
+                let near = tree.intersect_aabb_conservative(swept);
+                let near = near.map(|(_, collider)| collider.user_data as u32);
+                pairs.extend(near.filter(|&j| j != i).map(|j| [i.min(j), i.max(j)]));
+            }
+            pairs.sort_unstable();
+            pairs.dedup();
+            let before = motions.to_vec();
+            for &[i, j] in pairs.iter().filter(|pair| !self.between(&before, **pair).stay_apart()) {
+                for (of, by) in [(i as usize, j as usize), (j as usize, i as usize)] {
+                    let share = self.share(&before, of, by);
+                    let (own, its) = (before[of].linear, &before[by].may);
+                    let taken = |end: Vector| own + share * (end - own);
+                    motions[of].may.merge(&Aabb::new(taken(its.mins), taken(its.maxs)));
+                }
+            }
+        }
+        let pairs = pairs.iter().map(|&pair| self.between(motions, pair));
+        pairs.filter(|p| !p.stay_apart()).map(|p| p.reach()).fold(0.0, f32::max)
+    }
+
+    fn between(&self, motions: &[Motion], pair: [u32; 2]) -> PairAhead {
+        PairAhead { motions: pair.map(|i| motions[i as usize]), base: self.base }
+    }
+
+    /// Two that are not, come no nearer than the prediction distance.
+    fn is_fast(&self, Motion { may, .. }: &Motion) -> bool {
+        may.mins.abs().max(may.maxs.abs()).length() > 0.5 * self.base
+    }
+
+    /// How much of another's motion a body may take over: all where that is slower, since others may hold it,
+    /// otherwise as much as its mass says.
+    fn share(&self, motions: &[Motion], of: usize, by: usize) -> f32 {
+        let mass = |tag: usize| {
+            let dynamic = self.world.body(tag).filter(|body| body.is_dynamic());
+            dynamic.map_or(f32::INFINITY, RigidBody::mass)
+        };
+        let (own, its) = (mass(of), mass(by));
+        if own == f32::INFINITY {
+            0.0
+        } else if its == f32::INFINITY || motions[by].linear.length() < motions[of].linear.length()
+        {
+            1.0
+        } else {
+            its / (own + its)
+        }
+    }
+}
