@@ -52,6 +52,8 @@ pub(crate) struct Coherent {
     /// The front's odometers show this query's pose.
     advanced: bool,
     crossing: Vec<[FaceId; 2]>,
+    /// Whether to look at them: in vain, where motion is so fast that none crosses for a second time.
+    following: Patience,
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
@@ -233,6 +235,22 @@ impl Coherent {
     /// Whether faces that crossed before still do, or some beside them: a curve in which surfaces cross
     /// leaves a face for one that shares a corner with it, mostly while the other face stays.
     fn still_cross(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
+        if self.crossing.is_empty() {
+            return false;
+        }
+        if !self.following.is_over() {
+            self.crossing.clear();
+            return false;
+        }
+        let found = self.followed_crossing(pair, counters);
+        match found {
+            true => self.following.succeeded(),
+            false => self.following.failed(),
+        }
+        found
+    }
+
+    fn followed_crossing(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
         let mut crosses = |&[f, g]: &[FaceId; 2]| {
             counters.triangle_tests += 1;
             classify_triangles(&pair.triangle(Side::First, f), &pair.triangle(Side::Second, g))

@@ -204,6 +204,39 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     assert!(warm > 0 && warm * 8 < cold && held > 0, "{warm} of {cold}");
 }
 
+/// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross twice; slowly, the
+/// same ones do for long.
+#[test]
+fn faces_that_crossed_are_asked_again_only_where_that_pays() {
+    let shape = shape(Torus {
+        major_radius: 0.4,
+        minor_radius: 0.1,
+        major_segments: 60,
+        minor_segments: 15,
+    });
+    let beside = DVec3::new(0.8, 0.6, 0.0);
+    let slant = DQuat::from_axis_angle(beside, std::f64::consts::PI / 6.0);
+    let work = |degrees: f64| {
+        let mut memory = PairMemory::default();
+        let (mut warm, mut cold) = (0, 0);
+        for frame in 0..200 {
+            let turn = DQuat::from_axis_angle(DVec3::Z, (degrees * f64::from(frame)).to_radians());
+            let pose = Pose { rotation: (slant * turn).normalize(), translation: 0.98 * beside };
+            let (a, b) =
+                (Placed { model: &shape, pose: Pose::IDENTITY }, Placed { model: &shape, pose });
+            let answer = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
+            assert_eq!(answer.surface, Meeting::Cross, "frame {frame}");
+            warm += answer.counters.triangle_tests;
+            cold += ask(a, b, Demand::Intersects).counters.triangle_tests;
+        }
+        (warm, cold)
+    };
+    let (warm, cold) = work(37.0);
+    assert!(33 * warm < 34 * cold, "fast: {warm} of {cold}");
+    let (warm, cold) = work(0.01);
+    assert!(4 * warm < 2 * cold, "slow: {warm} of {cold}");
+}
+
 #[test]
 fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     let bolt = IsoBolt { segments: 36, length: Some(16.0), ..IsoBolt::default() };
