@@ -3,6 +3,8 @@
 #[path = "deform/equal.rs"]
 mod equal;
 mod meshes;
+#[path = "deform/moves.rs"]
+mod moves;
 
 use cranny_exact::DVec3;
 use cranny_geometry::{
@@ -11,7 +13,8 @@ use cranny_geometry::{
 use cranny_shapes::{Cuboid, Cup, GolfBall, NestedShells, Shape, Sphere, Torus, UPrism};
 use cranny_testkit::Rng;
 use equal::{assert_equals_rebuild, options};
-use meshes::{corpus, turned};
+use meshes::turned;
+use moves::{bell, random_moves};
 
 fn model(mesh: Mesh) -> Model {
     Model::build(mesh, &options()).unwrap().0
@@ -24,50 +27,6 @@ fn deformed(model: &mut Model, moves: &[(VertexId, DVec3)], what: &str) -> Chang
     assert_equals_rebuild(model, what);
     equal::assert_tells_changes(&before, model, &change, what);
     change
-}
-
-/// The vertices within a ball about a vertex, and where they go: by `shift` times the height of a bell.
-fn bell(mesh: &Mesh, about: VertexId, radius: f64, shift: DVec3) -> Vec<(VertexId, DVec3)> {
-    let center = mesh.position(about);
-    let all = (0..mesh.vertices().len() as u32).map(VertexId);
-    all.filter_map(|v| {
-        let p = mesh.position(v);
-        let share = (p - center).length_squared() / (radius * radius);
-        (share < 1.0).then(|| (v, p + (1.0 - share) * (1.0 - share) * shift))
-    })
-    .collect()
-}
-
-/// One of the things that may happen to a mesh.
-fn random_moves(mesh: &Mesh, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
-    let bounds = mesh.bounds();
-    let size = bounds.diagonal();
-    let v = VertexId(rng.below(mesh.vertices().len()) as u32);
-    let outward = (mesh.position(v) - bounds.center()).normalize_or(DVec3::X);
-    let mut any = || DVec3::new(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
-    let aside = any();
-    match rng.below(7) {
-        0 => bell(mesh, v, 0.15 * size, -0.06 * size * outward),
-        1 => bell(mesh, v, 0.1 * size, 0.05 * size * outward + 0.02 * size * aside),
-        2 => vec![(v, mesh.position(v) - 0.05 * size * outward)],
-        3 => vec![(v, mesh.position(v) + 0.05 * size * aside)],
-        4 => {
-            // Onto the middle of an edge of a neighbouring face: faces without area.
-            let face = mesh.faces().iter().find(|f| f.contains(&v.0));
-            let Some(face) = face else { return vec![] };
-            let others: Vec<u32> = face.iter().copied().filter(|&i| i != v.0).collect();
-            let [a, b] = [others[0], others[1]].map(|i| mesh.position(VertexId(i)));
-            vec![(v, 0.5 * (a + b))]
-        }
-        5 => (0..5)
-            .map(|_| VertexId(rng.below(mesh.vertices().len()) as u32))
-            .collect::<std::collections::BTreeSet<_>>()
-            .into_iter()
-            .map(|v| (v, mesh.position(v) + 0.01 * size * aside))
-            .collect(),
-        // Through the middle and out on the other side: faces cross.
-        _ => vec![(v, mesh.position(v) - 0.6 * size * outward)],
-    }
 }
 
 #[test]
@@ -252,26 +211,6 @@ fn bad_moves_are_refused_and_change_nothing() {
         .map(|i| (VertexId(i), before.mesh().position(VertexId(i)) * DVec3::new(-1.0, 1.0, 1.0)))
         .collect();
     assert!(matches!(refused(&mut model, &mirrored), DeformError::InsideOut { .. }));
-}
-
-/// Real meshes: open ones, soups, many shells.
-#[test]
-fn meshes_of_the_corpus_follow_too() {
-    let mut rng = Rng::new(13);
-    for (name, mesh) in corpus() {
-        if mesh.faces().len() > 1500 {
-            continue;
-        }
-        let Ok((built, _)) = Model::build(mesh, &options()) else { continue };
-        // A mesh that was turned right side out is numbered anew when it is built again.
-        let mut model = model(built.mesh().clone());
-        for step in 0..3 {
-            let moves = random_moves(model.mesh(), &mut rng);
-            if model.deform(&moves).is_ok() {
-                assert_equals_rebuild(&model, &format!("{name} step {step}"));
-            }
-        }
-    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ use cranny_shapes::{
     Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, PyramidInCavity, Shape, Torus,
 };
 use cranny_testkit::Rng;
-use meshes::{corpus, soup, turned};
+use meshes::{soup, turned};
 
 /// Head of a file: magic, version, 0, length, checksum.
 const HEAD: usize = 32;
@@ -259,17 +259,6 @@ fn the_largest_leaves_come_back_and_deform() {
     assert!(shown(&back) == shown(&model));
     nudge(&mut back);
     use_all(&back);
-}
-
-#[test]
-fn corpus_models_come_back() {
-    for (name, mesh) in corpus() {
-        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-        let Ok((model, _)) = Model::build(mesh, &options) else { continue };
-        let bytes = model.encode();
-        let back = Model::decode(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(back.encode() == bytes, "{name}");
-    }
 }
 
 #[test]

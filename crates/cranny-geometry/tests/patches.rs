@@ -6,7 +6,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, Mesh, PatchId, Patches, Topology, VertexId};
 use cranny_shapes::{Cuboid, GolfBall, IsoBolt, IsoNut, Shape, Torus};
 use cranny_testkit::{Q, Q3, Rng};
-use meshes::{corpus, scaled, soup, turned};
+use meshes::{scaled, soup, turned};
 
 fn patches(mesh: &Mesh) -> Patches {
     let topology = Topology::of(mesh);
@@ -123,12 +123,4 @@ fn a_vertex_that_no_face_names_is_in_no_patch() {
         assert_eq!(patches.patch_of_vertex(&topology, VertexId(v)), Some(PatchId(0)));
     }
     assert_eq!(patches.patch_of_vertex(&topology, VertexId(2)), None);
-}
-
-#[test]
-fn corpus_meshes_are_divided() {
-    for (name, mesh) in corpus() {
-        let count = patches(&mesh).len();
-        assert!(count <= mesh.faces().len().min(400), "{name}: {count} patches");
-    }
 }

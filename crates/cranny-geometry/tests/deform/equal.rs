@@ -31,6 +31,10 @@ pub(crate) fn assert_equals_rebuild(model: &Model, what: &str) {
     assert_equal(model, &rebuilt, what);
 }
 
+/// Pairs of points and triangles up to which hulls are validated here, every pair of which is looked at: those of the
+/// largest mesh of this crate's tests of deformation.
+const LARGEST_HULL: usize = 400_000_000;
+
 fn all_faces(model: &Model) -> impl Iterator<Item = FaceId> + use<> {
     (0..model.mesh().faces().len() as u32).map(FaceId)
 }
@@ -39,7 +43,9 @@ fn all_faces(model: &Model) -> impl Iterator<Item = FaceId> + use<> {
 pub(crate) fn validate(model: &Model, what: &str) {
     let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
     topology.validate(mesh).unwrap();
-    assert_eq!(hull.validate(mesh.vertices()), [], "{what}");
+    if mesh.vertices().len() * hull.triangle_count() <= LARGEST_HULL {
+        assert_eq!(hull.validate(mesh.vertices()), [], "{what}");
+    }
     let faces: Vec<FaceId> = all_faces(model).collect();
     model.tree().validate(mesh, &faces).unwrap_or_else(|e| panic!("{what}: {e}"));
     model.features().validate(mesh, topology).unwrap_or_else(|e| panic!("{what}: {e}"));

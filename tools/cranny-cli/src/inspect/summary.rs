@@ -4,7 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use cranny_geometry::concavity::Concavity;
-use cranny_geometry::{Envelope, Envelopes, Finding, MeetingScan, Model, RepairRecord};
+use cranny_geometry::{
+    Envelope, Envelopes, Finding, FindingKind, MeetingScan, Model, RepairRecord, Report,
+};
 use serde::Serialize;
 
 use crate::model_file::LoadedModel;
@@ -40,6 +42,8 @@ pub(super) struct Summary {
     pub(super) hull: HullLine,
     pub(super) features: FeaturesLine,
     pub(super) concavities: Vec<ConcavityLine>,
+    /// Why pockets tell no volume; null where they do.
+    pub(super) volumes_unknown: Option<&'static str>,
     /// Volume between the hull and the faces on it.
     pub(super) skin_volume: f64,
     /// Area of the hull beyond that of the faces on it.
@@ -79,6 +83,8 @@ pub(super) struct RepairLine {
     pub(super) count: usize,
     /// As filed; empty where nearly all are concerned.
     pub(super) faces: Vec<u32>,
+    /// As filed; of what is always done to vertices.
+    pub(super) vertices: Vec<u32>,
     /// How far the surface moved at most.
     pub(super) moved: f64,
     pub(super) text: String,
@@ -120,7 +126,8 @@ pub(super) struct ConcavityLine {
     pub(super) lids: usize,
     pub(super) cap_area: f64,
     pub(super) area: f64,
-    pub(super) pocket_volume: f64,
+    /// Null where the body's volume is unknown, for then it means nothing.
+    pub(super) pocket_volume: Option<f64>,
     /// Of one without a lid, what surrounds it.
     pub(super) parent: Option<u32>,
     pub(super) tree_nodes: usize,
@@ -156,6 +163,7 @@ impl Summary {
         let LoadedModel { model, report, knows_origin, format, notes, times } = loaded;
         let bounds = model.bounds();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        let volumes_unknown = volumes_unknown(report);
         Self {
             version: 1,
             file: path.display().to_string(),
@@ -182,8 +190,9 @@ impl Summary {
             concavities: model
                 .concavities()
                 .iter()
-                .map(|concavity| ConcavityLine::new(model, &concavity))
+                .map(|concavity| ConcavityLine::new(model, &concavity, volumes_unknown.is_none()))
                 .collect(),
+            volumes_unknown,
             skin_volume: model.concavities().skin().volume,
             skin_area: model.concavities().skin().area,
             patches: model.patches().len(),
@@ -204,6 +213,16 @@ impl Summary {
             skipped: Vec::new(),
         }
     }
+}
+
+/// What keeps the volumes of pockets from meaning anything.
+fn volumes_unknown(report: &Report) -> Option<&'static str> {
+    let has = |kind: FindingKind| report.findings.iter().any(|f| f.kind == kind);
+    if !report.closed {
+        return Some("the mesh is not closed");
+    }
+    let doubled = has(FindingKind::DuplicateFaces) || has(FindingKind::OppositeFaces);
+    doubled.then_some("faces lie in one place with others")
 }
 
 impl FindingLine {
@@ -227,6 +246,7 @@ impl RepairLine {
             kind: repair.kind.name(),
             count: repair.count,
             faces: repair.faces.clone(),
+            vertices: repair.vertices.clone(),
             moved: repair.moved,
             text: repair.to_string(),
         }
@@ -248,7 +268,7 @@ impl FeaturesLine {
 }
 
 impl ConcavityLine {
-    fn new(model: &Model, concavity: &Concavity<'_>) -> Self {
+    fn new(model: &Model, concavity: &Concavity<'_>, is_known: bool) -> Self {
         let index = concavity.id().index();
         let envelopes = model.envelopes();
         let layers = Layers::of(envelopes, &envelopes.envelope(index));
@@ -260,7 +280,7 @@ impl ConcavityLine {
             lids: concavity.lids().len(),
             cap_area: concavity.measures.cap_area,
             area: concavity.measures.face_area,
-            pocket_volume: concavity.measures.pocket_volume,
+            pocket_volume: is_known.then_some(concavity.measures.pocket_volume),
             parent: concavity.parent.map(|id| id.0),
             tree_nodes: model.concavity_trees().nodes(index).len(),
             envelope_layers: layers.count,
@@ -303,7 +323,8 @@ impl HullLine {
             facets: hull.facet_count(),
             volume: hull.volume(),
             area: hull.area(),
-            thickness_max: hull.thickness_max(),
+            // Rounding outward leaves the least of all numbers where there is nothing.
+            thickness_max: Some(hull.thickness_max()).filter(|t| t.is_normal()).unwrap_or(0.0),
         }
     }
 }

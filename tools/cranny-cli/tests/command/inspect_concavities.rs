@@ -178,3 +178,62 @@ fn how_flat_is_flat_can_be_said() {
         assert!(refused.stderr.contains(word), "{word:?} is missing in {refused:?}");
     }
 }
+
+/// All keys of an object, and of what it holds.
+fn keys(value: &Value, found: &mut std::collections::BTreeSet<String>) {
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, value)| {
+            found.insert(key.clone());
+            keys(value, found);
+        }),
+        Value::Array(values) => values.iter().for_each(|value| keys(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_key_is_in_the_documentation() {
+    let page = include_str!("../../../../docs/inspect.md");
+    let cup = Cup::default().build().unwrap();
+    let mut open = cup.faces().to_vec();
+    open.truncate(open.len() - 3);
+    open.push(open[0]);
+    let open = Mesh::new([cup.vertices(), &[DVec3::ONE]].concat(), open).unwrap();
+    let mut found = std::collections::BTreeSet::new();
+    for mesh in [&cup, &open] {
+        keys(&inspected(mesh), &mut found);
+    }
+    for key in ["limits", "vertices", "pocket_volume", "volumes_unknown", "moved"] {
+        assert!(found.contains(key), "{key}");
+    }
+    for key in &found {
+        assert!(page.contains(&format!("`{key}`")), "{key} is not told in docs/inspect.md");
+    }
+}
+
+#[test]
+fn what_an_open_or_a_doubled_mesh_holds_is_unknown_and_why() {
+    let cup = Cup::default().build().unwrap();
+    let open = cup.faces()[1..].to_vec();
+    let [a, b, c] = cup.faces()[0];
+    let doubled = [cup.faces(), &[[a, b, c], [a, c, b]]].concat();
+    for (faces, why) in
+        [(open, "the mesh is not closed"), (doubled, "faces lie in one place with others")]
+    {
+        let report = inspected(&Mesh::new(cup.vertices().to_vec(), faces).unwrap());
+        assert_eq!(report["volumes_unknown"], why);
+        assert!(concavities(&report).iter().all(|c| c["pocket_volume"].is_null()));
+        assert!(!concavities(&report).is_empty());
+    }
+}
+
+#[test]
+fn two_sheets_back_to_back_are_not_inside_out() {
+    let corners = [[0.1, 0.0, 0.3], [1.0, 0.7, 0.2], [0.3, 0.9, 0.6]];
+    let vertices = corners.map(DVec3::from_array).to_vec();
+    for faces in [vec![[0, 1, 2], [2, 1, 0]], vec![[2, 1, 0], [0, 1, 2]]] {
+        let report = inspected(&Mesh::new(vertices.clone(), faces).unwrap());
+        assert_eq!(report["repairs"], json!([]));
+        assert_eq!(report["closed"], true);
+    }
+}

@@ -25,8 +25,14 @@ pub(super) fn in_short(summary: &Summary) -> String {
     let kinds = ["pocket", "passage", "void", "island", "opening"];
     let counts = kinds.iter().filter(|kind| of_kind(kind) > 0);
     let counts: Vec<String> = counts.map(|kind| counted(of_kind(kind), kind)).collect();
-    let pockets: f64 = all.iter().map(|c| c.pocket_volume).sum();
-    format!("{}; pockets hold {}{skin}", counts.join(", "), number(pockets))
+    let held = match summary.volumes_unknown {
+        Some(why) => format!("what they hold is unknown: {why}"),
+        None => {
+            let pockets: f64 = all.iter().filter_map(|c| c.pocket_volume).sum();
+            format!("pockets hold {}{skin}", number(pockets))
+        }
+    };
+    format!("{}; {held}", counts.join(", "))
 }
 
 /// The largest by volume, one a line; of one size, by id.
@@ -36,7 +42,9 @@ pub(super) fn table(lines: &mut Vec<String>, all: &[ConcavityLine]) {
     }
     let mut by_size: Vec<&ConcavityLine> = all.iter().collect();
     by_size.sort_by(|a, b| {
-        b.pocket_volume.abs().total_cmp(&a.pocket_volume.abs()).then(a.id.cmp(&b.id))
+        // By area where volumes are unknown.
+        let size = |c: &ConcavityLine| c.pocket_volume.unwrap_or(c.area).abs();
+        size(b).total_cmp(&size(a)).then(a.id.cmp(&b.id))
     });
     let rows: Vec<[String; 10]> = by_size.iter().take(LISTED).map(|c| row(c)).collect();
     let width = |column: usize| {
@@ -68,7 +76,7 @@ fn row(concavity: &ConcavityLine) -> [String; 10] {
         concavity.lids.to_string(),
         number(concavity.cap_area),
         number(concavity.area),
-        number(concavity.pocket_volume),
+        concavity.pocket_volume.map_or_else(|| "unknown".to_owned(), number),
         counted(concavity.tree_nodes, "node"),
         envelope,
     ]
@@ -96,7 +104,7 @@ mod tests {
             lids: 1,
             cap_area: 0.5,
             area: 2.0,
-            pocket_volume: volume,
+            pocket_volume: Some(volume),
             parent: None,
             tree_nodes: 11,
             envelope_layers: 3,
