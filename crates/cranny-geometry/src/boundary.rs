@@ -5,6 +5,8 @@
 //! sums are possible; the one taken here follows the edge to the lowest vertex, and cuts a loop off
 //! whenever it comes back to a vertex that it has passed. Every loop is simple: it passes each vertex
 //! once.
+//!
+//! Cost: O(n log n) for n edges, which are sorted by where they begin.
 
 use crate::codec::{Flaw, Reader, Writer, check, check_below, check_rows};
 use crate::ids::VertexId;

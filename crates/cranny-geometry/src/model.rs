@@ -173,6 +173,14 @@ pub enum Stage {
 #[derive(Clone, Debug)]
 pub struct Model(Arc<Parts>);
 
+/// Envelopes of before one or several deformations.
+#[derive(Clone, Debug)]
+pub(crate) struct FormerEnvelopes {
+    pub(crate) envelopes: Envelopes,
+    /// For each concavity now the one before that has the same envelope, if any.
+    pub(crate) kept: Vec<Option<usize>>,
+}
+
 /// What a model consists of.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
@@ -186,6 +194,8 @@ pub(crate) struct Parts {
     pub(crate) tree: FaceTree,
     pub(crate) concavity_trees: Late<FaceForest>,
     pub(crate) envelopes: Late<Envelopes>,
+    /// Where a deformation has left some of them to be built: what the others are taken from.
+    pub(crate) former_envelopes: Option<FormerEnvelopes>,
     /// Whether trees and envelopes of concavities are those that would be made now from the other parts; not
     /// so after a deformation.
     pub(crate) is_as_made: bool,
@@ -279,6 +289,7 @@ impl Model {
             tree,
             concavity_trees: Late::made(concavity_trees),
             envelopes: Late::made(envelopes),
+            former_envelopes: None,
             is_as_made: true,
             patches,
             mass,
@@ -383,7 +394,8 @@ impl Model {
     ///
     /// A model that was [loaded](Self::decode) makes them, and the trees that they are made from, at the first
     /// call, which then costs what these stages of building do (README); see
-    /// [`prepare_all`](Self::prepare_all).
+    /// [`prepare_all`](Self::prepare_all). After a [deformation](Self::deform) those of concavities that it
+    /// touched are made at the first call.
     #[must_use]
     pub fn envelopes(&self) -> &Envelopes {
         self.0.envelopes()
@@ -391,7 +403,7 @@ impl Model {
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
     /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), and the graph over the vertices
-    /// of the [`hull`](Self::hull). For whoever wants no late cost; nothing to do for a model that was built. Not
+    /// of the [`hull`](Self::hull). For whoever wants no late cost; nothing to do for a model that was built and not deformed. Not
     /// [`hull_covers`](Self::hull_covers), which building leaves for later too.
     pub fn prepare_all(&self) {
         self.0.envelopes();
@@ -458,18 +470,30 @@ impl Parts {
     }
 
     pub(crate) fn envelopes(&self) -> &Envelopes {
-        let Self { mesh, concavities, .. } = self;
-        self.envelopes.get(|| envelopes(mesh, concavities, self.concavity_trees()))
+        let Self { mesh, concavities, former_envelopes, .. } = self;
+        self.envelopes.get(|| match former_envelopes {
+            None => envelopes(mesh, concavities, self.concavity_trees()),
+            Some(FormerEnvelopes { envelopes, kept }) => {
+                let openings = openings(concavities);
+                let (pockets, trees) = (pockets(concavities, &openings), self.concavity_trees());
+                envelopes.updated(mesh, pockets, trees, |i| kept[i])
+            }
+        })
     }
 
-    /// Takes trees and envelopes of concavities out, for whoever puts others in their places.
-    pub(crate) fn take_late(&mut self) -> (FaceForest, Envelopes) {
+    /// Takes the trees of concavities out, for whoever puts others in their places, and what there is of
+    /// envelopes.
+    pub(crate) fn take_late(&mut self) -> (FaceForest, Option<FormerEnvelopes>) {
         let Self { mesh, tree, concavities, concavity_leaf_size, .. } = self;
-        let (trees, all) = (&mut self.concavity_trees, &mut self.envelopes);
         let make_trees = || concavity_trees(mesh, tree, concavities, *concavity_leaf_size);
-        let trees = std::mem::take(trees).into_made(make_trees);
-        let all = std::mem::take(all).into_made(|| envelopes(mesh, concavities, &trees));
-        (trees, all)
+        let trees = std::mem::take(&mut self.concavity_trees).into_made(make_trees);
+        let former = self.former_envelopes.take();
+        let all = std::mem::take(&mut self.envelopes).if_taken();
+        let made = all.map(|envelopes| FormerEnvelopes {
+            kept: (0..concavities.len()).map(Some).collect(),
+            envelopes,
+        });
+        (trees, made.or(former))
     }
 }
 
@@ -566,11 +590,15 @@ fn concavity_trees(
 /// An envelope for each concavity, which opens through its lids.
 fn envelopes(mesh: &Mesh, concavities: &Concavities, trees: &FaceForest) -> Envelopes {
     let openings = openings(concavities);
-    let pockets = concavities
-        .iter()
-        .zip(&openings)
-        .map(|(concavity, openings)| Pocket { faces: concavity.faces, openings });
-    Envelopes::within(mesh, pockets, trees, &EnvelopeOptions::default())
+    Envelopes::within(mesh, pockets(concavities, &openings), trees, &EnvelopeOptions::default())
+}
+
+fn pockets<'a>(
+    concavities: &'a Concavities,
+    openings: &'a [Vec<DVec3>],
+) -> impl Iterator<Item = Pocket<'a>> {
+    let pockets = concavities.iter().zip(openings);
+    pockets.map(|(concavity, openings)| Pocket { faces: concavity.faces, openings })
 }
 
 /// Bytes of a mesh that are hashed together. Fewer, and hashing is several times slower; more, and memory is

@@ -103,7 +103,7 @@ pub struct Work {
     pub hull_triangles: usize,
     /// Nodes of trees, all kinds, whose boxes were computed.
     pub nodes: usize,
-    /// Faces of concavities whose envelopes were built.
+    /// Faces of concavities whose envelopes are built anew, when somebody asks for them next.
     pub enveloped: usize,
     /// Faces of patches that were measured.
     pub patched: usize,

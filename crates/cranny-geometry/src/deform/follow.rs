@@ -6,13 +6,12 @@ use cranny_exact::DVec3;
 use super::{ChangeSet, Workshop};
 use crate::caps::CapSurface;
 use crate::concavity::Concavities;
-use crate::envelope::{Envelopes, Pocket};
 use crate::features::{Judged, NONE};
 use crate::hull::{Followed, GONE, HullKind, Location};
 use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
 use crate::late::Late;
 use crate::mass::MassProperties;
-use crate::model::{Parts, digest, openings, radius};
+use crate::model::{FormerEnvelopes, Parts, digest, openings, radius};
 use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
 
 pub(super) struct Deformation<'a> {
@@ -20,7 +19,7 @@ pub(super) struct Deformation<'a> {
     workshop: &'a mut Workshop,
     moved: Vec<MovedFace>,
     concavity_trees: FaceForest,
-    envelopes: Envelopes,
+    envelopes: Option<FormerEnvelopes>,
     change: ChangeSet,
 }
 
@@ -62,7 +61,15 @@ impl<'a> Deformation<'a> {
         let nodes = [&self.change.tree, &self.change.concavity_trees, &self.change.patch_trees];
         self.change.work.nodes = nodes.iter().map(|n| n.count()).sum();
         self.parts.concavity_trees = Late::made(self.concavity_trees);
-        self.parts.envelopes = Late::made(self.envelopes);
+        match self.envelopes {
+            Some(FormerEnvelopes { envelopes, kept })
+                if kept.iter().enumerate().all(|(i, old)| *old == Some(i))
+                    && kept.len() == envelopes.len() =>
+            {
+                self.parts.envelopes = Late::made(envelopes);
+            }
+            stale => self.parts.former_envelopes = stale,
+        }
         self.parts.is_as_made = false;
         self.change
     }
@@ -236,20 +243,23 @@ impl<'a> Deformation<'a> {
         }
     }
 
-    /// `openings`: how the lids of each concavity before opened.
+    /// Tells which envelopes stay; the others are built when somebody asks for them next. `before`: how the
+    /// lids of each concavity before opened.
     fn follow_with_envelopes(&mut self, same: &[Option<usize>], before: &[Vec<DVec3>]) {
-        let Parts { mesh, concavities, .. } = &*self.parts;
+        let concavities = &self.parts.concavities;
         let openings = openings(concavities);
         let mut moved = vec![false; concavities.len()];
         for concavity in self.change.faces.iter().filter_map(|&f| concavities.of_face(f)) {
             moved[concavity.index()] = true;
         }
         let kept = |i: usize| same[i].filter(|&old| !moved[i] && before[old] == openings[i]);
-        let built = concavities.iter().filter(|c| kept(c.id().index()).is_none());
-        self.change.work.enveloped = built.map(|c| c.faces.len()).sum();
-        let pockets = concavities.iter().zip(&openings);
-        let pockets = pockets.map(|(c, openings)| Pocket { faces: c.faces, openings });
-        self.envelopes = self.envelopes.updated(mesh, pockets, &self.concavity_trees, kept);
+        let stale = concavities.iter().filter(|c| kept(c.id().index()).is_none());
+        self.change.work.enveloped = stale.map(|c| c.faces.len()).sum();
+        if let Some(former) = &mut self.envelopes {
+            let older = &former.kept;
+            let all = (0..concavities.len()).map(|i| kept(i).and_then(|old| older[old]));
+            former.kept = all.collect();
+        }
     }
 
     fn measure(&mut self) {

@@ -5,10 +5,15 @@
 //! they have become too bent. The hull stays if no vertex of it has moved and none has left it, by exact
 //! signs; otherwise its surface is repaired around the vertices that moved in or out. Faces are
 //! classified again that have moved or lay on facets that are gone, or may lie on new ones; caps are made
-//! again on the facets of these and beside them; trees and envelopes of untouched concavities are kept.
+//! again on the facets of these and beside them; trees and envelopes of untouched concavities are kept, and
+//! the other envelopes built when somebody asks for them.
 //! If all that moved lies beneath caps, concavities are only measured.
 //!
 //! The adjacency of faces knows no positions and never changes.
+//!
+//! Sources: boxes fitted again from the leaves up are van den Bergen's (1997, "Efficient collision detection of
+//! complex deformable models using AABB trees"); those of the hull's repair stand with it (`hull/repair`). That
+//! everything follows local changes and equals a rebuild is this crate's own. Cost: see [`Model::deform`].
 
 mod change;
 mod follow;
@@ -72,7 +77,8 @@ impl Model {
     /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
     ///   have the same boundary; lids and cap triangles may be numbered otherwise;
     /// - all sizes and the mass properties agree to rounding, box, radius and digest to the bit;
-    /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes hold the same;
+    /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes are those that
+    ///   are made from these trees;
     /// - patches keep their promises, but may be others: growth is greedy, and one face more or less
     ///   would move every border behind it. See [`ChangeSet::patches`].
     ///
@@ -83,12 +89,14 @@ impl Model {
     /// facets, concavities and patches that these belong to, and what these border on: [`Work`] counts
     /// it. Beside that there are passes over flat arrays, of a few nanoseconds an element:
     ///
-    /// - always over vertices and faces, for mass, radius, digest and the limits of patches, and
-    ///   over what is copied of envelopes;
+    /// - always over vertices and faces, for mass, radius, digest and the limits of patches;
     /// - over the hull's triangles for each moved vertex, until the first that has it above, as long as
     ///   the hull stays; where it changes, over vertices, triangles and facets to number them anew;
     /// - over all faces, edges and caps where a cap changes, to number concavities anew, and where a
     ///   patch is divided.
+    ///
+    /// Envelopes of the concavities touched are left for the next call of [`envelopes`](Self::envelopes), which
+    /// copies the others.
     ///
     /// Where the box of the hull changes, so does what counts as flat, and all facets are measured and
     /// everything is classified. Where a hull's surface cannot be repaired (a vertex inside a flat

@@ -58,6 +58,7 @@ impl Renewal {
         parts.hull_covers = Late::default();
         parts.concavity_trees = Late::made(concavity_trees);
         parts.envelopes = Late::made(envelopes);
+        parts.former_envelopes = None;
         Some(Self {
             hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
             tree_differs,

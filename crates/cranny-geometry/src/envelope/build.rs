@@ -53,8 +53,13 @@ impl Envelopes {
         )
     }
 
-    /// The same, given trees over the faces of each pocket.
-    pub(crate) fn within<'p>(
+    /// The same, given trees over the faces of each pocket, in the same order.
+    ///
+    /// # Panics
+    ///
+    /// Where there are fewer trees than pockets.
+    #[must_use]
+    pub fn within<'p>(
         mesh: &Mesh,
         pockets: impl IntoIterator<Item = Pocket<'p>>,
         trees: &FaceForest,

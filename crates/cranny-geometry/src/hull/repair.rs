@@ -14,6 +14,11 @@
 //! All signs are exact, and the result is checked where it is new: every edge convex or flat, every
 //! vertex extreme. Cases that are not worth the care (a vertex inside a flat facet or edge comes out,
 //! coincident points, a hull that collapses) are not repaired: the caller builds the hull anew.
+//!
+//! Source: points are put in as by Barber, Dobkin and Huhdanpaa (1996, "The quickhull algorithm for convex
+//! hulls"); how they are taken out is argued above and this crate's own. Cost: for each vertex taken out a hull of
+//! its link and the points in the box of its triangles, O(m log m) for m of them; for each point put in the
+//! triangles that the walk passes and those that the point sees.
 
 use std::collections::{BTreeMap, BTreeSet};
 

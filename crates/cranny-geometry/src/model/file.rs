@@ -125,6 +125,7 @@ impl Model {
             // Written where they cannot be made again.
             concavity_trees: _,
             envelopes: _,
+            former_envelopes: _,
             is_as_made,
             patches,
             mass,
@@ -270,6 +271,7 @@ impl Model {
             is_as_made: concavity_trees.is_none(),
             concavity_trees: concavity_trees.map_or_else(Late::default, Late::made),
             envelopes: envelopes.map_or_else(Late::default, Late::made),
+            former_envelopes: None,
             patches,
             mass,
             radius,

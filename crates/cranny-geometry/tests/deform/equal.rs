@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_geometry::concavity::{Concavity, Lid};
-use cranny_geometry::envelope::Pocket;
+use cranny_geometry::envelope::{EnvelopeOptions, Pocket};
 use cranny_geometry::hull::{HullKind, HullVertexId};
 use cranny_geometry::{
-    BuildOptions, ChangeSet, ConcavityId, ConvexSetId, EdgeId, FaceId, Flatness, HalfEdgeId, Model,
-    PatchId, VertexId,
+    BuildOptions, ChangeSet, ConcavityId, ConvexSetId, EdgeId, Envelopes, FaceId, Flatness,
+    HalfEdgeId, Model, PatchId, VertexId,
 };
 
 /// With a flatness that does not depend on which numbers the coordinates happen to be.
@@ -59,9 +59,15 @@ pub(crate) fn validate(model: &Model, what: &str) {
         .unwrap_or_else(|e| panic!("{what}: {e}"));
     let openings: Vec<Vec<_>> =
         concavities.iter().map(|c| c.lids().map(|lid| lid.opening).collect()).collect();
-    let pockets =
-        concavities.iter().zip(&openings).map(|(c, openings)| Pocket { faces: c.faces, openings });
-    model.envelopes().validate(mesh, pockets).unwrap_or_else(|e| panic!("{what}: {e}"));
+    let pockets = || {
+        let pockets = concavities.iter().zip(&openings);
+        pockets.map(|(c, openings)| Pocket { faces: c.faces, openings })
+    };
+    model.envelopes().validate(mesh, pockets()).unwrap_or_else(|e| panic!("{what}: {e}"));
+    // However many were kept: they are those that are made of these trees.
+    let trees = model.concavity_trees();
+    let made = Envelopes::within(mesh, pockets(), trees, &EnvelopeOptions::default());
+    assert!(*model.envelopes() == made, "{what}: envelopes are not as they are made");
     model.patches().validate(mesh, topology).unwrap_or_else(|e| panic!("{what}: {e}"));
 }
 
