@@ -12,7 +12,7 @@
 //! across its longest edge went, for there it belongs whichever way it was rounded.
 //!
 //! The rules are this crate's own; that planes of given thickness, not exact ones, decide what is coplanar is
-//! common among hull codes (Barber, Dobkin, Huhdanpaa 1996, "The quickhull algorithm for convex hulls", section 4,
+//! common among hull codes (Barber, Dobkin, Huhdanpaa 1996, "The quickhull algorithm for convex hulls",
 //! on facets that are thick by rounding).
 //!
 //! Cost: near-linear, most of it for the facets of vertices (`vertices`).
