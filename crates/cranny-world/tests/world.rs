@@ -2,7 +2,7 @@
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, Surface, query};
+use cranny_narrow_phase::{Answer, Counters, Demand, PairMemory, Placed, Query, Surface, query};
 use cranny_shapes::{Cuboid, Torus};
 use cranny_world::description::{BodyKind, Effect};
 use cranny_world::{BodyId, BodySpec, PairEvent, PairEventKind, StepReport, World, WorldError};
@@ -281,7 +281,13 @@ fn bad_calls_are_named_and_change_nothing() {
     assert!(matches!(world.demand_of(ids[0], stranger), Err(WorldError::UnknownBody { .. })));
     assert!(matches!(world.set_pose(stranger, at(0.0)), Err(WorldError::UnknownBody { .. })));
     let after = step(&mut world);
-    assert_eq!(after.answers, before.answers);
+    // What memory saves is history, not the answer.
+    let told = |report: &StepReport| {
+        let mut answers = report.answers.clone();
+        answers.iter_mut().for_each(|told| told.answer.counters = Counters::default());
+        answers
+    };
+    assert_eq!(told(&after), told(&before));
     assert!(after.events.is_empty());
 }
 
