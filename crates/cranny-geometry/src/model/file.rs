@@ -203,7 +203,7 @@ impl Model {
     /// saved they would come out otherwise: there they are in the file, and are read and checked here.
     ///
     /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is made when it is
-    /// first asked for, in linear time; queries do so where they make their own graph of the hull's features.
+    /// first asked for, in linear time: by the first query that looks for a plane between two hulls.
     ///
     /// Whoever wants no late cost calls [`prepare_all`](Self::prepare_all).
     ///
