@@ -252,7 +252,7 @@ impl Model {
         }
         let mut topology = Topology::of(&mesh);
         let mut mass = topology.is_closed().then(|| MassProperties::of(&mesh));
-        if mass.is_some_and(|m| m.volume < -volume_rounding(&mesh)) {
+        if mass.is_some_and(|m| m.volume < 0.0) {
             mesh = mesh.turned_inside_out();
             topology = Topology::of(&mesh);
             mass = Some(MassProperties::of(&mesh));
@@ -531,12 +531,6 @@ impl Covered {
 /// For each concavity how its lids open.
 pub(crate) fn openings(concavities: &Concavities) -> Vec<Vec<DVec3>> {
     concavities.iter().map(|c| c.lids().map(|lid| lid.opening).collect()).collect()
-}
-
-/// What rounding may leave of the volume of a closed mesh that has none: two sheets back to back are not inside
-/// out. Each face adds products of its corners, which reach as far as half the diagonal.
-fn volume_rounding(mesh: &Mesh) -> f64 {
-    8.0 * f64::EPSILON * mesh.bounds().diagonal().powi(3)
 }
 
 /// Counts and measures what is prepared.
