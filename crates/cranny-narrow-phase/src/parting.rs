@@ -12,7 +12,7 @@
 //! few turns is left to the search among faces, and sought again after twice as long a wait. So memory decides
 //! who answers, never what: each proof stands on its own, with all rounding on its safe side.
 //!
-//! Cost: two support points a query, each a few dozen nanoseconds where it moved little; a search from the line of
+//! Cost: two support points a query where the last plane still parts; a search from the line of
 //! centres in the first. No heap. The walk over features ([`crate::walk`]) would tell the hulls' distance as well, which a verdict
 //! does not need, and wants tables of its own for each hull.
 
