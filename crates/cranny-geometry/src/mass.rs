@@ -31,31 +31,64 @@ impl MassProperties {
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let reference = mesh.bounds().center();
-        let (mut volume, mut first) = (0.0, DVec3::ZERO);
-        // Of all products that are added up, regardless of sign: sums round in proportion to it.
-        let mut magnitude = 0.0;
-        // xx, yy, zz and xy, yz, zx.
-        let [mut squares, mut mixed] = [DVec3::ZERO; 2];
-        for face in (0..mesh.faces().len() as u32).map(FaceId) {
-            let [a, b, c] = mesh.triangle(face).map(|p| p - reference);
+        let faces = mesh.faces();
+        Sums::over(mesh, reference, faces).properties(reference, faces.len())
+    }
+}
+
+/// What is added up over faces: integrals over the tetrahedra that these make with a reference point.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    volume: f64,
+    first: DVec3,
+    /// Of all products that are added up, regardless of sign: sums round in proportion to it.
+    magnitude: f64,
+    /// xx, yy, zz.
+    squares: DVec3,
+    /// xy, yz, zx.
+    mixed: DVec3,
+}
+
+impl Sums {
+    /// Over some faces of a mesh.
+    fn over(mesh: &Mesh, reference: DVec3, faces: &[[u32; 3]]) -> Self {
+        let mut sums = Self::default();
+        for corners in faces {
+            let [a, b, c] = corners.map(|i| mesh.vertices()[i as usize] - reference);
             let six_volume = a.dot(b.cross(c));
             let sum = a + b + c;
-            volume += six_volume / 6.0;
+            sums.volume += six_volume / 6.0;
             let [p, q, r] = [a.abs(), b.abs(), c.abs()];
             let products =
                 DVec3::new(q.y * r.z + q.z * r.y, q.z * r.x + q.x * r.z, q.x * r.y + q.y * r.x);
-            magnitude += p.dot(products);
-            first += six_volume / 24.0 * sum;
+            sums.magnitude += p.dot(products);
+            sums.first += six_volume / 24.0 * sum;
             // Integral of x xᵀ over the tetrahedron (0, a, b, c).
             let share = six_volume / 120.0;
-            squares += (a * a + b * b + c * c + sum * sum) * share;
+            sums.squares += (a * a + b * b + c * c + sum * sum) * share;
             let turned = |v: DVec3| DVec3::new(v.y, v.z, v.x);
             let products = a * turned(a) + b * turned(b) + c * turned(c) + sum * turned(sum);
-            mixed += products * share;
+            sums.mixed += products * share;
         }
-        let roundings = ROUNDINGS + mesh.faces().len() as f64;
+        sums
+    }
+
+    fn add(self, other: &Self) -> Self {
+        Self {
+            volume: self.volume + other.volume,
+            first: self.first + other.first,
+            magnitude: self.magnitude + other.magnitude,
+            squares: self.squares + other.squares,
+            mixed: self.mixed + other.mixed,
+        }
+    }
+
+    /// What the sums over so many faces, all of a mesh, come to.
+    fn properties(&self, reference: DVec3, faces: usize) -> MassProperties {
+        let &Self { volume, first, magnitude, squares, mixed } = self;
+        let roundings = ROUNDINGS + faces as f64;
         if volume.abs() <= 0.5 * f64::EPSILON * roundings * magnitude / 6.0 {
-            return Self { volume: 0.0, center: reference, inertia: DMat3::ZERO };
+            return MassProperties { volume: 0.0, center: reference, inertia: DMat3::ZERO };
         }
         let second = DMat3::from_cols(
             DVec3::new(squares.x, mixed.x, mixed.z),
@@ -65,11 +98,54 @@ impl MassProperties {
         let offset = first / volume;
         let central = second - outer(offset) * volume;
         let trace = central.x_axis.x + central.y_axis.y + central.z_axis.z;
-        Self {
+        MassProperties {
             volume,
             center: reference + offset,
             inertia: DMat3::from_diagonal(DVec3::splat(trace)) - central,
         }
+    }
+}
+
+/// Faces whose sums are kept together for meshes whose vertices move. Fewer, and there are more sums to add up; more,
+/// and more faces are looked at again for each one that has moved.
+const CHUNK: usize = 128;
+
+/// The sums of a mesh, chunk by chunk of its faces: nothing is ever taken away from a sum, so that errors do not gather.
+#[derive(Clone, Debug)]
+pub(crate) struct MassSums {
+    reference: DVec3,
+    of_chunks: Vec<Sums>,
+}
+
+impl MassSums {
+    /// Of a mesh, about the centre of its box.
+    pub(crate) fn of(mesh: &Mesh, reference: DVec3) -> Self {
+        let of_chunk = |faces: &[[u32; 3]]| Sums::over(mesh, reference, faces);
+        Self { reference, of_chunks: mesh.faces().chunks(CHUNK).map(of_chunk).collect() }
+    }
+
+    /// Follows faces that have moved, which ascend; `reference` is where the centre of the box is now. Returns how many
+    /// faces were added up.
+    pub(crate) fn update(&mut self, mesh: &Mesh, reference: DVec3, moved: &[FaceId]) -> usize {
+        if reference != self.reference {
+            *self = Self::of(mesh, reference);
+            return mesh.faces().len();
+        }
+        let mut looked_at = 0;
+        for moved in moved.chunk_by(|a, b| a.index() / CHUNK == b.index() / CHUNK) {
+            let chunk = moved[0].index() / CHUNK;
+            let end = (CHUNK * (chunk + 1)).min(mesh.faces().len());
+            let faces = &mesh.faces()[CHUNK * chunk..end];
+            self.of_chunks[chunk] = Sums::over(mesh, reference, faces);
+            looked_at += faces.len();
+        }
+        looked_at
+    }
+
+    /// What they come to.
+    pub(crate) fn properties(&self, mesh: &Mesh) -> MassProperties {
+        let all = self.of_chunks.iter().fold(Sums::default(), Sums::add);
+        all.properties(self.reference, mesh.faces().len())
     }
 }
 
@@ -80,6 +156,7 @@ fn outer(v: DVec3) -> DMat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ids::VertexId;
 
     fn brick(size: DVec3, turn: DMat3) -> Mesh {
         let corner = |i: u32| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
@@ -113,13 +190,9 @@ mod tests {
     #[test]
     fn a_cuboid_far_from_the_origin() {
         let far = DVec3::new(1e4, -3e4, 2e4);
-        let corner = |i: u32| {
-            far + DVec3::new((i & 1) as f64, 2.0 * ((i >> 1) & 1) as f64, 3.0 * (i >> 2) as f64)
-        };
-        let quads: [[u32; 4]; 6] =
-            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        let mesh = Mesh::new((0..8).map(corner).collect(), faces).unwrap();
+        let brick = brick(DVec3::new(1.0, 2.0, 3.0), DMat3::IDENTITY);
+        let vertices = brick.vertices().iter().map(|&p| far + p).collect();
+        let mesh = Mesh::new(vertices, brick.faces().to_vec()).unwrap();
         let mass = MassProperties::of(&mesh);
         assert!((mass.volume - 6.0).abs() < 1e-10);
         assert!((mass.center - far - DVec3::new(0.5, 1.0, 1.5)).length() < 1e-9);
@@ -129,5 +202,39 @@ mod tests {
         assert!(error.into_iter().all(|e| e < 1e-9), "{error:?}");
         let inside_out = MassProperties::of(&mesh.turned_inside_out());
         assert!((inside_out.volume + 6.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn chunks_follow_faces_that_move() {
+        // Many bricks, so that there are several chunks.
+        let size = DVec3::new(1.0, 2.0, 3.0);
+        let moved_by =
+            |by: DVec3| brick(size, DMat3::IDENTITY).vertices().iter().map(|&p| p + by).collect();
+        let one = |i: u32| {
+            let by = f64::from(i) * 4.0 * DVec3::X;
+            Mesh::new(moved_by(by), brick(size, DMat3::IDENTITY).faces().to_vec()).unwrap()
+        };
+        let mut mesh = (1..40).map(one).fold(one(0), |all, next| all.joined(&next));
+        let close = |a: MassProperties, b: MassProperties| {
+            let inertia = (a.inertia - b.inertia).to_cols_array().map(f64::abs);
+            (a.volume - b.volume).abs() <= 1e-12 * b.volume
+                && (a.center - b.center).length() <= 1e-12 * 160.0
+                && inertia
+                    .into_iter()
+                    .all(|e| e <= 1e-12 * b.inertia.x_axis.length().max(b.inertia.y_axis.length()))
+        };
+        let mut sums = MassSums::of(&mesh, mesh.bounds().center());
+        assert!(close(sums.properties(&mesh), MassProperties::of(&mesh)));
+        // A corner of the last but one goes up; one of the first goes out of the box.
+        for (vertex, by, few) in
+            [(38 * 8 + 7, 0.5 * DVec3::NEG_Z, true), (0, -8.0 * DVec3::X, false)]
+        {
+            mesh.set_position(VertexId(vertex), mesh.position(VertexId(vertex)) + by);
+            let of_vertex = |f: &u32| mesh.faces()[*f as usize].contains(&vertex);
+            let faces: Vec<FaceId> = (0..480).filter(of_vertex).map(FaceId).collect();
+            let looked_at = sums.update(&mesh, mesh.bounds().center(), &faces);
+            assert_eq!(looked_at <= 2 * CHUNK, few);
+            assert!(close(sums.properties(&mesh), MassProperties::of(&mesh)), "vertex {vertex}");
+        }
     }
 }

@@ -21,6 +21,7 @@ use thiserror::Error;
 use crate::caps::CapSurface;
 use crate::concavity::{Concavities, HullCovers};
 use crate::deform::Workshop;
+use crate::digest::digest;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features};
 use crate::flatness::Flatness;
@@ -30,6 +31,7 @@ use crate::late::Late;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
+use crate::reach::{farthest, radius};
 use crate::repair::proof::ProofError;
 use crate::repair::{Repair, mend};
 use crate::report::{RepairKind, RepairRecord, Report};
@@ -277,7 +279,7 @@ impl Model {
         let Covered { features, concavities, concavity_trees, envelopes } =
             Covered::of(&mesh, &topology, &hull, &tree, options.concavity_leaf_size, observe);
         report.add(concavities.surface().findings(&mesh, &hull, features.slab_depth()));
-        let (radius, digest) = (radius(&mesh), digest(&mesh));
+        let (radius, digest) = (radius(farthest(mesh.vertices())), digest(&mesh));
         observe(Stage::Done);
         let parts = Parts {
             mesh,
@@ -543,12 +545,6 @@ fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, rep
     report.volume = mass.map(|m| m.volume);
 }
 
-/// No vertex is farther than this from the origin.
-pub(crate) fn radius(mesh: &Mesh) -> f64 {
-    // The root of a larger number is no smaller: one root, of the largest, is the largest root.
-    mesh.vertices().iter().map(|p| p.length_squared()).fold(0.0, f64::max).sqrt().next_up()
-}
-
 /// Names one prepared model without keeping it alive: for memories that hold numbers of its faces and
 /// nodes. A clone of the model has the same name; an equal one that was built apart has another, and so
 /// does what a deformation makes of it.
@@ -593,38 +589,6 @@ fn pockets<'a>(
 ) -> impl Iterator<Item = Pocket<'a>> {
     let pockets = concavities.iter().zip(openings);
     pockets.map(|(concavity, openings)| Pocket { faces: concavity.faces, openings })
-}
-
-/// Bytes of a mesh that are hashed together. Fewer, and hashing is several times slower; more, and memory is
-/// filled that nobody uses again.
-const HASHED_AT_ONCE: usize = 1 << 15;
-
-pub(crate) fn digest(mesh: &Mesh) -> [u8; 32] {
-    let mut hasher = blake3::Hasher::new();
-    let mut bytes = Vec::with_capacity(2 * HASHED_AT_ONCE);
-    let mut flush = |bytes: &mut Vec<u8>, least: usize| {
-        if bytes.len() >= least {
-            let whole = bytes.len().min(HASHED_AT_ONCE);
-            hasher.update(&bytes[..whole]);
-            bytes.drain(..whole);
-        }
-    };
-    bytes.extend((mesh.vertices().len() as u64).to_le_bytes());
-    for p in mesh.vertices() {
-        for x in p.to_array() {
-            // `+ 0.0`: −0 and 0 are the same place.
-            bytes.extend((x + 0.0).to_bits().to_le_bytes());
-        }
-        flush(&mut bytes, HASHED_AT_ONCE);
-    }
-    for face in mesh.faces() {
-        for i in face {
-            bytes.extend(i.to_le_bytes());
-        }
-        flush(&mut bytes, HASHED_AT_ONCE);
-    }
-    flush(&mut bytes, 0);
-    *hasher.finalize().as_bytes()
 }
 
 /// Welds what is in exactly the same place, then mends as far as the policy goes. Returns the mesh

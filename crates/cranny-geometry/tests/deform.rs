@@ -272,6 +272,8 @@ fn work_follows_the_dent_not_the_mesh() {
     assert!(large.faces <= 2 * small.faces, "{small:?}, {large:?}");
     assert!(large.facets <= 2 * small.facets.max(8), "{small:?}, {large:?}");
     assert!(large.nodes <= 2 * small.nodes, "{small:?}, {large:?}");
+    assert!(large.summed <= 2 * small.summed, "{small:?}, {large:?}");
+    assert!(large.located <= 2 * small.located, "{small:?}, {large:?}");
     let (more, wide) = pressed(20_000, 5.0);
     assert!(more > 2 * same && wide.faces > 2 * large.faces, "{large:?}, {wide:?}");
 }

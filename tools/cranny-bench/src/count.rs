@@ -10,6 +10,7 @@ use cranny_exact::Pose;
 use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
+use crate::deform::{self, Place};
 use crate::stopwatch::keep;
 use crate::{broad, cloud, pairs, solid, walk};
 
@@ -34,6 +35,15 @@ const CASES: &[Case] = &[
     Case { name: "prepare golf 1k", made: || Some(preparing(solid::golf_ball(1_000).ok()?)) },
     Case { name: "prepare bolt 28k", made: || Some(preparing(solid::bolt().ok()?)) },
     Case { name: "load bolt 28k", made: loading },
+    Case {
+        name: "deform golf 100k, 10 in a pocket",
+        made: || deform::work(100_000, Place::Pocket, 10),
+    },
+    Case { name: "deform golf 100k, 10 at a rim", made: || deform::work(100_000, Place::Rim, 10) },
+    Case {
+        name: "deform golf 100k, 10 outward",
+        made: || deform::work(100_000, Place::Outward, 10),
+    },
     Case { name: "hull of 10k on a sphere", made: hull },
     Case { name: "walk near 500 points", made: || walk::work(0.1, 500, 300) },
     Case { name: "walk deep 500 points", made: || walk::work(-0.5, 500, 300) },

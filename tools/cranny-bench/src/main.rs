@@ -11,6 +11,7 @@
 mod broad;
 mod cloud;
 mod count;
+mod deform;
 mod export;
 mod hulls;
 mod pairs;
@@ -85,6 +86,8 @@ enum Command {
     },
     /// Whole preparation of meshes, against parry's convex decomposition and hull; stages; growth
     Prepare,
+    /// Moved vertices and all that follows them, against building the moved mesh
+    Deform,
     /// Kinds of box trees by what they open; patches; envelopes beside a box tree
     Trees,
 }
@@ -108,6 +111,7 @@ fn main() -> ExitCode {
         Command::Count { name } => return exit(count::count(name.as_deref())),
         Command::Export { folder } => export::write(folder, cli.quick),
         Command::Prepare => Ok(prepare::measure(cli.quick)),
+        Command::Deform => Ok(deform::measure(cli.quick)),
         Command::Trees => Ok(trees::measure(cli.quick)),
     };
     exit(report.and_then(|report| print(&report, cli.format)))

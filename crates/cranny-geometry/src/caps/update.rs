@@ -20,7 +20,8 @@ use crate::topology::Topology;
 
 impl CapSurface {
     /// The caps after the faces on the facets `stale`, or the ridges there, have changed or moved, or
-    /// these facets are new; and how many facets were looked at. `before` names what each facet was.
+    /// these facets are new; and how many facets were looked at. `before` names what each facet was, unless all
+    /// have kept their numbers.
     ///
     /// Cost: O(n log n) in the faces and triangles of these facets, and a pass over the facets of all
     /// faces and over all cap triangles, which are copied. Where caps are shared or negative, that of
@@ -33,7 +34,7 @@ impl CapSurface {
         assignment: &Assignment,
         ridges: &[RidgeOnFacet],
         stale: &[u32],
-        before: &[u32],
+        before: Option<&[u32]>,
     ) -> (Self, usize) {
         let all_again = || Self::build(mesh, topology, hull, assignment, ridges);
         if !self.shared.is_empty() || !self.is_sound() {
@@ -51,7 +52,8 @@ impl CapSurface {
         for facet in 0..hull.facet_count() as u32 {
             let chain = chains.next_if(|(id, _)| *id == facet).map(|(_, chain)| chain);
             if !stale.contains(&facet) {
-                updated.copy(self, FacetId(before[facet as usize]), FacetId(facet));
+                let was = before.map_or(facet, |before| before[facet as usize]);
+                updated.copy(self, FacetId(was), FacetId(facet));
             } else if let Some(chain) = chain.filter(|chain| !chain.is_empty()) {
                 let id = FacetId(facet);
                 updated.cover(mesh, hull.facet(id), id, &chain, ridges_of(ridges, facet));

@@ -99,6 +99,9 @@ pub struct Work {
     pub faces: usize,
     /// Facets of the hull whose caps were looked at.
     pub facets: usize,
+    /// Triangles of the hull that were passed in finding where moved vertices lie, as long as the hull was known to
+    /// stay.
+    pub located: usize,
     /// Triangles of the hull whose planes were measured.
     pub hull_triangles: usize,
     /// Nodes of trees, all kinds, whose boxes were computed.
@@ -107,4 +110,6 @@ pub struct Work {
     pub enveloped: usize,
     /// Faces of patches that were measured.
     pub patched: usize,
+    /// Faces and vertices that were added up, or compared, for sizes of the whole body: volume, centre, inertia, radius.
+    pub summed: usize,
 }

@@ -8,10 +8,9 @@ use crate::caps::CapSurface;
 use crate::concavity::Concavities;
 use crate::features::{Judged, NONE};
 use crate::hull::{Followed, GONE, HullKind, Location};
-use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
+use crate::ids::{ConcavityId, FaceId, VertexId};
 use crate::late::Late;
-use crate::mass::MassProperties;
-use crate::model::{FormerEnvelopes, Parts, digest, openings, radius};
+use crate::model::{FormerEnvelopes, Parts, openings};
 use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
 
 pub(super) struct Deformation<'a> {
@@ -57,7 +56,8 @@ impl<'a> Deformation<'a> {
         } else {
             self.follow_hull();
         }
-        self.measure();
+        let Self { parts, workshop, change, .. } = &mut self;
+        change.work.summed = workshop.totals.follow(parts, &change.vertices, &change.faces);
         let nodes = [&self.change.tree, &self.change.concavity_trees, &self.change.patch_trees];
         self.change.work.nodes = nodes.iter().map(|n| n.count()).sum();
         self.parts.concavity_trees = Late::made(self.concavity_trees);
@@ -81,35 +81,66 @@ impl<'a> Deformation<'a> {
             changes.settle();
         } else {
             *tree = FaceTree::of(mesh, *leaf_size);
-            *grown = GrownAreas::of(tree);
+            *grown = GrownAreas::of(tree.nodes());
             *changes = NodeChanges { renumbered: true, ..NodeChanges::default() };
         }
     }
 
     fn follow_with_patches(&mut self) {
-        let Parts { mesh, topology, patches, .. } = &mut *self.parts;
-        let size = |p: usize| patches.faces(PatchId(p as u32)).len();
-        let sizes: Vec<usize> = (0..patches.len()).map(size).collect();
-        let update = patches.update(mesh, topology, &self.moved, &mut self.workshop.patch_trees);
-        self.change.work.patched = update.touched.iter().map(|&p| sizes[p as usize]).sum();
+        let Parts { mesh, topology, patches, tree, .. } = &mut *self.parts;
+        let Workshop { patch_trees, patch_top, .. } = &mut *self.workshop;
+        let body = tree.node(0).bounds;
+        let update = patches.update(mesh, topology, &body, &self.moved, patch_trees, patch_top);
+        self.change.work.patched = update.faces;
         self.change.patches = update.map;
         self.change.patch_trees = update.nodes;
     }
 
     /// Whether the hull is that of the moved mesh too; the lowest of the vertices in one place stands
     /// for all.
-    fn keeps_hull(&self) -> bool {
+    fn keeps_hull(&mut self) -> bool {
         let Parts { mesh, hull, .. } = &*self.parts;
-        hull.kind() == HullKind::Volume
-            && self.change.vertices.iter().all(|&v| {
-                let place = mesh.position(v);
-                hull.vertex_of_source(v).is_none()
-                    && match hull.locate(place) {
-                        Location::Inside => true,
-                        Location::On => !hull.positions().contains(&place),
-                        Location::Outside => false,
-                    }
-            })
+        let is_extreme = |v: &VertexId| hull.vertex_of_source(*v).is_some();
+        let Some(&first) = self.change.vertices.first() else { return true };
+        if hull.kind() != HullKind::Volume || self.change.vertices.iter().any(is_extreme) {
+            return false;
+        }
+        // Moved vertices lie side by side, as a rule: each walk begins where the last one ended.
+        let mut at = self.triangle_above(first);
+        let mut passed = 0;
+        let keeps = self.change.vertices.iter().all(|&v| {
+            let place = mesh.position(v);
+            let walked =
+                self.workshop.inside.and_then(|inside| hull.locate_from(inside, place, at));
+            let Some(found) = walked else {
+                passed += hull.triangle_count();
+                return match hull.locate(place) {
+                    Location::Inside => true,
+                    Location::On => !hull.positions().contains(&place),
+                    Location::Outside => false,
+                };
+            };
+            at = found.triangle;
+            passed += found.passed;
+            match found.location {
+                Location::Inside => true,
+                // No vertex of the hull lies in a triangle but its own.
+                Location::On => {
+                    hull.triangle(at as usize).into_iter().all(|c| hull.position(c) != place)
+                }
+                Location::Outside => false,
+            }
+        });
+        self.change.work.located = passed;
+        keeps
+    }
+
+    /// A triangle of the hull near a vertex: of the lid above it, if there is one; anywhere else, any.
+    fn triangle_above(&self, v: VertexId) -> u32 {
+        let Parts { topology, hull, concavities, .. } = &*self.parts;
+        let beneath = topology.faces_at(v).iter().find_map(|&f| concavities.of_face(f));
+        let cap = beneath.and_then(|id| concavities.get(id).caps.first());
+        cap.map_or(0, |&cap| hull.facet(concavities.cap(cap).facet).triangles[0])
     }
 
     /// The hull is as it was: faces that have moved may come onto it, or leave it.
@@ -118,14 +149,12 @@ impl<'a> Deformation<'a> {
         let ChangeSet { vertices, faces, .. } = &self.change;
         let assignment = &mut self.workshop.assignment;
         let judged = assignment.update(mesh, topology, features, vertices, faces);
-        let before: Vec<u32> = (0..self.parts.hull.facet_count() as u32).collect();
-        self.close_pockets(&judged, Vec::new(), &before);
+        self.close_pockets(&judged, Vec::new(), None);
     }
 
     /// The hull is another one, here and there.
     fn follow_hull(&mut self) {
         let Parts { mesh, topology, hull, features, tree, flatness, .. } = &mut *self.parts;
-        let Workshop { assignment, ridges, .. } = &mut *self.workshop;
         let vertices = &self.change.vertices;
         let near = |bounds: &Aabb| {
             let mut found = Vec::new();
@@ -134,12 +163,15 @@ impl<'a> Deformation<'a> {
             tree.visit(|b| b.overlaps(bounds), |f| found.extend(corners(f).filter(inside)));
             found
         };
-        let Followed { hull: new, facets: map, measured } =
-            hull.followed(mesh.vertices(), vertices, *flatness, near);
+        let inside = self.workshop.inside;
+        let Followed { hull: new, facets: map, measured, inside } =
+            hull.followed(mesh.vertices(), vertices, inside, *flatness, near);
+        self.workshop.inside = inside;
         let old = std::mem::replace(hull, new);
         self.change.hull = true;
         self.change.work.hull_triangles = measured;
         let sources = old.sources();
+        let Workshop { assignment, ridges, .. } = &mut *self.workshop;
         let judged =
             assignment.follow(mesh, topology, features, hull, sources, &map, vertices, ridges);
         let mut before = vec![GONE; hull.facet_count()];
@@ -147,16 +179,17 @@ impl<'a> Deformation<'a> {
             before[new as usize] = old;
         }
         let new = (0..).zip(&before).filter(|&(_, &before)| before == GONE).map(|(f, _)| f);
-        self.close_pockets(&judged, new.collect(), &before);
+        self.close_pockets(&judged, new.collect(), Some(&before));
     }
 
     /// Features, caps and concavities, after faces were judged. `stale` are facets whose caps are to be
-    /// made anyway, `before` names what each facet was.
-    fn close_pockets(&mut self, judged: &Judged, mut stale: Vec<u32>, before: &[u32]) {
+    /// made anyway, `before` names what each facet was, where the hull is another one.
+    fn close_pockets(&mut self, judged: &Judged, mut stale: Vec<u32>, before: Option<&[u32]>) {
         let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
         let Workshop { assignment, ridges, .. } = &mut *self.workshop;
         let isolated = features.isolated_vertices().to_vec();
-        stale.extend(features.update(mesh, topology, assignment, judged, ridges));
+        let renumbered = before.is_some();
+        stale.extend(features.update(mesh, topology, assignment, judged, renumbered, ridges));
         stale.extend(judged.reassigned.iter().flat_map(|change| [change.before, change.after]));
         stale.extend(self.change.faces.iter().map(|f| assignment.facet_of_face[f.index()]));
         stale.retain(|&facet| facet != NONE);
@@ -260,14 +293,6 @@ impl<'a> Deformation<'a> {
             let all = (0..concavities.len()).map(|i| kept(i).and_then(|old| older[old]));
             former.kept = all.collect();
         }
-    }
-
-    fn measure(&mut self) {
-        let Parts { mesh, mass, radius: farthest, digest: hash, .. } = &mut *self.parts;
-        if let Some(mass) = mass {
-            *mass = MassProperties::of(mesh);
-        }
-        (*farthest, *hash) = (radius(mesh), digest(mesh));
     }
 }
 

@@ -18,12 +18,14 @@
 mod change;
 mod follow;
 mod renew;
+mod totals;
 
 use cranny_exact::{DVec3, check_point};
 
 pub use self::change::{ChangeSet, DeformError, Work};
 use self::follow::Deformation;
 use self::renew::Renewal;
+use self::totals::Totals;
 use crate::features::{Assignment, Features, RidgeOnFacet};
 use crate::ids::{FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
@@ -41,6 +43,10 @@ pub(crate) struct Workshop {
     tree: GrownAreas,
     concavity_trees: GrownAreas,
     patch_trees: GrownAreas,
+    patch_top: GrownAreas,
+    /// A point certainly in the interior of the hull, if one is known.
+    inside: Option<DVec3>,
+    totals: Totals,
 }
 
 impl Workshop {
@@ -50,9 +56,12 @@ impl Workshop {
         Self {
             assignment,
             ridges,
-            tree: GrownAreas::of(&parts.tree),
-            concavity_trees: GrownAreas::of(parts.concavity_trees().arena()),
-            patch_trees: GrownAreas::of(parts.patches.trees().arena()),
+            tree: GrownAreas::of(parts.tree.nodes()),
+            concavity_trees: GrownAreas::of(parts.concavity_trees().arena().nodes()),
+            patch_trees: GrownAreas::of(parts.patches.trees().arena().nodes()),
+            patch_top: parts.patches.top().grown_areas(),
+            inside: parts.hull.inner_point(),
+            totals: Totals::of(parts),
         }
     }
 }
@@ -85,15 +94,23 @@ impl Model {
     /// # Cost
     ///
     /// The first deformation also classifies the mesh once more, and that of a model that was
-    /// [loaded](Self::decode) prepares it all again, but for the scan. Each looks at the moved faces, the
-    /// facets, concavities and patches that these belong to, and what these border on: [`Work`] counts
-    /// it. Beside that there are passes over flat arrays, of a few nanoseconds an element:
+    /// [loaded](Self::decode) prepares it all again, but for the scan; so does it copy one that is shared. Each looks
+    /// at the moved faces, the facets, concavities and patches that these belong to, and what these border on, and
+    /// walks along the hull to where moved vertices lie: [`Work`] counts it. As long as the hull stays, no vertex comes
+    /// onto it or leaves it, and no patch is divided, what else there is to do is short:
     ///
-    /// - always over vertices and faces, for mass, radius, digest and the limits of patches;
-    /// - over the hull's triangles for each moved vertex, until the first that has it above, as long as
-    ///   the hull stays; where it changes, over vertices, triangles and facets to number them anew;
-    /// - over all faces, edges and caps where a cap changes, to number concavities anew, and where a
-    ///   patch is divided.
+    /// - volume, centre, inertia and radius are put together from sums over chunks of 128 faces or vertices, the digest
+    ///   from blocks of 32 KiB, of which those with a moved vertex are made again. Where the box of the body changes,
+    ///   all are;
+    /// - the change set has an entry for each concavity and patch, and each lid and patch is glanced at;
+    /// - a concavity with a moved face is measured as a whole.
+    ///
+    /// Where more happens, there are passes over flat arrays, of some nanoseconds an element:
+    ///
+    /// - where the hull changes, over vertices, triangles and facets to number them anew;
+    /// - where a face comes onto the hull or leaves it, over all faces, to count convex sets;
+    /// - where a cap changes, over all faces, edges and caps, to number concavities anew;
+    /// - where a patch is divided, over all faces.
     ///
     /// Envelopes of the concavities touched are left for the next call of [`envelopes`](Self::envelopes), which
     /// copies the others.

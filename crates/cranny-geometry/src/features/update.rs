@@ -189,17 +189,23 @@ impl Assignment {
 }
 
 impl Features {
-    /// Follows an [`Assignment`] that has judged faces again. `ridges` lists ridges by facet, and is kept
-    /// so; returned are the facets whose ridges have changed, ascending.
+    /// Follows an [`Assignment`] that has judged faces again, and `renumbered` facets or not. `ridges` lists ridges by
+    /// facet, and is kept so; returned are the facets whose ridges have changed, ascending.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         assignment: &Assignment,
         judged: &Judged,
+        renumbered: bool,
         ridges: &mut Vec<RidgeOnFacet>,
     ) -> Vec<u32> {
-        self.facet_of_face.clone_from(&assignment.facet_of_face);
+        if renumbered {
+            self.facet_of_face.clone_from(&assignment.facet_of_face);
+        }
+        for face in &judged.faces {
+            self.facet_of_face[face.index()] = assignment.facet_of_face[face.index()];
+        }
         self.slab_depth = assignment.depth();
         if judged.reassigned.iter().any(|change| change.changes_class) {
             (self.set_of_face, self.sets) = convex_sets(topology, &self.facet_of_face);
@@ -240,6 +246,10 @@ impl Features {
             let found = topology.edges().binary_search_by_key(&key, |e| (e.from.0, e.to.0));
             found.is_ok_and(|e| edges.contains(&EdgeId(e as u32)))
         };
+        let had_any = edges.iter().any(|e| self.ridges.binary_search(e).is_ok());
+        if !had_any && fresh.is_empty() {
+            return Vec::new();
+        }
         let stale: Vec<RidgeOnFacet> = ridges.iter().copied().filter(among).collect();
         if stale != fresh {
             ridges.retain(|r| !among(r));

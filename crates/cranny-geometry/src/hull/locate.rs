@@ -1,7 +1,10 @@
 //! Where a point lies with respect to a hull: exact.
 
-use cranny_exact::{Aabb, DVec3, Sign};
+use std::collections::BTreeSet;
 
+use cranny_exact::{Aabb, DVec3, Sign, orient3d};
+
+use super::quickhull::next;
 use super::side::Side;
 use super::span::{Projection, collinear};
 use super::{ConvexHull, HullKind};
@@ -17,7 +20,52 @@ pub enum Location {
     Outside,
 }
 
+/// Where a walk over a hull has found a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Found {
+    pub(crate) location: Location,
+    /// The triangle through which the ray from the inner point to this one leaves: if it lies on the hull, there.
+    pub(crate) triangle: u32,
+    /// Number of triangles that the walk came to.
+    pub(crate) passed: usize,
+}
+
 impl ConvexHull {
+    /// A point certainly in the interior, if one is found. O(n).
+    pub(crate) fn inner_point(&self) -> Option<DVec3> {
+        self.centroid().filter(|&middle| self.locate(middle) == Location::Inside)
+    }
+
+    /// [`locate`](Self::locate) for a hull with an interior, given a point in it: a walk from triangle `start`
+    /// towards the one through which the ray from there to the point leaves (Devillers, Pion and Teillaud 2002,
+    /// "Walking in a triangulation"). `None` where it runs into itself.
+    ///
+    /// Cost: the triangles on the way; on smooth hulls about the root of their number, from anywhere.
+    pub(crate) fn locate_from(&self, inside: DVec3, point: DVec3, start: u32) -> Option<Found> {
+        let at = |v: u32| self.positions[v as usize];
+        let lies_beyond = |h: &u32| {
+            let (a, b) = (self.surface.origin(*h), self.surface.origin(next(*h)));
+            orient3d(inside, at(a), at(b), point) == Sign::Negative
+        };
+        let mut triangle = start;
+        let mut visited = BTreeSet::from([start]);
+        loop {
+            let out = (3 * triangle..3 * triangle + 3).filter(lies_beyond);
+            let mut across = out.map(|h| self.surface.twins[h as usize] / 3).peekable();
+            if across.peek().is_none() {
+                break;
+            }
+            triangle = across.find(|&next| visited.insert(next))?;
+        }
+        let [a, b, c] = self.surface.triangles[triangle as usize].map(at);
+        let location = match orient3d(a, b, c, point) {
+            Sign::Positive => Location::Outside,
+            Sign::Zero => Location::On,
+            Sign::Negative => Location::Inside,
+        };
+        Some(Found { location, triangle, passed: visited.len() })
+    }
+
     /// Where a point lies: decided by exact signs. A point with a coordinate outside the
     /// [`domain`](cranny_exact::domain) by being `NaN` or infinite is `Outside`; others outside it
     /// may get a wrong answer. Looks at every triangle unless one has the point above it: O(n).
@@ -64,7 +112,7 @@ impl ConvexHull {
         let first = front_side[0].map(|v| self.positions[v as usize]);
         let [a, b, c] = first;
         let Some(projection) = Projection::of_plane(first) else { return false };
-        if !cranny_exact::orient3d(a, b, c, point).is_zero() {
+        if !orient3d(a, b, c, point).is_zero() {
             return false;
         }
         front_side.iter().any(|triangle| {
@@ -75,5 +123,45 @@ impl ConvexHull {
                 turn.is_zero() || turn == front
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_walk_from_anywhere_finds_what_looking_at_every_triangle_finds() {
+        // Corners, middles of sides and edges, and points around them, of a grid's hull with a bump.
+        let steps = [-1.0, -0.5, 0.0, 0.5, 1.0];
+        let grid = || {
+            let pairs = steps.into_iter().flat_map(|x| steps.map(|y| (x, y)));
+            pairs.flat_map(|(x, y)| steps.map(|z| DVec3::new(x, y, z)))
+        };
+        let points: Vec<DVec3> = grid().chain([DVec3::new(0.3, 0.4, 1.25)]).collect();
+        let hull = ConvexHull::of_points(&points);
+        let inside = hull.inner_point().unwrap();
+        let mut count = [0; 3];
+        for p in grid().chain(grid().map(|p| 1.0625 * p)).chain([inside, points[125]]) {
+            let expected = hull.locate(p);
+            count[expected as usize] += 1;
+            for start in 0..hull.triangle_count() as u32 {
+                let found = hull.locate_from(inside, p, start).unwrap();
+                assert_eq!(found.location, expected, "{p} from {start}");
+                if expected == Location::On {
+                    let corners = hull.triangle(found.triangle as usize).map(|v| hull.position(v));
+                    let is_corner = hull.positions().contains(&p);
+                    assert_eq!(corners.contains(&p), is_corner, "{p} from {start}");
+                }
+            }
+        }
+        assert!(count.into_iter().all(|n| n > 20), "{count:?}");
+    }
+
+    #[test]
+    fn a_flat_hull_has_no_inner_point() {
+        let square = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
+        assert_eq!(ConvexHull::of_points(&square).inner_point(), None);
+        assert_eq!(ConvexHull::of_points(&square[..1]).inner_point(), None);
     }
 }

@@ -51,23 +51,21 @@ pub(super) struct Repaired {
 }
 
 impl<'a> Repair<'a> {
-    /// Of a surface over indices of `points`, `old` naming the places that vertices of it had. `None`
-    /// where no point certainly inside is found.
+    /// Of a surface over indices of `points`, `old` naming the places that vertices of it had, `middle` a point
+    /// certainly inside.
     pub(super) fn new(
         points: &'a [DVec3],
         old: BTreeMap<u32, DVec3>,
         surface: Surface,
         middle: DVec3,
-    ) -> Option<Self> {
+    ) -> Self {
         let mut leaving = vec![NONE; points.len()];
         for h in 0..surface.twins.len() as u32 {
             leaving[surface.origin(h) as usize] = h;
         }
         let first_new = surface.triangles.len() as u32;
         let Surface { triangles, twins } = surface;
-        let repair = Self { points, old, triangles, twins, leaving, middle, first_new };
-        let is_inside = |t: &[u32; 3]| repair.side_of(*t, middle) == Sign::Negative;
-        repair.triangles.iter().all(is_inside).then_some(repair)
+        Self { points, old, triangles, twins, leaving, middle, first_new }
     }
 
     fn at(&self, v: u32) -> DVec3 {

@@ -27,11 +27,14 @@ pub(crate) struct Followed {
     pub(crate) facets: Vec<u32>,
     /// Number of triangles whose planes were measured.
     pub(crate) measured: usize,
+    /// A point certainly in the interior, if one is known.
+    pub(crate) inside: Option<DVec3>,
 }
 
 impl ConvexHull {
     /// The hull of `points`, of which those in `moved`, ascending, were elsewhere when this hull was
-    /// built. `near` names the points that lie in a box, in any order.
+    /// built. `near` names the points that lie in a box, in any order; `inside` is certainly in the interior of
+    /// this hull.
     ///
     /// Cost: O(m log m) for the m triangles and points around those that moved in or out, and passes of a
     /// few nanoseconds over all vertices and triangles. O(n log n) where the surface cannot be repaired.
@@ -39,17 +42,20 @@ impl ConvexHull {
         &self,
         points: &[DVec3],
         moved: &[VertexId],
+        inside: Option<DVec3>,
         flatness: f64,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Followed {
-        let Some(Repaired { surface, before }) = self.repaired(points, moved, near) else {
+        let repaired = inside.and_then(|inside| self.repaired(points, moved, inside, near));
+        let Some(Repaired { surface, before }) = repaired else {
             let hull = Self::with_flatness(points, flatness);
-            let measured = hull.triangle_count();
-            return Followed { hull, facets: vec![GONE; self.facet_count()], measured };
+            let (measured, inside) = (hull.triangle_count(), hull.inner_point());
+            return Followed { hull, facets: vec![GONE; self.facet_count()], measured, inside };
         };
-        let mut vertices: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+        let mut is_vertex = vec![false; points.len()];
+        surface.triangles.iter().flatten().for_each(|&v| is_vertex[v as usize] = true);
+        let vertices: Vec<u32> =
+            (0..points.len() as u32).filter(|&v| is_vertex[v as usize]).collect();
         let fresh = |v: &&u32| {
             moved.binary_search(&VertexId(**v)).is_ok()
                 || self.vertex_of_source(VertexId(**v)).is_none()
@@ -75,13 +81,14 @@ impl ConvexHull {
             facets,
             excluded: Vec::new(),
         };
-        Followed { hull, facets: map, measured }
+        Followed { hull, facets: map, measured, inside }
     }
 
     fn repaired(
         &self,
         points: &[DVec3],
         moved: &[VertexId],
+        inside: DVec3,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Option<Repaired> {
         if self.kind != HullKind::Volume {
@@ -96,7 +103,7 @@ impl ConvexHull {
         let source = |v: u32| self.sources[v as usize].0;
         let triangles = self.surface.triangles.iter().map(|t| t.map(source)).collect();
         let surface = Surface { triangles, twins: self.surface.twins.clone() };
-        let mut repair = Repair::new(points, old, surface, self.centroid()?)?;
+        let mut repair = Repair::new(points, old, surface, inside);
         let unmoved = |bounds: &Aabb| -> Vec<u32> {
             let found: BTreeSet<VertexId> = near(bounds).into_iter().collect();
             found.into_iter().filter(|&v| !is_moved(v)).map(|v| v.0).collect()
@@ -159,7 +166,7 @@ mod tests {
             let all = (0..).map(VertexId).zip(points);
             all.filter(|(_, p)| bounds.contains_point(**p)).map(|(v, _)| v).collect()
         };
-        hull.followed(points, moved, super::super::FLATNESS, near)
+        hull.followed(points, moved, hull.inner_point(), super::super::FLATNESS, near)
     }
 
     /// Moves points again and again; returns how many triangles were measured, and how many there were.

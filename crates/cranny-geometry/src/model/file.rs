@@ -13,7 +13,7 @@ use std::sync::Arc;
 use cranny_exact::{DMat3, DVec3};
 use thiserror::Error;
 
-use super::{Model, Parts, radius};
+use super::{Model, Parts};
 use crate::codec::{Flaw, Reader, Writer, check, checksum, is_flatness};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
@@ -24,6 +24,7 @@ use crate::late::Late;
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
+use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
 use crate::tree::{FaceBoxes, FaceForest, FaceTree};
@@ -259,7 +260,7 @@ impl Model {
         let Origin { flatness, leaf_size, concavity_leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
         sections.end().map_err(|flaw| flawed(section::ORIGIN, flaw))?;
-        let radius = radius(&mesh);
+        let radius = radius(farthest(mesh.vertices()));
         let parts = Parts {
             mesh,
             topology,

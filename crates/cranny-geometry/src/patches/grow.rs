@@ -101,8 +101,9 @@ fn diagonal_squared(b: &Aabb) -> f64 {
 }
 
 impl Limits {
-    pub(super) fn of(mesh: &Mesh) -> Self {
-        let body = diagonal_squared(&mesh.bounds());
+    /// For a body in this box.
+    pub(super) fn of(body: &Aabb) -> Self {
+        let body = diagonal_squared(body);
         Self { diagonal_squared: LARGEST_EXTENT * LARGEST_EXTENT * body }
     }
 
@@ -164,7 +165,7 @@ pub(super) fn for_each_neighbor(
 
 /// Divides all faces of a mesh.
 pub(super) fn partition_by(mesh: &Mesh, topology: &Topology, normals: &Normals) -> Partition {
-    let limits = Limits::of(mesh);
+    let limits = Limits::of(&mesh.bounds());
     let (patch_of, patches) = grown(mesh, topology, &limits, normals);
     Partition { patch_of, patches }.merged(mesh, topology, &limits)
 }
@@ -463,7 +464,7 @@ mod tests {
         let partition = partition(&mesh, &topology);
         let patches = &partition.patches;
         assert!(patches.len() > 20 && patches.len() < mesh.faces().len() / 4);
-        let limits = Limits::of(&mesh);
+        let limits = Limits::of(&mesh.bounds());
         for border in borders(&mesh, &topology, &partition) {
             let [a, b] = [border.own, border.other].map(|p| patches[p as usize]);
             assert!(limits.joined(&a, &b).is_none(), "{} and {}", border.own, border.other);

@@ -236,7 +236,7 @@ impl Patches {
         if *patch != Patch::of(mesh, &self.trees, id.index(), Some(patch.cone)) {
             return Err(format!("patch {} is not what its faces make", id.0));
         }
-        let (limits, mut largest) = (grow::Limits::of(mesh), 0.0f64);
+        let (limits, mut largest) = (grow::Limits::of(&mesh.bounds()), 0.0f64);
         for &face in faces {
             let bounds = Aabb::of_points(mesh.triangle(face));
             largest = largest.max((bounds.max - bounds.min).length_squared());

@@ -3,10 +3,12 @@
 //! Where two surfaces lie along each other, boxes of slanted faces are thicker than the gap. A plane
 //! above the faces is not: the heights of two such planes bound the gap between two nodes.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use cranny_exact::DVec3;
 
+use crate::ids::VertexId;
 use crate::mesh::Mesh;
 use crate::tree::{Content, FaceTree};
 
@@ -28,11 +30,28 @@ impl Slab {
         arena: &FaceTree,
         trees: impl IntoIterator<Item = Range<usize>>,
     ) -> Vec<Self> {
+        let mut seen = vec![u32::MAX; mesh.vertices().len()];
+        let last = |vertex: VertexId, leaf| std::mem::replace(&mut seen[vertex.index()], leaf);
+        Self::with(mesh, arena, trees, last)
+    }
+
+    /// Those of the nodes of one tree, without memory for all vertices.
+    pub(super) fn of_tree(mesh: &Mesh, arena: &FaceTree, nodes: Range<usize>) -> Vec<Self> {
+        let mut seen = BTreeMap::new();
+        let last = |vertex, leaf| seen.insert(vertex, leaf).unwrap_or(u32::MAX);
+        Self::with(mesh, arena, [nodes], last)
+    }
+
+    /// `last` tells the leaf before in which a vertex was a corner, and takes the one in which it is.
+    fn with(
+        mesh: &Mesh,
+        arena: &FaceTree,
+        trees: impl IntoIterator<Item = Range<usize>>,
+        mut last: impl FnMut(VertexId, u32) -> u32,
+    ) -> Vec<Self> {
         let mut slabs = Vec::new();
         let mut beneath: Vec<Beneath> = Vec::new();
         let mut corners: Vec<DVec3> = Vec::new();
-        // The last leaf in which each vertex is a corner.
-        let mut seen = vec![u32::MAX; mesh.vertices().len()];
         for nodes in trees {
             let at = slabs.len();
             slabs.resize(at + nodes.len(), Self { normal: DVec3::ZERO, height: 0.0 });
@@ -50,10 +69,9 @@ impl Slab {
                     let [a, b, c] = triangle;
                     area += 0.5 * (b - a).cross(c - a);
                     for (vertex, corner) in mesh.corners(face).into_iter().zip(triangle) {
-                        let last = std::mem::replace(&mut seen[vertex.index()], node as u32);
                         // Written over where it stands there: without a branch that nobody can predict.
                         corners[end] = corner;
-                        end += usize::from(last != node as u32);
+                        end += usize::from(last(vertex, node as u32) != node as u32);
                     }
                 }
                 corners.truncate(end);

@@ -5,7 +5,7 @@ use cranny_exact::Aabb;
 use super::Patch;
 use super::cone::NormalCone;
 use crate::ids::PatchId;
-use crate::tree::{Content, Grower, Node};
+use crate::tree::{Content, Grower, GrownAreas, Node};
 
 /// A binary tree whose leaves are patches. Node 0 is the root.
 #[derive(Clone, Debug)]
@@ -35,6 +35,59 @@ impl PatchTree {
             };
         }
         tree
+    }
+
+    /// How large its boxes are now, for [`refit`](Self::refit).
+    pub(crate) fn grown_areas(&self) -> GrownAreas {
+        GrownAreas::of(&self.nodes)
+    }
+
+    /// Fits boxes and cones above some patches that have changed, given the boxes that they had. Whether the tree is
+    /// well again: not where a box has spread too far since it was grown, or a patch was not found.
+    pub(super) fn refit(
+        &mut self,
+        patches: &[Patch],
+        old: &[(PatchId, Aabb)],
+        grown: &GrownAreas,
+    ) -> bool {
+        let mut found = 0;
+        let is_well = self.refit_beneath(0, patches, old, grown, &mut found);
+        is_well && found == old.len()
+    }
+
+    /// Fits what hangs at a node, if one of the patches may; whether it is well.
+    fn refit_beneath(
+        &mut self,
+        node: u32,
+        patches: &[Patch],
+        old: &[(PatchId, Aabb)],
+        grown: &GrownAreas,
+        found: &mut usize,
+    ) -> bool {
+        let bounds = *self.bounds(node);
+        let may_hold = |(_, b): &&(PatchId, Aabb)| {
+            bounds.contains_point(b.min) && bounds.contains_point(b.max)
+        };
+        let within: Vec<(PatchId, Aabb)> = old.iter().filter(may_hold).copied().collect();
+        if within.is_empty() {
+            return true;
+        }
+        let (mut is_well, at) = (true, node as usize);
+        match self.content(node) {
+            Content::Inner { left, right } => {
+                is_well &= self.refit_beneath(left, patches, &within, grown, found);
+                is_well &= self.refit_beneath(right, patches, &within, grown, found);
+                self.nodes[at].bounds = self.bounds(left).union(self.bounds(right));
+                self.cones[at] = self.cone(left).union(self.cone(right));
+            }
+            Content::Leaf { start, .. } => {
+                let patch = self.order[start as usize];
+                *found += usize::from(within.iter().any(|(p, _)| *p == patch));
+                self.nodes[at].bounds = patches[patch.index()].bounds;
+                self.cones[at] = patches[patch.index()].cone;
+            }
+        }
+        is_well && !grown.has_spread(node, self.bounds(node))
     }
 
     /// Number of nodes.

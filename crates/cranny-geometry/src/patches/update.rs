@@ -8,7 +8,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use super::cone::Measured;
 use super::grow::{Growing, Limits, Partition, divided};
@@ -22,24 +22,26 @@ use crate::tree::{FaceForest, GrownAreas, MovedFace, NodeChanges};
 pub(crate) struct PatchUpdate {
     /// By old number the new one, of those with the same faces; whether these have moved or not.
     pub(crate) map: Vec<Option<PatchId>>,
-    /// Old numbers of patches that were measured or divided.
-    pub(crate) touched: BTreeSet<u32>,
+    /// Number of faces of the patches that were measured or divided.
+    pub(crate) faces: usize,
     pub(crate) nodes: NodeChanges,
 }
 
 impl Patches {
     /// Follows moved faces.
     ///
-    /// Cost: the patches with a moved face, and the tree over all patches; where a patch is divided, a
-    /// pass over all faces as well.
+    /// Cost: the patches with a moved face, the nodes above them, and a glance at each patch; where one is divided, a
+    /// pass over all faces as well. `body` is the box of all faces.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
+        body: &Aabb,
         moved: &[MovedFace],
         grown: &mut GrownAreas,
+        grown_top: &mut GrownAreas,
     ) -> PatchUpdate {
-        let limits = Limits::of(mesh);
+        let limits = Limits::of(body);
         let mut by_patch: BTreeMap<u32, Vec<MovedFace>> = BTreeMap::new();
         for m in moved {
             by_patch.entry(self.patch_of_face(m.face).0).or_default().push(*m);
@@ -64,25 +66,32 @@ impl Patches {
                 self.trees.refit(p as usize, mesh, moved, Self::LEAF_SIZE, grown, &mut nodes);
         }
         let touched: BTreeSet<u32> = by_patch.into_keys().collect();
+        let faces = touched.iter().map(|&p| self.faces(PatchId(p)).len()).sum();
         if is_well && parts.values().all(|parts| parts.len() == 1) {
+            let mut old = Vec::with_capacity(parts.len());
             for (&p, parts) in &parts {
+                old.push((PatchId(p), self.patches[p as usize].bounds));
                 self.measure(mesh, p as usize, &parts[0].0);
             }
-            self.top = PatchTree::over(&self.patches);
+            if !self.top.refit(&self.patches, &old, grown_top) {
+                self.top = PatchTree::over(&self.patches);
+                *grown_top = self.top.grown_areas();
+            }
             nodes.settle();
             let map = (0..self.len() as u32).map(|p| Some(PatchId(p))).collect();
-            return PatchUpdate { map, touched, nodes };
+            return PatchUpdate { map, faces, nodes };
         }
         let map = self.divide(mesh, topology, &limits, &parts);
-        *grown = GrownAreas::of(self.trees.arena());
+        *grown = GrownAreas::of(self.trees.arena().nodes());
+        *grown_top = self.top.grown_areas();
         let nodes = NodeChanges { renumbered: true, ..NodeChanges::default() };
-        PatchUpdate { map, touched, nodes }
+        PatchUpdate { map, faces, nodes }
     }
 
     fn measure(&mut self, mesh: &Mesh, p: usize, grown: &Growing) {
         self.patches[p] = Patch::of(mesh, &self.trees, p, grown.cone);
         let range = self.trees.node_range(p);
-        let slabs = Slab::of_trees(mesh, self.trees.arena(), [range.clone()]);
+        let slabs = Slab::of_tree(mesh, self.trees.arena(), range.clone());
         self.slabs[range].copy_from_slice(&slabs);
     }
 
@@ -133,7 +142,7 @@ impl Patches {
                 }
                 None => {
                     let range = trees.node_range(new);
-                    slabs.extend(Slab::of_trees(mesh, trees.arena(), [range]));
+                    slabs.extend(Slab::of_tree(mesh, trees.arena(), range));
                 }
             }
         }

@@ -12,7 +12,7 @@ use std::ops::Range;
 use cranny_exact::Aabb;
 
 use super::build::Grower;
-use super::{Content, FaceForest, FaceTree, face_boxes};
+use super::{Content, FaceForest, FaceTree, Node, face_boxes};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -33,9 +33,14 @@ pub(crate) struct MovedFace {
 pub(crate) struct GrownAreas(Vec<f64>);
 
 impl GrownAreas {
-    /// Of an arena as it is now.
-    pub(crate) fn of(arena: &FaceTree) -> Self {
-        Self(arena.nodes.iter().map(|n| half_area(&n.bounds)).collect())
+    /// Of nodes as they are now.
+    pub(crate) fn of(nodes: &[Node]) -> Self {
+        Self(nodes.iter().map(|n| half_area(&n.bounds)).collect())
+    }
+
+    /// Whether a node divides no longer well, given its box now.
+    pub(crate) fn has_spread(&self, node: u32, bounds: &Aabb) -> bool {
+        half_area(bounds) > SPREAD * self.0[node as usize]
     }
 
     /// Of the trees of `new`, of which tree `i` is tree `kept(i)` of `old`, or was just grown.
@@ -120,7 +125,7 @@ impl FaceTree {
         self.refit_beneath(root, mesh, moved, &mut changes.refitted);
         // Parents are listed after their children.
         let fitted = &changes.refitted[first..];
-        let spread = |n: u32| half_area(&self.node(n).bounds) > SPREAD * grown.0[n as usize];
+        let spread = |n: u32| grown.has_spread(n, &self.node(n).bounds);
         let is_bad = |&&n: &&u32| match self.content(n) {
             Content::Inner { left, right } => spread(left) || spread(right),
             Content::Leaf { .. } => false,
@@ -253,7 +258,7 @@ mod tests {
         let (mut vertices, faces) = row(64);
         let mesh = Mesh::new(vertices.clone(), faces.clone()).unwrap();
         let mut tree = FaceTree::of(&mesh, leaf_size);
-        let mut grown = GrownAreas::of(&tree);
+        let mut grown = GrownAreas::of(tree.nodes());
         let face = FaceId(move_face as u32);
         let moved = [MovedFace { face, old: Aabb::of_points(mesh.triangle(face)) }];
         for v in &mut vertices[3 * move_face..3 * move_face + 3] {

@@ -1,0 +1,66 @@
+//! What is added up or compared over a whole body, kept in parts so that moved vertices touch few of them.
+
+use crate::digest::BlockHashes;
+use crate::ids::{FaceId, VertexId};
+use crate::mass::MassSums;
+use crate::mesh::Mesh;
+use crate::model::Parts;
+use crate::reach::{farthest, radius};
+
+/// Vertices whose farthest is kept. Fewer, and there are more to compare; more, and more are looked at again for each
+/// one that has moved.
+const CHUNK: usize = 128;
+
+/// Sums, maxima and hashes of parts of a mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Totals {
+    /// Of a closed mesh.
+    mass: Option<MassSums>,
+    /// The square of the distance of the farthest vertex of each chunk.
+    farthest: Vec<f64>,
+    hashes: BlockHashes,
+}
+
+impl Totals {
+    pub(super) fn of(parts: &Parts) -> Self {
+        let Parts { mesh, mass, tree, .. } = parts;
+        let reference = tree.node(0).bounds.center();
+        Self {
+            mass: mass.is_some().then(|| MassSums::of(mesh, reference)),
+            farthest: mesh.vertices().chunks(CHUNK).map(farthest).collect(),
+            hashes: BlockHashes::of(mesh),
+        }
+    }
+
+    /// Follows vertices that have moved, and their faces, which ascend; the tree over all faces fits them already.
+    /// Returns how many faces and vertices were looked at.
+    pub(super) fn follow(
+        &mut self,
+        parts: &mut Parts,
+        vertices: &[VertexId],
+        faces: &[FaceId],
+    ) -> usize {
+        let Parts { mesh, mass, tree, radius: reach, digest, .. } = parts;
+        let mut looked_at = self.follow_farthest(mesh, vertices);
+        *reach = radius(self.farthest.iter().copied().fold(0.0, f64::max));
+        if let (Some(mass), Some(sums)) = (mass, &mut self.mass) {
+            looked_at += sums.update(mesh, tree.node(0).bounds.center(), faces);
+            *mass = sums.properties(mesh);
+        }
+        self.hashes.update(mesh, vertices);
+        *digest = self.hashes.digest(mesh);
+        looked_at
+    }
+
+    fn follow_farthest(&mut self, mesh: &Mesh, vertices: &[VertexId]) -> usize {
+        let mut looked_at = 0;
+        for moved in vertices.chunk_by(|a, b| a.index() / CHUNK == b.index() / CHUNK) {
+            let chunk = moved[0].index() / CHUNK;
+            let end = (CHUNK * (chunk + 1)).min(mesh.vertices().len());
+            let points = &mesh.vertices()[CHUNK * chunk..end];
+            self.farthest[chunk] = farthest(points);
+            looked_at += points.len();
+        }
+        looked_at
+    }
+}

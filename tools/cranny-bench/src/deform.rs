@@ -1,0 +1,267 @@
+//! Deformations: what moving k neighbouring vertices costs beside building the moved mesh anew.
+
+use std::collections::BTreeSet;
+
+use cranny_exact::DVec3;
+use cranny_geometry::features::Feature;
+use cranny_geometry::{BuildOptions, DeformError, Mesh, Model, VertexId, Work};
+
+use crate::report::{Cell, Report, Table};
+use crate::solid;
+use crate::stopwatch::{Patience, keep, race};
+
+/// How far vertices are moved, as a share of their distance from the body's middle. Larger, and patches of
+/// the smallest meshes are divided; smaller than slabs are deep (2⁻⁴⁰ or so), and nothing would leave the hull.
+const SHARE: f64 = 1e-5;
+
+const MOVED: [usize; 4] = [1, 10, 100, 1_000];
+
+/// Where vertices are moved, and which way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// About the vertex that is most edges from the hull, all off it, inwards.
+    Pocket,
+    /// About a vertex on the hull with a neighbour off it, inwards.
+    Rim,
+    /// About a vertex on the hull, inwards.
+    Hull,
+    /// The same, outwards.
+    Outward,
+}
+
+impl Place {
+    const ALL: [Self; 4] = [Self::Pocket, Self::Rim, Self::Hull, Self::Outward];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Pocket => "in a pocket",
+            Self::Rim => "at a rim",
+            Self::Hull => "on the hull",
+            Self::Outward => "outward",
+        }
+    }
+
+    fn seed(self, model: &Model) -> Option<VertexId> {
+        let is_off = |v: VertexId| model.features().vertex(v) == Feature::Concavity;
+        if self == Self::Pocket {
+            return deepest(model).filter(|&v| is_off(v));
+        }
+        let is_corner = |v: VertexId| model.hull().vertex_of_source(v).is_some();
+        let bounds = model.bounds();
+        // Away from the sides of the box, which decides how flat is flat.
+        let is_away = |v: VertexId| {
+            let p = model.mesh().position(v);
+            let slack = (p - bounds.min).min(bounds.max - p);
+            slack.min_element() > 0.02 * bounds.diagonal()
+        };
+        let mut all = vertices(model);
+        all.find(|&v| {
+            is_away(v)
+                && is_corner(v)
+                && match self {
+                    Self::Rim => neighbours(model, v).any(is_off),
+                    _ => !neighbours(model, v).any(is_off),
+                }
+        })
+    }
+
+    /// Whether vertices are where they are said to be.
+    fn holds(self, model: &Model, vertices: &[VertexId]) -> bool {
+        let is_off = |v: &VertexId| model.features().vertex(*v) == Feature::Concavity;
+        self != Self::Pocket || vertices.iter().all(is_off)
+    }
+}
+
+fn vertices(model: &Model) -> impl Iterator<Item = VertexId> + use<> {
+    (0..model.mesh().vertices().len() as u32).map(VertexId)
+}
+
+/// A vertex as many edges from those on the hull as any.
+fn deepest(model: &Model) -> Option<VertexId> {
+    let on_hull = |v: &VertexId| model.features().vertex(*v) != Feature::Concavity;
+    let mut found: Vec<VertexId> = vertices(model).filter(on_hull).collect();
+    let mut seen: BTreeSet<VertexId> = found.iter().copied().collect();
+    let mut next = 0;
+    while next < found.len() {
+        let fresh: Vec<VertexId> =
+            neighbours(model, found[next]).filter(|&v| seen.insert(v)).collect();
+        found.extend(fresh);
+        next += 1;
+    }
+    found.last().copied()
+}
+
+pub(crate) fn measure(quick: bool) -> Report {
+    let mut rows = Vec::new();
+    let mut solids = vec![
+        ("golf ball 1k", solid::golf_ball(1_000)),
+        ("golf ball 10k", solid::golf_ball(10_000)),
+    ];
+    if !quick {
+        solids.extend([("golf ball 100k", solid::golf_ball(100_000)), ("bolt 28k", solid::bolt())]);
+    }
+    for (name, mesh) in solids {
+        match mesh.map_err(|error| error.to_string()).and_then(built) {
+            Ok(model) => rows.extend(of_model(name, &model, quick)),
+            Err(error) => rows.push(refused(name, &error)),
+        }
+    }
+    Report {
+        title: "Deformations",
+        notes: vec![
+            "neighbouring vertices are moved by a hundred-thousandth of their distance from the middle and \
+             back, in turns with building the moved mesh (no search for faces that meet)"
+                .into(),
+            "the first deformation, which makes what the others keep, is not measured; with envelopes: the \
+             same, and those of the concavities touched"
+                .into(),
+            "counts are of the way there: faces judged, facets whose caps were looked at, triangles of the \
+             hull passed on the way to moved vertices, and measured, nodes of trees fitted, faces of \
+             concavities whose envelopes wait to be built, faces of patches measured, faces and vertices \
+             added up for sizes of the body"
+                .into(),
+        ],
+        tables: vec![Table { title: "Moved vertices", columns: COLUMNS.to_vec(), rows }],
+    }
+}
+
+const COLUMNS: [&str; 16] = [
+    "mesh",
+    "where",
+    "moved",
+    "build",
+    "deform",
+    "build / deform",
+    "with envelopes",
+    "build / both",
+    "faces",
+    "facets",
+    "located",
+    "hull",
+    "nodes",
+    "enveloped",
+    "patched",
+    "summed",
+];
+
+fn options() -> BuildOptions {
+    BuildOptions { self_intersections: false, ..BuildOptions::default() }
+}
+
+fn built(mesh: Mesh) -> Result<Model, String> {
+    Model::build(mesh, &options()).map(|(model, _)| model).map_err(|error| error.to_string())
+}
+
+fn refused(name: &str, error: &str) -> Vec<Cell> {
+    let mut row = vec![Cell::Absent; COLUMNS.len()];
+    row[0] = Cell::Text(format!("{name}: {error}"));
+    row
+}
+
+fn of_model(name: &str, model: &Model, quick: bool) -> Vec<Vec<Cell>> {
+    let seeds = Place::ALL.into_iter().filter_map(|place| Some((place, place.seed(model)?)));
+    let cases = seeds.flat_map(|seed| MOVED.map(|count| (seed, count)));
+    let cases = cases.map(|((place, seed), count)| (place, region(model, seed, count)));
+    cases
+        .filter(|(place, region)| {
+            2 * region.len() < model.mesh().vertices().len() && place.holds(model, region)
+        })
+        .map(|(place, region)| row(name, place, model, &region, quick))
+        .collect()
+}
+
+fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool) -> Vec<Cell> {
+    let begun = || Swinging::of(model, place, region);
+    let (mut bare, mut whole, work) = match (begun(), begun()) {
+        (Ok((bare, work)), Ok((whole, _))) => (bare, whole, work),
+        (Err(error), _) | (_, Err(error)) => return refused(name, &error.to_string()),
+    };
+    let (mut mesh, moved) = (model.mesh().clone(), bare.places[0].len());
+    let mut vertices = mesh.vertices().to_vec();
+    bare.places[0].iter().for_each(|&(v, p)| vertices[v.index()] = p);
+    match Mesh::new(vertices, mesh.faces().to_vec()) {
+        Ok(there) => mesh = there,
+        Err(error) => return refused(name, &error.to_string()),
+    }
+    let [build, deform, both] = race(
+        Patience::of(quick),
+        [
+            &mut || keep(Model::build(mesh.clone(), &options())),
+            &mut || keep(bare.swing()),
+            &mut || {
+                keep(whole.swing());
+                keep(whole.model.envelopes());
+            },
+        ],
+    );
+    let Work { faces, facets, located, hull_triangles, nodes, enveloped, patched, summed } = work;
+    let mut cells = vec![
+        Cell::Text(name.into()),
+        Cell::Text(place.name().into()),
+        Cell::Count(moved),
+        Cell::Time(build),
+        Cell::Time(deform),
+        Cell::Ratio(build / deform),
+        Cell::Time(both),
+        Cell::Ratio(build / both),
+    ];
+    let counts = [faces, facets, located, hull_triangles, nodes, enveloped, patched, summed];
+    cells.extend(counts.map(Cell::Count));
+    cells
+}
+
+/// A model whose vertices go to the first places next, and then to the second.
+struct Swinging {
+    model: Model,
+    places: [Vec<(VertexId, DVec3)>; 2],
+}
+
+impl Swinging {
+    /// Of some vertices, which have been there and are back: what the first deformation makes is there. And how
+    /// much there was to look at on the way there.
+    fn of(model: &Model, place: Place, region: &[VertexId]) -> Result<(Self, Work), DeformError> {
+        let middle = model.bounds().center();
+        let home: Vec<(VertexId, DVec3)> =
+            region.iter().map(|&v| (v, model.mesh().position(v))).collect();
+        let share = if place == Place::Outward { -SHARE } else { SHARE };
+        let away = home.iter().map(|&(v, p)| (v, p + share * (middle - p))).collect();
+        // The first deformation makes it a copy of its own, which the others change in place.
+        let mut swinging = Self { places: [away, home], model: model.clone() };
+        let work = swinging.swing()?;
+        swinging.swing()?;
+        Ok((swinging, work))
+    }
+
+    fn swing(&mut self) -> Result<Work, DeformError> {
+        let change = self.model.deform(&self.places[0])?;
+        self.places.swap(0, 1);
+        Ok(change.work)
+    }
+}
+
+/// One deformation of so many vertices of a golf ball of about so many triangles, after the first.
+pub(crate) fn work(triangles: u32, place: Place, count: usize) -> Option<Box<dyn FnMut()>> {
+    let model = built(solid::golf_ball(triangles).ok()?).ok()?;
+    let region = region(&model, place.seed(&model)?, count);
+    let (mut swinging, _) = Swinging::of(&model, place, &region).ok()?;
+    Some(Box::new(move || keep(swinging.swing())))
+}
+
+fn neighbours(model: &Model, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {
+    model.topology().faces_at(v).iter().flat_map(|&f| model.mesh().corners(f))
+}
+
+/// So many vertices, nearest by edges to one of them.
+fn region(model: &Model, seed: VertexId, count: usize) -> Vec<VertexId> {
+    let (mut seen, mut found) = (BTreeSet::from([seed]), vec![seed]);
+    let mut next = 0;
+    while next < found.len() && found.len() < count {
+        for v in neighbours(model, found[next]) {
+            if found.len() < count && seen.insert(v) {
+                found.push(v);
+            }
+        }
+        next += 1;
+    }
+    found
+}
