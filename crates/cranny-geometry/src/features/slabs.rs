@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use cranny_exact::{Aabb, DVec3};
 
-use crate::hull::{ConvexHull, FacetId};
+use crate::hull::{ConvexHull, FacetId, GONE};
 
 /// Least depth of a slab in units of the hull's flatness. Facets are merged up to one flatness; points
 /// of the same planar side that are not extreme, rounded on their own, may lie as deep again. Smaller
@@ -28,8 +28,11 @@ const FANOUT: usize = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Slabs {
     slabs: Vec<Slab>,
-    /// Facets in the order of the nodes on the lowest level.
+    /// Facets in the order of the nodes on the lowest level, and their places along a curve.
     order: Vec<u32>,
+    places: Vec<u32>,
+    /// The box of the hull, which these places are relative to.
+    bounds: Aabb,
     /// Level by level from the facets up; each node spans [`FANOUT`] of the level below.
     levels: Vec<Vec<Node>>,
     depth: f64,
@@ -88,7 +91,8 @@ impl Slabs {
             .facets()
             .map(|f| Slab { normal: f.normal, floor: f.offset - f.thickness.max(depth) })
             .collect();
-        Self { slabs, order: Vec::new(), levels: Vec::new(), depth }
+        let (bounds, order, places) = (hull.bounds(), Vec::new(), Vec::new());
+        Self { slabs, order, places, bounds, levels: Vec::new(), depth }
     }
 
     /// The least depth of a slab.
@@ -109,27 +113,75 @@ impl Slabs {
 
     /// Builds the tree that [`around`](Self::around) descends.
     pub(crate) fn prepare_finder(&mut self, hull: &ConvexHull) {
-        let facet_box = |f: u32| {
-            let triangles = hull.facet(FacetId(f)).triangles;
-            let corners = triangles.iter().flat_map(|&t| hull.triangle(t as usize));
-            // Corners lie up to a slab's depth beside the facet's polygon.
-            Aabb::of_points(corners.map(|v| hull.position(v))).grown(self.depth)
-        };
-        let node = |f: u32| {
-            let slab = self.slabs[f as usize];
-            let normals = Aabb { min: slab.normal, max: slab.normal };
-            Node { bounds: facet_box(f), normals, floor: slab.floor }
-        };
-        let nodes: Vec<Node> = (0..self.slabs.len() as u32).map(node).collect();
-        let bounds = hull.bounds();
+        let nodes: Vec<Node> = (0..self.slabs.len() as u32).map(|f| self.node(hull, f)).collect();
         // A place on the curve and a facet in one number.
         let mut order: Vec<u64> = (0u64..)
             .zip(&nodes)
-            .map(|(f, n)| curve_position(n.bounds.center(), &bounds) << 32 | f)
+            .map(|(f, n)| curve_position(n.bounds.center(), &self.bounds) << 32 | f)
             .collect();
         order.sort_unstable();
+        self.places = order.iter().map(|place| (place >> 32) as u32).collect();
         self.order = order.into_iter().map(|place| place as u32).collect();
         self.levels = vec![self.order.iter().map(|&f| nodes[f as usize]).collect()];
+        self.build_levels();
+    }
+
+    /// The slabs of a hull that follows that of these, and the tree over them: `map` names what has become of each
+    /// facet, which has its plane and its triangles.
+    ///
+    /// Cost: copying, and O(m log m) for the m facets that are new; where the box of the hull is another, that of
+    /// preparing.
+    pub(crate) fn followed(&self, hull: &ConvexHull, map: &[u32]) -> Self {
+        let mut new = Self::of(hull);
+        if new.bounds != self.bounds || new.depth != self.depth {
+            new.prepare_finder(hull);
+            return new;
+        }
+        let mut is_new = vec![true; new.slabs.len()];
+        map.iter().filter(|&&f| f != GONE).for_each(|&f| is_new[f as usize] = false);
+        let fresh = (0..new.slabs.len() as u32).filter(|&f| is_new[f as usize]);
+        let mut fresh: Vec<(u32, u32, Node)> = fresh
+            .map(|f| {
+                let node = new.node(hull, f);
+                (curve_position(node.bounds.center(), &new.bounds) as u32, f, node)
+            })
+            .collect();
+        fresh.sort_unstable_by_key(|&(place, f, _)| (place, f));
+        let mut fresh = fresh.into_iter().peekable();
+        let mut lowest = Vec::with_capacity(new.slabs.len());
+        let mut push = |place: u32, f: u32, node: Node| {
+            new.places.push(place);
+            new.order.push(f);
+            lowest.push(node);
+        };
+        for ((&place, &was), node) in self.places.iter().zip(&self.order).zip(&self.levels[0]) {
+            while let Some((place, f, node)) = fresh.next_if(|next| next.0 < place) {
+                push(place, f, node);
+            }
+            let f = map[was as usize];
+            if f != GONE {
+                push(place, f, *node);
+            }
+        }
+        fresh.for_each(|(place, f, node)| push(place, f, node));
+        new.levels = vec![lowest];
+        new.build_levels();
+        new
+    }
+
+    /// What stands for a facet on the lowest level.
+    fn node(&self, hull: &ConvexHull, f: u32) -> Node {
+        let triangles = hull.facet(FacetId(f)).triangles;
+        let corners = triangles.iter().flat_map(|&t| hull.triangle(t as usize));
+        // Corners lie up to a slab's depth beside the facet's polygon.
+        let bounds = Aabb::of_points(corners.map(|v| hull.position(v))).grown(self.depth);
+        let slab = self.slabs[f as usize];
+        let normals = Aabb { min: slab.normal, max: slab.normal };
+        Node { bounds, normals, floor: slab.floor }
+    }
+
+    /// The levels above the lowest.
+    fn build_levels(&mut self) {
         while let Some(below) = self.levels.last().filter(|l| l.len() > 1) {
             let unite = |group: &[Node]| group.iter().skip(1).fold(group[0], |all, b| all.union(b));
             let level = below.chunks(FANOUT).map(unite).collect();

@@ -13,7 +13,6 @@ use cranny_exact::Aabb;
 
 use super::assign::{Assignment, NONE};
 use super::corners::Corners;
-use super::slabs::Slabs;
 use super::vertices::Rings;
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
 use crate::hull::{ConvexHull, FacetId, GONE};
@@ -76,8 +75,7 @@ impl Assignment {
         moved: &[VertexId],
         ridges: &mut Vec<RidgeOnFacet>,
     ) -> Judged {
-        self.slabs = Slabs::of(hull);
-        self.slabs.prepare_finder(hull);
+        self.slabs = self.slabs.followed(hull, map);
         self.corners = Corners::of(mesh, hull);
         let mut disturbed = self.renumber_vertices(mesh, hull, sources, map, moved);
         disturbed.extend(moved);
@@ -113,8 +111,9 @@ impl Assignment {
         map: &[u32],
         moved: &[VertexId],
     ) -> BTreeSet<VertexId> {
-        let rings = Rings::of(hull);
-        let new_slabs = self.bounds_of_new(hull, map);
+        let (new_slabs, at_new) = self.look_at_new(hull, map);
+        // The rings of all other corners are what they were.
+        let rings = Rings::around(hull, &at_new);
         let mut disturbed = BTreeSet::new();
         let (mut starts, mut facets) = (vec![0], Vec::new());
         let mut before = Vec::new();
@@ -126,8 +125,11 @@ impl Assignment {
             before.sort_unstable();
             let first = facets.len();
             let was_corner = was.next_if_eq(&&v).is_some();
-            if let Some((corner, _)) = is.next_if(|(_, source)| **source == v) {
+            let corner = is.next_if(|(_, source)| **source == v).map(|(corner, _)| corner);
+            if let Some(corner) = corner.filter(|&corner| at_new[corner] || !was_corner) {
                 rings.append(corner, &mut facets);
+            } else if corner.is_some() {
+                facets.extend_from_slice(&before);
             } else if was_corner
                 || before.last() == Some(&GONE)
                 || new_slabs.contains_point(p)
@@ -146,14 +148,17 @@ impl Assignment {
         disturbed
     }
 
-    /// A box around the slabs of all facets that were not there before.
-    fn bounds_of_new(&self, hull: &ConvexHull, map: &[u32]) -> Aabb {
+    /// A box around the slabs of all facets that were not there before, and which corners of the hull they have.
+    fn look_at_new(&self, hull: &ConvexHull, map: &[u32]) -> (Aabb, Vec<bool>) {
         let mut is_old = vec![false; hull.facet_count()];
         map.iter().filter(|&&f| f != GONE).for_each(|&f| is_old[f as usize] = true);
         let new = (0..).map(FacetId).zip(is_old).filter(|&(_, is_old)| !is_old).map(|(f, _)| f);
         let triangles = new.flat_map(|f| hull.facet(f).triangles);
-        let corners = triangles.flat_map(|&t| hull.triangle(t as usize));
-        Aabb::of_points(corners.map(|v| hull.position(v))).grown(self.slabs.depth())
+        let corners: Vec<_> = triangles.flat_map(|&t| hull.triangle(t as usize)).collect();
+        let mut at_new = vec![false; hull.vertex_count()];
+        corners.iter().for_each(|v| at_new[v.index()] = true);
+        let places = corners.into_iter().map(|v| hull.position(v));
+        (Aabb::of_points(places).grown(self.slabs.depth()), at_new)
     }
 
     /// Places faces, and needles that hang on them, again.

@@ -12,7 +12,7 @@ use std::ops::Range;
 use cranny_exact::Aabb;
 
 use super::slabs::Slabs;
-use crate::hull::ConvexHull;
+use crate::hull::{ConvexHull, HullVertexId};
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -181,8 +181,19 @@ pub(super) struct Rings {
 
 impl Rings {
     pub(super) fn of(hull: &ConvexHull) -> Self {
+        Self::by(hull, |_| true)
+    }
+
+    /// Of some corners alone; the rows of the others are empty.
+    pub(super) fn around(hull: &ConvexHull, corners: &[bool]) -> Self {
+        Self::by(hull, |v| corners[v.index()])
+    }
+
+    #[inline]
+    fn by(hull: &ConvexHull, has_row: impl Fn(HullVertexId) -> bool) -> Self {
         let mut starts = vec![0u32; hull.vertex_count() + 1];
-        let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
+        let all = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
+        let corners = || all().filter(|&(_, v)| has_row(v));
         for (_, v) in corners() {
             starts[v.index() + 1] += 1;
         }
@@ -190,7 +201,7 @@ impl Rings {
             starts[i] += starts[i - 1];
         }
         let mut fill = starts.clone();
-        let mut facets = vec![0; 3 * hull.triangle_count()];
+        let mut facets = vec![0; starts[starts.len() - 1] as usize];
         for (t, v) in corners() {
             facets[fill[v.index()] as usize] = hull.facet_of_triangle(t).0;
             fill[v.index()] += 1;

@@ -100,7 +100,8 @@ impl FacetLayer {
     ) -> Self {
         let largest = positions.iter().fold(0.0f64, |m, p| m.max(p.abs().max_element()));
         let tolerance = flatness.max(0.0) * largest;
-        let mut growth = Growth::new(positions, surface, graph, tolerance);
+        let shapes = Shapes::new(positions, surface, tolerance);
+        let mut growth = Growth::new(positions, surface, graph, tolerance, shapes);
         if kind == HullKind::Polygon {
             growth.take_both_sides();
         } else {
@@ -122,9 +123,13 @@ impl FacetLayer {
         graph: &SupportGraph,
         fresh: &[DVec3],
     ) -> (Self, Vec<u32>, usize) {
-        let mut growth = Growth::new(positions, surface, graph, self.tolerance);
+        let shapes = Shapes::blank(surface.triangles.len());
+        let mut growth = Growth::new(positions, surface, graph, self.tolerance, shapes);
         let map = growth.keep(self, before, fresh);
-        let measured = growth.facet_of.iter().filter(|&&f| f == UNASSIGNED).count();
+        let is_left = |t: &u32| growth.facet_of[*t as usize] == UNASSIGNED;
+        let left: Vec<u32> = (0..surface.triangles.len() as u32).filter(is_left).collect();
+        growth.triangles.look_at(positions, surface, self.tolerance, &left);
+        let measured = left.len();
         growth.run();
         let Growth { facet_of, planes, .. } = growth;
         (Self::assemble(self.tolerance, positions, surface, facet_of, planes), map, measured)
@@ -179,6 +184,7 @@ impl<'a> Growth<'a> {
         surface: &'a Surface,
         graph: &'a SupportGraph,
         tolerance: f64,
+        triangles: Shapes,
     ) -> Self {
         let bounds = Aabb::of_points(positions.iter().copied());
         Self {
@@ -187,7 +193,7 @@ impl<'a> Growth<'a> {
             graph,
             tolerance,
             extent: bounds.max - bounds.min,
-            triangles: Shapes::new(positions, surface, tolerance),
+            triangles,
             facet_of: vec![UNASSIGNED; surface.triangles.len()],
             planes: Vec::new(),
             round: 0,

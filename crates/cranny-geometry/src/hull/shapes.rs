@@ -27,35 +27,63 @@ impl Shapes {
             bends: vec![0; count],
         };
         for corners in &surface.triangles {
-            let edges = edges(corners.map(|v| positions[v as usize]));
-            let longest = longest(&edges);
-            // The rounding of the two shorter edges tilts the normal of a sliver least.
-            let area_vector = edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]);
-            let area = area_vector.length();
+            let Shape { area_vector, area, is_needle } = Shape::of(positions, *corners, tolerance);
             shapes.area_vectors.push(area_vector);
             shapes.areas.push(area);
-            shapes.needles.push(area <= tolerance * edges[longest].length());
+            shapes.needles.push(is_needle);
         }
-        for (t, corners) in surface.triangles.iter().enumerate() {
-            for (i, &from) in corners.iter().enumerate() {
-                let h = 3 * t as u32 + i as u32;
-                let twin = surface.twins[h as usize];
-                if h < twin {
-                    let from = positions[from as usize];
-                    let apex = positions[surface.origin(previous(h)) as usize];
-                    let other = positions[surface.origin(previous(twin)) as usize];
-                    let is_deep = |t: u32, below: DVec3| {
-                        let t = t as usize;
-                        shapes.area_vectors[t].dot(below) > tolerance * shapes.areas[t]
-                    };
-                    if is_deep(t as u32, from - other) && is_deep(twin / 3, from - apex) {
-                        shapes.bends[t] |= 1 << i;
-                        shapes.bends[twin as usize / 3] |= 1 << (twin % 3);
-                    }
-                }
-            }
+        for h in (0..3 * count as u32).filter(|&h| h < surface.twins[h as usize]) {
+            shapes.bend(positions, surface, tolerance, h);
         }
         shapes
+    }
+
+    /// Looks at nothing yet.
+    pub(super) fn blank(count: usize) -> Self {
+        Self {
+            area_vectors: vec![DVec3::ZERO; count],
+            areas: vec![0.0; count],
+            needles: vec![false; count],
+            bends: vec![0; count],
+        }
+    }
+
+    /// Looks at some triangles, and at those beside them as far as these need it.
+    pub(super) fn look_at(
+        &mut self,
+        positions: &[DVec3],
+        surface: &Surface,
+        tolerance: f64,
+        triangles: &[u32],
+    ) {
+        for &t in triangles {
+            let beside = (3 * t..3 * t + 3).map(|h| surface.twins[h as usize] / 3);
+            for t in beside.chain([t]).map(|t| t as usize) {
+                let shape = Shape::of(positions, surface.triangles[t], tolerance);
+                self.area_vectors[t] = shape.area_vector;
+                self.areas[t] = shape.area;
+                self.needles[t] = shape.is_needle;
+            }
+        }
+        for h in triangles.iter().flat_map(|t| 3 * t..3 * t + 3) {
+            self.bend(positions, surface, tolerance, h);
+        }
+    }
+
+    /// Tells both triangles at an edge if it bends clearly.
+    fn bend(&mut self, positions: &[DVec3], surface: &Surface, tolerance: f64, h: u32) {
+        let twin = surface.twins[h as usize];
+        let from = positions[surface.origin(h) as usize];
+        let apex = positions[surface.origin(previous(h)) as usize];
+        let other = positions[surface.origin(previous(twin)) as usize];
+        let is_deep = |h: u32, below: DVec3| {
+            let t = h as usize / 3;
+            self.area_vectors[t].dot(below) > tolerance * self.areas[t]
+        };
+        if is_deep(h, from - other) && is_deep(twin, from - apex) {
+            self.bends[h as usize / 3] |= 1 << (h % 3);
+            self.bends[twin as usize / 3] |= 1 << (twin % 3);
+        }
     }
 
     /// Twice the area vector.
@@ -80,6 +108,25 @@ impl Shapes {
         self.bends[t as usize] == 0b111
             && !self.is_needle(t)
             && (3 * t..3 * t + 3).all(|h| !self.is_needle(surface.twins[h as usize] / 3))
+    }
+}
+
+/// One triangle.
+struct Shape {
+    area_vector: DVec3,
+    area: f64,
+    is_needle: bool,
+}
+
+impl Shape {
+    #[inline]
+    fn of(positions: &[DVec3], corners: [u32; 3], tolerance: f64) -> Self {
+        let edges = edges(corners.map(|v| positions[v as usize]));
+        let longest = longest(&edges);
+        // The rounding of the two shorter edges tilts the normal of a sliver least.
+        let area_vector = edges[(longest + 1) % 3].cross(edges[(longest + 2) % 3]);
+        let area = area_vector.length();
+        Self { area_vector, area, is_needle: area <= tolerance * edges[longest].length() }
     }
 }
 

@@ -3,7 +3,6 @@
 //! Where two surfaces lie along each other, boxes of slanted faces are thicker than the gap. A plane
 //! above the faces is not: the heights of two such planes bound the gap between two nodes.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use cranny_exact::DVec3;
@@ -37,8 +36,19 @@ impl Slab {
 
     /// Those of the nodes of one tree, without memory for all vertices.
     pub(super) fn of_tree(mesh: &Mesh, arena: &FaceTree, nodes: Range<usize>) -> Vec<Self> {
-        let mut seen = BTreeMap::new();
-        let last = |vertex, leaf| seen.insert(vertex, leaf).unwrap_or(u32::MAX);
+        let (mut at, mut seen) = (u32::MAX, Vec::new());
+        let last = |vertex, leaf| {
+            if at != leaf {
+                at = leaf;
+                seen.clear();
+            }
+            // Leaves have few faces.
+            if seen.contains(&vertex) {
+                return leaf;
+            }
+            seen.push(vertex);
+            u32::MAX
+        };
         Self::with(mesh, arena, [nodes], last)
     }
 
