@@ -51,6 +51,12 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         self.limit
     }
 
+    /// Of length 1, from the first to the second between the nearest faces measured; `None` before any were, or where
+    /// they touch.
+    pub(crate) fn toward(&self) -> Option<DVec3> {
+        (self.toward != DVec3::ZERO).then_some(self.toward)
+    }
+
     /// Takes note of a pair of faces; returns a lower bound of their distance.
     pub(crate) fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
         let pair = self.pair;
@@ -62,7 +68,11 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
             return gap;
         }
         counters.triangle_tests += 1;
-        let nearest = triangle_distance(&first, &second);
+        self.take([f, g], triangle_distance(&first, &second)) - self.error
+    }
+
+    /// Takes note of what was measured between two faces; returns their distance.
+    pub(crate) fn take(&mut self, pair: [FaceId; 2], nearest: Nearest) -> f64 {
         let distance = nearest.squared.sqrt();
         if distance < self.least_measured {
             self.least_measured = distance;
@@ -71,14 +81,14 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         let wins = match &self.best {
             None => distance < self.below,
             Some((faces, n)) => {
-                nearest.squared < n.squared || (nearest.squared <= n.squared && [f, g] < *faces)
+                nearest.squared < n.squared || (nearest.squared <= n.squared && pair < *faces)
             }
         };
         if wins {
             self.limit = distance;
-            self.best = Some(([f, g], nearest));
+            self.best = Some((pair, nearest));
         }
-        distance - self.error
+        distance
     }
 
     /// The nearest faces that were measured.

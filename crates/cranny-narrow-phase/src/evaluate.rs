@@ -1,6 +1,6 @@
 //! The one entry: from a question about a pair to its answer.
 
-use cranny_exact::{Interval, Meeting, PoseError};
+use cranny_exact::{DVec3, Interval, Meeting, PoseError};
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
@@ -137,7 +137,15 @@ fn answer(
         out.contained = found.contained.map(|c| pair.ordered_containment(c));
     }
     if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
-        measure(pair, demand, &pairs, gap, coherent, &mut out, &mut counters);
+        measure(
+            pair,
+            demand,
+            &pairs,
+            (gap, parting.direction()),
+            coherent,
+            &mut out,
+            &mut counters,
+        );
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
@@ -221,12 +229,12 @@ fn gap_seen(answer: &Answer, error: f64) -> Interval {
     Interval { lo: 0.0, hi: least + error }
 }
 
-/// Distance and witnesses of surfaces that are known to be at least `gap` apart.
+/// Distance and witnesses of surfaces that are known to be at least `gap` apart, along a direction.
 fn measure(
     pair: &Pair,
     demand: &Demand,
     pairs: &[FacePair],
-    gap: f64,
+    (gap, parting): (f64, DVec3),
     coherent: &mut Coherent,
     out: &mut Answer,
     counters: &mut Counters,
@@ -247,7 +255,7 @@ fn measure(
         Demand::Distance { below: Some(below) } => *below,
         _ => f64::INFINITY,
     };
-    let found = if gap > below { None } else { coherent.closest(pair, below, counters) };
+    let found = if gap > below { None } else { coherent.closest(pair, below, parting, counters) };
     match found {
         Some(found) => {
             out.distance = Some(found.distance);

@@ -20,7 +20,7 @@
 //! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
 //! vertices; `parting` looks for a plane between their hulls; where there is none, `descent` finds the faces that may meet; `surface` classifies them; `inside`,
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
-//! gaps with `triangle_distance`; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `intersection` chains the segments of
+//! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
@@ -54,7 +54,9 @@ mod depth;
 mod descent;
 mod evaluate;
 mod footprints;
+mod foremost;
 mod front;
+mod gjk;
 mod impact;
 mod inside;
 mod intersection;

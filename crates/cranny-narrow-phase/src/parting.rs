@@ -100,6 +100,11 @@ impl Parting {
         (best - error).max(0.0)
     }
 
+    /// The direction that was tried last; zero before the first query.
+    pub(crate) fn direction(&self) -> DVec3 {
+        self.direction
+    }
+
     /// Where the climb to the support points begins; `None` of hulls that have none. The last query may have been
     /// about other models.
     fn starts(&self, hulls: [&ConvexHull; 2]) -> Option<[Option<HullVertexId>; 2]> {

@@ -54,6 +54,7 @@ pub(crate) struct Nearest {
 }
 
 /// A triangle, ready to be measured from many points.
+#[derive(Clone, Debug)]
 pub(crate) struct Prepared {
     corners: [DVec3; 3],
     /// Side `i` runs from corner `i` to corner `(i + 1) % 3`.
@@ -105,7 +106,7 @@ impl Prepared {
 }
 
 /// A segment, ready to be measured against many.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Side {
     start: DVec3,
     end: DVec3,
@@ -230,32 +231,48 @@ pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
 
 /// The nearest points of two triangles. They must not intersect, or the answer is too large.
 pub(crate) fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
-    let mut best =
-        Nearest { squared: f64::INFINITY, points: [a[0], b[0]], parts: [Part::Corner(0); 2] };
-    let mut offer = |points: [DVec3; 2], parts: [Part; 2]| {
-        let squared = (points[1] - points[0]).length_squared();
-        if squared < best.squared || (squared <= best.squared && parts < best.parts) {
-            best = Nearest { squared, points, parts };
+    Prepared::of(a).nearest(ALL_CORNERS, &Prepared::of(b), ALL_CORNERS)
+}
+
+/// For [`Prepared::nearest`]: nothing is left out.
+const ALL_CORNERS: u8 = 0b111;
+
+impl Prepared {
+    /// The nearest points of two triangles that do not intersect, if these lie at some of their corners, a bit each, or on
+    /// sides that end there, or inside.
+    pub(crate) fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
+        let mut best = Nearest {
+            squared: f64::INFINITY,
+            points: [self.corners[0], other.corners[0]],
+            parts: [Part::Corner(0); 2],
+        };
+        let mut offer = |points: [DVec3; 2], parts: [Part; 2]| {
+            let squared = (points[1] - points[0]).length_squared();
+            if squared < best.squared || (squared <= best.squared && parts < best.parts) {
+                best = Nearest { squared, points, parts };
+            }
+        };
+        let is_corner = |bits: u8, i: usize| bits >> i & 1 != 0;
+        let is_side = |bits: u8, i: usize| is_corner(bits, i) || is_corner(bits, (i + 1) % 3);
+        // Sides with their ends: what is nearest to a corner and not inside a face.
+        for (i, p) in self.sides.iter().enumerate().filter(|(i, _)| is_side(own, *i)) {
+            for (j, q) in other.sides.iter().enumerate().filter(|(j, _)| is_side(its, *j)) {
+                let (s, t) = p.nearest(q);
+                offer([p.at(s), q.at(t)], [part_of_side(i, s), part_of_side(j, t)]);
+            }
         }
-    };
-    let (whole_a, whole_b) = (Prepared::of(a), Prepared::of(b));
-    // Sides with their ends: what is nearest to a corner and not inside a face.
-    for (i, p) in whole_a.sides.iter().enumerate() {
-        for (j, q) in whole_b.sides.iter().enumerate() {
-            let (s, t) = p.nearest(q);
-            offer([p.at(s), q.at(t)], [part_of_side(i, s), part_of_side(j, t)]);
+        for i in 0..3 {
+            let corner = Part::Corner(i as u8);
+            let (p, q) = (self.corners[i], other.corners[i]);
+            if let Some(foot) = is_corner(own, i).then(|| other.foot(p)).flatten() {
+                offer([p, foot], [corner, Part::Inside]);
+            }
+            if let Some(foot) = is_corner(its, i).then(|| self.foot(q)).flatten() {
+                offer([foot, q], [Part::Inside, corner]);
+            }
         }
+        best
     }
-    for i in 0..3 {
-        let corner = Part::Corner(i as u8);
-        if let Some(foot) = whole_b.foot(a[i]) {
-            offer([a[i], foot], [corner, Part::Inside]);
-        }
-        if let Some(foot) = whole_a.foot(b[i]) {
-            offer([foot, b[i]], [Part::Inside, corner]);
-        }
-    }
-    best
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! the faces that were nearest last, whose distance bounds the next one. And while surfaces part, on
 //! a way that the front proves free of meetings, what lies inside what stays.
 
-use cranny_exact::{Meeting, classify_triangles};
+use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::{FaceId, ModelTag};
 
 use super::quests::Meetings;
@@ -13,6 +13,7 @@ use crate::answer::{Counters, Surface};
 use crate::closest::{Closest, NearestFaces, search};
 use crate::contacts::{Kept, meetings_of_patches};
 use crate::containment::{Solidity, solidity};
+use crate::foremost::Foremost;
 use crate::pair::{Pair, Side};
 use crate::patience::Patience;
 use crate::surface::{FacePair, meeting_pairs, strongest, surface_verdict};
@@ -57,6 +58,7 @@ pub(crate) struct Coherent {
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
+    foremost: Foremost,
     /// Boxes do not part the surfaces, the planes of patches do.
     slanted: bool,
     patches: Kept,
@@ -208,18 +210,22 @@ impl Coherent {
         *self.apart.get_or_insert_with(|| solidity(pair, surface, touching, counters))
     }
 
-    /// The nearest points of surfaces that do not meet, if they are less than `below` apart.
+    /// The nearest points of surfaces that do not meet, if they are less than `below` apart. `parting`: along which the
+    /// hulls are apart, of no length if that is not known.
     pub(crate) fn closest(
         &mut self,
         pair: &Pair,
         below: f64,
+        parting: DVec3,
         counters: &mut Counters,
     ) -> Option<Closest> {
         let mut nearest = NearestFaces::less_than(pair, below);
         if let Some([f, g]) = self.nearest {
             nearest.offer(f, g, counters);
         }
-        if let Some(front) = self.ready(pair, nearest.limit(), counters) {
+        if self.foremost.offer(pair, parting, &mut nearest, counters) {
+            // All that could be nearer was measured.
+        } else if let Some(front) = self.ready(pair, nearest.limit(), counters) {
             front.refresh(pair, &mut nearest, counters);
         } else if nearest.limit() < f64::INFINITY && self.pace.allows_front() {
             self.keep_front(pair, &mut nearest, counters);
@@ -289,5 +295,6 @@ impl Coherent {
         self.front.as_ref().map_or(0, Front::bytes)
             + self.crossing.capacity() * size_of::<[FaceId; 2]>()
             + self.patches.bytes()
+            + self.foremost.bytes()
     }
 }

