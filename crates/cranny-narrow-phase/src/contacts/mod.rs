@@ -6,7 +6,7 @@
 //! branch and bound (`search`), begun from last step's. A patch too large to be a place yields
 //! as many as span it. Features make contacts only along directions that they face in the full
 //! mesh (`facing`), and their normals are exact there (`feature_pair`). Where the solids overlap,
-//! depths take the place of gaps (`overlap`). From which face a feature is looked at stands in `ownership`.
+//! depths take the place of gaps (`overlap`, of the vertices `within`). From which face a feature is looked at stands in `ownership`.
 //!
 //! The answer is a function of models, poses and margin: memory holds upper bounds, and what
 //! these two models alone say.
@@ -22,6 +22,7 @@ mod overlap;
 mod ownership;
 mod posed;
 mod search;
+mod within;
 
 use std::collections::BTreeMap;
 

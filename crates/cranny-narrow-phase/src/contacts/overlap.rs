@@ -7,15 +7,16 @@
 //! What this does not see is left to the caller: a tip that has passed the middle of a thin part, whose
 //! far side is nearer than the one it came in by, has no contact here.
 
-use std::collections::HashSet;
-
 use cranny_exact::{DVec3, WeightedPoint};
 use cranny_geometry::{Content, EdgeId, FaceId, VertexId};
 
 use super::facing::faces_towards;
 use super::feature_pair::edge_edge;
+use super::ownership::may_be_ridge;
+use super::within::vertices_within;
 use crate::answer::{Contact, Counters, Feature};
 use crate::inside::{Location, locate};
+use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
 use crate::triangle_distance::{Part, closest_on_triangle};
@@ -59,19 +60,10 @@ fn vertices_inside(
     counters: &mut Counters,
     contacts: &mut Vec<Contact>,
 ) {
-    let mesh = pair.mesh(side);
-    let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
-    let mut front: Vec<VertexId> = meeting.iter().flat_map(|p| mesh.corners(own(p))).collect();
-    let mut seen: HashSet<VertexId> = HashSet::new();
     // Neighbours are nearest to neighbours.
     let mut last = None;
-    while let Some(vertex) = front.pop() {
+    for vertex in vertices_within(pair, side, meeting, counters) {
         let p = pair.position(side, vertex);
-        if !seen.insert(vertex) || !is_inside(pair, side.other(), p, counters) {
-            continue;
-        }
-        let faces = pair.topology(side).faces_at(vertex);
-        front.extend(faces.iter().flat_map(|&f| mesh.corners(f)).filter(|v| !seen.contains(v)));
         contacts.extend(way_out(pair, side, vertex, p, &mut last, counters));
     }
 }
@@ -111,14 +103,14 @@ fn edges_crossing(
     counters: &mut Counters,
     contacts: &mut Vec<Contact>,
 ) {
-    let sides = |side, face| [0, 1, 2].map(|i| pair.edge(side, face, i));
-    let mut crossing: Vec<_> = meeting
-        .iter()
-        .flat_map(|p| {
-            let others = sides(Side::Second, p.second);
-            sides(Side::First, p.first).into_iter().flat_map(move |e| others.map(|g| (e, g)))
-        })
-        .collect();
+    let mut ridges = Side::BOTH.map(Ridges::of);
+    let mut crossing: Vec<(EdgeId, EdgeId)> = Vec::new();
+    for p in meeting {
+        let others = ridges[1].of_face(pair, p.second);
+        for e in ridges[0].of_face(pair, p.first).into_iter().flatten() {
+            crossing.extend(others.into_iter().flatten().map(|g| (e, g)));
+        }
+    }
     crossing.sort_unstable();
     crossing.dedup();
     let mut last = [None; 2];
@@ -139,6 +131,32 @@ fn edges_crossing(
         {
             contacts.push(contact);
         }
+    }
+}
+
+/// The edges of a body that may make contacts with others, each looked at once.
+struct Ridges {
+    side: Side,
+    edges: Numbering,
+    are: Vec<bool>,
+}
+
+impl Ridges {
+    fn of(side: Side) -> Self {
+        Self { side, edges: Numbering::default(), are: Vec::new() }
+    }
+
+    /// Those of a face.
+    fn of_face(&mut self, pair: &Pair, face: FaceId) -> [Option<EdgeId>; 3] {
+        [0, 1, 2].map(|i| {
+            let edge = pair.edge(self.side, face, i);
+            let (number, is_new) = self.edges.number(u64::from(edge.0));
+            if is_new {
+                let around = pair.topology(self.side).half_edges(edge);
+                self.are.push(may_be_ridge(pair.mesh(self.side), around));
+            }
+            self.are[number as usize].then_some(edge)
+        })
     }
 }
 

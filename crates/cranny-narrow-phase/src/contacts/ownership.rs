@@ -80,7 +80,7 @@ impl Owned {
 }
 
 /// Whether the edge of these half-edges may cross another body's and make a contact.
-fn may_be_ridge(mesh: &Mesh, around: &[HalfEdgeId]) -> bool {
+pub(super) fn may_be_ridge(mesh: &Mesh, around: &[HalfEdgeId]) -> bool {
     let [h, g] = around else { return true };
     // Of faces that contradict each other, the normals say nothing of which way the edge is bent.
     let start = |h: &HalfEdgeId| mesh.faces()[h.face().index()][h.corner()];
