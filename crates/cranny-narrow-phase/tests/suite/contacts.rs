@@ -433,3 +433,36 @@ fn memory_of_a_model_says_nothing_of_one_with_other_patches() {
         assert_eq!(warm, ask(&deformed, pose, demand, &mut PairMemory::default()), "turn {turn}");
     }
 }
+
+/// A small body travels around a large one: what was left behind is let go of.
+#[test]
+fn memory_of_contacts_follows_what_is_near() {
+    let ring = shape(Torus {
+        major_radius: 1.0,
+        minor_radius: 0.2,
+        major_segments: 160,
+        minor_segments: 24,
+    });
+    let cube = shape(Cuboid { size: [0.06; 3] });
+    let query_of = Query::of(Demand::Contacts { margin: 0.03 });
+    let placed = |frame: u32| {
+        let angle = 0.02 * f64::from(frame);
+        let at = DVec3::new(1.25 * angle.cos(), 1.25 * angle.sin(), 0.0);
+        let a = Placed { model: &ring, pose: Pose::IDENTITY };
+        [a, Placed { model: &cube, pose: Pose::at(at) }]
+    };
+    let mut memory = PairMemory::default();
+    let mut found = 0;
+    for frame in 0..310 {
+        let [a, b] = placed(frame);
+        found += query(a, b, &query_of, &mut memory).unwrap().contacts.len();
+    }
+    assert!(found > 300, "{found}");
+    let mut fresh = PairMemory::default();
+    for frame in [308, 309] {
+        let [a, b] = placed(frame);
+        query(a, b, &query_of, &mut fresh).unwrap();
+    }
+    let [kept, fresh] = [memory, fresh].map(|memory| memory.bytes());
+    assert!(kept < 3 * fresh, "{kept} bytes after a turn, {fresh} here");
+}
