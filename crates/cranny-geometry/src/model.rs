@@ -278,7 +278,12 @@ impl Model {
         let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
         let Covered { features, concavities, concavity_trees, envelopes } =
             Covered::of(&mesh, &topology, &hull, &tree, options.concavity_leaf_size, observe);
-        report.add(concavities.surface().findings(&mesh, &hull, features.slab_depth()));
+        report.add(concavities.surface().findings(
+            &mesh,
+            &hull,
+            features.slab_depth(),
+            topology.is_closed(),
+        ));
         let (radius, digest) = (radius(farthest(mesh.vertices())), digest(&mesh));
         observe(Stage::Done);
         let parts = Parts {
@@ -326,7 +331,12 @@ impl Model {
         describe(mesh, topology, mass.as_ref(), &mut report);
         let (mass, distance) = (mass.as_ref(), report.weld_distance);
         report.take(scan(mesh, topology, tree, mass, distance, options.self_intersections));
-        report.add(concavities.surface().findings(mesh, hull, features.slab_depth()));
+        report.add(concavities.surface().findings(
+            mesh,
+            hull,
+            features.slab_depth(),
+            topology.is_closed(),
+        ));
         Ok(report)
     }
 

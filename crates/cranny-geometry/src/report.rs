@@ -169,6 +169,10 @@ pub enum FindingKind {
     /// Such a side on which the rims of faces cross each other: its caps overlap. The corners of the
     /// side. How thick it is.
     CrossedCap,
+    /// A closed body no thicker than [`slab_depth`](crate::features::Features::slab_depth) as a whole, so that either of
+    /// its sides lies on the facets of both. The corners of its hull's largest side. The volume of the hull over its area,
+    /// which is half the thickness of a plate.
+    ThinBody,
 }
 
 const SURFACE: &str = "no containment, depth, area or mass: the component is a surface";
@@ -200,6 +204,7 @@ impl FindingKind {
             Self::SeveralShells => "several_shells",
             Self::NegativeCap => "negative_cap",
             Self::CrossedCap => "crossed_cap",
+            Self::ThinBody => "thin_body",
         }
     }
 
@@ -233,6 +238,9 @@ impl FindingKind {
             Self::CrossedCap => {
                 "a side of the hull on which faces overlap without a common vertex: the mesh passes through itself there"
             }
+            Self::ThinBody => {
+                "a body that is as good as flat: no thicker than what counts as one side"
+            }
         }
     }
 
@@ -244,7 +252,8 @@ impl FindingKind {
             | Self::TVertex
             | Self::NearVertices
             | Self::NegativeCap
-            | Self::CrossedCap => Element::Vertex,
+            | Self::CrossedCap
+            | Self::ThinBody => Element::Vertex,
             Self::NonOrientable
             | Self::InsideOut
             | Self::Cavity
@@ -287,6 +296,9 @@ impl FindingKind {
             ],
             Self::CrossedCap => &[
                 "a point there may lie beneath several lids, so more is opened than need be; volumes are right to within a few slabs",
+            ],
+            Self::ThinBody => &[
+                "whole sides may count as skin, and which of them a face lies on is open: hull, faces and lids need not add up",
             ],
             Self::NestedSolid => &[
                 "its volume counts twice where material surrounds it: once of its own, once of the part around it",

@@ -7,18 +7,26 @@ use std::collections::BTreeSet;
 use cranny_exact::DVec3;
 
 use super::CapSurface;
-use crate::hull::{ConvexHull, FacetId};
+use crate::hull::{ConvexHull, Facet, FacetId, HullKind};
 use crate::ids::{CapId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::{Finding, FindingKind};
 
 impl CapSurface {
-    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, and for each group
-    /// of facets with such caps that is crossed. O(n), and the square of the facets told.
-    pub(crate) fn findings(&self, mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Vec<Finding> {
+    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each group
+    /// of facets with such caps that is crossed, and for a closed body that is no thicker than slabs. O(n), and the square
+    /// of the facets told.
+    pub(crate) fn findings(
+        &self,
+        mesh: &Mesh,
+        hull: &ConvexHull,
+        depth: f64,
+        is_closed: bool,
+    ) -> Vec<Finding> {
         let wide: Vec<CapId> =
             self.negative.iter().copied().filter(|&cap| self.width(mesh, cap) > depth).collect();
-        let mut told = Vec::new();
+        let mut told: Vec<Finding> =
+            thin_body(mesh, hull, depth).filter(|_| is_closed).into_iter().collect();
         let mut facets = BTreeSet::new();
         for caps in wide.chunk_by(|&a, &b| self.facet_of(a) == self.facet_of(b)) {
             let corners = caps.iter().flat_map(|cap| self.triangles[cap.index()]).collect();
@@ -52,6 +60,23 @@ impl CapSurface {
     fn corners(&self, mesh: &Mesh, cap: CapId) -> [DVec3; 3] {
         self.triangles[cap.index()].map(|v| mesh.position(VertexId(v)))
     }
+}
+
+/// Told where the hull of a body has a volume, but is as thin as that. A flat one has two sides, and faces that look up
+/// lie on the upper one.
+fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
+    let (volume, area) = (hull.volume(), hull.area());
+    if hull.kind() != HullKind::Volume || volume > depth * area {
+        return None;
+    }
+    let size = |f: &Facet<'_>| {
+        let corners =
+            f.triangles.iter().map(|&t| hull.triangle(t as usize).map(|v| hull.position(v)));
+        corners.map(|[a, b, c]| (b - a).cross(c - a).length()).sum::<f64>()
+    };
+    let largest = hull.facets().max_by(|f, g| size(f).total_cmp(&size(g)))?;
+    let corners = largest.corners.iter().map(|&v| hull.source(v).0).collect();
+    Some(finding(FindingKind::ThinBody, corners, mesh, volume / area))
 }
 
 fn finding(kind: FindingKind, mut ids: Vec<u32>, mesh: &Mesh, measure: f64) -> Finding {

@@ -7,7 +7,8 @@
 //! far as the mesh has none.
 //!
 //! Volumes and areas add up: what the hull has and the body lacks is the pockets and the *skin*, which
-//! is what lies between the hull and faces that are on it but for rounding.
+//! is what lies between the hull and faces that are on it but for rounding. Where a whole body is no thicker than skin,
+//! either side lies on the facets of both, and they need not ([`FindingKind::ThinBody`](crate::FindingKind::ThinBody)).
 //!
 //! Cost: O(n log n), near linear where most faces are far from any rim.
 
@@ -33,12 +34,14 @@ pub use covers::{FeatureCover, HullCovers};
 pub enum ConcavityKind {
     /// One lid: a dent, a groove, a well.
     Pocket,
-    /// Several lids: a through-hole, say.
+    /// Several lids: a through-hole, say. Also where two notches have nothing in common but an edge of the mesh, which
+    /// four faces share: faces hang together over it, though nothing passes through (two cubes that touch along an edge).
     Passage,
     /// No lid, and air within: a bubble inside a body.
     Void,
     /// No lid, and matter within, or a surface that bounds nothing: a separate piece inside a
-    /// concavity, or anywhere off the hull.
+    /// concavity, or anywhere off the hull. A solid inside the matter of another is one too, without a parent, as no air
+    /// is around it; reports tell it as [`NestedSolid`](crate::FindingKind::NestedSolid).
     Island,
     /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it.
     Opening,

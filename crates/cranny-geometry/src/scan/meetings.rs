@@ -5,6 +5,12 @@
 //! are not searched ([`views`](super::views)); and where very many faces share a vertex, they are paired
 //! by the directions in which they lie from it, not by their boxes, which all hold it
 //! ([`crowds`](super::crowds)).
+//!
+//! Source: a tree of boxes paired with itself is van den Bergen's (1997, "Efficient collision detection of complex
+//! deformable models using AABB trees"); Volino and Magnenat-Thalmann (1994, "Efficient self-collision detection on
+//! smoothly discretized surface animations using geometrical shape regularity") leave out parts that are seen from one
+//! side, by cones of normals and their outlines. Cost: O(n log n) for sound meshes; each pair of boxes that overlap
+//! elsewhere is judged, up to [`TESTS_A_FACE`] a face.
 
 use std::ops::ControlFlow;
 

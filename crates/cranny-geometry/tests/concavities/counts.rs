@@ -4,7 +4,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::features::Feature;
 use cranny_geometry::hull::FacetId;
-use cranny_geometry::{BuildOptions, CapId, FindingKind, Mesh, Model};
+use cranny_geometry::{BuildOptions, CapId, ConcavityId, FindingKind, Mesh, Model};
 use cranny_shapes::{
     Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, NestedShells, PyramidInCavity, UPrism,
 };
@@ -133,7 +133,7 @@ fn a_small_stellated_dodecahedron_has_no_convex_face() {
         assert_eq!(features.isolated_vertices().len(), 12);
         assert_eq!(features.boundary_edge_count(), 0);
         let facets = (0..model.hull().facet_count() as u32).map(FacetId);
-        let lid = Cover::Lid(cranny_geometry::ConcavityId(0));
+        let lid = Cover::Lid(ConcavityId(0));
         assert!(facets.map(|f| model.concavities().cover(f)).all(|c| c == lid));
     }
 }
@@ -198,12 +198,31 @@ fn shells_inside_shells_know_what_surrounds_them() {
 }
 
 #[test]
+fn a_solid_in_the_matter_of_another_is_an_island_without_a_parent() {
+    let shell = |size: f64| Cuboid { size: [size; 3] }.build().unwrap();
+    let (model, report) =
+        Model::build(shell(4.0).joined(&shell(1.0)), &BuildOptions::default()).unwrap();
+    let all: Vec<_> = model.concavities().iter().map(|c| (c.kind, c.parent)).collect();
+    assert_eq!(all, [(ConcavityKind::Island, None)]);
+    assert!(report.findings.iter().any(|f| f.kind == FindingKind::NestedSolid));
+}
+
+#[test]
+fn notches_that_share_nothing_but_an_edge_are_one_passage() {
+    // Two cells side by side across the diagonal: four faces at the edge between them.
+    let mesh = bodies::of_cells([2, 2, 1], |[x, y, _]| x == y);
+    let model = closed_checked(&mesh);
+    assert_eq!(census(&model), [(ConcavityKind::Passage, 2, 2)]);
+    assert_eq!(model.concavities().get(ConcavityId(0)).faces.len(), 8);
+}
+
+#[test]
 fn a_pebble_in_a_cup_has_the_well_for_parent_and_a_peg_flush_with_the_rim_shares_it() {
     let cup = Cup { segments: 12, ..Cup::default() }.build().unwrap();
     let pebble = moved(&Cuboid { size: [0.1; 3] }.build().unwrap(), |p| p + 0.5 * DVec3::Z);
     let model = closed_checked(&cup.clone().joined(&pebble));
     let kinds: Vec<_> = model.concavities().iter().map(|c| (c.kind, c.parent)).collect();
-    let well = cranny_geometry::ConcavityId(0);
+    let well = ConcavityId(0);
     assert_eq!(kinds, [(ConcavityKind::Pocket, None), (ConcavityKind::Island, Some(well))]);
 
     let peg = Cuboid { size: [0.1, 0.1, 0.5] }.build().unwrap();

@@ -2,25 +2,26 @@
 
 use std::collections::BTreeSet;
 
-use cranny_geometry::{BuildOptions, DeformError, FaceId, Flatness, Model, hull};
+use cranny_geometry::{BuildOptions, DeformError, FaceId, FindingKind, Flatness, Model, hull};
 use cranny_testkit::{Bytes, few_moves, nearly_flat_solid};
 
 use crate::check::{built_with, check_sums};
 use crate::equal::{assert_equals_rebuild, assert_tells_changes, options, validate};
 
-/// Of a hull's size, its volume divided by its area. Promises are only asked of bodies thicker than that: of one about
-/// as thin as rounding, either side lies on the facets of both, and caps do not always add up to the hull.
-const LEAST_THICKNESS: f64 = 0.001;
-
+/// Sums are only asked of bodies thicker than skin: of others either side lies on the facets of both, and caps do not
+/// always add up to the hull.
 fn is_thick(model: &Model) -> bool {
     let hull = model.hull();
-    hull.volume() > LEAST_THICKNESS * hull.bounds().diagonal() * hull.area()
+    hull.volume() > model.features().slab_depth() * hull.area()
 }
 
 /// A closed solid keeps every promise, volumes and areas among them, and comes back from its bytes.
 pub(crate) fn nearly_flat(data: &[u8]) {
     let mesh = nearly_flat_solid(&mut Bytes(data));
-    let (model, _) = Model::build(mesh.clone(), &BuildOptions::default()).expect("it has faces");
+    let (model, report) =
+        Model::build(mesh.clone(), &BuildOptions::default()).expect("it has faces");
+    let is_told = report.findings.iter().any(|f| f.kind == FindingKind::ThinBody);
+    assert_eq!(is_told, !is_thick(&model) && model.hull().kind() == hull::HullKind::Volume);
     if is_thick(&model) {
         check_sums(&built_with(&mesh, &BuildOptions::default()).0);
         validate(&model, "a solid");

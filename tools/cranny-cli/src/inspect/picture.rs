@@ -105,7 +105,7 @@ mod tests {
     use cranny_exact::DVec3;
     use cranny_geometry::{BuildOptions, Mesh};
     use cranny_render::{Color, palette};
-    use cranny_shapes::{Cup, GolfBall, Torus};
+    use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
 
     fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {
         let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
@@ -143,6 +143,34 @@ mod tests {
             let lines = list.lines.iter().filter(|line| line.color == palette(0)).count();
             assert_eq!(lines, 12 << level);
         }
+    }
+
+    #[test]
+    fn what_matter_encloses_is_seen_through_it() {
+        let cube = |size: f64, inward: bool| {
+            let mesh = Cuboid { size: [size; 3] }.build().unwrap();
+            let turn = |&[a, b, c]: &[u32; 3]| if inward { [a, c, b] } else { [a, b, c] };
+            let faces = mesh.faces().iter().map(turn).collect();
+            Mesh::new(mesh.vertices().to_vec(), faces).unwrap()
+        };
+        let hollow = cube(8.0, false).joined(&cube(6.0, true));
+        let solid_in_solid = cube(8.0, false).joined(&cube(6.0, false));
+        let pebble_in_hollow = hollow.clone().joined(&cube(1.0, false));
+        for (mesh, behind_glass) in [(hollow, 12), (solid_in_solid, 12), (pebble_in_hollow, 24)] {
+            for show in [Show::Classes, Show::Boxes(0)] {
+                let (list, legend) = drawn(mesh.clone(), show);
+                let [body, glass] = list.instances.as_slice() else { panic!("{legend:?}") };
+                let count = [body, glass].map(|instance| instance.mesh.triangle_count());
+                assert_eq!(count, [12, behind_glass], "{show:?}");
+                assert!(body.color.is_opaque() && !glass.color.is_opaque());
+                assert!(legend.iter().any(|words| words.contains("without a lid")), "{legend:?}");
+            }
+        }
+        // A pebble in a cup is seen from above.
+        let in_sight = cup().joined(&cube(0.1, false));
+        let faces = in_sight.faces().len();
+        let (list, _) = drawn(in_sight, Show::Boxes(0));
+        assert_eq!(list.instances[0].mesh.triangle_count(), faces);
     }
 
     #[test]

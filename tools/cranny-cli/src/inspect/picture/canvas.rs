@@ -44,6 +44,8 @@ pub(super) struct Canvas<'m> {
     pub(super) list: DrawList,
     pub(super) legend: Vec<String>,
     glass: (Vec<DVec3>, Vec<[u32; 3]>, Vec<Color>),
+    /// Whether a face is drawn as glass; none, as long as nobody asks for it.
+    is_glass: Vec<bool>,
 }
 
 impl<'m> Canvas<'m> {
@@ -55,6 +57,14 @@ impl<'m> Canvas<'m> {
             list: DrawList::new(),
             legend: Vec::new(),
             glass: (Vec::new(), Vec::new(), Vec::new()),
+            is_glass: vec![false; model.mesh().faces().len()],
+        }
+    }
+
+    /// Draws only some faces as they are and the others as glass, so that one sees what these surround.
+    pub(super) fn lay_bare(&mut self, shown: impl Fn(FaceId) -> bool) {
+        for (face, is_glass) in (0..).map(FaceId).zip(&mut self.is_glass) {
+            *is_glass = !shown(face);
         }
     }
 
@@ -126,9 +136,19 @@ impl<'m> Canvas<'m> {
     pub(super) fn finish(mut self, up: Up) -> Result<(DrawList, Vec<String>), DrawMeshError> {
         self.mark_edges();
         let mesh = self.model.mesh();
+        let (mut shown, mut colors) = (Vec::new(), Vec::new());
+        for face in (0..mesh.faces().len() as u32).map(FaceId) {
+            let color = self.faces[face.index()];
+            if self.is_glass[face.index()] {
+                self.add_glass(&mesh.triangle(face), color);
+            } else {
+                shown.push(mesh.faces()[face.index()]);
+                colors.push(color);
+            }
+        }
         let upright = |points: &[DVec3]| points.iter().map(|&p| up.upright(p)).collect::<Vec<_>>();
         let body = upright(mesh.vertices());
-        let body = DrawMesh::with_face_colors(&body, mesh.faces(), &self.faces)?;
+        let body = DrawMesh::with_face_colors(&body, &shown, &colors)?;
         let (corners, faces, colors) = &self.glass;
         let glass = DrawMesh::with_face_colors(&upright(corners), faces, colors)?;
         for line in &mut self.list.lines {

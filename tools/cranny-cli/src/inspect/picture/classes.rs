@@ -1,7 +1,10 @@
 //! What lies on the hull and what does not: classes, patches, boxes.
 
+use std::collections::BTreeSet;
+
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::{Content, EdgeId, Model};
+use cranny_geometry::concavity::{Concavity, ConcavityKind};
+use cranny_geometry::{ConcavityId, Content, EdgeId, Model};
 use cranny_render::{Color, Point, palette};
 
 use super::canvas::{Canvas, INK, LINE_WIDTH, lightened};
@@ -116,11 +119,31 @@ fn draw_concavities(canvas: &mut Canvas<'_>) -> Vec<usize> {
     let (mesh, concavities) = (canvas.model.mesh(), canvas.model.concavities());
     let colors = canvas.paint(|face| concavities.of_face(face).map(|id| id.0), concavities.len());
     canvas.explain_colors("concavities", &colors);
+    lay_bare_what_is_enclosed(canvas);
     for rim in concavities.iter().flat_map(|concavity| concavity.loops()) {
         let corners: Vec<DVec3> = rim.vertices.iter().map(|&v| mesh.position(v)).collect();
         canvas.add_loop(&corners, INK, LINE_WIDTH);
     }
     colors
+}
+
+/// Where matter encloses voids, or pieces of matter, whatever is around them becomes glass.
+fn lay_bare_what_is_enclosed(canvas: &mut Canvas<'_>) {
+    let concavities = canvas.model.concavities();
+    let is_hidden = |c: &Concavity<'_>| match c.kind {
+        ConcavityKind::Void => true,
+        ConcavityKind::Island => c.parent.is_none(),
+        _ => false,
+    };
+    if !concavities.iter().any(|c| is_hidden(&c)) {
+        return;
+    }
+    let around: BTreeSet<ConcavityId> = concavities.iter().filter_map(|c| c.parent).collect();
+    let has_lid = |id| concavities.get(id).lids().len() > 0;
+    canvas.lay_bare(|face| {
+        concavities.of_face(face).is_some_and(|id| !has_lid(id) && !around.contains(&id))
+    });
+    canvas.legend.push("translucent, too: what surrounds concavities without a lid".to_owned());
 }
 
 /// The outlines of the hull's facets, each edge once.
