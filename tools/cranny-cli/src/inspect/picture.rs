@@ -208,7 +208,7 @@ mod tests {
             assert!(refused.contains(&format!(":{of}, ")), "{refused}");
         }
         // Nothing at all to show: the first level is no error.
-        let cube = cranny_shapes::Cuboid::default().build().unwrap();
+        let cube = Cuboid::default().build().unwrap();
         let (model, _) = Model::build(cube, &BuildOptions::default()).unwrap();
         assert!(check(&model, Show::Boxes(0)).is_ok() && check(&model, Show::Boxes(1)).is_err());
         assert!(check(&model, Show::Classes).is_ok());
