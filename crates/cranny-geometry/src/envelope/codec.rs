@@ -6,7 +6,8 @@ use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head};
 use crate::codec::{Flaw, Plain, Reader, Writer, check, is_unit, owners, plain_struct};
 use crate::concavity::Concavities;
 use crate::ids::FaceId;
-use crate::tree::FaceBoxes;
+use crate::mesh::Mesh;
+use crate::tree::box_around;
 
 plain_struct!(HalfSpace { normal: DVec3, offset: f64 });
 
@@ -74,7 +75,7 @@ impl Envelopes {
     /// Reads an envelope for each concavity.
     pub(crate) fn decode(
         input: &mut Reader,
-        boxes: &FaceBoxes,
+        mesh: &Mesh,
         concavities: &Concavities,
     ) -> Result<Self, Flaw> {
         let (heads, layers): (Vec<Head>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
@@ -98,7 +99,7 @@ impl Envelopes {
         let faces = faces.into_iter().map(FaceId).collect();
         let mut read = Self { heads, layers, facets, faces, lids, options };
         read.check_layers(concavities)?;
-        read.enclose(boxes);
+        read.enclose(mesh);
         Ok(read)
     }
 
@@ -170,7 +171,7 @@ impl Envelopes {
     }
 
     /// Puts boxes around what is beneath; each layer is behind the facet that it hangs from.
-    fn enclose(&mut self, boxes: &FaceBoxes) {
+    fn enclose(&mut self, mesh: &Mesh) {
         let Self { heads, layers, facets, faces, .. } = self;
         let around = |facets: &[EnvelopeFacet], [from, to]: [u32; 2]| {
             let layer = &facets[from as usize..to as usize];
@@ -180,7 +181,7 @@ impl Envelopes {
             let EnvelopeFacet { faces: [from, to], layer, .. } = facets[index];
             facets[index].bounds = match layers.get(layer as usize) {
                 Some(&beneath) => around(facets, beneath),
-                None => boxes.around(&faces[from as usize..to as usize]),
+                None => box_around(mesh, &faces[from as usize..to as usize]),
             };
         }
         for head in heads {

@@ -143,7 +143,8 @@ impl FacetLayer {
         planes: Vec<Plane>,
     ) -> Self {
         let (triangle_starts, triangles) = rows(&facet_of, planes.len());
-        let outlines = Outlines::new(positions, surface, &facet_of, planes.len(), tolerance);
+        let rows = [&*triangle_starts, &*triangles];
+        let outlines = Outlines::new(positions, surface, &facet_of, rows, tolerance);
         Self { tolerance, planes, facet_of, triangle_starts, triangles, outlines }
     }
 
@@ -435,9 +436,12 @@ impl<'a> Growth<'a> {
         let top = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let rounding = self.graph.rounding(normal);
         let floor = top - 4.0 * rounding;
+        let high_corners = heights.into_iter().filter(|&h| h >= floor).count();
         for (&corner, h) in corners.iter().zip(heights) {
             let ring = self.graph.neighbours(HullVertexId(corner));
-            if h >= floor && ring.iter().any(|v| height(v.0) >= floor && !corners.contains(&v.0)) {
+            // The other corners are in the ring, once each.
+            let high = |ring: &[HullVertexId]| ring.iter().filter(|v| height(v.0) >= floor).count();
+            if h >= floor && high(ring) >= high_corners {
                 return None;
             }
         }

@@ -42,7 +42,7 @@ mod twofold;
 mod update;
 mod validate;
 
-use cranny_exact::{Aabb, DVec3, DomainError, check_point};
+use cranny_exact::{Aabb, DVec3, DomainError, check_point, is_in_domain};
 use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
@@ -194,10 +194,11 @@ impl ConvexHull {
     /// `2e-7`: their rounding is that much coarser.
     #[must_use]
     pub fn with_flatness(points: &[DVec3], flatness: f64) -> Self {
-        let accepted = |i: usize| i < MAX_POINTS && check_point(points[i]).is_ok();
-        if (0..points.len()).all(accepted) {
+        let are_inside = || points.iter().fold(true, |all, &p| all & is_in_domain(p));
+        if points.len() <= MAX_POINTS && are_inside() {
             return Self::of_accepted(points, flatness);
         }
+        let accepted = |i: usize| i < MAX_POINTS && is_in_domain(points[i]);
         let (inside, outside): (Vec<usize>, Vec<usize>) =
             (0..points.len()).partition(|&i| accepted(i));
         let subset: Vec<DVec3> = inside.iter().map(|&i| points[i]).collect();

@@ -23,27 +23,36 @@ impl Outlines {
         positions: &[DVec3],
         surface: &Surface,
         facet_of: &[u32],
-        facets: usize,
+        [triangle_starts, triangles]: [&[u32]; 2],
         tolerance: f64,
     ) -> Self {
-        let loops = Loops::new(surface, facet_of, facets);
-        let mut is_corner = loops.meeting_points(surface, positions.len());
+        let facets = triangle_starts.len() - 1;
+        let row =
+            |f: usize| &triangles[triangle_starts[f] as usize..triangle_starts[f + 1] as usize];
+        let loops = Loops::new(surface, facet_of, (0..facets).map(row));
+        let mut is_corner = loops.meeting_points(positions.len());
         for facet in 0..facets {
             loops.simplify(facet, surface, positions, tolerance, &mut is_corner);
         }
         // A facet as thin as the tolerance may have lost its width: it keeps its whole outline.
         for facet in 0..facets {
-            let outline = loops.of(facet);
-            if outline.iter().filter(|&&h| is_corner[surface.origin(h) as usize]).count() < 3 {
-                for &h in outline {
-                    is_corner[surface.origin(h) as usize] = true;
+            let (_, outline) = loops.of(facet);
+            if outline.iter().filter(|&&v| is_corner[v as usize]).count() < 3 {
+                for &v in outline {
+                    is_corner[v as usize] = true;
                 }
             }
         }
-        let mut outlines = Self { starts: vec![0], ..Self::default() };
+        let most = loops.vertices.len();
+        let mut outlines = Self {
+            starts: Vec::with_capacity(facets + 1),
+            corners: Vec::with_capacity(most),
+            neighbours: Vec::with_capacity(most),
+        };
+        outlines.starts.push(0);
         for facet in 0..facets {
-            for &h in loops.of(facet) {
-                let v = surface.origin(h);
+            let (half_edges, vertices) = loops.of(facet);
+            for (&h, &v) in half_edges.iter().zip(vertices) {
                 if is_corner[v as usize] {
                     outlines.corners.push(HullVertexId(v));
                     outlines.neighbours.push(FacetId(across(surface, facet_of, h)));
@@ -65,25 +74,46 @@ fn across(surface: &Surface, facet_of: &[u32], half_edge: u32) -> u32 {
     facet_of[surface.twins[half_edge as usize] as usize / 3]
 }
 
-/// The boundary half-edges of each facet, in order: one loop each, for facets are disks.
+/// The boundary half-edges of each facet, in order: one loop each, for facets are disks. Each begins with the
+/// lowest.
 struct Loops<'a> {
     facet_of: &'a [u32],
     starts: Vec<u32>,
     half_edges: Vec<u32>,
+    /// Where each of them begins.
+    vertices: Vec<u32>,
 }
 
 impl<'a> Loops<'a> {
-    fn new(surface: &Surface, facet_of: &'a [u32], facets: usize) -> Self {
+    /// `facets`: the triangles of each, ascending.
+    fn new<'t>(
+        surface: &Surface,
+        facet_of: &'a [u32],
+        facets: impl ExactSizeIterator<Item = &'t [u32]>,
+    ) -> Self {
         let is_boundary = |h: u32| facet_of[h as usize / 3] != across(surface, facet_of, h);
-        let mut first = vec![u32::MAX; facets];
-        for h in (0..surface.twins.len() as u32).rev().filter(|&h| is_boundary(h)) {
-            first[facet_of[h as usize / 3] as usize] = h;
-        }
-        let mut loops = Self { facet_of, starts: vec![0], half_edges: Vec::new() };
-        for start in first {
+        let most = surface.twins.len();
+        let mut loops = Self {
+            facet_of,
+            starts: Vec::with_capacity(facets.len() + 1),
+            half_edges: Vec::with_capacity(most),
+            vertices: Vec::with_capacity(most),
+        };
+        loops.starts.push(0);
+        for triangles in facets {
+            // Nearly all, on most bodies.
+            if let &[t] = triangles {
+                loops.half_edges.extend([3 * t, 3 * t + 1, 3 * t + 2]);
+                loops.vertices.extend(surface.triangles[t as usize]);
+                loops.starts.push(loops.half_edges.len() as u32);
+                continue;
+            }
+            let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
+            let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
             let mut h = start;
             while h != u32::MAX {
                 loops.half_edges.push(h);
+                loops.vertices.push(surface.origin(h));
                 h = next(h);
                 while !is_boundary(h) {
                     h = next(surface.twins[h as usize]);
@@ -97,15 +127,17 @@ impl<'a> Loops<'a> {
         loops
     }
 
-    fn of(&self, facet: usize) -> &[u32] {
-        &self.half_edges[self.starts[facet] as usize..self.starts[facet + 1] as usize]
+    /// The half-edges around a facet, and where each begins.
+    fn of(&self, facet: usize) -> (&[u32], &[u32]) {
+        let row = self.starts[facet] as usize..self.starts[facet + 1] as usize;
+        (&self.half_edges[row.clone()], &self.vertices[row])
     }
 
     /// For each vertex, whether three or more facets meet there.
-    fn meeting_points(&self, surface: &Surface, vertices: usize) -> Vec<bool> {
+    fn meeting_points(&self, vertices: usize) -> Vec<bool> {
         let mut facets_at = vec![0u32; vertices];
-        for &h in &self.half_edges {
-            facets_at[surface.origin(h) as usize] += 1;
+        for &v in &self.vertices {
+            facets_at[v as usize] += 1;
         }
         facets_at.into_iter().map(|n| n >= 3).collect()
     }
@@ -119,11 +151,10 @@ impl<'a> Loops<'a> {
         tolerance: f64,
         is_corner: &mut [bool],
     ) {
-        let outline = self.of(facet);
-        if outline.iter().all(|&h| is_corner[surface.origin(h) as usize]) {
+        let (outline, vertices) = self.of(facet);
+        if vertices.iter().all(|&v| is_corner[v as usize]) {
             return;
         }
-        let vertices: Vec<u32> = outline.iter().map(|&h| surface.origin(h)).collect();
         let mut anchors: Vec<usize> =
             (0..vertices.len()).filter(|&i| is_corner[vertices[i] as usize]).collect();
         if anchors.is_empty() {

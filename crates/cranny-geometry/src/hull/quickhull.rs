@@ -141,14 +141,12 @@ pub(super) fn previous(half_edge: u32) -> u32 {
 impl Surface {
     /// The vertex that a half-edge starts from.
     pub(super) fn origin(&self, half_edge: u32) -> u32 {
-        self.triangles[half_edge as usize / 3][half_edge as usize % 3]
+        self.triangles.as_flattened()[half_edge as usize]
     }
 
     /// Start and end of a half-edge.
     pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
-        let corners = &self.triangles[half_edge as usize / 3];
-        let corner = half_edge as usize % 3;
-        [corners[corner], corners[[1, 2, 0][corner]]]
+        [self.origin(half_edge), self.origin(next(half_edge))]
     }
 }
 
@@ -180,6 +178,10 @@ impl Waiting {
     const NOBODY: Self = Self { apex: NONE, list: NONE, apex_height: 0.0 };
 }
 
+/// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they become more; more,
+/// and room is asked for that large clouds of few vertices never use.
+const MOST_FACES_AT_FIRST: usize = 1 << 12;
+
 struct Builder<'a> {
     points: &'a [DVec3],
     extent: DVec3,
@@ -206,12 +208,14 @@ struct Builder<'a> {
 impl<'a> Builder<'a> {
     fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
         let bounds = Aabb::of_points(points.iter().copied());
+        // As many as there are at last, of small clouds; of large ones nobody knows how many.
+        let faces = (2 * points.len()).min(MOST_FACES_AT_FIRST);
         let mut builder = Self {
             points,
             extent: bounds.max - bounds.min,
-            facing: Vec::new(),
-            links: Vec::new(),
-            waiting: Vec::new(),
+            facing: Vec::with_capacity(faces),
+            links: Vec::with_capacity(faces),
+            waiting: Vec::with_capacity(faces),
             free: Vec::new(),
             successor: vec![NONE; points.len()],
             pending: Vec::new(),
@@ -224,10 +228,10 @@ impl<'a> Builder<'a> {
             fan: Vec::new(),
         };
         // `d` lies above (a, b, c): the base looks away from it, and `d` closes the hole above.
-        let base = builder.add_face([a, c, b]);
+        let (base, side) = builder.add_face([a, c, b], [NONE; 3]);
         builder.horizon = vec![(a, b, 4 * base + 2), (b, c, 4 * base + 1), (c, a, 4 * base)];
         builder.close_hole(d);
-        builder.fan.push((base, builder.facing[base as usize].side));
+        builder.fan.push((base, side));
         builder.orphans = (0..points.len() as u32).filter(|i| ![a, b, c, d].contains(i)).collect();
         builder.assign_orphans(&[a, b, c, d]);
         builder
@@ -310,14 +314,15 @@ impl<'a> Builder<'a> {
     /// each of its vertices starts one edge.
     fn close_hole(&mut self, apex: u32) {
         self.fan.clear();
-        for i in 0..self.horizon.len() {
-            let (from, to, outer) = self.horizon[i];
-            let face = self.add_face([from, to, apex]);
-            self.links[face as usize].twins[0] = outer;
+        let horizon = std::mem::take(&mut self.horizon);
+        for &(from, to, outer) in &horizon {
+            let new = self.add_face([from, to, apex], [outer, NONE, NONE]);
+            let (face, _) = new;
             self.links[(outer >> 2) as usize].twins[(outer & 3) as usize] = 4 * face;
             self.fan_start[from as usize] = face;
-            self.fan.push((face, self.facing[face as usize].side));
+            self.fan.push(new);
         }
+        self.horizon = horizon;
         for &(face, _) in &self.fan {
             let to = self.links[face as usize].vertices[1];
             let neighbour = self.fan_start[to as usize];
@@ -326,11 +331,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn add_face(&mut self, vertices: [u32; 3]) -> u32 {
+    #[inline]
+    fn add_face(&mut self, vertices: [u32; 3], twins: [u32; 3]) -> (u32, Side) {
         let side = Side::new(vertices.map(|v| self.points[v as usize]), self.extent);
         let facing = Facing { side, step: 0, visible: false };
-        let links = Links { vertices, twins: [NONE; 3] };
-        match self.free.pop() {
+        let links = Links { vertices, twins };
+        let face = match self.free.pop() {
             Some(face) => {
                 self.facing[face as usize] = facing;
                 self.links[face as usize] = links;
@@ -342,7 +348,8 @@ impl<'a> Builder<'a> {
                 self.waiting.push(Waiting::NOBODY);
                 self.links.len() as u32 - 1
             }
-        }
+        };
+        (face, side)
     }
 
     /// Hands every orphan to the first new face that it lies above. One that lies above none is inside
@@ -397,11 +404,19 @@ impl<'a> Builder<'a> {
         for (new, &old) in (0..).zip(&alive) {
             new_index[old as usize] = new;
         }
-        let mut surface = Surface::default();
+        let mut surface = Surface {
+            triangles: Vec::with_capacity(alive.len()),
+            twins: Vec::with_capacity(3 * alive.len()),
+        };
         for &old in &alive {
             let Links { vertices, twins } = self.links[old as usize];
-            surface.triangles.push(vertices.map(|v| *lowest.get(&v).unwrap_or(&v)));
+            surface.triangles.push(vertices);
             surface.twins.extend(twins.map(|t| 3 * new_index[(t >> 2) as usize] + (t & 3)));
+        }
+        if !lowest.is_empty() {
+            for vertex in surface.triangles.as_flattened_mut() {
+                *vertex = *lowest.get(vertex).unwrap_or(vertex);
+            }
         }
         let across = |half_edge: u32| {
             let apex = surface.origin(previous(surface.twins[half_edge as usize]));

@@ -27,7 +27,7 @@ use crate::patches::Patches;
 use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
-use crate::tree::{FaceBoxes, FaceForest, FaceTree};
+use crate::tree::{FaceForest, FaceTree};
 
 /// A model file begins with this: no text, and spoilt by whatever changes line ends.
 const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
@@ -246,16 +246,15 @@ impl Model {
         let concavities = read(&mut sections, section::CONCAVITIES, |s| {
             Concavities::decode(s, &mesh, &hull, &features)
         })?;
-        let boxes = FaceBoxes::of(&mesh);
-        let tree = read(&mut sections, section::TREE, |s| FaceTree::decode(s, &boxes))?;
+        let tree = read(&mut sections, section::TREE, |s| FaceTree::decode(s, &mesh))?;
         let concavity_trees = read(&mut sections, section::CONCAVITY_TREES, |s| {
-            unless_empty(s, |s| concavity_trees_of(s, &boxes, &concavities))
+            unless_empty(s, |s| concavity_trees_of(s, &mesh, &concavities))
         })?;
         let envelopes = read(&mut sections, section::ENVELOPES, |s| {
             check(s.is_empty() == concavity_trees.is_none(), "there are no trees, or only trees")?;
-            unless_empty(s, |s| Envelopes::decode(s, &boxes, &concavities))
+            unless_empty(s, |s| Envelopes::decode(s, &mesh, &concavities))
         })?;
-        let patches = read(&mut sections, section::PATCHES, |s| Patches::decode(s, &boxes))?;
+        let patches = read(&mut sections, section::PATCHES, |s| Patches::decode(s, &mesh))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
         let Origin { flatness, leaf_size, concavity_leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
@@ -337,10 +336,10 @@ fn unless_empty<T>(
 
 fn concavity_trees_of(
     input: &mut Reader,
-    boxes: &FaceBoxes,
+    mesh: &Mesh,
     concavities: &Concavities,
 ) -> Result<FaceForest, Flaw> {
-    let (trees, owners) = FaceForest::decode(input, boxes)?;
+    let (trees, owners) = FaceForest::decode(input, mesh)?;
     check(trees.len() == concavities.len(), "a tree for each concavity is needed")?;
     check(owners == concavities.owners(), "a tree is not over its concavity")?;
     Ok(trees)

@@ -8,7 +8,8 @@ use crate::codec::{
     Flaw, Reader, Writer, check, check_below, check_each_once, is_size, is_unit, plain_struct,
 };
 use crate::ids::PatchId;
-use crate::tree::{FaceBoxes, FaceForest, Node, Shape};
+use crate::mesh::Mesh;
+use crate::tree::{FaceForest, Node, Shape};
 
 plain_struct!(Slab { normal: DVec3, height: f64 });
 plain_struct!(NormalCone { axis: DVec3, cosine: f64 });
@@ -36,9 +37,9 @@ impl Patches {
     }
 
     /// Reads the patches of a mesh.
-    pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<Self, Flaw> {
+    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let records: Vec<Record> = input.list()?;
-        let (trees, patch_of_face) = FaceForest::decode(input, boxes)?;
+        let (trees, patch_of_face) = FaceForest::decode(input, mesh)?;
         let slabs: Vec<Slab> = input.list()?;
         check(!records.is_empty(), "there is no patch")?;
         check(trees.len() == records.len(), "a tree for each patch is needed")?;

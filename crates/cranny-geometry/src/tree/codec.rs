@@ -13,34 +13,31 @@ use crate::codec::{Flaw, Reader, Writer, check, check_each_once, owners};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
-/// The box of each face of a mesh: all trees and envelopes are made of these.
-pub(crate) struct FaceBoxes(Vec<Aabb>);
+/// The box of a face.
+#[inline(always)]
+fn box_of(mesh: &Mesh, face: FaceId) -> Aabb {
+    let [a, b, c] = mesh.triangle(face);
+    Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
+}
 
-impl FaceBoxes {
-    pub(crate) fn of(mesh: &Mesh) -> Self {
-        let vertices = mesh.vertices();
-        let of_face = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(|v| vertices[v as usize]);
-            Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
-        };
-        Self(mesh.faces().iter().map(of_face).collect())
+/// The box around boxes; the empty one around none.
+#[inline]
+fn around(boxes: &[Aabb]) -> Aabb {
+    match boxes {
+        [] => Aabb::EMPTY,
+        [own] => *own,
+        [first, others @ ..] => others.iter().fold(*first, |all, own| all.union(own)),
     }
+}
 
-    /// Number of faces.
-    fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// The box around some faces; the empty one around none.
-    #[inline]
-    pub(crate) fn around(&self, faces: &[FaceId]) -> Aabb {
-        let own = |face: &FaceId| &self.0[face.index()];
-        match faces {
-            [] => Aabb::EMPTY,
-            [face] => *own(face),
-            [first, others @ ..] => {
-                others.iter().map(own).fold(*own(first), |all, own| all.union(own))
-            }
+/// The box around some faces; the empty one around none.
+#[inline]
+pub(crate) fn box_around(mesh: &Mesh, faces: &[FaceId]) -> Aabb {
+    match faces {
+        [] => Aabb::EMPTY,
+        [first, others @ ..] => {
+            let others = others.iter().map(|&face| box_of(mesh, face));
+            others.fold(box_of(mesh, *first), |all, own| all.union(&own))
         }
     }
 }
@@ -53,12 +50,14 @@ impl FaceTree {
     }
 
     /// Reads a tree over all faces of a mesh.
-    pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<Self, Flaw> {
+    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
-        check(faces.len() == boxes.len(), "it is not over all faces")?;
-        check_each_once(faces.iter().map(|face| face.0), boxes.len())?;
+        check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
+        check_each_once(faces.iter().map(|face| face.0), faces.len())?;
+        // In the order of leaves, in a loop without branches: what it fetches from here and there overlaps.
+        let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
         let mut shape = Shape::new(&counts, faces.len(), counts.len())?;
-        shape.tree(0..counts.len(), 0..faces.len(), |leaf| boxes.around(&faces[leaf]))?;
+        shape.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]))?;
         Ok(Self { nodes: shape.into_nodes(), faces })
     }
 }
@@ -72,7 +71,7 @@ impl FaceForest {
 
     /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
     /// [`NOBODY`](crate::rows::NOBODY).
-    pub(crate) fn decode(input: &mut Reader, boxes: &FaceBoxes) -> Result<(Self, Vec<u32>), Flaw> {
+    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
         let (faces, counts): (Vec<u32>, Vec<u32>) = (input.list()?, input.list()?);
         let starts: Vec<[u32; 2]> = input.list()?;
         let ends = (starts.first(), starts.last());
@@ -82,12 +81,12 @@ impl FaceForest {
         let trees = starts
             .windows(2)
             .map(|pair| [0, 1].map(|kind: usize| pair[0][kind] as usize..pair[1][kind] as usize));
-        let owners = owners(boxes.len(), trees.clone().map(|[_, held]| &faces[held]))?;
+        let owners = owners(mesh.faces().len(), trees.clone().map(|[_, held]| &faces[held]))?;
         let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
         let most = trees.clone().map(|[nodes, _]| nodes.len()).max().unwrap_or(0);
         let mut shape = Shape::new(&counts, faces.len(), most)?;
         for [nodes, held] in trees {
-            shape.tree(nodes, held, |leaf| boxes.around(&faces[leaf]))?;
+            shape.tree(nodes, held, |leaf| box_around(mesh, &faces[leaf]))?;
         }
         Ok((Self { arena: FaceTree { nodes: shape.into_nodes(), faces }, starts }, owners))
     }
@@ -180,9 +179,8 @@ mod tests {
         let vertices = (0..8).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
         let faces: Vec<FaceId> = (0..6).map(FaceId).collect();
-        let boxes = FaceBoxes::of(&mesh);
         let whole = |shape: &mut Shape| {
-            shape.tree(0..counts.len(), 0..size, |leaf| boxes.around(&faces[leaf]))
+            shape.tree(0..counts.len(), 0..size, |leaf| box_around(&mesh, &faces[leaf]))
         };
         let mut shape = Shape::new(counts, size, counts.len()).map_err(|Flaw(what)| what)?;
         whole(&mut shape).map_err(|Flaw(what)| what)?;

@@ -15,7 +15,7 @@ mod refit;
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::{Grower, partition};
-pub(crate) use self::codec::{FaceBoxes, Shape};
+pub(crate) use self::codec::{Shape, box_around};
 pub use self::forest::FaceForest;
 pub(crate) use self::mates::Mates;
 pub use self::refit::NodeChanges;
