@@ -7,6 +7,8 @@
 //! remainder is far below any step that is looked for; as the numerator and denominator of the fraction are
 //! whole numbers, the step is then known to a rounding, however many quotients it took. One division
 //! a coordinate; a mesh without a grid is known by its first few.
+//!
+//! Source: Knuth (1969, section 4.5.3) for Euclid's algorithm and continued fractions.
 
 /// Steps looked for are no smaller than this share of the largest coordinate. Smaller, and errors of rounding,
 /// which grow with the square of the count of steps, come near the step; larger, and grids that are coarser

@@ -3,6 +3,8 @@
 //! Signed tetrahedra from a reference point to every face (Mirtich, 'Fast and accurate computation
 //! of polyhedral mass properties', 1996, uses the same divergence argument). The reference is the
 //! centre of the bounding box, so that a body far from its origin loses no digits.
+//!
+//! Cost: O(n); after deformations with the functions.
 
 use cranny_exact::{DMat3, DVec3};
 

@@ -4,6 +4,9 @@
 //! nothing is rounded: a coordinate is left out. A convex one becomes a fan from its first corner. Any other is
 //! triangulated by the sweep that also makes caps, on exact signs, and that keeps every corner and every
 //! edge: a corner in the midst of a straight side stays one, so that neighbours still fit.
+//!
+//! Source: the normal is Newell's (Tampieri 1992, "Newell's method for computing the plane equation of a polygon"),
+//! the sweep that of Hertel and Mehlhorn (1983). Cost: with [`split_polygon`].
 
 use std::cmp::Ordering;
 

@@ -4,6 +4,9 @@
 //! A segment that meets an edge or a vertex is given up for another direction. The walk ends because
 //! finitely many edges block only a null set of directions; after [`DIRECTIONS`] a point is called
 //! undecided all the same.
+//!
+//! Source: crossings are counted after Linhart (1990, "A quick point-in-polyhedron test"); to try other directions
+//! is this crate's own. Cost: with the function.
 
 use cranny_exact::{
     DVec3, Piercing, SegmentFeature, Sign, TriangleFeature, classify_segment_triangle,

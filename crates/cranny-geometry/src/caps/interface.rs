@@ -4,6 +4,9 @@
 //! alone. The facets on both sides of an edge of the hull must divide it alike: then whatever one
 //! facet's cap gains by it the other's loses, and caps still close. An edge is divided only where it is
 //! left over on both sides, that is, where no edge of the mesh equals it.
+//!
+//! No source: this crate's own, and right whatever is near or not, because both facets are given the same division.
+//! Cost: O(n log n) as a rule; an edge is compared with all vertices beside it along the sweep.
 
 use std::collections::BTreeMap;
 

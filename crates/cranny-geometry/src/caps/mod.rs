@@ -12,7 +12,10 @@
 //! which faces of their neighbours reach are covered [together](share). Where faces lie on a facet twice,
 //! some triangles come out clockwise, negative: they count as such in all sums.
 //!
-//! Cost: O(n log n) in the faces and triangles of facets that are not wholly covered.
+//! Cost: passes over all faces and triangles, and O(n log n) in those of facets that are not wholly covered.
+//!
+//! Source: chains are those of Munkres (1984, "Elements of algebraic topology", sections 5 and 6), the triangulation
+//! that of Hertel and Mehlhorn (1983); to define caps as a difference of chains is this crate's own.
 
 mod chain;
 mod codec;

@@ -13,8 +13,8 @@
 //! largest of its group, and a group stays joined only where all its caps lie near the hull and less area
 //! is negative than before. If it does not, it is tried once more without its slivers.
 //!
-//! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log n) in the chains of groups, and for each
-//! group the product of its rim and its negative caps, up to [`MOST_LOOKS`].
+//! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log n) in the chains of
+//! groups, and for each group the product of its rim and its negative caps, up to [`MOST_LOOKS`].
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -9,6 +9,10 @@
 //! Both sides of a plate have opposite pieces too where it has a hole. There both are uncovered; here one
 //! is covered too often. What tells them apart is the areas, each measured along the normal of its own
 //! facet: only pieces whose areas add up to nothing are dropped.
+//!
+//! No source: this crate's own. What closes stays closed, for a piece and its opposite are dropped together. Cost:
+//! O(n log n) in the chains; a piece that has an opposite also looks along the outline of its facet and along its
+//! chain.
 
 use super::chain::ChainEdge;
 use crate::hull::{ConvexHull, FacetId};
@@ -17,7 +21,7 @@ use crate::mesh::Mesh;
 use crate::topology::DisjointSets;
 
 /// Drops opposite pieces of the chains of two facets across an edge, which together cover nothing; `depth`
-/// is that of the slabs. O(n log n).
+/// is that of the slabs.
 pub(super) fn drop_straddled(
     mesh: &Mesh,
     hull: &ConvexHull,

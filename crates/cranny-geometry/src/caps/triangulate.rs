@@ -16,7 +16,8 @@
 //!    triangulation beside it ([`detour`]), and the strip between edge and detour is triangulated
 //!    for itself. These triangles overlap others, with signs such that the winding numbers stay right.
 //!
-//! Cost: `O(m log m)` for `m` edges that do not cross, however many loops.
+//! Cost: `O(m log m)` for `m` edges that do not cross, however many loops. Where edges cross, two more sweeps at most,
+//! and the detours, whose search is bounded.
 
 mod detour;
 mod front;

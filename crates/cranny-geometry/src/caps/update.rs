@@ -7,6 +7,8 @@
 //!
 //! Which facets are covered together may depend on facets farther away. Where there are such, or caps that count
 //! negative, all caps are made again.
+//!
+//! No source: this crate's own, for the reason above. Cost: with the function.
 
 use std::collections::BTreeSet;
 

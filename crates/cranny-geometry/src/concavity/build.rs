@@ -1,4 +1,8 @@
 //! From components to numbered concavities with lids, loops, outlines and sizes.
+//!
+//! No source: this crate's own; volumes are sums of cones, as in Mirtich (1996). Cost: passes over hull, faces and
+//! caps, O(m log m) for m cap triangles and edges of rims, and k² for k facets that are covered together, each of
+//! which asks for the others. What lies in what stands in `nesting`.
 
 use cranny_exact::{Aabb, DVec3};
 

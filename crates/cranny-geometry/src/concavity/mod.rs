@@ -11,6 +11,9 @@
 //! either side lies on the facets of both, and they need not ([`FindingKind::ThinBody`](crate::FindingKind::ThinBody)).
 //!
 //! Cost: O(n log n), near linear where most faces are far from any rim.
+//!
+//! No source: these definitions are this crate's own. That pockets close follows from the algebra of chains (Munkres
+//! 1984, sections 5 and 6): caps and faces off the hull have the same boundary, see `caps`.
 
 mod build;
 mod codec;

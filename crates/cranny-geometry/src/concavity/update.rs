@@ -1,4 +1,7 @@
 //! Concavities whose faces have moved, and nothing else about them has changed.
+//!
+//! No source: the sums are those of building, in the same order, over the concavities named. Cost: with the
+//! function.
 
 use super::build::{Input, twice_area_vector};
 use super::{Concavities, Measures};

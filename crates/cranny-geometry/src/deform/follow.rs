@@ -1,4 +1,6 @@
 //! A deformation under way: stage after stage follows the moved vertices.
+//!
+//! Sources stand in the module, costs with [`Model::deform`](crate::Model::deform).
 
 use cranny_exact::Aabb;
 use cranny_exact::DVec3;

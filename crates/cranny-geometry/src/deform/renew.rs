@@ -5,6 +5,8 @@
 //! are as costly to find as to make good, so everything is made from the mesh. What
 //! [`Model::encode`](crate::Model::encode) wrote of a model as it was built comes out the same; a model
 //! that was deformed before it was saved may have other numbers afterwards, and the change set says so.
+//!
+//! No source: it is preparation, once more. Cost: that of preparing a model, but for the scan.
 
 use super::ChangeSet;
 use super::follow::tell_concavities;

@@ -1,4 +1,7 @@
 //! Building envelopes: layer by layer, breadth-first.
+//!
+//! No source: this crate's own. A half-space holds its faces, for every corner is looked at and the rounding of its
+//! height bounded. Cost: O(n) for each depth of layers, so O(n log n) as a rule, given the trees.
 
 use std::collections::VecDeque;
 

@@ -9,6 +9,11 @@
 //!
 //! Costs follow from sums over crumbs (`moments`): both ways together divide a part into quarters, so one
 //! pass over its crumbs judges both.
+//!
+//! Source: to divide the worst part in two until there are enough is Heckbert's way with colours (1982, "Color image
+//! quantization for frame buffer display"); what a part costs and the two ways are this crate's own. Any division is
+//! right. Cost: for each division a pass or two over the crumbs of the part that is divided, and a glance at each
+//! part.
 
 use super::EnvelopeOptions;
 use super::crumbs::Item;

@@ -6,6 +6,8 @@
 //! judged with more care (`cluster`).
 //!
 //! Cost: O(n), given the tree.
+//!
+//! No source: this crate's own; any grouping is right.
 
 use cranny_exact::{Aabb, DVec3};
 

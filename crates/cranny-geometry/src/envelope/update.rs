@@ -1,4 +1,6 @@
 //! Envelopes of concavities of which some have changed.
+//!
+//! No source: an envelope depends on its own pocket alone, so the others are copied. Cost: with the function.
 
 use super::build::Workshop;
 use super::{EnvelopeFacet, Envelopes, Head, Pocket};

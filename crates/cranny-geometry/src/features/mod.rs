@@ -10,6 +10,8 @@
 //! Convex faces that hang together over edges are a *convex set*: a golf ball has one.
 //!
 //! Cost: O(n log n), as a rule less than the hull itself.
+//!
+//! No source: the classes are this crate's own definitions, and each follows from what lies on which facet.
 
 mod assign;
 mod codec;

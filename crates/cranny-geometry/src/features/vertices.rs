@@ -6,6 +6,9 @@
 //! look at what is left of the facets, and a vertex in the end at a handful.
 //!
 //! Cost: near-linear; O(log n) for a vertex near the hull, less for those that lie deep.
+//!
+//! No source: this crate's own. What is left out is so by intervals (Moore 1966, "Interval analysis") that are
+//! rounded as heights are, so no vertex in the slab and the box of a facet is missed.
 
 use std::ops::Range;
 

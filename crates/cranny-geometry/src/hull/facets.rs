@@ -1,8 +1,9 @@
 //! The merged layer: nearly coplanar triangles become polygonal facets with a measured thickness.
 //!
 //! A triangle that clearly bends away from all its neighbours is a facet. The other facets grow from
-//! the largest triangle not yet taken, over shared edges, as long as a triangle's corners lie within the tolerance below the facet's supporting plane. Then the plane is fitted again
-//! (area vector of what was gathered) and the growth repeated, for a small seed has a crooked normal.
+//! the largest triangle not yet taken, over shared edges, as long as a triangle's corners lie within the tolerance
+//! below the facet's supporting plane. Then the plane is fitted again (area vector of what was gathered) and the
+//! growth repeated, for a small seed has a crooked normal.
 //!
 //! A triangle joins only where the facet stays a disk. Nothing is lost by that, in any order of
 //! joining: the part of a convex surface above a plane is a disk, and every disk can be completed
@@ -10,6 +11,11 @@
 //!
 //! A *needle*, not wider than the tolerance, has a normal made of rounding; it may join any facet
 //! whose plane it is near, whatever its own normal says.
+//!
+//! Source: planes of a measured thickness in place of exact ones are quickhull's merged facets (Barber, Dobkin and
+//! Huhdanpaa 1996); how facets grow is this crate's own. It is right whichever triangles it takes, for every plane
+//! is made supporting, and its thickness measured, afterwards. Cost: O(n log n) to order the seeds; then for each
+//! facet a few passes over its triangles and a few support queries, which begin on the facet.
 
 use std::ops::Range;
 

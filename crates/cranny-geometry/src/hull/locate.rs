@@ -1,4 +1,8 @@
 //! Where a point lies with respect to a hull: exact.
+//!
+//! Source: the walk is that of Devillers, Pion and Teillaud (2002, "Walking in a triangulation"). To look at all
+//! triangles needs none: a point lies in a convex body where no triangle has it above. Cost: O(n) for that, and for
+//! a walk the triangles that it passes.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,7 @@
 //! Volume, area and centroid of a hull, in `f64`.
+//!
+//! Source: cones over the triangles, added up, as in Mirtich (1996, "Fast and accurate computation of polyhedral
+//! mass properties"). Cost: O(n) a call.
 
 use cranny_exact::DVec3;
 

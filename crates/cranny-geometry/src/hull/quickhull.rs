@@ -23,6 +23,12 @@
 //!
 //! A vertex may come to lie inside an edge or a facet of the final hull. Such vertices are found from
 //! the exact convexity of the edges, and the hull is built once more from the others.
+//!
+//! # Cost
+//!
+//! A step costs the triangles that its point sees and, at worst, the product of the points that waited above them
+//! and the new triangles. In all O(n log n) on the clouds measured, as is usual for quickhull; no such bound holds
+//! at worst.
 
 use cranny_exact::{Aabb, DVec3, Sign};
 

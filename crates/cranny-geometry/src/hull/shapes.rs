@@ -1,4 +1,7 @@
 //! The triangles of a hull one by one: areas, which are needles, and which of their edges bend clearly.
+//!
+//! Cost: O(n), a look at each triangle and each edge. No source: areas are lengths of cross products, and an edge
+//! bends clearly where each of its triangles has the other's apex deeper below its plane than the tolerance.
 
 use cranny_exact::DVec3;
 

@@ -15,6 +15,13 @@
 //! Underflow does not enter: inside the [`domain`](cranny_exact::domain) a difference is zero or at
 //! least 2^-355 (2^-252 for stored vertices), a component of the cross product zero or at least
 //! 2^-557, so no product drops below 2^-912; and none exceeds 2^366.
+//!
+//! # Source and cost
+//!
+//! Filters in front of exact predicates are those of Fortune and Van Wyk (1993, "Efficient exact arithmetic for
+//! computational geometry") and Shewchuk (1997, "Adaptive precision floating-point arithmetic and fast robust
+//! geometric predicates"); the bound above is derived for this use. Cost: O(1), a dot product and a comparison, but
+//! near the plane, where the exact predicate is asked.
 
 use cranny_exact::{DVec3, Sign, orient3d};
 

@@ -14,6 +14,10 @@
 //! `h + β + |N ∘ w| |q| <= h + β + (|n ∘ w| + β) |q|`, which is negative while `|q| < ρ`, the least of
 //! `(−h − β) / (|n ∘ w| + β)` over all triangles. What `ρ` and `|q|` themselves lose to rounding,
 //! [`SHRINK`] covers.
+//!
+//! # Cost
+//!
+//! O(n), and the hull of about n / [`CROWD`] points.
 
 use cranny_exact::{Aabb, DVec3};
 

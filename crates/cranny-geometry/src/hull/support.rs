@@ -11,6 +11,13 @@
 //! Searching all that hang together with `w` within `4 e` of it therefore finds `x`, and with it
 //! every vertex that ties with it. In general position no neighbour is that near and the search ends
 //! at once.
+//!
+//! # Source and cost
+//!
+//! Climbing over the edges from the last answer is how Cameron (1997, "Enhancing GJK: computing minimum and
+//! penetration distances between convex polyhedra") finds support points; the argument about rounding is this
+//! crate's own. O(n) to make the graph; for a query the vertices on the way and the neighbours of each, from an
+//! answer near by a few.
 
 use cranny_exact::DVec3;
 

@@ -16,8 +16,11 @@
 //! and the last `u²` all that is of higher order. `M` is at most [`Side::margin`] by `16 u` ([`super::side`]), so
 //! [`SHARE`]` = 4 u` times the margin is `64 u² M`, which leaves room for the rounding of the bound.
 //!
-//! Products are taken apart after Dekker (1971). Inside the [`domain`](cranny_exact::domain) none overflows; and none
-//! underflows, for coordinates are multiples of 2^-252 and products of three of 2^-756.
+//! Products are taken apart after Dekker (1971, "A floating-point technique for extending the available precision").
+//! Inside the [`domain`](cranny_exact::domain) none overflows; and none underflows, for coordinates are multiples of
+//! 2^-252 and products of three of 2^-756.
+//!
+//! Cost: O(1), nine differences, nine products and five sums of pairs.
 
 use cranny_exact::{DVec3, Sign};
 

@@ -4,6 +4,9 @@
 //! nothing around them is new: all their triangles are there, and all triangles at their corners. The
 //! others grow again from what is left. That holds as long as the box of the hull is the same,
 //! for the tolerance of merging, and what rounding may do, follow it; a new box means new planes.
+//!
+//! Source: that of the repair; to keep planes is this crate's own. It is right because new vertices are held against
+//! each plane that is kept, so it still has every vertex below it. Cost: with the function.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,7 @@
 //! Cones of normals, bounded so that rounding cannot put a normal outside.
+//!
+//! Source: cones of normals are Shirman and Abi-Ezzi's (1993, "The cone of normals technique for fast processing of
+//! curved patches"); the bounds of rounding are derived here. Cost: O(1) for a union, O(n) to measure n faces.
 
 use cranny_exact::DVec3;
 

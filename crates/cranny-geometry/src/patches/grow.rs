@@ -7,8 +7,8 @@
 //! want bounds kept, not an error minimised, and one pass). Growth leaves slivers where fronts met;
 //! each then joins the neighbour with which it shares most border, if the limits allow.
 //!
-//! Cost: O(n) for growth, O(p log p) for merging p patches. Only the order of faces, ratios of lengths
-//! and angles decide: scaling by a power of two changes nothing.
+//! Cost: O(n) for growth, O(p log p) for each round of merging p patches, until none joins. Only the order of faces,
+//! ratios of lengths and angles decide: scaling by a power of two changes nothing.
 
 use std::collections::{BTreeSet, VecDeque};
 

@@ -1,4 +1,8 @@
 //! The tree over patches: boxes and cones, down to single patches.
+//!
+//! Source: trees of boxes and cones of normals are those of Johnson and Cohen (2001, "Spatialized normal cone
+//! hierarchies"). Cost: O(p log p) for p patches as a rule; to fit it again costs the patches that have changed, at
+//! each node whose old box may hold them.
 
 use cranny_exact::Aabb;
 

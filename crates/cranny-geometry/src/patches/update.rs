@@ -5,6 +5,9 @@
 //! where the limits allow, as when all patches are built. So patches keep their promises, but *which*
 //! faces make one depends on the deformations before: growth is greedy, and one face more or less
 //! would move every border behind it.
+//!
+//! No source: this crate's own; growth and merging are those of `grow`, which keep the limits from whatever they
+//! begin with. Cost: with the function.
 
 use std::collections::{BTreeMap, BTreeSet};
 

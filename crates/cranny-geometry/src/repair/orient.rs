@@ -1,4 +1,7 @@
 //! Which way faces look: consistently, outwards, and by parity where shells lie in each other.
+//!
+//! No source: this crate's own; the parity of what encloses a shell says whether solid lies within it. Cost: that of
+//! `shells`; for each pair of opposite faces in one place that of `winding`.
 
 use cranny_exact::{DVec3, Sign};
 

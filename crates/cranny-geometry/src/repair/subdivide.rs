@@ -1,4 +1,7 @@
 //! A face whose edges are split at vertices within them, as smaller faces.
+//!
+//! No source: this crate's own. Parts tile the face because each cut runs from a corner to a point of the side
+//! across. Cost: O(s log s) for a face with s vertices within its edges, besides looking them up.
 
 use std::collections::BTreeMap;
 

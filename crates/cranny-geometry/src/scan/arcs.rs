@@ -4,6 +4,8 @@
 //! the unit sphere about it overlaps. Two triangles, a corner of each on one line, meet off that line
 //! only where the directions from it overlap. Boxes around such arcs part faces whose own boxes all
 //! overlap, those of a cone.
+//!
+//! No source: this crate's own, argued above. Cost: O(1) a face.
 
 use cranny_exact::{Aabb, DVec3};
 

@@ -3,6 +3,9 @@
 //! A T-vertex lies in the inside of another face's edge, so that the long edge on one side meets two
 //! (or more) short ones on the other: no crack is seen, yet no edge is matched. Only unmatched edges
 //! are searched: where every edge is matched there is nothing to join.
+//!
+//! No source: definitions, with distances rounded upward. Cost: O(k log n) as a rule for k unmatched edges,
+//! O(n log n) for vertices near each other.
 
 use cranny_exact::DVec3;
 

@@ -5,6 +5,9 @@
 //! are paired by the [directions](super::arcs) in which they lie, from the vertex, or from the line
 //! through both; where the star is [spread out](Stars::is_spread) nothing needs judging at all. Pairs of
 //! nodes of the face tree whose faces all belong to one crowd, or two such crowds, need not be opened.
+//!
+//! No source: this crate's own, by the argument in `arcs`. Cost: O(n) to find crowds, O(k log k) as a rule to pair
+//! the k faces of one, and the pairs that lie in directions near each other.
 
 use std::ops::ControlFlow;
 

@@ -1,4 +1,7 @@
 //! Edges and vertices at which faces do not meet as on a surface, and edges that bend nothing.
+//!
+//! No source: definitions, decided by signs. Cost: O(n), and O(k log k) as a rule at a vertex whose k faces are not
+//! one ring.
 
 use cranny_exact::{DVec3, orient3d};
 

@@ -1,4 +1,7 @@
 //! Faces that are unusual by themselves, and faces in one place.
+//!
+//! No source: definitions, decided exactly where rounded numbers do not. Cost: O(n); faces in one place cost more
+//! where very many share an edge.
 
 use cranny_exact::DVec3;
 
@@ -76,8 +79,8 @@ pub(super) fn thin(mesh: &Mesh, looked: &Looked, weld_distance: f64) -> Vec<Find
 }
 
 /// Groups of two and more faces on the same three vertices, each ascending, by their vertices.
-/// O(n): only faces that share an edge *and* the corner across it come into question. They share all three
-/// edges, so one a face is looked at.
+/// O(n) where few faces share an edge: only those that share one *and* the corner across it come into question.
+/// They share all three edges, so one a face is looked at.
 pub(crate) fn coincident(mesh: &Mesh, topology: &Topology) -> Vec<Vec<FaceId>> {
     let across = |h: HalfEdgeId| mesh.corners(h.face())[(h.corner() + 2) % 3];
     let mut candidates: Vec<([u32; 3], FaceId)> = Vec::new();

@@ -4,6 +4,8 @@
 //! which measure against the weld distance, every finding is decided exactly. O(n log n), but for the
 //! pairs of faces that meet, of which there can be more; that search gives up at a bound
 //! ([`MeetingScan::Stopped`](crate::MeetingScan::Stopped)).
+//!
+//! Sources stand with the parts.
 
 mod arcs;
 pub(crate) mod cracks;

@@ -3,6 +3,10 @@
 //!
 //! Points come rounded; every sign that is read is larger than its error bound, so that 'simple' is
 //! certain of the points before they were rounded. What cannot be certain is not called simple.
+//!
+//! No source: this crate's own. Loops no two sides of which meet are simple polygons, and the sign of the area says
+//! which way one runs. Cost: O(r log r) for r sides, which are sorted along an axis, and at most [`PAIRS_A_FACE`]
+//! pairs of sides for each face within.
 
 use cranny_exact::DVec2;
 

@@ -1,4 +1,9 @@
 //! A tree of boxes paired with itself: every two faces whose boxes overlap.
+//!
+//! Source: two trees are descended at once, as by Gottschalk, Lin and Manocha (1996, "OBBTree: a hierarchical
+//! structure for rapid interference detection"); here both are one, and the larger box is opened. Cost: the pairs of
+//! nodes whose boxes overlap, and those of their children: near-linear where faces overlap few others, O(n²) at
+//! worst.
 
 use std::ops::ControlFlow;
 

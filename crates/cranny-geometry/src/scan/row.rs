@@ -1,4 +1,7 @@
 //! Vertices in a row along one direction: what is near each other is near each other there.
+//!
+//! Source: sorting by address calculation (Isaac and Singleton 1956). Cost: O(n) as a rule and O(n log n) at worst
+//! to make a row; to look beside a vertex what is near in the row, and where that is much a question to the tree.
 
 use cranny_exact::{Aabb, DVec3};
 

@@ -1,4 +1,7 @@
 //! The faces around each vertex: whether they are one ring, and whether that ring lies spread out.
+//!
+//! No source: definitions, decided by exact signs. Cost: O(n) for the rings; O(k) for k faces when it is asked
+//! whether a ring is spread out.
 
 use cranny_exact::{DVec2, DVec3, orient2d};
 

@@ -12,6 +12,9 @@
 //!
 //! All this is proved with the rounding errors bounded, or not at all: a node of the face tree that is
 //! not called clear is searched, part by part.
+//!
+//! Cost: O(n) to prepare; all looks together turn over at most [`LOOKS_A_FACE`] faces for each face of the mesh, and
+//! a rim of r sides takes O(r log r), as a rule, and the pairs that `outline` allows.
 
 use std::ops::Range;
 

@@ -1,4 +1,7 @@
 //! Many trees in one array: one a concavity, or one a patch.
+//!
+//! Source and cost of growing a tree stand in `build`, of pruning one in `prune`; a forest costs what its trees
+//! cost.
 
 use super::build::Grower;
 use super::{

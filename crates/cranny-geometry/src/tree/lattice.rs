@@ -3,6 +3,8 @@
 //! Which boxes to part from which is a question of taste, so it may be asked of rounded boxes: eight
 //! numbers of 16 bits, a quarter of the exact ones, joined by one operation. The tree's own boxes are
 //! exact all the same; they are made from the faces when the tree's shape is known.
+//!
+//! No source: this crate's own. Cost: O(1) to round a box or to join two.
 
 use cranny_exact::{Aabb, DVec3};
 

@@ -3,6 +3,9 @@
 //! A concavity may have nearly all faces of a body (the thread of a bolt). A tree of its own would
 //! be grown by nearly the same cuts as the tree over all faces, so that one is pruned instead: nodes without
 //! a face are left out, those with few become leaves, and boxes are fitted anew.
+//!
+//! No source: this crate's own. The order of faces stays, and boxes are those of what is left, so what comes out is
+//! a tree over it. Cost: O(n) for n faces before pruning.
 
 use cranny_exact::Aabb;
 

@@ -1,4 +1,7 @@
 //! The polygonal outlines of a set of triangles.
+//!
+//! No source: this crate's own. Sides are paired by sorting, and each free side is followed by just one other, so
+//! walks close.
 
 use crate::features::least_first;
 

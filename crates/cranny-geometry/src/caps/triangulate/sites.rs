@@ -1,4 +1,6 @@
 //! The distinct places of a chain's vertices, in the order in which a sweep line meets them.
+//!
+//! No source: a sort, by lexicographic order as in `sweep`. Cost: O(m log m) for m vertices.
 
 use std::cmp::Ordering;
 
