@@ -7,7 +7,7 @@
 use std::cell::Cell;
 
 use cranny_exact::{Aabb, DVec3, RigidMap};
-use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, Topology, VertexId};
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, ModelTag, Topology, VertexId};
 
 use crate::answer::{Contact, Containment, Feature, Witness};
 use crate::query::Placed;
@@ -57,6 +57,25 @@ impl PosedVertices {
 
     pub(crate) fn bytes(&self) -> usize {
         self.slots.capacity() * size_of::<Cell<(u32, DVec3)>>()
+    }
+}
+
+/// Whose something is that is remembered from query to query: faces, nodes and patches are numbered by the model, and one
+/// mesh may have other patches after deformations.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Whose(Option<[ModelTag; 2]>);
+
+impl Whose {
+    pub(crate) fn of(pair: &Pair) -> Self {
+        Self(Some(Side::BOTH.map(|side| ModelTag::of(pair.model(side)))))
+    }
+
+    /// Whether it is of these models, in this order.
+    pub(crate) fn are_of(&self, pair: &Pair) -> bool {
+        let same = |tags: &[ModelTag; 2]| {
+            Side::BOTH.iter().all(|&side| tags[side.index()].is_of(pair.model(side)))
+        };
+        self.0.as_ref().is_some_and(same)
     }
 }
 

@@ -1,16 +1,13 @@
 //! What searches keep for the next one of the same models.
 
-use cranny_geometry::ModelTag;
-
 use super::ownership::Ownership;
 use super::posed::Posed;
-use crate::pair::{Pair, Side};
+use crate::pair::{Pair, Side, Whose};
 
 /// What of a search serves the next one: what the models alone say of the leaves that it came across.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept {
-    /// Whose: patches are numbered by the model, and one mesh may have other patches after deformations.
-    models: Option<[ModelTag; 2]>,
+    whose: Whose,
     pub(super) owned: [Ownership; 2],
     pub(super) posed: Option<Box<[Posed; 2]>>,
 }
@@ -18,11 +15,9 @@ pub(crate) struct Kept {
 impl Kept {
     /// Forgets what other models said. Whether these are the ones that it was of.
     pub(super) fn belong_to(&mut self, pair: &Pair) -> bool {
-        let models = Side::BOTH.map(|side| pair.model(side));
-        let same = |tags: &[ModelTag; 2]| tags.iter().zip(models).all(|(tag, m)| tag.is_of(m));
-        let known = self.models.as_ref().is_some_and(same);
+        let known = self.whose.are_of(pair);
         if !known {
-            *self = Self { models: Some(models.map(ModelTag::of)), ..Self::default() };
+            *self = Self { whose: Whose::of(pair), ..Self::default() };
         }
         known
     }

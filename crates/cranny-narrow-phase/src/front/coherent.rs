@@ -5,7 +5,7 @@
 //! a way that the front proves free of meetings, what lies inside what stays.
 
 use cranny_exact::{DVec3, Meeting, classify_triangles};
-use cranny_geometry::{FaceId, ModelTag};
+use cranny_geometry::FaceId;
 
 use super::quests::Meetings;
 use super::{Front, Quest};
@@ -14,7 +14,7 @@ use crate::closest::{Closest, NearestFaces, search};
 use crate::contacts::{Kept, meetings_of_patches};
 use crate::containment::{Solidity, solidity};
 use crate::foremost::Foremost;
-use crate::pair::{Pair, Side};
+use crate::pair::{Pair, Side, Whose};
 use crate::patience::Patience;
 use crate::surface::{FacePair, meeting_pairs, strongest, surface_verdict};
 
@@ -47,8 +47,7 @@ impl Pace {
 /// What is kept of a pair.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Coherent {
-    /// Whose nodes and faces are meant.
-    models: Option<[ModelTag; 2]>,
+    whose: Whose,
     front: Option<Front>,
     /// The front's odometers show this query's pose.
     advanced: bool,
@@ -70,10 +69,8 @@ pub(crate) struct Coherent {
 impl Coherent {
     /// Begins a query; forgets what was known of other models.
     pub(crate) fn begin(&mut self, pair: &Pair) {
-        let models = Side::BOTH.map(|side| pair.model(side));
-        let same = |tags: &[ModelTag; 2]| tags.iter().zip(models).all(|(tag, m)| tag.is_of(m));
-        if !self.models.as_ref().is_some_and(same) {
-            *self = Self { models: Some(models.map(ModelTag::of)), ..Self::default() };
+        if !self.whose.are_of(pair) {
+            *self = Self { whose: Whose::of(pair), ..Self::default() };
         }
         self.advanced = false;
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cranny_exact::{Interval, RigidMap};
-use cranny_geometry::{FaceId, ModelTag};
+use cranny_geometry::FaceId;
 
 use super::convex_nodes::ConvexNodes;
 use super::effort::Accuracy;
@@ -11,14 +11,13 @@ use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
 use crate::front::motion::{Ball, Motion};
-use crate::pair::{Pair, Side};
+use crate::pair::{Pair, Side, Whose};
 
 /// Memory of a pair, as far as estimates are concerned. Bounds that were certain stay so: motion widens
 /// them by as much as it may have changed.
 #[derive(Clone, Debug)]
 pub(crate) struct Carried {
-    /// Whose nodes and faces are meant.
-    models: [ModelTag; 2],
+    whose: Whose,
     /// The relative pose up to which motion is counted.
     map: RigidMap,
     pub(super) refinement: Refinement,
@@ -37,7 +36,7 @@ pub(crate) struct Carried {
 impl Carried {
     fn new(pair: &Pair) -> Self {
         Self {
-            models: Side::BOTH.map(|side| ModelTag::of(pair.model(side))),
+            whose: Whose::of(pair),
             map: pair.first_from_second,
             refinement: Refinement::default(),
             distance: Interval { lo: 0.0, hi: f64::INFINITY },
@@ -51,10 +50,7 @@ impl Carried {
 
     /// What is known of this pair at its pose.
     pub(super) fn at<'c>(slot: &'c mut Option<Box<Self>>, pair: &Pair) -> &'c mut Self {
-        let same = |carried: &Self| {
-            Side::BOTH.iter().zip(&carried.models).all(|(&side, tag)| tag.is_of(pair.model(side)))
-        };
-        if !slot.as_ref().is_some_and(|carried| same(carried)) {
+        if !slot.as_ref().is_some_and(|carried| carried.whose.are_of(pair)) {
             *slot = None;
         }
         let carried = slot.get_or_insert_with(|| Box::new(Self::new(pair)));
