@@ -8,7 +8,8 @@
 //! whole numbers, the step is then known to a rounding, however many quotients it took. One division
 //! a coordinate; a mesh without a grid is known by its first few.
 //!
-//! Source: Knuth (1969, section 4.5.3) for Euclid's algorithm and continued fractions.
+//! Source: Knuth (1969, section 4.5.3) for Euclid's algorithm and continued fractions. Cost: O(n), a division a number,
+//! and for one that refines the step as many more as Euclid's algorithm takes.
 
 /// Steps looked for are no smaller than this share of the largest coordinate. Smaller, and errors of rounding,
 /// which grow with the square of the count of steps, come near the step; larger, and grids that are coarser

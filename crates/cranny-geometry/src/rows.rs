@@ -1,4 +1,6 @@
 //! Compressed rows: the members of each owner, one owner behind the other.
+//!
+//! Source: they are filled by counting (Knuth 1973, section 5.2). Cost: O(n).
 
 /// In a list of owners: nobody.
 pub(crate) const NOBODY: u32 = u32::MAX;

@@ -7,7 +7,7 @@
 //! triangle only: seen from the point, the surface covers the sphere as often as it covers the ray.
 //!
 //! The point is the mean of the vertices. Where the body is so thin that rounding puts it outside, the hull
-//! is built again, and its edges compared. Cost: linear, but for such bodies.
+//! is built again, and its edges compared. Cost: linear, but for such bodies and for plates.
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 

@@ -10,6 +10,9 @@
 //!
 //! Points, segments and polygons are results, not errors: see [`HullKind`].
 //!
+//! The hull is quickhull's (Barber, Dobkin and Huhdanpaa 1996, "The quickhull algorithm for convex hulls") on exact
+//! signs; other sources stand with the parts, costs with the functions.
+//!
 //! ```
 //! use cranny_exact::DVec3;
 //! use cranny_geometry::hull::{ConvexHull, HullKind, Location};

@@ -15,6 +15,8 @@
 //!
 //! How faces are chosen stands in `grow`. Cost: near-linear, about half a microsecond a
 //! face, a third of it for the trees.
+//!
+//! Sources stand with the parts: patches in `grow`, cones in `cone`, the tree over patches in `top`.
 
 mod codec;
 mod cone;

@@ -6,11 +6,10 @@
 //! by the directions in which they lie from it, not by their boxes, which all hold it
 //! ([`crowds`](super::crowds)).
 //!
-//! Source: a tree of boxes paired with itself is van den Bergen's (1997, "Efficient collision detection of complex
-//! deformable models using AABB trees"); Volino and Magnenat-Thalmann (1994, "Efficient self-collision detection on
-//! smoothly discretized surface animations using geometrical shape regularity") leave out parts that are seen from one
-//! side, by cones of normals and their outlines. Cost: O(n log n) for sound meshes; each pair of boxes that overlap
-//! elsewhere is judged, up to [`TESTS_A_FACE`] a face.
+//! Sources: the descent is that of `pairs`; Volino and Magnenat-Thalmann (1994, "Efficient self-collision detection
+//! on smoothly discretized surface animations using geometrical shape regularity") leave out parts that are seen
+//! from one side, by cones of normals and their outlines. Cost: O(n log n) as a rule for sound meshes; each pair
+//! that boxes leave elsewhere is judged, up to [`TESTS_AT_LEAST`] and [`TESTS_A_FACE`] more for each face.
 
 use std::ops::ControlFlow;
 

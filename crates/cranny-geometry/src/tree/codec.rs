@@ -3,6 +3,8 @@
 //! Nodes stand in depth-first order, so the number of faces at each node, 0 for an inner one, says
 //! all about their shape. They are read from the last to the first: whatever is beneath a node is whole
 //! when the node's turn comes.
+//!
+//! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and faces.
 
 use std::ops::Range;
 
