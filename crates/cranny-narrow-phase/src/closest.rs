@@ -71,6 +71,16 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         self.take([f, g], triangle_distance(&first, &second)) - self.error
     }
 
+    /// Whether what was measured between two faces is nearer than all before, or as near between lower faces.
+    pub(crate) fn would_win(&self, pair: [FaceId; 2], nearest: &Nearest) -> bool {
+        match &self.best {
+            None => nearest.squared.sqrt() < self.below,
+            Some((faces, n)) => {
+                nearest.squared < n.squared || (nearest.squared <= n.squared && pair < *faces)
+            }
+        }
+    }
+
     /// Takes note of what was measured between two faces; returns their distance.
     pub(crate) fn take(&mut self, pair: [FaceId; 2], nearest: Nearest) -> f64 {
         let distance = nearest.squared.sqrt();
@@ -78,12 +88,7 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
             self.least_measured = distance;
             self.toward = (nearest.points[1] - nearest.points[0]).normalize_or_zero();
         }
-        let wins = match &self.best {
-            None => distance < self.below,
-            Some((faces, n)) => {
-                nearest.squared < n.squared || (nearest.squared <= n.squared && pair < *faces)
-            }
-        };
+        let wins = self.would_win(pair, &nearest);
         if wins {
             self.limit = distance;
             self.best = Some((pair, nearest));

@@ -22,7 +22,7 @@ use crate::closest::NearestFaces;
 use crate::gjk::{Sight, Simplex};
 use crate::pair::{Pair, Side};
 use crate::patience::Patience;
-use crate::triangle_distance::Prepared;
+use crate::triangle_distance::{Prepared, triangle_distance};
 
 /// Faces of a body that are looked at, at most. Fewer: where a vertex has more faces, all is searched; more: over
 /// lids a search of the trees is cheaper.
@@ -138,7 +138,10 @@ impl Foremost {
                 }
                 counters.triangle_tests += 1;
                 let found = f.triangle.nearest(f.corners, &g.triangle, g.corners);
-                nearest.take([f.face, g.face], found);
+                // What wins is told as whenever faces are measured, whatever was left out here.
+                if nearest.would_win([f.face, g.face], &found) {
+                    nearest.take([f.face, g.face], triangle_distance(&f.posed, &g.posed));
+                }
             }
         }
     }
@@ -276,10 +279,15 @@ impl Face {
 }
 
 impl Face {
-    /// Whether all corners of a triangle lie farther from the face's plane, on one side, than `most`.
+    /// Whether a triangle lies farther off along the face's normal, on one side, than `most`. A needle's normal may be noise:
+    /// what the face reaches along it counts.
     fn is_beyond(&self, its: &[DVec3; 3], most: f64) -> bool {
-        let [a, b, c] = its.map(|p| self.normal.dot(p - self.posed[0]));
-        (a > most && b > most && c > most) || (a < -most && b < -most && c < -most)
+        let range = |corners: &[DVec3; 3]| {
+            let [a, b, c] = corners.map(|p| self.normal.dot(p - self.posed[0]));
+            [a.min(b).min(c), a.max(b).max(c)]
+        };
+        let ([low, high], [least, greatest]) = (range(&self.posed), range(its));
+        least - high > most || low - greatest > most
     }
 }
 
@@ -329,11 +337,11 @@ impl Layer {
                 if its < cut {
                     self.points.push(p + (q - p) * ((height - cut) / (height - its)));
                 } else if !self.vertices.contains(&w) {
+                    if self.vertices.len() == MOST_VERTICES {
+                        return false;
+                    }
                     self.vertices.push(w);
                 }
-            }
-            if self.vertices.len() > MOST_VERTICES {
-                return false;
             }
         }
         true
@@ -353,14 +361,16 @@ impl Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brute_force::brute_force;
     use crate::closest::{self, Closest};
     use crate::memory::PairMemory;
-    use crate::query::Placed;
+    use crate::query::{Demand, Placed, Query};
     use crate::surface::meeting_pairs;
     use cranny_exact::{DQuat, Pose};
-    use cranny_geometry::{BuildOptions, Mesh, Model};
+    use cranny_geometry::{BuildOptions, Mesh, Model, Repair};
     use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, Shape, Torus};
     use cranny_testkit::Rng;
+    use std::f64::consts::TAU;
 
     fn bodies() -> Vec<Model> {
         let shapes: [Shape; 6] = [
@@ -377,9 +387,9 @@ mod tests {
         meshes.into_iter().map(|mesh| Model::build(mesh, &options).unwrap().0).collect()
     }
 
-    /// What is looked at: where the bodies are, as a whole and after a search.
-    fn told(found: Option<Closest>) -> Option<([FaceId; 2], u64, [DVec3; 2])> {
-        found.map(|c| (c.faces, c.distance.to_bits(), c.points))
+    /// All that is told: faces, features, and bits of lengths.
+    fn told(found: Option<Closest>) -> String {
+        format!("{found:?}")
     }
 
     /// Along random directions, at all gaps; every other pose along the axes, where faces lie flush and ties abound. One
@@ -441,6 +451,128 @@ mod tests {
             }
         }
         (settled, all.faces())
+    }
+
+    fn unmended(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Option<Model> {
+        let options = BuildOptions { repair: Repair::None, ..BuildOptions::default() };
+        Some(Model::build(Mesh::new(vertices, faces).ok()?, &options).ok()?.0)
+    }
+
+    /// Some triangles over points of a lattice, each in a plane of it or slanted: needles and triangles without area among
+    /// them.
+    fn soup(rng: &mut Rng) -> Option<Model> {
+        let count = 1 + rng.below(4) as u32;
+        let mut vertices = Vec::new();
+        for _ in 0..count {
+            let (flat, level) = (rng.below(4), rng.below(7));
+            for _ in 0..3 {
+                let mut at = |axis| if axis == flat { level } else { rng.below(7) };
+                let p = [at(0), at(1), at(2)].map(|k| 0.25 * k as f64);
+                vertices.push(DVec3::from_array(p));
+            }
+        }
+        unmended(vertices, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+    }
+
+    /// Ties of all kinds; whatever was measured before the trees are asked, the answer is theirs.
+    #[test]
+    fn ties_are_told_as_a_search_tells_them() {
+        let mut rng = Rng::new(11);
+        let (mut same, mut none) = (0, 0);
+        for round in 0..6_000 {
+            let (Some(a), Some(b)) = (soup(&mut rng), soup(&mut rng)) else { continue };
+            let mut step = || 0.5 * rng.below(9) as f64 - 2.0;
+            let pose = Pose::at(DVec3::new(step(), step(), step()));
+            let mut memory = PairMemory::default();
+            let [a, b] =
+                [(&a, Pose::IDENTITY), (&b, pose)].map(|(model, pose)| Placed { model, pose });
+            let pair = Pair::new(a, b, &mut memory.posed);
+            let mut counters = Counters::default();
+            if !meeting_pairs(&pair, &mut counters).is_empty() {
+                continue;
+            }
+            let below = [f64::INFINITY, 0.75, 2.0][round % 3];
+            let mut all = NearestFaces::less_than(&pair, below);
+            closest::search(&pair, &mut all, &mut counters);
+            let mut nearest = NearestFaces::less_than(&pair, below);
+            if round % 2 == 0 {
+                nearest.offer(FaceId(0), FaceId(0), &mut counters);
+            }
+            let way = pair.first_from_second.translation.normalize_or_zero();
+            if !Foremost::default().offer(&pair, way, &mut nearest, &mut counters) {
+                closest::search(&pair, &mut nearest, &mut counters);
+            }
+            assert_eq!(told(nearest.found()), told(all.found()), "round {round}");
+            same += u32::from(all.found().is_some());
+            none += u32::from(all.found().is_none());
+        }
+        assert!(same > 2_000 && none > 300, "{same} {none}");
+    }
+
+    /// The normal of a face without area is noise, and may lie along the face.
+    #[test]
+    fn faces_that_are_lines_are_near() {
+        let mut rng = Rng::new(13);
+        let mut told = 0;
+        for _ in 0..3_000 {
+            let mut vector = || DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            let (start, along) = (vector(), vector());
+            let share = 0.3 + 0.6 * vector().x.abs();
+            let line = unmended(vec![start, start + along, start + share * along], vec![[0, 1, 2]]);
+            let corners = vec![vector(), vector(), vector(), vector()];
+            let solid = unmended(corners, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+            let (Some(line), Some(solid)) = (line, solid) else { continue };
+            let pose = Pose {
+                rotation: DQuat::from_scaled_axis(3.0 * vector()).normalize(),
+                translation: 3.0 * vector().normalize_or(DVec3::X),
+            };
+            let a = Placed { model: &line, pose: Pose::IDENTITY };
+            let b = Placed { model: &solid, pose };
+            let query = Query::of(Demand::Distance { below: None });
+            let found = crate::query(a, b, &query, &mut PairMemory::default()).unwrap();
+            assert_eq!(found.distance, Some(brute_force(a, b).unwrap().distance), "{pose:?}");
+            told += 1;
+        }
+        assert!(told > 2_000, "{told}");
+    }
+
+    /// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them that is told.
+    #[test]
+    fn what_a_thin_layer_leaves_out_does_not_show() {
+        let torus = Torus { major_segments: 14, minor_segments: 6, ..Torus::default() };
+        let shapes: [Shape; 2] = [torus.into(), Comb { teeth: 4, ..Comb::default() }.into()];
+        let [torus, comb] =
+            shapes.map(|s| Model::build(s.build().unwrap(), &BuildOptions::default()).unwrap().0);
+        let turn =
+            [-0.6734244524593356, 0.2163181212198827, 0.20337920902652656, 0.6770102470402414];
+        let pose = Pose {
+            rotation: DQuat::from_array(turn),
+            translation: DVec3::new(0.5769018192288595, 0.7543956214707733, -2.6564991223455245),
+        };
+        let a = Placed { model: &torus, pose: Pose::IDENTITY };
+        let b = Placed { model: &comb, pose };
+        let query = Query::of(Demand::Distance { below: None });
+        let mut memory = PairMemory::default();
+        let [cold, warm] = [0, 1].map(|_| crate::query(a, b, &query, &mut memory).unwrap());
+        assert_eq!(cold.witnesses, warm.witnesses);
+    }
+
+    /// A vertex with many neighbours is not looked at for long.
+    #[test]
+    fn layers_of_many_vertices_are_left_at_once() {
+        let rim = |k: u32| {
+            let (sin, cos) = (f64::from(k) * TAU / 2_000.0).sin_cos();
+            DVec3::new(cos, sin, 0.0)
+        };
+        let mut points: Vec<DVec3> = (0..2_000).map(rim).collect();
+        points.extend([0.01 * DVec3::Z, -DVec3::Z]);
+        let hull = ConvexHull::of_points(&points);
+        let top = hull.support(DVec3::Z, None).unwrap();
+        let mut layer = Layer::default();
+        assert!(!layer.fill(&hull, DVec3::Z, top, -0.5, 0.0));
+        assert!(layer.vertices.len() <= MOST_VERTICES && layer.points.len() <= MOST_VERTICES);
+        assert!(layer.fill(&hull, DVec3::Z, top, 0.005, 0.0));
+        assert_eq!([layer.vertices.len(), layer.points.len()], [1, 2_001]);
     }
 
     /// Over a dish, whose lid is nearer than its floor: nothing of the floor is in a layer that is too thin.
