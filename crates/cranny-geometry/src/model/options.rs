@@ -1,0 +1,138 @@
+//! How a model is prepared, what refuses to be, and what is told meanwhile.
+
+use cranny_exact::Tolerance;
+use thiserror::Error;
+
+use crate::flatness::Flatness;
+use crate::mesh::Mesh;
+use crate::repair::Repair;
+use crate::repair::proof::ProofError;
+use crate::resolution::default_weld_distance;
+use crate::tree::FaceForest;
+
+/// How to prepare a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BuildOptions {
+    /// Faces per leaf of the tree, at least 1. Default: [`BuildOptions::DEFAULT_LEAF_SIZE`].
+    pub leaf_size: usize,
+    /// Faces per leaf of the trees over concavities, at least 1. Default: [`FaceForest::DEFAULT_LEAF_SIZE`], as
+    /// measured there. Envelopes are made of parts of these trees: leaves of more faces than
+    /// [`leaf_faces`](crate::EnvelopeOptions::leaf_faces) give envelopes of single faces, which take longer to build.
+    pub concavity_leaf_size: usize,
+    /// What may be mended. Default: [`Repair::None`], which keeps the surface as it was filed.
+    pub repair: Repair,
+    /// What 'the same place' means for findings and repairs: at most
+    /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from how
+    /// finely the coordinates were stored: twice the step of a grid that holds them all, in any unit,
+    /// or eight times the step of single or double precision at the largest coordinate, but never
+    /// more than a ten-thousandth of the diagonal.
+    pub tolerance: Option<Tolerance>,
+    /// Whether faces that cross, touch or overlap each other are searched for. Default: yes.
+    pub self_intersections: bool,
+    /// How flat is flat. Default: [`Flatness::Auto`].
+    pub flatness: Flatness,
+}
+
+impl BuildOptions {
+    /// One face a leaf made cold queries fastest on tori and threads; more than four slows them.
+    pub const DEFAULT_LEAF_SIZE: usize = 1;
+
+    /// The largest weld distance, as a share of the mesh's diagonal. Larger, and everything is near
+    /// everything: repairs mean nothing and searches take quadratic time.
+    pub const LARGEST_WELD_SHARE: f64 = 0.01;
+
+    /// Refuses leaves without faces.
+    pub(super) fn check_leaves(&self) -> Result<(), BuildError> {
+        let all = [("all faces", self.leaf_size), ("concavities", self.concavity_leaf_size)];
+        match all.into_iter().find(|&(_, size)| size == 0) {
+            Some((trees, _)) => Err(BuildError::LeafSize { trees }),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn weld_distance(&self, mesh: &Mesh) -> Result<f64, BuildError> {
+        let Some(Tolerance { weld_distance }) = self.tolerance else {
+            return Ok(default_weld_distance(mesh));
+        };
+        let limit = Self::LARGEST_WELD_SHARE * mesh.bounds().diagonal();
+        match (0.0..=limit).contains(&weld_distance) {
+            true => Ok(weld_distance),
+            false => Err(BuildError::WeldDistance { weld_distance, limit }),
+        }
+    }
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self {
+            leaf_size: Self::DEFAULT_LEAF_SIZE,
+            concavity_leaf_size: FaceForest::DEFAULT_LEAF_SIZE,
+            repair: Repair::None,
+            tolerance: None,
+            self_intersections: true,
+            flatness: Flatness::default(),
+        }
+    }
+}
+
+/// That no face of so many has an area, in words.
+pub(crate) fn no_area(faces: usize) -> String {
+    match faces {
+        1 => "the only face has zero area".to_owned(),
+        n => format!("all {n} faces have zero area"),
+    }
+}
+
+/// A model that cannot be prepared.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The mesh holds no triangle with an area.
+    #[error("{}: a body needs at least one triangle with an area", no_area(*.faces))]
+    OnlyDegenerateFaces {
+        /// Number of faces.
+        faces: usize,
+    },
+    /// A weld distance that is negative, no number, or too large for the mesh.
+    #[error(
+        "the weld distance {weld_distance:?} is not between 0 and {limit:?}, a hundredth of the mesh's diagonal"
+    )]
+    WeldDistance {
+        /// The distance asked for.
+        weld_distance: f64,
+        /// The largest for this mesh.
+        limit: f64,
+    },
+    /// Trees whose leaves would hold no face.
+    #[error("leaves of 0 faces are asked for, in trees over {trees}: ask for at least 1")]
+    LeafSize {
+        /// What the trees are over.
+        trees: &'static str,
+    },
+    /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
+    #[error("the repaired mesh could not be proved to be the same surface: {0}")]
+    NotProved(#[from] ProofError),
+}
+
+/// A stage of preparation, told to whoever measures times (this crate reads no clock).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Weld, repair, adjacency.
+    Repair,
+    /// The box tree over all faces, and patches.
+    Trees,
+    /// Scan for findings.
+    Scan,
+    /// Convex hull.
+    Hull,
+    /// Features: convex, concavity, boundary.
+    Classify,
+    /// Caps, concavities, boundary loops.
+    Caps,
+    /// A box tree for each concavity.
+    ConcavityTrees,
+    /// Envelopes of concavities.
+    Envelopes,
+    /// All done.
+    Done,
+}

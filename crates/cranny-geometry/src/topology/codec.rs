@@ -1,0 +1,79 @@
+//! Adjacency as bytes: the order of half-edges, components in runs, where the faces of each vertex begin.
+
+use super::Topology;
+use super::components::components_of_runs;
+use super::edges::Edges;
+use super::vertices::faces_in_rows;
+use crate::codec::{Flaw, Reader, Writer, check, check_below};
+use crate::ids::{FaceId, HalfEdgeId};
+use crate::mesh::Mesh;
+
+impl Topology {
+    /// Writes what takes time to find: the order of half-edges, how many faces in a row are of one component,
+    /// and how many are at each vertex.
+    pub(crate) fn encode(&self, out: &mut Writer) {
+        let Self {
+            around,
+            component_of,
+            vertex_starts,
+            vertex_faces: _,
+            edges: _,
+            edge_of: _,
+            is_paired: _,
+            components: _,
+        } = self;
+        out.list(around);
+        let runs = component_of.chunk_by(|a, b| a == b);
+        let runs: Vec<[u32; 2]> = runs.map(|run| [run[0].0, run.len() as u32]).collect();
+        out.list(&runs);
+        out.list(vertex_starts);
+    }
+
+    /// Reads the adjacency of a mesh.
+    pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
+        let (around, runs): (Vec<HalfEdgeId>, Vec<[u32; 2]>) = (input.list()?, input.list()?);
+        let count = 3 * mesh.faces().len();
+        check(around.len() == count, "it is not one of all half-edges")?;
+        check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
+        let components = components_of_runs(&runs, mesh.faces().len())?;
+        let starts: Vec<u32> = input.list()?;
+        check(starts.len() == mesh.vertices().len() + 1, "a row for each vertex is needed")?;
+        let vertex_faces = faces_in_rows(mesh, &starts).ok_or("rows of vertices are too short")?;
+        let component_of = components.0.as_slice();
+        let mut is_one = true;
+        // As many half-edges as there are, strictly ascending: each once.
+        let edges = if components.1.len() == 1 {
+            Edges::of(mesh, &around, |_, _| ())
+        } else {
+            let join = |g: FaceId, h: FaceId| {
+                is_one &= component_of[g.index()] == component_of[h.index()];
+            };
+            Edges::of(mesh, &around, join)
+        };
+        check(edges.is_sorted, "half-edges are not sorted")?;
+        check(is_one, "an edge joins two components")?;
+        Ok(Self::assembled(around, edges, (starts, vertex_faces), components))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{points, tetrahedron};
+    use super::*;
+
+    #[test]
+    fn an_edge_does_not_join_two_components() {
+        let mesh = Mesh::new(points(4), tetrahedron(0)).unwrap();
+        let whole = Topology::of(&mesh);
+        let read = |runs: &[[u32; 2]]| {
+            let mut out = Writer::default();
+            out.list(&whole.around);
+            out.list(runs);
+            out.list(&whole.vertex_starts);
+            let read = Topology::decode(&mut Reader::new(&out.into_bytes()), &mesh);
+            read.map_err(|Flaw(what)| what)
+        };
+        assert_eq!(read(&[[0, 4]]).unwrap().components(), whole.components());
+        assert!(read(&[[0, 3], [1, 1]]).unwrap_err().contains("joins two"));
+    }
+}
