@@ -55,7 +55,7 @@ impl Flatness {
     /// single precision that were written so are taken for exact.
     const NINE_DIGITS: f64 = 1e-9;
 
-    /// As a number, for this mesh.
+    /// As a share of the largest coordinate magnitude, for this mesh.
     #[must_use]
     pub fn resolve(self, mesh: &Mesh) -> f64 {
         match self {
@@ -70,5 +70,11 @@ impl Flatness {
             Self::Single => Self::SINGLE,
             Self::Relative(flatness) => flatness.max(0.0),
         }
+    }
+
+    /// As a distance from a plane, for this mesh.
+    #[must_use]
+    pub fn distance(self, mesh: &Mesh) -> f64 {
+        self.resolve(mesh) * largest(mesh)
     }
 }

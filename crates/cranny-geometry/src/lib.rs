@@ -28,6 +28,7 @@
 
 mod boundary;
 mod caps;
+mod chunks;
 mod codec;
 pub mod concavity;
 mod deform;

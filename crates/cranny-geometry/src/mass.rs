@@ -8,6 +8,7 @@
 
 use cranny_exact::{DMat3, DVec3};
 
+use crate::chunks::{CHUNK, touched};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
@@ -108,10 +109,6 @@ impl Sums {
     }
 }
 
-/// Faces whose sums are kept together for meshes whose vertices move. Fewer, and there are more sums to add up; more,
-/// and more faces are looked at again for each one that has moved.
-const CHUNK: usize = 128;
-
 /// The sums of a mesh, chunk by chunk of its faces: nothing is ever taken away from a sum, so that errors do not gather.
 #[derive(Clone, Debug)]
 pub(crate) struct MassSums {
@@ -134,10 +131,8 @@ impl MassSums {
             return mesh.faces().len();
         }
         let mut looked_at = 0;
-        for moved in moved.chunk_by(|a, b| a.index() / CHUNK == b.index() / CHUNK) {
-            let chunk = moved[0].index() / CHUNK;
-            let end = (CHUNK * (chunk + 1)).min(mesh.faces().len());
-            let faces = &mesh.faces()[CHUNK * chunk..end];
+        for (chunk, range) in touched(moved.iter().map(|f| f.index()), mesh.faces().len()) {
+            let faces = &mesh.faces()[range];
             self.of_chunks[chunk] = Sums::over(mesh, reference, faces);
             looked_at += faces.len();
         }

@@ -26,11 +26,13 @@
 //! # Ok::<(), cranny_scene::SceneError>(())
 //! ```
 
+mod byte_order_mark;
 pub mod mesh_file;
 pub mod robot;
 pub mod scene_file;
 mod xml;
 
+pub use byte_order_mark::without_mark;
 pub use mesh_file::{
     DecodeError, MeshFile, MeshFileError, MeshFormat, decode_mesh, encode_obj, read_mesh,
 };

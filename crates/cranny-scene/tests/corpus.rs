@@ -1,42 +1,20 @@
 //! Real meshes and robots, where `CRANNY_CORPUS` names their folder.
 #![allow(clippy::print_stderr)]
 
+#[path = "assets/corpus_files.rs"]
+mod corpus_files;
 #[path = "assets/meeting.rs"]
 mod meeting;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use corpus_files::{corpus, files_under, mesh_files};
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::concavity::ConcavityKind;
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_scene::{MeshFormat, Robot, RobotError, read_mesh, read_robot};
+use cranny_scene::{Robot, RobotError, read_mesh, read_robot};
 use cranny_world::description::JointPositions;
 use serde_json::Value;
-
-fn corpus() -> Option<PathBuf> {
-    let folder = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("skipped: CRANNY_CORPUS not set");
-    }
-    folder
-}
-
-fn files_under(folder: &Path, accept: &dyn Fn(&Path) -> bool) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if accept(&path) {
-                files.push(path);
-            }
-        }
-    }
-    files.sort();
-    files
-}
 
 fn json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
@@ -51,10 +29,7 @@ fn proper_faces(mesh: &Mesh) -> usize {
 
 #[test]
 fn every_mesh_of_the_corpus_loads() {
-    let Some(corpus) = corpus() else { return };
-    let meshes = files_under(&corpus, &|path| MeshFormat::of_path(path).is_some());
-    assert!(meshes.len() >= 59, "{}", meshes.len());
-    for path in meshes {
+    for path in mesh_files() {
         let read = read_mesh(&path).unwrap_or_else(|error| panic!("{error}"));
         assert!(!read.mesh.faces().is_empty());
     }
@@ -62,8 +37,7 @@ fn every_mesh_of_the_corpus_loads() {
 
 #[test]
 fn concavities_of_the_corpus_keep_their_invariants() {
-    let Some(corpus) = corpus() else { return };
-    for path in files_under(&corpus, &|path| MeshFormat::of_path(path).is_some()) {
+    for path in mesh_files() {
         let mesh = read_mesh(&path).unwrap().mesh;
         let Ok((model, report)) = Model::build(mesh, &BuildOptions::default()) else { continue };
         let (hull, features, all) = (model.hull(), model.features(), model.concavities());

@@ -8,40 +8,31 @@ mod bodies;
 #[path = "../../cranny-geometry/tests/concavities/check.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod check;
+#[path = "assets/corpus_files.rs"]
+#[allow(dead_code, reason = "the tests that they are shared with use the others")]
+mod corpus_files;
 
 use std::path::PathBuf;
 
 use check::{checked_with, closed_checked_with};
+use corpus_files::mesh_files;
 use cranny_exact::{DMat3, DQuat, DVec3};
 use cranny_geometry::{
     BuildOptions, EdgeKind, Element, FaceId, FindingKind, Flatness, MeetingScan, Mesh, Model,
     VertexId,
 };
-use cranny_scene::{MeshFormat, read_mesh};
+use cranny_scene::read_mesh;
 use cranny_testkit::Rng;
 
 /// Every mesh with its name, and the options that take the flatness which was read off it as stored.
 fn corpus() -> Vec<(String, Mesh, BuildOptions)> {
-    let Some(folder) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
-        eprintln!("skipped: CRANNY_CORPUS not set");
-        return Vec::new();
+    let read = |path: PathBuf| {
+        let mesh = read_mesh(&path).unwrap().mesh;
+        let flatness = Flatness::Relative(Flatness::Auto.resolve(&mesh));
+        let options = BuildOptions { flatness, self_intersections: false, ..Default::default() };
+        (path.display().to_string(), mesh, options)
     };
-    let (mut found, mut folders) = (Vec::new(), vec![folder]);
-    while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-            if path.is_dir() {
-                folders.push(path);
-            } else if MeshFormat::of_path(&path).is_some() {
-                let mesh = read_mesh(&path).unwrap().mesh;
-                let flatness = Flatness::Relative(Flatness::Auto.resolve(&mesh));
-                let options =
-                    BuildOptions { flatness, self_intersections: false, ..Default::default() };
-                found.push((path.display().to_string(), mesh, options));
-            }
-        }
-    }
-    found.sort_by(|a, b| a.0.cmp(&b.0));
-    found
+    mesh_files().into_iter().map(read).collect()
 }
 
 /// Builds, and checks what this mesh promises.

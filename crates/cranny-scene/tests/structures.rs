@@ -2,6 +2,9 @@
 //! folder: all formats, each mesh with its own concavities.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
+#[path = "assets/corpus_files.rs"]
+#[allow(dead_code, reason = "the tests that they are shared with use the others")]
+mod corpus_files;
 #[path = "../../cranny-geometry/tests/deform/equal.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod equal;
@@ -13,37 +16,28 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use corpus_files::mesh_files;
 use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::envelope::Thing;
 use cranny_geometry::{FaceId, Model};
-use cranny_scene::{MeshFormat, read_mesh};
+use cranny_scene::read_mesh;
 use cranny_testkit::Rng;
 
 /// Every mesh of the corpus, prepared once for all tests.
 fn models() -> &'static [(String, Model)] {
     static MODELS: OnceLock<Vec<(String, Model)>> = OnceLock::new();
     MODELS.get_or_init(|| {
-        let Some(folder) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
-            eprintln!("skipped: CRANNY_CORPUS not set");
-            return Vec::new();
+        let prepared = |path: PathBuf| {
+            let mesh = read_mesh(&path).unwrap().mesh;
+            let (model, _) = Model::build(mesh, &equal::options()).ok()?;
+            // A mesh that was turned right side out is numbered anew when it is built again.
+            let again = Model::build(model.mesh().clone(), &equal::options());
+            Some((path.display().to_string(), again.unwrap().0))
         };
-        let (mut found, mut folders) = (Vec::new(), vec![folder]);
-        while let Some(folder) = folders.pop() {
-            for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
-                if path.is_dir() {
-                    folders.push(path);
-                } else if MeshFormat::of_path(&path).is_some() {
-                    let mesh = read_mesh(&path).unwrap().mesh;
-                    let Ok((model, _)) = Model::build(mesh, &equal::options()) else { continue };
-                    // A mesh that was turned right side out is numbered anew when it is built again.
-                    let again = Model::build(model.mesh().clone(), &equal::options());
-                    found.push((path.display().to_string(), again.unwrap().0));
-                }
-            }
-        }
-        found.sort_by(|a, b| a.0.cmp(&b.0));
-        assert!(found.len() >= 59, "{}", found.len());
-        found
+        let files = mesh_files();
+        let models: Vec<_> = files.into_iter().filter_map(prepared).collect();
+        assert!(models.is_empty() || models.len() >= 59, "{}", models.len());
+        models
     })
 }
 

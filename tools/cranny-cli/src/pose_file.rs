@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use cranny_exact::Pose;
+use cranny_scene::without_mark;
 use serde_json::Value;
 use thiserror::Error;
 
@@ -68,8 +69,7 @@ fn parse_poses(text: &str) -> Result<Vec<PosePair>, PoseFileError> {
     if text.trim().is_empty() {
         return Err(PoseFileError::Empty);
     }
-    // A byte order mark, as some editors write it.
-    let value: Value = serde_json::from_str(text.trim_start_matches('\u{feff}'))?;
+    let value: Value = serde_json::from_str(without_mark(text))?;
     let Value::Array(entries) = &value else {
         return Err(PoseFileError::NoList(described(&value)));
     };

@@ -4,16 +4,13 @@
 //! errors of rounding do not gather. Cost: a chunk for each vertex or face that has moved, at most, and a pass over
 //! what is kept of all chunks; all faces where the middle of the body's box has moved.
 
+use crate::chunks::{CHUNK, touched};
 use crate::digest::BlockHashes;
 use crate::ids::{FaceId, VertexId};
 use crate::mass::MassSums;
 use crate::mesh::Mesh;
 use crate::model::Parts;
 use crate::reach::{farthest, radius};
-
-/// Vertices whose farthest is kept. Fewer, and there are more to compare; more, and more are looked at again for each
-/// one that has moved.
-const CHUNK: usize = 128;
 
 /// Sums, maxima and hashes of parts of a mesh.
 #[derive(Clone, Debug)]
@@ -58,10 +55,8 @@ impl Totals {
 
     fn follow_farthest(&mut self, mesh: &Mesh, vertices: &[VertexId]) -> usize {
         let mut looked_at = 0;
-        for moved in vertices.chunk_by(|a, b| a.index() / CHUNK == b.index() / CHUNK) {
-            let chunk = moved[0].index() / CHUNK;
-            let end = (CHUNK * (chunk + 1)).min(mesh.vertices().len());
-            let points = &mesh.vertices()[CHUNK * chunk..end];
+        for (chunk, range) in touched(vertices.iter().map(|v| v.index()), mesh.vertices().len()) {
+            let points = &mesh.vertices()[range];
             self.farthest[chunk] = farthest(points);
             looked_at += points.len();
         }

@@ -8,6 +8,8 @@
 mod geometry;
 mod transform;
 
+use std::str::FromStr;
+
 use cranny_exact::DVec3;
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -19,6 +21,9 @@ use geometry::Geometry;
 use transform::Affine;
 
 const FORMAT: MeshFormat = MeshFormat::Collada;
+
+/// What the numbers of other elements mean.
+const NUMBER: &str = "a number of this element";
 
 /// Nodes nest at most so deep. Deeper, and a file whose nodes instance each other would never end;
 /// shallower, and exporters' bone chains are refused.
@@ -56,24 +61,17 @@ pub(super) fn decode(bytes: &[u8], up_axis: UpAxis) -> Result<MeshFile, DecodeEr
         return Err(DecodeError { format: FORMAT, place: Place::Byte(at), problem });
     }
     let options = ParsingOptions { allow_dtd: false, nodes_limit: 1 << 26 };
-    let document = Document::parse_with_options(text.trim_start_matches('\u{feff}'), options)
-        .map_err(|error| {
-            let place = Place::Line(error.pos().row as usize);
-            let problem = Problem::Malformed {
-                found: error.to_string(),
-                expected: "well-formed XML".to_owned(),
-            };
-            DecodeError { format: FORMAT, place, problem }
-        })?;
+    let document = Document::parse_with_options(text, options).map_err(|error| {
+        let place = Place::Line(error.pos().row as usize);
+        let problem =
+            Problem::Malformed { found: error.to_string(), expected: "well-formed XML".to_owned() };
+        DecodeError { format: FORMAT, place, problem }
+    })?;
     let root = document.root_element();
     let mut scene =
         Scene { root, builder: Builder::new(FORMAT), visits: 0, skipped: 0, skinned: 0 };
     if root.tag_name().name() != "COLLADA" {
-        return Err(scene.malformed(
-            root,
-            excerpt(root.tag_name().name()),
-            "the element 'COLLADA'",
-        ));
+        return Err(malformed(root, excerpt(root.tag_name().name()), "the element 'COLLADA'"));
     }
     let scene_from_file = scene.axes_and_unit(up_axis)?;
     match scene.visual_scene()? {
@@ -117,24 +115,19 @@ fn malformed(node: Node<'_, '_>, found: String, expected: &str) -> DecodeError {
     DecodeError { format: FORMAT, place: line_of(node), problem }
 }
 
-/// The numbers in an element's text.
-fn numbers(node: Node<'_, '_>) -> Result<Vec<f64>, DecodeError> {
-    words(node)
-        .map(|word| {
-            word.parse().map_err(|_| DecodeError {
-                format: FORMAT,
-                place: line_of(node),
-                problem: Problem::NotANumber {
-                    text: word.chars().take(40).collect(),
-                    expected: "a number of this element",
-                },
-            })
-        })
-        .collect()
+/// The numbers in an element's text; `expected` says what each means.
+fn numbers<T: FromStr>(node: Node<'_, '_>, expected: &'static str) -> Result<Vec<T>, DecodeError> {
+    let words = node.text().unwrap_or_default().split_ascii_whitespace();
+    let refused = |word: &str| {
+        let problem = Problem::NotANumber { text: word.chars().take(40).collect(), expected };
+        DecodeError { format: FORMAT, place: line_of(node), problem }
+    };
+    words.map(|word| word.parse().map_err(|_| refused(word))).collect()
 }
 
-fn words<'a>(node: Node<'a, '_>) -> impl Iterator<Item = &'a str> {
-    node.text().unwrap_or_default().split_ascii_whitespace()
+/// The id that an address within the file names.
+fn id_of(address: &str) -> &str {
+    address.strip_prefix('#').unwrap_or(address)
 }
 
 struct Scene<'a, 'i> {
@@ -146,10 +139,6 @@ struct Scene<'a, 'i> {
 }
 
 impl<'a, 'i> Scene<'a, 'i> {
-    fn malformed(&self, node: Node<'_, '_>, found: String, expected: &str) -> DecodeError {
-        malformed(node, found, expected)
-    }
-
     /// `scene_from_file`: metres by `<unit>`, z up by `<up_axis>` (y where it is not stated).
     fn axes_and_unit(&mut self, up_axis: UpAxis) -> Result<Affine, DecodeError> {
         let asset = element(self.root, "asset");
@@ -158,7 +147,7 @@ impl<'a, 'i> Scene<'a, 'i> {
             let text = unit.attribute("meter").unwrap_or("1");
             let metres: f64 = text.trim().parse().unwrap_or(f64::NAN);
             if !metres.is_normal() || metres < 0.0 {
-                return Err(self.malformed(unit, excerpt(text), "a length of the unit in metres"));
+                return Err(malformed(unit, excerpt(text), "a length of the unit in metres"));
             }
             if metres.to_bits() != 1f64.to_bits() {
                 self.builder.note(format!(
@@ -175,7 +164,7 @@ impl<'a, 'i> Scene<'a, 'i> {
             "X_UP" => Affine::columns(DVec3::Z, DVec3::Y, DVec3::NEG_X),
             other => {
                 let node = stated.unwrap_or(self.root);
-                return Err(self.malformed(node, excerpt(other), "'X_UP', 'Y_UP' or 'Z_UP'"));
+                return Err(malformed(node, excerpt(other), "'X_UP', 'Y_UP' or 'Z_UP'"));
             }
         };
         if up_axis == UpAxis::AsFiled {
@@ -204,11 +193,21 @@ impl<'a, 'i> Scene<'a, 'i> {
         kind: &'static str,
     ) -> Result<Node<'a, 'i>, DecodeError> {
         let url = instance.attribute("url").unwrap_or_default();
-        let id = url.strip_prefix('#').unwrap_or(url);
+        self.find(url, library, kind)
+            .ok_or_else(|| malformed(instance, format!("the url {}", excerpt(url)), kind))
+    }
+
+    /// The element of a kind, anywhere in the libraries of a name, that an address names.
+    fn find(
+        &self,
+        address: &str,
+        library: &'static str,
+        kind: &'static str,
+    ) -> Option<Node<'a, 'i>> {
+        let id = id_of(address);
         elements(self.root, library)
             .flat_map(|library| library.descendants())
             .find(|node| node.tag_name().name() == kind && node.attribute("id") == Some(id))
-            .ok_or_else(|| self.malformed(instance, format!("the url {}", excerpt(url)), kind))
     }
 
     fn walk(
@@ -220,7 +219,7 @@ impl<'a, 'i> Scene<'a, 'i> {
         self.count_visit(node)?;
         if depth > MAX_DEPTH {
             let found = format!("nodes nested deeper than {MAX_DEPTH}");
-            return Err(self.malformed(node, found, "a tree of nodes without cycles"));
+            return Err(malformed(node, found, "a tree of nodes without cycles"));
         }
         let mut scene_from_node = *outer;
         for child in node.children().filter(Node::is_element) {
@@ -256,7 +255,7 @@ impl<'a, 'i> Scene<'a, 'i> {
             return Ok(());
         }
         let found = format!("more than {MAX_VISITS} nodes and geometries to show");
-        Err(self.malformed(node, found, "fewer"))
+        Err(malformed(node, found, "fewer"))
     }
 
     /// The geometry under a skin, in its bind shape.
@@ -264,13 +263,9 @@ impl<'a, 'i> Scene<'a, 'i> {
         let controller = self.target(instance, "library_controllers", "controller")?;
         let Some(skin) = element(controller, "skin") else { return Ok(()) };
         let source = skin.attribute("source").unwrap_or_default();
-        let id = source.strip_prefix('#').unwrap_or(source);
-        let geometry = elements(self.root, "library_geometries")
-            .flat_map(|library| elements(library, "geometry"))
-            .find(|geometry| geometry.attribute("id") == Some(id))
-            .ok_or_else(|| {
-                self.malformed(skin, format!("the source {}", excerpt(source)), "a geometry")
-            })?;
+        let geometry = self.find(source, "library_geometries", "geometry").ok_or_else(|| {
+            malformed(skin, format!("the source {}", excerpt(source)), "a geometry")
+        })?;
         let bind = match element(skin, "bind_shape_matrix") {
             Some(matrix) => transform::matrix(matrix)?,
             None => Affine::IDENTITY,

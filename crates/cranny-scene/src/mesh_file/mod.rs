@@ -26,6 +26,8 @@ use std::path::{Path, PathBuf};
 use cranny_geometry::Mesh;
 use thiserror::Error;
 
+use crate::byte_order_mark::bytes_without_mark;
+
 pub use collada::UpAxis;
 pub use looks::Looks;
 pub use obj::encode_obj;
@@ -182,7 +184,7 @@ fn decode(
     fetch: Fetch<'_>,
 ) -> Result<MeshFile, DecodeError> {
     let refused = |problem| DecodeError { format, place: Place::Whole, problem };
-    let text = without_mark(bytes);
+    let text = bytes_without_mark(bytes);
     if text.iter().all(u8::is_ascii_whitespace) {
         return Err(refused(Problem::Empty));
     }
@@ -200,9 +202,4 @@ fn decode(
         Some(looks) if looks.format() != Some(format) => refused(Problem::Misnamed { looks }),
         _ => error,
     })
-}
-
-/// The bytes without the byte order mark that some editors put before UTF-8.
-fn without_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes)
 }

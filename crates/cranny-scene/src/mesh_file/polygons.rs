@@ -94,8 +94,7 @@ impl Splits {
         let mut bent = Tally::default();
         let mut most = 0f64;
         if !self.thick.is_empty() {
-            let largest = mesh.vertices().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-            let flat = Flatness::Auto.resolve(mesh) * largest;
+            let flat = Flatness::Auto.distance(mesh);
             for (thickness, place) in self.thick.iter().filter(|(t, _)| *t > flat) {
                 bent.add(place);
                 most = most.max(*thickness);

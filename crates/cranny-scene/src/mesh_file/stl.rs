@@ -8,7 +8,8 @@ use cranny_exact::DVec3;
 use super::builder::{Builder, Weld};
 use super::problem::{DecodeError, Place, Problem, excerpt};
 use super::text::Words;
-use super::{MeshFile, MeshFormat, without_mark};
+use super::{MeshFile, MeshFormat};
+use crate::byte_order_mark::bytes_without_mark;
 
 const HEADER: usize = 84;
 const RECORD: usize = 50;
@@ -20,7 +21,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
         .map(|count| u64::from(u32::from_le_bytes(count)));
     let fits =
         promised.is_some_and(|n| (HEADER as u64) + n * (RECORD as u64) == bytes.len() as u64);
-    let text = without_mark(bytes);
+    let text = bytes_without_mark(bytes);
     let word = text.trim_ascii_start().get(..5).unwrap_or_default();
     if !fits && word.eq_ignore_ascii_case(b"solid") && is_text(text) {
         decode_ascii(text)

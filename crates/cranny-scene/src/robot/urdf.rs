@@ -14,6 +14,7 @@ use urdf_rs::{Geometry, Joint, JointType, Link};
 use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
 use super::{Robot, RobotError, RobotJoint, RobotLink, package};
+use crate::byte_order_mark::without_mark;
 use crate::mesh_file::{UpAxis, read_mesh_with};
 use crate::xml::nested_beyond;
 
@@ -34,8 +35,7 @@ const MAX_DEPTH: usize = 64;
 pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
     let text = fs::read_to_string(path).map_err(unreadable)?;
-    // Some editors put a byte order mark before the text.
-    let text = text.trim_start_matches('\u{feff}');
+    let text = without_mark(&text);
     check_xml(path, text)?;
     let urdf = urdf_rs::read_from_string(text).map_err(|error| {
         let message = error.to_string();

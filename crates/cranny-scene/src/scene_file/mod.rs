@@ -35,6 +35,8 @@ use std::path::{Path, PathBuf};
 
 use cranny_world::description::SceneDescription;
 
+use crate::byte_order_mark::without_mark;
+
 pub use problem::{Located, SceneError, SceneProblem};
 
 /// What a program may decide in place of the scene file.
@@ -85,14 +87,11 @@ pub fn load_scene_with(path: &Path, options: &LoadOptions) -> Result<LoadedScene
 ///
 /// As [`load_scene`].
 pub fn parse_scene(
-    mut text: String,
+    text: String,
     path: &Path,
     options: &LoadOptions,
 ) -> Result<LoadedScene, SceneError> {
-    // Some editors put a byte order mark before the text.
-    if text.starts_with('\u{feff}') {
-        text.remove(0);
-    }
+    let text = without_mark(&text).to_owned();
     let scene = syntax::parse(&text, path)?;
     let (description, files, notes) = assemble::assemble(scene, &text, path, options)?;
     Ok(LoadedScene { description, source_text: text, path: path.to_owned(), files, notes })

@@ -3,8 +3,11 @@
 use cranny_exact::DVec3;
 use roxmltree::Node;
 
-use super::{FORMAT, element, elements, line_of, malformed, numbers, words};
+use super::{FORMAT, NUMBER, element, elements, id_of, line_of, malformed, numbers};
 use crate::mesh_file::problem::{DecodeError, Problem, excerpt};
+
+/// What the numbers of polygons mean.
+const INTEGER: &str = "an index or a count";
 
 /// Positions and polygons of at least three corners, all in range.
 pub(super) struct Geometry {
@@ -60,7 +63,8 @@ impl Geometry {
     fn add_polylist(&mut self, group: Node<'_, '_>) -> Result<(), DecodeError> {
         let Some(p) = element(group, "p") else { return Ok(()) };
         let corners = self.corners(group, p)?;
-        let counts = element(group, "vcount").map(|node| integers(node)).transpose()?;
+        let counts: Option<Vec<usize>> =
+            element(group, "vcount").map(|node| numbers(node, INTEGER)).transpose()?;
         let mut rest = corners.as_slice();
         let mut polygons = Vec::new();
         for count in counts.unwrap_or_default() {
@@ -110,8 +114,8 @@ impl Geometry {
         let at = at.ok_or_else(|| {
             malformed(group, "no input VERTEX".to_owned(), "an input with the semantic VERTEX")
         })?;
-        let indices = integers(p)?;
-        if indices.len() % stride != 0 {
+        let indices: Vec<usize> = numbers(p, INTEGER)?;
+        if !indices.len().is_multiple_of(stride) {
             let found = format!("{} indices", indices.len());
             return Err(malformed(
                 p,
@@ -155,7 +159,7 @@ fn read_positions(mesh: Node<'_, '_>) -> Result<Vec<DVec3>, DecodeError> {
             )
         })?;
     let reference = input.attribute("source").unwrap_or_default();
-    let id = reference.strip_prefix('#').unwrap_or(reference);
+    let id = id_of(reference);
     let source = elements(mesh, "source")
         .find(|source| source.attribute("id") == Some(id))
         .ok_or_else(|| {
@@ -164,7 +168,7 @@ fn read_positions(mesh: Node<'_, '_>) -> Result<Vec<DVec3>, DecodeError> {
     let array = element(source, "float_array").ok_or_else(|| {
         malformed(source, "no float_array".to_owned(), "a float_array of positions")
     })?;
-    let values = numbers(array)?;
+    let values = numbers(array, NUMBER)?;
     let accessor = element(source, "technique_common").and_then(|t| element(t, "accessor"));
     let attribute = |name, default: usize| match accessor.and_then(|a| a.attribute(name)) {
         None => Ok(default),
@@ -189,16 +193,4 @@ fn read_positions(mesh: Node<'_, '_>) -> Result<Vec<DVec3>, DecodeError> {
     }
     let at = |k: usize| &values[offset + k * stride..];
     Ok((0..count).map(|k| DVec3::new(at(k)[0], at(k)[1], at(k)[2])).collect())
-}
-
-fn integers(node: Node<'_, '_>) -> Result<Vec<usize>, DecodeError> {
-    words(node)
-        .map(|word| {
-            word.parse().map_err(|_| {
-                let text = word.chars().take(40).collect();
-                let problem = Problem::NotANumber { text, expected: "an index or a count" };
-                DecodeError { format: FORMAT, place: line_of(node), problem }
-            })
-        })
-        .collect()
 }

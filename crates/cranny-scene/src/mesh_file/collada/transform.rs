@@ -3,7 +3,7 @@
 use cranny_exact::{DMat3, DVec3};
 use roxmltree::Node;
 
-use super::{malformed, numbers};
+use super::{NUMBER, malformed, numbers};
 use crate::mesh_file::problem::{DecodeError, excerpt};
 
 /// An affine map: linear part, then translation.
@@ -91,7 +91,7 @@ pub(super) fn matrix(node: Node<'_, '_>) -> Result<Affine, DecodeError> {
 }
 
 fn exactly<const N: usize>(node: Node<'_, '_>) -> Result<[f64; N], DecodeError> {
-    let found = numbers(node)?;
+    let found = numbers(node, NUMBER)?;
     let count = found.len();
     found
         .try_into()
