@@ -271,7 +271,14 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Model::decode(&other).unwrap_err()
     };
-    assert_eq!(with(8, 9), DecodeError::Version { found: 9, supported: 7 });
+    // A whole file of another version is told from a damaged one: its sections are others.
+    assert_eq!(with(8, 9), DecodeError::Head { field: "version" });
+    let mut foreign = bytes.clone();
+    (foreign[8], foreign[HEAD]) = (9, b'X');
+    let expected = DecodeError::Version { found: 9, supported: 7 };
+    assert_eq!(Model::decode(&sealed(foreign)).unwrap_err(), expected);
+    let told = with(17, !bytes[17]).to_string();
+    assert!(told.contains("damaged") && told.contains("length in its head"), "{told}");
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
     assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;
@@ -290,9 +297,10 @@ fn no_flipped_bit_goes_unnoticed() {
         other[bit / 8] ^= 1 << (bit % 8);
         let error = Model::decode(&other).unwrap_err();
         let expected = match bit / 8 {
-            0..8 => matches!(error, DecodeError::NotAModel),
-            8..12 => matches!(error, DecodeError::Version { .. }),
-            16..24 => matches!(error, DecodeError::Length { .. }),
+            0..8 => error == DecodeError::Head { field: "beginning" },
+            8..12 => error == DecodeError::Head { field: "version" },
+            12..16 => error == DecodeError::Head { field: "reserved value" },
+            16..24 => error == DecodeError::Head { field: "length" },
             _ => error == DecodeError::Checksum,
         };
         assert!(expected, "bit {bit}: {error}");

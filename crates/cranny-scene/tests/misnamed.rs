@@ -67,6 +67,20 @@ fn a_mesh_under_the_name_of_another_format_is_told_apart() {
 }
 
 #[test]
+fn a_binary_stl_under_the_name_of_another_format_is_told_apart() {
+    // One face: its normal, its corners, two bytes of attributes.
+    let corners = [0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut bytes = [&[b'x'; 80][..], &1u32.to_le_bytes()].concat();
+    bytes.extend(corners.iter().flat_map(|c| c.to_le_bytes()));
+    bytes.extend([0, 0]);
+    assert_eq!(decode_mesh(&bytes, MeshFormat::Stl).unwrap().mesh.faces().len(), 1);
+    for (_, named) in TEXTS.into_iter().filter(|&(_, named)| named != MeshFormat::Stl) {
+        let error = decode_mesh(&bytes, named).unwrap_err();
+        assert!(error.to_string().contains("this is STL content. Give it the extension .stl"));
+    }
+}
+
+#[test]
 fn text_that_is_no_stl_is_not_called_a_binary_file() {
     let text = "once upon a time there was a mesh\n".repeat(20);
     let error = decode_mesh(text.as_bytes(), MeshFormat::Stl).unwrap_err();

@@ -104,11 +104,11 @@ pub(crate) struct PairArgs {
     pub(crate) mesh_b: PathBuf,
 
     /// Scale of mesh A, applied to its vertices before anything else
-    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_hyphen_values = true)]
     pub(crate) scale_a: f64,
 
     /// Scale of mesh B
-    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_hyphen_values = true)]
     pub(crate) scale_b: f64,
 }
 
@@ -132,7 +132,7 @@ pub(crate) struct QueryArgs {
     pub(crate) accuracy: Accuracy,
 
     /// Stop after this many elementary tests a pose, whatever is still open then
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = budget, allow_hyphen_values = true)]
     pub(crate) budget: Option<u64>,
 
     /// Forget everything between one pose and the next: the same answers, slower where poses are close
@@ -156,7 +156,8 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   distance        between the surfaces, 0 where they meet; witness_a, witness_b where
   triangle_pairs  triangles that meet
   contacts        point_a, point_b, normal (A to B), separation
-  regions         point, normal (A to B), depth, area, separation, triangle_pairs
+  regions         point, normal (A to B), depth, area, separation, triangle_pairs; depth is the least
+                  way out along this normal, not the least of all directions
   tests           elementary tests made; micros: time of the query alone
   closed_a        whether the mesh is closed; if not, it is queried as a surface: closed_b likewise
   verdict         "certain": they share a point; "excluded": they do not; "open": not known
@@ -173,6 +174,10 @@ Levels. Each is certain of what it says, and says `unknown` or null for what it 
   exact       everything; the default
 With a level or a budget, distance, contacts and regions are null: separation and places stand for them.
 What was open at one pose is narrowed at the next, unless --cold.
+
+A body against itself, or against its like in the same place, has depth too. No direction is the way out
+there, so the pair is read beside its place, shifted by about 1e-9 of its size in a fixed direction, and the
+normal is what comes of that: a cube of size 1 in itself is 1.732 deep, along its diagonal, though 1 would do.
 
 Examples:
   echo '[{"a": null, "b": [1,0,0,2.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]' > poses.json
@@ -193,13 +198,13 @@ pub(crate) struct InspectArgs {
 
     /// What 'the same place' means, in units of the mesh; 0 for exactly the same, at most a hundredth
     /// of the mesh's diagonal [default: from how finely its coordinates are stored]
-    #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_hyphen_values = true)]
     pub(crate) weld: Option<f64>,
 
     /// How far from a plane points may lie that are meant to lie in it, as a share of the largest
     /// coordinate, at most 0.01; marks no deeper are taken for rounding [default: from how finely its
     /// coordinates are stored, which a mesh that was turned since does not show]
-    #[arg(long, value_name = "SHARE", value_parser = flat, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", value_parser = flat, allow_hyphen_values = true)]
     pub(crate) flat: Option<f64>,
 
     /// Draw the mesh; what the colours mean is told in the report
@@ -291,7 +296,10 @@ impl From<RepairArg> for Repair {
 fn weld(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        Ok(_) => Err("a weld distance must be finite and not below 0".to_owned()),
+        Ok(_) => {
+            Err("a weld distance is not below 0, and at most a hundredth of the mesh's diagonal"
+                .to_owned())
+        }
         Err(_) => Err("a weld distance is a number, such as 1e-6".to_owned()),
     }
 }
@@ -302,6 +310,10 @@ fn flat(text: &str) -> Result<f64, String> {
         Ok(_) => Err("a flatness is a share from 0 to 0.01".to_owned()),
         Err(_) => Err("a flatness is a number, such as 2e-6".to_owned()),
     }
+}
+
+fn budget(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("a budget is a whole number of tests from 0 to {}", u64::MAX))
 }
 
 /// Reads a level of accuracy.

@@ -1,10 +1,16 @@
 //! How a command fails: what is told, and the exit code.
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
 use miette::{Diagnostic, GraphicalReportHandler, Report};
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.report)
+    }
+}
 
 /// A command's failure. One paragraph that names what is wrong, where, and what to do.
 #[derive(Debug)]

@@ -53,7 +53,10 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
                 summary.bytes = Some(bytes);
                 summary.outputs.push(path.display().to_string());
             }
-            Err(failure) => failed = Some(failure),
+            Err(failure) => {
+                summary.skipped.push(Skipped::after(path, &failure));
+                failed = Some(failure);
+            }
         }
     }
     if let Some(path) = &args.render {
@@ -70,7 +73,10 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
                 tracing::warn!("no picture: {why}");
                 summary.skipped.push(Skipped { what: path.display().to_string(), why });
             }
-            Err(picture::Trouble::Failed(failure)) => failed = Some(failure),
+            Err(picture::Trouble::Failed(failure)) => {
+                summary.skipped.push(Skipped::after(path, &failure));
+                failed.get_or_insert(failure);
+            }
         }
     }
     let mut output = Output::new();

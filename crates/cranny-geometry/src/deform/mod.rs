@@ -68,8 +68,10 @@ impl Workshop {
 
 impl Model {
     /// Moves vertices of [`mesh`](Self::mesh) to new places, in the body's frame, all at once, and brings
-    /// everything that was prepared up to date. In place where this model is not shared; otherwise
-    /// this one becomes a copy and the others stay.
+    /// what was prepared up to date; what is made when it is first asked for
+    /// ([`hull_covers`](Self::hull_covers), envelopes of the concavities touched) is left for then. A vertex that is
+    /// moved to where it is has not moved; where none has, nothing changes. In place where this model is not shared;
+    /// otherwise this one becomes a copy and the others stay.
     ///
     /// # What equals a rebuild
     ///

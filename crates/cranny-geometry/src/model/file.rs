@@ -1,20 +1,20 @@
 //! Model files: a prepared model as bytes, and back.
 //!
-//! A file is a head and sections. Head: [`MAGIC`], version, 0, length of the file, checksum. Section: four
-//! letters, length of its body, body. Everything is little-endian, and the same model gives the same
-//! bytes on every machine. What a section says stands beside the structure that it is of (`codec`).
+//! A file is a head ([`head`]) and sections. Section: four letters, length of its body, body. Everything is
+//! little-endian, and the same model gives the same bytes on every machine. What a section says stands beside the
+//! structure that it is of (`codec`).
 //!
-//! The checksum ([`mod@crate::codec`]'s `checksum`) is of all that is behind the head; every value of the
-//! head but the checksum itself can only be one. The digest of the mesh is believed: to hash it again would
-//! take a tenth of loading, and whoever forges it turns the order of bodies in pairs around, no more.
+//! The digest of the mesh is believed: to hash it again would take a tenth of loading, and whoever forges it turns
+//! the order of bodies in pairs around, no more.
+
+mod head;
 
 use std::sync::Arc;
 
 use cranny_exact::{DMat3, DVec3};
-use thiserror::Error;
 
 use super::{Model, Parts};
-use crate::codec::{Flaw, Reader, Writer, check, checksum, is_flatness};
+use crate::codec::{Flaw, Reader, Writer, check, is_flatness};
 use crate::concavity::Concavities;
 use crate::envelope::Envelopes;
 use crate::features::Features;
@@ -28,17 +28,9 @@ use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
 use crate::tree::{FaceForest, FaceTree};
+use head::{HEAD, check_head, doubtful_field, seal, write_head};
 
-/// A model file begins with this: no text, and spoilt by whatever changes line ends.
-const MAGIC: [u8; 8] = *b"\x89CRANNY\n";
-
-/// Of the sections and what they hold; a file of any other version is refused.
-const VERSION: u32 = 7;
-
-/// What is before the checksum: magic, version, 0, length.
-const BEFORE_CHECKSUM: usize = 8 + 4 + 4 + 8;
-
-const HEAD: usize = BEFORE_CHECKSUM + 8;
+pub use head::DecodeError;
 
 /// The sections: their tags, and how errors name them.
 mod section {
@@ -58,58 +50,7 @@ mod section {
 }
 use section::Section;
 
-/// Bytes that are no model.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[non_exhaustive]
-pub enum DecodeError {
-    /// They do not begin as a model does.
-    #[error(
-        "it is no saved model: it does not begin as one. Save one with `cranny inspect MESH --save MODEL`, or name a mesh file"
-    )]
-    NotAModel,
-    /// They were written by another version of this crate.
-    #[error(
-        "it is a saved model of version {found}, and version {supported} is read here. Prepare the mesh again and save it, or use the Cranny that saved it"
-    )]
-    Version {
-        /// Version found.
-        found: u32,
-        /// Version that is read.
-        supported: u32,
-    },
-    /// There are fewer or more bytes than were written.
-    #[error(
-        "the saved model has {found} bytes where {stated} were written: it was cut off or added to. Copy it again"
-    )]
-    Length {
-        /// Bytes there are.
-        found: usize,
-        /// Bytes there should be.
-        stated: u64,
-    },
-    /// A byte is not what was written.
-    #[error("the saved model is damaged: its checksum does not match. Copy or save it again")]
-    Checksum,
-    /// The checksum is right, yet a section cannot be part of a model: no such file was written by
-    /// [`Model::encode`].
-    #[error(
-        "the saved model is not one that Cranny wrote: in its section of the {section}, {flaw}. Prepare the mesh again and save it"
-    )]
-    Section {
-        /// The section.
-        section: &'static str,
-        /// What is wrong with it.
-        flaw: String,
-    },
-}
-
 impl Model {
-    /// Whether some bytes begin as a saved model does.
-    #[must_use]
-    pub fn is_encoded(bytes: &[u8]) -> bool {
-        bytes.starts_with(&MAGIC)
-    }
-
     /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always gives the
     /// same bytes, 80 to 180 a face. Cost: linear.
     #[must_use]
@@ -142,10 +83,7 @@ impl Model {
             workshop: _,
         } = &*self.0;
         let mut out = Writer::default();
-        out.one(MAGIC);
-        out.one([VERSION, 0]);
-        out.one(0u64);
-        out.one(0u64);
+        write_head(&mut out);
         let mut section = |(tag, _): Section, body: &dyn Fn(&mut Writer)| out.section(tag, body);
         section(section::MESH, &|out| {
             out.one(*digest);
@@ -183,10 +121,7 @@ impl Model {
             }
         });
         let mut bytes = out.into_bytes();
-        let length = bytes.len() as u64;
-        bytes[BEFORE_CHECKSUM - 8..BEFORE_CHECKSUM].copy_from_slice(&length.to_le_bytes());
-        let sum = checksum(&bytes[HEAD..]);
-        bytes[BEFORE_CHECKSUM..HEAD].copy_from_slice(&sum.to_le_bytes());
+        seal(&mut bytes);
         bytes
     }
 
@@ -235,8 +170,15 @@ impl Model {
     ///
     /// [`DecodeError`], which says what is wrong and what to do.
     pub fn decode(bytes: &[u8]) -> Result<Self, DecodeError> {
-        check_head(bytes)?;
-        let mut sections = Reader::new(&bytes[HEAD..]);
+        let Err(error) = check_head(bytes) else { return Self::of_sections(&bytes[HEAD..]) };
+        // A model of another version, or cut off, as a rule cannot be read.
+        let is_whole = |_: &&str| Self::of_sections(&bytes[HEAD..]).is_ok();
+        let damaged = doubtful_field(bytes, &error).filter(is_whole);
+        Err(damaged.map_or(error, |field| DecodeError::Head { field }))
+    }
+
+    fn of_sections(bytes: &[u8]) -> Result<Self, DecodeError> {
+        let mut sections = Reader::new(bytes);
         let (mesh, digest) = read(&mut sections, section::MESH, read_mesh)?;
         let topology = read(&mut sections, section::TOPOLOGY, |s| Topology::decode(s, &mesh))?;
         let hull = read(&mut sections, section::HULL, |s| ConvexHull::decode(s, &mesh))?;
@@ -285,26 +227,6 @@ impl Model {
         };
         Ok(Self(Arc::new(parts)))
     }
-}
-
-/// Everything but the sections.
-fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
-    if !Model::is_encoded(bytes) {
-        return Err(DecodeError::NotAModel);
-    }
-    let cut_off = |_| DecodeError::Length { found: bytes.len(), stated: HEAD as u64 };
-    let mut head = Reader::new(&bytes[MAGIC.len()..]);
-    let [version, reserved]: [u32; 2] = head.one().map_err(cut_off)?;
-    if version != VERSION {
-        return Err(DecodeError::Version { found: version, supported: VERSION });
-    }
-    let stated: u64 = head.one().map_err(cut_off)?;
-    let stored: u64 = head.one().map_err(cut_off)?;
-    if stated != bytes.len() as u64 {
-        return Err(DecodeError::Length { found: bytes.len(), stated });
-    }
-    let is_whole = reserved == 0 && checksum(&bytes[HEAD..]) == stored;
-    if is_whole { Ok(()) } else { Err(DecodeError::Checksum) }
 }
 
 fn flawed((_, section): Section, Flaw(flaw): Flaw) -> DecodeError {

@@ -142,7 +142,7 @@ fn shell_findings(
         let bounds = tree.node(0).bounds;
         findings.push(Finding {
             kind: FindingKind::SeveralShells,
-            ids: Vec::new(),
+            ids: topology.components().iter().map(|c| c.first_face.0).collect(),
             at: bounds.center(),
             measure: bounds.diagonal(),
             count: shells.len(),

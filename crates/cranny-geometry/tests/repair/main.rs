@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 use cranny_exact::{DVec3, Tolerance};
 use cranny_geometry::{
-    BuildError, BuildOptions, FaceId, FindingKind, MeetingScan, Mesh, Model, Repair, RepairKind,
-    Report,
+    BuildError, BuildOptions, Element, FaceId, FindingKind, MeetingScan, Mesh, Model, Repair,
+    RepairKind, Report,
 };
 use cranny_shapes::Shape;
 use cranny_testkit::Rng;
@@ -327,6 +327,8 @@ fn needles_and_pinched_vertices_are_told() {
     let corner = cuboid().joined(&moved(&cuboid(), DVec3::new(2.0, 4.0, 8.0)));
     let (_, report) = built(&corner, Repair::Full);
     let expected = [("non_manifold_vertex", 1), ("several_shells", 2)];
+    let several = report.findings.iter().find(|f| f.kind == FindingKind::SeveralShells).unwrap();
+    assert_eq!((several.kind.element(), &several.ids[..]), (Element::Face, &[0, 12][..]));
     let mut found = kinds(&report);
     // Faces of the two boxes that meet at the shared corner only, meet there by right.
     assert_eq!(found.remove("self_touch"), None);

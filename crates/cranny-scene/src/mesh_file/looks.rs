@@ -2,12 +2,12 @@
 
 use cranny_geometry::Model;
 
-use super::MeshFormat;
+use super::{MeshFormat, stl};
 
 /// How much of a file is looked at.
 const HEAD: usize = 4096;
 
-/// What the first bytes of a file say that it is.
+/// What a file is by its first bytes, or, of a binary STL, by its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Looks {
@@ -22,6 +22,9 @@ impl Looks {
     pub(super) fn of(bytes: &[u8]) -> Option<Self> {
         if Model::is_encoded(bytes) {
             return Some(Self::Model);
+        }
+        if stl::is_binary(bytes) {
+            return Some(Self::Mesh(MeshFormat::Stl));
         }
         let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
         let lines = head.lines().map(|line| line.split_ascii_whitespace().collect::<Vec<_>>());

@@ -15,12 +15,8 @@ const HEADER: usize = 84;
 const RECORD: usize = 50;
 
 pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
-    let promised = bytes
-        .get(80..HEADER)
-        .and_then(|count| count.try_into().ok())
-        .map(|count| u64::from(u32::from_le_bytes(count)));
-    let fits =
-        promised.is_some_and(|n| (HEADER as u64) + n * (RECORD as u64) == bytes.len() as u64);
+    let promised = promised(bytes);
+    let fits = promised.is_some_and(|n| size(n) == bytes.len() as u64);
     let text = bytes_without_mark(bytes);
     let word = text.trim_ascii_start().get(..5).unwrap_or_default();
     if !fits && word.eq_ignore_ascii_case(b"solid") && is_text(text) {
@@ -28,6 +24,22 @@ pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
     } else {
         decode_binary(bytes, promised)
     }
+}
+
+/// The number of faces that a binary file states.
+fn promised(bytes: &[u8]) -> Option<u64> {
+    let count = bytes.get(80..HEADER)?.try_into().ok()?;
+    Some(u64::from(u32::from_le_bytes(count)))
+}
+
+/// The size of a binary file of so many faces.
+fn size(faces: u64) -> u64 {
+    HEADER as u64 + faces * RECORD as u64
+}
+
+/// Whether a file plainly is a binary one, whatever its name: it has the size that its number of faces asks for.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    promised(bytes).is_some_and(|faces| faces > 0 && size(faces) == bytes.len() as u64)
 }
 
 /// No control characters but blanks. Names may be in any encoding.
@@ -43,7 +55,7 @@ fn decode_binary(bytes: &[u8], promised: Option<u64>) -> Result<MeshFile, Decode
         let problem = Problem::Truncated { what: what.to_owned(), needed: HEADER as u64, found };
         return Err(builder.error(Place::Whole, problem));
     };
-    let needed = HEADER as u64 + count * RECORD as u64;
+    let needed = size(count);
     if found < needed && is_text(bytes) {
         let head = String::from_utf8_lossy(bytes.trim_ascii());
         let head = excerpt(head.lines().next().unwrap_or_default());

@@ -36,15 +36,15 @@ Example:
 #[derive(Debug, Args)]
 pub(crate) struct InsteadArgs {
     /// Simulated time in seconds, rounded up to whole steps [default: the scene's `duration`]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) duration: Option<f64>,
 
     /// Length of a step in seconds [default: the scene's `step`]
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
     pub(crate) dt: Option<f64>,
 
     /// Seed of whatever the scene leaves to chance [default: the scene's `seed`]
-    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,
 }
 
@@ -68,7 +68,7 @@ pub(crate) struct RunArgs {
     pub(crate) instead: InsteadArgs,
 
     /// Threads for the pairs that no solver detects; results are the same with any number
-    #[arg(long, value_name = "N", value_parser = threads, default_value = "1")]
+    #[arg(long, value_name = "N", value_parser = threads, default_value = "1", allow_hyphen_values = true)]
     pub(crate) threads: NonZeroUsize,
 
     /// Record poses, contacts and pictures, for Foxglove, Lichtblick or Rerun
@@ -196,7 +196,7 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        Ok(_) => Err("a time must be finite and above 0 seconds".to_owned()),
+        Ok(_) => Err("a time must be finite and above 0 seconds, such as 0.0041667".to_owned()),
         Err(_) => Err("a time is a number of seconds, such as 0.0041667".to_owned()),
     }
 }

@@ -21,11 +21,11 @@ pub(crate) struct StabilityArgs {
     pub(crate) families: Vec<String>,
 
     /// Make each sort of case anew this often; time is in proportion
-    #[arg(long, value_name = "N", default_value_t = Settings::DEFAULT.variants, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = Settings::DEFAULT.variants, value_parser = variants, allow_hyphen_values = true)]
     pub(crate) variants: u32,
 
     /// What cases that are made at random depend on: the same seed, the same cases, everywhere
-    #[arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed, value_parser = seed, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed, value_parser = seed, allow_hyphen_values = true)]
     pub(crate) seed: u64,
 
     /// Leave parry out
@@ -35,6 +35,12 @@ pub(crate) struct StabilityArgs {
     /// Say what the families are, and run none
     #[arg(long, conflicts_with_all = ["out", "families"])]
     pub(crate) list: bool,
+}
+
+/// How often each sort of case is made anew.
+fn variants(text: &str) -> Result<u32, String> {
+    let wrong = || format!("a number of variants is a whole one from 1 to {}", u32::MAX);
+    text.parse().ok().filter(|&count| count > 0).ok_or_else(wrong)
 }
 
 const NOTES: &str = "\

@@ -9,6 +9,7 @@ use cranny_geometry::{
 };
 use serde::Serialize;
 
+use crate::failure::Failure;
 use crate::model_file::LoadedModel;
 
 /// Everything that is known of a mesh. What this version does not determine is `None` (null), or an
@@ -155,6 +156,13 @@ pub(super) struct TimesLine {
 pub(super) struct Skipped {
     pub(super) what: String,
     pub(super) why: String,
+}
+
+impl Skipped {
+    /// A file that was to be written, and why it was not.
+    pub(super) fn after(path: &Path, failure: &Failure) -> Self {
+        Self { what: path.display().to_string(), why: failure.to_string() }
+    }
 }
 
 impl Summary {

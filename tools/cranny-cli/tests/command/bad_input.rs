@@ -141,6 +141,54 @@ fn options_that_are_wrong_or_come_later() {
 }
 
 #[test]
+fn numbers_below_zero_are_values_not_options() {
+    let (_folder, cube, poses) = good();
+    let query = ["query", &cube, &cube, "--poses", &poses];
+    let inspect = ["inspect", cube.as_str()];
+    let run_args = ["run", "scene.ron"];
+    let stability = ["stability"];
+    let cases: [(&[&str], &str, &str, &str); 10] = [
+        (&inspect, "--weld", "-1e-9", "not below 0, and at most a hundredth"),
+        (&inspect, "--flat", "-1e-9", "from 0 to 0.01"),
+        (&query, "--scale-a", "-1e-9x", "a scale is a number"),
+        (&query, "--scale-b", "-inf", "finite and not 0"),
+        (&query, "--budget", "-1e3", "from 0 to 18446744073709551615"),
+        (&run_args, "--duration", "-1e-3", "above 0 seconds"),
+        (&run_args, "--dt", "-1e-3", "above 0 seconds"),
+        (&run_args, "--seed", "-1e3", "from 0 to 18446744073709551615"),
+        (&run_args, "--threads", "-1e3", "1 or more"),
+        (&stability, "--variants", "-1e3", "from 1 to 4294967295"),
+    ];
+    for (command, option, value, range) in cases {
+        let outcome = run(&[command, &[option, value]].concat());
+        assert_eq!(outcome.code, Some(2), "{outcome:?}");
+        let told = format!("invalid value '{value}' for '{option}");
+        assert!(outcome.stderr.contains(&told), "{outcome:?}");
+        assert!(outcome.stderr.contains(range), "{option}: {outcome:?}");
+    }
+    let seed = run(&["stability", "--seed", "-1e3"]);
+    assert!(seed.stderr.contains("a seed is a whole number from 0"), "{seed:?}");
+    // One that may be negative is read.
+    assert_eq!(run(&[&query[..], &["--scale-a", "-1e-1"]].concat()).code, Some(0));
+}
+
+#[test]
+fn an_output_that_fails_late_is_told_in_the_report_as_well() {
+    let (folder, cube, _) = good();
+    // Where the partial file would go is a folder: found out only when it is written.
+    std::fs::create_dir(folder.path("out.cranny.partial")).unwrap();
+    let model = folder.path("out.cranny");
+    let arguments = ["inspect", &cube, "--format", "json", "--save", model.to_str().unwrap()];
+    let outcome = run(&arguments);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    let report: serde_json::Value = serde_json::from_str(outcome.stdout.trim()).unwrap();
+    let skipped = &report["skipped"][0];
+    assert!(skipped["what"].as_str().unwrap().ends_with("out.cranny"), "{report}");
+    assert!(skipped["why"].as_str().unwrap().contains("Check the folder"), "{report}");
+    assert_eq!(report["outputs"].as_array().unwrap().len(), 0);
+}
+
+#[test]
 fn commands_of_later_versions_are_neither_known_nor_shown() {
     let help = run(&["--help"]);
     assert_eq!(help.code, Some(0));

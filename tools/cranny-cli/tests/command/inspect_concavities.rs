@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use cranny_exact::DVec3;
-use cranny_geometry::Mesh;
+use cranny_geometry::{FindingKind, Mesh};
 use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
 use serde_json::{Value, json};
 
@@ -235,5 +235,15 @@ fn two_sheets_back_to_back_are_not_inside_out() {
         let report = inspected(&Mesh::new(vertices.clone(), faces).unwrap());
         assert_eq!(report["repairs"], json!([]));
         assert_eq!(report["closed"], true);
+    }
+}
+
+#[test]
+fn every_kind_of_finding_is_told_with_its_ids_and_its_measure() {
+    let page = include_str!("../../../../docs/inspect.md");
+    for kind in FindingKind::ALL {
+        let (name, of) = (kind.name(), kind.element().name());
+        let row = format!("| `{name}` | {of} | {} | {} |", kind.concerned(), kind.measured());
+        assert!(page.lines().any(|line| line == row), "docs/inspect.md lacks this row:\n{row}");
     }
 }

@@ -55,6 +55,10 @@ fn a_broken_model_is_refused_with_what_to_do() {
     run(&["inspect", &damaged]).assert_refused(2, &["damaged.cranny", "checksum"]);
     let mut newer = bytes.clone();
     newer[8] += 1;
+    let damaged = folder.write("head_damaged.cranny", &newer);
+    run(&["inspect", &damaged]).assert_refused(2, &["damaged", "version in its head", "Copy"]);
+    // Of another version: its sections are others, too.
+    newer[100] ^= 1;
     let newer = folder.write("newer.cranny", newer);
     run(&["inspect", &newer]).assert_refused(2, &["newer.cranny", "version", "Prepare the mesh"]);
     let head = folder.write("head.cranny", &bytes[..12]);

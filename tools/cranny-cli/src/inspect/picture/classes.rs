@@ -1,13 +1,11 @@
 //! What lies on the hull and what does not: classes, patches, boxes.
 
-use std::collections::BTreeSet;
-
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::concavity::{Concavity, ConcavityKind};
-use cranny_geometry::{ConcavityId, Content, EdgeId, Model};
+use cranny_geometry::{Content, EdgeId, Model};
 use cranny_render::{Color, Point, palette};
 
 use super::canvas::{Canvas, INK, LINE_WIDTH, lightened};
+use super::enclosed::lay_bare_what_is_enclosed;
 
 const HULL: Color = Color { r: 40, g: 90, b: 170, a: 120 };
 
@@ -49,6 +47,7 @@ pub(super) fn draw_patches(canvas: &mut Canvas<'_>) {
     let model = canvas.model;
     let patches = model.patches();
     canvas.paint(|face| Some(patches.patch_of_face(face).0), patches.len());
+    lay_bare_what_is_enclosed(canvas);
     for (id, edge) in (0..).map(EdgeId).zip(model.topology().edges()) {
         let mut around = model.topology().half_edges(id).iter();
         let first = around.next().map(|h| patches.patch_of_face(h.face()));
@@ -125,25 +124,6 @@ fn draw_concavities(canvas: &mut Canvas<'_>) -> Vec<usize> {
         canvas.add_loop(&corners, INK, LINE_WIDTH);
     }
     colors
-}
-
-/// Where matter encloses voids, or pieces of matter, whatever is around them becomes glass.
-fn lay_bare_what_is_enclosed(canvas: &mut Canvas<'_>) {
-    let concavities = canvas.model.concavities();
-    let is_hidden = |c: &Concavity<'_>| match c.kind {
-        ConcavityKind::Void => true,
-        ConcavityKind::Island => c.parent.is_none(),
-        _ => false,
-    };
-    if !concavities.iter().any(|c| is_hidden(&c)) {
-        return;
-    }
-    let around: BTreeSet<ConcavityId> = concavities.iter().filter_map(|c| c.parent).collect();
-    let has_lid = |id| concavities.get(id).lids().len() > 0;
-    canvas.lay_bare(|face| {
-        concavities.of_face(face).is_some_and(|id| !has_lid(id) && !around.contains(&id))
-    });
-    canvas.legend.push("translucent, too: what surrounds concavities without a lid".to_owned());
 }
 
 /// The outlines of the hull's facets, each edge once.

@@ -6,6 +6,7 @@ use cranny_geometry::{EnvelopeFacetId, Envelopes, FaceId, LayerId, Model};
 use cranny_render::palette;
 
 use super::canvas::Canvas;
+use super::enclosed::lay_bare_what_is_enclosed;
 
 /// Pixels.
 const OUTLINE: f32 = 1.5;
@@ -39,12 +40,26 @@ pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
         canvas.add_glass(polygon, palette(color));
         canvas.add_loop(polygon, palette(color), OUTLINE);
     }
-    let count = shown.len();
-    canvas
-        .legend
-        .push(format!("layers of the envelopes at depth {depth}, translucent: {count} facets"));
+    lay_bare_what_is_enclosed(canvas);
+    canvas.legend.push(told(depth, &shown));
     canvas.legend.push("faces have the colour of the facet that they lie beneath".to_owned());
     canvas.legend.push("grey: faces on the hull, or beneath no facet of this layer".to_owned());
+}
+
+/// How many facets there are, and why some, or all, are not seen.
+fn told(depth: usize, shown: &[Shown]) -> String {
+    let drawn = shown.iter().filter(|facet| !facet.polygon.is_empty()).count();
+    let why = match (drawn, shown.len() - drawn) {
+        (_, 0) => String::new(),
+        (0, _) => {
+            ", none of which is drawn: no place of the concavities is beyond all of its layer"
+                .to_owned()
+        }
+        (_, hidden) => {
+            format!(", {hidden} of which are not drawn: what is beyond them is beneath others")
+        }
+    };
+    format!("layers of the envelopes at depth {depth}, translucent: {} facets{why}", shown.len())
 }
 
 /// How deep the envelopes' layers nest, 0 where there is one beneath each cap.
@@ -149,5 +164,17 @@ mod tests {
         assert!(polygon.is_empty());
         clip(&mut polygon, DVec3::X, 9.0);
         assert!(polygon.is_empty());
+    }
+
+    #[test]
+    fn why_facets_are_not_drawn_is_told() {
+        let shown = |corners: &[usize]| -> Vec<Shown> {
+            let of =
+                |&n: &usize| Shown { facet: EnvelopeFacetId(0), polygon: vec![DVec3::ZERO; n] };
+            corners.iter().map(of).collect()
+        };
+        assert!(told(0, &shown(&[3, 4])).ends_with("at depth 0, translucent: 2 facets"));
+        assert!(told(0, &shown(&[3, 0])).contains("2 facets, 1 of which are not drawn"));
+        assert!(told(2, &shown(&[0, 0])).contains("2 facets, none of which is drawn: no place"));
     }
 }

@@ -1,9 +1,10 @@
 //! Numbers, points and plurals.
 
-/// Six significant digits, plain where that is short.
+/// Six significant digits, plain where that is short. What is less than any normal number is what rounding outward
+/// leaves of 0.
 pub(super) fn number(value: f64) -> String {
     match value.abs() {
-        0.0 => "0".to_owned(),
+        _ if !value.is_normal() && value.is_finite() => "0".to_owned(),
         size if (1e-3..1e6).contains(&size) => {
             let whole = size.log10().floor() as i32;
             let digits = (5 - whole).max(0) as usize;
@@ -13,7 +14,11 @@ pub(super) fn number(value: f64) -> String {
                 false => text,
             }
         }
-        _ => format!("{value:.5e}"),
+        _ => {
+            let text = format!("{value:.5e}");
+            let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+            format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.'))
+        }
     }
 }
 
@@ -47,8 +52,12 @@ mod tests {
             (1.0 / 3.0, "0.333333"),
             (123_456.7, "123457"),
             (100.0, "100"),
-            (1e-7, "1.00000e-7"),
-            (2e9, "2.00000e9"),
+            (-0.0, "0"),
+            (5e-323, "0"),
+            (1e-7, "1e-7"),
+            (-2.5e-12, "-2.5e-12"),
+            (1e-7 / 3.0, "3.33333e-8"),
+            (2e9, "2e9"),
         ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
