@@ -51,6 +51,21 @@ impl Loops {
         Ok(Self { starts, vertices, touches })
     }
 
+    /// Appends some loops of others; returns where their vertices stand there.
+    pub(crate) fn append(
+        &mut self,
+        other: &Self,
+        loops: std::ops::Range<u32>,
+    ) -> std::ops::Range<usize> {
+        let starts = &other.starts[loops.start as usize..=loops.end as usize];
+        let row = starts[0] as usize..starts[starts.len() - 1] as usize;
+        let end = self.vertices.len() as u32;
+        self.starts.extend(starts[1..].iter().map(|s| s - starts[0] + end));
+        self.vertices.extend_from_slice(&other.vertices[row.clone()]);
+        self.touches.extend_from_slice(&other.touches[row.clone()]);
+        row
+    }
+
     /// Appends a loop.
     pub(crate) fn push(&mut self, vertices: &[u32]) {
         self.vertices.extend(vertices.iter().map(|&v| VertexId(v)));

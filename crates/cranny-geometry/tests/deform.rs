@@ -5,6 +5,8 @@ mod equal;
 mod meshes;
 #[path = "deform/moves.rs"]
 mod moves;
+#[path = "deform/surface.rs"]
+mod surface;
 
 use cranny_exact::DVec3;
 use cranny_geometry::{

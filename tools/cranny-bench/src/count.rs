@@ -44,6 +44,7 @@ const CASES: &[Case] = &[
         name: "deform golf 100k, 10 outward",
         made: || deform::work(100_000, Place::Outward, 10),
     },
+    Case { name: "deform golf 100k, 1 outward", made: || deform::work(100_000, Place::Outward, 1) },
     Case { name: "hull of 10k on a sphere", made: hull },
     Case { name: "walk near 500 points", made: || walk::work(0.1, 500, 300) },
     Case { name: "walk deep 500 points", made: || walk::work(-0.5, 500, 300) },

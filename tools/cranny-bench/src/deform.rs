@@ -115,8 +115,8 @@ pub(crate) fn measure(quick: bool) -> Report {
             "the first deformation, which makes what the others keep, is not measured; with envelopes: the \
              same, and those of the concavities touched"
                 .into(),
-            "counts are of the way there: faces judged, facets whose caps were looked at, triangles of the \
-             hull passed on the way to moved vertices, and measured, nodes of trees fitted, faces of \
+            "counts are of the way there: whether everything was built anew, faces judged, facets whose caps \
+             were looked at, faces and caps put together into concavities, triangles of the hull passed on the way to moved vertices, and measured, nodes of trees fitted, faces of \
              concavities whose envelopes wait to be built, faces of patches measured, faces and vertices \
              added up for sizes of the body"
                 .into(),
@@ -125,7 +125,7 @@ pub(crate) fn measure(quick: bool) -> Report {
     }
 }
 
-const COLUMNS: [&str; 16] = [
+const COLUMNS: [&str; 18] = [
     "mesh",
     "where",
     "moved",
@@ -134,8 +134,10 @@ const COLUMNS: [&str; 16] = [
     "build / deform",
     "with envelopes",
     "build / both",
+    "anew",
     "faces",
     "facets",
+    "grouped",
     "located",
     "hull",
     "nodes",
@@ -194,7 +196,18 @@ fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool
             },
         ],
     );
-    let Work { faces, facets, located, hull_triangles, nodes, enveloped, patched, summed } = work;
+    let Work {
+        is_anew,
+        grouped,
+        faces,
+        facets,
+        located,
+        hull_triangles,
+        nodes,
+        enveloped,
+        patched,
+        summed,
+    } = work;
     let mut cells = vec![
         Cell::Text(name.into()),
         Cell::Text(place.name().into()),
@@ -205,7 +218,9 @@ fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool
         Cell::Time(both),
         Cell::Ratio(build / both),
     ];
-    let counts = [faces, facets, located, hull_triangles, nodes, enveloped, patched, summed];
+    cells.push(Cell::Text(if is_anew { "yes" } else { "" }.into()));
+    let counts =
+        [faces, facets, grouped, located, hull_triangles, nodes, enveloped, patched, summed];
     cells.extend(counts.map(Cell::Count));
     cells
 }

@@ -64,7 +64,10 @@ impl CapSurface {
         ridges: &[RidgeOnFacet],
     ) -> Self {
         let facets = 0..hull.facet_count() as u32;
-        let mut chains = open_chains(mesh, topology, hull, assignment, facets);
+        let (starts, faces) = faces_of_facets(&assignment.facet_of_face, hull.facet_count());
+        let of_facet =
+            |f: u32| &faces[starts[f as usize] as usize..starts[f as usize + 1] as usize];
+        let mut chains = open_chains(mesh, topology, hull, assignment, facets, of_facet);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
         drop_straddled(mesh, hull, &mut chains, assignment.depth());
         let mut surface = Self { facet_starts: vec![0], ..Self::default() };
@@ -221,19 +224,19 @@ fn as_swept(corners: [u32; 3], points: [DVec2; 3]) -> Option<[u32; 3]> {
     Some([2, 0, 1].map(|turn| corners[(last + turn) % 3]))
 }
 
-/// The chains of those among some facets that the mesh does not cover edge for edge, by facet.
-fn open_chains(
+/// The chains of those among some facets, with the faces on them, that the mesh does not cover edge for edge, by facet.
+fn open_chains<'f>(
     mesh: &Mesh,
     topology: &Topology,
     hull: &ConvexHull,
     assignment: &Assignment,
     facets: impl Iterator<Item = u32>,
+    faces_of: impl Fn(u32) -> &'f [FaceId],
 ) -> Vec<(u32, Vec<ChainEdge>)> {
-    let (starts, faces) = faces_of_facets(&assignment.facet_of_face, hull.facet_count());
     let mut chains = Vec::new();
     let mut chain = Vec::new();
     for id in facets {
-        let faces = &faces[starts[id as usize] as usize..starts[id as usize + 1] as usize];
+        let faces = faces_of(id);
         let facet = hull.facet(FacetId(id));
         if let ([face], [triangle]) = (faces, facet.triangles)
             && is_same(mesh.corners(*face), hull, *triangle as usize)

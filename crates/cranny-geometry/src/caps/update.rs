@@ -10,24 +10,23 @@
 //!
 //! No source: this crate's own, for the reason above. Cost: with the function.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::straddle::drop_straddled;
 use super::{CapSurface, divide_alike, open_chains, ridges_of};
 use crate::features::{Assignment, RidgeOnFacet};
 use crate::hull::{ConvexHull, FacetId};
-use crate::ids::HalfEdgeId;
+use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
+use crate::rows::replaced;
 use crate::topology::Topology;
 
 impl CapSurface {
     /// The caps after the faces on the facets `stale`, or the ridges there, have changed or moved, or
-    /// these facets are new; and how many facets were looked at. `before` names what each facet was, unless all
-    /// have kept their numbers.
+    /// these facets are new; those facets whose caps were made again, and how many were looked at. The others are what they were.
     ///
-    /// Cost: O(n log n) in the faces and triangles of these facets, and a pass over the facets of all
-    /// faces and over all cap triangles, which are copied. Where caps are shared or negative, that of
-    /// building.
+    /// Cost: O(n log n) in the faces and triangles of these facets, a look at which facet each face is on, and
+    /// copying. Where caps are shared or negative, that of building.
     pub(crate) fn updated(
         &self,
         mesh: &Mesh,
@@ -36,34 +35,59 @@ impl CapSurface {
         assignment: &Assignment,
         ridges: &[RidgeOnFacet],
         stale: &[u32],
-        before: Option<&[u32]>,
-    ) -> (Self, usize) {
-        let all_again = || Self::build(mesh, topology, hull, assignment, ridges);
+    ) -> (Self, BTreeSet<u32>, usize) {
+        let count = hull.facet_count();
+        let all_again = || {
+            let all = Self::build(mesh, topology, hull, assignment, ridges);
+            (all, (0..count as u32).collect(), count)
+        };
         if !self.shared.is_empty() || !self.is_sound() {
-            return (all_again(), hull.facet_count());
+            return all_again();
         }
         let stale = stale.iter().copied().collect();
         let stale = with_neighbours(hull, &with_neighbours(hull, &stale));
         let around = with_neighbours(hull, &with_neighbours(hull, &stale));
-        let mut chains = open_chains(mesh, topology, hull, assignment, around.iter().copied());
+        let faces = faces_of_some(&assignment.facet_of_face, hull.facet_count(), &around);
+        let of_facet = |f: u32| faces.get(&f).map_or(&[][..], |faces| faces);
+        let facets = around.iter().copied();
+        let mut chains = open_chains(mesh, topology, hull, assignment, facets, of_facet);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
         drop_straddled(mesh, hull, &mut chains, assignment.depth());
 
-        let mut updated = Self { facet_starts: vec![0], ..Self::default() };
-        let mut chains = chains.into_iter().peekable();
-        for facet in 0..hull.facet_count() as u32 {
-            let chain = chains.next_if(|(id, _)| *id == facet).map(|(_, chain)| chain);
-            if !stale.contains(&facet) {
-                let was = before.map_or(facet, |before| before[facet as usize]);
-                updated.copy(self, FacetId(was), FacetId(facet));
-            } else if let Some(chain) = chain.filter(|chain| !chain.is_empty()) {
-                let id = FacetId(facet);
-                updated.cover(mesh, hull.facet(id), id, &chain, ridges_of(ridges, facet));
-            }
-            updated.facet_starts.push(updated.triangles.len() as u32);
+        // Each facet's by itself, and then all at their places.
+        let mut made = Self::default();
+        let mut changed: BTreeMap<u32, Vec<[u32; 3]>> =
+            stale.iter().map(|&facet| (facet, Vec::new())).collect();
+        for (facet, chain) in chains.iter().filter(|(_, chain)| !chain.is_empty()) {
+            let Some(row) = changed.get_mut(facet) else { continue };
+            let id = FacetId(*facet);
+            made.cover(mesh, hull.facet(id), id, chain, ridges_of(ridges, *facet));
+            row.append(&mut made.triangles);
         }
-        if updated.is_sound() { (updated, around.len()) } else { (all_again(), hull.facet_count()) }
+        if !made.is_sound() {
+            return all_again();
+        }
+        let (facet_starts, triangles) =
+            replaced(&self.facet_starts, &self.triangles, count, &changed, |t| t);
+        (Self { triangles, facet_starts, ..Self::default() }, stale, around.len())
     }
+}
+
+/// The faces on some facets.
+fn faces_of_some(
+    facet_of_face: &[u32],
+    count: usize,
+    facets: &BTreeSet<u32>,
+) -> BTreeMap<u32, Vec<FaceId>> {
+    let mut is_wanted = vec![false; count];
+    facets.iter().for_each(|&f| is_wanted[f as usize] = true);
+    let mut faces: BTreeMap<u32, Vec<FaceId>> = BTreeMap::new();
+    for (face, &facet) in (0..).map(FaceId).zip(facet_of_face) {
+        if is_wanted.get(facet as usize) == Some(&true) {
+            faces.entry(facet).or_default().push(face);
+        }
+    }
+    faces
 }
 
 /// Some facets and those across their edges.

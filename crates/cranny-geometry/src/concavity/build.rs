@@ -22,10 +22,10 @@ use crate::topology::{EdgeKind, Topology};
 /// and what is left of a sum is rounding. Smaller, and the rounding of some thousand caps is taken for a direction;
 /// larger, and so are lids that bend back but for a sliver
 /// (`a_lid_all_around_opens_nowhere`).
-const CANCELLED: f64 = 1e-12;
+pub(super) const CANCELLED: f64 = 1e-12;
 
 /// A record that the steps below fill in.
-const BLANK: Record = Record {
+pub(super) const BLANK: Record = Record {
     kind: ConcavityKind::Pocket,
     parent: NONE,
     first_face: 0,
@@ -101,7 +101,10 @@ impl Input<'_> {
     /// covers nothing is skin and gets no number.
     fn number(&self, mut components: Components, caps: CapSurface) -> Concavities {
         let (faces, count) = (self.mesh.faces().len(), caps.triangles.len());
-        let is_skin = self.skin(&mut components, &caps);
+        let mut is_skin = vec![false; count];
+        let bare = (0..count).map(|cap| (cap, components.of_cap(cap)));
+        let bare = bare.filter_map(|(cap, root)| Some((cap, root.checked_sub(faces)?)));
+        self.skin(&caps, bare.collect(), &mut is_skin);
         let mut number_of_root = vec![NONE; faces + count];
         let mut records = Vec::new();
         let mut number = |root: usize| {
@@ -162,16 +165,20 @@ impl Input<'_> {
         }
     }
 
-    /// For each component of caps without faces, by its least cap, whether it is skin. It is, where it covers no
-    /// more than a strip along its edges as wide as slabs are deep: needles, and what faces that straddle facets
-    /// cover too often here and too little there. And where it is closed in itself and no deeper than slabs: the
-    /// two sides of a flange about as thin as these, whose faces lie on either side's facets.
-    fn skin(&self, components: &mut Components, caps: &CapSurface) -> Vec<bool> {
-        let faces = self.mesh.faces().len();
-        let mut layers = vec![Layer::default(); caps.triangles.len()];
+    /// For each component of caps without faces, whether it is skin; `caps` are these and which component each belongs
+    /// to. It is, where it covers no more than a strip along its edges as wide as slabs are deep: needles, and what
+    /// faces that straddle facets cover too often here and too little there. And where it is closed in itself and no
+    /// deeper than slabs: the two sides of a flange about as thin as these, whose faces lie on either side's facets.
+    pub(super) fn skin(
+        &self,
+        caps: &CapSurface,
+        members: Vec<(usize, usize)>,
+        is_skin: &mut [bool],
+    ) {
+        let mut layers = vec![Layer::default(); is_skin.len()];
         let mut borders = Vec::new();
-        for (cap, &ids) in caps.triangles.iter().enumerate() {
-            let Some(root) = components.of_cap(cap).checked_sub(faces) else { continue };
+        for (cap, root) in members {
+            let ids = caps.triangles[cap];
             let corners @ [a, b, c] = self.cap_triangle(caps, cap);
             let is_negative = caps.negative.binary_search(&CapId(cap as u32)).is_ok();
             let sign = if is_negative { -1.0 } else { 1.0 };
@@ -193,7 +200,9 @@ impl Input<'_> {
             layers[edge[0].0.0].is_open |= times != 0;
         }
         let depth = self.features.slab_depth();
-        layers.iter().map(|layer| layer.is_skin(depth)).collect()
+        for (is_skin, layer) in is_skin.iter_mut().zip(layers) {
+            *is_skin = layer.is_skin(depth);
+        }
     }
 
     fn gather_faces(&self, all: &mut Concavities) {
@@ -240,7 +249,12 @@ impl Input<'_> {
     }
 
     /// The directed edges that remain, at an edge of the mesh, of the boundaries of concavities.
-    fn rims_at(&self, e: EdgeId, concavity_of_face: &[u32], rims: &mut Vec<(u32, [u32; 2])>) {
+    pub(super) fn rims_at(
+        &self,
+        e: EdgeId,
+        concavity_of_face: &[u32],
+        rims: &mut Vec<(u32, [u32; 2])>,
+    ) {
         let edge = &self.topology.edges()[e.index()];
         let around = self.topology.half_edges(e);
         let concavity = |k: usize| concavity_of_face[around[k].face().index()];
@@ -269,7 +283,7 @@ impl Input<'_> {
         }
     }
 
-    fn border(&self, from: u32, to: u32) -> Border {
+    pub(super) fn border(&self, from: u32, to: u32) -> Border {
         let Some(e) = edge_between(self.topology, (from.min(to), from.max(to))) else {
             return Border::Open;
         };
@@ -321,7 +335,7 @@ impl Input<'_> {
     }
 
     /// What covers a facet, together with those that it shares its caps with.
-    fn cover(&self, all: &Concavities, facet: FacetId, bears_faces: &[bool]) -> u32 {
+    pub(super) fn cover(&self, all: &Concavities, facet: FacetId, bears_faces: &[bool]) -> u32 {
         let mut owners = all.caps_over(facet).map(|cap| all.concavity_of_cap[cap.index()]);
         let Some(first) = owners.next() else { return SOLID };
         let bears_faces =

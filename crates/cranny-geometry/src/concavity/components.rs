@@ -47,7 +47,7 @@ impl Components {
         let mut has_cap = vec![false; topology.edges().len()];
         let (mut at, mut off) = (0, Vec::new());
         // Edges of caps and of the mesh stand in one order.
-        for group in cap_edges(caps).chunk_by(|a, b| a.ends == b.ends) {
+        for group in cap_edges(&caps.triangles).chunk_by(|a, b| a.ends == b.ends) {
             let ends = |e: &Edge| (e.from.0, e.to.0);
             let edges = &topology.edges()[at..];
             at += edges.iter().take_while(|e| ends(e) < group[0].ends).count();
@@ -110,6 +110,40 @@ impl Components {
         }
     }
 
+    /// The same for some of the faces off the hull and some of the caps, both ascending, which are numbered anew; what
+    /// meets at an edge of `ends`, which ascend, must be among them. Nothing is joined at tips.
+    pub(super) fn among(
+        mesh: &Mesh,
+        topology: &Topology,
+        features: &Features,
+        faces: &[FaceId],
+        triangles: &[[u32; 3]],
+        ends: &[(u32, u32)],
+    ) -> Self {
+        let mut joined = Self {
+            faces: faces.len(),
+            elements: DisjointSets::new(faces.len() + triangles.len()),
+            lids: DisjointSets::new(triangles.len()),
+        };
+        let mut edges = cap_edges(triangles);
+        edges.retain(|edge| ends.binary_search(&edge.ends).is_ok());
+        let mut groups = edges.chunk_by(|a, b| a.ends == b.ends).peekable();
+        let mut off = Vec::new();
+        for &ends in ends {
+            off.clear();
+            if let Some(edge) = edge_between(topology, ends) {
+                off_hull(mesh, topology, features, edge, &mut off);
+            }
+            let local = |face: usize| faces.binary_search(&FaceId(face as u32)).ok();
+            let off: Vec<_> = off.iter().filter_map(|&(f, way)| Some((local(f)?, way))).collect();
+            match groups.next_if(|group| group[0].ends == ends) {
+                Some(group) => joined.join_at_cap(group, &off),
+                None => joined.unite(off.into_iter().map(|f| f.0)),
+            }
+        }
+        joined
+    }
+
     /// The least element that a face belongs with.
     pub(super) fn of_face(&mut self, face: FaceId) -> usize {
         self.elements.find(face.index())
@@ -157,9 +191,9 @@ impl Components {
 }
 
 /// All half-edges of cap triangles, sorted by edge.
-fn cap_edges(caps: &CapSurface) -> Vec<CapEdge> {
-    let mut edges = Vec::with_capacity(3 * caps.triangles.len());
-    for (cap, [a, b, c]) in caps.triangles.iter().copied().enumerate() {
+fn cap_edges(triangles: &[[u32; 3]]) -> Vec<CapEdge> {
+    let mut edges = Vec::with_capacity(3 * triangles.len());
+    for (cap, [a, b, c]) in triangles.iter().copied().enumerate() {
         edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| CapEdge {
             ends: (from.min(to), from.max(to)),
             backward: from > to,

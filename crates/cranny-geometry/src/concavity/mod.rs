@@ -20,6 +20,9 @@ mod codec;
 mod components;
 mod covers;
 mod nesting;
+mod region;
+mod splice;
+mod sums;
 mod update;
 mod validate;
 
@@ -31,6 +34,8 @@ use crate::features::NONE;
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, ConcavityId, FaceId, LidId, VertexId};
 pub use covers::{FeatureCover, HullCovers};
+pub(crate) use splice::Disturbance;
+pub(crate) use sums::SurfaceSums;
 
 /// What a concavity is, by its lids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -331,6 +336,11 @@ impl Concavities {
             concavity: (concavity != NONE).then_some(ConcavityId(concavity)),
             lid: (lid != NONE).then_some(LidId(lid)),
         }
+    }
+
+    /// The corners of a cap triangle, and nothing else of it.
+    pub(crate) fn corners_of_cap(&self, id: CapId) -> [VertexId; 3] {
+        self.caps.triangles[id.index()].map(VertexId)
     }
 
     /// All cap triangles, by id.

@@ -60,7 +60,8 @@ pub struct ChangeSet {
     pub faces: Vec<FaceId>,
     /// Faces that came onto the hull or left it; ascending.
     pub reclassified: Vec<FaceId>,
-    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers.
+    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers. Triangles and facets
+    /// away from the change keep theirs, unless everything was built anew.
     pub hull: bool,
     /// For each concavity before, by its id, the id of the one that has the same faces; `None` where there
     /// is no such.
@@ -95,10 +96,14 @@ impl ChangeSet {
 /// with [`Model::deform`](crate::Model::deform).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
+    /// Whether everything was built anew, a large part having moved: then the figures below are of all there is.
+    pub is_anew: bool,
     /// Faces judged: on the hull or not.
     pub faces: usize,
     /// Facets of the hull whose caps were looked at.
     pub facets: usize,
+    /// Faces off the hull and caps of which was looked at anew which of them hang together.
+    pub grouped: usize,
     /// Triangles of the hull that were passed in finding where moved vertices lie, as long as the hull was known to
     /// stay.
     pub located: usize,

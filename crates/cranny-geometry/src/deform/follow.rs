@@ -2,18 +2,26 @@
 //!
 //! Sources stand in the module, costs with [`Model::deform`](crate::Model::deform).
 
+use std::collections::BTreeSet;
+
 use cranny_exact::Aabb;
 use cranny_exact::DVec3;
 
-use super::{ChangeSet, Workshop};
+use super::renew::Renewal;
+use super::totals::Totals;
+use super::{ChangeSet, Work, Workshop};
 use crate::caps::CapSurface;
-use crate::concavity::Concavities;
+use crate::concavity::{Concavities, Disturbance};
 use crate::features::{Judged, NONE};
-use crate::hull::{Followed, GONE, HullKind, Location};
+use crate::hull::{ConvexHull, FacetChange, Followed, HullKind, Location};
 use crate::ids::{ConcavityId, FaceId, VertexId};
 use crate::late::Late;
 use crate::model::{FormerEnvelopes, Parts, openings};
 use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
+
+/// Where the hull changes and one face in so many has moved, or more, everything is built anew: to follow what moved
+/// costs more. Smaller, and it costs more than building; larger, and what would be cheaper is built.
+const WIDE: usize = 12;
 
 pub(super) struct Deformation<'a> {
     parts: &'a mut Parts,
@@ -50,10 +58,16 @@ impl<'a> Deformation<'a> {
         }
     }
 
-    pub(super) fn run(mut self) -> ChangeSet {
+    /// What has changed, and whether what the workshop holds has followed.
+    pub(super) fn run(mut self) -> (ChangeSet, bool) {
+        self.workshop.sums.touch_faces(&self.change.faces);
+        let keeps_hull = self.keeps_hull();
+        if !keeps_hull && WIDE * self.change.faces.len() > self.parts.mesh.faces().len() {
+            return (self.build_anew(), false);
+        }
         self.fit_tree();
         self.follow_with_patches();
-        if self.keeps_hull() {
+        if keeps_hull {
             self.classify_moved();
         } else {
             self.follow_hull();
@@ -73,7 +87,32 @@ impl<'a> Deformation<'a> {
             stale => self.parts.former_envelopes = stale,
         }
         self.parts.is_as_made = false;
-        self.change
+        (self.change, true)
+    }
+
+    /// Makes everything from the moved mesh.
+    fn build_anew(self) -> ChangeSet {
+        let Self { parts, mut change, .. } = self;
+        let renewal = Renewal::of_moved(parts);
+        Totals::of(parts).follow(parts, &[], &[]);
+        parts.is_as_made = false;
+        let Parts { mesh, hull, tree, concavities, patches, .. } = &*parts;
+        let (faces, trees) = (mesh.faces().len(), parts.concavity_trees().arena());
+        change.work = Work {
+            is_anew: true,
+            faces,
+            facets: hull.facet_count(),
+            grouped: concavities.cap_count()
+                + concavities.iter().map(|c| c.faces.len()).sum::<usize>(),
+            located: change.work.located,
+            hull_triangles: hull.triangle_count(),
+            nodes: tree.nodes().len() + trees.nodes().len() + patches.trees().arena().nodes().len(),
+            enveloped: concavities.iter().map(|c| c.faces.len()).sum(),
+            patched: faces,
+            summed: faces + mesh.vertices().len(),
+        };
+        renewal.tell(&mut change, parts);
+        change
     }
 
     fn fit_tree(&mut self) {
@@ -147,11 +186,11 @@ impl<'a> Deformation<'a> {
 
     /// The hull is as it was: faces that have moved may come onto it, or leave it.
     fn classify_moved(&mut self) {
-        let Parts { mesh, topology, features, .. } = &*self.parts;
+        let Parts { mesh, topology, hull, features, .. } = &*self.parts;
         let ChangeSet { vertices, faces, .. } = &self.change;
         let assignment = &mut self.workshop.assignment;
-        let judged = assignment.update(mesh, topology, features, vertices, faces);
-        self.close_pockets(&judged, Vec::new(), None);
+        let judged = assignment.update(mesh, topology, hull, features, vertices, faces);
+        self.close_pockets(&judged, FacetChange::default());
     }
 
     /// The hull is another one, here and there.
@@ -159,39 +198,34 @@ impl<'a> Deformation<'a> {
         let Parts { mesh, topology, hull, features, tree, flatness, .. } = &mut *self.parts;
         let vertices = &self.change.vertices;
         let near = |bounds: &Aabb| {
-            let mut found = Vec::new();
-            let corners = |f: FaceId| mesh.corners(f).into_iter();
-            let inside = |v: &VertexId| bounds.contains_point(mesh.position(*v));
-            tree.visit(|b| b.overlaps(bounds), |f| found.extend(corners(f).filter(inside)));
-            found
+            let mut faces = Vec::new();
+            tree.visit(|b| b.overlaps(bounds), |f| faces.push(f));
+            let corners = faces.iter().flat_map(|&f| mesh.corners(f));
+            let inside = corners.filter(|&v| bounds.contains_point(mesh.position(v)));
+            (inside.collect::<Vec<VertexId>>(), faces)
         };
         let inside = self.workshop.inside;
-        let Followed { hull: new, facets: map, measured, inside } =
-            hull.followed(mesh.vertices(), vertices, inside, *flatness, near);
+        let old = std::mem::replace(hull, ConvexHull::of_points(&[]));
+        let Followed { hull: new, facets, triangles, measured, inside } =
+            old.followed(mesh.vertices(), vertices, inside, *flatness, |bounds| near(bounds).0);
+        *hull = new;
         self.workshop.inside = inside;
-        let old = std::mem::replace(hull, new);
         self.change.hull = true;
         self.change.work.hull_triangles = measured;
-        let sources = old.sources();
-        let Workshop { assignment, ridges, .. } = &mut *self.workshop;
+        let Workshop { assignment, ridges, sums, .. } = &mut *self.workshop;
+        sums.touch_hull(&triangles, hull.triangle_count());
         let judged =
-            assignment.follow(mesh, topology, features, hull, sources, &map, vertices, ridges);
-        let mut before = vec![GONE; hull.facet_count()];
-        for (old, &new) in (0..).zip(&map).filter(|&(_, &new)| new != GONE) {
-            before[new as usize] = old;
-        }
-        let new = (0..).zip(&before).filter(|&(_, &before)| before == GONE).map(|(f, _)| f);
-        self.close_pockets(&judged, new.collect(), Some(&before));
+            assignment.follow(mesh, topology, features, hull, &facets, vertices, ridges, near);
+        self.close_pockets(&judged, facets);
     }
 
-    /// Features, caps and concavities, after faces were judged. `stale` are facets whose caps are to be
-    /// made anyway, `before` names what each facet was, where the hull is another one.
-    fn close_pockets(&mut self, judged: &Judged, mut stale: Vec<u32>, before: Option<&[u32]>) {
+    /// Features, caps and concavities, after faces were judged and facets of the hull have changed.
+    fn close_pockets(&mut self, judged: &Judged, facets: FacetChange) {
         let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
         let Workshop { assignment, ridges, .. } = &mut *self.workshop;
         let isolated = features.isolated_vertices().to_vec();
-        let renumbered = before.is_some();
-        stale.extend(features.update(mesh, topology, assignment, judged, renumbered, ridges));
+        let mut stale = features.update(mesh, topology, assignment, judged, ridges);
+        stale.extend(&facets.fresh);
         stale.extend(judged.reassigned.iter().flat_map(|change| [change.before, change.after]));
         stale.extend(self.change.faces.iter().map(|f| assignment.facet_of_face[f.index()]));
         stale.retain(|&facet| facet != NONE);
@@ -204,10 +238,10 @@ impl<'a> Deformation<'a> {
             return;
         }
         let caps = concavities.cap_surface();
-        let (caps, looked_at) =
-            caps.updated(mesh, topology, hull, assignment, ridges, &stale, before);
+        let (caps, stale, looked_at) =
+            caps.updated(mesh, topology, hull, assignment, ridges, &stale);
         self.change.work.facets = looked_at;
-        self.renumber_concavities(caps);
+        self.renumber_concavities(caps, stale, &facets, !isolated.is_empty());
     }
 
     /// Faces beneath caps have moved, and nothing else that concavities consist of.
@@ -227,9 +261,31 @@ impl<'a> Deformation<'a> {
     }
 
     /// Faces or caps are others.
-    fn renumber_concavities(&mut self, caps: CapSurface) {
+    fn renumber_concavities(
+        &mut self,
+        mut caps: CapSurface,
+        stale: BTreeSet<u32>,
+        facets: &FacetChange,
+        had_tips: bool,
+    ) {
         let Parts { mesh, topology, hull, features, concavities, .. } = &mut *self.parts;
-        let new = Concavities::of(mesh, topology, hull, features, caps);
+        let changed = Disturbance {
+            stale,
+            fresh: &facets.fresh,
+            gone: &facets.gone,
+            turned: &self.change.reclassified,
+            vertices: &self.change.vertices,
+            had_tips,
+        };
+        let sums = &mut self.workshop.sums;
+        let followed =
+            concavities.followed(mesh, topology, hull, features, &mut caps, &changed, sums);
+        let (new, grouped) = followed.unwrap_or_else(|| {
+            let all = Concavities::of(mesh, topology, hull, features, caps);
+            let grouped = all.cap_count() + all.iter().map(|c| c.faces.len()).sum::<usize>();
+            (all, grouped)
+        });
+        self.change.work.grouped = grouped;
         let old = std::mem::replace(concavities, new);
         self.parts.hull_covers = Late::default();
         let concavities = &self.parts.concavities;
@@ -337,7 +393,8 @@ fn has_same_caps(
     let (a, b) = (old.get(before).caps, new.get(id).caps);
     a.len() == b.len()
         && a.iter().zip(b).all(|(&a, &b)| {
-            let corners = old.cap(a).corners;
-            corners == new.cap(b).corners && corners.iter().all(|v| moved.binary_search(v).is_err())
+            let corners = old.corners_of_cap(a);
+            corners == new.corners_of_cap(b)
+                && corners.iter().all(|v| moved.binary_search(v).is_err())
         })
 }

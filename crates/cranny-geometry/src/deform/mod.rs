@@ -26,6 +26,7 @@ pub use self::change::{ChangeSet, DeformError, Work};
 use self::follow::Deformation;
 use self::renew::Renewal;
 use self::totals::Totals;
+use crate::concavity::SurfaceSums;
 use crate::features::{Assignment, Features, RidgeOnFacet};
 use crate::ids::{FaceId, PatchId, VertexId};
 use crate::mesh::Mesh;
@@ -47,6 +48,7 @@ pub(crate) struct Workshop {
     /// A point certainly in the interior of the hull, if one is known.
     inside: Option<DVec3>,
     totals: Totals,
+    sums: SurfaceSums,
 }
 
 impl Workshop {
@@ -62,6 +64,7 @@ impl Workshop {
             patch_top: parts.patches.top().grown_areas(),
             inside: parts.hull.inner_point(),
             totals: Totals::of(parts),
+            sums: SurfaceSums::default(),
         }
     }
 }
@@ -81,8 +84,9 @@ impl Model {
     ///
     /// - the hull has the same vertices and the same exact shape; its merged facets have the same vertices,
     ///   and planes that agree to rounding (where flatness is wide, from about a thousandth, facets that a
-    ///   rebuild would grow from another seed may be merged otherwise). Within a facet it may be triangulated otherwise; triangles
-    ///   and facets may be numbered otherwise;
+    ///   rebuild would grow from another seed may be merged otherwise). Within a facet it may be triangulated otherwise.
+    ///   Vertices have the same numbers; triangles and facets may be numbered otherwise, so that those away from a
+    ///   change keep the numbers that they had;
     /// - vertices, edges and faces are classified the same. A needle on the edge between two facets may
     ///   be counted to either;
     /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
@@ -107,19 +111,26 @@ impl Model {
     /// - the change set has an entry for each concavity and patch, and each lid and patch is glanced at;
     /// - a concavity with a moved face is measured as a whole.
     ///
-    /// Where more happens, there are passes over flat arrays, of some nanoseconds an element:
+    /// Where the hull changes, triangles and facets away from the change keep their numbers; new ones take those that are
+    /// free, and the last ones fill what gaps remain. Only concavities that share a vertex with something that has
+    /// changed are divided anew. Beside what is looked at there is
     ///
-    /// - where the hull changes, over vertices, triangles and facets to number them anew;
-    /// - where a face comes onto the hull or leaves it, over all faces, to count convex sets;
-    /// - where a cap changes, over all faces, edges and caps, to number concavities anew;
-    /// - where a patch is divided, over all faces.
+    /// - a comparison of each facet's plane with the new vertices, a look at which facet each face is on and at which
+    ///   corners each cap has, and copying of rows;
+    /// - where vertices come onto the hull or leave it, all corners of the hull are renamed;
+    /// - where a face comes onto the hull or leaves it, a pass over all faces to count convex sets;
+    /// - where a patch is divided, one over all faces.
+    ///
+    /// Where the hull changes and a twelfth of all faces or more have moved, following would cost more than building
+    /// ([`Work::is_anew`]): everything is built anew, and the next deformation makes what deformations keep once more.
     ///
     /// Envelopes of the concavities touched are left for the next call of [`envelopes`](Self::envelopes), which
     /// copies the others.
     ///
     /// Where the box of the hull changes, so does what counts as flat, and all facets are measured and
     /// everything is classified. Where a hull's surface cannot be repaired (a vertex inside a flat
-    /// facet comes out, vertices coincide, the body is flat) it is built anew.
+    /// facet comes out, vertices coincide, the body is flat) it is built anew. Where caps are shared, count negative or
+    /// hang on isolated vertices, concavities are found anew, all of them.
     ///
     /// # Errors
     ///
@@ -139,8 +150,9 @@ impl Model {
             Some(workshop) => workshop,
             None => Box::new(Workshop::of(parts)),
         };
-        let mut change = Deformation::begin(parts, &mut workshop, &moves, faces).run();
-        parts.workshop = Some(workshop);
+        let (mut change, has_followed) =
+            Deformation::begin(parts, &mut workshop, &moves, faces).run();
+        parts.workshop = has_followed.then_some(workshop);
         if let Some(renewal) = renewal {
             renewal.tell(&mut change, parts);
         }

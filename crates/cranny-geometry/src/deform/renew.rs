@@ -40,36 +40,39 @@ impl Renewal {
         }
         // Which faces hang together was believed; edges are the same.
         parts.topology = Topology::of(&parts.mesh);
-        let Parts { mesh, topology, flatness, leaf_size, concavity_leaf_size, .. } = &*parts;
-        let mates = Mates::of(mesh, topology);
-        let tree = FaceTree::of_pairs(mesh, &mates, *leaf_size);
-        let patches = Patches::with_mates(mesh, topology, &mates);
-        let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
-        let Covered { features, concavities, concavity_trees, envelopes } =
-            Covered::of(mesh, topology, &hull, &tree, *concavity_leaf_size, &mut |_| {});
-        let hull = std::mem::replace(&mut parts.hull, hull);
-        let tree = std::mem::replace(&mut parts.tree, tree);
-        let concavities = std::mem::replace(&mut parts.concavities, concavities);
-        let patches = std::mem::replace(&mut parts.patches, patches);
-        let tree_differs = differ([&tree, &parts.tree], FaceTree::encode);
-        let concavity_trees_differ = match parts.concavity_trees.if_made() {
-            Some(read) => differ([read, &concavity_trees], FaceForest::encode),
+        let Former { hull, tree, features, concavities, concavity_trees, patches } = replace(parts);
+        let concavity_trees_differ = match (concavity_trees, parts.concavity_trees.if_made()) {
+            (Some(read), Some(made)) => differ([&read, made], FaceForest::encode),
             // Nobody has seen any; what would have been made of what was read.
-            None => tree_differs || concavities.owners() != parts.concavities.owners(),
+            _ => {
+                differ([&tree, &parts.tree], FaceTree::encode)
+                    || concavities.owners() != parts.concavities.owners()
+            }
         };
-        parts.hull_covers = Late::default();
-        parts.concavity_trees = Late::made(concavity_trees);
-        parts.envelopes = Late::made(envelopes);
-        parts.former_envelopes = None;
         Some(Self {
             hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
-            tree_differs,
+            tree_differs: differ([&tree, &parts.tree], FaceTree::encode),
             concavity_trees_differ,
             patches_differ: differ([&patches, &parts.patches], Patches::encode),
-            features: std::mem::replace(&mut parts.features, features),
+            features,
             concavities,
             patches,
         })
+    }
+
+    /// Makes everything but the adjacency again of a mesh of which a large part has moved, where that is cheaper than to
+    /// follow it; so nothing is compared either.
+    pub(super) fn of_moved(parts: &mut Parts) -> Self {
+        let Former { features, concavities, patches, .. } = replace(parts);
+        Self {
+            features,
+            concavities,
+            patches,
+            hull_differs: true,
+            tree_differs: true,
+            concavity_trees_differ: true,
+            patches_differ: true,
+        }
     }
 
     /// Tells of a deformation what has become of what was read.
@@ -89,6 +92,39 @@ impl Renewal {
         change.reclassified = all.filter(turned).collect();
         tell_concavities(change, &self.concavities, &parts.concavities);
         change.patches = same_patches(&self.patches, &parts.patches);
+    }
+}
+
+/// What was there.
+struct Former {
+    hull: ConvexHull,
+    tree: FaceTree,
+    features: Features,
+    concavities: Concavities,
+    concavity_trees: Option<FaceForest>,
+    patches: Patches,
+}
+
+/// Makes everything but the adjacency of faces from the mesh.
+fn replace(parts: &mut Parts) -> Former {
+    let Parts { mesh, topology, flatness, leaf_size, concavity_leaf_size, .. } = &*parts;
+    let mates = Mates::of(mesh, topology);
+    let tree = FaceTree::of_pairs(mesh, &mates, *leaf_size);
+    let patches = Patches::with_mates(mesh, topology, &mates);
+    let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
+    let Covered { features, concavities, concavity_trees, envelopes } =
+        Covered::of(mesh, topology, &hull, &tree, *concavity_leaf_size, &mut |_| {});
+    let trees = std::mem::replace(&mut parts.concavity_trees, Late::made(concavity_trees));
+    parts.hull_covers = Late::default();
+    parts.envelopes = Late::made(envelopes);
+    parts.former_envelopes = None;
+    Former {
+        hull: std::mem::replace(&mut parts.hull, hull),
+        tree: std::mem::replace(&mut parts.tree, tree),
+        features: std::mem::replace(&mut parts.features, features),
+        concavities: std::mem::replace(&mut parts.concavities, concavities),
+        concavity_trees: trees.if_taken(),
+        patches: std::mem::replace(&mut parts.patches, patches),
     }
 }
 

@@ -27,6 +27,7 @@ use super::vertices::facets_of_vertices;
 use crate::hull::ConvexHull;
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
+use crate::rows::replaced;
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 
@@ -37,6 +38,10 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// many facets, an apex, must not make a quadratic time of the faces around it.
 const LONG: usize = 64;
 
+/// One vertex in so many may have moved since rows were written. More often, and rows are written anew for little;
+/// more seldom, and vertices are looked up in a large tree.
+const FULL: usize = 16;
+
 /// The facets of vertices and faces.
 #[derive(Clone, Debug)]
 pub(crate) struct Assignment {
@@ -46,7 +51,6 @@ pub(crate) struct Assignment {
     facets: Vec<u32>,
     /// The facets of vertices that have moved since the rows above were written.
     pub(super) moved: BTreeMap<u32, Vec<u32>>,
-    pub(super) corners: Corners,
     pub(super) slabs: Slabs,
 }
 
@@ -56,15 +60,9 @@ impl Assignment {
         let mut slabs = Slabs::of(hull);
         slabs.prepare_finder(hull);
         let (starts, facets) = facets_of_vertices(mesh, topology, hull, tree, &slabs);
-        let mut assignment = Self {
-            facet_of_face: Vec::new(),
-            starts,
-            facets,
-            moved: BTreeMap::new(),
-            corners: Corners::of(mesh, hull),
-            slabs,
-        };
-        assignment.assign(mesh, topology);
+        let mut assignment =
+            Self { facet_of_face: Vec::new(), starts, facets, moved: BTreeMap::new(), slabs };
+        assignment.assign(mesh, topology, &Corners::of(mesh, hull));
         assignment
     }
 
@@ -117,28 +115,35 @@ impl Assignment {
         common
     }
 
-    fn assign(&mut self, mesh: &Mesh, topology: &Topology) {
+    fn assign(&mut self, mesh: &Mesh, topology: &Topology, corners: &Corners) {
         self.facet_of_face = vec![NONE; mesh.faces().len()];
         let faces = (0..mesh.faces().len() as u32).map(FaceId);
-        let needles = self.assign_wide(mesh, faces);
+        let equal = |face| corners.facet_of_equal(face);
+        let needles = self.assign_wide(mesh, faces, equal);
         self.assign_needles(mesh, topology, &needles);
     }
 
-    /// Takes over rows that hold for all vertices.
-    pub(super) fn replace_rows(&mut self, starts: Vec<u32>, facets: Vec<u32>) {
-        (self.starts, self.facets) = (starts, facets);
-        self.moved.clear();
+    /// Writes the facets of moved vertices into the rows, where these are many: a look-up is quicker there.
+    pub(super) fn settle(&mut self) {
+        if FULL * self.moved.len() < self.starts.len() {
+            return;
+        }
+        let moved = std::mem::take(&mut self.moved);
+        let count = self.starts.len() - 1;
+        (self.starts, self.facets) = replaced(&self.starts, &self.facets, count, &moved, |f| f);
     }
 
-    /// Places faces that are not needles; returns the needles among those whose corners are on the hull.
+    /// Places faces that are not needles; `facet_of_equal` tells the facet of the triangle of the hull that has these
+    /// corners; returns the needles among those whose corners are on the hull.
     pub(super) fn assign_wide(
         &mut self,
         mesh: &Mesh,
         faces: impl Iterator<Item = FaceId>,
+        facet_of_equal: impl Fn([VertexId; 3]) -> Option<u32>,
     ) -> Vec<FaceId> {
         let mut needles = Vec::new();
         for f in faces {
-            let equal = self.corners.facet_of_equal(mesh.corners(f));
+            let equal = facet_of_equal(mesh.corners(f));
             self.facet_of_face[f.index()] = equal.unwrap_or(NONE);
             if equal.is_none() && self.may_lie_on_a_facet(mesh, f) {
                 if self.is_needle(mesh, f) {

@@ -9,7 +9,6 @@ use crate::ids::VertexId;
 use crate::mesh::Mesh;
 
 /// Which face of the mesh is a triangle of the hull.
-#[derive(Clone, Debug)]
 pub(super) struct Corners {
     /// The corner of the hull that a vertex of the mesh is, or [`NONE`].
     of_vertex: Vec<u32>,

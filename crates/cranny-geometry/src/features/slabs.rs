@@ -17,7 +17,7 @@ use std::ops::Range;
 
 use cranny_exact::{Aabb, DVec3};
 
-use crate::hull::{ConvexHull, FacetId, GONE};
+use crate::hull::{ConvexHull, Facet, FacetChange, FacetId};
 
 /// Least depth of a slab in units of the hull's flatness. Facets are merged up to one flatness; points
 /// of the same planar side that are not extreme, rounded on their own, may lie as deep again. Smaller
@@ -46,6 +46,12 @@ pub(crate) struct Slabs {
 struct Slab {
     normal: DVec3,
     floor: f64,
+}
+
+impl Slab {
+    fn of(facet: &Facet<'_>, depth: f64) -> Self {
+        Self { normal: facet.normal, floor: facet.offset - facet.thickness.max(depth) }
+    }
 }
 
 /// What some facets have in common.
@@ -91,10 +97,7 @@ impl Slabs {
     /// Prepares the facets of a hull: O(n).
     pub(crate) fn of(hull: &ConvexHull) -> Self {
         let depth = SLAB * hull.flatness();
-        let slabs = hull
-            .facets()
-            .map(|f| Slab { normal: f.normal, floor: f.offset - f.thickness.max(depth) })
-            .collect();
+        let slabs = hull.facets().map(|f| Slab::of(&f, depth)).collect();
         let (bounds, order, places) = (hull.bounds(), Vec::new(), Vec::new());
         Self { slabs, order, places, bounds, levels: Vec::new(), depth }
     }
@@ -130,47 +133,60 @@ impl Slabs {
         self.build_levels();
     }
 
-    /// The slabs of a hull that follows that of these, and the tree over them: `map` names what has become of each
-    /// facet, which has its plane and its triangles.
+    /// Follows a hull whose facets have changed. Where slabs are that are other than before, tells in boxes.
     ///
-    /// Cost: copying, and O(m log m) for the m facets that are new; where the box of the hull is another, that of
-    /// preparing.
-    pub(crate) fn followed(&self, hull: &ConvexHull, map: &[u32]) -> Self {
-        let mut new = Self::of(hull);
-        if new.bounds != self.bounds || new.depth != self.depth {
-            new.prepare_finder(hull);
-            return new;
+    /// Cost: copying, the levels above the lowest, and O(m log m) for the m facets that are new; where the box of the
+    /// hull is another, that of preparing, and the only box is that of all.
+    pub(crate) fn follow(&mut self, hull: &ConvexHull, change: &FacetChange) -> Vec<Aabb> {
+        let (bounds, depth) = (hull.bounds(), SLAB * hull.flatness());
+        if bounds != self.bounds || depth != self.depth {
+            let both = self.bounds.union(&bounds).grown(self.depth.max(depth));
+            *self = Self::of(hull);
+            self.prepare_finder(hull);
+            return vec![both];
         }
-        let mut is_new = vec![true; new.slabs.len()];
-        map.iter().filter(|&&f| f != GONE).for_each(|&f| is_new[f as usize] = false);
-        let fresh = (0..new.slabs.len() as u32).filter(|&f| is_new[f as usize]);
-        let mut fresh: Vec<(u32, u32, Node)> = fresh
-            .map(|f| {
-                let node = new.node(hull, f);
-                (curve_position(node.bounds.center(), &new.bounds) as u32, f, node)
-            })
-            .collect();
+        self.slabs.resize(hull.facet_count(), Slab { normal: DVec3::ZERO, floor: 0.0 });
+        let mut fresh = Vec::with_capacity(change.fresh.len());
+        for &f in &change.fresh {
+            self.slabs[f as usize] = Slab::of(&hull.facet(FacetId(f)), depth);
+            let node = self.node(hull, f);
+            fresh.push((curve_position(node.bounds.center(), &bounds) as u32, f, node));
+        }
         fresh.sort_unstable_by_key(|&(place, f, _)| (place, f));
-        let mut fresh = fresh.into_iter().peekable();
-        let mut lowest = Vec::with_capacity(new.slabs.len());
-        let mut push = |place: u32, f: u32, node: Node| {
-            new.places.push(place);
-            new.order.push(f);
-            lowest.push(node);
-        };
-        for ((&place, &was), node) in self.places.iter().zip(&self.order).zip(&self.levels[0]) {
-            while let Some((place, f, node)) = fresh.next_if(|next| next.0 < place) {
-                push(place, f, node);
-            }
-            let f = map[was as usize];
-            if f != GONE {
-                push(place, f, *node);
+        let mut is_gone = vec![false; self.order.len()];
+        change.gone.iter().for_each(|&f| is_gone[f as usize] = true);
+        let gone = (0..).zip(&self.order).filter(|(_, f)| is_gone[**f as usize]).map(|(at, _)| at);
+        // What is cut out, and what comes in before something, in the order of the lowest level.
+        let mut cuts: Vec<(usize, Option<usize>)> = gone.map(|at| (at, None)).collect();
+        let mut boxes: Vec<Aabb> = cuts.iter().map(|&(at, _)| self.levels[0][at].bounds).collect();
+        boxes.extend(fresh.iter().map(|(.., node)| node.bounds));
+        let behind = |place: u32| self.places.partition_point(|&p| p <= place);
+        cuts.extend(fresh.iter().enumerate().map(|(i, f)| (behind(f.0), Some(i))));
+        cuts.sort_by_key(|&(at, new)| (at, new.is_none()));
+        let (Some(first), Some(&(last, new))) = (cuts.first(), cuts.last()) else { return boxes };
+        let changed = first.0..last + usize::from(new.is_none());
+        // What stands between the first and the last cut; all behind these only moves.
+        let (mut order, mut places, mut lowest) = (Vec::new(), Vec::new(), Vec::new());
+        let mut next = changed.start;
+        for (at, new) in cuts {
+            order.extend_from_slice(&self.order[next..at]);
+            places.extend_from_slice(&self.places[next..at]);
+            lowest.extend_from_slice(&self.levels[0][next..at]);
+            next = at + usize::from(new.is_none());
+            if let Some((place, f, node)) = new.map(|i| fresh[i]) {
+                order.push(f);
+                places.push(place);
+                lowest.push(node);
             }
         }
-        fresh.for_each(|(place, f, node)| push(place, f, node));
-        new.levels = vec![lowest];
-        new.build_levels();
-        new
+        let stays = order.len() == changed.len();
+        self.slabs.truncate(hull.facet_count());
+        self.order.splice(changed.clone(), order);
+        self.places.splice(changed.clone(), places);
+        self.levels[0].splice(changed.clone(), lowest);
+        let end = if stays { changed.end } else { self.order.len() };
+        self.refit_levels(changed.start..end);
+        boxes
     }
 
     /// What stands for a facet on the lowest level.
@@ -184,13 +200,34 @@ impl Slabs {
         Node { bounds, normals, floor: slab.floor }
     }
 
-    /// The levels above the lowest.
+    /// Makes the levels above the lowest.
     fn build_levels(&mut self) {
-        while let Some(below) = self.levels.last().filter(|l| l.len() > 1) {
-            let unite = |group: &[Node]| group.iter().skip(1).fold(group[0], |all, b| all.union(b));
-            let level = below.chunks(FANOUT).map(unite).collect();
-            self.levels.push(level);
+        self.refit_levels(0..self.order.len());
+    }
+
+    /// Makes what stands on the levels above these nodes of the lowest; as many nodes as there are.
+    fn refit_levels(&mut self, mut changed: Range<usize>) {
+        let unite = |group: &[Node]| group.iter().skip(1).fold(group[0], |all, b| all.union(b));
+        let mut level = 0;
+        while self.levels[level].len() > 1 {
+            if level + 1 == self.levels.len() {
+                self.levels.push(Vec::new());
+            }
+            let (below, above) = self.levels.split_at_mut(level + 1);
+            let (below, above) = (&below[level], &mut above[0]);
+            changed = changed.start / FANOUT..changed.end.div_ceil(FANOUT);
+            changed.start = changed.start.min(above.len());
+            above.truncate(below.len().div_ceil(FANOUT));
+            for at in changed.start..changed.end.min(below.len().div_ceil(FANOUT)) {
+                let node = unite(&below[FANOUT * at..(FANOUT * (at + 1)).min(below.len())]);
+                match above.get_mut(at) {
+                    Some(place) => *place = node,
+                    None => above.push(node),
+                }
+            }
+            level += 1;
         }
+        self.levels.truncate(level + 1);
     }
 
     /// The highest level of the tree over facets; none where there are no facets.

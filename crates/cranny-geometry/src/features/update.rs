@@ -16,10 +16,8 @@ use std::collections::BTreeSet;
 use cranny_exact::Aabb;
 
 use super::assign::{Assignment, NONE};
-use super::corners::Corners;
-use super::vertices::Rings;
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
-use crate::hull::{ConvexHull, FacetId, GONE};
+use crate::hull::{ConvexHull, FacetChange};
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -51,6 +49,7 @@ impl Assignment {
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
+        hull: &ConvexHull,
         features: &Features,
         moved: &[VertexId],
         faces: &[FaceId],
@@ -60,109 +59,67 @@ impl Assignment {
             self.slabs.around(mesh.position(v), &mut found);
             self.moved.insert(v.0, found);
         }
-        self.judge(mesh, topology, features, faces.iter().copied().collect())
+        self.settle();
+        self.judge(mesh, topology, hull, features, faces.iter().copied().collect())
     }
 
-    /// After vertices have moved and the hull has changed: `map` names what each facet before has become,
-    /// `sources` the vertices of the hull before, ascending. `features` are still those before, `ridges`
-    /// are renumbered.
+    /// After vertices have moved and facets of the hull have changed: judges these vertices, those in slabs that are
+    /// gone or new, and the faces of those that lie on other facets than before. `features` are still those before;
+    /// `near` names vertices in a box and faces that reach into it.
     ///
-    /// Cost: what is judged, and passes over all vertices and facets.
+    /// Cost: what is judged, and a look at which facet each face is on.
     pub(crate) fn follow(
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
         features: &Features,
         hull: &ConvexHull,
-        sources: &[VertexId],
-        map: &[u32],
+        change: &FacetChange,
         moved: &[VertexId],
         ridges: &mut Vec<RidgeOnFacet>,
+        near: impl Fn(&Aabb) -> (Vec<VertexId>, Vec<FaceId>),
     ) -> Judged {
-        self.slabs = self.slabs.followed(hull, map);
-        self.corners = Corners::of(mesh, hull);
-        let mut disturbed = self.renumber_vertices(mesh, hull, sources, map, moved);
-        disturbed.extend(moved);
-        ridges.retain_mut(|ridge| {
-            ridge.facet = map[ridge.facet as usize];
-            let is_gone = ridge.facet == GONE;
-            if is_gone {
-                disturbed.extend(ridge.ends.map(VertexId));
+        let mut vertices: BTreeSet<VertexId> = moved.iter().copied().collect();
+        let mut faces = BTreeSet::new();
+        let is_gone = |f: u32| change.gone.binary_search(&f).is_ok();
+        for bounds in self.slabs.follow(hull, change) {
+            let (within, reaching) = near(&bounds);
+            vertices.extend(within);
+            faces.extend(reaching);
+        }
+        for v in vertices {
+            let mut found = Vec::new();
+            match hull.vertex_of_source(v) {
+                Some(corner) => {
+                    found.extend(hull.triangles_at(corner).map(|t| hull.facet_of_triangle(t).0));
+                    found.sort_unstable();
+                    found.dedup();
+                }
+                None => self.slabs.around(mesh.position(v), &mut found),
             }
-            !is_gone
+            let before = self.facets_of(v);
+            if before != found || before.iter().any(|&f| is_gone(f)) {
+                faces.extend(topology.faces_at(v));
+                self.moved.insert(v.0, found);
+            }
+        }
+        self.settle();
+        ridges.retain(|ridge| {
+            let stays = !is_gone(ridge.facet);
+            if !stays {
+                faces.extend(ridge.ends.iter().flat_map(|&v| topology.faces_at(VertexId(v))));
+            }
+            stays
         });
-        ridges.sort_unstable();
-        let mut faces: BTreeSet<FaceId> =
-            disturbed.iter().flat_map(|&v| topology.faces_at(v)).copied().collect();
-        for (face, facet) in (0..).map(FaceId).zip(&mut self.facet_of_face) {
-            if *facet != NONE {
-                *facet = map[*facet as usize];
-                if *facet == GONE {
+        if let (Some(&first), Some(&last)) = (change.gone.first(), change.gone.last()) {
+            for (face, facet) in (0..).map(FaceId).zip(&mut self.facet_of_face) {
+                if (first..=last).contains(facet) && is_gone(*facet) {
                     *facet = NONE;
                     faces.insert(face);
                 }
             }
         }
-        self.judge(mesh, topology, features, faces)
-    }
-
-    /// Writes the rows of all vertices anew; returns the vertices that lie on other facets than before.
-    fn renumber_vertices(
-        &mut self,
-        mesh: &Mesh,
-        hull: &ConvexHull,
-        sources: &[VertexId],
-        map: &[u32],
-        moved: &[VertexId],
-    ) -> BTreeSet<VertexId> {
-        let (new_slabs, at_new) = self.look_at_new(hull, map);
-        // The rings of all other corners are what they were.
-        let rings = Rings::around(hull, &at_new);
-        let mut disturbed = BTreeSet::new();
-        let (mut starts, mut facets) = (vec![0], Vec::new());
-        let mut before = Vec::new();
-        let mut was = sources.iter().peekable();
-        let mut is = hull.sources().iter().enumerate().peekable();
-        for (v, &p) in (0..).map(VertexId).zip(mesh.vertices()) {
-            before.clear();
-            before.extend(self.facets_of(v).iter().map(|&f| map[f as usize]));
-            before.sort_unstable();
-            let first = facets.len();
-            let was_corner = was.next_if_eq(&&v).is_some();
-            let corner = is.next_if(|(_, source)| **source == v).map(|(corner, _)| corner);
-            if let Some(corner) = corner.filter(|&corner| at_new[corner] || !was_corner) {
-                rings.append(corner, &mut facets);
-            } else if corner.is_some() {
-                facets.extend_from_slice(&before);
-            } else if was_corner
-                || before.last() == Some(&GONE)
-                || new_slabs.contains_point(p)
-                || moved.binary_search(&v).is_ok()
-            {
-                self.slabs.around(p, &mut facets);
-            } else {
-                facets.extend_from_slice(&before);
-            }
-            if facets[first..] != before {
-                disturbed.insert(v);
-            }
-            starts.push(facets.len() as u32);
-        }
-        self.replace_rows(starts, facets);
-        disturbed
-    }
-
-    /// A box around the slabs of all facets that were not there before, and which corners of the hull they have.
-    fn look_at_new(&self, hull: &ConvexHull, map: &[u32]) -> (Aabb, Vec<bool>) {
-        let mut is_old = vec![false; hull.facet_count()];
-        map.iter().filter(|&&f| f != GONE).for_each(|&f| is_old[f as usize] = true);
-        let new = (0..).map(FacetId).zip(is_old).filter(|&(_, is_old)| !is_old).map(|(f, _)| f);
-        let triangles = new.flat_map(|f| hull.facet(f).triangles);
-        let corners: Vec<_> = triangles.flat_map(|&t| hull.triangle(t as usize)).collect();
-        let mut at_new = vec![false; hull.vertex_count()];
-        corners.iter().for_each(|v| at_new[v.index()] = true);
-        let places = corners.into_iter().map(|v| hull.position(v));
-        (Aabb::of_points(places).grown(self.slabs.depth()), at_new)
+        self.judge(mesh, topology, hull, features, faces)
     }
 
     /// Places faces, and needles that hang on them, again.
@@ -170,6 +127,7 @@ impl Assignment {
         &mut self,
         mesh: &Mesh,
         topology: &Topology,
+        hull: &ConvexHull,
         features: &Features,
         mut faces: BTreeSet<FaceId>,
     ) -> Judged {
@@ -185,7 +143,8 @@ impl Assignment {
             }
         }
         let before: Vec<u32> = faces.iter().map(|f| self.facet_of_face[f.index()]).collect();
-        let needles = self.assign_wide(mesh, faces.iter().copied());
+        let equal = |face| hull.triangle_of(face).map(|t| hull.facet_of_triangle(t).0);
+        let needles = self.assign_wide(mesh, faces.iter().copied(), equal);
         self.assign_needles(mesh, topology, &needles);
         let changed = faces.iter().zip(before).filter_map(|(&face, before)| {
             let after = self.facet_of_face[face.index()];
@@ -198,7 +157,7 @@ impl Assignment {
 }
 
 impl Features {
-    /// Follows an [`Assignment`] that has judged faces again, and `renumbered` facets or not. `ridges` lists ridges by
+    /// Follows an [`Assignment`] that has judged faces again. `ridges` lists ridges by
     /// facet, and is kept so; returned are the facets whose ridges have changed, ascending.
     pub(crate) fn update(
         &mut self,
@@ -206,12 +165,8 @@ impl Features {
         topology: &Topology,
         assignment: &Assignment,
         judged: &Judged,
-        renumbered: bool,
         ridges: &mut Vec<RidgeOnFacet>,
     ) -> Vec<u32> {
-        if renumbered {
-            self.facet_of_face.clone_from(&assignment.facet_of_face);
-        }
         for face in &judged.faces {
             self.facet_of_face[face.index()] = assignment.facet_of_face[face.index()];
         }

@@ -15,7 +15,7 @@ use std::ops::Range;
 use cranny_exact::Aabb;
 
 use super::slabs::Slabs;
-use crate::hull::{ConvexHull, HullVertexId};
+use crate::hull::ConvexHull;
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -184,19 +184,8 @@ pub(super) struct Rings {
 
 impl Rings {
     pub(super) fn of(hull: &ConvexHull) -> Self {
-        Self::by(hull, |_| true)
-    }
-
-    /// Of some corners alone; the rows of the others are empty.
-    pub(super) fn around(hull: &ConvexHull, corners: &[bool]) -> Self {
-        Self::by(hull, |v| corners[v.index()])
-    }
-
-    #[inline]
-    fn by(hull: &ConvexHull, has_row: impl Fn(HullVertexId) -> bool) -> Self {
         let mut starts = vec![0u32; hull.vertex_count() + 1];
-        let all = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
-        let corners = || all().filter(|&(_, v)| has_row(v));
+        let corners = || (0..hull.triangle_count()).flat_map(|t| hull.triangle(t).map(|v| (t, v)));
         for (_, v) in corners() {
             starts[v.index() + 1] += 1;
         }

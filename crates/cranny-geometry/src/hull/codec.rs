@@ -7,7 +7,7 @@ use super::convexity::is_convex;
 use super::facets::{FacetLayer, Plane};
 use super::outline::Outlines;
 use super::quickhull::Surface;
-use super::{ConvexHull, FacetId, HullKind, HullVertexId};
+use super::{ConvexHull, FacetId, HullKind, HullVertexId, Leaving};
 use crate::codec::{
     Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_flatness, is_size,
     is_unit, owners_of_rows, plain_struct,
@@ -29,7 +29,7 @@ plain_struct!(Plane { normal: DVec3, offset: f64, thickness: f64 });
 
 impl ConvexHull {
     pub(crate) fn encode(&self, out: &mut Writer) {
-        let Self { kind, sources, positions: _, surface, graph: _, facets, excluded } = self;
+        let Self { kind, sources, surface, facets, excluded, .. } = self;
         let Surface { triangles, twins } = surface;
         out.one(kind.code());
         out.list(sources);
@@ -57,7 +57,8 @@ impl ConvexHull {
         let excluded: Vec<VertexId> = input.list()?;
         check_below(excluded.iter().map(|v| v.0), mesh.vertices().len(), "a point is not there")?;
         check(excluded.is_sorted_by(|a, b| a < b), "points are not ascending")?;
-        Ok(Self { kind, sources, positions, surface, graph: Late::default(), facets, excluded })
+        let (graph, leaving, bounds) = (Late::default(), Leaving::default(), Late::default());
+        Ok(Self { kind, sources, positions, surface, graph, leaving, bounds, facets, excluded })
     }
 }
 

@@ -86,7 +86,7 @@ pub(super) struct Plane {
 }
 
 /// All facets of a hull.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct FacetLayer {
     pub(super) tolerance: f64,
     pub(super) planes: Vec<Plane>,
@@ -107,38 +107,17 @@ impl FacetLayer {
         let largest = positions.iter().fold(0.0f64, |m, p| m.max(p.abs().max_element()));
         let tolerance = flatness.max(0.0) * largest;
         let shapes = Shapes::new(positions, surface, tolerance);
-        let mut growth = Growth::new(positions, surface, graph, tolerance, shapes);
+        let bounds = Aabb::of_points(positions.iter().copied());
+        let none = vec![UNASSIGNED; surface.triangles.len()];
+        let mut growth =
+            Growth::new(positions, surface, graph, tolerance, shapes, none, Vec::new(), &bounds);
         if kind == HullKind::Polygon {
             growth.take_both_sides();
         } else {
-            growth.run();
+            growth.run(0..surface.triangles.len() as u32);
         }
         let Growth { facet_of, planes, .. } = growth;
         Self::assemble(tolerance, positions, surface, facet_of, planes)
-    }
-
-    /// The facets of a surface that follows the one before, within the same box: `before` names for each
-    /// triangle the one that it was, `fresh` lists the places of new vertices. Facets around which
-    /// nothing is new keep their planes. Returns also what has become of each facet before, and how
-    /// many triangles were not kept.
-    pub(super) fn followed(
-        &self,
-        before: &[u32],
-        positions: &[DVec3],
-        surface: &Surface,
-        graph: &SupportGraph,
-        fresh: &[DVec3],
-    ) -> (Self, Vec<u32>, usize) {
-        let shapes = Shapes::blank(surface.triangles.len());
-        let mut growth = Growth::new(positions, surface, graph, self.tolerance, shapes);
-        let map = growth.keep(self, before, fresh);
-        let is_left = |t: &u32| growth.facet_of[*t as usize] == UNASSIGNED;
-        let left: Vec<u32> = (0..surface.triangles.len() as u32).filter(is_left).collect();
-        growth.triangles.look_at(positions, surface, self.tolerance, &left);
-        let measured = left.len();
-        growth.run();
-        let Growth { facet_of, planes, .. } = growth;
-        (Self::assemble(self.tolerance, positions, surface, facet_of, planes), map, measured)
     }
 
     fn assemble(
@@ -171,29 +150,31 @@ impl FacetLayer {
     }
 }
 
-struct Growth<'a> {
+pub(super) struct Growth<'a> {
     positions: &'a [DVec3],
     surface: &'a Surface,
     graph: &'a SupportGraph,
     tolerance: f64,
     extent: DVec3,
     triangles: Shapes,
-    facet_of: Vec<u32>,
-    planes: Vec<Plane>,
+    pub(super) facet_of: Vec<u32>,
+    pub(super) planes: Vec<Plane>,
     round: u32,
     face_round: Vec<u32>,
     vertex_round: Vec<u32>,
 }
 
 impl<'a> Growth<'a> {
-    fn new(
+    pub(super) fn new(
         positions: &'a [DVec3],
         surface: &'a Surface,
         graph: &'a SupportGraph,
         tolerance: f64,
         triangles: Shapes,
+        facet_of: Vec<u32>,
+        planes: Vec<Plane>,
+        bounds: &Aabb,
     ) -> Self {
-        let bounds = Aabb::of_points(positions.iter().copied());
         Self {
             positions,
             surface,
@@ -201,8 +182,8 @@ impl<'a> Growth<'a> {
             tolerance,
             extent: bounds.max - bounds.min,
             triangles,
-            facet_of: vec![UNASSIGNED; surface.triangles.len()],
-            planes: Vec::new(),
+            facet_of,
+            planes,
             round: 0,
             face_round: vec![0; surface.triangles.len()],
             vertex_round: vec![0; positions.len()],
@@ -227,55 +208,10 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Takes over the facets of the layer before that nothing new touches; returns where they are now.
-    fn keep(&mut self, old: &FacetLayer, before: &[u32], fresh: &[DVec3]) -> Vec<u32> {
-        let mut is_disturbed = vec![false; self.positions.len()];
-        for (corners, _) in
-            self.surface.triangles.iter().zip(before).filter(|&(_, &b)| b == UNASSIGNED)
-        {
-            corners.iter().for_each(|&v| is_disturbed[v as usize] = true);
-        }
-        let mut left = vec![0; old.len()];
-        for (corners, &b) in self.surface.triangles.iter().zip(before) {
-            if b != UNASSIGNED && !corners.iter().any(|&v| is_disturbed[v as usize]) {
-                left[old.facet_of[b as usize] as usize] += 1;
-            }
-        }
-        let around = Aabb::of_points(fresh.iter().copied());
-        let is_kept = |facet: usize| {
-            let row = old.triangle_starts[facet + 1] - old.triangle_starts[facet];
-            left[facet] == row && self.holds_beneath(&old.planes[facet], &around, fresh)
-        };
-        let kept: Vec<bool> = (0..old.len()).map(is_kept).collect();
-        let mut map = vec![UNASSIGNED; old.len()];
-        for (t, &b) in before.iter().enumerate().filter(|&(_, &b)| b != UNASSIGNED) {
-            let facet = old.facet_of[b as usize] as usize;
-            if kept[facet] {
-                if map[facet] == UNASSIGNED {
-                    map[facet] = self.planes.len() as u32;
-                    self.planes.push(old.planes[facet]);
-                }
-                self.facet_of[t] = map[facet];
-            }
-        }
-        map
-    }
-
-    /// Whether new vertices, which lie in a box, are certainly below a plane.
-    fn holds_beneath(&self, plane: &Plane, around: &Aabb, fresh: &[DVec3]) -> bool {
-        let most = plane.offset - self.graph.rounding(plane.normal);
-        let highest = (plane.normal * around.min).max(plane.normal * around.max);
-        // Sums and products round monotonically: no height is above that of the box.
-        highest.x + highest.y + highest.z <= most
-            || fresh.iter().all(|&p| plane.normal.dot(p) <= most)
-    }
-
-    fn run(&mut self) {
+    /// Makes facets of some triangles, ascending.
+    pub(super) fn run(&mut self, left: impl Iterator<Item = u32>) {
         let mut seeds = Vec::new();
-        for t in 0..self.surface.triangles.len() as u32 {
-            if self.facet_of[t as usize] != UNASSIGNED {
-                continue;
-            }
+        for t in left {
             if self.triangles.is_apart(self.surface, t) {
                 let plane = self.plane_of_one(t, self.normal_of(t));
                 self.take(&[t], plane);

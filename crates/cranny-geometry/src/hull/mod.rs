@@ -31,8 +31,10 @@
 mod codec;
 mod convexity;
 mod facets;
+mod facets_update;
 mod locate;
 mod measures;
+mod numbering;
 mod outline;
 mod quickhull;
 mod repair;
@@ -53,10 +55,10 @@ use crate::late::Late;
 use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};
 pub use locate::Location;
-use quickhull::Surface;
+use quickhull::{Surface, previous};
 use span::{Projection, Span};
 use support::SupportGraph;
-pub(crate) use update::{Followed, GONE};
+pub(crate) use update::{FacetChange, Followed};
 pub use validate::HullViolation;
 
 /// A vertex of a hull, numbered from 0 in the order of the input points.
@@ -146,14 +148,29 @@ pub struct ConvexHull {
     surface: Surface,
     /// Made of positions and surface: `graph()`.
     graph: Late<SupportGraph>,
+    /// A half-edge that starts at each vertex; made of the surface when somebody asks for it.
+    leaving: Leaving,
+    /// Made of positions.
+    bounds: Late<Aabb>,
     facets: FacetLayer,
     excluded: Vec<VertexId>,
+}
+
+/// A half-edge for each vertex that starts there, whichever.
+#[derive(Clone, Default)]
+struct Leaving(Late<Vec<u32>>);
+
+/// Which half-edges these are means nothing, so it is not shown.
+impl std::fmt::Debug for Leaving {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str("Leaving")
+    }
 }
 
 /// The graph follows from the rest.
 impl PartialEq for ConvexHull {
     fn eq(&self, other: &Self) -> bool {
-        let Self { kind, sources, positions, surface, graph: _, facets, excluded } = self;
+        let Self { kind, sources, positions, surface, facets, excluded, .. } = self;
         *kind == other.kind
             && *sources == other.sources
             && *positions == other.positions
@@ -257,6 +274,8 @@ impl ConvexHull {
             positions,
             surface,
             graph: Late::made(graph),
+            leaving: Leaving::default(),
+            bounds: Late::default(),
             facets,
             excluded: Vec::new(),
         }
@@ -401,7 +420,7 @@ impl ConvexHull {
     /// The box of the hull (exact).
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        Aabb::of_points(self.positions.iter().copied())
+        *self.bounds.get(|| Aabb::of_points(self.positions.iter().copied()))
     }
 
     /// Input points that took no part, being outside the domain.
@@ -432,9 +451,35 @@ impl ConvexHull {
         self.graph.get(|| SupportGraph::new(&self.positions, &self.surface))
     }
 
+    /// The triangle with these corners, in this order but from any of them on, if there is one. Looks at the
+    /// triangles around the corner that has the fewest.
+    pub(crate) fn triangle_of(&self, corners: [VertexId; 3]) -> Option<usize> {
+        let [a, b, c] = corners.map(|v| self.vertex_of_source(v).map(|v| v.0));
+        let (a, b, c) = (a?, b?, c?);
+        let leaving = self.leaving.0.get(|| self.surface.leaving(self.positions.len()));
+        // Side by side, so that the one with the fewest ends it.
+        let around = |v: u32| self.surface.spokes(leaving[v as usize]);
+        let at_once = around(a).zip(around(b)).zip(around(c));
+        let found = |h: u32, second: u32, third: u32| {
+            (self.surface.ends(h)[1] == second && self.surface.origin(previous(h)) == third)
+                .then_some(h as usize / 3)
+        };
+        at_once
+            .into_iter()
+            .find_map(|((p, q), r)| found(p, b, c).or(found(q, c, a)).or(found(r, a, b)))
+    }
+
+    /// The triangles around a vertex.
+    pub(crate) fn triangles_at(&self, vertex: HullVertexId) -> impl Iterator<Item = usize> + '_ {
+        let leaving = self.leaving.0.get(|| self.surface.leaving(self.positions.len()));
+        self.surface.spokes(leaving[vertex.index()]).map(|h| h as usize / 3)
+    }
+
     /// Makes what a hull that was read makes late.
     pub(crate) fn prepare_all(&self) {
         self.graph();
+        self.leaving.0.get(|| self.surface.leaving(self.positions.len()));
+        let _ = self.bounds();
     }
 }
 

@@ -7,11 +7,15 @@
 //! Cost: O(n) for the loops; for a chain of k edges O(k log k) as a rule and O(k²) at worst, as for Douglas and
 //! Peucker.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use cranny_exact::DVec3;
 
 use super::HullVertexId;
 use super::facets::FacetId;
+use super::numbering::Numbering;
 use super::quickhull::{Surface, next};
+use crate::rows::{overwritten, replaced};
 
 /// Corners and neighbours of all facets, in compressed rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,13 +42,12 @@ impl Outlines {
             loops.simplify(facet, surface, positions, tolerance, &mut is_corner);
         }
         // A facet as thin as the tolerance may have lost its width: it keeps its whole outline.
-        for facet in 0..facets {
-            let (_, outline) = loops.of(facet);
-            if outline.iter().filter(|&&v| is_corner[v as usize]).count() < 3 {
-                for &v in outline {
-                    is_corner[v as usize] = true;
-                }
-            }
+        let has_few = |facet: &usize| {
+            loops.of(*facet).1.iter().filter(|&&v| is_corner[v as usize]).count() < 3
+        };
+        let thin: Vec<usize> = (0..facets).filter(has_few).collect();
+        for &v in thin.into_iter().flat_map(|facet| loops.of(facet).1) {
+            is_corner[v as usize] = true;
         }
         let most = loops.vertices.len();
         let mut outlines = Self {
@@ -66,9 +69,115 @@ impl Outlines {
         outlines
     }
 
+    /// The outlines of facets that follow those before, `fresh` of which are new or have another number.
+    ///
+    /// Whether a vertex is a corner depends on the facets that meet there, on the chain that it lies on, whose ends
+    /// depend on the same, and on whether one of its facets is thin, which depends on the corners of that. So other
+    /// outlines than before have the facets that share a vertex with one that shares a vertex with a new one, at most.
+    pub(super) fn followed(
+        self,
+        region: &Region<'_>,
+        numbering: &Numbering,
+        fresh: &[u32],
+    ) -> Self {
+        let beside = region.around(&region.around(&fresh.iter().copied().collect()));
+        let outlines: BTreeMap<u32, Outline> =
+            region.around(&beside).into_iter().map(|f| (f, region.outline(f))).collect();
+        let thin = outlines.values().filter(|o| o.is_corner.iter().filter(|c| **c).count() < 3);
+        let whole: BTreeSet<u32> = thin.flat_map(|o| o.vertices.iter().copied()).collect();
+        let (mut corners, mut neighbours) = (BTreeMap::new(), BTreeMap::new());
+        for (&facet, outline) in outlines.iter().filter(|(f, _)| beside.contains(f)) {
+            let Outline { half_edges, vertices, is_corner } = outline;
+            let all = half_edges.iter().zip(vertices).zip(is_corner);
+            let kept = all.filter(|((_, v), is_corner)| **is_corner || whole.contains(v));
+            let (own, facets) = kept
+                .map(|((&h, &v), _)| {
+                    (HullVertexId(v), FacetId(across(region.surface, region.facet_of, h)))
+                })
+                .unzip();
+            corners.insert(facet, own);
+            neighbours.insert(facet, facets);
+        }
+        let count = region.rows[0].len() - 1;
+        if numbering.is_same() {
+            let (_, corners) = overwritten(self.starts.clone(), self.corners, count, &corners);
+            let (starts, neighbours) =
+                overwritten(self.starts, self.neighbours, count, &neighbours);
+            return Self { starts, corners, neighbours };
+        }
+        let map = |v: HullVertexId| HullVertexId(numbering.of_vertex(v.0));
+        let (_, corners) = replaced(&self.starts, &self.corners, count, &corners, map);
+        let (starts, neighbours) = overwritten(self.starts, self.neighbours, count, &neighbours);
+        Self { starts, corners, neighbours }
+    }
+
     pub(super) fn of(&self, facet: FacetId) -> (&[HullVertexId], &[FacetId]) {
         let row = self.starts[facet.index()] as usize..self.starts[facet.index() + 1] as usize;
         (&self.corners[row.clone()], &self.neighbours[row])
+    }
+}
+
+/// A surface with facets, of which some are looked at.
+pub(super) struct Region<'a> {
+    pub(super) positions: &'a [DVec3],
+    pub(super) surface: &'a Surface,
+    /// A half-edge that starts at each vertex.
+    pub(super) leaving: &'a [u32],
+    pub(super) facet_of: &'a [u32],
+    /// The triangles of each facet, in compressed rows.
+    pub(super) rows: [&'a [u32]; 2],
+    pub(super) tolerance: f64,
+}
+
+/// The whole outline of a facet.
+struct Outline {
+    half_edges: Vec<u32>,
+    /// Where each of them begins.
+    vertices: Vec<u32>,
+    /// Whether that is a corner, be the facet thin or not.
+    is_corner: Vec<bool>,
+}
+
+impl Region<'_> {
+    fn triangles(&self, facet: u32) -> &[u32] {
+        let [starts, triangles] = self.rows;
+        &triangles[starts[facet as usize] as usize..starts[facet as usize + 1] as usize]
+    }
+
+    /// Some facets and all that share a vertex with one of them.
+    fn around(&self, facets: &BTreeSet<u32>) -> BTreeSet<u32> {
+        let triangles = facets.iter().flat_map(|&f| self.triangles(f));
+        let corners: BTreeSet<u32> =
+            triangles.flat_map(|&t| self.surface.triangles[t as usize]).collect();
+        let spokes = corners.iter().flat_map(|&v| self.surface.spokes(self.leaving[v as usize]));
+        spokes.map(|h| self.facet_of[h as usize / 3]).collect()
+    }
+
+    fn outline(&self, facet: u32) -> Outline {
+        let (mut half_edges, mut vertices) = (Vec::new(), Vec::new());
+        walk(self.surface, self.facet_of, self.triangles(facet), &mut half_edges, &mut vertices);
+        let mut is_corner: Vec<bool> = vertices.iter().map(|&v| self.is_meeting_point(v)).collect();
+        let mut corners = BTreeSet::new();
+        let chains = chains(&vertices, |i| is_corner[i]);
+        if !is_corner.contains(&true) {
+            corners.extend(chains.first().map(|chain| chain.vertices[0]));
+        }
+        for chain in chains {
+            keep_bends(&chain.vertices, self.positions, self.tolerance, |v| {
+                corners.insert(v);
+            });
+        }
+        for (v, is_corner) in vertices.iter().zip(&mut is_corner) {
+            *is_corner |= corners.contains(v);
+        }
+        Outline { half_edges, vertices, is_corner }
+    }
+
+    /// Whether three or more facets meet at a vertex.
+    fn is_meeting_point(&self, v: u32) -> bool {
+        let facet = |h: u32| self.facet_of[h as usize / 3];
+        let between = |h: &u32| facet(*h) != across(self.surface, self.facet_of, *h);
+        self.surface.spokes(self.leaving[v as usize]).filter(between).nth(2).is_some()
     }
 }
 
@@ -94,7 +203,6 @@ impl<'a> Loops<'a> {
         facet_of: &'a [u32],
         facets: impl ExactSizeIterator<Item = &'t [u32]>,
     ) -> Self {
-        let is_boundary = |h: u32| facet_of[h as usize / 3] != across(surface, facet_of, h);
         let most = surface.twins.len();
         let mut loops = Self {
             facet_of,
@@ -111,20 +219,7 @@ impl<'a> Loops<'a> {
                 loops.starts.push(loops.half_edges.len() as u32);
                 continue;
             }
-            let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-            let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
-            let mut h = start;
-            while h != u32::MAX {
-                loops.half_edges.push(h);
-                loops.vertices.push(surface.origin(h));
-                h = next(h);
-                while !is_boundary(h) {
-                    h = next(surface.twins[h as usize]);
-                }
-                if h == start {
-                    break;
-                }
-            }
+            walk(surface, facet_of, triangles, &mut loops.half_edges, &mut loops.vertices);
             loops.starts.push(loops.half_edges.len() as u32);
         }
         loops
@@ -158,27 +253,79 @@ impl<'a> Loops<'a> {
         if vertices.iter().all(|&v| is_corner[v as usize]) {
             return;
         }
-        let mut anchors: Vec<usize> =
-            (0..vertices.len()).filter(|&i| is_corner[vertices[i] as usize]).collect();
-        if anchors.is_empty() {
-            // Two facets alone meet along a closed chain: it starts at its lowest vertex.
-            let Some(lowest) = (0..vertices.len()).min_by_key(|&i| vertices[i]) else { return };
-            is_corner[vertices[lowest] as usize] = true;
-            anchors.push(lowest);
+        let chains = chains(vertices, |i| is_corner[vertices[i] as usize]);
+        if !vertices.iter().any(|&v| is_corner[v as usize]) {
+            // A closed chain.
+            chains.iter().for_each(|chain| is_corner[chain.vertices[0] as usize] = true);
         }
-        for (i, &from) in anchors.iter().enumerate() {
-            if across(surface, self.facet_of, outline[from]) as usize > facet {
-                let to = anchors.get(i + 1).copied().unwrap_or(anchors[0] + vertices.len());
-                let chain: Vec<u32> = (from..=to).map(|k| vertices[k % vertices.len()]).collect();
-                keep_bends(&chain, positions, tolerance, is_corner);
+        for Chain { first, vertices } in chains {
+            if across(surface, self.facet_of, outline[first]) as usize > facet {
+                keep_bends(&vertices, positions, tolerance, |v| is_corner[v as usize] = true);
             }
+        }
+    }
+}
+
+/// A part of an outline between two corners.
+struct Chain {
+    /// Where in the outline its first edge stands.
+    first: usize,
+    /// From the end with the lower vertex, whichever way the outline runs: so both facets beside it see the same.
+    vertices: Vec<u32>,
+}
+
+/// The chains of an outline that have vertices between their ends; one that is closed, if the outline has no corner,
+/// starts at its lowest vertex.
+fn chains(outline: &[u32], is_corner: impl Fn(usize) -> bool) -> Vec<Chain> {
+    let count = outline.len();
+    let mut anchors: Vec<usize> = (0..count).filter(|&i| is_corner(i)).collect();
+    if anchors.is_empty() {
+        anchors.extend((0..count).min_by_key(|&i| outline[i]));
+    }
+    let mut chains = Vec::new();
+    for (i, &first) in anchors.iter().enumerate() {
+        let to = anchors.get(i + 1).copied().unwrap_or(anchors[0] + count);
+        if to == first + 1 {
+            continue;
+        }
+        let mut vertices: Vec<u32> = (first..=to).map(|k| outline[k % count]).collect();
+        let ends = [[vertices[0], vertices[1]], [outline[to % count], outline[(to - 1) % count]]];
+        if ends[1] < ends[0] {
+            vertices.reverse();
+        }
+        chains.push(Chain { first, vertices });
+    }
+    chains
+}
+
+/// Appends the half-edges around a facet of some triangles, and where each begins.
+fn walk(
+    surface: &Surface,
+    facet_of: &[u32],
+    triangles: &[u32],
+    half_edges: &mut Vec<u32>,
+    vertices: &mut Vec<u32>,
+) {
+    let is_boundary = |h: u32| facet_of[h as usize / 3] != across(surface, facet_of, h);
+    let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
+    let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
+    let mut h = start;
+    while h != u32::MAX {
+        half_edges.push(h);
+        vertices.push(surface.origin(h));
+        h = next(h);
+        while !is_boundary(h) {
+            h = next(surface.twins[h as usize]);
+        }
+        if h == start {
+            break;
         }
     }
 }
 
 /// Douglas and Peucker: marks vertices so that every other lies within the tolerance of the segment
 /// between the marked ones beside it. The ends are taken as marked.
-fn keep_bends(chain: &[u32], positions: &[DVec3], tolerance: f64, is_corner: &mut [bool]) {
+fn keep_bends(chain: &[u32], positions: &[DVec3], tolerance: f64, mut mark: impl FnMut(u32)) {
     let at = |i: usize| positions[chain[i] as usize];
     let mut pieces = vec![(0, chain.len() - 1)];
     while let Some((from, to)) = pieces.pop() {
@@ -190,7 +337,7 @@ fn keep_bends(chain: &[u32], positions: &[DVec3], tolerance: f64, is_corner: &mu
             }
         }
         if let (_, Some(i)) = bend {
-            is_corner[chain[i] as usize] = true;
+            mark(chain[i]);
             pieces.extend([(from, i), (i, to)]);
         }
     }

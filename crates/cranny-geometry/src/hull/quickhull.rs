@@ -150,6 +150,24 @@ impl Surface {
         self.triangles.as_flattened()[half_edge as usize]
     }
 
+    /// For each of so many vertices a half-edge that starts there.
+    pub(super) fn leaving(&self, vertices: usize) -> Vec<u32> {
+        let mut leaving = vec![NONE; vertices];
+        for (h, &v) in (0..).zip(self.triangles.as_flattened()) {
+            leaving[v as usize] = h;
+        }
+        leaving
+    }
+
+    /// The half-edges that leave a vertex, from one of them on.
+    pub(super) fn spokes(&self, first: u32) -> impl Iterator<Item = u32> + '_ {
+        let around = move |&h: &u32| {
+            let next = self.twins[previous(h) as usize];
+            (next != first).then_some(next)
+        };
+        std::iter::successors(Some(first), around)
+    }
+
     /// Start and end of a half-edge.
     pub(super) fn ends(&self, half_edge: u32) -> [u32; 2] {
         [self.origin(half_edge), self.origin(next(half_edge))]

@@ -24,16 +24,25 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{Aabb, DVec3, Sign, orient3d};
 
+use super::ConvexHull;
+use super::numbering::Numbering;
 use super::quickhull::{Surface, hull_of_some, next, previous};
 use super::span::{Projection, Span, collinear, planar_hull, span_of};
+use crate::ids::VertexId;
+use crate::rows::closing_ranks;
 
 const NONE: u32 = u32::MAX;
 
-/// A hull in the making, over indices of points.
+/// A hull in the making. Vertices of the hull before keep their numbers, and their places even where they have moved;
+/// whatever comes in, moved points among them, gets a number behind these.
 pub(super) struct Repair<'a> {
     points: &'a [DVec3],
-    /// Old places of moved points that are still vertices.
-    old: BTreeMap<u32, DVec3>,
+    sources: Vec<VertexId>,
+    positions: Vec<DVec3>,
+    /// Number of vertices before.
+    known: usize,
+    /// The numbers of points that were no vertices.
+    extra: BTreeMap<u32, u32>,
     triangles: Vec<[u32; 3]>,
     twins: Vec<u32>,
     /// A half-edge that starts at a vertex; `NONE` for points that are none.
@@ -42,34 +51,50 @@ pub(super) struct Repair<'a> {
     middle: DVec3,
     /// Triangles from this one on are new.
     first_new: u32,
+    /// Triangles that are gone, and what their corners were.
+    dead: Vec<(u32, [u32; 3])>,
 }
 
-/// A surface, and which triangle of the one before each of its triangles was; `NONE` of new ones.
+/// A surface that follows another one. Triangles that are there still have the numbers that they had, but for those
+/// that fill gaps.
 pub(super) struct Repaired {
+    pub(super) sources: Vec<VertexId>,
+    pub(super) positions: Vec<DVec3>,
     pub(super) surface: Surface,
-    pub(super) before: Vec<u32>,
+    pub(super) leaving: Vec<u32>,
+    pub(super) numbering: Numbering,
+    /// Vertices that have moved or come.
+    pub(super) new: Vec<u32>,
+    /// Triangles that are new, by their numbers now, ascending.
+    pub(super) fresh: Vec<u32>,
+    /// Triangles that are gone, by their numbers before, ascending.
+    pub(super) dead: Vec<u32>,
+    /// Triangles that have another number, before and now.
+    pub(super) moved: BTreeMap<u32, u32>,
 }
 
 impl<'a> Repair<'a> {
-    /// Of a surface over indices of `points`, `old` naming the places that vertices of it had, `middle` a point
-    /// certainly inside.
-    pub(super) fn new(
-        points: &'a [DVec3],
-        old: BTreeMap<u32, DVec3>,
-        surface: Surface,
-        middle: DVec3,
-    ) -> Self {
-        let mut leaving = vec![NONE; points.len()];
-        for h in 0..surface.twins.len() as u32 {
-            leaving[surface.origin(h) as usize] = h;
+    /// Of the surface of a hull whose points are now at `points`, `middle` a point certainly inside it.
+    pub(super) fn new(points: &'a [DVec3], hull: ConvexHull, middle: DVec3) -> Self {
+        let leaving = hull.leaving.0.into_made(|| hull.surface.leaving(hull.positions.len()));
+        let Surface { triangles, twins } = hull.surface;
+        Self {
+            points,
+            known: hull.sources.len(),
+            sources: hull.sources,
+            positions: hull.positions,
+            extra: BTreeMap::new(),
+            first_new: triangles.len() as u32,
+            triangles,
+            twins,
+            leaving,
+            middle,
+            dead: Vec::new(),
         }
-        let first_new = surface.triangles.len() as u32;
-        let Surface { triangles, twins } = surface;
-        Self { points, old, triangles, twins, leaving, middle, first_new }
     }
 
     fn at(&self, v: u32) -> DVec3 {
-        self.old.get(&v).copied().unwrap_or(self.points[v as usize])
+        self.positions[v as usize]
     }
 
     fn side_of(&self, triangle: [u32; 3], p: DVec3) -> Sign {
@@ -85,13 +110,29 @@ impl<'a> Repair<'a> {
         self.triangles[h as usize / 3][h as usize % 3]
     }
 
-    /// Whether a point is a vertex.
-    pub(super) fn is_vertex(&self, v: u32) -> bool {
-        self.leaving[v as usize] != NONE
+    /// The number of a vertex that the hull before had.
+    pub(super) fn known(&self, point: VertexId) -> Option<u32> {
+        self.sources[..self.known].binary_search(&point).ok().map(|i| i as u32)
     }
 
-    /// Takes a vertex out; `near` tells the points that may come out, which lie in a box: no moved ones.
-    /// `None` where the hole cannot be filled.
+    /// The number of a point, which has one now.
+    fn entered(&mut self, point: u32) -> u32 {
+        let (number, place) = (self.sources.len() as u32, self.points[point as usize]);
+        *self.extra.entry(point).or_insert_with(|| {
+            self.sources.push(VertexId(point));
+            self.positions.push(place);
+            self.leaving.push(NONE);
+            number
+        })
+    }
+
+    fn kill(&mut self, t: u32) {
+        let corners = std::mem::replace(&mut self.triangles[t as usize], [NONE; 3]);
+        self.dead.push((t, corners));
+    }
+
+    /// Takes a vertex of the hull before out; `near` tells the points that may come out, which lie in a box: no moved
+    /// ones. `None` where the hole cannot be filled.
     pub(super) fn take_out(&mut self, d: u32, near: impl Fn(&Aabb) -> Vec<u32>) -> Option<()> {
         let spokes = self.spokes(d);
         let place = self.at(d);
@@ -105,9 +146,18 @@ impl<'a> Repair<'a> {
             .collect();
         let corners = link.iter().map(|&(from, ..)| self.at(from));
         let bounds = Aabb::of_points(corners.chain([place]));
-        let mut some: BTreeSet<u32> = link.iter().map(|l| l.0).collect();
-        some.extend(near(&bounds).into_iter().filter(|&v| v != d && !self.is_vertex(v)));
-        let some: Vec<u32> = some.into_iter().collect();
+        let mut some: Vec<u32> = link.iter().map(|l| l.0).collect();
+        for v in near(&bounds) {
+            let number = match self.known(VertexId(v)) {
+                Some(number) => number,
+                None => self.entered(v),
+            };
+            if number != d && self.leaving[number as usize] == NONE {
+                some.push(number);
+            }
+        }
+        some.sort_unstable_by_key(|&v| self.sources[v as usize]);
+        some.dedup();
         let places: Vec<DVec3> = some.iter().map(|&v| self.at(v)).collect();
         let filling = match span_of(&places) {
             Span::Space(_) => self.seen_from(place, &some, &places)?,
@@ -119,10 +169,9 @@ impl<'a> Repair<'a> {
             _ => return None,
         };
         for &h in &spokes {
-            self.triangles[h as usize / 3] = [NONE; 3];
+            self.kill(h / 3);
         }
         self.leaving[d as usize] = NONE;
-        self.old.remove(&d);
         self.fill(&link, &filling)
     }
 
@@ -180,14 +229,16 @@ impl<'a> Repair<'a> {
     /// Puts a point in at its new place, if it is outside; `start` is a triangle to walk from. Returns one
     /// to walk from next, or `None` where the point lies in the place of a vertex that it would have to
     /// replace.
-    pub(super) fn put_in(&mut self, v: u32, start: Option<u32>) -> Option<u32> {
-        let p = self.points[v as usize];
+    pub(super) fn put_in(&mut self, point: u32, start: Option<u32>) -> Option<u32> {
+        let p = self.points[point as usize];
         let seen = self.triangle_towards(p, start)?;
         let corners = self.triangles[seen as usize];
         if self.side_of(corners, p) != Sign::Positive {
             let same = corners.into_iter().find(|&c| self.at(c) == p);
-            return same.is_none_or(|c| c < v).then_some(seen);
+            let is_first = |c: u32| self.sources[c as usize].0 < point;
+            return same.is_none_or(is_first).then_some(seen);
         }
+        let v = self.entered(point);
         let mut visible = BTreeSet::from([seen]);
         let mut front = vec![seen];
         let mut horizon = Vec::new();
@@ -212,9 +263,10 @@ impl<'a> Repair<'a> {
             }
         }
         for &t in &visible {
-            for corner in std::mem::replace(&mut self.triangles[t as usize], [NONE; 3]) {
+            for corner in self.triangles[t as usize] {
                 self.leaving[corner as usize] = NONE;
             }
+            self.kill(t);
         }
         // What is left of the vertices lies on the horizon.
         for &(_, to, beyond) in &horizon {
@@ -256,46 +308,119 @@ impl<'a> Repair<'a> {
     }
 
     /// The surface, where all that is new is sound; its vertices are exactly the extreme points.
-    pub(super) fn finish(self) -> Option<Repaired> {
-        let touched: BTreeSet<u32> = (self.first_new..self.triangles.len() as u32)
-            .filter(|&t| self.is_alive(t))
-            .flat_map(|t| self.triangles[t as usize])
-            .collect();
-        for &v in &touched {
+    pub(super) fn finish(mut self) -> Option<Repaired> {
+        let alive: Vec<u32> =
+            (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect();
+        if !self.is_sound(&alive) {
+            return None;
+        }
+        let mut dead: Vec<u32> = self.dead.iter().map(|d| d.0).collect();
+        dead.retain(|&t| t < self.first_new);
+        dead.sort_unstable();
+        let moves = closing_ranks(self.first_new, &dead, &alive);
+        self.close_ranks(&moves, self.first_new as usize + alive.len() - dead.len());
+        let (made, old): (Vec<_>, Vec<_>) =
+            moves.into_iter().partition(|&(from, _)| from >= self.first_new);
+        let mut fresh: Vec<u32> = made.into_iter().map(|(_, to)| to).collect();
+        fresh.sort_unstable();
+        let (numbering, new) = self.number(&fresh);
+        let surface = Surface { triangles: self.triangles, twins: self.twins };
+        Some(Repaired {
+            sources: self.sources,
+            positions: self.positions,
+            surface,
+            leaving: self.leaving,
+            numbering,
+            new,
+            fresh,
+            dead,
+            moved: old.into_iter().collect(),
+        })
+    }
+
+    /// Whether new triangles have an area, and around their corners every edge is convex or flat and every vertex
+    /// extreme.
+    fn is_sound(&self, new: &[u32]) -> bool {
+        let touched: BTreeSet<u32> = new.iter().flat_map(|&t| self.triangles[t as usize]).collect();
+        let is_extreme = |&v: &u32| {
             let mut convex = 0;
             for h in self.spokes(v) {
                 let apex = self.origin(previous(self.twins[h as usize]));
                 match self.side_of(self.triangles[h as usize / 3], self.at(apex)) {
-                    Sign::Positive => return None,
+                    Sign::Positive => return false,
                     Sign::Negative => convex += 1,
                     Sign::Zero => {}
                 }
             }
-            if convex < 3 {
-                return None;
-            }
-        }
-        let alive: Vec<u32> =
-            (0..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect();
-        let flat = |t: u32| {
+            convex >= 3
+        };
+        let is_flat = |&t: &u32| {
             let [a, b, c] = self.triangles[t as usize].map(|v| self.at(v));
             collinear(a, b, c)
         };
-        if alive.iter().any(|&t| t >= self.first_new && flat(t)) {
-            return None;
+        touched.iter().all(is_extreme) && !new.iter().any(is_flat)
+    }
+
+    /// Moves triangles to the places of those that are gone; `count` are left.
+    fn close_ranks(&mut self, moves: &[(u32, u32)], count: usize) {
+        let places: BTreeMap<u32, u32> = moves.iter().copied().collect();
+        let moved = |h: u32| places.get(&(h / 3)).map(|to| 3 * to + h % 3);
+        let twins_of = |t: u32| [3 * t, 3 * t + 1, 3 * t + 2].map(|h| self.twins[h as usize]);
+        let contents: Vec<(u32, [u32; 3], [u32; 3])> = moves
+            .iter()
+            .map(|&(from, to)| (to, self.triangles[from as usize], twins_of(from)))
+            .collect();
+        for (to, corners, twins) in contents {
+            self.triangles[to as usize] = corners;
+            for (h, (corner, twin)) in (3 * to..).zip(corners.into_iter().zip(twins)) {
+                let place = moved(twin);
+                self.twins[h as usize] = place.unwrap_or(twin);
+                if place.is_none() {
+                    self.twins[twin as usize] = h;
+                }
+                self.leaving[corner as usize] = h;
+            }
         }
-        let mut number = vec![NONE; self.triangles.len()];
-        for (new, &old) in (0..).zip(&alive) {
-            number[old as usize] = new;
+        self.triangles.truncate(count);
+        self.twins.truncate(3 * count);
+    }
+
+    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which are returned too.
+    fn number(&mut self, fresh: &[u32]) -> (Numbering, Vec<u32>) {
+        let corners = self.dead.iter().flat_map(|&(_, corners)| corners);
+        let is_gone = |v: &u32| (*v as usize) < self.known && self.leaving[*v as usize] == NONE;
+        let mut gone: BTreeSet<u32> = corners.filter(is_gone).collect();
+        let mut come = Vec::new();
+        let mut back = BTreeMap::new();
+        for v in self.known as u32..self.sources.len() as u32 {
+            if self.leaving[v as usize] == NONE {
+                continue;
+            }
+            // A vertex that has moved and is one again.
+            match self.known(self.sources[v as usize]).filter(|old| gone.remove(old)) {
+                Some(old) => {
+                    self.positions[old as usize] = self.positions[v as usize];
+                    self.leaving[old as usize] = self.leaving[v as usize];
+                    back.insert(v, old);
+                }
+                None => come.push(v),
+            }
         }
-        let mut surface = Surface::default();
-        for &t in &alive {
-            surface.triangles.push(self.triangles[t as usize]);
-            let twins = &self.twins[3 * t as usize..3 * t as usize + 3];
-            surface.twins.extend(twins.iter().map(|h| 3 * number[*h as usize / 3] + h % 3));
+        come.sort_unstable_by_key(|&v| self.sources[v as usize]);
+        for corner in fresh.iter().flat_map(|&t| 3 * t..3 * t + 3) {
+            let corner = &mut self.triangles[corner as usize / 3][corner as usize % 3];
+            *corner = back.get(corner).copied().unwrap_or(*corner);
         }
-        let before = alive.into_iter().map(|t| if t < self.first_new { t } else { NONE }).collect();
-        Some(Repaired { surface, before })
+        let numbering = Numbering::of(&self.sources, self.known, &gone, &come);
+        if !numbering.is_same() {
+            numbering.apply(&mut self.triangles);
+        }
+        self.sources = numbering.arranged(std::mem::take(&mut self.sources));
+        self.positions = numbering.arranged(std::mem::take(&mut self.positions));
+        self.leaving = numbering.arranged(std::mem::take(&mut self.leaving));
+        let new = come.into_iter().chain(back.into_values());
+        let new = new.map(|v| numbering.of_vertex(v)).collect();
+        (numbering, new)
     }
 }
 

@@ -9,6 +9,8 @@ use super::quickhull::{Surface, previous};
 
 /// What merging asks of each triangle.
 pub(super) struct Shapes {
+    /// The triangles that were looked at, ascending, where these are not all; an entry that says nothing comes first.
+    some: Option<Vec<u32>>,
     /// Twice the area vector.
     area_vectors: Vec<DVec3>,
     /// Twice the area.
@@ -24,6 +26,7 @@ impl Shapes {
     pub(super) fn new(positions: &[DVec3], surface: &Surface, tolerance: f64) -> Self {
         let count = surface.triangles.len();
         let mut shapes = Self {
+            some: None,
             area_vectors: Vec::with_capacity(count),
             areas: Vec::with_capacity(count),
             needles: Vec::with_capacity(count),
@@ -41,35 +44,43 @@ impl Shapes {
         shapes
     }
 
-    /// Looks at nothing yet.
-    pub(super) fn blank(count: usize) -> Self {
-        Self {
-            area_vectors: vec![DVec3::ZERO; count],
-            areas: vec![0.0; count],
-            needles: vec![false; count],
-            bends: vec![0; count],
-        }
-    }
-
     /// Looks at some triangles, and at those beside them as far as these need it.
-    pub(super) fn look_at(
-        &mut self,
+    pub(super) fn of_some(
         positions: &[DVec3],
         surface: &Surface,
         tolerance: f64,
         triangles: &[u32],
-    ) {
-        for &t in triangles {
-            let beside = (3 * t..3 * t + 3).map(|h| surface.twins[h as usize] / 3);
-            for t in beside.chain([t]).map(|t| t as usize) {
-                let shape = Shape::of(positions, surface.triangles[t], tolerance);
-                self.area_vectors[t] = shape.area_vector;
-                self.areas[t] = shape.area;
-                self.needles[t] = shape.is_needle;
-            }
+    ) -> Self {
+        let beside = |t: u32| (3 * t..3 * t + 3).map(|h| surface.twins[h as usize] / 3);
+        let mut some: Vec<u32> = triangles.iter().flat_map(|&t| beside(t).chain([t])).collect();
+        some.sort_unstable();
+        some.dedup();
+        let mut shapes = Self {
+            area_vectors: vec![DVec3::ZERO],
+            areas: vec![0.0],
+            needles: vec![false],
+            bends: vec![0; some.len() + 1],
+            some: None,
+        };
+        for &t in &some {
+            let shape = Shape::of(positions, surface.triangles[t as usize], tolerance);
+            shapes.area_vectors.push(shape.area_vector);
+            shapes.areas.push(shape.area);
+            shapes.needles.push(shape.is_needle);
         }
+        shapes.some = Some(some);
         for h in triangles.iter().flat_map(|t| 3 * t..3 * t + 3) {
-            self.bend(positions, surface, tolerance, h);
+            shapes.bend(positions, surface, tolerance, h);
+        }
+        shapes
+    }
+
+    /// Where a triangle stands.
+    #[inline]
+    fn place(&self, t: u32) -> usize {
+        match &self.some {
+            None => t as usize,
+            Some(some) => some.binary_search(&t).map_or(0, |i| i + 1),
         }
     }
 
@@ -80,35 +91,36 @@ impl Shapes {
         let apex = positions[surface.origin(previous(h)) as usize];
         let other = positions[surface.origin(previous(twin)) as usize];
         let is_deep = |h: u32, below: DVec3| {
-            let t = h as usize / 3;
+            let t = self.place(h / 3);
             self.area_vectors[t].dot(below) > tolerance * self.areas[t]
         };
         if is_deep(h, from - other) && is_deep(twin, from - apex) {
-            self.bends[h as usize / 3] |= 1 << (h % 3);
-            self.bends[twin as usize / 3] |= 1 << (twin % 3);
+            let (one, other) = (self.place(h / 3), self.place(twin / 3));
+            self.bends[one] |= 1 << (h % 3);
+            self.bends[other] |= 1 << (twin % 3);
         }
     }
 
     /// Twice the area vector.
     pub(super) fn area_vector(&self, t: u32) -> DVec3 {
-        self.area_vectors[t as usize]
+        self.area_vectors[self.place(t)]
     }
 
     /// Twice the area.
     pub(super) fn area(&self, t: u32) -> f64 {
-        self.areas[t as usize]
+        self.areas[self.place(t)]
     }
 
     /// Whether the least height of the triangle is at most the tolerance.
     pub(super) fn is_needle(&self, t: u32) -> bool {
-        self.needles[t as usize]
+        self.needles[self.place(t)]
     }
 
     /// Whether the triangle bends away from its neighbours so clearly, seen from either side of each
     /// edge, and is itself so far from a needle, as they are, that it is a facet of its own. This
     /// spares most triangles of a smooth hull the growth.
     pub(super) fn is_apart(&self, surface: &Surface, t: u32) -> bool {
-        self.bends[t as usize] == 0b111
+        self.bends[self.place(t)] == 0b111
             && !self.is_needle(t)
             && (3 * t..3 * t + 3).all(|h| !self.is_needle(surface.twins[h as usize] / 3))
     }

@@ -19,10 +19,12 @@
 //! crate's own. O(n) to make the graph; for a query the vertices on the way and the neighbours of each, from an
 //! answer near by a few.
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use super::HullVertexId;
+use super::numbering::Numbering;
 use super::quickhull::Surface;
+use crate::rows::{Piece, joined};
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
 /// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus quadratic,
@@ -74,6 +76,64 @@ impl SupportGraph {
         let reach = positions.iter().fold(DVec3::ZERO, |m, p| m.max(p.abs()));
         let seeds = extremes(positions).map(HullVertexId);
         Self { starts, neighbours, seeds, reach }
+    }
+
+    /// The graph of a surface that follows the one of this graph: rows of `touched`, ascending, are others. `bounds`
+    /// is the box before. Cost: copying, and the triangles around these; a look at all vertices where these are
+    /// numbered anew, the box is another or something is touched at its sides.
+    pub(super) fn followed(
+        &self,
+        positions: &[DVec3],
+        surface: &Surface,
+        leaving: &[u32],
+        numbering: &Numbering,
+        touched: &[u32],
+        bounds: &Aabb,
+        same_box: bool,
+    ) -> Self {
+        let row = |&v: &u32| {
+            let around = surface.spokes(leaving[v as usize]);
+            let mut row: Vec<_> = around.map(|h| HullVertexId(surface.ends(h)[1])).collect();
+            row.sort_unstable();
+            row
+        };
+        let rows: Vec<Vec<HullVertexId>> = touched.iter().map(row).collect();
+        let mut pieces = Vec::new();
+        let mut new = touched.iter().zip(&rows).peekable();
+        let mut first = 0;
+        for run in numbering.runs() {
+            let old = run.range();
+            let end = first + old.len();
+            let before = |v: usize| v - first + old.start;
+            let mut next = first;
+            while let Some((&v, row)) = new.next_if(|(v, _)| (**v as usize) < end) {
+                if next < v as usize {
+                    pieces.push(Piece::Kept(before(next)..before(v as usize)));
+                }
+                pieces.push(Piece::New(row));
+                next = v as usize + 1;
+            }
+            if next < end {
+                pieces.push(Piece::Kept(before(next)..before(end)));
+            }
+            first = end;
+        }
+        let pieces = pieces.into_iter();
+        let (starts, neighbours) = if numbering.is_same() {
+            joined(&self.starts, &self.neighbours, pieces, |v| v)
+        } else {
+            let map = |v: HullVertexId| HullVertexId(numbering.of_vertex(v.0));
+            joined(&self.starts, &self.neighbours, pieces, map)
+        };
+        let at_side = |&v: &u32| {
+            let p = positions[v as usize];
+            (p.cmpeq(bounds.min) | p.cmpeq(bounds.max)).any()
+        };
+        let was_seed = |v: &u32| self.seeds.contains(&HullVertexId(*v));
+        if same_box && numbering.is_same() && !touched.iter().any(|v| at_side(v) || was_seed(v)) {
+            return Self { starts, neighbours, seeds: self.seeds, reach: self.reach };
+        }
+        Self::with_seeds(positions, starts, neighbours)
     }
 
     pub(super) fn neighbours(&self, vertex: HullVertexId) -> &[HullVertexId] {

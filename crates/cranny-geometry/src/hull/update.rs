@@ -8,30 +8,41 @@
 //! Source: that of the repair; to keep planes is this crate's own. It is right because new vertices are held against
 //! each plane that is kept, so it still has every vertex below it. Cost: with the function.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use cranny_exact::{Aabb, DVec3};
 
 use super::facets::FacetLayer;
 use super::repair::{Repair, Repaired};
 use super::support::SupportGraph;
-use super::{ConvexHull, HullKind, Surface};
+use super::{ConvexHull, HullKind, Leaving, Surface};
 use crate::ids::VertexId;
 use crate::late::Late;
-
-/// No facet.
-pub(crate) const GONE: u32 = u32::MAX;
 
 /// A hull that follows another one.
 pub(crate) struct Followed {
     pub(crate) hull: ConvexHull,
-    /// The facet that each facet before has become: the same triangles in the same plane; [`GONE`] where
-    /// there is none.
-    pub(crate) facets: Vec<u32>,
+    pub(crate) facets: FacetChange,
+    /// Triangles that are new or have another number; all, if the surface was built anew.
+    pub(crate) triangles: Vec<u32>,
     /// Number of triangles whose planes were measured.
     pub(crate) measured: usize,
     /// A point certainly in the interior, if one is known.
     pub(crate) inside: Option<DVec3>,
+}
+
+/// Which facets are others. All those that are named in neither list are the same triangles in the same plane, and
+/// have their number.
+#[derive(Default)]
+pub(crate) struct FacetChange {
+    /// Facets before whose number means no facet, or another one; ascending.
+    pub(crate) gone: Vec<u32>,
+    /// Facets now that are new, or have another number; ascending.
+    pub(crate) fresh: Vec<u32>,
+}
+
+impl FacetChange {
+    fn of_all(before: usize, now: usize) -> Self {
+        Self { gone: (0..before as u32).collect(), fresh: (0..now as u32).collect() }
+    }
 }
 
 impl ConvexHull {
@@ -39,82 +50,85 @@ impl ConvexHull {
     /// built. `near` names the points that lie in a box, in any order; `inside` is certainly in the interior of
     /// this hull.
     ///
-    /// Cost: O(m log m) for the m triangles and points around those that moved in or out, and passes of a
-    /// few nanoseconds over all vertices and triangles. O(n log n) where the surface cannot be repaired.
+    /// Cost: O(m log m) for the m triangles and points around those that moved in or out; a look at the plane of each
+    /// facet, and copying. Where vertices come or go, all corners are renamed. O(n log n) where the surface cannot be
+    /// repaired; where the box is another, O(n) for facets.
     pub(crate) fn followed(
-        &self,
+        mut self,
         points: &[DVec3],
         moved: &[VertexId],
         inside: Option<DVec3>,
         flatness: f64,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Followed {
-        let repaired = inside.and_then(|inside| self.repaired(points, moved, inside, near));
-        let Some(Repaired { surface, before }) = repaired else {
+        let before = self.facet_count();
+        let bounds = self.bounds();
+        let kind = HullKind::Volume;
+        let facets = std::mem::take(&mut self.facets);
+        let graph = std::mem::take(&mut self.graph)
+            .into_made(|| SupportGraph::new(&self.positions, &self.surface));
+        let repaired = inside.filter(|_| self.kind == kind);
+        let repaired = repaired.and_then(|inside| self.repaired(points, moved, inside, near));
+        let Some(repaired) = repaired else {
             let hull = Self::with_flatness(points, flatness);
             let (measured, inside) = (hull.triangle_count(), hull.inner_point());
-            return Followed { hull, facets: vec![GONE; self.facet_count()], measured, inside };
+            let facets = FacetChange::of_all(before, hull.facet_count());
+            let triangles = (0..measured as u32).collect();
+            return Followed { hull, facets, triangles, measured, inside };
         };
-        let mut is_vertex = vec![false; points.len()];
-        surface.triangles.iter().flatten().for_each(|&v| is_vertex[v as usize] = true);
-        let vertices: Vec<u32> =
-            (0..points.len() as u32).filter(|&v| is_vertex[v as usize]).collect();
-        let fresh = |v: &&u32| {
-            moved.binary_search(&VertexId(**v)).is_ok()
-                || self.vertex_of_source(VertexId(**v)).is_none()
-        };
-        let fresh: Vec<DVec3> =
-            vertices.iter().filter(fresh).map(|&v| points[v as usize]).collect();
-        let (positions, surface) = renumbered(points, &vertices, surface);
-        let graph = SupportGraph::new(&positions, &surface);
-        let same_box = Aabb::of_points(positions.iter().copied()) == self.bounds();
-        let (facets, map, measured) = if same_box {
-            self.facets.followed(&before, &positions, &surface, &graph, &fresh)
+        let Repaired { positions, surface, leaving, numbering, fresh, .. } = &repaired;
+        let mut touched: Vec<u32> =
+            fresh.iter().flat_map(|&t| surface.triangles[t as usize]).collect();
+        touched.sort_unstable();
+        touched.dedup();
+        let new_bounds = Aabb::of_points(positions.iter().copied());
+        let same_box = new_bounds == bounds;
+        let graph =
+            graph.followed(positions, surface, leaving, numbering, &touched, &bounds, same_box);
+        let (facets, change, measured) = if same_box {
+            facets.followed(&repaired, &touched, &graph, &bounds)
         } else {
-            let kind = HullKind::Volume;
-            let facets = FacetLayer::new(kind, &positions, &surface, &graph, flatness);
-            (facets, vec![GONE; self.facet_count()], surface.triangles.len())
+            let facets = FacetLayer::new(kind, positions, surface, &graph, flatness);
+            let change = FacetChange::of_all(before, facets.len());
+            (facets, change, surface.triangles.len())
         };
+        let Repaired { sources, positions, surface, leaving, fresh, moved, .. } = repaired;
+        let triangles = fresh.into_iter().chain(moved.into_values()).collect();
         let hull = Self {
-            kind: HullKind::Volume,
-            sources: vertices.into_iter().map(VertexId).collect(),
+            kind,
+            sources,
             positions,
             surface,
             graph: Late::made(graph),
+            leaving: Leaving(Late::made(leaving)),
             facets,
+            bounds: Late::made(new_bounds),
             excluded: Vec::new(),
         };
-        Followed { hull, facets: map, measured, inside }
+        Followed { hull, facets: change, triangles, measured, inside }
     }
 
     fn repaired(
-        &self,
+        self,
         points: &[DVec3],
         moved: &[VertexId],
         inside: DVec3,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Option<Repaired> {
-        if self.kind != HullKind::Volume {
-            return None;
-        }
         let is_moved = |v: VertexId| moved.binary_search(&v).is_ok();
-        let leaving: Vec<u32> =
-            moved.iter().filter(|&&v| self.vertex_of_source(v).is_some()).map(|v| v.0).collect();
-        let place = |v: u32| (v, self.vertex_of_source(VertexId(v)).map(|h| self.position(h)));
-        let old: BTreeMap<u32, DVec3> =
-            leaving.iter().map(|&v| place(v)).filter_map(|(v, p)| Some((v, p?))).collect();
-        let source = |v: u32| self.sources[v as usize].0;
-        let triangles = self.surface.triangles.iter().map(|t| t.map(source)).collect();
-        let surface = Surface { triangles, twins: self.surface.twins.clone() };
-        let mut repair = Repair::new(points, old, surface, inside);
+        let mut repair = Repair::new(points, self, inside);
         let unmoved = |bounds: &Aabb| -> Vec<u32> {
-            let found: BTreeSet<VertexId> = near(bounds).into_iter().collect();
-            found.into_iter().filter(|&v| !is_moved(v)).map(|v| v.0).collect()
+            let mut found = near(bounds);
+            found.retain(|&v| !is_moved(v));
+            found.into_iter().map(|v| v.0).collect()
         };
-        for &v in &leaving {
-            repair.take_out(v, unmoved)?;
+        for &v in moved {
+            if let Some(known) = repair.known(v) {
+                repair.take_out(known, unmoved)?;
+            }
         }
-        // Moved points lie side by side, as a rule: each walk begins where the last one ended.
+        // Moved points lie side by side, as a rule: each walk begins where the last one ended, the first at what
+        // was made last.
         let mut start = None;
         for &v in moved {
             start = Some(repair.put_in(v.0, start)?);
@@ -169,7 +183,7 @@ mod tests {
             let all = (0..).map(VertexId).zip(points);
             all.filter(|(_, p)| bounds.contains_point(**p)).map(|(v, _)| v).collect()
         };
-        hull.followed(points, moved, hull.inner_point(), super::super::FLATNESS, near)
+        hull.clone().followed(points, moved, hull.inner_point(), super::super::FLATNESS, near)
     }
 
     /// Moves points again and again; returns how many triangles were measured, and how many there were.
