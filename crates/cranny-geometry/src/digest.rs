@@ -132,17 +132,28 @@ fn bytes_of<'a>(mesh: &Mesh, range: Range<usize>, bytes: &'a mut Vec<u8>) -> &'a
         from = faces_at + FACE * first_face;
     }
     let vertices = first_vertex..beyond(HEAD, VERTEX).min(mesh.vertices().len());
-    for p in mesh.vertices().get(vertices).unwrap_or_default() {
-        for x in p.to_array() {
+    let vertices = mesh.vertices().get(vertices).unwrap_or_default();
+    for (own, p) in room::<VERTEX>(bytes, vertices.len()).iter_mut().zip(vertices) {
+        let (numbers, _) = own.as_chunks_mut();
+        for (number, x) in numbers.iter_mut().zip(p.to_array()) {
             // `+ 0.0`: −0 and 0 are the same place.
-            bytes.extend((x + 0.0).to_bits().to_le_bytes());
+            *number = (x + 0.0).to_bits().to_le_bytes();
         }
     }
     let faces = first_face..beyond(faces_at, FACE).min(mesh.faces().len());
-    for &i in mesh.faces().get(faces).unwrap_or_default().as_flattened() {
-        bytes.extend(i.to_le_bytes());
+    let corners = mesh.faces().get(faces).unwrap_or_default().as_flattened();
+    for (own, i) in room(bytes, corners.len()).iter_mut().zip(corners) {
+        *own = i.to_le_bytes();
     }
     &bytes[range.start - from..range.end - from]
+}
+
+/// As many pieces more at the end of some bytes, to be written over: at once, for to ask for each whether there is room
+/// takes longer than to write it.
+fn room<const SIZE: usize>(bytes: &mut Vec<u8>, count: usize) -> &mut [[u8; SIZE]] {
+    let from = bytes.len();
+    bytes.resize(from + SIZE * count, 0);
+    bytes[from..].as_chunks_mut().0
 }
 
 #[cfg(test)]

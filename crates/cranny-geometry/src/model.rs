@@ -244,11 +244,12 @@ impl Model {
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
     /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), and the graph over the vertices
-    /// of the [`hull`](Self::hull). For whoever wants no late cost; nothing to do for a model that was built and not deformed. Not
+    /// of the [`hull`](Self::hull), and the faces at vertices. For whoever wants no late cost; nothing to do for a model that was built and not deformed. Not
     /// [`hull_covers`](Self::hull_covers), which building leaves for later too.
     pub fn prepare_all(&self) {
         self.0.envelopes();
         self.0.hull.prepare_all();
+        self.0.topology.prepare_all();
     }
 
     /// The surface in connected patches of nearly one normal.

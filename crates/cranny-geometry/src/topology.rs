@@ -19,10 +19,11 @@ mod edges;
 mod vertices;
 
 use crate::ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, VertexId};
+use crate::late::Late;
 use crate::mesh::Mesh;
 use components::components;
 use edges::{Edges, sorted_half_edges};
-use vertices::faces_of_vertices;
+use vertices::VertexFaces;
 
 pub use components::{Component, DisjointSets};
 pub use edges::{Edge, EdgeKind};
@@ -33,11 +34,16 @@ pub struct Topology {
     edges: Vec<Edge>,
     /// Half-edges sorted by edge.
     around: Vec<HalfEdgeId>,
+    /// Where those of each edge begin, and one more, where the last end; none where they stand in pairs.
+    starts: Vec<u32>,
     edge_of: Vec<EdgeId>,
     /// Every edge is a manifold one between two vertices: its half-edges stand in pairs.
     is_paired: bool,
-    vertex_starts: Vec<u32>,
-    vertex_faces: Vec<FaceId>,
+    /// Number of vertices.
+    vertices: usize,
+    /// Follows from the rest.
+    faces_at: Late<VertexFaces>,
+    /// None where all faces are of one.
     component_of: Vec<ComponentId>,
     components: Vec<Component>,
 }
@@ -50,27 +56,30 @@ impl Topology {
         let mut sets = DisjointSets::new(mesh.faces().len());
         let edges = Edges::of(mesh, &around, |g, h| sets.union(g.index(), h.index()));
         let components = components(&sets);
-        Self::assembled(around, edges, faces_of_vertices(mesh), components)
+        let faces_at = Late::made(VertexFaces::of(mesh));
+        Self::assembled(around, edges, (mesh.vertices().len(), faces_at), components)
     }
 
     fn assembled(
         around: Vec<HalfEdgeId>,
-        Edges { edges, edge_of, is_paired, is_sorted: _ }: Edges,
-        (vertex_starts, vertex_faces): (Vec<u32>, Vec<FaceId>),
+        Edges { edges, starts, edge_of, is_paired, is_sorted: _ }: Edges,
+        (vertices, faces_at): (usize, Late<VertexFaces>),
         (component_of, mut components): (Vec<ComponentId>, Vec<Component>),
     ) -> Self {
-        let unbalanced = |e: &&Edge| !is_paired && !e.kind.is_balanced();
-        for edge in edges.iter().filter(unbalanced) {
-            let face = around[edge.first as usize].face();
-            components[component_of[face.index()].index()].closed = false;
+        for (edge, &first) in edges.iter().zip(&starts) {
+            if !edge.kind.is_balanced() {
+                let face = around[first as usize].face();
+                components[component_among(&component_of, face).index()].closed = false;
+            }
         }
         Self {
             edges,
             around,
+            starts,
             edge_of,
             is_paired,
-            vertex_starts,
-            vertex_faces,
+            vertices,
+            faces_at,
             component_of,
             components,
         }
@@ -99,9 +108,11 @@ impl Topology {
     #[must_use]
     #[inline]
     pub fn half_edges(&self, edge: EdgeId) -> &[HalfEdgeId] {
-        let first = self.edges[edge.index()].first as usize;
-        let next = self.edges.get(edge.index() + 1);
-        &self.around[first..next.map_or(self.around.len(), |next| next.first as usize)]
+        let edge = edge.index();
+        if self.is_paired {
+            return &self.around[2 * edge..2 * edge + 2];
+        }
+        &self.around[self.starts[edge] as usize..self.starts[edge + 1] as usize]
     }
 
     /// The half-edge along the same manifold edge, in the other direction.
@@ -129,12 +140,31 @@ impl Topology {
         }
     }
 
-    /// The faces at a vertex, by ascending id.
+    /// The faces at a vertex, by ascending id. Those of a mesh that was loaded are looked for at the first call, in
+    /// linear time.
     #[must_use]
     #[inline]
     pub fn faces_at(&self, vertex: VertexId) -> &[FaceId] {
-        let v = vertex.index();
-        &self.vertex_faces[self.vertex_starts[v] as usize..self.vertex_starts[v + 1] as usize]
+        self.all_faces_at().at(vertex)
+    }
+
+    #[inline]
+    fn all_faces_at(&self) -> &VertexFaces {
+        // Nearly always it is there: nothing but that is asked in the loops that call this.
+        match self.faces_at.if_made() {
+            Some(made) => made,
+            None => self.make_faces_at(),
+        }
+    }
+
+    #[cold]
+    fn make_faces_at(&self) -> &VertexFaces {
+        self.faces_at.get(|| VertexFaces::of_edges(self))
+    }
+
+    /// Makes what is made late where a mesh was loaded.
+    pub(crate) fn prepare_all(&self) {
+        self.all_faces_at();
     }
 
     /// Components, by ascending first face.
@@ -146,7 +176,7 @@ impl Topology {
     /// The component of a face.
     #[must_use]
     pub fn component_of(&self, face: FaceId) -> ComponentId {
-        self.component_of[face.index()]
+        component_among(&self.component_of, face)
     }
 
     /// Whether a face belongs to a closed component.
@@ -204,6 +234,11 @@ impl Topology {
         }
         Ok(())
     }
+}
+
+/// The component of a face, where each face has its own or all are of one.
+fn component_among(component_of: &[ComponentId], face: FaceId) -> ComponentId {
+    if component_of.is_empty() { ComponentId(0) } else { component_of[face.index()] }
 }
 
 #[cfg(test)]

@@ -275,7 +275,7 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
     assert_eq!(with(8, 9), DecodeError::Head { field: "version" });
     let mut foreign = bytes.clone();
     (foreign[8], foreign[HEAD]) = (9, b'X');
-    let expected = DecodeError::Version { found: 9, supported: 7 };
+    let expected = DecodeError::Version { found: 9, supported: 8 };
     assert_eq!(Model::decode(&sealed(foreign)).unwrap_err(), expected);
     let told = with(17, !bytes[17]).to_string();
     assert!(told.contains("damaged") && told.contains("length in its head"), "{told}");

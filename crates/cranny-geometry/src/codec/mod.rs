@@ -51,6 +51,11 @@ pub(crate) trait Plain: Copy {
     fn get_all(bytes: &[u8]) -> Vec<Self> {
         bytes.chunks_exact(Self::SIZE).map(Self::get).collect()
     }
+
+    /// The same of arrays of them.
+    fn get_arrays<const N: usize>(bytes: &[u8]) -> Vec<[Self; N]> {
+        bytes.chunks_exact(N * Self::SIZE).map(Plain::get).collect()
+    }
 }
 
 macro_rules! number {
@@ -62,6 +67,7 @@ macro_rules! number {
                 out.extend_from_slice(&self.to_le_bytes());
             }
 
+            #[inline(always)]
             fn get(bytes: &[u8]) -> Self {
                 let mut own = [0; Self::SIZE];
                 own.copy_from_slice(bytes);
@@ -72,6 +78,13 @@ macro_rules! number {
             fn get_all(bytes: &[u8]) -> Vec<Self> {
                 let (items, _) = bytes.as_chunks();
                 items.iter().map(|&item| Self::from_le_bytes(item)).collect()
+            }
+
+            // Likewise.
+            fn get_arrays<const N: usize>(bytes: &[u8]) -> Vec<[Self; N]> {
+                let (items, _) = bytes.as_chunks();
+                let (arrays, _) = items.as_chunks::<N>();
+                arrays.iter().map(|array| array.map(Self::from_le_bytes)).collect()
             }
         }
     )*};
@@ -85,8 +98,13 @@ impl<T: Plain, const N: usize> Plain for [T; N] {
         self.into_iter().for_each(|item| item.put(out));
     }
 
+    #[inline(always)]
     fn get(bytes: &[u8]) -> Self {
         std::array::from_fn(|i| T::get(&bytes[i * T::SIZE..(i + 1) * T::SIZE]))
+    }
+
+    fn get_all(bytes: &[u8]) -> Vec<Self> {
+        T::get_arrays(bytes)
     }
 }
 
@@ -97,8 +115,14 @@ impl Plain for DVec3 {
         self.to_array().put(out);
     }
 
+    #[inline(always)]
     fn get(bytes: &[u8]) -> Self {
         Self::from_array(Plain::get(bytes))
+    }
+
+    fn get_all(bytes: &[u8]) -> Vec<Self> {
+        let (items, _) = bytes.as_chunks::<{ <Self as Plain>::SIZE }>();
+        items.iter().map(|item| Self::get(item)).collect()
     }
 }
 
@@ -113,8 +137,14 @@ macro_rules! plain_struct {
                 $crate::codec::Plain::put(own, out);
             }
 
+            #[inline(always)]
             fn get(bytes: &[u8]) -> Self {
                 Self($crate::codec::Plain::get(bytes))
+            }
+
+            fn get_all(bytes: &[u8]) -> Vec<Self> {
+                let (items, _) = bytes.as_chunks::<{ <$name as $crate::codec::Plain>::SIZE }>();
+                items.iter().map(|item| $crate::codec::Plain::get(item)).collect()
             }
         }
     };
@@ -128,6 +158,7 @@ macro_rules! plain_struct {
             }
 
             #[allow(unused_assignments, reason = "the last field advances for nobody")]
+            #[inline(always)]
             fn get(bytes: &[u8]) -> Self {
                 let mut at = 0;
                 $(
@@ -136,6 +167,12 @@ macro_rules! plain_struct {
                     at += size;
                 )*
                 Self { $($field),* }
+            }
+
+            // Of a length known when compiled: no check is left in the loop.
+            fn get_all(bytes: &[u8]) -> Vec<Self> {
+                let (items, _) = bytes.as_chunks::<{ <$name as $crate::codec::Plain>::SIZE }>();
+                items.iter().map(|item| $crate::codec::Plain::get(item)).collect()
             }
         }
     };

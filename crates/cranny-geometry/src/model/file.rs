@@ -141,6 +141,9 @@ impl Model {
     /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is made when it is
     /// first asked for, in linear time: by the first query that looks for a plane between two hulls.
     ///
+    /// The faces at each vertex ([`Topology::faces_at`](crate::Topology::faces_at)) likewise: by the first query that
+    /// finds a contact at a vertex.
+    ///
     /// Whoever wants no late cost calls [`prepare_all`](Self::prepare_all).
     ///
     /// # What is checked
@@ -150,8 +153,7 @@ impl Model {
     ///
     /// - Mesh: as [`Mesh::new`], and that a face has an area. Radius and box are computed; the digest is what
     ///   the file says.
-    /// - Topology: that half-edges are each there once, sorted by edge, that rows of vertices hold just their
-    ///   faces, and that no edge joins two components. All else is made from that. Not that the faces of
+    /// - Topology: that half-edges are each there once, sorted by edge, and that no edge joins two components. All else is made from that. Not that the faces of
     ///   a component hang together.
     /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once, and that twins are
     ///   twins. Not that it holds the other vertices, nor that the planes of its facets lie above it.

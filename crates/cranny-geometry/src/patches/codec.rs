@@ -74,11 +74,13 @@ impl PatchTree {
 
     /// Reads the tree over all patches.
     fn decode(input: &mut Reader, patches: &[Patch]) -> Result<Self, Flaw> {
-        let (order, counts): (Vec<PatchId>, Vec<u32>) = (input.list()?, input.list()?);
+        let order: Vec<PatchId> = input.list()?;
+        let counts = input.words()?;
         check(order.len() == patches.len(), "a leaf for each patch is needed")?;
         check_each_once(order.iter().map(|patch| patch.0), patches.len())?;
-        check_below(counts.iter().copied(), 2, "a leaf has two patches")?;
-        let mut shape = Shape::new(&counts, order.len(), counts.len())?;
+        let counted = counts.iter().map(|&count| u32::from_le_bytes(count));
+        check_below(counted, 2, "a leaf has two patches")?;
+        let mut shape = Shape::new(counts, order.len(), counts.len())?;
         shape.tree(0..counts.len(), 0..order.len(), |leaf| {
             patches[order[leaf.start].index()].bounds
         })?;

@@ -1,32 +1,34 @@
-//! Adjacency as bytes: the order of half-edges, components in runs, where the faces of each vertex begin.
+//! Adjacency as bytes: the order of half-edges, components in runs.
 
 use super::Topology;
 use super::components::components_of_runs;
 use super::edges::Edges;
-use super::vertices::faces_in_rows;
 use crate::codec::{Flaw, Reader, Writer, check, check_below};
 use crate::ids::{FaceId, HalfEdgeId};
+use crate::late::Late;
 use crate::mesh::Mesh;
 
 impl Topology {
-    /// Writes what takes time to find: the order of half-edges, how many faces in a row are of one component,
-    /// and how many are at each vertex.
+    /// Writes what takes time to find: the order of half-edges, and how many faces in a row are of one component.
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self {
             around,
             component_of,
-            vertex_starts,
-            vertex_faces: _,
+            vertices: _,
+            faces_at: _,
             edges: _,
+            starts: _,
             edge_of: _,
             is_paired: _,
-            components: _,
+            components,
         } = self;
         out.list(around);
         let runs = component_of.chunk_by(|a, b| a == b);
-        let runs: Vec<[u32; 2]> = runs.map(|run| [run[0].0, run.len() as u32]).collect();
+        let mut runs: Vec<[u32; 2]> = runs.map(|run| [run[0].0, run.len() as u32]).collect();
+        if let [one] = components.as_slice() {
+            runs = vec![[0, one.faces]];
+        }
         out.list(&runs);
-        out.list(vertex_starts);
     }
 
     /// Reads the adjacency of a mesh.
@@ -36,9 +38,6 @@ impl Topology {
         check(around.len() == count, "it is not one of all half-edges")?;
         check_below(around.iter().map(|h| h.0), count, "a half-edge is not there")?;
         let components = components_of_runs(&runs, mesh.faces().len())?;
-        let starts: Vec<u32> = input.list()?;
-        check(starts.len() == mesh.vertices().len() + 1, "a row for each vertex is needed")?;
-        let vertex_faces = faces_in_rows(mesh, &starts).ok_or("rows of vertices are too short")?;
         let component_of = components.0.as_slice();
         let mut is_one = true;
         // As many half-edges as there are, strictly ascending: each once.
@@ -52,7 +51,7 @@ impl Topology {
         };
         check(edges.is_sorted, "half-edges are not sorted")?;
         check(is_one, "an edge joins two components")?;
-        Ok(Self::assembled(around, edges, (starts, vertex_faces), components))
+        Ok(Self::assembled(around, edges, (mesh.vertices().len(), Late::default()), components))
     }
 }
 
@@ -69,7 +68,6 @@ mod tests {
             let mut out = Writer::default();
             out.list(&whole.around);
             out.list(runs);
-            out.list(&whole.vertex_starts);
             let read = Topology::decode(&mut Reader::new(&out.into_bytes()), &mesh);
             read.map_err(|Flaw(what)| what)
         };

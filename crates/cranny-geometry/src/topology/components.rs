@@ -14,7 +14,8 @@ pub struct Component {
     pub closed: bool,
 }
 
-/// Numbers the sets of faces that hang together, by their least members; all closed, for now.
+/// Numbers the sets of faces that hang together, by their least members; all closed, for now. Where there is one,
+/// no face is told its own.
 pub(super) fn components(sets: &DisjointSets) -> (Vec<ComponentId>, Vec<Component>) {
     let mut components: Vec<Component> = Vec::new();
     let mut component_of: Vec<ComponentId> = Vec::with_capacity(sets.0.len());
@@ -28,7 +29,8 @@ pub(super) fn components(sets: &DisjointSets) -> (Vec<ComponentId>, Vec<Componen
     for run in component_of.chunk_by(|a, b| a == b) {
         components[run[0].index()].faces += run.len() as u32;
     }
-    (component_of, components)
+    let is_one = components.len() == 1;
+    (if is_one { Vec::new() } else { component_of }, components)
 }
 
 /// The same from the components of faces in a row, each with its number of faces.
@@ -41,6 +43,10 @@ pub(super) fn components_of_runs(
     let is_apart = |a: &[u32; 2], b: &[u32; 2]| a[0] != b[0];
     let is_whole = runs.is_sorted_by(is_apart) && runs.iter().all(|&[_, count]| count > 0);
     check(is_whole, "faces of a component are not told together")?;
+    if let &[[0, count]] = runs {
+        let one = Component { first_face: FaceId(0), faces: count, closed: true };
+        return Ok((Vec::new(), vec![one]));
+    }
     let mut components: Vec<Component> = Vec::new();
     let mut component_of: Vec<ComponentId> = Vec::with_capacity(faces);
     for &[component, count] in runs {

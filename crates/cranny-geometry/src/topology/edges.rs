@@ -12,8 +12,6 @@ pub struct Edge {
     pub to: VertexId,
     /// How the faces meet there.
     pub kind: EdgeKind,
-    /// Where its half-edges begin; where they end, those of the next edge do.
-    pub(super) first: u32,
 }
 
 /// How faces meet along an edge.
@@ -107,6 +105,8 @@ fn ends(edge: u64) -> (VertexId, VertexId) {
 /// What follows from the order of half-edges.
 pub(super) struct Edges {
     pub(super) edges: Vec<Edge>,
+    /// Where the half-edges of each edge begin, and one more, where the last end; none where all stand in pairs.
+    pub(super) starts: Vec<u32>,
     pub(super) edge_of: Vec<EdgeId>,
     pub(super) is_sorted: bool,
     /// Whether all are between two faces that run along them in opposite directions.
@@ -139,7 +139,7 @@ impl Edges {
         // Of no edge between two vertices.
         let mut before = 0;
         let (from, to) = ends(before);
-        let blank = Edge { from, to, kind: EdgeKind::Manifold, first: 0 };
+        let blank = Edge { from, to, kind: EdgeKind::Manifold };
         let mut edges = vec![blank; pairs.len()];
         for (id, (edge, &[g, h])) in edges.iter_mut().zip(pairs).enumerate() {
             let id = id as u32;
@@ -149,12 +149,12 @@ impl Edges {
             }
             before = run.edge();
             let (from, to) = ends(before);
-            *edge = Edge { from, to, kind: EdgeKind::Manifold, first: 2 * id };
+            *edge = Edge { from, to, kind: EdgeKind::Manifold };
             edge_of[g.index()] = EdgeId(id);
             edge_of[h.index()] = EdgeId(id);
             join(g.face(), h.face());
         }
-        Some(Self { edges, edge_of, is_sorted: true, is_paired: true })
+        Some(Self { edges, starts: Vec::new(), edge_of, is_sorted: true, is_paired: true })
     }
 
     /// In any case.
@@ -167,7 +167,7 @@ impl Edges {
         let mut edge_of = vec![EdgeId(0); runs.len()];
         let mut is_sorted = true;
         let mut before = None;
-        let mut first = 0;
+        let mut starts = vec![0];
         let edge_at = |h: HalfEdgeId| runs[h.index()].edge();
         for group in around.chunk_by(|&g, &h| edge_at(g) == edge_at(h)) {
             let edge = edge_at(group[0]);
@@ -188,10 +188,10 @@ impl Edges {
                 (_, true) => EdgeKind::Balanced,
                 (_, false) => EdgeKind::Tangled,
             };
-            edges.push(Edge { from, to, kind, first });
-            first += group.len() as u32;
+            edges.push(Edge { from, to, kind });
+            starts.push(starts[starts.len() - 1] + group.len() as u32);
         }
-        Self { edges, edge_of, is_sorted, is_paired: false }
+        Self { edges, starts, edge_of, is_sorted, is_paired: false }
     }
 }
 
@@ -208,12 +208,13 @@ fn ascending((a, b): (u32, u32)) -> (u32, u32) {
 /// All half-edges, sorted by edge, along an edge by number: dealt out to their greater ends, and in that order to
 /// their lesser ones.
 pub(super) fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
-    let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(ascending);
     // Where the next half-edge of each vertex goes, by the lesser end and by the greater.
     let mut places = vec![[0u32; 2]; mesh.vertices().len() + 1];
-    for (from, to) in mesh.faces().iter().flat_map(sides) {
-        places[from as usize + 1][0] += 1;
-        places[to as usize + 1][1] += 1;
+    for &[a, b, c] in mesh.faces() {
+        for (from, to) in [(a, b), (b, c), (c, a)].map(ascending) {
+            places[from as usize + 1][0] += 1;
+            places[to as usize + 1][1] += 1;
+        }
     }
     let mut before = [0; 2];
     for place in &mut places {
@@ -221,10 +222,12 @@ pub(super) fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
         *place = before;
     }
     let mut by_greater = vec![0u64; 3 * mesh.faces().len()];
-    for (h, (from, to)) in (0u64..).zip(mesh.faces().iter().flat_map(sides)) {
-        let place = &mut places[to as usize][1];
-        by_greater[*place as usize] = u64::from(from) << 32 | h;
-        *place += 1;
+    for (first, &[a, b, c]) in (0u64..).step_by(3).zip(mesh.faces()) {
+        for (h, (from, to)) in (first..).zip([(a, b), (b, c), (c, a)].map(ascending)) {
+            let place = &mut places[to as usize][1];
+            by_greater[*place as usize] = u64::from(from) << 32 | h;
+            *place += 1;
+        }
     }
     let mut sorted = vec![HalfEdgeId(0); by_greater.len()];
     for key in by_greater {

@@ -1,36 +1,69 @@
 //! The faces at each vertex.
 
-use crate::ids::FaceId;
+use super::Topology;
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
-/// Where the faces of each vertex begin, and one more, where the last end; and these faces.
-pub(super) fn faces_of_vertices(mesh: &Mesh) -> (Vec<u32>, Vec<FaceId>) {
-    let mut starts = vec![0u32; mesh.vertices().len() + 1];
-    for &i in mesh.faces().as_flattened() {
-        starts[i as usize + 1] += 1;
-    }
-    for v in 1..starts.len() {
-        starts[v] += starts[v - 1];
-    }
-    let faces = faces_in_rows(mesh, &starts);
-    debug_assert!(faces.is_some(), "each row is as long as it was counted");
-    (starts, faces.unwrap_or_default())
+/// The faces of each vertex in its row.
+#[derive(Clone, Debug)]
+pub(super) struct VertexFaces {
+    /// Where the faces of each vertex begin, and one more, where the last end.
+    starts: Vec<u32>,
+    faces: Vec<FaceId>,
 }
 
-/// The faces of each vertex in its row, if rows that begin at `starts` have just the length for that.
-pub(super) fn faces_in_rows(mesh: &Mesh, starts: &[u32]) -> Option<Vec<FaceId>> {
-    let (&first, ends) = starts.split_first()?;
-    let mut places = starts.to_vec();
-    let mut faces = vec![FaceId(0); 3 * mesh.faces().len()];
-    for (f, corners) in (0..).zip(mesh.faces()) {
-        for &i in corners {
-            let place = &mut places[i as usize];
-            *faces.get_mut(*place as usize)? = FaceId(f);
-            *place += 1;
-        }
+impl VertexFaces {
+    pub(super) fn of(mesh: &Mesh) -> Self {
+        Self::of_corners(mesh.vertices().len(), mesh.faces().iter().copied())
     }
-    // Each row was filled from its beginning to where the next one begins, as often as there are places.
-    (first == 0 && places[..ends.len()] == *ends).then_some(faces)
+
+    /// The same without the mesh, from edges.
+    pub(super) fn of_edges(topology: &Topology) -> Self {
+        let faces = 0..topology.edge_of.len() as u32 / 3;
+        Self::of_corners(topology.vertices, faces.map(|f| corners(topology, FaceId(f))))
+    }
+
+    /// Given the corners of each face, in any order. O(n).
+    fn of_corners(vertices: usize, corners: impl Iterator<Item = [u32; 3]> + Clone) -> Self {
+        let mut starts = vec![0u32; vertices + 1];
+        for corners in corners.clone() {
+            for i in corners {
+                starts[i as usize + 1] += 1;
+            }
+        }
+        for v in 1..starts.len() {
+            starts[v] += starts[v - 1];
+        }
+        let mut places = starts.clone();
+        let mut faces = vec![FaceId(0); starts[vertices] as usize];
+        for (f, corners) in (0..).zip(corners) {
+            for i in corners {
+                let place = &mut places[i as usize];
+                faces[*place as usize] = FaceId(f);
+                *place += 1;
+            }
+        }
+        Self { starts, faces }
+    }
+
+    /// Those of one vertex, by ascending id.
+    #[inline]
+    pub(super) fn at(&self, vertex: VertexId) -> &[FaceId] {
+        let v = vertex.index();
+        &self.faces[self.starts[v] as usize..self.starts[v + 1] as usize]
+    }
+}
+
+/// The corners of a face in some order: the ends of its first side, and the one across, which the other two sides share
+/// with each other and with nobody else. So it is found by sums, also where corners coincide.
+fn corners(topology: &Topology, face: FaceId) -> [u32; 3] {
+    let ends = |corner: usize| {
+        let edge = topology.edges[topology.edge_of(HalfEdgeId::of(face, corner)).index()];
+        [edge.from.0, edge.to.0]
+    };
+    let [[a, b], second, third] = [0, 1, 2].map(ends);
+    let sum = |ends: [u32; 2]| u64::from(ends[0]) + u64::from(ends[1]);
+    [a, b, ((sum(second) + sum(third) - sum([a, b])) / 2) as u32]
 }
 
 #[cfg(test)]
@@ -39,20 +72,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_of_vertices_have_just_the_length_that_is_needed() {
+    fn each_vertex_names_its_faces_in_order() {
         let mesh = Mesh::new(points(5), tetrahedron(0)).unwrap();
-        let (starts, faces) = faces_of_vertices(&mesh);
+        let VertexFaces { starts, faces } = VertexFaces::of(&mesh);
         assert_eq!(starts, [0, 3, 6, 9, 12, 12]);
-        assert_eq!(faces_in_rows(&mesh, &starts), Some(faces));
-        for wrong in [
-            [0, 2, 6, 9, 12, 12],
-            [0, 4, 6, 9, 12, 12],
-            [1, 3, 6, 9, 12, 12],
-            [0, 3, 6, 9, 12, 13],
-            [0, 3, 6, u32::MAX, 12, 12],
-            [3, 0, 6, 9, 12, 12],
-        ] {
-            assert_eq!(faces_in_rows(&mesh, &wrong), None, "{wrong:?}");
-        }
+        assert_eq!(faces, [0, 1, 3, 0, 1, 2, 0, 2, 3, 1, 2, 3].map(FaceId));
+    }
+
+    #[test]
+    fn edges_tell_what_faces_do() {
+        // Corners that coincide in every way, edges of many faces, a vertex that no face names.
+        let collapsed = [[0, 0, 1], [0, 1, 0], [1, 0, 0], [1, 1, 0], [2, 2, 2], [3, 2, 3]];
+        let others = (0..90u32).map(|i| [i * 7 % 5, i * i % 11, (i * 5 + 1) % 7]);
+        let mesh = Mesh::new(points(14), collapsed.into_iter().chain(others).collect()).unwrap();
+        let VertexFaces { starts, faces } = VertexFaces::of(&mesh);
+        let of_edges = VertexFaces::of_edges(&Topology::of(&mesh));
+        assert_eq!((of_edges.starts, of_edges.faces), (starts, faces));
     }
 }

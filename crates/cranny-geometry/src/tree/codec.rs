@@ -53,12 +53,13 @@ impl FaceTree {
 
     /// Reads a tree over all faces of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let (faces, counts): (Vec<FaceId>, Vec<u32>) = (input.list()?, input.list()?);
+        let faces: Vec<FaceId> = input.list()?;
+        let counts = input.words()?;
         check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
         check_each_once(faces.iter().map(|face| face.0), faces.len())?;
         // In the order of leaves, in a loop without branches: what it fetches from here and there overlaps.
         let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
-        let mut shape = Shape::new(&counts, faces.len(), counts.len())?;
+        let mut shape = Shape::new(counts, faces.len(), counts.len())?;
         shape.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]))?;
         Ok(Self { nodes: shape.into_nodes(), faces })
     }
@@ -74,7 +75,8 @@ impl FaceForest {
     /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
     /// [`NOBODY`](crate::rows::NOBODY).
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
-        let (faces, counts): (Vec<u32>, Vec<u32>) = (input.list()?, input.list()?);
+        let faces: Vec<u32> = input.list()?;
+        let counts = input.words()?;
         let starts: Vec<[u32; 2]> = input.list()?;
         let ends = (starts.first(), starts.last());
         let covers_all = ends == (Some(&[0, 0]), Some(&[counts.len() as u32, faces.len() as u32]));
@@ -86,7 +88,7 @@ impl FaceForest {
         let owners = owners(mesh.faces().len(), trees.clone().map(|[_, held]| &faces[held]))?;
         let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
         let most = trees.clone().map(|[nodes, _]| nodes.len()).max().unwrap_or(0);
-        let mut shape = Shape::new(&counts, faces.len(), most)?;
+        let mut shape = Shape::new(counts, faces.len(), most)?;
         for [nodes, held] in trees {
             shape.tree(nodes, held, |leaf| box_around(mesh, &faces[leaf]))?;
         }
@@ -94,9 +96,10 @@ impl FaceForest {
     }
 }
 
-/// Nodes in the making, by how many things each leaf holds; 0 for an inner node.
+/// Nodes in the making, by how many things each leaf holds; 0 for an inner node. The counts are read where they are
+/// written.
 pub(crate) struct Shape<'a> {
-    counts: &'a [u32],
+    counts: &'a [[u8; 4]],
     nodes: Vec<Node>,
     /// The roots of finished trees that wait for a parent, but for the one that was finished last; the first
     /// stands for none. As long as the largest tree needs: it never grows, which keeps its loop short.
@@ -105,7 +108,7 @@ pub(crate) struct Shape<'a> {
 
 impl<'a> Shape<'a> {
     /// Of trees that hold `held` things in all, one of them at most `most` nodes.
-    pub(crate) fn new(counts: &'a [u32], held: usize, most: usize) -> Result<Self, Flaw> {
+    pub(crate) fn new(counts: &'a [[u8; 4]], held: usize, most: usize) -> Result<Self, Flaw> {
         // Leaves hold one or more, and there are fewer inner nodes. A node takes fourteen times the bytes of its
         // count: whoever counts more than there can be shall not have memory for them.
         check(counts.len() <= 2 * held, "trees have more nodes than they can")?;
@@ -142,7 +145,7 @@ impl<'a> Shape<'a> {
         // The root of the tree finished last, within the range, and what is around it.
         let (mut finished, mut bounds) = (NONE, Aabb::EMPTY);
         for index in (0..nodes.len()).rev() {
-            let count = counts[index];
+            let count = u32::from_le_bytes(counts[index]);
             if count > 0 {
                 if count as usize > first_held - held.start {
                     return Err("a tree has more in its leaves than it holds".into());
@@ -184,7 +187,8 @@ mod tests {
         let whole = |shape: &mut Shape| {
             shape.tree(0..counts.len(), 0..size, |leaf| box_around(&mesh, &faces[leaf]))
         };
-        let mut shape = Shape::new(counts, size, counts.len()).map_err(|Flaw(what)| what)?;
+        let words: Vec<[u8; 4]> = counts.iter().map(|count| count.to_le_bytes()).collect();
+        let mut shape = Shape::new(&words, size, counts.len()).map_err(|Flaw(what)| what)?;
         whole(&mut shape).map_err(|Flaw(what)| what)?;
         let tree = FaceTree { nodes: shape.into_nodes(), faces: faces[..size].to_vec() };
         tree.validate(&mesh, &faces[..size])?;
