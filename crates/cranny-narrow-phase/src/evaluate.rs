@@ -60,7 +60,7 @@ pub fn query(
     let mut pair = Pair::new(a, b, posed);
     Ok(match query.demand {
         Demand::Contacts { margin } => contacts(&mut pair, margin, parting, kept),
-        demand => answer(&mut pair, &demand, parting, coherent),
+        demand => answer(&mut pair, &demand, parting, coherent, kept),
     })
 }
 
@@ -103,6 +103,7 @@ fn answer(
     demand: &Demand,
     parting: &mut Parting,
     coherent: &mut Coherent,
+    kept: &mut ContactMemory,
 ) -> Answer {
     let mut out = blank();
     if *demand == Demand::None {
@@ -151,8 +152,10 @@ fn answer(
         out.triangle_pairs = pairs.len() as u32;
         let (regions, depth_error) = meeting_regions(pair, &pairs, out.solid, &mut counters);
         out.regions = regions;
-        if margin > 0.0 && gap <= margin {
-            out.regions.extend(gaps(pair, margin, &mut counters));
+        if gap > margin {
+            kept.let_go();
+        } else if margin > 0.0 {
+            out.regions.extend(gaps(pair, margin, kept, &mut counters));
         }
         // Of equally deep ones the ids decide, in the pair's own order: not in that of A and B.
         let key = |region: &Region| pair.ordered(region.deepest.id.0, region.deepest.id.1);
@@ -290,7 +293,12 @@ pub(crate) fn meeting_witnesses(pair: &Pair, p: &FacePair) -> [Witness; 2] {
 }
 
 /// Regions of positive separation.
-fn gaps(pair: &Pair, margin: f64, counters: &mut Counters) -> Vec<Region> {
+fn gaps(
+    pair: &Pair,
+    margin: f64,
+    memory: &mut ContactMemory,
+    counters: &mut Counters,
+) -> Vec<Region> {
     let region = |contacts: Vec<Contact>| {
         let points: Vec<Contact> =
             reduce(contacts).into_iter().map(|c| pair.world_contact(c)).collect();
@@ -304,5 +312,5 @@ fn gaps(pair: &Pair, margin: f64, counters: &mut Counters) -> Vec<Region> {
             triangle_pairs: 0,
         }
     };
-    near_regions(pair, margin, counters).into_iter().map(region).collect()
+    near_regions(pair, margin, memory, counters).into_iter().map(region).collect()
 }

@@ -10,8 +10,8 @@ use crate::parting::Parting;
 ///
 /// It holds a plane between the hulls, the front of the last descent (16 bytes for each pair of boxes that was found apart,
 /// and half as much again for the blocks that these rest in), the faces that crossed or were nearest,
-/// and of contacts for a solver the last ones' features, two bytes for each face of both models, and the planes and
-/// edges of those faces that were near, let go of when most are near no longer.
+/// and of contacts within a margin the last ones' features, those that can make contacts soon, two bytes for each face of both
+/// models, and the planes and edges of those faces that were near, let go of when most are near no longer.
 /// Models are recognised, not kept alive.
 #[derive(Clone, Debug, Default)]
 pub struct PairMemory {

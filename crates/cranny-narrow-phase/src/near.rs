@@ -1,198 +1,184 @@
-//! Contacts across a gap: pairs of features that face each other within a margin.
+//! Regions across a gap: contacts within a margin, gathered by what they lie on.
 //!
 //! A vertex over a face, and two convex edges whose nearest points lie between their ends, are what
 //! two polyhedra touch with next; a vertex before an edge or another vertex is where sharp parts are
-//! nearest. Each yields a contact whose normal is exact at its own point: the face's, or the line
-//! between the two points. Pairs of faces that share such a contact belong to one region.
+//! nearest (`contacts`). Contacts of which a face of each body has both features belong to one region.
 
-use std::collections::HashMap;
-use std::ops::ControlFlow;
+#[cfg(test)]
+mod oracle;
 
-use cranny_exact::DVec3;
-use cranny_geometry::{DisjointSets, EdgeId, FaceId, VertexId};
+use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Feature};
-use crate::contacts::facing::{PARALLEL, faces_towards, in_cone, in_wedge, is_sharp, over};
-use crate::descent::for_each_near_pair;
+use crate::contacts::{ContactMemory, across_gaps};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
+use crate::triangle_distance::closest_on_triangle;
 
 /// All contacts between surfaces that are apart by more than 0 and at most `margin`, grouped into
 /// regions, in the pair's frame.
-pub(crate) fn near_regions(pair: &Pair, margin: f64, counters: &mut Counters) -> Vec<Vec<Contact>> {
-    let mut finder = Finder::new(pair, margin);
-    for_each_near_pair(pair, margin, counters, |first, second, counters| {
-        counters.triangle_tests += 1;
-        finder.add(first, second);
-        ControlFlow::Continue(())
-    });
-    finder.regions()
-}
-
-struct Finder<'a, 'b> {
-    pair: &'a Pair<'b>,
+pub(crate) fn near_regions(
+    pair: &Pair,
     margin: f64,
-    by_id: HashMap<(Feature, Feature), Option<usize>>,
-    contacts: Vec<Contact>,
-    joins: Vec<(usize, usize)>,
+    memory: &mut ContactMemory,
+    counters: &mut Counters,
+) -> Vec<Vec<Contact>> {
+    let mut contacts = across_gaps(pair, margin, memory, counters);
+    // Edges that touch have no direction but noise.
+    contacts.retain(|contact| match contact.id {
+        (Feature::Edge(_), Feature::Edge(_)) => contact.separation > pair.length_error(),
+        _ => contact.separation > 0.0,
+    });
+    for contact in &mut contacts {
+        contact.id = by_foot(pair, contact);
+    }
+    // What stands before the rim between two faces was told before each of them.
+    contacts.sort_unstable_by(|x, y| x.id.cmp(&y.id).then(x.separation.total_cmp(&y.separation)));
+    contacts.dedup_by_key(|contact| contact.id);
+    regions(pair, contacts)
 }
 
-impl<'a, 'b> Finder<'a, 'b> {
-    fn new(pair: &'a Pair<'b>, margin: f64) -> Self {
-        Self { pair, margin, by_id: HashMap::new(), contacts: Vec::new(), joins: Vec::new() }
+/// A contact's features, that of the face's rim in place of the face where a vertex stands before the rim.
+fn by_foot(pair: &Pair, contact: &Contact) -> (Feature, Feature) {
+    let before = |side: Side, p, face| {
+        let part = closest_on_triangle(p, &pair.triangle(side, face)).1;
+        part.feature(pair.model(side), face)
+    };
+    match contact.id {
+        (vertex, Feature::Face(face)) => (vertex, before(Side::Second, contact.point_a, face)),
+        (Feature::Face(face), vertex) => (before(Side::First, contact.point_b, face), vertex),
+        id => id,
     }
+}
 
-    fn add(&mut self, first: FaceId, second: FaceId) {
-        let (a, b) =
-            (self.pair.triangle(Side::First, first), self.pair.triangle(Side::Second, second));
-        let mut here: Option<usize> = None;
-        let mut join = |found: Option<usize>, joins: &mut Vec<(usize, usize)>| {
-            if let Some(index) = found {
-                if let Some(previous) = here {
-                    joins.push((previous, index));
-                }
-                here = Some(index);
-            }
-        };
-        for i in 0..3 {
-            let v = self.pair.corner(Side::First, first, i);
-            join(self.vertex_face(Side::First, v, a[i], second, &b), &mut self.joins);
-            let v = self.pair.corner(Side::Second, second, i);
-            join(self.vertex_face(Side::Second, v, b[i], first, &a), &mut self.joins);
-        }
-        for i in 0..3 {
-            for j in 0..3 {
-                let (e, g) = (
-                    self.pair.edge(Side::First, first, i),
-                    self.pair.edge(Side::Second, second, j),
-                );
-                let segments = [[a[i], a[(i + 1) % 3]], [b[j], b[(j + 1) % 3]]];
-                join(self.edge_edge(e, g, segments), &mut self.joins);
-            }
+fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<Vec<Contact>> {
+    let mut places: Vec<([FaceId; 2], usize)> = Vec::new();
+    for (index, contact) in contacts.iter().enumerate() {
+        let of_second = faces_at(pair, Side::Second, contact.id.1);
+        for f in faces_at(pair, Side::First, contact.id.0) {
+            places.extend(of_second.iter().map(|&g| ([f, g], index)));
         }
     }
-
-    /// Finds or makes the contact of two features; `make` is asked once.
-    fn once(
-        &mut self,
-        id: (Feature, Feature),
-        make: impl FnOnce(&Self) -> Option<Contact>,
-    ) -> Option<usize> {
-        if let Some(&known) = self.by_id.get(&id) {
-            return known;
+    places.sort_unstable();
+    let mut sets = DisjointSets::new(contacts.len());
+    for ends in places.windows(2).filter(|ends| ends[0].0 == ends[1].0) {
+        sets.union(ends[0].1, ends[1].1);
+    }
+    let mut regions: Vec<Vec<Contact>> = Vec::new();
+    let mut region_of_root = vec![None; contacts.len()];
+    for (index, contact) in contacts.into_iter().enumerate() {
+        let region = *region_of_root[sets.find(index)].get_or_insert(regions.len());
+        if region == regions.len() {
+            regions.push(Vec::new());
         }
-        let index = make(self).map(|contact| {
-            self.contacts.push(contact);
-            self.contacts.len() - 1
-        });
-        self.by_id.insert(id, index);
-        index
+        regions[region].push(contact);
+    }
+    regions
+}
+
+/// The faces that have a feature.
+fn faces_at(pair: &Pair, side: Side, feature: Feature) -> Vec<FaceId> {
+    let topology = pair.topology(side);
+    match feature {
+        Feature::Vertex(vertex) => topology.faces_at(vertex).to_vec(),
+        Feature::Edge(edge) => topology.half_edges(edge).iter().map(|h| h.face()).collect(),
+        Feature::Face(face) => vec![face],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pair::PosedVertices;
+    use crate::{Demand, PairMemory, Placed, Query, query};
+    use cranny_exact::{DQuat, DVec3, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, LPrism, Shape, Torus};
+    use cranny_testkit::Rng;
+
+    fn shape(shape: impl Into<Shape>) -> Model {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
     }
 
-    /// A vertex of `side` before a face of the other body, or the nearest part of its rim.
-    fn vertex_face(
-        &mut self,
-        side: Side,
-        vertex: VertexId,
-        p: DVec3,
-        face: FaceId,
-        triangle: &[DVec3; 3],
-    ) -> Option<usize> {
-        // Cheap refusal before anything else: too far from the face's plane, or behind it.
-        let raw = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
-        let height = raw.dot(p - triangle[0]);
-        if height <= 0.0 || height > self.margin * raw.length() {
-            return None;
-        }
-        let (foot, part) = closest_on_triangle(p, triangle);
-        let separation = (p - foot).length();
-        if separation > self.margin {
-            return None;
-        }
-        let outward = raw.normalize_or_zero();
-        let own = Feature::Vertex(vertex);
-        let its = part.feature(self.pair.model(side.other()), face);
-        let towards = if part == Part::Inside || over(height, separation, raw) {
-            // A vertex that stands over a face counts also where its neighbours are nearer: a tilted
-            // box lands on all its corners.
-            if !faces_towards(self.pair, side, vertex, -outward) {
-                return None;
+    /// Regions by the features of their contacts, each with its separation.
+    fn told(regions: &[Vec<Contact>]) -> Vec<Vec<((Feature, Feature), f64)>> {
+        let mut all: Vec<Vec<_>> = regions
+            .iter()
+            .map(|region| {
+                let mut ids: Vec<_> = region.iter().map(|c| (c.id, c.separation)).collect();
+                ids.sort_by_key(|x| x.0);
+                ids
+            })
+            .collect();
+        all.sort_by(|x, y| x[0].0.cmp(&y[0].0));
+        all
+    }
+
+    /// A body wanders over another: what is kept finds what all pairs of faces tell.
+    #[test]
+    fn regions_across_gaps_are_those_of_all_pairs_of_faces() {
+        let bodies = [
+            shape(Cuboid::default()),
+            shape(LPrism::default()),
+            shape(Cup { segments: 9, ..Cup::default() }),
+            shape(Comb { teeth: 3, ..Comb::default() }),
+            shape(Torus { major_segments: 12, minor_segments: 7, ..Torus::default() }),
+            shape(GolfBall { triangles: 200, dimples: 6, ..GolfBall::default() }),
+        ];
+        let mut rng = Rng::new(77);
+        let (mut contacts, mut several) = (0, 0);
+        for _ in 0..24 {
+            let (a, b) = (&bodies[rng.below(6)], &bodies[rng.below(6)]);
+            let mut memory = ContactMemory::default();
+            let turn = |rng: &mut Rng, size: f64| {
+                let axis = size * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+                DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0).normalize()
+            };
+            let mut pose = Pose { rotation: turn(&mut rng, 9.0), translation: DVec3::ZERO };
+            let direction = turn(&mut rng, 9.0) * DVec3::X;
+            pose.translation = (a.radius() + b.radius()) * direction;
+            // Nearer by no more than they are apart.
+            for _ in 0..8 {
+                let at = |model, pose| Placed { model, pose };
+                let asked = Query::of(Demand::Distance { below: None });
+                let memory = &mut PairMemory::default();
+                let answer = query(at(a, Pose::IDENTITY), at(b, pose), &asked, memory).unwrap();
+                pose.translation -= (answer.distance.unwrap() - 0.03) * direction;
             }
-            -outward
-        } else {
-            // Beside the face: only where both features are the nearest of their bodies.
-            let towards = (foot - p) / separation;
-            let faces_it = separation > self.pair.length_error()
-                && in_cone(self.pair, side, vertex, towards)
-                && match its {
-                    Feature::Vertex(w) => in_cone(self.pair, side.other(), w, -towards),
-                    Feature::Edge(e) => in_wedge(self.pair, side.other(), e, -towards),
-                    Feature::Face(_) => false,
+            let pace = [0.0, 0.002, 0.01, 0.05][rng.below(4)];
+            for step in 0..30 {
+                let placed = |model, pose| Placed { model, pose };
+                let mut posed = PosedVertices::default();
+                let pair = Pair::new(placed(a, Pose::IDENTITY), placed(b, pose), &mut posed);
+                // Often by less than patches may come nearer.
+                let margin = [0.1, 0.104, 0.112, 0.13, 0.2, 0.05][step / 2 % 6];
+                let mut counters = Counters::default();
+                let found = near_regions(&pair, margin, &mut memory, &mut counters);
+                let truth = oracle::near_regions(&pair, margin);
+                let flat = |regions: &[Vec<((Feature, Feature), f64)>]| {
+                    let mut all = regions.concat();
+                    all.sort_by_key(|x| x.0);
+                    all
                 };
-            if !faces_it {
-                return None;
+                let (found, truth) = (told(&found), told(&truth));
+                let (ours, theirs) = (flat(&found), flat(&truth));
+                let ids = |all: &[((Feature, Feature), f64)]| -> Vec<_> {
+                    all.iter().map(|c| c.0).collect()
+                };
+                assert_eq!(ids(&ours), ids(&theirs), "step {step} at {pose:?}");
+                let differ = |(x, y): (&(_, f64), &(_, f64))| (x.1 - y.1).abs() > 1e-12;
+                assert!(!ours.iter().zip(&theirs).any(differ), "step {step} at {pose:?}");
+                let parts = |regions: &[Vec<((Feature, Feature), f64)>]| -> Vec<_> {
+                    regions.iter().map(|region| ids(region)).collect()
+                };
+                assert_eq!(parts(&found), parts(&truth), "step {step} at {pose:?}");
+                (contacts, several) = (contacts + ours.len(), several + u32::from(found.len() > 1));
+                pose.translation += pace * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+                pose.rotation = (turn(&mut rng, pace) * pose.rotation).normalize();
             }
-            towards
-        };
-        let contact = match side {
-            Side::First => {
-                Contact { id: (own, its), point_a: p, point_b: foot, normal: towards, separation }
-            }
-            Side::Second => {
-                Contact { id: (its, own), point_a: foot, point_b: p, normal: -towards, separation }
-            }
-        };
-        self.once(contact.id, |_| Some(contact))
-    }
-
-    fn edge_edge(&mut self, e: EdgeId, g: EdgeId, [p, q]: [[DVec3; 2]; 2]) -> Option<usize> {
-        let (d1, d2) = (p[1] - p[0], q[1] - q[0]);
-        let cross = d1.cross(d2);
-        let squared = cross.length_squared();
-        if squared <= PARALLEL * d1.length_squared() * d2.length_squared() {
-            return None;
         }
-        let lift = cross.dot(q[0] - p[0]);
-        if lift.abs() > self.margin * squared.sqrt() {
-            return None;
-        }
-        let id = (Feature::Edge(e), Feature::Edge(g));
-        self.once(id, |finder| {
-            let (s, t) = closest_on_segments(&p, &q);
-            let open = |x: f64| x > 0.0 && x < 1.0;
-            if !open(s) || !open(t) {
-                return None;
-            }
-            let (point_a, point_b) = (p[0] + d1 * s, q[0] + d2 * t);
-            let gap = point_b - point_a;
-            let separation = gap.length();
-            // A flat edge touches nothing before its ends do, or the edges around it.
-            let sharp =
-                is_sharp(finder.pair, Side::First, e) && is_sharp(finder.pair, Side::Second, g);
-            if !sharp || separation > finder.margin || separation <= finder.pair.length_error() {
-                return None;
-            }
-            let normal = gap / separation;
-            let faces_it = in_wedge(finder.pair, Side::First, e, normal)
-                && in_wedge(finder.pair, Side::Second, g, -normal);
-            faces_it.then_some(Contact { id, point_a, point_b, normal, separation })
-        })
-    }
-
-    fn regions(self) -> Vec<Vec<Contact>> {
-        let mut sets = DisjointSets::new(self.contacts.len());
-        for (i, j) in self.joins {
-            sets.union(i, j);
-        }
-        let mut regions: Vec<Vec<Contact>> = Vec::new();
-        let mut region_of_root = HashMap::new();
-        for (index, contact) in self.contacts.into_iter().enumerate() {
-            let region = *region_of_root.entry(sets.find(index)).or_insert(regions.len());
-            if region == regions.len() {
-                regions.push(Vec::new());
-            }
-            regions[region].push(contact);
-        }
-        regions
+        assert!(
+            contacts > 1000 && several > 50,
+            "{contacts} contacts, several regions {several} times"
+        );
     }
 }

@@ -79,11 +79,6 @@ impl Ridge {
     }
 }
 
-/// Whether an edge is more than a line drawn on a plane.
-pub(crate) fn is_sharp(pair: &Pair, side: Side, edge: EdgeId) -> bool {
-    Ridge::of(pair, side, edge).is_sharp
-}
-
 /// Whether a direction lies between the outward normals of an edge's faces: both faces fall away
 /// from it, and it does not lead into the body.
 pub(crate) fn in_wedge(pair: &Pair, side: Side, edge: EdgeId, direction: DVec3) -> bool {

@@ -68,8 +68,6 @@ pub(super) struct Leaves {
     side: Side,
     /// The present query; none is 0.
     query: u32,
-    /// How many leaves it has opened.
-    opened: usize,
     leaves: Vec<Leaf>,
     names: Vec<VertexId>,
     points: Vec<DVec3>,
@@ -80,16 +78,19 @@ pub(super) struct Leaves {
     boxes: Vec<Aabb>,
 }
 
-/// More leaves than this beyond twice those that a query opens are not kept. Fewer: what moves on forgets what it
+/// More leaves than this beyond twice those that were opened lately are not kept. Fewer: what moves on forgets what it
 /// comes back to; more: what has moved on keeps what it left.
 const SPARE: usize = 64;
+
+/// In so many queries is lately. Fewer: what is searched now and then, since what was near is known, is forgotten
+/// between; more: what has moved on keeps what it left.
+const LATELY: u32 = 16;
 
 impl Leaves {
     pub(super) fn new(side: Side) -> Self {
         Self {
             side,
             query: 0,
-            opened: 0,
             leaves: Vec::new(),
             names: Vec::new(),
             points: Vec::new(),
@@ -102,12 +103,14 @@ impl Leaves {
 
     /// Begins a query.
     pub(super) fn begin(&mut self, query: u32) {
-        (self.query, self.opened) = (query, 0);
+        self.query = query;
     }
 
-    /// Whether most of what is kept was not met in the present query.
+    /// Whether most of what is kept was not opened lately; asked now and then, it says.
     pub(super) fn are_stale(&self) -> bool {
-        self.leaves.len() > 2 * self.opened + SPARE
+        let is_recent = |leaf: &&Leaf| leaf.posed > 0 && leaf.posed + LATELY > self.query;
+        self.query.is_multiple_of(LATELY)
+            && self.leaves.len() > 2 * self.leaves.iter().filter(is_recent).count() + SPARE
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -156,7 +159,6 @@ impl Leaves {
         if leaf.posed == self.query {
             return None;
         }
-        self.opened += 1;
         // The first body's do not move.
         if self.side == Side::Second || leaf.posed == 0 {
             let range = leaf.points.start as usize..leaf.points.end as usize;

@@ -8,19 +8,24 @@
 //! mesh (`facing`), and their normals are exact there (`feature_pair`). Where the solids overlap,
 //! depths take the place of gaps (`overlap`, of the vertices `within`). From which face a feature is looked at stands in `ownership`.
 //!
-//! The answer is a function of models, poses and margin: memory holds upper bounds, and what
-//! these two models alone say.
+//! While bodies move little, only what was near is looked at (`candidates`, by `gather`).
+//!
+//! The answer is a function of models, poses and margin: memory holds upper bounds, what
+//! these two models alone say, and what cannot have come near.
 
+mod candidates;
+mod close_faces;
 mod coarse;
 mod facet;
 pub(crate) mod facing;
 mod feature_pair;
+mod gather;
 mod kept;
 mod leaf;
-mod meet;
 mod overlap;
 mod ownership;
 mod posed;
+mod quest;
 mod search;
 mod within;
 
@@ -29,10 +34,13 @@ use std::collections::BTreeMap;
 use cranny_exact::Meeting;
 use cranny_geometry::{Model, PatchId};
 
+use self::candidates::Candidates;
 use self::coarse::Coarse;
 use self::feature_pair::{across_gap, patch_index};
+use self::gather::Asked;
 pub(crate) use self::kept::Kept;
-use self::search::{Search, nearer};
+use self::quest::{Found, Looking, Wanted, have_crossed, nearer};
+use self::search::Search;
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
@@ -43,16 +51,20 @@ use crate::surface::{FacePair, strongest};
 pub(crate) struct ContactMemory {
     nearest: BTreeMap<[PatchId; 2], (Feature, Feature)>,
     kept: Kept,
+    candidates: Candidates,
 }
 
 impl ContactMemory {
     /// Lets go of what is of use only while bodies are near each other.
     pub(crate) fn let_go(&mut self) {
         self.kept.let_go();
+        self.candidates = Candidates::default();
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.nearest.len() * size_of::<([PatchId; 2], (Feature, Feature))>() + self.kept.bytes()
+        self.nearest.len() * size_of::<([PatchId; 2], (Feature, Feature))>()
+            + self.kept.bytes()
+            + self.candidates.bytes()
     }
 }
 
@@ -74,33 +86,16 @@ pub(crate) fn near_patches(
     memory: &mut ContactMemory,
     counters: &mut Counters,
 ) -> Near {
-    if !memory.kept.belong_to(pair) {
-        memory.nearest.clear();
-    }
-    memory.kept.reserve(pair);
-    let mut search = Search::new(pair, std::mem::take(&mut memory.kept));
     let coarse = Coarse::of(pair);
-    let mut groups: BTreeMap<[PatchId; 2], Vec<Contact>> = BTreeMap::new();
-    let mut nearest = BTreeMap::new();
-    for patches in search.near_patches(margin, counters) {
-        let known = memory.nearest.get(&patches).filter(|_| !coarse.holds(pair, patches));
-        let bound = known.and_then(|&id| across_gap(pair, id, margin)).map(|c| c.separation);
-        let mut found = match bound {
-            Some(bound) => search.between(patches, bound.max(0.0), counters),
-            None => Vec::new(),
-        };
-        // What memory names may be seen from no face of its patch, by rounding.
-        if found.is_empty() {
-            found = search.between(patches, margin, counters);
-        }
+    let wanted = |patches| if coarse.holds(pair, patches) { Wanted::All } else { Wanted::Nearest };
+    let (mut groups, mut nearest) = (BTreeMap::new(), BTreeMap::new());
+    let meeting = each_near(pair, (margin, true), wanted, memory, counters, |patches, found| {
         if let Some(first) = found.first() {
             nearest.insert(patches, first.id);
             groups.insert(patches, found);
         }
-    }
+    });
     memory.nearest = nearest;
-    let (kept, meeting) = search.end();
-    memory.kept = kept;
     if strongest(&meeting) == Meeting::Cross {
         for contact in overlap::overlaps(pair, &meeting, counters) {
             groups.entry(patches_of(pair, contact.id)).or_default().push(contact);
@@ -118,6 +113,79 @@ pub(crate) fn near_patches(
     Near { meeting, contacts }
 }
 
+/// All contacts of two surfaces across a gap of at most `margin`, in the pair's frame; in no order. Where surfaces touch, gaps may be
+/// negative by rounding.
+///
+/// Cost: as of [`near_patches`], but near-linear in the faces within the margin.
+pub(crate) fn across_gaps(
+    pair: &Pair,
+    margin: f64,
+    memory: &mut ContactMemory,
+    counters: &mut Counters,
+) -> Vec<Contact> {
+    let mut all = Vec::new();
+    let wanted = |_| Wanted::All;
+    each_near(pair, (margin, false), wanted, memory, counters, |_, found| all.extend(found));
+    all
+}
+
+/// Tells the contacts of each pair of patches within `margin`; faces that meet, by ascending ids, if asked for.
+fn each_near(
+    pair: &Pair,
+    (margin, meets): (f64, bool),
+    wanted: impl Fn([PatchId; 2]) -> Wanted,
+    memory: &mut ContactMemory,
+    counters: &mut Counters,
+    told: impl FnMut([PatchId; 2], Vec<Contact>),
+) -> Vec<FacePair> {
+    if !memory.kept.belong_to(pair) {
+        memory.nearest.clear();
+        memory.candidates = Candidates::default();
+    }
+    memory.kept.reserve(pair);
+    let mut search = Search::new(pair, std::mem::take(&mut memory.kept));
+    let mut meeting = Vec::new();
+    let ContactMemory { nearest, candidates, .. } = memory;
+    let searched = |search: &mut Search, patches, asked, meeting: &mut _, counters: &mut _| {
+        searched(search, patches, asked, nearest.get(&patches).copied(), meeting, counters)
+    };
+    let asked = (margin, meets);
+    candidates.each(&mut search, asked, wanted, &mut meeting, counters, searched, told);
+    memory.kept = search.end();
+    in_order(&mut meeting);
+    meeting
+}
+
+/// The contacts of two patches, by a search that a contact bounds whose features were nearest last.
+fn searched(
+    search: &mut Search,
+    patches: [PatchId; 2],
+    Asked { wanted, margin, meeting: meets }: Asked,
+    last: Option<(Feature, Feature)>,
+    meeting: &mut Vec<FacePair>,
+    counters: &mut Counters,
+) -> Vec<Contact> {
+    let pair = search.pair();
+    let mut look = |limit: f64| {
+        let found = Some(Found::new(limit, wanted));
+        let mut looking = Looking { found, meets, meeting: std::mem::take(meeting) };
+        search.look(patches, &mut looking, counters);
+        *meeting = looking.meeting;
+        looking.found.map_or_else(Vec::new, |found| found.contacts)
+    };
+    let known = last.filter(|_| wanted == Wanted::Nearest);
+    let bound = known.and_then(|id| across_gap(pair, id, margin));
+    let found = bound.map_or_else(Vec::new, |contact| look(contact.separation.max(0.0)));
+    // What memory names may be seen from no face of its patch, by rounding.
+    if found.is_empty() { look(margin) } else { found }
+}
+
+/// Faces that meet by ascending ids, each pair once: patches searched twice tell twice.
+fn in_order(meeting: &mut Vec<FacePair>) {
+    meeting.sort_unstable();
+    meeting.dedup();
+}
+
 /// Every pair of faces that meet, by ascending ids; where `only_verdict`, none but those that were seen when the
 /// first patches crossed.
 ///
@@ -129,15 +197,16 @@ pub(crate) fn meetings_of_patches(
     counters: &mut Counters,
 ) -> Vec<FacePair> {
     let mut search = Search::new(pair, std::mem::take(kept));
+    let mut looking = Looking { found: None, meets: true, meeting: Vec::new() };
     for patches in search.near_patches(0.0, counters) {
-        search.meetings(patches, counters);
-        if only_verdict && search.has_crossed() {
+        search.look(patches, &mut looking, counters);
+        if only_verdict && have_crossed(&looking.meeting) {
             break;
         }
     }
-    let meeting;
-    (*kept, meeting) = search.end();
-    meeting
+    *kept = search.end();
+    in_order(&mut looking.meeting);
+    looking.meeting
 }
 
 fn patches_of(pair: &Pair, id: (Feature, Feature)) -> [PatchId; 2] {

@@ -466,3 +466,62 @@ fn memory_of_contacts_follows_what_is_near() {
     let [kept, fresh] = [memory, fresh].map(|memory| memory.bytes());
     assert!(kept < 3 * fresh, "{kept} bytes after a turn, {fresh} here");
 }
+
+/// Bodies that wander slowly, rest, jump and are asked about with other margins: what is kept of features near each
+/// other changes no answer, and while they move little it is all that is looked at.
+#[test]
+fn what_is_near_is_kept_and_changes_no_answer() {
+    let bodies = [
+        shape(Cuboid::default()),
+        shape(Cup { segments: 9, ..Cup::default() }),
+        shape(Torus { major_segments: 12, minor_segments: 7, ..Torus::default() }),
+        shape(GolfBall { triangles: 1_000, dimples: 12, ..GolfBall::default() }),
+    ];
+    let mut rng = Rng::new(4_711);
+    let (mut found, mut met, mut looked, mut kept) = (0, 0, 0, 0);
+    for round in 0..24 {
+        let (a, b) = (&bodies[rng.below(4)], &bodies[rng.below(4)]);
+        let turn = |rng: &mut Rng, size: f64| {
+            let axis = size * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0).normalize()
+        };
+        let direction = turn(&mut rng, 9.0) * DVec3::X;
+        let translation = (a.radius() + b.radius()) * direction;
+        let mut pose = Pose { rotation: turn(&mut rng, 9.0), translation };
+        let first = Placed { model: a, pose: Pose::IDENTITY };
+        // Nearer by no more than they are apart; in the end they touch, more or less.
+        for reach in [0.03, 0.03, 0.03, 0.03, 0.01, 0.0, -0.005] {
+            let distance = Query::of(Demand::Distance { below: None });
+            let second = Placed { model: b, pose };
+            let answer = query(first, second, &distance, &mut PairMemory::default()).unwrap();
+            pose.translation -= (answer.distance.unwrap() - reach) * direction;
+        }
+        let mut memory = PairMemory::default();
+        let pace = [0.0, 1e-5, 1e-3, 0.02][round % 4];
+        for step in 0..40 {
+            // Often by less than patches may come nearer.
+            let margin = [0.02, 0.021, 0.023, 0.026, 0.05, 0.01][step / 2 % 6];
+            let demand = match step % 10 {
+                9 => Demand::Regions { margin },
+                _ => Demand::Contacts { margin },
+            };
+            let second = Placed { model: b, pose };
+            let ask =
+                |memory: &mut PairMemory| query(first, second, &Query::of(demand), memory).unwrap();
+            let (cold, warm) = (ask(&mut PairMemory::default()), ask(&mut memory));
+            found += cold.contacts.len();
+            met += cold.triangle_pairs;
+            if pace < 1e-4 && step > 2 {
+                looked += cold.counters.node_tests;
+                kept += warm.counters.node_tests;
+            }
+            let warm = Answer { counters: cold.counters, ..warm };
+            assert_eq!(warm, cold, "round {round}, step {step}: {demand:?} at {pose:?}");
+            let jump = if step == 30 { 0.1 } else { pace };
+            pose.translation += jump * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            pose.rotation = (turn(&mut rng, jump) * pose.rotation).normalize();
+        }
+    }
+    assert!(found > 1000 && met > 500, "{found} contacts, {met} pairs of faces that meet");
+    assert!(2 * kept < looked, "{kept} nodes compared, {looked} without memory");
+}

@@ -1,0 +1,234 @@
+//! What can make a contact of two patches once they have come nearer by a slack, and how it is found.
+
+use cranny_exact::DVec3;
+use cranny_geometry::{EdgeId, FaceId, VertexId};
+
+use super::facet::may_cross;
+use super::quest::{Found, Ground, Quest, Tip, Wanted};
+use crate::answer::{Contact, Counters};
+use crate::pair::{Pair, Side};
+use crate::surface::FacePair;
+use crate::triangle_distance::{closest_on_segments, closest_on_triangle};
+
+/// More features and faces than this take as long to look at as a search for the nearest.
+const CROWD: usize = 64;
+
+/// What is wanted of two patches.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    pub(super) wanted: Wanted,
+    pub(super) margin: f64,
+    /// Whether faces that meet are to be told.
+    pub(super) meeting: bool,
+}
+
+/// Two features that may make a contact.
+#[derive(Clone, Copy, Debug)]
+enum Features {
+    /// A corner of a side before a face of the other, or beside it.
+    Corner(Side, VertexId, FaceId),
+    Edges([EdgeId; 2]),
+}
+
+/// What may come to matter of two patches.
+#[derive(Clone, Debug)]
+pub(super) struct Near {
+    /// Number of the pose at which it was found.
+    pub(super) since: u32,
+    slack: f64,
+    /// No other features were nearer than this.
+    beyond: f64,
+    /// Nearest first.
+    features: Vec<Features>,
+    /// All that were within the slack, in ascending order of a lower bound of their gap; `None` if not asked for.
+    faces: Option<Vec<(f64, [FaceId; 2])>>,
+}
+
+impl Near {
+    pub(super) fn bytes(&self) -> usize {
+        self.features.capacity() * size_of::<Features>()
+            + self.faces.as_ref().map_or(0, Vec::capacity) * size_of::<(f64, [FaceId; 2])>()
+    }
+
+    /// The contacts of two patches that have come nearer by at most `moved`; `None` where others may matter, too.
+    pub(super) fn found(
+        &self,
+        ground: Ground,
+        asked: Asked,
+        moved: f64,
+        meeting: &mut Vec<FacePair>,
+        counters: &mut Counters,
+    ) -> Option<Vec<Contact>> {
+        let (pair, Asked { wanted, margin, .. }) = (ground.pair, asked);
+        let beyond = self.beyond - moved - 2.0 * pair.culling_error();
+        if moved > self.slack
+            || (wanted == Wanted::All && margin > beyond)
+            || (asked.meeting && self.faces.is_none())
+        {
+            return None;
+        }
+        let mut found = Found::new(margin, wanted);
+        for features in &self.features {
+            counters.triangle_tests += 1;
+            match *features {
+                Features::Corner(side, vertex, face) => {
+                    let tip = Tip { side, vertex, at: pair.position(side, vertex) };
+                    found.corner(ground, tip, (face, &pair.triangle(side.other(), face)));
+                }
+                Features::Edges([e, g]) => {
+                    let [p, q] = [pair.segment(Side::First, e), pair.segment(Side::Second, g)];
+                    if may_cross(p, q, found.limit + pair.length_error()) {
+                        found.edges(pair, [e, g], [p, q]);
+                    }
+                }
+            }
+        }
+        if found.limit > beyond {
+            return None;
+        }
+        self.meet(pair, moved, meeting, counters);
+        Some(found.contacts)
+    }
+
+    /// Adds the faces that meet, after patches have come nearer by at most `moved`.
+    fn meet(&self, pair: &Pair, moved: f64, meeting: &mut Vec<FacePair>, counters: &mut Counters) {
+        let reach = moved + 2.0 * pair.culling_error();
+        for &(gap, [f, g]) in self.faces.iter().flatten() {
+            if gap > reach {
+                break;
+            }
+            counters.triangle_tests += 1;
+            let triangles = [pair.triangle(Side::First, f), pair.triangle(Side::Second, g)];
+            meeting.extend(FacePair::of([f, g], triangles.each_ref()));
+        }
+    }
+}
+
+/// A lower bound of the gap between two triangles, but for rounding: by the plane of either, the points of the other.
+fn gap([a, b]: [&[DVec3; 3]; 2]) -> f64 {
+    let over = |own: &[DVec3; 3], its: &[DVec3; 3]| {
+        let normal = (own[1] - own[0]).cross(own[2] - own[0]).normalize_or_zero();
+        let heights = |points: &[DVec3; 3]| points.map(|p| normal.dot(p));
+        let [top, bottom] = [f64::max, f64::min].map(|f| heights(own).into_iter().reduce(f));
+        let [high, low] = [f64::max, f64::min].map(|f| heights(its).into_iter().reduce(f));
+        let along = |x: Option<f64>, y: Option<f64>| x.zip(y).map_or(0.0, |(x, y)| x - y);
+        along(low, top).max(along(bottom, high))
+    };
+    over(a, b).max(over(b, a)).max(0.0)
+}
+
+/// Contacts, and what may make one soon.
+pub(super) struct Gathering {
+    found: Found,
+    asked: Asked,
+    slack: f64,
+    /// How far apart they are.
+    features: Vec<(f64, Features)>,
+    faces: Vec<(f64, [FaceId; 2])>,
+    /// More is near than is worth keeping: only contacts are looked for from there on.
+    is_crowded: bool,
+}
+
+impl Gathering {
+    pub(super) fn new(asked: Asked, slack: f64) -> Self {
+        Self {
+            found: Found::new(asked.margin, asked.wanted),
+            asked,
+            slack,
+            features: Vec::new(),
+            faces: Vec::new(),
+            is_crowded: false,
+        }
+    }
+
+    /// What is near, unless that is too much, and the contacts; faces that meet go to `meeting`.
+    pub(super) fn end(
+        self,
+        since: u32,
+        pair: &Pair,
+        meeting: &mut Vec<FacePair>,
+        counters: &mut Counters,
+    ) -> (Option<Near>, Vec<Contact>) {
+        let beyond = self.limit();
+        let Self { found, asked, slack, mut features, mut faces, is_crowded } = self;
+        let reach = beyond + pair.culling_error();
+        features.retain(|(apart, _)| *apart <= reach);
+        features.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let features = features.into_iter().map(|(_, features)| features).collect();
+        faces.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let faces = asked.meeting.then_some(faces);
+        let near = Near { since, slack, beyond, features, faces };
+        near.meet(pair, 0.0, meeting, counters);
+        ((!is_crowded).then_some(near), found.contacts)
+    }
+
+    /// Notes how much is near.
+    fn count(&mut self) {
+        let all = self.features.len() + self.faces.len();
+        self.is_crowded |= self.asked.wanted == Wanted::Nearest && all > CROWD;
+    }
+
+    fn add(&mut self, apart: f64, features: Features, pair: &Pair) {
+        if !self.is_crowded && apart <= self.limit() + pair.culling_error() {
+            self.features.push((apart, features));
+            self.count();
+        }
+    }
+}
+
+impl Quest for Gathering {
+    /// What is nearest now has come nearer, or gone, by the slack; so may what is nearest then.
+    fn limit(&self) -> f64 {
+        match self.found.wanted {
+            _ if self.is_crowded => self.found.limit,
+            Wanted::All => self.asked.margin + self.slack,
+            Wanted::Nearest => {
+                (self.found.limit + 2.0 * self.slack).min(self.asked.margin + self.slack)
+            }
+        }
+    }
+
+    fn closeness(&self) -> Option<f64> {
+        let slack = if self.is_crowded { 0.0 } else { self.slack };
+        self.asked.meeting.then_some(slack)
+    }
+
+    fn wants_features(&self) -> bool {
+        true
+    }
+
+    fn faces(&mut self, faces: [FaceId; 2], triangles: [&[DVec3; 3]; 2], _: &mut Counters) {
+        self.faces.push((gap(triangles), faces));
+        self.count();
+    }
+
+    fn corner(
+        &mut self,
+        ground: Ground,
+        tip: Tip,
+        (face, corners): (FaceId, &[DVec3; 3]),
+        counters: &mut Counters,
+    ) {
+        counters.triangle_tests += 1;
+        let apart = (tip.at - closest_on_triangle(tip.at, corners).0).length();
+        self.add(apart, Features::Corner(tip.side, tip.vertex, face), ground.pair);
+        self.found.corner(ground, tip, (face, corners));
+    }
+
+    fn edges(
+        &mut self,
+        ground: Ground,
+        edges: [EdgeId; 2],
+        segments: [[DVec3; 2]; 2],
+        counters: &mut Counters,
+    ) {
+        counters.triangle_tests += 1;
+        let [p, q] = segments;
+        let (s, t) = closest_on_segments(&p, &q);
+        let [on_first, on_second] = [p[0] + (p[1] - p[0]) * s, q[0] + (q[1] - q[0]) * t];
+        self.add((on_second - on_first).length(), Features::Edges(edges), ground.pair);
+        if may_cross(p, q, self.found.limit + ground.pair.length_error()) {
+            self.found.edges(ground.pair, edges, segments);
+        }
+    }
+}
