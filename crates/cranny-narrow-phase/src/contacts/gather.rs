@@ -232,3 +232,58 @@ impl Quest for Gathering {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pair::PosedVertices;
+    use crate::query::Placed;
+    use cranny_exact::Pose;
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_shapes::{Cuboid, Shape};
+
+    /// What was gathered answers as long as patches cannot have come nearer than it was gathered for.
+    #[test]
+    fn what_was_gathered_answers_within_its_slack_and_margin() {
+        let mesh = Shape::from(Cuboid::default()).build().unwrap();
+        let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        let at = |x| Placed { model: &model, pose: Pose::at(DVec3::new(x, 0.0, 0.0)) };
+        let mut posed = PosedVertices::default();
+        let pair = Pair::new(at(0.0), at(9.0), &mut posed);
+        let owned = Default::default();
+        let answers = |near: &Near, asked: Asked, moved: f64| {
+            let ground = Ground { pair: &pair, owned: &owned };
+            let counters = &mut Counters::default();
+            near.found(ground, asked, moved, &mut Vec::new(), counters).is_some()
+        };
+        let near = Near {
+            since: 0,
+            slack: 0.25,
+            beyond: 1.0,
+            features: Vec::new(),
+            faces: Some(Vec::new()),
+        };
+        for wanted in [Wanted::Nearest, Wanted::All] {
+            let asked = |margin| Asked { wanted, margin, meeting: true };
+            assert!(answers(&near, asked(0.5), 0.25) && !answers(&near, asked(0.5), 0.26));
+            assert!(answers(&near, asked(0.8), 0.19) && !answers(&near, asked(0.8), 0.21));
+            // Of faces it says nothing where it was not asked.
+            let features = Near { faces: None, ..near.clone() };
+            assert!(!answers(&features, asked(0.5), 0.0));
+            assert!(answers(&features, Asked { meeting: false, ..asked(0.5) }, 0.0));
+        }
+    }
+
+    #[test]
+    fn planes_bound_the_gap_between_triangles() {
+        let floor = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let over = floor.map(|p| p + DVec3::new(5.0, 0.0, 0.25));
+        assert_eq!(gap([&floor, &over]), 0.25);
+        assert_eq!(gap([&over, &floor]), 0.25);
+        // Beneath counts, too; beside says nothing, nor do needles.
+        let under = floor.map(|p| p - DVec3::Z);
+        assert_eq!(gap([&floor, &under]), 1.0);
+        assert_eq!(gap([&floor, &floor.map(|p| p + 3.0 * DVec3::X)]), 0.0);
+        assert_eq!(gap([&[DVec3::ZERO; 3], &[DVec3::Z; 3]]), 0.0);
+    }
+}

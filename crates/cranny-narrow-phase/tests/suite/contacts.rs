@@ -500,7 +500,7 @@ fn what_is_near_is_kept_and_changes_no_answer() {
         let pace = [0.0, 1e-5, 1e-3, 0.02][round % 4];
         for step in 0..40 {
             // Often by less than patches may come nearer.
-            let margin = [0.02, 0.021, 0.023, 0.026, 0.05, 0.01][step / 2 % 6];
+            let margin = 0.01 + 0.004 * (step % 8) as f64;
             let demand = match step % 10 {
                 9 => Demand::Regions { margin },
                 _ => Demand::Contacts { margin },
