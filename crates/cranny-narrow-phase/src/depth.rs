@@ -15,7 +15,7 @@ use crate::footprints::Footprints;
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
 use crate::pieces::Cut;
-use crate::triangle_distance::closest_on_triangle;
+use crate::triangle_distance::closest_on_segment;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
@@ -271,12 +271,11 @@ impl Borders {
     fn on_piece(&self, pair: &Pair, side: Side, face: FaceId, p: DVec3) -> bool {
         let start = self.0.partition_point(|border| border.0 < face);
         let segments = self.0[start..].iter().take_while(|border| border.0 == face);
-        let nearest = segments.map(|border| &border.1).min_by(|x, y| {
-            let d = |s: &[DVec3; 2]| {
-                (p - closest_on_triangle(p, &[s[0], s[1], s[1]]).0).length_squared()
-            };
-            d(x).total_cmp(&d(y))
-        });
+        let apart = |ends| (p - closest_on_segment(p, ends)).length_squared();
+        let nearest = segments
+            .map(|(_, ends)| (apart(ends), ends))
+            .min_by(|x, y| x.0.total_cmp(&y.0))
+            .map(|(_, ends)| ends);
         nearest
             .is_none_or(|[a, b]| pair.area_vector(side, face).dot((*b - *a).cross(p - *a)) >= 0.0)
     }

@@ -219,6 +219,12 @@ pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
     best
 }
 
+/// The point of a segment nearest to another point.
+pub(crate) fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
+    let side = Side::of(ends[0], ends[1]);
+    side.at(side.parameter(side.along.dot(p - ends[0])))
+}
+
 /// Parameters in \[0, 1\] of the nearest points of two segments, each from its first end.
 ///
 /// The distance of those points exceeds the least one by a few units of rounding of the largest
