@@ -29,11 +29,16 @@ pub enum Flatness {
     Double,
     /// Coordinates are rounded to `f32`: [`Flatness::SINGLE`].
     Single,
-    /// This much; at least 0, `NaN` counting as 0.
+    /// This much; at least [`LEAST`](Self::LEAST), `NaN` counting as that.
     Relative(f64),
 }
 
 impl Flatness {
+    /// How exactly a plane is measured that points lie on. Smaller, and rounding of the measurement alone tells sides apart
+    /// that are flat to the last digit (`drawn_sides_are_flat_at_any_flatness`); larger, and a quarter of [`FLATNESS`], which
+    /// tests ask for, is not to be had.
+    pub const LEAST: f64 = 4.0 * f64::EPSILON;
+
     /// Rounding to `f32` moves a point by up to 2^-24 of each coordinate, so of a plane's points, the
     /// plane being given by three of them, up to a few times that. Smaller, and the quads of a torus
     /// stored so are not flat (`a_torus_is_one_passage_however_it_is_rounded`); larger, and shallow
@@ -68,7 +73,7 @@ impl Flatness {
             }
             Self::Double => FLATNESS,
             Self::Single => Self::SINGLE,
-            Self::Relative(flatness) => flatness.max(0.0),
+            Self::Relative(flatness) => flatness.max(Self::LEAST),
         }
     }
 

@@ -30,6 +30,45 @@ fn convex_bodies_have_one_convex_set_and_nothing_else() {
     }
 }
 
+/// A cup whose base and floor are fans about their middles.
+fn cup_of_fans(segments: u32) -> Mesh {
+    let rings = [(1.0, 0.0), (1.0, 2.0), (0.9, 2.0), (0.9, 0.1)];
+    let mut vertices = vec![DVec3::ZERO];
+    for (radius, height) in rings {
+        vertices.extend((0..segments).map(|k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(segments);
+            DVec3::new(radius * angle.cos(), radius * angle.sin(), height)
+        }));
+    }
+    vertices.push(DVec3::new(0.0, 0.0, 0.1));
+    let at = |ring: u32, k: u32| 1 + ring * segments + k % segments;
+    let mut faces = Vec::new();
+    for k in 0..segments {
+        faces.push([0, at(0, k + 1), at(0, k)]);
+        for ring in 0..3 {
+            let [a, b] = [at(ring, k), at(ring, k + 1)];
+            let [c, d] = [at(ring + 1, k + 1), at(ring + 1, k)];
+            faces.extend([[a, b, c], [a, c, d]]);
+        }
+        faces.push([at(3, k), at(3, k + 1), 1 + 4 * segments]);
+    }
+    Mesh::new(vertices, faces).unwrap()
+}
+
+/// The base and rim of a cup as it is drawn lie in planes to the last digit: no lid of theirs is left over.
+#[test]
+fn drawn_sides_are_flat_at_any_flatness() {
+    for segments in 5..40 {
+        for flatness in [0.0, f64::NAN, f64::EPSILON, 1e-15] {
+            let options =
+                BuildOptions { flatness: Flatness::Relative(flatness), ..BuildOptions::default() };
+            let model = Model::build(cup_of_fans(segments), &options).unwrap().0;
+            assert_eq!(census(&model), [(ConcavityKind::Pocket, 1, 1)], "{segments}, {flatness}");
+            assert_eq!(model.concavities().negative_caps().len(), 0, "{segments}, {flatness}");
+        }
+    }
+}
+
 #[test]
 fn sides_rounded_to_single_precision_are_flat() {
     let cube = bodies::gridded_cuboid([7, 5, 6], |_, _| false);
@@ -249,8 +288,8 @@ fn flatness_is_chosen_by_the_coordinates() {
     // Nine decimals are finer than single precision.
     assert!((decimals(9) - 2e-9).abs() < 1e-14);
     assert_eq!(flatness(&rounded_to_digits(&mesh, 9), Flatness::Auto), Flatness::SINGLE);
-    assert_eq!(flatness(&mesh, Flatness::Relative(-1.0)), 0.0);
-    assert_eq!(flatness(&mesh, Flatness::Relative(f64::NAN)), 0.0);
+    assert_eq!(flatness(&mesh, Flatness::Relative(-1.0)), Flatness::LEAST);
+    assert_eq!(flatness(&mesh, Flatness::Relative(f64::NAN)), Flatness::LEAST);
 }
 
 /// Everything that must not depend on scale and numbering: per face its class, and per concavity its

@@ -289,6 +289,7 @@ fn impulses_follow_their_features_and_are_not_multiplied() {
     assert_eq!(all(&found), before, "nothing moved");
     // Over the edges of the tessellation: ids change, impulses are handed on by place, once each.
     for step in 1..40 {
+        let before = all(&found);
         ask(0.03 + 0.02 * step as f32, &mut found);
         let after = all(&found);
         let total = |all: &[f32]| all.iter().sum::<f32>();
