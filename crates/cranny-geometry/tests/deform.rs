@@ -2,6 +2,8 @@
 
 #[path = "deform/equal.rs"]
 mod equal;
+#[path = "deform/folded.rs"]
+mod folded;
 mod meshes;
 #[path = "deform/moves.rs"]
 mod moves;

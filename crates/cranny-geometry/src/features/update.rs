@@ -98,7 +98,10 @@ impl Assignment {
                 None => self.slabs.around(mesh.position(v), &mut found),
             }
             let before = self.facets_of(v);
-            if before != found || before.iter().any(|&f| is_gone(f)) {
+            // Within its facet a face may have folded over.
+            let has_moved =
+                moved.binary_search(&v).is_ok() && !(before.is_empty() && found.is_empty());
+            if has_moved || before != found || before.iter().any(|&f| is_gone(f)) {
                 faces.extend(topology.faces_at(v));
                 self.moved.insert(v.0, found);
             }

@@ -58,7 +58,8 @@ pub(crate) fn vertex_face(
     if apart > below + pair.length_error() {
         return Stand::Over(None);
     }
-    if part != Part::Inside && !over(height, apart, raw) {
+    // A face without area has no inside to stand over.
+    if part != Part::Inside && (raw == DVec3::ZERO || !over(height, apart, raw)) {
         return Stand::Beside(part);
     }
     let Some(outward) = raw.try_normalize() else { return Stand::Over(None) };

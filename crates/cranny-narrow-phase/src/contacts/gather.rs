@@ -13,6 +13,10 @@ use crate::triangle_distance::{closest_on_segments, closest_on_triangle};
 /// More features and faces than this take as long to look at as a search for the nearest.
 const CROWD: usize = 64;
 
+/// More than this are not kept where all contacts are wanted, which a search measures all the same. Larger: memory of wide
+/// margins grows without a bound; smaller: coarse patches that rest on each other are searched each time.
+const ALL: usize = 512;
+
 /// What is wanted of two patches.
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
@@ -165,7 +169,10 @@ impl Gathering {
     /// Notes how much is near.
     fn count(&mut self) {
         let all = self.features.len() + self.faces.len();
-        self.is_crowded |= self.asked.wanted == Wanted::Nearest && all > CROWD;
+        self.is_crowded |= match self.asked.wanted {
+            Wanted::Nearest => all > CROWD,
+            Wanted::All => all > ALL,
+        };
     }
 
     fn add(&mut self, apart: f64, features: Features, pair: &Pair) {

@@ -1,4 +1,5 @@
-//! The same contacts, found face pair by face pair, with nothing kept: what [`near_regions`](super::near_regions) must find.
+//! The same contacts, found face pair by face pair, with nothing kept: what [`near_regions`](super::near_regions) must find
+//! where faces have areas.
 
 use std::collections::HashMap;
 

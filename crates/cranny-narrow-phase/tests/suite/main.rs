@@ -15,6 +15,7 @@ mod impact_linear;
 mod impact_sampled;
 mod levels;
 mod measure;
+mod needles;
 mod regions;
 mod rounded;
 mod solids;
