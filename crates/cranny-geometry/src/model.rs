@@ -26,7 +26,7 @@ use crate::envelope::Envelopes;
 use crate::features::Features;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::Late;
+use crate::late::{Late, Unfolding};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -122,12 +122,12 @@ impl Model {
             features,
             concavities,
             hull_covers: Late::default(),
-            tree,
+            tree: Unfolding::made(tree),
             concavity_trees: Late::made(concavity_trees),
             envelopes: Late::made(envelopes),
             former_envelopes: None,
             is_as_made: true,
-            patches,
+            patches: Unfolding::made(patches),
             mass,
             radius,
             digest,
@@ -148,8 +148,7 @@ impl Model {
     ///
     /// [`BuildError::WeldDistance`], as [`build`](Self::build).
     pub fn survey(&self, options: &BuildOptions) -> Result<Report, BuildError> {
-        let Parts { mesh, topology, hull, features, concavities, tree, mass, flatness, .. } =
-            &*self.0;
+        let Parts { mesh, topology, hull, features, concavities, mass, flatness, .. } = &*self.0;
         let mut report = Report {
             filed_vertices: mesh.vertices().len(),
             filed_faces: mesh.faces().len(),
@@ -159,7 +158,7 @@ impl Model {
         };
         describe(mesh, topology, mass.as_ref(), &mut report);
         let (mass, distance) = (mass.as_ref(), report.weld_distance);
-        report.take(scan(mesh, topology, tree, mass, distance, options.self_intersections));
+        report.take(scan(mesh, topology, self.tree(), mass, distance, options.self_intersections));
         report.add(concavities.surface().findings(
             mesh,
             hull,
@@ -217,9 +216,12 @@ impl Model {
     }
 
     /// Box tree over all faces.
+    ///
+    /// A model that was [loaded](Self::decode) makes its boxes at the first call, in linear time.
     #[must_use]
+    #[inline]
     pub fn tree(&self) -> &FaceTree {
-        &self.0.tree
+        self.0.tree()
     }
 
     /// A box tree for each of the [`concavities`](Self::concavities), by their ids.
@@ -243,19 +245,25 @@ impl Model {
     }
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
-    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), and the graph over the vertices
-    /// of the [`hull`](Self::hull), and the faces at vertices. For whoever wants no late cost; nothing to do for a model that was built and not deformed. Not
+    /// [`tree`](Self::tree) and [`patches`](Self::patches), [`concavity_trees`](Self::concavity_trees) and
+    /// [`envelopes`](Self::envelopes), the graph over the vertices of the [`hull`](Self::hull), and the faces at
+    /// vertices. For whoever wants no late cost; nothing to do for a model that was built and not deformed. Not
     /// [`hull_covers`](Self::hull_covers), which building leaves for later too.
     pub fn prepare_all(&self) {
+        self.0.tree();
+        self.0.patches();
         self.0.envelopes();
         self.0.hull.prepare_all();
         self.0.topology.prepare_all();
     }
 
     /// The surface in connected patches of nearly one normal.
+    ///
+    /// A model that was [loaded](Self::decode) makes their boxes at the first call, in linear time.
     #[must_use]
+    #[inline]
     pub fn patches(&self) -> &Patches {
-        &self.0.patches
+        self.0.patches()
     }
 
     /// Whether every component is closed, so that the model bounds a solid.
@@ -273,7 +281,7 @@ impl Model {
     /// Box of all vertices, in the body's frame.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.0.tree.node(0).bounds
+        self.0.hull.bounds()
     }
 
     /// No vertex is farther than this from the origin of the body's frame (rounded up).

@@ -171,17 +171,23 @@ fn what_is_made_late_is_made_once_and_as_it_was_built() {
             vertices.map(|v| model.hull().neighbours(HullVertexId(v)).to_vec()).collect()
         };
         let late = |model: &Model| {
-            format!("{:?}", (model.concavity_trees(), model.envelopes(), rows(model)))
+            let surface = (model.tree(), model.patches());
+            format!("{:?}", (surface, model.concavity_trees(), model.envelopes(), rows(model)))
         };
         let back = Model::decode(&model.encode()).unwrap();
         // Whoever comes first, all get the same.
         let places: Vec<_> = std::thread::scope(|scope| {
-            let ask =
-                || (std::ptr::from_ref(back.concavity_trees()) as usize, back.envelopes().len());
+            let ask = || {
+                let surface = (std::ptr::from_ref(back.tree()), std::ptr::from_ref(back.patches()));
+                let trees = std::ptr::from_ref(back.concavity_trees());
+                (surface.0 as usize, surface.1 as usize, trees as usize, back.envelopes().len())
+            };
             let asking: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
             asking.into_iter().map(|asked| asked.join().unwrap()).collect()
         });
         assert!(places.iter().all(|place| *place == places[0]));
+        // Known before any tree is.
+        assert_eq!(back.bounds(), back.tree().node(0).bounds);
         assert_eq!(late(&back), late(&model));
         let forced = Model::decode(&model.encode()).unwrap();
         forced.prepare_all();

@@ -36,12 +36,6 @@ impl<'a> Reader<'a> {
         self.items(count)
     }
 
-    /// A list of numbers, which stay where they are.
-    pub(crate) fn words(&mut self) -> Result<&'a [[u8; 4]], Flaw> {
-        let count = self.one()?;
-        Ok(self.bytes_of(count, 4)?.as_chunks().0)
-    }
-
     /// As many things as are said to follow, if they do.
     pub(crate) fn items<T: Plain>(&mut self, count: u64) -> Result<Vec<T>, Flaw> {
         Ok(T::get_all(self.bytes_of(count, T::SIZE)?))

@@ -17,6 +17,7 @@ use crate::hull::{ConvexHull, FacetChange, Followed, HullKind, Location};
 use crate::ids::{ConcavityId, FaceId, VertexId};
 use crate::late::Late;
 use crate::model::{FormerEnvelopes, Parts, openings};
+use crate::patches::Patches;
 use crate::tree::{FaceForest, FaceTree, GrownAreas, MovedFace, NodeChanges};
 
 /// Where the hull changes and one face in so many has moved, or more, everything is built anew: to follow what moved
@@ -27,6 +28,9 @@ pub(super) struct Deformation<'a> {
     parts: &'a mut Parts,
     workshop: &'a mut Workshop,
     moved: Vec<MovedFace>,
+    /// Taken out of the parts, as the following, and put back in the end.
+    tree: FaceTree,
+    patches: Patches,
     concavity_trees: FaceForest,
     envelopes: Option<FormerEnvelopes>,
     change: ChangeSet,
@@ -44,6 +48,7 @@ impl<'a> Deformation<'a> {
             |&face: &FaceId| MovedFace { face, old: Aabb::of_points(parts.mesh.triangle(face)) };
         let moved = faces.iter().map(old).collect();
         let (concavity_trees, envelopes) = parts.take_late();
+        let (tree, patches) = parts.take_surface();
         for &(vertex, place) in moves {
             parts.mesh.set_position(vertex, place);
         }
@@ -52,6 +57,8 @@ impl<'a> Deformation<'a> {
             parts,
             workshop,
             moved,
+            tree,
+            patches,
             concavity_trees,
             envelopes,
             change: ChangeSet { vertices, faces, ..ChangeSet::default() },
@@ -77,6 +84,7 @@ impl<'a> Deformation<'a> {
         let nodes = [&self.change.tree, &self.change.concavity_trees, &self.change.patch_trees];
         self.change.work.nodes = nodes.iter().map(|n| n.count()).sum();
         self.parts.concavity_trees = Late::made(self.concavity_trees);
+        self.parts.put_surface(self.tree, self.patches);
         match self.envelopes {
             Some(FormerEnvelopes { envelopes, kept })
                 if kept.iter().enumerate().all(|(i, old)| *old == Some(i))
@@ -92,11 +100,13 @@ impl<'a> Deformation<'a> {
 
     /// Makes everything from the moved mesh.
     fn build_anew(self) -> ChangeSet {
-        let Self { parts, mut change, .. } = self;
+        let Self { parts, mut change, tree, patches, .. } = self;
+        parts.put_surface(tree, patches);
         let renewal = Renewal::of_moved(parts);
         Totals::of(parts).follow(parts, &[], &[]);
         parts.is_as_made = false;
-        let Parts { mesh, hull, tree, concavities, patches, .. } = &*parts;
+        let Parts { mesh, hull, concavities, .. } = &*parts;
+        let (tree, patches) = (parts.tree(), parts.patches());
         let (faces, trees) = (mesh.faces().len(), parts.concavity_trees().arena());
         change.work = Work {
             is_anew: true,
@@ -116,7 +126,8 @@ impl<'a> Deformation<'a> {
     }
 
     fn fit_tree(&mut self) {
-        let Parts { mesh, tree, leaf_size, .. } = &mut *self.parts;
+        let Parts { mesh, leaf_size, .. } = &*self.parts;
+        let tree = &mut self.tree;
         let (grown, changes) = (&mut self.workshop.tree, &mut self.change.tree);
         if tree.refit(0, mesh, &self.moved, *leaf_size, grown, changes) {
             changes.settle();
@@ -128,10 +139,11 @@ impl<'a> Deformation<'a> {
     }
 
     fn follow_with_patches(&mut self) {
-        let Parts { mesh, topology, patches, tree, .. } = &mut *self.parts;
+        let Parts { mesh, topology, .. } = &*self.parts;
         let Workshop { patch_trees, patch_top, .. } = &mut *self.workshop;
-        let body = tree.node(0).bounds;
-        let update = patches.update(mesh, topology, &body, &self.moved, patch_trees, patch_top);
+        let body = self.tree.node(0).bounds;
+        let update =
+            self.patches.update(mesh, topology, &body, &self.moved, patch_trees, patch_top);
         self.change.work.patched = update.faces;
         self.change.patches = update.map;
         self.change.patch_trees = update.nodes;
@@ -195,7 +207,8 @@ impl<'a> Deformation<'a> {
 
     /// The hull is another one, here and there.
     fn follow_hull(&mut self) {
-        let Parts { mesh, topology, hull, features, tree, flatness, .. } = &mut *self.parts;
+        let Parts { mesh, topology, hull, features, flatness, .. } = &mut *self.parts;
+        let tree = &self.tree;
         let vertices = &self.change.vertices;
         let near = |bounds: &Aabb| {
             let mut faces = Vec::new();

@@ -53,15 +53,15 @@ pub(crate) struct Workshop {
 
 impl Workshop {
     fn of(parts: &Parts) -> Self {
-        let assignment = Assignment::of(&parts.mesh, &parts.topology, &parts.hull, &parts.tree);
+        let assignment = Assignment::of(&parts.mesh, &parts.topology, &parts.hull, parts.tree());
         let (_, ridges) = Features::of(&parts.mesh, &parts.topology, &assignment);
         Self {
             assignment,
             ridges,
-            tree: GrownAreas::of(parts.tree.nodes()),
+            tree: GrownAreas::of(parts.tree().nodes()),
             concavity_trees: GrownAreas::of(parts.concavity_trees().arena().nodes()),
-            patch_trees: GrownAreas::of(parts.patches.trees().arena().nodes()),
-            patch_top: parts.patches.top().grown_areas(),
+            patch_trees: GrownAreas::of(parts.patches().trees().arena().nodes()),
+            patch_top: parts.patches().top().grown_areas(),
             inside: parts.hull.inner_point(),
             totals: Totals::of(parts),
             sums: SurfaceSums::default(),
@@ -210,7 +210,7 @@ fn accept_faces(
         return Err(DeformError::OnlyDegenerateFaces { faces: count });
     }
     if let Some(mass) = &parts.mass {
-        let center = parts.tree.node(0).bounds.center();
+        let center = parts.hull.bounds().center();
         let below = |[a, b, c]: [DVec3; 3]| {
             let [a, b, c] = [a - center, b - center, c - center];
             a.dot(b.cross(c)) / 6.0

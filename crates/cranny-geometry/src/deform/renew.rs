@@ -45,15 +45,15 @@ impl Renewal {
             (Some(read), Some(made)) => differ([&read, made], FaceForest::encode),
             // Nobody has seen any; what would have been made of what was read.
             _ => {
-                differ([&tree, &parts.tree], FaceTree::encode)
+                differ([&tree, parts.tree()], FaceTree::encode)
                     || concavities.owners() != parts.concavities.owners()
             }
         };
         Some(Self {
             hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
-            tree_differs: differ([&tree, &parts.tree], FaceTree::encode),
+            tree_differs: differ([&tree, parts.tree()], FaceTree::encode),
             concavity_trees_differ,
-            patches_differ: differ([&patches, &parts.patches], Patches::encode),
+            patches_differ: differ([&patches, parts.patches()], Patches::encode),
             features,
             concavities,
             patches,
@@ -91,7 +91,7 @@ impl Renewal {
         let all = (0..parts.mesh.faces().len() as u32).map(FaceId);
         change.reclassified = all.filter(turned).collect();
         tell_concavities(change, &self.concavities, &parts.concavities);
-        change.patches = same_patches(&self.patches, &parts.patches);
+        change.patches = same_patches(&self.patches, parts.patches());
     }
 }
 
@@ -118,13 +118,15 @@ fn replace(parts: &mut Parts) -> Former {
     parts.hull_covers = Late::default();
     parts.envelopes = Late::made(envelopes);
     parts.former_envelopes = None;
+    let (former_tree, former_patches) = parts.take_surface();
+    parts.put_surface(tree, patches);
     Former {
         hull: std::mem::replace(&mut parts.hull, hull),
-        tree: std::mem::replace(&mut parts.tree, tree),
+        tree: former_tree,
         features: std::mem::replace(&mut parts.features, features),
         concavities: std::mem::replace(&mut parts.concavities, concavities),
         concavity_trees: trees.if_taken(),
-        patches: std::mem::replace(&mut parts.patches, patches),
+        patches: former_patches,
     }
 }
 

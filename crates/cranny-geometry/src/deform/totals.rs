@@ -24,8 +24,8 @@ pub(super) struct Totals {
 
 impl Totals {
     pub(super) fn of(parts: &Parts) -> Self {
-        let Parts { mesh, mass, tree, .. } = parts;
-        let reference = tree.node(0).bounds.center();
+        let Parts { mesh, mass, hull, .. } = parts;
+        let reference = hull.bounds().center();
         Self {
             mass: mass.is_some().then(|| MassSums::of(mesh, reference)),
             farthest: mesh.vertices().chunks(CHUNK).map(farthest).collect(),
@@ -33,7 +33,7 @@ impl Totals {
         }
     }
 
-    /// Follows vertices that have moved, and their faces, which ascend; the tree over all faces fits them already.
+    /// Follows vertices that have moved, and their faces, which ascend; the hull is theirs already.
     /// Returns how many faces and vertices were looked at.
     pub(super) fn follow(
         &mut self,
@@ -41,11 +41,11 @@ impl Totals {
         vertices: &[VertexId],
         faces: &[FaceId],
     ) -> usize {
-        let Parts { mesh, mass, tree, radius: reach, digest, .. } = parts;
+        let Parts { mesh, mass, hull, radius: reach, digest, .. } = parts;
         let mut looked_at = self.follow_farthest(mesh, vertices);
         *reach = radius(self.farthest.iter().copied().fold(0.0, f64::max));
         if let (Some(mass), Some(sums)) = (mass, &mut self.mass) {
-            looked_at += sums.update(mesh, tree.node(0).bounds.center(), faces);
+            looked_at += sums.update(mesh, hull.bounds().center(), faces);
             *mass = sums.properties(mesh);
         }
         self.hashes.update(mesh, vertices);

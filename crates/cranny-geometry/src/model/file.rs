@@ -20,14 +20,14 @@ use crate::envelope::Envelopes;
 use crate::features::Features;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::Late;
+use crate::late::{Late, Unfolding};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
-use crate::patches::Patches;
+use crate::patches::FoldedPatches;
 use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FaceTree};
+use crate::tree::{FaceForest, FoldedForest, FoldedTree};
 use head::{HEAD, check_head, doubtful_field, seal, write_head};
 
 pub use head::DecodeError;
@@ -63,13 +63,13 @@ impl Model {
             concavities,
             // Follows from what is written.
             hull_covers: _,
-            tree,
+            tree: _,
             // Written where they cannot be made again.
             concavity_trees: _,
             envelopes: _,
             former_envelopes: _,
             is_as_made,
-            patches,
+            patches: _,
             mass,
             // Made again from the mesh.
             radius: _,
@@ -97,7 +97,7 @@ impl Model {
         section(section::HULL, &|out| hull.encode(out));
         section(section::FEATURES, &|out| features.encode(out));
         section(section::CONCAVITIES, &|out| concavities.encode(out));
-        section(section::TREE, &|out| tree.encode(out));
+        section(section::TREE, &|out| self.tree().encode(out));
         section(section::CONCAVITY_TREES, &|out| {
             if !is_as_made {
                 self.concavity_trees().encode(out);
@@ -108,7 +108,7 @@ impl Model {
                 self.envelopes().encode(out);
             }
         });
-        section(section::PATCHES, &|out| patches.encode(out));
+        section(section::PATCHES, &|out| self.patches().encode(out));
         section(section::MASS, &|out| out.list(&mass_numbers(mass.as_ref())));
         section(section::ORIGIN, &|out| {
             out.one(*flatness);
@@ -132,6 +132,10 @@ impl Model {
     /// is bounded by a small multiple of their number. Cost: linear.
     ///
     /// # What is left for later
+    ///
+    /// The boxes of [`tree`](Self::tree) and [`patches`](Self::patches) are made when they are first asked for, in
+    /// linear time: by the first query whose bodies no plane between their hulls parts. What the file says of both is
+    /// checked here.
     ///
     /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), which no query reads, are
     /// made when somebody first asks for them, from the rest of the model and as building makes them; so the
@@ -159,7 +163,8 @@ impl Model {
     ///   twins. Not that it holds the other vertices, nor that the planes of its facets lie above it.
     /// - Features, concavities: that a face lies on a facet or in a concavity, not both; that rows are whole;
     ///   that none surrounds itself. Not how faces were classified, nor sizes.
-    /// - Trees, over faces and over patches: that each holds its faces once. Boxes are made again.
+    /// - Trees, over faces and over patches: that each holds its faces once, in leaves that make a tree. Boxes are made
+    ///   again.
     /// - Envelopes, where they are in the file: that layers nest and divide their faces. Not that planes hold them. Boxes are made again.
     /// - Patches: that each face is in one. Not that cones (those of the nodes over them too), slabs and sizes are
     ///   theirs.
@@ -190,7 +195,7 @@ impl Model {
         let concavities = read(&mut sections, section::CONCAVITIES, |s| {
             Concavities::decode(s, &mesh, &hull, &features)
         })?;
-        let tree = read(&mut sections, section::TREE, |s| FaceTree::decode(s, &mesh))?;
+        let tree = read(&mut sections, section::TREE, |s| FoldedTree::decode(s, &mesh))?;
         let concavity_trees = read(&mut sections, section::CONCAVITY_TREES, |s| {
             unless_empty(s, |s| concavity_trees_of(s, &mesh, &concavities))
         })?;
@@ -198,7 +203,7 @@ impl Model {
             check(s.is_empty() == concavity_trees.is_none(), "there are no trees, or only trees")?;
             unless_empty(s, |s| Envelopes::decode(s, &mesh, &concavities))
         })?;
-        let patches = read(&mut sections, section::PATCHES, |s| Patches::decode(s, &mesh))?;
+        let patches = read(&mut sections, section::PATCHES, |s| FoldedPatches::decode(s, &mesh))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
         let Origin { flatness, leaf_size, concavity_leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
@@ -211,12 +216,12 @@ impl Model {
             features,
             concavities,
             hull_covers: Late::default(),
-            tree,
+            tree: Unfolding::folded(tree),
             is_as_made: concavity_trees.is_none(),
             concavity_trees: concavity_trees.map_or_else(Late::default, Late::made),
             envelopes: envelopes.map_or_else(Late::default, Late::made),
             former_envelopes: None,
-            patches,
+            patches: Unfolding::folded(patches),
             mass,
             radius,
             digest,
@@ -263,10 +268,10 @@ fn concavity_trees_of(
     mesh: &Mesh,
     concavities: &Concavities,
 ) -> Result<FaceForest, Flaw> {
-    let (trees, owners) = FaceForest::decode(input, mesh)?;
+    let (mut trees, owners) = FoldedForest::decode(input, mesh)?;
     check(trees.len() == concavities.len(), "a tree for each concavity is needed")?;
     check(owners == concavities.owners(), "a tree is not over its concavity")?;
-    Ok(trees)
+    Ok(trees.unfold(mesh))
 }
 
 /// The mesh and its digest.

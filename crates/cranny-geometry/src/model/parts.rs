@@ -10,12 +10,12 @@ use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
 use crate::features::{Assignment, Features};
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::Late;
+use crate::late::{Late, Unfolding};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
-use crate::patches::Patches;
+use crate::patches::{FoldedPatches, Patches};
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FaceTree};
+use crate::tree::{FaceForest, FaceTree, FoldedTree};
 
 /// Envelopes of before one or several deformations.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub(crate) struct Parts {
     pub(crate) concavities: Concavities,
     /// Follows from hull, features and concavities.
     pub(crate) hull_covers: Late<HullCovers>,
-    pub(crate) tree: FaceTree,
+    pub(crate) tree: Unfolding<FoldedTree, FaceTree>,
     pub(crate) concavity_trees: Late<FaceForest>,
     pub(crate) envelopes: Late<Envelopes>,
     /// Where a deformation has left some of them to be built: what the others are taken from.
@@ -43,7 +43,7 @@ pub(crate) struct Parts {
     /// Whether trees and envelopes of concavities are those that would be made now from the other parts; not
     /// so after a deformation.
     pub(crate) is_as_made: bool,
-    pub(crate) patches: Patches,
+    pub(crate) patches: Unfolding<FoldedPatches, Patches>,
     pub(crate) mass: Option<MassProperties>,
     pub(crate) radius: f64,
     pub(crate) digest: [u8; 32],
@@ -63,9 +63,34 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
+    #[inline]
+    pub(crate) fn tree(&self) -> &FaceTree {
+        self.tree.get(|folded| folded.unfold(&self.mesh))
+    }
+
+    #[inline]
+    pub(crate) fn patches(&self) -> &Patches {
+        self.patches.get(|folded| folded.unfold(&self.mesh))
+    }
+
+    /// Takes out what is over the whole surface; to be [put back](Self::put_surface).
+    pub(crate) fn take_surface(&mut self) -> (FaceTree, Patches) {
+        let Self { mesh, tree, patches, .. } = self;
+        (
+            std::mem::take(tree).into_made(|folded| folded.unfold(mesh)),
+            std::mem::take(patches).into_made(|folded| folded.unfold(mesh)),
+        )
+    }
+
+    pub(crate) fn put_surface(&mut self, tree: FaceTree, patches: Patches) {
+        self.tree = Unfolding::made(tree);
+        self.patches = Unfolding::made(patches);
+    }
+
     pub(crate) fn concavity_trees(&self) -> &FaceForest {
-        let Self { mesh, tree, concavities, concavity_leaf_size, .. } = self;
-        self.concavity_trees.get(|| concavity_trees(mesh, tree, concavities, *concavity_leaf_size))
+        let Self { mesh, concavities, concavity_leaf_size, .. } = self;
+        self.concavity_trees
+            .get(|| concavity_trees(mesh, self.tree(), concavities, *concavity_leaf_size))
     }
 
     pub(crate) fn envelopes(&self) -> &Envelopes {
@@ -83,13 +108,14 @@ impl Parts {
     /// Takes the trees of concavities out, for whoever puts others in their places, and what there is of
     /// envelopes.
     pub(crate) fn take_late(&mut self) -> (FaceForest, Option<FormerEnvelopes>) {
-        let Self { mesh, tree, concavities, concavity_leaf_size, .. } = self;
-        let make_trees = || concavity_trees(mesh, tree, concavities, *concavity_leaf_size);
-        let trees = std::mem::take(&mut self.concavity_trees).into_made(make_trees);
+        let trees = std::mem::take(&mut self.concavity_trees);
+        let Self { mesh, concavities, concavity_leaf_size, .. } = &*self;
+        let trees = trees
+            .into_made(|| concavity_trees(mesh, self.tree(), concavities, *concavity_leaf_size));
         let former = self.former_envelopes.take();
         let all = std::mem::take(&mut self.envelopes).if_taken();
         let made = all.map(|envelopes| FormerEnvelopes {
-            kept: (0..concavities.len()).map(Some).collect(),
+            kept: (0..self.concavities.len()).map(Some).collect(),
             envelopes,
         });
         (trees, made.or(former))

@@ -1,7 +1,7 @@
 //! Patches as bytes: what was measured of them, the cones of the tree over them, and the shape of all trees. Boxes
-//! are made again.
+//! are made again, when somebody asks for patches.
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use super::{NormalCone, Patch, PatchTree, Patches, Slab};
 use crate::codec::{
@@ -9,13 +9,13 @@ use crate::codec::{
 };
 use crate::ids::PatchId;
 use crate::mesh::Mesh;
-use crate::tree::{FaceForest, Node, Shape};
+use crate::tree::{FoldedForest, Node, Unfolded, check_shape};
 
 plain_struct!(Slab { normal: DVec3, height: f64 });
 plain_struct!(NormalCone { axis: DVec3, cosine: f64 });
 
 /// What is written of a patch.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Record {
     cone: NormalCone,
     radius: f64,
@@ -35,32 +35,60 @@ impl Patches {
         out.list(slabs);
         top.encode(out);
     }
+}
 
+/// Patches without boxes, of which all else was checked.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FoldedPatches {
+    records: Vec<Record>,
+    patch_of_face: Vec<PatchId>,
+    trees: FoldedForest,
+    slabs: Vec<Slab>,
+    top: FoldedTop,
+}
+
+impl FoldedPatches {
     /// Reads the patches of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let records: Vec<Record> = input.list()?;
-        let (trees, patch_of_face) = FaceForest::decode(input, mesh)?;
+        let (trees, patch_of_face) = FoldedForest::decode(input, mesh)?;
         let slabs: Vec<Slab> = input.list()?;
         check(!records.is_empty(), "there is no patch")?;
         check(trees.len() == records.len(), "a tree for each patch is needed")?;
-        check(slabs.len() == trees.arena().nodes().len(), "a slab for each node is needed")?;
+        check(slabs.len() == trees.node_count(), "a slab for each node is needed")?;
         check(slabs.iter().all(Slab::is_sound), "a slab has no plane")?;
-        check(trees.arena().faces().len() == patch_of_face.len(), "a face is in no patch")?;
-        let mut patches = Vec::with_capacity(records.len());
-        for (tree, &Record { cone, radius, area, needles }) in records.iter().enumerate() {
-            let root = trees.root(tree).ok_or("a patch has no face")?;
+        let held = (0..trees.len()).map(|tree| trees.face_count(tree));
+        check(held.clone().sum::<usize>() == patch_of_face.len(), "a face is in no patch")?;
+        for (faces, &Record { cone, radius, area, needles }) in held.zip(&records) {
+            check(faces > 0, "a patch has no face")?;
             check(cone.is_sound(), "a cone has no axis")?;
             check(is_size(radius) && is_size(area), "a patch has no size")?;
-            check(
-                needles as usize <= trees.faces(tree).len(),
-                "a patch has more needles than faces",
-            )?;
-            let bounds = trees.arena().node(root).bounds;
-            patches.push(Patch { cone, bounds, center: bounds.center(), radius, area, needles });
+            check(needles as usize <= faces, "a patch has more needles than faces")?;
         }
-        let top = PatchTree::decode(input, &patches)?;
+        let top = FoldedTop::decode(input, records.len())?;
         let patch_of_face = patch_of_face.into_iter().map(PatchId).collect();
-        Ok(Self { patches, patch_of_face, trees, slabs, top })
+        Ok(Self { records, patch_of_face, trees, slabs, top })
+    }
+
+    /// The patches. What they keep is taken out.
+    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> Patches {
+        let trees = self.trees.unfold(mesh);
+        let unfolded = |(tree, &Record { cone, radius, area, needles }): (usize, &Record)| {
+            // Each has one: it holds a face.
+            let bounds =
+                trees.root(tree).map_or(Aabb::EMPTY, |root| trees.arena().node(root).bounds);
+            Patch { cone, bounds, center: bounds.center(), radius, area, needles }
+        };
+        let patches: Vec<Patch> = self.records.iter().enumerate().map(unfolded).collect();
+        let top = self.top.unfold(&patches);
+        let (patch_of_face, slabs) = (&mut self.patch_of_face, &mut self.slabs);
+        Patches {
+            patches,
+            patch_of_face: std::mem::take(patch_of_face),
+            trees,
+            slabs: std::mem::take(slabs),
+            top,
+        }
     }
 }
 
@@ -71,23 +99,37 @@ impl PatchTree {
         out.items(nodes.len(), nodes.iter().map(Node::count));
         out.list(cones);
     }
+}
 
-    /// Reads the tree over all patches.
-    fn decode(input: &mut Reader, patches: &[Patch]) -> Result<Self, Flaw> {
-        let order: Vec<PatchId> = input.list()?;
-        let counts = input.words()?;
-        check(order.len() == patches.len(), "a leaf for each patch is needed")?;
-        check_each_once(order.iter().map(|patch| patch.0), patches.len())?;
-        let counted = counts.iter().map(|&count| u32::from_le_bytes(count));
-        check_below(counted, 2, "a leaf has two patches")?;
-        let mut shape = Shape::new(counts, order.len(), counts.len())?;
-        shape.tree(0..counts.len(), 0..order.len(), |leaf| {
-            patches[order[leaf.start].index()].bounds
-        })?;
+/// The tree over all patches without its boxes.
+#[derive(Clone, Debug, Default)]
+struct FoldedTop {
+    order: Vec<PatchId>,
+    counts: Vec<u32>,
+    cones: Vec<NormalCone>,
+}
+
+impl FoldedTop {
+    fn decode(input: &mut Reader, patches: usize) -> Result<Self, Flaw> {
+        let (order, counts): (Vec<PatchId>, Vec<u32>) = (input.list()?, input.list()?);
+        check(order.len() == patches, "a leaf for each patch is needed")?;
+        check_each_once(order.iter().map(|patch| patch.0), patches)?;
+        check_below(counts.iter().copied(), 2, "a leaf has two patches")?;
+        check_shape(&counts, patches)?;
         let cones: Vec<NormalCone> = input.list()?;
         check(cones.len() == counts.len(), "a cone for each node is needed")?;
         check(cones.iter().all(NormalCone::is_sound), "the cone of a node has no axis")?;
-        Ok(Self { nodes: shape.into_nodes(), cones, order })
+        Ok(Self { order, counts, cones })
+    }
+
+    fn unfold(&mut self, patches: &[Patch]) -> PatchTree {
+        let Self { order, counts, cones } = self;
+        let mut nodes = Unfolded::of(counts);
+        nodes.tree(0..counts.len(), 0..order.len(), |leaf| {
+            patches[order[leaf.start].index()].bounds
+        });
+        let nodes = nodes.into_nodes();
+        PatchTree { nodes, cones: std::mem::take(cones), order: std::mem::take(order) }
     }
 }
 

@@ -29,6 +29,7 @@ use std::collections::BTreeSet;
 
 use cranny_exact::{Aabb, DVec3};
 
+pub(crate) use self::codec::FoldedPatches;
 pub use self::cone::NormalCone;
 use self::cone::{Measured, Normals};
 pub use self::slab::Slab;

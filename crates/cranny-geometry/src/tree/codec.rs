@@ -1,8 +1,9 @@
 //! Trees as the shape of their nodes and the order of their faces; boxes are made again.
 //!
 //! Nodes stand in depth-first order, so the number of faces at each node, 0 for an inner one, says
-//! all about their shape. They are read from the last to the first: whatever is beneath a node is whole
-//! when the node's turn comes.
+//! all about their shape. They are gone through from the last to the first: whatever is beneath a node is whole
+//! when the node's turn comes. To check a shape takes no nodes; so a tree is read folded, as checked counts, and
+//! unfolded when somebody asks for it.
 //!
 //! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and faces.
 
@@ -50,18 +51,36 @@ impl FaceTree {
         out.list(faces);
         out.items(nodes.len(), nodes.iter().map(|&Node { bounds: _, content: _, count }| count));
     }
+}
 
+/// A tree over all faces of a mesh without its boxes, whose shape was checked.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FoldedTree {
+    faces: Vec<FaceId>,
+    counts: Vec<u32>,
+}
+
+impl FoldedTree {
     /// Reads a tree over all faces of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let faces: Vec<FaceId> = input.list()?;
-        let counts = input.words()?;
+        let folded = Self { faces: input.list()?, counts: input.list()? };
+        let Self { faces, counts } = &folded;
         check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
         check_each_once(faces.iter().map(|face| face.0), faces.len())?;
+        check_shape(counts, faces.len())?;
+        Ok(folded)
+    }
+
+    /// The tree. What it keeps is taken out.
+    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> FaceTree {
+        let Self { faces, counts } = self;
         // In the order of leaves, in a loop without branches: what it fetches from here and there overlaps.
         let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
-        let mut shape = Shape::new(counts, faces.len(), counts.len())?;
-        shape.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]))?;
-        Ok(Self { nodes: shape.into_nodes(), faces })
+        let mut nodes = Unfolded::of(counts);
+        nodes.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]));
+        let nodes = nodes.into_nodes();
+        counts.clear();
+        FaceTree { nodes, faces: std::mem::take(faces) }
     }
 }
 
@@ -71,52 +90,108 @@ impl FaceForest {
         arena.encode(out);
         out.list(starts);
     }
+}
 
+/// Trees over faces of a mesh without their boxes, whose shape was checked.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FoldedForest {
+    faces: Vec<FaceId>,
+    counts: Vec<u32>,
+    /// As in [`FaceForest`].
+    starts: Vec<[u32; 2]>,
+}
+
+impl FoldedForest {
     /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
     /// [`NOBODY`](crate::rows::NOBODY).
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
         let faces: Vec<u32> = input.list()?;
-        let counts = input.words()?;
+        let counts: Vec<u32> = input.list()?;
         let starts: Vec<[u32; 2]> = input.list()?;
         let ends = (starts.first(), starts.last());
         let covers_all = ends == (Some(&[0, 0]), Some(&[counts.len() as u32, faces.len() as u32]));
         let is_behind = |a: &[u32; 2], b: &[u32; 2]| a[0] <= b[0] && a[1] <= b[1];
         check(covers_all && starts.is_sorted_by(is_behind), "trees are not in order")?;
-        let trees = starts
-            .windows(2)
-            .map(|pair| [0, 1].map(|kind: usize| pair[0][kind] as usize..pair[1][kind] as usize));
-        let owners = owners(mesh.faces().len(), trees.clone().map(|[_, held]| &faces[held]))?;
-        let faces: Vec<FaceId> = faces.into_iter().map(FaceId).collect();
-        let most = trees.clone().map(|[nodes, _]| nodes.len()).max().unwrap_or(0);
-        let mut shape = Shape::new(counts, faces.len(), most)?;
-        for [nodes, held] in trees {
-            shape.tree(nodes, held, |leaf| box_around(mesh, &faces[leaf]))?;
+        let held = starts.windows(2).map(|pair| &faces[pair[0][1] as usize..pair[1][1] as usize]);
+        let owners = owners(mesh.faces().len(), held)?;
+        let faces = faces.into_iter().map(FaceId).collect();
+        let folded = Self { faces, counts, starts };
+        folded
+            .trees()
+            .try_for_each(|[nodes, held]| check_shape(&folded.counts[nodes], held.len()))?;
+        Ok((folded, owners))
+    }
+
+    /// The nodes and the faces of each tree.
+    fn trees(&self) -> impl Iterator<Item = [Range<usize>; 2]> {
+        let ends =
+            |pair: &[[u32; 2]]| [0, 1].map(|i: usize| pair[0][i] as usize..pair[1][i] as usize);
+        self.starts.windows(2).map(ends)
+    }
+
+    /// Number of trees.
+    pub(crate) fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Number of nodes of all trees.
+    pub(crate) fn node_count(&self) -> usize {
+        self.counts.len()
+    }
+
+    /// Number of faces of a tree.
+    pub(crate) fn face_count(&self, tree: usize) -> usize {
+        (self.starts[tree + 1][1] - self.starts[tree][1]) as usize
+    }
+
+    /// The trees. What they keep is taken out.
+    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> FaceForest {
+        let mut nodes = Unfolded::of(&self.counts);
+        for [range, held] in self.trees() {
+            nodes.tree(range, held, |leaf| box_around(mesh, &self.faces[leaf]));
         }
-        Ok((Self { arena: FaceTree { nodes: shape.into_nodes(), faces }, starts }, owners))
+        let nodes = nodes.into_nodes();
+        self.counts.clear();
+        let (faces, starts) = (&mut self.faces, &mut self.starts);
+        let arena = FaceTree { nodes, faces: std::mem::take(faces) };
+        FaceForest { arena, starts: std::mem::take(starts) }
     }
 }
 
-/// Nodes in the making, by how many things each leaf holds; 0 for an inner node. The counts are read where they are
-/// written.
-pub(crate) struct Shape<'a> {
-    counts: &'a [[u8; 4]],
+/// Whether counts in depth-first order are those of a tree whose leaves hold so many things in all, or of none where
+/// there is nothing to hold.
+///
+/// From the last to the first: a leaf is a finished tree, an inner node makes one of the two that were finished last,
+/// and all are one in the end.
+pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
+    let (mut finished, mut in_leaves, mut lacks) = (0_i64, 0_u64, false);
+    // No way out of the loop, so that it stays short.
+    for &count in counts.iter().rev() {
+        let is_inner = count == 0;
+        finished += 1 - 2 * i64::from(is_inner);
+        lacks |= is_inner & (finished < 1);
+        in_leaves += u64::from(count);
+    }
+    check(!lacks, "a tree lacks nodes")?;
+    check(in_leaves == held as u64, "leaves of a tree hold more or less than it does")?;
+    check(finished == i64::from(!counts.is_empty()), "nodes belong to no tree")
+}
+
+/// Nodes in the making, by how many things each leaf holds; 0 for an inner node. The shape was
+/// [checked](check_shape).
+pub(crate) struct Unfolded<'a> {
+    counts: &'a [u32],
     nodes: Vec<Node>,
-    /// The roots of finished trees that wait for a parent, but for the one that was finished last; the first
-    /// stands for none. As long as the largest tree needs: it never grows, which keeps its loop short.
+    /// The roots of finished trees that wait for a parent, but for the one that was finished last.
     waiting: Vec<u32>,
 }
 
-impl<'a> Shape<'a> {
-    /// Of trees that hold `held` things in all, one of them at most `most` nodes.
-    pub(crate) fn new(counts: &'a [[u8; 4]], held: usize, most: usize) -> Result<Self, Flaw> {
-        // Leaves hold one or more, and there are fewer inner nodes. A node takes fourteen times the bytes of its
-        // count: whoever counts more than there can be shall not have memory for them.
-        check(counts.len() <= 2 * held, "trees have more nodes than they can")?;
+impl<'a> Unfolded<'a> {
+    pub(crate) fn of(counts: &'a [u32]) -> Self {
         // All zero: memory is filled at once.
         let blank = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
         let blank = Node { bounds: blank, content: 0, count: 0 };
-        // Of the nodes of a tree, one more than half are leaves.
-        Ok(Self { counts, nodes: vec![blank; counts.len()], waiting: vec![0; most / 2 + 1] })
+        Self { counts, nodes: vec![blank; counts.len()], waiting: Vec::new() }
     }
 
     pub(crate) fn into_nodes(self) -> Vec<Node> {
@@ -134,44 +209,26 @@ impl<'a> Shape<'a> {
         range: Range<usize>,
         held: Range<usize>,
         box_of: impl Fn(Range<usize>) -> Aabb,
-    ) -> Result<(), Flaw> {
-        /// In place of a node: there is none.
-        const NONE: u32 = u32::MAX;
-        let first = range.start as u32;
-        let nodes = &mut self.nodes[range.clone()];
-        let counts = &self.counts[range][..nodes.len()];
-        let waiting = self.waiting.as_mut_slice();
-        let (mut first_held, mut waits) = (held.end, 0);
-        // The root of the tree finished last, within the range, and what is around it.
-        let (mut finished, mut bounds) = (NONE, Aabb::EMPTY);
-        for index in (0..nodes.len()).rev() {
-            let count = u32::from_le_bytes(counts[index]);
+    ) {
+        let Some(first) = range.end.checked_sub(1).filter(|_| !range.is_empty()) else { return };
+        let mut first_held = held.end;
+        // The root of the tree finished last, and what is around it; none at first, which nobody takes up again.
+        let (mut finished, mut bounds) = (first as u32, Aabb::EMPTY);
+        self.waiting.clear();
+        for index in range.rev() {
+            let count = self.counts[index];
             if count > 0 {
-                if count as usize > first_held - held.start {
-                    return Err("a tree has more in its leaves than it holds".into());
-                }
-                let place = waiting.get_mut(waits).ok_or("a tree has too many leaves")?;
-                *place = finished;
-                waits += 1;
+                self.waiting.push(finished);
                 let end = first_held;
                 first_held -= count as usize;
                 bounds = box_of(first_held..end);
-                nodes[index] = Node { bounds, content: first_held as u32, count };
-            } else {
-                waits = waits.wrapping_sub(1);
-                let right = waiting.get(waits).copied().unwrap_or(NONE);
-                // Where no tree is finished, none waits.
-                let Some(brother) = nodes.get(right as usize) else {
-                    return Err("a tree lacks nodes".into());
-                };
-                bounds = bounds.union(&brother.bounds);
-                nodes[index] = Node { bounds, content: first + right, count };
+                self.nodes[index] = Node { bounds, content: first_held as u32, count };
+            } else if let Some(right) = self.waiting.pop() {
+                bounds = bounds.union(&self.nodes[right as usize].bounds);
+                self.nodes[index] = Node { bounds, content: right, count };
             }
             finished = index as u32;
         }
-        check(first_held == held.start, "a tree has less in its leaves than it holds")?;
-        // What was finished last is the root; beneath it nothing waits but what stands for none.
-        check(waits == usize::from(!nodes.is_empty()), "nodes belong to no tree")
     }
 }
 
@@ -183,16 +240,41 @@ mod tests {
     fn shape(counts: &[u32], size: usize) -> Result<Vec<u32>, String> {
         let vertices = (0..8).map(|i| DVec3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
-        let faces: Vec<FaceId> = (0..6).map(FaceId).collect();
-        let whole = |shape: &mut Shape| {
-            shape.tree(0..counts.len(), 0..size, |leaf| box_around(&mesh, &faces[leaf]))
-        };
-        let words: Vec<[u8; 4]> = counts.iter().map(|count| count.to_le_bytes()).collect();
-        let mut shape = Shape::new(&words, size, counts.len()).map_err(|Flaw(what)| what)?;
-        whole(&mut shape).map_err(|Flaw(what)| what)?;
-        let tree = FaceTree { nodes: shape.into_nodes(), faces: faces[..size].to_vec() };
-        tree.validate(&mesh, &faces[..size])?;
+        let faces: Vec<FaceId> = (0..size as u32).map(FaceId).collect();
+        check_shape(counts, size).map_err(|Flaw(what)| what)?;
+        let tree = FoldedTree { faces: faces.clone(), counts: counts.to_vec() }.unfold(&mesh);
+        tree.validate(&mesh, &faces)?;
         Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
+    }
+
+    /// The rest of some counts behind those of one tree, and what its leaves hold; by what a tree is.
+    fn tree_of(counts: &[u32]) -> Option<(&[u32], u32)> {
+        let (&root, rest) = counts.split_first()?;
+        if root > 0 {
+            return Some((rest, root));
+        }
+        let (rest, left) = tree_of(rest)?;
+        let (rest, right) = tree_of(rest)?;
+        Some((rest, left + right))
+    }
+
+    #[test]
+    fn a_shape_is_accepted_where_it_is_a_tree_of_that_size() {
+        let mut accepted = 0;
+        for length in 0..=7 {
+            for code in 0..3_u32.pow(length) {
+                let counts: Vec<u32> = (0..length).map(|i| code / 3_u32.pow(i) % 3).collect();
+                for held in 0..=6 {
+                    let is_tree = tree_of(&counts) == Some((&[], held));
+                    let is_none = counts.is_empty() && held == 0;
+                    let is_accepted = check_shape(&counts, held as usize).is_ok();
+                    assert_eq!(is_accepted, is_tree || is_none, "{counts:?} of {held}");
+                    accepted += usize::from(is_accepted);
+                }
+            }
+        }
+        // None, and the binary trees of one to four leaves of one or two things, six at most.
+        assert_eq!(accepted, 1 + 2 + 4 + 2 * 8 + 5 * (1 + 4 + 6));
     }
 
     #[test]
@@ -207,15 +289,16 @@ mod tests {
         for (counts, size, flaw) in [
             (vec![0, 0, 0, 0], 4, "lacks nodes"),
             (vec![0, 1], 1, "lacks nodes"),
-            (vec![0], 0, "more nodes"),
-            (vec![], 1, "less in"),
+            (vec![0], 0, "lacks nodes"),
+            (vec![0, 1, 0, 1], 2, "lacks nodes"),
+            (vec![], 1, "more or less"),
             (vec![1, 1], 2, "no tree"),
-            (vec![1, 1, 1], 3, "too many leaves"),
-            (vec![2], 1, "more in"),
+            (vec![1, 1, 1], 3, "no tree"),
+            (vec![2], 1, "more or less"),
             (vec![0, 1, 1, 1], 3, "no tree"),
-            (vec![0, 1, 1], 3, "less in"),
-            (vec![1], 0, "more nodes"),
-            (vec![0, 1, u32::MAX], 3, "more in"),
+            (vec![0, 1, 1], 3, "more or less"),
+            (vec![1], 0, "more or less"),
+            (vec![0, 1, u32::MAX], 3, "more or less"),
         ] {
             let error = shape(&counts, size).unwrap_err();
             assert!(error.contains(flaw), "{counts:?}: {error}");
