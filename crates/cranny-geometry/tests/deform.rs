@@ -9,6 +9,8 @@ mod meshes;
 mod moves;
 #[path = "deform/surface.rs"]
 mod surface;
+#[path = "deform/without_area.rs"]
+mod without_area;
 
 use cranny_exact::DVec3;
 use cranny_geometry::{

@@ -10,37 +10,74 @@
 //! is covered too often. What tells them apart is the areas, each measured along the normal of its own
 //! facet: only pieces whose areas add up to nothing are dropped.
 //!
+//! Where sides are rough by as much as slabs are deep, a piece may have the opposites of several facets. Then
+//! two are dropped that choose each other, each [the first](FacetOrder) of those it may choose from; the others
+//! stay. So pieces go in pairs, always.
+//!
 //! No source: this crate's own. What closes stays closed, for a piece and its opposite are dropped together. Cost:
 //! O(n log n) in the chains; a piece that has an opposite also looks along the outline of its facet and along its
 //! chain.
 
+use std::cmp::Ordering;
+
 use super::chain::ChainEdge;
-use crate::hull::{ConvexHull, FacetId};
+use crate::hull::{ConvexHull, FacetId, FacetOrder};
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
 use crate::topology::DisjointSets;
 
 /// Drops opposite pieces of the chains of two facets across an edge, which together cover nothing; `depth`
-/// is that of the slabs.
+/// is that of the slabs. Which facets have such pieces, dropped or not: each with every other.
 pub(super) fn drop_straddled(
     mesh: &Mesh,
     hull: &ConvexHull,
     chains: &mut [(u32, Vec<ChainEdge>)],
     depth: f64,
-) {
+) -> Vec<[u32; 2]> {
     let pieces = Pieces::of(chains);
-    let covers_nothing = |piece: &[[u32; 2]], facets: [u32; 2]| {
-        let [own, other] = facets.map(|f| covered(mesh, hull, f, piece));
-        (own - other).abs() <= depth * length(mesh, piece)
+    let facet_of = |piece: usize| chains[pieces.pieces[piece].0].0;
+    let covers_nothing = |piece: usize, other: usize| {
+        // Either is measured along the same one of the two, so that both say the same.
+        let facets = [facet_of(piece), facet_of(other)];
+        let edges = pieces.edges(piece).min(pieces.edges(other));
+        let [one, other] = facets.map(|f| covered(mesh, hull, f, edges));
+        (one - other).abs() <= depth * length(mesh, edges)
     };
-    for (piece, &(chain, _)) in pieces.pieces.iter().enumerate() {
-        let piece = pieces.edges(piece);
-        let (facet, chain) = &mut chains[chain];
-        let partner = pieces.facet_of_opposite(piece).filter(|&f| are_neighbours(hull, *facet, f));
-        if partner.is_some_and(|other| covers_nothing(piece, [*facet, other])) {
-            chain.retain(|edge| piece.binary_search(&edge.ends).is_err());
+    let mut order = FacetOrder::of(hull);
+    let mut opposites = Vec::new();
+    // Of each piece that has opposites the one that it chooses; by piece.
+    let mut chosen: Vec<(usize, usize)> = Vec::new();
+    for piece in 0..pieces.pieces.len() {
+        let facet = facet_of(piece);
+        let mut first: Option<usize> = None;
+        for other in pieces.opposites(piece) {
+            if !are_neighbours(hull, facet, facet_of(other)) || !covers_nothing(piece, other) {
+                continue;
+            }
+            opposites.push([facet, facet_of(other)]);
+            let comes_first =
+                |first: usize| order.compare(facet_of(other), facet_of(first)) == Ordering::Less;
+            if first.is_none_or(comes_first) {
+                first = Some(other);
+            }
         }
+        chosen.extend(first.map(|other| (piece, other)));
     }
+    let choice = |piece: usize| {
+        let found = chosen.binary_search_by_key(&piece, |&(piece, _)| piece);
+        found.ok().map(|at| chosen[at].1)
+    };
+    let dropped: Vec<usize> = chosen
+        .iter()
+        .filter(|&&(piece, other)| choice(other) == Some(piece))
+        .map(|c| c.0)
+        .collect();
+    for piece in dropped {
+        let edges = pieces.edges(piece);
+        let (_, chain) = &mut chains[pieces.pieces[piece].0];
+        chain.retain(|edge| edges.binary_search(&edge.ends).is_err());
+    }
+    opposites
 }
 
 /// The connected pieces of chains.
@@ -49,8 +86,8 @@ struct Pieces {
     pieces: Vec<(usize, usize)>,
     /// The edges of one piece behind those of the other, ascending in each.
     edges: Vec<[u32; 2]>,
-    /// The least edge of each piece, the piece, and the facet of its chain; ascending.
-    least: Vec<([u32; 2], u32, u32)>,
+    /// The least edge of each piece, and the piece; ascending.
+    least: Vec<([u32; 2], u32)>,
 }
 
 impl Pieces {
@@ -58,7 +95,7 @@ impl Pieces {
         let mut all = Self { pieces: Vec::new(), edges: Vec::new(), least: Vec::new() };
         let mut vertices: Vec<u32> = Vec::new();
         let mut edges: Vec<(usize, [u32; 2])> = Vec::new();
-        for (index, (facet, chain)) in chains.iter().enumerate() {
+        for (index, (_, chain)) in chains.iter().enumerate() {
             vertices.clear();
             vertices.extend(chain.iter().flat_map(|e| e.ends));
             vertices.sort_unstable();
@@ -72,7 +109,7 @@ impl Pieces {
             edges.extend(chain.iter().map(|e| (joined.find(place(e.ends[0])), e.ends)));
             edges.sort_unstable();
             for piece in edges.chunk_by(|e, f| e.0 == f.0) {
-                all.least.push((piece[0].1, all.pieces.len() as u32, *facet));
+                all.least.push((piece[0].1, all.pieces.len() as u32));
                 all.edges.extend(piece.iter().map(|e| e.1));
                 all.pieces.push((index, all.edges.len()));
             }
@@ -86,14 +123,15 @@ impl Pieces {
         &self.edges[start..self.pieces[piece].1]
     }
 
-    /// The facet whose chain has just the opposite edges as a piece; of several the highest.
-    fn facet_of_opposite(&self, piece: &[[u32; 2]]) -> Option<u32> {
-        let least = piece.iter().map(|&[a, b]| [b, a]).min()?;
+    /// The pieces, of any chain, that have just the opposite edges.
+    fn opposites(&self, piece: usize) -> Vec<usize> {
+        let piece = self.edges(piece);
+        let Some(least) = piece.iter().map(|&[a, b]| [b, a]).min() else { return Vec::new() };
         let first = self.least.partition_point(|l| l.0 < least);
         let alike = self.least[first..].iter().take_while(|l| l.0 == least);
         let mut opposite: Vec<[u32; 2]> = Vec::new();
-        let mut found = None;
-        for &(_, other, facet) in alike {
+        let mut found = Vec::new();
+        for &(_, other) in alike {
             let edges = self.edges(other as usize);
             if edges.len() != piece.len() {
                 continue;
@@ -103,7 +141,7 @@ impl Pieces {
                 opposite.sort_unstable();
             }
             if edges == opposite {
-                found = Some(facet);
+                found.push(other as usize);
             }
         }
         found

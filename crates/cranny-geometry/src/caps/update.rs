@@ -5,8 +5,9 @@
 //! the caps of the facets named and of two rings of facets around them are made again, from the
 //! chains of these and of two more rings.
 //!
-//! Which facets are covered together may depend on facets farther away. Where there are such, or caps that count
-//! negative, all caps are made again.
+//! Which facets are covered together may depend on facets farther away, and so may which of several opposites a
+//! piece is dropped with. Where there are such facets, or opposites just where the second ring ends, or caps that
+//! count negative, all caps are made again.
 //!
 //! No source: this crate's own, for the reason above. Cost: with the function.
 
@@ -26,7 +27,7 @@ impl CapSurface {
     /// these facets are new; those facets whose caps were made again, and how many were looked at. The others are what they were.
     ///
     /// Cost: O(n log n) in the faces and triangles of these facets, a look at which facet each face is on, and
-    /// copying. Where caps are shared or negative, that of building.
+    /// copying. Where caps are shared or negative, or pieces have opposites two rings away, that of building.
     pub(crate) fn updated(
         &self,
         mesh: &Mesh,
@@ -52,7 +53,10 @@ impl CapSurface {
         let facets = around.iter().copied();
         let mut chains = open_chains(mesh, topology, hull, assignment, facets, of_facet);
         divide_alike(mesh, hull, &mut chains, ridges, assignment.depth());
-        drop_straddled(mesh, hull, &mut chains, assignment.depth());
+        let opposites = drop_straddled(mesh, hull, &mut chains, assignment.depth());
+        if opposites.iter().any(|[one, other]| stale.contains(one) && !stale.contains(other)) {
+            return all_again();
+        }
 
         // Each facet's by itself, and then all at their places.
         let mut made = Self::default();

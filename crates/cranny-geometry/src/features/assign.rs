@@ -2,8 +2,10 @@
 //!
 //! A face lies on a facet when its three corners lie in the facet's [slab](super::slabs) and it does
 //! not look the other way. Of several such facets it takes the one whose normal agrees best with its
-//! own, the lowest id among equals. A face whose corners are all on the hull, but on no facet together,
-//! crosses the interior: it belongs to a concavity.
+//! own, and of those that do so but for rounding the first [by its vertices](FacetOrder): a face without area, along
+//! an edge of the hull, agrees with either side, and the numbers of facets are others once the hull has followed
+//! moved vertices. A face whose corners are all on the hull, but on no facet together, crosses the interior: it
+//! belongs to a concavity.
 //!
 //! A face that equals a triangle of the hull lies on that triangle's facet, whichever agrees better: so
 //! both cancel where caps are made.
@@ -17,6 +19,7 @@
 //!
 //! Cost: near-linear, most of it for the facets of vertices (`vertices`).
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use cranny_exact::DVec3;
@@ -24,7 +27,7 @@ use cranny_exact::DVec3;
 use super::corners::Corners;
 use super::slabs::Slabs;
 use super::vertices::facets_of_vertices;
-use crate::hull::ConvexHull;
+use crate::hull::{ConvexHull, FacetOrder};
 use crate::ids::{FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::rows::replaced;
@@ -41,6 +44,11 @@ const LONG: usize = 64;
 /// One vertex in so many may have moved since rows were written. More often, and rows are written anew for little;
 /// more seldom, and vertices are looked up in a large tree.
 const FULL: usize = 16;
+
+/// Facets agree as well with a face whose agreements differ by no more than this share of its area. Smaller, and the
+/// rounding of normals decides, which is other once a hull has followed moved vertices; larger, and facets are tied
+/// that turn by more than rounding.
+const TIED: f64 = 8.0 * f64::EPSILON;
 
 /// The facets of vertices and faces.
 #[derive(Clone, Debug)]
@@ -62,7 +70,7 @@ impl Assignment {
         let (starts, facets) = facets_of_vertices(mesh, topology, hull, tree, &slabs);
         let mut assignment =
             Self { facet_of_face: Vec::new(), starts, facets, moved: BTreeMap::new(), slabs };
-        assignment.assign(mesh, topology, &Corners::of(mesh, hull));
+        assignment.assign(mesh, topology, hull, &Corners::of(mesh, hull));
         assignment
     }
 
@@ -115,12 +123,13 @@ impl Assignment {
         common
     }
 
-    fn assign(&mut self, mesh: &Mesh, topology: &Topology, corners: &Corners) {
+    fn assign(&mut self, mesh: &Mesh, topology: &Topology, hull: &ConvexHull, corners: &Corners) {
         self.facet_of_face = vec![NONE; mesh.faces().len()];
         let faces = (0..mesh.faces().len() as u32).map(FaceId);
         let equal = |face| corners.facet_of_equal(face);
-        let needles = self.assign_wide(mesh, faces, equal);
-        self.assign_needles(mesh, topology, &needles);
+        let mut order = FacetOrder::of(hull);
+        let needles = self.assign_wide(mesh, faces, equal, &mut order);
+        self.assign_needles(mesh, topology, &needles, &mut order);
     }
 
     /// Writes the facets of moved vertices into the rows, where these are many: a look-up is quicker there.
@@ -140,6 +149,7 @@ impl Assignment {
         mesh: &Mesh,
         faces: impl Iterator<Item = FaceId>,
         facet_of_equal: impl Fn([VertexId; 3]) -> Option<u32>,
+        order: &mut FacetOrder<'_>,
     ) -> Vec<FaceId> {
         let mut needles = Vec::new();
         for f in faces {
@@ -149,7 +159,7 @@ impl Assignment {
                 if self.is_needle(mesh, f) {
                     needles.push(f);
                 } else {
-                    self.facet_of_face[f.index()] = self.best_facet(mesh, f);
+                    self.facet_of_face[f.index()] = self.best_facet(mesh, f, order);
                 }
             }
         }
@@ -162,7 +172,13 @@ impl Assignment {
     }
 
     /// Each needle follows the faces across longest edges to the first that is none.
-    pub(super) fn assign_needles(&mut self, mesh: &Mesh, topology: &Topology, needles: &[FaceId]) {
+    pub(super) fn assign_needles(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        needles: &[FaceId],
+        order: &mut FacetOrder<'_>,
+    ) {
         let mut settled = vec![false; needles.len()];
         for (first, &needle) in needles.iter().enumerate() {
             let mut trail = Vec::new();
@@ -177,7 +193,7 @@ impl Assignment {
             let mut followed = self.facet_of_face[at.index()];
             for &face in trail.iter().rev() {
                 if followed == NONE || !self.holds_face(mesh, followed, face) {
-                    followed = self.best_facet(mesh, face);
+                    followed = self.best_facet(mesh, face, order);
                 }
                 self.facet_of_face[face.index()] = followed;
             }
@@ -196,10 +212,11 @@ impl Assignment {
     }
 
     /// The facet that a face lies on and agrees with best, or [`NONE`].
-    fn best_facet(&self, mesh: &Mesh, face: FaceId) -> u32 {
+    fn best_facet(&self, mesh: &Mesh, face: FaceId, order: &mut FacetOrder<'_>) -> u32 {
         let lists = mesh.corners(face).map(|v| self.facets_of(v));
         let shortest = lists.into_iter().min_by_key(|l| l.len()).unwrap_or_default();
-        let found = if shortest.len() <= LONG { self.best_of(mesh, face, shortest) } else { NONE };
+        let few = if shortest.len() <= LONG { shortest } else { &[] };
+        let found = self.best_of(mesh, face, few, order);
         if found != NONE {
             return found;
         }
@@ -207,23 +224,44 @@ impl Assignment {
         let [a, b, c] = mesh.triangle(face);
         let mut around = Vec::new();
         self.slabs.around((a + b + c) / 3.0, &mut around);
-        self.best_of(mesh, face, &around)
+        self.best_of(mesh, face, &around, order)
     }
 
-    fn best_of(&self, mesh: &Mesh, face: FaceId, facets: &[u32]) -> u32 {
+    fn best_of(
+        &self,
+        mesh: &Mesh,
+        face: FaceId,
+        facets: &[u32],
+        order: &mut FacetOrder<'_>,
+    ) -> u32 {
         let area_vector = mesh.area_vector(face);
         let tilted = self.is_needle(mesh, face);
+        let agreement = |facet: u32| self.slabs.normal(facet).dot(area_vector);
+        let lies_on = |facet: u32, agreement: f64| {
+            (agreement >= 0.0 || tilted) && self.holds_face(mesh, facet, face)
+        };
         let mut best = (f64::NEG_INFINITY, NONE);
         for &facet in facets {
-            let agreement = self.slabs.normal(facet).dot(area_vector);
-            if (agreement >= 0.0 || tilted)
-                && agreement > best.0
-                && self.holds_face(mesh, facet, face)
-            {
+            let agreement = agreement(facet);
+            if agreement > best.0 && lies_on(facet, agreement) {
                 best = (agreement, facet);
             }
         }
-        best.1
+        let (most, mut first) = best;
+        if first == NONE {
+            return NONE;
+        }
+        let tied = most - TIED * area_vector.length();
+        for &facet in facets.iter().filter(|&&facet| facet != best.1) {
+            let agreement = agreement(facet);
+            if agreement >= tied
+                && lies_on(facet, agreement)
+                && order.compare(facet, first) == Ordering::Less
+            {
+                first = facet;
+            }
+        }
+        first
     }
 }
 

@@ -17,7 +17,7 @@ use cranny_exact::Aabb;
 
 use super::assign::{Assignment, NONE};
 use super::{Features, RidgeOnFacet, convex_sets, judge_edge, judge_vertex};
-use crate::hull::{ConvexHull, FacetChange};
+use crate::hull::{ConvexHull, FacetChange, FacetOrder};
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
@@ -147,8 +147,9 @@ impl Assignment {
         }
         let before: Vec<u32> = faces.iter().map(|f| self.facet_of_face[f.index()]).collect();
         let equal = |face| hull.triangle_of(face).map(|t| hull.facet_of_triangle(t).0);
-        let needles = self.assign_wide(mesh, faces.iter().copied(), equal);
-        self.assign_needles(mesh, topology, &needles);
+        let mut order = FacetOrder::of(hull);
+        let needles = self.assign_wide(mesh, faces.iter().copied(), equal, &mut order);
+        self.assign_needles(mesh, topology, &needles, &mut order);
         let changed = faces.iter().zip(before).filter_map(|(&face, before)| {
             let after = self.facet_of_face[face.index()];
             let changes_class = features.is_convex(face) != (after != NONE);

@@ -30,6 +30,7 @@
 
 mod codec;
 mod convexity;
+mod facet_order;
 mod facets;
 mod facets_update;
 mod locate;
@@ -52,6 +53,7 @@ use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::late::Late;
+pub(crate) use facet_order::FacetOrder;
 use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};
 pub use locate::Location;

@@ -109,3 +109,34 @@ fn wells_that_run_together_hold_what_their_cells_count() {
         }
     }
 }
+
+/// A closed solid in single precision, some of whose vertices lie within slabs of each other and of three facets.
+fn crumpled() -> Mesh {
+    let vertices: [[f32; 3]; 9] = [
+        [0.211_970_03, 0.110_793_53, -0.072_761_95],
+        [1.177_389_4, -1.429_966_9, 1.252_578_5],
+        [1.177_39, -1.429_966_7, 1.252_578_3],
+        [0.734_217_2, -1.138_920_7, 0.404_703_38],
+        [1.468_436_5, -2.277_841_6, 0.809_406_64],
+        [1.468_435_8, -2.277_841_8, 0.809_406_9],
+        [1.468_436_1, -2.277_841_6, 0.809_406_76],
+        [0.582_092_46, -1.695_749_9, -0.886_343_06],
+        [-0.304_250_45, -1.113_657_7, -2.582_093],
+    ];
+    #[rustfmt::skip]
+    let faces = vec![
+        [2, 3, 1], [3, 5, 1], [1, 5, 2], [5, 6, 2], [2, 6, 0], [6, 4, 0], [3, 2, 5], [5, 8, 6],
+        [6, 8, 4], [8, 0, 4], [7, 8, 5], [5, 2, 7], [7, 2, 8], [0, 8, 2],
+    ];
+    let places = vertices.map(|p| DVec3::from_array(p.map(f64::from)));
+    Mesh::new(places.to_vec(), faces).unwrap()
+}
+
+#[test]
+fn pieces_with_the_opposites_of_several_facets_are_dropped_in_pairs() {
+    // What one facet had too much of two others lacked: all three pieces were dropped, and hull, faces and caps did
+    // not add up any more.
+    let (model, _) = checked_told(&crumpled());
+    let hull = model.hull();
+    assert!(hull.volume() > model.features().slab_depth() * hull.area(), "it is thicker than skin");
+}
