@@ -51,21 +51,60 @@ impl Sign {
     }
 }
 
+/// Relative error of a determinant of four points as [`orient3d`] computes it (Shewchuk 1997, "Adaptive precision
+/// floating-point arithmetic and fast robust geometric predicates", `o3derrboundA`; his ε is half of ours). Smaller, and
+/// signs may be wrong; larger, and more points take the long way.
+const FILTER: f64 = (7.0 + 28.0 * f64::EPSILON) * (0.5 * f64::EPSILON);
+
 /// On which side of the plane through `a`, `b`, `c` the point `d` lies.
 ///
 /// `Positive`: `d` sees the triangle counter-clockwise, that is, lies on the side of the normal
 /// `(b − a) × (c − a)`. `Zero`: the four points are co-planar. Exact inside the domain.
-///
-/// (`robust::orient3d` has the opposite sign; this function hides that.)
 #[must_use]
 pub fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
-    let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
-    Sign::of(robust::orient3d(coord(a), coord(b), coord(c), coord(d))).flipped()
+    let [p, q, r] = [a - d, b - d, c - d];
+    let (qr, rp, pq) = ([q.x * r.y, r.x * q.y], [r.x * p.y, p.x * r.y], [p.x * q.y, q.x * p.y]);
+    // It is negative where `d` is above.
+    let det = p.z * (qr[0] - qr[1]) + q.z * (rp[0] - rp[1]) + r.z * (pq[0] - pq[1]);
+    let magnitude = |[s, t]: [f64; 2]| s.abs() + t.abs();
+    let permanent =
+        magnitude(qr) * p.z.abs() + magnitude(rp) * q.z.abs() + magnitude(pq) * r.z.abs();
+    if det.abs() > FILTER * permanent {
+        return if det > 0.0 { Sign::Negative } else { Sign::Positive };
+    }
+    orient3d_near([a, b, c, d])
+}
+
+/// The same for points that are nearly co-planar.
+#[cold]
+fn orient3d_near(points: [DVec3; 4]) -> Sign {
+    if (0..3).any(|axis| is_level(&points, axis) || stands_in_two_places(&points, axis)) {
+        return Sign::Zero;
+    }
+    let [a, b, c, d] = points.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+    // It has the opposite sign.
+    Sign::of(robust::orient3d(a, b, c, d)).flipped()
+}
+
+/// Whether four points lie in a plane square to an axis. The predicate takes longest for zeros, and many sides of
+/// bodies are square to one, or stand along one.
+fn is_level(points: &[DVec3; 4], axis: usize) -> bool {
+    points.iter().all(|p| p[axis] == points[0][axis])
+}
+
+/// Whether four points are seen in one or two places along an axis: then a plane that stands along it holds them all.
+fn stands_in_two_places(points: &[DVec3; 4], axis: usize) -> bool {
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let together = |p: &DVec3, q: &DVec3| p[u] == q[u] && p[v] == q[v];
+    let [first, others @ ..] = points;
+    let mut apart = others.iter().filter(|p| !together(p, first));
+    apart.next().is_none_or(|second| apart.all(|p| together(p, second)))
 }
 
 /// Whether `a`, `b`, `c` turn left (`Positive`), right (`Negative`) or lie on a line (`Zero`).
 /// Exact inside the domain.
 #[must_use]
+#[inline]
 pub fn orient2d(a: DVec2, b: DVec2, c: DVec2) -> Sign {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
     Sign::of(robust::orient2d(coord(a), coord(b), coord(c)))
@@ -93,6 +132,32 @@ mod tests {
         let lifted = DVec3::new(0.4, 0.4, 0.4f64.next_up());
         assert_eq!(orient3d(a, b, c, lifted), orient3d(a, b, c, d + DVec3::Z));
         assert_ne!(orient3d(a, b, c, lifted), Sign::Zero);
+    }
+
+    #[test]
+    fn points_that_stand_along_an_axis_are_coplanar_and_their_neighbours_are_not() {
+        // Two uprights of a wall that is square to no axis, whose determinant rounds to something else than 0.
+        let (here, there) = ([0.1, 0.7], [0.3, 0.2]);
+        let wall = [(here, 0.3), (here, 1.1), (there, 0.9), (there, 0.25)];
+        for axis in 0..3 {
+            let point = |([u, v], w): ([f64; 2], f64)| {
+                let mut p = DVec3::ZERO;
+                (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (w, u, v);
+                p
+            };
+            let [a, b, c, d] = wall.map(point);
+            for [p, q, r, s] in [[a, b, c, d], [a, c, b, d], [c, a, d, b], [b, b, a, c]] {
+                assert_eq!(orient3d(p, q, r, s), Sign::Zero);
+            }
+            assert!(stands_in_two_places(&[a, c, d, b], axis));
+            for lifted in [[0.3f64.next_up(), 0.2], [0.3, 0.2f64.next_down()]] {
+                let off = point((lifted, 0.25));
+                assert!(!stands_in_two_places(&[a, b, c, off], axis));
+                let far = orient3d(a, b, c, c + (1u64 << 60) as f64 * (off - d));
+                assert_eq!(orient3d(a, b, c, off), far);
+                assert_ne!(far, Sign::Zero);
+            }
+        }
     }
 
     #[test]

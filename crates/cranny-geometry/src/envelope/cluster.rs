@@ -65,7 +65,13 @@ pub(super) fn clusters(
         return order.iter().enumerate().map(alone).collect();
     }
     let most = options.leaf_faces as f64;
-    let moments = Moments::of(order.iter().map(|&item| &items[item as usize]));
+    let all = order.iter().map(|&item| &items[item as usize]);
+    let count: usize = all.clone().map(|item| item.count as usize).sum();
+    if count <= options.leaf_faces {
+        return vec![Cluster { start: 0, end: order.len(), moments: Moments::of(all), cost: 0.0 }];
+    }
+    // It is divided first, so nobody asks for its sums.
+    let moments = Moments::of_count(count);
     let whole = Cluster { start: 0, end: order.len(), moments, cost: 0.0 };
     let mut parts = Vec::with_capacity(options.width.min(order.len()));
     parts.push(whole);

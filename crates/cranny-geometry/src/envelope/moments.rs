@@ -121,6 +121,13 @@ impl Moments {
         all
     }
 
+    /// Of so many faces, nothing else being known of them.
+    pub(super) fn of_count(faces: usize) -> Self {
+        let mut sums = Self::NONE;
+        sums.0[0] = faces as f64;
+        sums
+    }
+
     #[inline]
     pub(super) fn add(&mut self, item: &Item) {
         let ([x, y, z, a, b, c], w, n) = (item.keys, item.area, f64::from(item.count));

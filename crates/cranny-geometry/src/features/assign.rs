@@ -86,6 +86,15 @@ impl Assignment {
         &self.facets[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
 
+    /// For each vertex whether it lies on a facet.
+    pub(super) fn vertices_on_hull(&self) -> Vec<bool> {
+        let mut on_hull: Vec<bool> = self.starts.windows(2).map(|row| row[0] < row[1]).collect();
+        for (&v, facets) in &self.moved {
+            on_hull[v as usize] = !facets.is_empty();
+        }
+        on_hull
+    }
+
     /// The least depth of a slab: what is thinner is flat.
     pub(crate) fn depth(&self) -> f64 {
         self.slabs.depth()
@@ -125,7 +134,10 @@ impl Assignment {
 
     fn assign(&mut self, mesh: &Mesh, topology: &Topology, hull: &ConvexHull, corners: &Corners) {
         self.facet_of_face = vec![NONE; mesh.faces().len()];
-        let faces = (0..mesh.faces().len() as u32).map(FaceId);
+        let on_hull = self.vertices_on_hull();
+        // Nearly none of a body whose hull is small.
+        let is_on_hull = |f: &FaceId| mesh.corners(*f).iter().all(|v| on_hull[v.index()]);
+        let faces = (0..mesh.faces().len() as u32).map(FaceId).filter(is_on_hull);
         let equal = |face| corners.facet_of_equal(face);
         let mut order = FacetOrder::of(hull);
         let needles = self.assign_wide(mesh, faces, equal, &mut order);

@@ -79,8 +79,14 @@ impl Features {
         let (set_of_face, sets) = convex_sets(topology, &assignment.facet_of_face);
         let mut ridges = Vec::new();
         let mut ridges_on_facets = Vec::new();
+        let on_hull = assignment.vertices_on_hull();
         let mut edges = Vec::with_capacity(topology.edges().len());
-        for e in (0..topology.edges().len() as u32).map(EdgeId) {
+        for (e, edge) in (0..).map(EdgeId).zip(topology.edges()) {
+            // Most edges of a body whose hull is small.
+            if !(on_hull[edge.from.index()] & on_hull[edge.to.index()]) {
+                edges.push(Feature::Concavity);
+                continue;
+            }
             let (feature, on_facets) = judge_edge(mesh, topology, assignment, e);
             edges.push(feature);
             if !on_facets.is_empty() {

@@ -87,6 +87,11 @@ impl Normals {
         Self(faces.map(|face| Normal::of(mesh, face).unwrap_or(none)).collect())
     }
 
+    /// Of how many faces.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// `None` for needles and faces without area.
     #[inline]
     pub(super) fn get(&self, face: FaceId) -> Option<Normal> {

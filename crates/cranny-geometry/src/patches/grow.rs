@@ -19,6 +19,7 @@ use super::cone::{NormalCone, Normals, unit_normal};
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::topology::{DisjointSets, Topology};
+use crate::tree::Mates;
 
 /// Cosine of the largest half-angle of a patch: 25 degrees. Smaller angles: more patches (a thread
 /// has about 2π / (2 · angle) of them a turn on each flank); larger: one nearest point must stand
@@ -76,10 +77,9 @@ impl Growing {
         diagonal_squared(&self.bounds) <= limits.diagonal_squared(self.face_squared)
     }
 
-    /// A patch of one face, given its unit normal; needles have none.
-    fn alone(mesh: &Mesh, face: FaceId, normal: Option<DVec3>) -> Self {
+    /// A patch of one face, given its unit normal and its box; needles have no normal.
+    fn alone(normal: Option<DVec3>, &bounds: &Aabb) -> Self {
         let cone = normal.map(NormalCone::of_direction);
-        let bounds = Aabb::of_points(mesh.triangle(face));
         Self { cone, bounds, face_squared: diagonal_squared(&bounds), faces: 1 }
     }
 
@@ -164,9 +164,14 @@ pub(super) fn for_each_neighbor(
 }
 
 /// Divides all faces of a mesh.
-pub(super) fn partition_by(mesh: &Mesh, topology: &Topology, normals: &Normals) -> Partition {
+pub(super) fn partition_by(
+    mesh: &Mesh,
+    topology: &Topology,
+    normals: &Normals,
+    mates: &Mates,
+) -> Partition {
     let limits = Limits::of(&mesh.bounds());
-    let (patch_of, patches) = grown(mesh, topology, &limits, normals);
+    let (patch_of, patches) = grown(topology, &limits, normals, mates);
     Partition { patch_of, patches }.merged(mesh, topology, &limits)
 }
 
@@ -225,19 +230,19 @@ impl Free for BTreeSet<FaceId> {
 const NONE: u32 = u32::MAX;
 
 fn grown(
-    mesh: &Mesh,
     topology: &Topology,
     limits: &Limits,
     normals: &Normals,
+    mates: &Mates,
 ) -> (Vec<u32>, Vec<Growing>) {
-    let count = mesh.faces().len();
-    let normal = |f: FaceId| normals.get(f).map(|normal| normal.unit());
+    let count = normals.len();
+    let face = |f: FaceId| (normals.get(f).map(|normal| normal.unit()), *mates.bounds(f));
     let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
     let (mut patches, mut front) = (Vec::new(), VecDeque::new());
     for seed in (0..count as u32).map(FaceId) {
         if numbering.has(seed) {
             let (free, front) = (&mut numbering, &mut front);
-            patches.push(grow_from(seed, mesh, topology, limits, normal, free, front, |_| {}));
+            patches.push(grow_from(seed, topology, limits, face, free, front, |_| {}));
             numbering.number += 1;
         }
     }
@@ -255,36 +260,38 @@ pub(super) fn divided(
     let (mut patches, mut front) = (Vec::new(), VecDeque::new());
     while let Some(&seed) = left.first() {
         let mut taken = Vec::new();
-        let (normal, take) = (|f| unit_normal(mesh, f), |f| taken.push(f));
-        let patch = grow_from(seed, mesh, topology, limits, normal, &mut left, &mut front, take);
+        let face = |f| (unit_normal(mesh, f), Aabb::of_points(mesh.triangle(f)));
+        let take = |f| taken.push(f);
+        let patch = grow_from(seed, topology, limits, face, &mut left, &mut front, take);
         patches.push((patch, taken));
     }
     patches
 }
 
-/// Grows one patch, breadth-first; `front` is memory to be used again.
+/// Grows one patch, breadth-first. `face` tells the unit normal, but for needles, and the box of a face; `front` is
+/// memory to be used again.
 fn grow_from(
     seed: FaceId,
-    mesh: &Mesh,
     topology: &Topology,
     limits: &Limits,
-    normal: impl Fn(FaceId) -> Option<DVec3>,
+    face: impl Fn(FaceId) -> (Option<DVec3>, Aabb),
     free: &mut impl Free,
     front: &mut VecDeque<FaceId>,
     mut taken: impl FnMut(FaceId),
 ) -> Growing {
-    let mut patch = Growing::alone(mesh, seed, normal(seed));
+    let (normal, bounds) = face(seed);
+    let mut patch = Growing::alone(normal, &bounds);
     let mut least_between = least_cosine_between(patch.cone);
     front.clear();
     front.push_back(seed);
     free.take(seed);
     taken(seed);
-    while let Some(face) = front.pop_front() {
-        for_each_neighbor(topology, face, |_, next| {
+    while let Some(at) = front.pop_front() {
+        for_each_neighbor(topology, at, |_, next| {
             if !free.has(next) {
                 return;
             }
-            let normal = normal(next);
+            let (normal, bounds) = face(next);
             if let (Some(cone), Some(normal)) = (&patch.cone, normal) {
                 // In either case what `joined` would find in the end.
                 let between = cone.axis.dot(normal);
@@ -292,7 +299,7 @@ fn grow_from(
                     return;
                 }
                 if between >= cone.cosine {
-                    if patch.take_in(&Aabb::of_points(mesh.triangle(next)), limits) {
+                    if patch.take_in(&bounds, limits) {
                         free.take(next);
                         taken(next);
                         front.push_back(next);
@@ -300,7 +307,7 @@ fn grow_from(
                     return;
                 }
             }
-            let alone = Growing::alone(mesh, next, normal);
+            let alone = Growing::alone(normal, &bounds);
             if let Some(larger) = limits.joined(&patch, &alone) {
                 if larger.cone != patch.cone {
                     least_between = least_cosine_between(larger.cone);
@@ -377,27 +384,10 @@ struct Border {
 /// Sorts borders by their patches, of which there are `patches`, and makes one of those between the same two.
 fn collect(borders: &mut Vec<Border>, patches: usize) {
     borders.retain(|b| b.own != b.other);
-    // Counted into a row for each patch first. All this keeps the order of equal ones: lengths are summed
-    // in the order of faces.
-    let mut ends = vec![0; patches];
-    borders.iter().for_each(|b| ends[b.own as usize] += 1);
-    let mut end = 0;
-    for count in &mut ends {
-        end += *count;
-        *count = end - *count;
-    }
-    let mut rows = borders.clone();
-    for border in &*borders {
-        let at = &mut ends[border.own as usize];
-        rows[*at] = *border;
-        *at += 1;
-    }
-    let mut start = 0;
-    for end in ends {
-        rows[start..end].sort_by_key(|b| b.other);
-        start = end;
-    }
-    *borders = rows;
+    // Dealt out by the other patch, then by the own one. Both keep the order of equal ones: lengths are summed in
+    // the order of faces.
+    let by_other = dealt(borders, patches, |b| b.other);
+    *borders = dealt(&by_other, patches, |b| b.own);
     borders.dedup_by(|next, kept| {
         let same = (next.own, next.other) == (kept.own, kept.other);
         if same {
@@ -407,39 +397,72 @@ fn collect(borders: &mut Vec<Border>, patches: usize) {
     });
 }
 
-/// Whether a face is, along any of its edges, on a border and the lesser one there; all, where edges are not between two
-/// faces each. Most are not, and edges tell that quicker than their faces.
-fn lesser_faces_on_borders(topology: &Topology, patch_of: &[u32]) -> Vec<bool> {
-    let pairs = topology.pairs();
-    let mut on_border = vec![pairs.is_none(); patch_of.len()];
-    for pair in pairs.unwrap_or_default() {
-        // In a pair the lesser half-edge comes first, and with it the lesser face.
-        let [face, other] = pair.map(|h| h.face().index());
-        on_border[face] |= patch_of[face] != patch_of[other];
+/// Borders by a number below `count`, in their order where it is the same.
+fn dealt(borders: &[Border], count: usize, number: impl Fn(&Border) -> u32) -> Vec<Border> {
+    let mut places = vec![0u32; count];
+    borders.iter().for_each(|b| places[number(b) as usize] += 1);
+    let mut before = 0;
+    for place in &mut places {
+        before += std::mem::replace(place, before);
     }
-    on_border
+    let mut rows = borders.to_vec();
+    for border in borders {
+        let place = &mut places[number(border) as usize];
+        rows[*place as usize] = *border;
+        *place += 1;
+    }
+    rows
 }
 
 /// All borders, from both sides.
 fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Border> {
     let Partition { patch_of, patches } = partition;
     let mut borders = Vec::new();
-    let on_border = lesser_faces_on_borders(topology, patch_of);
-    for face in (0..patch_of.len() as u32).map(FaceId).filter(|f| on_border[f.index()]) {
-        let own = patch_of[face.index()];
-        for_each_neighbor(topology, face, |corner, next| {
-            let other = patch_of[next.index()];
-            // Of both sides one speaks for both.
-            if other != own && face < next {
-                let t = mesh.triangle(face);
-                let length = (t[(corner + 1) % 3] - t[corner]).length();
-                borders.push(Border { own, other, length });
-                borders.push(Border { own: other, other: own, length });
+    let mut add = |face: FaceId, corner: usize, next: FaceId| {
+        let [own, other] = [face, next].map(|f| patch_of[f.index()]);
+        // Of both sides one speaks for both.
+        if other != own && face < next {
+            let t = mesh.triangle(face);
+            let length = (t[(corner + 1) % 3] - t[corner]).length();
+            borders.push(Border { own, other, length });
+            borders.push(Border { own: other, other: own, length });
+        }
+    };
+    match topology.pairs() {
+        Some(pairs) => for_each_side_on_a_border(pairs, patch_of, |side| {
+            if let Some(twin) = topology.twin(side) {
+                add(side.face(), side.corner(), twin.face());
             }
-        });
+        }),
+        None => (0..patch_of.len() as u32).map(FaceId).for_each(|face| {
+            for_each_neighbor(topology, face, |corner, next| add(face, corner, next));
+        }),
     }
     collect(&mut borders, patches.len());
     borders
+}
+
+/// Calls `visit` with the lesser of the two half-edges of each edge between two patches, in ascending order. Most edges
+/// lie within a patch, and a pass over edges tells that quicker than one over faces.
+fn for_each_side_on_a_border(
+    pairs: &[[HalfEdgeId; 2]],
+    patch_of: &[u32],
+    mut visit: impl FnMut(HalfEdgeId),
+) {
+    // Pairs stand in the order of their vertices, so half-edges are marked first: a bit each.
+    let mut marks = vec![0u64; (3 * patch_of.len()).div_ceil(64)];
+    for pair in pairs {
+        let [own, other] = pair.map(|h| patch_of[h.face().index()]);
+        // The lesser half-edge comes first in a pair.
+        let side = pair[0].index();
+        marks[side / 64] |= u64::from(own != other) << (side % 64);
+    }
+    for (first, mut left) in (0..).step_by(64).zip(marks) {
+        while left != 0 {
+            visit(HalfEdgeId(first + left.trailing_zeros()));
+            left &= left - 1;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -447,7 +470,7 @@ mod tests {
     use super::*;
 
     fn partition(mesh: &Mesh, topology: &Topology) -> Partition {
-        partition_by(mesh, topology, &Normals::of(mesh))
+        partition_by(mesh, topology, &Normals::of(mesh), &Mates::of(mesh, topology))
     }
 
     #[test]

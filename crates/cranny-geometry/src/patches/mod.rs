@@ -100,7 +100,7 @@ impl Patches {
     /// The same, given which faces hang together.
     pub(crate) fn with_mates(mesh: &Mesh, topology: &Topology, mates: &Mates) -> Self {
         let normals = Normals::of(mesh);
-        let partition = grow::partition_by(mesh, topology, &normals);
+        let partition = grow::partition_by(mesh, topology, &normals, mates);
         let count = partition.patches.len();
         let faces = Lists::of(count, &partition.patch_of);
         let groups = (0..count).map(|p| faces.get(p));

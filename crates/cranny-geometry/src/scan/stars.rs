@@ -36,7 +36,9 @@ impl<'a> Stars<'a> {
     /// O(n).
     pub(super) fn of(mesh: &'a Mesh, topology: &'a Topology) -> Self {
         let vertices = (0..mesh.vertices().len() as u32).map(VertexId);
-        let star = |v| if walk(mesh, topology, v, |_| ()) { Star::Ring } else { Star::Torn };
+        let all_rings = are_rings(mesh, topology);
+        let is_ring = |v| all_rings || walk(mesh, topology, v, |_| ());
+        let star = |v| if is_ring(v) { Star::Ring } else { Star::Torn };
         let stars = vertices.map(star).collect();
         Self { mesh, topology, stars, ring: Vec::new() }
     }
@@ -61,6 +63,24 @@ impl<'a> Stars<'a> {
         }
         *star == Star::Spread
     }
+}
+
+/// Whether Euler's formula tells that the faces at each vertex are one ring, which it does of bodies without handles.
+///
+/// Where all edges are between two faces, the faces at a vertex make one ring or several. Were a vertex parted for
+/// each of its rings, every component would be a closed surface, so with R rings, E edges, F faces and C components
+/// R − E + F <= 2 C; and all V vertices have a ring or more: V <= R. So V − E + F = 2 C leaves no room for R > V.
+fn are_rings(mesh: &Mesh, topology: &Topology) -> bool {
+    let [vertices, edges, faces, components] = [
+        mesh.vertices().len(),
+        topology.edges().len(),
+        mesh.faces().len(),
+        topology.components().len(),
+    ];
+    let has_faces = |v: u32| !topology.faces_at(VertexId(v)).is_empty();
+    topology.pairs().is_some()
+        && vertices + faces == edges + 2 * components
+        && (0..vertices as u32).all(has_faces)
 }
 
 /// The vertex at which a half-edge begins.
@@ -198,6 +218,38 @@ mod tests {
         });
         assert!(turns.clone().all(|turn| turn == 1));
         assert_eq!(star_of(&mesh, &topology, 0), Star::Bent);
+    }
+
+    #[test]
+    fn what_is_told_of_all_stars_at_once_is_so_of_each() {
+        // Walls of a box around a hole or not, and a vertex of one of its tubes in two places.
+        let ring = |at: u32| (0..4).map(move |k| 4 * (at % 4) + k);
+        let tube = |from: u32, to: u32| {
+            let (from, to): (Vec<u32>, Vec<u32>) = (ring(from).collect(), ring(to).collect());
+            let squares = (0..4).map(move |k| (from[k], from[(k + 1) % 4], to[k], to[(k + 1) % 4]));
+            squares.flat_map(|(a, b, c, d)| [[a, b, c], [b, d, c]]).collect::<Vec<_>>()
+        };
+        let lid = |[a, b, c, d]: [u32; 4]| vec![[a, b, c], [a, c, d]];
+        let torus = [tube(0, 1), tube(1, 2), tube(2, 3), tube(3, 0)].concat();
+        let sealed = [tube(0, 1), lid([3, 2, 1, 0]), lid([4, 5, 6, 7])].concat();
+        let pinched: Vec<[u32; 3]> =
+            sealed.iter().map(|f| f.map(|v| if v == 6 { 0 } else { v })).collect();
+        for (faces, known) in [(&torus, false), (&sealed, true), (&pinched, false)] {
+            let point = |i: u32| DVec3::new(f64::from(i), f64::from(i * i), f64::from(i * i * i));
+            let used: std::collections::BTreeSet<u32> = faces.iter().flatten().copied().collect();
+            let place = |v: u32| used.iter().position(|&u| u == v).expect("it is used") as u32;
+            let faces = faces.iter().map(|f| f.map(place)).collect();
+            let mesh = Mesh::new((0..used.len() as u32).map(point).collect(), faces).unwrap();
+            let topology = Topology::of(&mesh);
+            assert!(topology.is_closed());
+            let mut vertices = (0..mesh.vertices().len() as u32).map(VertexId);
+            let all = vertices.all(|v| walk(&mesh, &topology, v, |_| ()));
+            assert_eq!((are_rings(&mesh, &topology), all), (known, known || used.len() == 16));
+            // A vertex that no face names makes up for no ring.
+            let more = Mesh::new([mesh.vertices(), &[DVec3::ZERO]].concat(), mesh.faces().to_vec());
+            let more = more.unwrap();
+            assert!(!are_rings(&more, &Topology::of(&more)));
+        }
     }
 
     #[test]

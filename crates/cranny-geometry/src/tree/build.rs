@@ -107,7 +107,9 @@ impl<I: Copy> Grower<I> {
                 nodes.push(INNER);
                 self.stem.push(id);
                 let items = &mut self.items[start..start + extent.count as usize];
-                lay_anew(items, &self.boxes, &mut extent, &mut scale);
+                if lay_anew(items, &self.boxes, &extent.centers, &mut scale) {
+                    extent = Extent::of(items);
+                }
                 let [left, right] = split(items, &extent, &mut self.aside);
                 let middle = start + left.count as usize;
                 self.tasks.push(Task { start: middle, extent: right, scale, parent: Some(id) });
@@ -191,10 +193,11 @@ impl<I: Copy> Twigs<'_, I> {
         }
         let mut cut = 1;
         if items.len() > 2 {
-            let mut extent = Extent::of(items);
-            lay_anew(items, self.boxes, &mut extent, &mut scale);
-            let axis = extent.centers.longest();
-            sort(items, axis);
+            let mut centers = Lows::of_centers(items);
+            if lay_anew(items, self.boxes, &centers, &mut scale) {
+                centers = Lows::of_centers(items);
+            }
+            sort(items, centers.longest());
             cut = cheapest_cut(items.len(), |k| (items[k].lows(), items[k].things()));
         }
         let (left, right) = items.split_at_mut(cut);
@@ -237,21 +240,25 @@ impl<I: Copy> Twigs<'_, I> {
     }
 }
 
-/// Lays a finer lattice over items that hardly differ on theirs.
-fn lay_anew(items: &mut [Item], boxes: &[Aabb], extent: &mut Extent, scale: &mut f64) {
-    let centers = &extent.centers;
-    if centers.size(centers.longest()) >= LEAST_SPREAD {
-        return;
-    }
+/// Lays a finer lattice over items that hardly differ on theirs, given the box of their middles; whether it did.
+#[inline]
+fn lay_anew(items: &mut [Item], boxes: &[Aabb], centers: &Lows, scale: &mut f64) -> bool {
+    centers.size(centers.longest()) < LEAST_SPREAD && lay_finer(items, boxes, scale)
+}
+
+/// The same, if the lattice would be much finer.
+fn lay_finer(items: &mut [Item], boxes: &[Aabb], scale: &mut f64) -> bool {
     let exact = |item: &Item| exact_box(boxes, item.name() as u32);
     let whole = items.iter().fold(Aabb::EMPTY, |all, item| all.union(&exact(item)));
     let frame = Frame::of(&whole);
-    if frame.scale >= FINER * *scale {
+    let is_finer = frame.scale >= FINER * *scale;
+    if is_finer {
         for item in items.iter_mut() {
             *item = frame.item(&exact(item), item.name() as u32);
         }
-        (*extent, *scale) = (Extent::of(items), frame.scale);
+        *scale = frame.scale;
     }
+    is_finer
 }
 
 /// Orders more than [`FEW`] items so that the two parts are cheap to keep apart.

@@ -60,7 +60,7 @@ impl FaceForest {
             count = 0;
             let Some(own) = group.first().map(|&face| group_of(face)) else { return };
             let among = |face| group_of(face) == own;
-            let pairs = paired_boxes(mesh, mates, group.iter().copied(), among);
+            let pairs = paired_boxes(mates, group.iter().copied(), among);
             grower.grow_pairs(pairs, &mut arena.nodes, &mut arena.faces);
         })
     }

@@ -57,6 +57,13 @@ impl Lows {
         Self(std::array::from_fn(|k| self.0[k].wrapping_sub(turned[k])))
     }
 
+    /// The box of (twice) the middles of some items.
+    pub(super) fn of_centers(items: &[Item]) -> Self {
+        let mut centers = Self::NONE;
+        items.iter().for_each(|item| centers.join(&item.0.center()));
+        centers
+    }
+
     pub(super) fn low(&self, axis: usize) -> i32 {
         i32::from(self.0[axis])
     }

@@ -5,7 +5,7 @@
 //!
 //! No source: this crate's own; a tree is right whatever is paired. Cost: O(n).
 
-use cranny_exact::Aabb;
+use cranny_exact::{Aabb, DVec3};
 
 use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
@@ -16,53 +16,67 @@ use crate::topology::Topology;
 /// area as without pairs, to within 0.7 %).
 const SNUG: f64 = 1.5;
 
-/// For each face the one that it is paired with, if any.
-pub(crate) struct Mates(Vec<FaceId>);
+/// For each face the one that it is paired with, if any, and its box: trees and patches ask for it again and again.
+pub(crate) struct Mates {
+    mates: Vec<FaceId>,
+    boxes: Vec<Aabb>,
+}
 
 impl Mates {
     /// Cost: O(n).
     pub(crate) fn of(mesh: &Mesh, topology: &Topology) -> Self {
-        let all = || (0..mesh.faces().len() as u32).map(FaceId);
-        let longest: Vec<HalfEdgeId> = all().map(|face| longest_side(mesh, face)).collect();
+        let count = mesh.faces().len();
+        let all = || (0..count as u32).map(FaceId);
+        let (mut longest, mut boxes) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for face in all() {
+            let triangle = mesh.triangle(face);
+            longest.push(HalfEdgeId::of(face, longest_side(&triangle)));
+            boxes.push(Aabb::of_points(triangle));
+        }
         let mut mates: Vec<FaceId> = all().collect();
         for face in all() {
             let side = longest[face.index()];
             // Of two the lesser one speaks for both.
             let Some(twin) = topology.twin(side).filter(|twin| *twin > side) else { continue };
             let other = twin.face();
-            if longest[other.index()] == twin && fit_in_one_box(mesh, face, other) {
+            if longest[other.index()] == twin
+                && fit_in_one_box(&boxes[face.index()], &boxes[other.index()])
+            {
                 (mates[face.index()], mates[other.index()]) = (other, face);
             }
         }
-        Self(mates)
+        Self { mates, boxes }
     }
 
     /// The other face of a pair.
     pub(super) fn of_face(&self, face: FaceId) -> Option<FaceId> {
-        Some(self.0[face.index()]).filter(|&mate| mate != face)
+        Some(self.mates[face.index()]).filter(|&mate| mate != face)
+    }
+
+    /// The box of a face.
+    #[inline]
+    pub(crate) fn bounds(&self, face: FaceId) -> &Aabb {
+        &self.boxes[face.index()]
     }
 }
 
-/// The longest side of a face, the first of equals.
-fn longest_side(mesh: &Mesh, face: FaceId) -> HalfEdgeId {
-    let [a, b, c] = mesh.triangle(face);
+/// The corner at which the longest side of a face begins, the first of equals.
+fn longest_side(&[a, b, c]: &[DVec3; 3]) -> usize {
     let [x, y, z] = [b - a, c - b, a - c].map(|side| side.length_squared());
-    let corner = if y > x {
+    if y > x {
         if z > y { 2 } else { 1 }
     } else if z > x {
         2
     } else {
         0
-    };
-    HalfEdgeId::of(face, corner)
+    }
 }
 
 /// Whether the box of both faces is hardly larger than that of either.
-fn fit_in_one_box(mesh: &Mesh, face: FaceId, other: FaceId) -> bool {
-    let [a, b] = [face, other].map(|face| Aabb::of_points(mesh.triangle(face)));
-    let half_area = |b: Aabb| {
+fn fit_in_one_box(a: &Aabb, b: &Aabb) -> bool {
+    let half_area = |b: &Aabb| {
         let size = b.max - b.min;
         size.x * size.y + size.y * size.z + size.z * size.x
     };
-    2.0 * half_area(a.union(&b)) <= SNUG * (half_area(a) + half_area(b))
+    2.0 * half_area(&a.union(b)) <= SNUG * (half_area(a) + half_area(b))
 }

@@ -106,7 +106,7 @@ impl FaceTree {
         let count = mesh.faces().len();
         let mut tree = Self::with_capacity(count, leaf_size);
         let all = (0..count as u32).map(FaceId);
-        let pairs = paired_boxes(mesh, mates, all, |_| true);
+        let pairs = paired_boxes(mates, all, |_| true);
         Grower::new(leaf_size).grow_pairs(pairs, &mut tree.nodes, &mut tree.faces);
         tree
     }
@@ -243,12 +243,11 @@ fn face_boxes<'a>(
 
 /// Faces with their boxes, alone and in pairs; `among`: whether a face is one of these.
 fn paired_boxes(
-    mesh: &Mesh,
     mates: &Mates,
     faces: impl Iterator<Item = FaceId>,
     among: impl Fn(FaceId) -> bool,
 ) -> impl Iterator<Item = ((FaceId, Aabb), Option<(FaceId, Aabb)>)> {
-    let boxed = |face: FaceId| (face, Aabb::of_points(mesh.triangle(face)));
+    let boxed = |face: FaceId| (face, *mates.bounds(face));
     faces.filter_map(move |face| {
         let mate = mates.of_face(face).filter(|&mate| among(mate));
         // The lesser of two speaks for both.
