@@ -169,6 +169,14 @@ pub struct Counters {
     pub front_rebuilt: u64,
     /// Times that a search from the top was cheaper than what memory had to offer.
     pub bypassed: u64,
+    /// Concavities whose faces were looked for, since the other body's hull may reach them; this and what follows is
+    /// counted by [`Method::Envelopes`](crate::Method::Envelopes) only.
+    pub pockets_opened: u64,
+    /// Concavities that the box of the other hull meets, but none of whose faces it reaches: it is beyond a lid, or in
+    /// the core of the pocket.
+    pub pockets_passed: u64,
+    /// Facets of envelopes that a box was held against.
+    pub facets_compared: u64,
 }
 
 impl AddAssign for Counters {
@@ -183,6 +191,9 @@ impl AddAssign for Counters {
         self.front_split += other.front_split;
         self.front_rebuilt += other.front_rebuilt;
         self.bypassed += other.bypassed;
+        self.pockets_opened += other.pockets_opened;
+        self.pockets_passed += other.pockets_passed;
+        self.facets_compared += other.facets_compared;
     }
 }
 

@@ -11,7 +11,8 @@ use crate::memory::PairMemory;
 use crate::near::near_regions;
 use crate::pair::{Pair, Side};
 use crate::parting::Parting;
-use crate::query::{Demand, Placed, Query};
+use crate::pockets::Pockets;
+use crate::query::{Demand, Method, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::meeting_regions;
 use crate::surface::{FacePair, strongest};
@@ -56,11 +57,12 @@ pub fn query(
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
     check_lengths(&query.demand)?;
-    let PairMemory { posed, parting, contacts: kept, coherent, .. } = memory;
+    let PairMemory { posed, parting, contacts: kept, coherent, pockets, .. } = memory;
     let mut pair = Pair::new(a, b, posed);
+    let pockets = (query.method == Method::Envelopes).then_some(pockets);
     Ok(match query.demand {
         Demand::Contacts { margin } => contacts(&mut pair, margin, parting, kept),
-        demand => answer(&mut pair, &demand, parting, coherent, kept),
+        demand => answer(&mut pair, &demand, parting, coherent, pockets, kept),
     })
 }
 
@@ -103,6 +105,7 @@ fn answer(
     demand: &Demand,
     parting: &mut Parting,
     coherent: &mut Coherent,
+    mut pockets: Option<&mut Pockets>,
     kept: &mut ContactMemory,
 ) -> Answer {
     let mut out = blank();
@@ -122,6 +125,11 @@ fn answer(
     let pairs = if parted {
         coherent.let_go();
         Vec::new()
+    } else if let Some(pockets) = &mut pockets {
+        let pairs = pockets.meetings(pair, !wants_regions, &mut counters);
+        out.surface = strongest(&pairs);
+        coherent.was_passed_over();
+        pairs
     } else if wants_regions {
         let pairs = coherent.meetings(pair, &mut counters);
         out.surface = strongest(&pairs);
@@ -133,7 +141,10 @@ fn answer(
         touching
     };
     if !parted {
-        let found = coherent.solidity(pair, out.surface, &pairs, &mut counters);
+        let found = match pockets {
+            Some(_) => solidity(pair, out.surface, &pairs, &mut counters),
+            None => coherent.solidity(pair, out.surface, &pairs, &mut counters),
+        };
         out.solid = found.solid;
         out.contained = found.contained.map(|c| pair.ordered_containment(c));
     }

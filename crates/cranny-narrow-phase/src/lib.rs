@@ -20,7 +20,8 @@
 //! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
 //! vertices; `parting` looks for a plane between their hulls; where there is none, `descent` finds the faces that may meet; `surface` classifies them; `inside`,
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
-//! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `intersection` chains the segments of
+//! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `pockets` is the second way to the
+//! faces that meet, by the envelopes of concavities; [`Method`] chooses. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
 //! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
@@ -63,11 +64,13 @@ mod intersection;
 mod levels;
 mod memory;
 mod near;
+mod node_set;
 mod numbering;
 mod pair;
 mod parting;
 mod patience;
 mod pieces;
+mod pockets;
 mod projection;
 mod query;
 mod reduce;
@@ -89,7 +92,7 @@ pub use impact::{
 };
 pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
-pub use query::{Demand, Placed, Query};
+pub use query::{Demand, Method, Placed, Query};
 pub use reduce::reduce as reduce_contacts;
 pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 pub use verify::{Mismatch, query_verified};

@@ -5,6 +5,7 @@ use crate::front::coherent::Coherent;
 use crate::levels::Carried;
 use crate::pair::PosedVertices;
 use crate::parting::Parting;
+use crate::pockets::Pockets;
 
 /// Memory of one pair. Dropping it costs time, never a different answer.
 ///
@@ -19,6 +20,7 @@ pub struct PairMemory {
     pub(crate) contacts: ContactMemory,
     pub(crate) coherent: Coherent,
     pub(crate) parting: Parting,
+    pub(crate) pockets: Pockets,
     pub(crate) levels: Option<Box<Carried>>,
 }
 
@@ -27,7 +29,8 @@ impl PairMemory {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let levels = self.levels.as_ref().map_or(0, |carried| carried.bytes());
-        self.posed.bytes() + self.contacts.bytes() + self.coherent.bytes() + levels
+        let kept = self.contacts.bytes() + self.coherent.bytes() + self.pockets.bytes();
+        self.posed.bytes() + kept + levels
     }
 
     /// Forgets everything.

@@ -235,6 +235,14 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// From the frame of the other body into that of one.
+    pub(crate) fn map_to(&self, side: Side) -> RigidMap {
+        match side {
+            Side::First => self.first_from_second,
+            Side::Second => self.first_from_second.inverse(),
+        }
+    }
+
     /// Into world coordinates.
     pub(crate) fn world_point(&self, p: DVec3) -> DVec3 {
         self.world_from_first.apply(p)

@@ -94,18 +94,38 @@ impl Demand {
     }
 }
 
+/// By which of two complete ways the faces that meet are found. The answer is the same; so is all that does not
+/// need these faces: distances, and contacts for a solver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Trees of boxes over all faces, whose front is kept from query to query.
+    #[default]
+    Boxes,
+    /// The parts of the hulls that meet; concavities that the other hull may reach, by the layers of their envelopes.
+    /// Slower on nearly all that was measured (README), so never chosen unless asked for.
+    Envelopes,
+}
+
 /// A question about a pair of placed models.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Query {
     /// How much is asked.
     pub demand: Demand,
+    /// How faces that meet are found.
+    pub method: Method,
 }
 
 impl Query {
     /// A query for this much.
     #[must_use]
     pub fn of(demand: Demand) -> Self {
-        Self { demand }
+        Self { demand, method: Method::default() }
+    }
+
+    /// The same, by a method.
+    #[must_use]
+    pub fn by(self, method: Method) -> Self {
+        Self { method, ..self }
     }
 }
 

@@ -67,7 +67,8 @@ pub(crate) fn strongest(pairs: &[FacePair]) -> Surface {
     pairs.iter().map(|p| p.meeting).max().unwrap_or(Meeting::None)
 }
 
-fn looked_at(
+/// How two faces of a pair meet; `None` if they do not.
+pub(crate) fn looked_at(
     pair: &Pair,
     first: FaceId,
     second: FaceId,

@@ -66,6 +66,8 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
+    /// Boxes and envelopes, the two ways to the faces that meet, on bodies in each other's pockets
+    Methods,
     /// Overlapping boxes in motion, against parry's `Bvh`
     Broad {
         /// Only scenes whose name contains this
@@ -107,6 +109,7 @@ fn main() -> ExitCode {
         Command::Support => Ok(support::measure(cli.quick)),
         Command::Walk => Ok(walk::measure(cli.quick)),
         Command::Pairs { only } => Ok(pairs::measure(cli.quick, only)),
+        Command::Methods => Ok(pairs::methods::measure(cli.quick)),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
         Command::Count { name } => return exit(count::count(name.as_deref())),
         Command::Export { folder } => export::write(folder, cli.quick),

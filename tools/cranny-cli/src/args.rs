@@ -135,6 +135,10 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "N", value_parser = budget, allow_hyphen_values = true)]
     pub(crate) budget: Option<u64>,
 
+    /// How the triangles that meet are found at level exact: the same answers
+    #[arg(long, value_enum, value_name = "METHOD", default_value = "boxes")]
+    pub(crate) method: MethodArg,
+
     /// Forget everything between one pose and the next: the same answers, slower where poses are close
     #[arg(long)]
     pub(crate) cold: bool,
@@ -142,6 +146,15 @@ pub(crate) struct QueryArgs {
     /// Print a certificate with each answer.
     #[arg(long, hide = true)]
     pub(crate) certificate: bool,
+}
+
+/// How the triangles that meet are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// Trees of boxes over all triangles, kept from pose to pose.
+    Boxes,
+    /// The concavities that the other hull reaches, by the layers of their envelopes; mostly slower.
+    Envelopes,
 }
 
 const QUERY_NOTES: &str = r#"Poses: M is 16 numbers, row-major, world-from-mesh: a rotation and a translation.

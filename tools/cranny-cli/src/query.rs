@@ -5,9 +5,9 @@ mod line;
 use std::time::Instant;
 
 use cranny_geometry::BuildOptions;
-use cranny_narrow_phase::{Budget, Demand, Effort, PairMemory, Placed, Query, estimate};
+use cranny_narrow_phase::{Budget, Demand, Effort, Method, PairMemory, Placed, Query, estimate};
 
-use crate::args::{DemandArg, Format, QueryArgs};
+use crate::args::{DemandArg, Format, MethodArg, QueryArgs};
 use crate::failure::Failure;
 use crate::model_file::load;
 use crate::output::Output;
@@ -32,7 +32,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
     let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
     let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
-    let demand = demand_of(args.demand);
+    let question = Query::of(demand_of(args.demand)).by(method_of(args.method));
 
     let format = format.unwrap_or(Format::Json);
     let mut output = Output::new();
@@ -49,7 +49,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         }
         let placed = [Placed { model: &a, pose: pose_a }, Placed { model: &b, pose: pose_b }];
         let start = Instant::now();
-        let found = estimate(placed[0], placed[1], &Query::of(demand), &effort, &mut memory);
+        let found = estimate(placed[0], placed[1], &question, &effort, &mut memory);
         // Whole nanoseconds: that is what the clock tells.
         let micros = start.elapsed().as_nanos() as f64 / 1e3;
         let found = found.map_err(|error| {
@@ -68,6 +68,13 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
 }
 
 /// Contacts are wanted where the surfaces meet, so the margin is 0.
+fn method_of(method: MethodArg) -> Method {
+    match method {
+        MethodArg::Boxes => Method::Boxes,
+        MethodArg::Envelopes => Method::Envelopes,
+    }
+}
+
 fn demand_of(demand: DemandArg) -> Demand {
     match demand {
         DemandArg::Intersects => Demand::Intersects,

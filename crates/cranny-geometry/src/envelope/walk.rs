@@ -7,7 +7,7 @@
 
 use cranny_exact::DVec3;
 
-use super::{Envelope, HalfSpace, Thing};
+use super::{Envelope, EnvelopeFacet, HalfSpace, Thing};
 use crate::ids::{EnvelopeFacetId, FaceId, LayerId};
 
 /// Where a thing is with respect to a concavity's lids.
@@ -75,6 +75,19 @@ impl Envelope<'_> {
     ) {
         let lowest = thing.least(self.axis());
         self.offended_above(layer, thing, lowest, &mut Opened::default(), visit);
+    }
+
+    /// Whether the thing may offend a facet; where it does not, it certainly touches nothing beneath.
+    #[must_use]
+    pub fn is_offended<F: Fn(DVec3) -> f64>(
+        &self,
+        facet: EnvelopeFacetId,
+        thing: &Thing<F>,
+    ) -> bool {
+        let EnvelopeFacet { beneath, bounds, reach, .. } = self.all.facet(facet);
+        thing.bounds().overlaps(bounds)
+            && !thing.is_above(thing.least(self.axis()), *reach)
+            && !thing.is_beyond(beneath.normal, beneath.offset)
     }
 
     fn offended_above<F: Fn(DVec3) -> f64>(

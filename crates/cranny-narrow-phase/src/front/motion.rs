@@ -11,7 +11,7 @@
 
 use cranny_exact::{Aabb, DMat3, DVec3, RigidMap};
 
-use crate::pair::Pair;
+use crate::pair::{Pair, Side};
 
 /// By how much the Frobenius norm of a difference of two accepted rotation matrices may exceed that of
 /// the rotations which they round. Smaller, and a step could be underestimated; larger, and bodies
@@ -72,14 +72,18 @@ impl Motion {
         (self.stretch <= 1.0).then_some(1.0 + 0.125 * self.stretch * self.stretch)
     }
 
+    /// No point of a ball of one body has gone farther than this, seen from the other body.
+    pub(crate) fn step_of(&self, side: Side, ball: &Ball) -> f64 {
+        let center = match side {
+            Side::First => self.second_from_first.apply(ball.center),
+            Side::Second => ball.center,
+        };
+        (self.turn * center + self.shift).length() + self.stretch * ball.radius + self.error
+    }
+
     /// No point of the balls, of the first body and of the second, has come nearer to the other body
     /// by more than this.
     pub(crate) fn step(&self, balls: &[Ball; 2]) -> f64 {
-        let length = |ball: &Ball, center: DVec3| {
-            (self.turn * center + self.shift).length() + self.stretch * ball.radius
-        };
-        let as_first = length(&balls[0], self.second_from_first.apply(balls[0].center));
-        let as_second = length(&balls[1], balls[1].center);
-        as_first.min(as_second) + self.error
+        self.step_of(Side::First, &balls[0]).min(self.step_of(Side::Second, &balls[1]))
     }
 }

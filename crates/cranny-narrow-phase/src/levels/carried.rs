@@ -5,12 +5,12 @@ use std::sync::Arc;
 use cranny_exact::{Interval, RigidMap};
 use cranny_geometry::FaceId;
 
-use super::convex_nodes::ConvexNodes;
 use super::effort::Accuracy;
 use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
 use crate::front::motion::{Ball, Motion};
+use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side, Whose};
 
 /// Memory of a pair, as far as estimates are concerned. Bounds that were certain stay so: motion widens
@@ -30,7 +30,7 @@ pub(crate) struct Carried {
     /// Faces that met last, or were nearest.
     pub(super) faces: Option<[FaceId; 2]>,
     pub(super) hulls: HullWalk,
-    pub(super) convex: Option<[Arc<ConvexNodes>; 2]>,
+    pub(super) convex: Option<[Arc<NodeSet>; 2]>,
 }
 
 impl Carried {
@@ -64,7 +64,7 @@ impl Carried {
             self.hulls.prepare(pair);
         }
         if accuracy == Accuracy::Caps && self.convex.is_none() {
-            self.convex = Some(ConvexNodes::of_pair(pair));
+            self.convex = Some(on_hull(pair));
         }
     }
 
@@ -85,11 +85,12 @@ impl Carried {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let convex = match &self.convex {
-            Some([a, b]) if Arc::ptr_eq(a, b) => a.bytes(),
-            Some([a, b]) => a.bytes() + b.bytes(),
-            None => 0,
-        };
+        let convex = self.convex.as_ref().map_or(0, NodeSet::bytes_of_pair);
         size_of::<Self>() + self.refinement.bytes() + self.hulls.bytes() + convex
     }
+}
+
+/// The nodes that hold a face on the hull.
+pub(super) fn on_hull(pair: &Pair) -> [Arc<NodeSet>; 2] {
+    NodeSet::of_pair(pair, |model, face| model.features().is_convex(face))
 }

@@ -6,7 +6,7 @@
 //! budget (`effort`), which says how long. Boxes, trees to a depth and the whole are one method, `refinement`:
 //! a cut through the pairs of nodes, opened nearest first, on which `scope` sets the level's limits; `findings`
 //! keeps what faces told. Hulls and caps ask the walk first (`hull_gap`), and caps go on with the nodes that
-//! hold faces on the hull (`convex_nodes`). What was certain in the last frame stays so but for motion
+//! hold faces on the hull (a `node_set`). What was certain in the last frame stays so but for motion
 //! (`carried`), so what a level or a budget left open is narrowed by and by. `places` tells where contact may
 //! be.
 //!
@@ -20,7 +20,6 @@
 //! about. What is not certain is an [`Estimate`], and says so by type.
 
 mod carried;
-mod convex_nodes;
 mod effort;
 mod estimate;
 mod findings;
@@ -43,7 +42,6 @@ use crate::front::{Ground, ground};
 use crate::memory::PairMemory;
 use crate::pair::{Pair, Side};
 use crate::query::{Demand, Placed, Query};
-use convex_nodes::ConvexNodes;
 use effort::Meter;
 use findings::Findings;
 use places::places;
@@ -167,7 +165,7 @@ impl Estimator<'_, '_> {
                     return;
                 }
                 let convex =
-                    self.carried.convex.get_or_insert_with(|| ConvexNodes::of_pair(pair)).clone();
+                    self.carried.convex.get_or_insert_with(|| carried::on_hull(pair)).clone();
                 Scope::Convex(convex, pair)
             }
         };

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use cranny_geometry::{Content, FaceId};
 
-use super::convex_nodes::ConvexNodes;
 use super::findings::Findings;
 use crate::descent::{Opened, opened};
 use crate::front::{Ground, Nodes};
+use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side};
 
 /// A level, as far as it concerns trees.
@@ -17,7 +17,7 @@ pub(super) enum Scope<'a> {
     /// Nodes to a depth.
     Depth(u8),
     /// Nodes that hold faces on the hull, and those faces.
-    Convex([Arc<ConvexNodes>; 2], &'a Pair<'a>),
+    Convex([Arc<NodeSet>; 2], &'a Pair<'a>),
 }
 
 /// What there is to do about a pair of nodes.

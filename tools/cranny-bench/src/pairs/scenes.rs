@@ -64,7 +64,7 @@ pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
         .collect()
 }
 
-type Built = Result<([Mesh; 2], Vec<Pose>), ShapeError>;
+pub(super) type Built = Result<([Mesh; 2], Vec<Pose>), ShapeError>;
 
 /// A scene, built when its turn comes.
 type Builder = Box<dyn Fn() -> Built>;
@@ -106,7 +106,7 @@ fn spinning(middle: DVec3, slant: DQuat, axis: DVec3, degrees: f64, frames: usiz
 }
 
 /// The nut screwed down its bolt along the helix, from the middle of the thread.
-fn nut_on_bolt(degrees: f64, frames: usize) -> Built {
+pub(super) fn nut_on_bolt(degrees: f64, frames: usize) -> Built {
     let (bolt, nut) = (IsoBolt::default(), IsoNut::default());
     let pitch = bolt.pitch;
     let meshes = [bolt.build()?, nut.build()?];

@@ -99,6 +99,7 @@ impl Line {
             places: (asks(DemandArg::Contacts) && answer.is_none())
                 .then(|| found.places.iter().map(PlaceLine::new).collect()),
             tests: counters.node_tests
+                + counters.facets_compared
                 + counters.triangle_tests
                 + counters.inside_tests
                 + counters.hull_steps

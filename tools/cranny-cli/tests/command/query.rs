@@ -96,7 +96,7 @@ fn what_is_not_asked_for_is_null() {
 }
 
 #[test]
-fn cold_and_warm_say_the_same() {
+fn cold_and_warm_and_both_methods_say_the_same() {
     let cubes = Cubes::new();
     let without_cost = |mut lines: Vec<Value>| {
         for line in &mut lines {
@@ -108,6 +108,7 @@ fn cold_and_warm_say_the_same() {
     };
     let warm = without_cost(cubes.query(&[]).json_lines());
     assert_eq!(warm, without_cost(cubes.query(&["--cold"]).json_lines()));
+    assert_eq!(warm, without_cost(cubes.query(&["--method", "envelopes"]).json_lines()));
 }
 
 #[test]

@@ -1,46 +1,48 @@
-//! Which nodes of a body's tree hold faces on the hull.
+//! Which nodes of a body's tree hold faces of some kind: those on the hull, say.
+//!
+//! No source. Cost: O(n) for n faces, a bit a node.
 
 use std::sync::Arc;
 
-use cranny_geometry::{Content, FaceTree, Features, Model};
+use cranny_geometry::{Content, FaceId, FaceTree, Model};
 
 use crate::pair::{Pair, Side};
 
 /// A bit for each node of a tree.
 #[derive(Clone, Debug)]
-pub(super) struct ConvexNodes(Vec<u64>);
+pub(crate) struct NodeSet(Vec<u64>);
 
-impl ConvexNodes {
-    /// Of both bodies of a pair; once for two bodies of one model. Linear.
-    pub(super) fn of_pair(pair: &Pair) -> [Arc<Self>; 2] {
+impl NodeSet {
+    /// Of both bodies of a pair the nodes that hold a face of the kind; once for two bodies of one model.
+    pub(crate) fn of_pair(pair: &Pair, is_one: impl Fn(&Model, FaceId) -> bool) -> [Arc<Self>; 2] {
         let [a, b] = Side::BOTH.map(|side| pair.model(side));
-        let of = |m: &Model| Arc::new(Self::of(m.tree(), m.features()));
+        let of = |m: &Model| Arc::new(Self::of(m.tree(), |face| is_one(m, face)));
         let first = of(a);
         let second = if a.is_same(b) { Arc::clone(&first) } else { of(b) };
         [first, second]
     }
 
-    fn of(tree: &FaceTree, features: &Features) -> Self {
+    fn of(tree: &FaceTree, is_one: impl Fn(FaceId) -> bool) -> Self {
         let mut nodes = Self(vec![0; tree.nodes().len().div_ceil(64)]);
         // Children stand behind their parents.
         for node in (0..tree.nodes().len() as u32).rev() {
             let holds = match tree.content(node) {
                 Content::Inner { left, right } => nodes.has(left) || nodes.has(right),
-                Content::Leaf { .. } => {
-                    tree.leaf_faces(node).iter().any(|&f| features.is_convex(f))
-                }
+                Content::Leaf { .. } => tree.leaf_faces(node).iter().any(|&f| is_one(f)),
             };
             nodes.0[node as usize / 64] |= u64::from(holds) << (node % 64);
         }
         nodes
     }
 
-    pub(super) fn has(&self, node: u32) -> bool {
+    pub(crate) fn has(&self, node: u32) -> bool {
         self.0[node as usize / 64] >> (node % 64) & 1 != 0
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.0.as_slice())
+    /// Heap bytes of those of a pair, which may be the same.
+    pub(crate) fn bytes_of_pair([a, b]: &[Arc<Self>; 2]) -> usize {
+        let of = |set: &Self| size_of_val(set.0.as_slice());
+        of(a) + if Arc::ptr_eq(a, b) { 0 } else { of(b) }
     }
 }
 
@@ -61,7 +63,7 @@ mod tests {
         let mesh = Mesh::new([corners, small].concat(), [faces, inner].concat()).unwrap();
         let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
         let (tree, features) = (model.tree(), model.features());
-        let nodes = ConvexNodes::of(tree, features);
+        let nodes = NodeSet::of(tree, |face| features.is_convex(face));
         for node in 0..tree.nodes().len() as u32 {
             let mut holds = false;
             tree.visit_from(node, |_| true, |f| holds |= f.0 < 4);

@@ -1,0 +1,183 @@
+//! Descent of the layers of an envelope against the boxes of the other body's part.
+//!
+//! A box of the other body is a [`Thing`] in the pocket's frame. Where it offends a facet, either the box is opened or
+//! what lies beneath the facet, whichever is larger; until a few faces are left on both sides. What is not offended
+//! is certainly not met (see [`Envelope::offended`]). Source and cost: see the module.
+
+use std::ops::ControlFlow;
+
+use cranny_exact::{Aabb, DVec3, RigidMap};
+use cranny_geometry::envelope::Thing;
+use cranny_geometry::{
+    ConcavityId, Content, Envelope, EnvelopeFacetId, Envelopes, FaceId, FaceTree, LayerId, Model,
+};
+
+use crate::answer::Counters;
+use crate::descent::{BoxTest, Opened, opened};
+use crate::node_set::NodeSet;
+use crate::pair::{Pair, Side};
+
+/// A part of a body's surface: the faces of a concavity, or those of none, in a tree.
+pub(super) struct Part<'a> {
+    pub(super) concavity: Option<ConcavityId>,
+    model: &'a Model,
+    tree: &'a FaceTree,
+    root: u32,
+    /// The nodes that hold faces of the part; all, if there is none.
+    nodes: Option<&'a NodeSet>,
+}
+
+impl<'a> Part<'a> {
+    /// The faces of a concavity, which has some.
+    pub(super) fn pocket(model: &'a Model, id: ConcavityId) -> Option<Self> {
+        let trees = model.concavity_trees();
+        let root = trees.root(id.index())?;
+        Some(Self { concavity: Some(id), model, tree: trees.arena(), root, nodes: None })
+    }
+
+    /// The faces in no concavity, if there are any.
+    pub(super) fn rest(model: &'a Model, nodes: &'a NodeSet) -> Option<Self> {
+        let all = Self { concavity: None, model, tree: model.tree(), root: 0, nodes: Some(nodes) };
+        nodes.has(0).then_some(all)
+    }
+
+    fn bounds(&self, node: u32) -> &'a Aabb {
+        &self.tree.node(node).bounds
+    }
+
+    fn holds(&self, node: u32) -> bool {
+        self.nodes.is_none_or(|nodes| nodes.has(node))
+    }
+
+    fn faces(&self, leaf: u32) -> impl Iterator<Item = FaceId> {
+        let is_ours = |face: &FaceId| {
+            self.nodes.is_none() || self.model.concavities().of_face(*face).is_none()
+        };
+        self.tree.leaf_faces(leaf).iter().copied().filter(is_ours)
+    }
+}
+
+/// Calls `visit` with pairs of a face of a pocket and one of the other body's part: all that meet are among them. `host`:
+/// whose pocket it is.
+pub(super) fn for_each_pair_in_pocket(
+    pair: &Pair,
+    host: Side,
+    envelope: &Envelope,
+    guest: &Part,
+    counters: &mut Counters,
+    mut visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let envelopes = pair.model(host).envelopes();
+    let posed = PosedBoxes { map: pair.map_to(host), error: pair.culling_error() };
+    let Some(first) = envelope.first_layer() else { return ControlFlow::Continue(()) };
+    let mut stack = vec![(Beneath::Layer(first), guest.root)];
+    let mut offended = Vec::new();
+    while let Some((beneath, node)) = stack.pop() {
+        let thing = posed.thing(guest.bounds(node));
+        offended.clear();
+        match beneath {
+            Beneath::Layer(layer) => {
+                counters.facets_compared += envelopes.layer(layer).len() as u64;
+                envelope.offended(layer, &thing, |facet| offended.push(facet));
+            }
+            Beneath::Facet(facet) => {
+                counters.facets_compared += 1;
+                offended.extend(envelope.is_offended(facet, &thing).then_some(facet));
+            }
+        }
+        for &facet in &offended {
+            match next(envelopes, facet, guest, node) {
+                Next::Node([left, right]) => {
+                    let children = [right, left].into_iter().filter(|&child| guest.holds(child));
+                    stack.extend(children.map(|child| (Beneath::Facet(facet), child)));
+                }
+                Next::Layer(layer) => stack.push((Beneath::Layer(layer), node)),
+                Next::Faces => {
+                    for &f in envelopes.faces_beneath(facet) {
+                        guest.faces(node).try_for_each(|g| visit(f, g, counters))?;
+                    }
+                }
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// What a box is held against.
+#[derive(Clone, Copy)]
+enum Beneath {
+    Layer(LayerId),
+    Facet(EnvelopeFacetId),
+}
+
+/// What is opened where a box offends a facet.
+enum Next {
+    /// The box: its children.
+    Node([u32; 2]),
+    /// What lies beneath the facet.
+    Layer(LayerId),
+    /// Nothing is left to be opened.
+    Faces,
+}
+
+fn next(envelopes: &Envelopes, facet: EnvelopeFacetId, guest: &Part, node: u32) -> Next {
+    let size = |b: &Aabb| (b.max - b.min).length_squared();
+    let is_larger = || size(guest.bounds(node)) >= size(&envelopes.facet(facet).bounds);
+    match (guest.tree.content(node), envelopes.layer_beneath(facet)) {
+        (Content::Leaf { .. }, None) => Next::Faces,
+        (Content::Leaf { .. }, Some(layer)) => Next::Layer(layer),
+        (Content::Inner { .. }, Some(layer)) if !is_larger() => Next::Layer(layer),
+        (Content::Inner { left, right }, _) => Next::Node([left, right]),
+    }
+}
+
+/// Boxes of the guest, seen in the host's frame.
+struct PosedBoxes {
+    map: RigidMap,
+    error: f64,
+}
+
+impl PosedBoxes {
+    fn thing(&self, bounds: &Aabb) -> Thing<impl Fn(DVec3) -> f64> {
+        let (center, half) = (self.map.apply(bounds.center()), bounds.half_extents());
+        let least = move |direction: DVec3| {
+            let along = (self.map.linear.transpose() * direction).abs();
+            (direction.dot(center) - along.dot(half) - self.error).next_down()
+        };
+        Thing::new(least, 0.0)
+    }
+}
+
+/// Calls `visit` with pairs of faces on the two hulls: all that meet are among them.
+pub(super) fn for_each_pair_of_rests(
+    pair: &Pair,
+    [first, second]: [&Part; 2],
+    counters: &mut Counters,
+    visit: &mut impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let boxes = BoxTest::of(pair);
+    let mut stack = vec![(first.root, second.root)];
+    while let Some((a, b)) = stack.pop() {
+        let (box_a, box_b) = (first.bounds(a), second.bounds(b));
+        counters.node_tests += 1;
+        if boxes.apart(box_a, box_b, 0.0) {
+            continue;
+        }
+        match opened(first.tree.content(a), second.tree.content(b), box_a, box_b) {
+            Opened::First(left, right) => {
+                let children = [right, left].into_iter().filter(|&child| first.holds(child));
+                stack.extend(children.map(|child| (child, b)));
+            }
+            Opened::Second(left, right) => {
+                let children = [right, left].into_iter().filter(|&child| second.holds(child));
+                stack.extend(children.map(|child| (a, child)));
+            }
+            Opened::Neither => {
+                for f in first.faces(a) {
+                    second.faces(b).try_for_each(|g| visit(f, g, counters))?;
+                }
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}

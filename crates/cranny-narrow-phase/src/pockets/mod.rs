@@ -1,0 +1,189 @@
+//! Which parts of two hulls meet, and what lies in the pockets beneath: the second complete way to the faces that meet.
+//!
+//! The faces of a body are those in its concavities and the rest, which lies on the hull. Where two hulls meet, each
+//! part of one body is asked against each part of the other: rest against rest is contact on the hulls, rest against
+//! concavity is a thing in a pocket, concavity against concavity is one pocket in another. A concavity is opened only
+//! where the other body's hull may reach its faces, whether or not that crosses a lid: not where the hull is beyond a
+//! lid, nor where it offends no facet of the first layer of the pocket's envelope. A ball in a cup, a peg in its hole
+//! do so nearly always; in the core of the pocket, beyond all planes of the layer, one plane says so, kept from the last
+//! query.
+//!
+//! What is open is descended by the layers of its envelope, against the boxes of the other's part ([`descent`]): only
+//! facets that a box offends are opened. Which way is taken changes the time, never the answer: the pairs of faces
+//! that are handed over hold all that meet, and the exact test is the same.
+//!
+//! Source: opening concavities under the features of hulls that meet, and envelopes with pseudo-Voronoi cells, are after
+//! Ponamgi, Manocha and Lin (1997, "Incremental algorithms for collision detection between polygonal models"); see
+//! [`Envelopes`](cranny_geometry::Envelopes).
+//!
+//! Cost of a query: for each body the extent of the other's hull (six support points, climbed to) and a comparison of
+//! boxes with each of its concavities; two support points for each lid of those that remain, and one more where the cell
+//! stays; then what is opened.
+
+mod descent;
+mod hull_extent;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use cranny_exact::{DVec3, Meeting, RigidMap};
+use cranny_geometry::envelope::{Cell, Passage, Thing};
+use cranny_geometry::{ConcavityId, Envelope, FaceId, LayerId};
+
+use self::descent::{Part, for_each_pair_in_pocket, for_each_pair_of_rests};
+use self::hull_extent::HullExtent;
+use crate::answer::Counters;
+use crate::front::motion::{Ball, Motion};
+use crate::node_set::NodeSet;
+use crate::pair::{Pair, Side, Whose};
+use crate::surface::{FacePair, looked_at};
+
+/// A concavity of one body whose first layer the other's hull was held against.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    concavity: ConcavityId,
+    cell: Cell,
+}
+
+/// What is kept of a pair.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pockets {
+    whose: Whose,
+    /// The relative pose of the last query.
+    map: Option<RigidMap>,
+    /// By side, ascending.
+    met: [Vec<Met>; 2],
+    /// The nodes that hold a face in no concavity.
+    rests: Option<[Arc<NodeSet>; 2]>,
+}
+
+impl Pockets {
+    /// The pairs of faces that meet, by ascending ids. `only_verdict`: ends at the first that cross, which is then
+    /// among them.
+    pub(crate) fn meetings(
+        &mut self,
+        pair: &Pair,
+        only_verdict: bool,
+        counters: &mut Counters,
+    ) -> Vec<FacePair> {
+        if !self.whose.are_of(pair) {
+            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        }
+        let open = self.opened(pair, counters);
+        let rests = self.rests.get_or_insert_with(|| {
+            NodeSet::of_pair(pair, |m, face| m.concavities().of_face(face).is_none())
+        });
+        let parts = Side::BOTH.map(|side| {
+            let model = pair.model(side);
+            let pockets = open[side.index()].iter().filter_map(|&id| Part::pocket(model, id));
+            Part::rest(model, &rests[side.index()]).into_iter().chain(pockets).collect::<Vec<_>>()
+        });
+        let mut found = Vec::new();
+        let mut look = |f: FaceId, g: FaceId, counters: &mut Counters| {
+            let meeting = looked_at(pair, f, g, counters);
+            found.extend(meeting);
+            let ends = only_verdict && meeting.is_some_and(|m| m.meeting == Meeting::Cross);
+            if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let mut meet = |first: &Part, second: &Part| match (first.concavity, second.concavity) {
+            (Some(id), _) => {
+                let envelope = pair.model(Side::First).envelopes().envelope(id.index());
+                for_each_pair_in_pocket(
+                    pair,
+                    Side::First,
+                    &envelope,
+                    second,
+                    counters,
+                    |f, g, c| look(f, g, c),
+                )
+            }
+            (None, Some(id)) => {
+                let envelope = pair.model(Side::Second).envelopes().envelope(id.index());
+                for_each_pair_in_pocket(
+                    pair,
+                    Side::Second,
+                    &envelope,
+                    first,
+                    counters,
+                    |f, g, c| look(g, f, c),
+                )
+            }
+            (None, None) => for_each_pair_of_rests(pair, [first, second], counters, &mut look),
+        };
+        let [ours, theirs] = &parts;
+        let all = ours.iter().flat_map(|first| theirs.iter().map(move |second| (first, second)));
+        // Whether all was looked at does not matter to whoever wants a verdict.
+        let _ = { all }.try_for_each(|(first, second)| meet(first, second));
+        found.sort_unstable();
+        found
+    }
+
+    /// By side, the concavities whose faces the other body may reach.
+    fn opened(&mut self, pair: &Pair, counters: &mut Counters) -> [Vec<ConcavityId>; 2] {
+        let before = self.map.replace(pair.first_from_second);
+        let motion = before.map(|before| Motion::since(&before, pair));
+        Side::BOTH.map(|side| {
+            let guest = Ball::around(&pair.model(side.other()).bounds());
+            let step_of = |motion: &Motion| motion.step_of(side.other(), &guest);
+            let step = motion.as_ref().map(|motion| motion.as_ref().map_or(0.0, step_of));
+            let before = std::mem::take(&mut self.met[side.index()]);
+            let (met, open) = opened_on(pair, side, &before, step, counters);
+            self.met[side.index()] = met;
+            open
+        })
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        let met = self.met.iter().map(|met| met.capacity() * size_of::<Met>()).sum::<usize>();
+        met + self.rests.as_ref().map_or(0, NodeSet::bytes_of_pair)
+    }
+}
+
+/// Whether a thing may offend a facet of a layer: not where its box misses that of the faces beneath, either, though it
+/// comes below the plane elsewhere, as a long peg does.
+fn offends<F: Fn(DVec3) -> f64>(envelope: &Envelope, layer: LayerId, thing: &Thing<F>) -> bool {
+    let mut offends = false;
+    envelope.offended(layer, thing, |_| offends = true);
+    offends
+}
+
+/// The concavities of a body that the other's hull is held against, and those of them that it may offend. `step`: how far
+/// points of the other may have gone since the cells before were found, if there are any.
+fn opened_on(
+    pair: &Pair,
+    side: Side,
+    before: &[Met],
+    step: Option<f64>,
+    counters: &mut Counters,
+) -> (Vec<Met>, Vec<ConcavityId>) {
+    let model = pair.model(side);
+    let (mut met, mut open) = (Vec::new(), Vec::new());
+    if model.concavities().is_empty() {
+        return (met, open);
+    }
+    let hull = HullExtent::of(pair, side.other());
+    let thing = hull.thing();
+    for (index, concavity) in model.concavities().iter().enumerate() {
+        let envelope = model.envelopes().envelope(index);
+        if !thing.bounds().overlaps(envelope.bounds()) {
+            continue;
+        }
+        let Some(layer) = envelope.first_layer() else { continue };
+        let id = concavity.id();
+        if matches!(envelope.passage(&thing), Passage::Beyond(_) | Passage::Apart) {
+            counters.pockets_passed += 1;
+            continue;
+        }
+        let known = before.binary_search_by_key(&id, |met| met.concavity).ok();
+        let earlier = known.zip(step).map(|(known, step)| (&before[known].cell, step));
+        let cell = envelope.track(layer, &thing, earlier);
+        met.push(Met { concavity: id, cell });
+        if cell.slack > 0.0 || !offends(&envelope, layer, &thing) {
+            counters.pockets_passed += 1;
+        } else {
+            counters.pockets_opened += 1;
+            open.push(id);
+        }
+    }
+    (met, open)
+}
