@@ -33,6 +33,12 @@ fn a_flange_as_thin_as_two_slabs_is_skin() {
 }
 
 #[test]
+fn two_caps_back_to_back_are_no_opening() {
+    // Needles wider than slabs, on either side: what rounding left of the volume between them was an opening.
+    [24_883, 52_571].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
+}
+
+#[test]
 fn a_lid_all_around_opens_nowhere() {
     // What rounding left of the sum of its caps was an opening before a deformation and none after it.
     [914, 1123, 2295, 4255].into_iter().for_each(|seed| asked::deform(&bytes(seed)));

@@ -24,6 +24,11 @@ use crate::topology::{EdgeKind, Topology};
 /// (`a_lid_all_around_opens_nowhere`).
 pub(super) const CANCELLED: f64 = 1e-12;
 
+/// A volume beneath a triangle is a sixth of a product of three lengths, at the most, and is rounded nine times by half an
+/// epsilon. Smaller, and layers that enclose nothing hold something, it seems
+/// (`two_caps_back_to_back_are_no_opening`); larger, and layers that hold more than rounding are skin.
+const VOLUME_ROUNDING: f64 = f64::EPSILON;
+
 /// A record that the steps below fill in.
 pub(super) const BLANK: Record = Record {
     kind: ConcavityKind::Pocket,
@@ -53,15 +58,20 @@ struct Layer {
     area: f64,
     /// Their lengths.
     edges: f64,
-    /// Between the caps and the centre.
+    /// Between the caps and a corner of the first. Measured from far away, what rounding leaves of layers as slim as
+    /// slabs are deep is more than they hold.
     volume: f64,
+    corner: Option<DVec3>,
+    /// Lengths along edges, multiplied as they are in volumes: these are off by roundings of such products.
+    products: f64,
     /// It has a boundary.
     is_open: bool,
 }
 
 impl Layer {
     fn is_skin(&self, slab_depth: f64) -> bool {
-        let is_flat = !self.is_open && self.volume.abs() <= slab_depth * self.area;
+        let rounding = VOLUME_ROUNDING * self.products;
+        let is_flat = !self.is_open && self.volume.abs() <= slab_depth * self.area + rounding;
         is_flat || self.covered.abs() <= slab_depth * self.edges
     }
 }
@@ -187,8 +197,10 @@ impl Input<'_> {
             layer.covered += sign * area;
             layer.area += area;
             layer.edges += (b - a).length() + (c - b).length() + (a - c).length();
-            let [a, b, c] = corners.map(|p| p - self.center);
+            let from = *layer.corner.get_or_insert(corners[0]);
+            let [a, b, c] = corners.map(|p| p - from);
             layer.volume += a.dot(b.cross(c)) / 6.0;
+            layer.products += a.length() * b.length() * c.length();
             borders.extend((0..3).map(|k| {
                 let (from, to) = (ids[k], ids[(k + 1) % 3]);
                 ((root, from.min(to), from.max(to)), if from < to { 1 } else { -1 })
