@@ -21,6 +21,7 @@ mod components;
 mod covers;
 mod nesting;
 mod region;
+mod skin;
 mod splice;
 mod sums;
 mod update;
