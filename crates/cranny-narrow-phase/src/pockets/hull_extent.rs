@@ -75,7 +75,9 @@ mod tests {
                     let height = |v| direction.dot(host.apply(model.mesh().position(VertexId(v))));
                     let least = (0..count).map(height).fold(f64::INFINITY, f64::min);
                     let told = hull.least(direction);
-                    assert!(told <= least, "{k} {guest:?}: {told} of {least}");
+                    // With room for what rounds differently elsewhere.
+                    let room = 0.5 * pair.culling_error();
+                    assert!(told <= least - room, "{k} {guest:?}: {told} of {least}");
                     assert!(told >= least - 3.0 * pair.culling_error(), "{k} {guest:?}: {told}");
                 }
             }

@@ -136,6 +136,27 @@ fn a_ball_that_keeps_off_the_walls_of_a_cup_opens_nothing() {
     );
 }
 
+/// A ball that sinks along the wall of a cup, always as near to it: the plane of the wall, kept from query to query, says
+/// nothing of the floor that comes nearer meanwhile.
+#[test]
+fn a_ball_that_sinks_along_a_wall_meets_the_floor() {
+    let cup = Cup { radius: 1.0, height: 2.0, wall: 0.1, floor: 0.1, segments: 48 };
+    let (cup, ball) = (shape(cup), shape(Sphere { radius: 0.4, segments: 24, rings: 12 }));
+    let middle = cup_middle(&cup);
+    let mut memory = PairMemory::default();
+    let mut seen = [0; 2];
+    for step in 0..100 {
+        let place = middle + DVec3::new(-0.4, 0.0, 0.2 - 0.01 * f64::from(step));
+        let (a, b) = (
+            Placed { model: &cup, pose: Pose::IDENTITY },
+            Placed { model: &ball, pose: Pose::at(place) },
+        );
+        let done = agreed(a, b, Demand::Intersects, &mut memory, &format!("step {step}"));
+        seen[usize::from(done.pockets_opened > 0)] += 1;
+    }
+    assert!(seen[0] > 30 && seen[1] > 10, "{seen:?}");
+}
+
 /// The middle of the space in a cup.
 fn cup_middle(cup: &Model) -> DVec3 {
     let pockets = cup.concavities();
