@@ -41,6 +41,10 @@ const MOST_LOOKS: usize = 1 << 18;
 /// remain apart, and negative.
 const MOST_TURNED: f64 = 0.5;
 
+/// The least component of the normal of any facet of a group along the axis that is looked along. Nearer to 0, and facets are
+/// seen edge-on, where rounding turns triangles over; larger, and some that fit together are seen along no axis.
+const LEAST_SEEN: f64 = 0.25;
+
 /// The same where a group is tried without slivers. Sides that are rough by rounding turn less by far.
 const HARDLY_TURNED: f64 = 0.99;
 
@@ -84,7 +88,10 @@ impl Sharing<'_> {
     }
 
     fn group(&self, members: BTreeSet<u32>) -> Group {
-        let projection = Projection::along(self.largest(&members));
+        // What is seen along no axis is never joined; of one facet all is seen.
+        let projection = self
+            .projection(members.iter().copied())
+            .unwrap_or_else(|| Projection::along(self.largest(&members)));
         let of = |f: &u32| self.chains.binary_search_by_key(f, |chain| chain.0).ok();
         let rows = members.iter().filter_map(of).map(|at| &self.chains[at].1);
         let mut chain: Vec<ChainEdge> = rows.flatten().copied().collect();
@@ -118,6 +125,7 @@ impl Sharing<'_> {
                 let mut both = members[at].iter().chain(&joined);
                 if members[at].contains(&facet)
                     || !both.all(|&f| self.is_turned_less(f, of_both, MOST_TURNED))
+                    || self.projection(both_of(&members[at], &joined)).is_none()
                 {
                     continue;
                 }
@@ -138,6 +146,17 @@ impl Sharing<'_> {
             }
         }
         all
+    }
+
+    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the normal of the largest as
+    /// there is one.
+    fn projection(&self, facets: impl Iterator<Item = u32> + Clone) -> Option<Projection> {
+        let largest = self.largest(&facets.clone().collect());
+        let mut axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * largest.dot(axis).signum());
+        axes.sort_by(|a, b| largest.dot(*b).total_cmp(&largest.dot(*a)));
+        let seen = |axis: &DVec3, f: u32| self.hull.facet(FacetId(f)).normal.dot(*axis);
+        let sees_all = |axis: &DVec3| facets.clone().all(|f| seen(axis, f) >= LEAST_SEEN);
+        axes.into_iter().find(sees_all).map(Projection::along)
     }
 
     /// The area vector, doubled, of the largest of some facets.
@@ -279,6 +298,14 @@ impl Sharing<'_> {
         }
         surface
     }
+}
+
+/// The facets of two groups.
+fn both_of<'a>(
+    one: &'a BTreeSet<u32>,
+    other: &'a BTreeSet<u32>,
+) -> impl Iterator<Item = u32> + Clone + 'a {
+    one.iter().chain(other).copied()
 }
 
 /// The longer of two vectors, the first of equals.
