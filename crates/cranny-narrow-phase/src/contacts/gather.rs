@@ -4,6 +4,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, VertexId};
 
 use super::facet::may_cross;
+use super::gauss_map::Touch;
 use super::quest::{Found, Ground, Quest, Tip, Wanted};
 use crate::answer::{Contact, Counters};
 use crate::pair::{Pair, Side};
@@ -82,7 +83,7 @@ impl Near {
                 Features::Edges([e, g]) => {
                     let [p, q] = [pair.segment(Side::First, e), pair.segment(Side::Second, g)];
                     if may_cross(p, q, found.limit + pair.length_error()) {
-                        found.edges(pair, [e, g], [p, q]);
+                        found.edges(pair, [e, g], [p, q], Touch::Perhaps);
                     }
                 }
             }
@@ -200,6 +201,10 @@ impl Quest for Gathering {
         self.asked.meeting.then_some(slack)
     }
 
+    fn is_for_now(&self) -> bool {
+        self.is_crowded
+    }
+
     fn wants_features(&self) -> bool {
         true
     }
@@ -227,6 +232,7 @@ impl Quest for Gathering {
         ground: Ground,
         edges: [EdgeId; 2],
         segments: [[DVec3; 2]; 2],
+        touch: Touch,
         counters: &mut Counters,
     ) {
         counters.triangle_tests += 1;
@@ -235,7 +241,7 @@ impl Quest for Gathering {
         let [on_first, on_second] = [p[0] + (p[1] - p[0]) * s, q[0] + (q[1] - q[0]) * t];
         self.add((on_second - on_first).length(), Features::Edges(edges), ground.pair);
         if may_cross(p, q, self.found.limit + ground.pair.length_error()) {
-            self.found.edges(ground.pair, edges, segments);
+            self.found.edges(ground.pair, edges, segments, touch);
         }
     }
 }

@@ -2,9 +2,11 @@
 //! where their points are in the pair's frame, for the body whose frame that is not, in the present query.
 
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::{Edge, EdgeId, VertexId};
+use cranny_geometry::{Edge, VertexId};
 
 use super::facet::{Facet, ones};
+use super::features::{Corner, Segment, Span};
+use super::gauss_map::Arc;
 use super::ownership::{Owned, Ownership};
 use super::posed::{Node, are_apart};
 use crate::pair::{Pair, Side};
@@ -46,22 +48,6 @@ struct Leaf {
     edge_bounds: Aabb,
 }
 
-/// A vertex that is looked at from a leaf.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
-    pub(super) vertex: VertexId,
-    /// Which of the leaf's points.
-    at: u16,
-}
-
-/// An edge that is looked at from a leaf and may cross others.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    pub(super) edge: EdgeId,
-    /// Which of the leaf's points: from the edge's lesser vertex to its greater.
-    ends: [u16; 2],
-}
-
 /// The leaves of one body that searches came across.
 #[derive(Clone, Debug)]
 pub(super) struct Leaves {
@@ -74,8 +60,10 @@ pub(super) struct Leaves {
     facets: Vec<Facet>,
     corners: Vec<Corner>,
     edges: Vec<Segment>,
-    /// Of each edge.
-    boxes: Vec<Aabb>,
+    /// Of each edge, as the following: in the body's frame.
+    arcs: Vec<Arc>,
+    /// In the pair's frame.
+    spans: Vec<Span>,
 }
 
 /// More leaves than this beyond twice those that were opened lately are not kept. Fewer: what moves on forgets what it
@@ -97,7 +85,8 @@ impl Leaves {
             facets: Vec::new(),
             corners: Vec::new(),
             edges: Vec::new(),
-            boxes: Vec::new(),
+            arcs: Vec::new(),
+            spans: Vec::new(),
         }
     }
 
@@ -120,7 +109,8 @@ impl Leaves {
             + self.facets.capacity() * size_of::<Facet>()
             + self.corners.capacity() * size_of::<Corner>()
             + self.edges.capacity() * size_of::<Segment>()
-            + self.boxes.capacity() * size_of::<Aabb>()
+            + self.arcs.capacity() * size_of::<Arc>()
+            + self.spans.capacity() * size_of::<Span>()
     }
 
     /// Takes in a leaf, given by its node in the arena of all patches' trees; tells its number.
@@ -152,13 +142,15 @@ impl Leaves {
         self.leaves.len() as u32 - 1
     }
 
-    /// Opens a leaf: its points are posed if they are not there. Their box, if so.
+    /// Whether the points of a leaf are there.
     #[inline]
-    pub(super) fn open(&mut self, pair: &Pair, number: u32) -> Option<&Aabb> {
+    pub(super) fn is_open(&self, number: u32) -> bool {
+        self.leaves[number as usize].posed == self.query
+    }
+
+    /// Opens a leaf: its points are posed. Their box.
+    pub(super) fn open(&mut self, pair: &Pair, number: u32) -> &Aabb {
         let leaf = &mut self.leaves[number as usize];
-        if leaf.posed == self.query {
-            return None;
-        }
         // The first body's do not move.
         if self.side == Side::Second || leaf.posed == 0 {
             let range = leaf.points.start as usize..leaf.points.end as usize;
@@ -171,7 +163,14 @@ impl Leaves {
             leaf.bounds = bounds;
         }
         leaf.posed = self.query;
-        Some(&leaf.bounds)
+        &leaf.bounds
+    }
+
+    /// Whether what an opened leaf has is there, its features among it if asked for.
+    #[inline]
+    pub(super) fn is_filled(&self, number: u32, with_features: bool) -> bool {
+        let leaf = &self.leaves[number as usize];
+        if with_features { leaf.boxed == self.query } else { leaf.facets.end > 0 }
     }
 
     /// Makes what an opened leaf has, if it is not there. `ownership` tells what is looked at from its faces; without
@@ -187,9 +186,6 @@ impl Leaves {
             self.make_features(pair, at, ownership);
         }
         let leaf = &mut self.leaves[at];
-        if leaf.boxed == self.query {
-            return;
-        }
         if is_new || self.side == Side::Second {
             let points = leaf.points.of(&self.points);
             let mut bounds = Aabb::EMPTY;
@@ -199,12 +195,17 @@ impl Leaves {
             }
             leaf.corner_bounds = bounds;
             let mut bounds = Aabb::EMPTY;
-            let boxes = &mut self.boxes[leaf.edges.start as usize..leaf.edges.end as usize];
-            for (edge, around) in leaf.edges.of(&self.edges).iter().zip(boxes) {
-                let [p, q] = edge.ends(points);
-                *around = Aabb { min: least(p, q), max: most(p, q) };
+            let range = leaf.edges.start as usize..leaf.edges.end as usize;
+            for at in range {
+                let [p, q] = self.edges[at].ends(points);
+                let around = Aabb { min: least(p, q), max: most(p, q) };
                 let (min, max) = (least(bounds.min, around.min), most(bounds.max, around.max));
                 bounds = Aabb { min, max };
+                let arc = match self.side {
+                    Side::First => self.arcs[at],
+                    Side::Second => self.arcs[at].turned(&pair.first_from_second.linear),
+                };
+                self.spans[at] = Span { bounds: around, arc };
             }
             leaf.edge_bounds = bounds;
         }
@@ -236,9 +237,11 @@ impl Leaves {
                 let edge = pair.edge(side, facet.face, i);
                 let Edge { from, to, .. } = pair.topology(side).edges()[edge.index()];
                 self.edges.push(Segment { edge, ends: [from, to].map(|v| place(names, v)) });
+                let arc = Arc::of(pair.mesh(side), pair.topology(side), edge);
+                self.arcs.push(arc);
+                self.spans.push(Span { bounds: Aabb::EMPTY, arc });
             }
         }
-        self.boxes.resize(self.edges.len(), Aabb::EMPTY);
         leaf.corners = Range::since(starts[0], self.corners.len());
         leaf.edges = Range::since(starts[1], self.edges.len());
         leaf.has_features = true;
@@ -265,7 +268,8 @@ impl Leaves {
         shrink(&mut self.facets);
         shrink(&mut self.corners);
         shrink(&mut self.edges);
-        shrink(&mut self.boxes);
+        shrink(&mut self.arcs);
+        shrink(&mut self.spans);
     }
 }
 
@@ -354,35 +358,30 @@ impl<'a> Parts<'a> {
         &self.leaf.corner_bounds
     }
 
-    /// Edges that are looked at from here and may cross others, in their boxes.
-    pub(super) fn edges(&self) -> impl Iterator<Item = (&'a Segment, &'a Aabb)> + use<'a> {
-        let edges = self.leaf.edges;
-        edges.of(&self.all.edges).iter().zip(edges.of(&self.all.boxes))
+    /// Edges that are looked at from here and may cross others.
+    #[inline]
+    pub(super) fn edges(&self) -> &'a [Segment] {
+        self.leaf.edges.of(&self.all.edges)
+    }
+
+    /// Where they are.
+    #[inline]
+    pub(super) fn spans(&self) -> &'a [Span] {
+        self.leaf.edges.of(&self.all.spans)
     }
 
     pub(super) fn edge_bounds(&self) -> &Aabb {
         &self.leaf.edge_bounds
     }
 
-    /// Whether what lies between some points, in a box around them, may be within reach of the leaf.
+    /// Whether a point may be within reach of the leaf.
     #[inline]
-    pub(super) fn may_reach(&self, points: &[DVec3], bounds: &Aabb, reach: f64) -> bool {
-        !are_apart(bounds, &self.leaf.bounds, reach) && !self.node.is_beneath(points, reach)
-    }
-}
-
-impl Corner {
-    /// Where it is, given the leaf's points.
-    #[inline]
-    pub(super) fn at(&self, points: &[DVec3]) -> DVec3 {
-        points[usize::from(self.at)]
-    }
-}
-
-impl Segment {
-    /// Where its ends are, given the leaf's points.
-    #[inline]
-    pub(super) fn ends(&self, points: &[DVec3]) -> [DVec3; 2] {
-        self.ends.map(|end| points[usize::from(end)])
+    pub(super) fn may_reach(&self, p: DVec3, reach: f64) -> bool {
+        let Aabb { min, max } = self.leaf.bounds;
+        let is_within = |x: f64, min: f64, max: f64| x <= max + reach && x >= min - reach;
+        is_within(p.x, min.x, max.x)
+            && is_within(p.y, min.y, max.y)
+            && is_within(p.z, min.z, max.z)
+            && !self.node.is_beneath(&[p], reach)
     }
 }

@@ -5,7 +5,7 @@
 //! pieces of nearly one normal): a pair of patches yields the contact of least separation, found by
 //! branch and bound (`search`), begun from last step's. A patch too large to be a place yields
 //! as many as span it. Features make contacts only along directions that they face in the full
-//! mesh (`facing`), and their normals are exact there (`feature_pair`). Where the solids overlap,
+//! mesh (`facing`; of two edges `gauss_map` tells mostly), and their normals are exact there (`feature_pair`). Where the solids overlap,
 //! depths take the place of gaps (`overlap`, of the vertices `within`). From which face a feature is looked at stands in `ownership`.
 //!
 //! While bodies move little, only what was near is looked at (`candidates`, by `gather`).
@@ -19,7 +19,9 @@ mod coarse;
 mod facet;
 pub(crate) mod facing;
 mod feature_pair;
+mod features;
 mod gather;
+mod gauss_map;
 mod kept;
 mod leaf;
 mod overlap;

@@ -22,6 +22,12 @@ pub(super) fn are_apart(x: &Aabb, y: &Aabb, reach: f64) -> bool {
     beyond(along) || beyond(back)
 }
 
+/// The greater of two numbers that are no NaN.
+#[inline]
+fn more(x: f64, y: f64) -> f64 {
+    if x > y { x } else { y }
+}
+
 /// A node of a patch's tree: a box and a ball around its faces, and a plane over them.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -68,12 +74,17 @@ impl Node {
         if over_self > limit || over_other > limit {
             return None;
         }
+        let over = more(over_self, over_other);
         let sum = self.normal + other.normal;
-        let (length, heights) = (sum.length(), self.height + other.height);
+        let squared = sum.length_squared();
+        // Less than 120 degrees apart, they tell no more together.
+        if squared >= 1.0 {
+            return Some(over);
+        }
+        let (length, heights) = (squared.sqrt(), self.height + other.height);
         let along_self = sum.dot(other.center) - length * other.radius - heights;
         let along_other = sum.dot(self.center) - length * self.radius - heights;
-        let most = |x: f64, y: f64| if x > y { x } else { y };
-        let lower = most(most(over_self, over_other), most(along_self, along_other));
+        let lower = more(over, more(along_self, along_other));
         (lower <= limit).then_some(lower)
     }
 }
@@ -201,14 +212,19 @@ impl Posed {
     /// Opens a leaf: its points are posed if they are not there.
     #[inline]
     pub(super) fn open(&mut self, pair: &Pair, at: u32) {
+        let number = self.node(at).leaf;
+        if number == NONE || !self.leaves.is_open(number) {
+            self.open_anew(pair, at);
+        }
+    }
+
+    fn open_anew(&mut self, pair: &Pair, at: u32) {
         let node = &mut self.nodes[at as usize];
         if node.leaf == NONE {
             node.leaf = self.leaves.add(pair, node.name);
         }
-        if let Some(bounds) = self.leaves.open(pair, node.leaf) {
-            // Tighter than the box of a posed box.
-            node.bounds = *bounds;
-        }
+        // Tighter than the box of a posed box.
+        node.bounds = *self.leaves.open(pair, node.leaf);
     }
 
     /// A leaf that was opened.
@@ -222,7 +238,10 @@ impl Posed {
     /// it nothing is.
     #[inline]
     pub(super) fn fill(&mut self, pair: &Pair, at: u32, ownership: Option<&Ownership>) {
-        self.leaves.fill(pair, self.node(at).leaf, ownership);
+        let number = self.node(at).leaf;
+        if !self.leaves.is_filled(number, ownership.is_some()) {
+            self.leaves.fill(pair, number, ownership);
+        }
     }
 
     /// What a leaf has, which was made.

@@ -5,6 +5,7 @@ use cranny_geometry::{EdgeId, FaceId, VertexId};
 
 use super::facet::may_cross;
 use super::feature_pair::{Stand, edge_edge_at, vertex_face, vertex_rim};
+use super::gauss_map::Touch;
 use super::ownership::Ownership;
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
@@ -46,6 +47,9 @@ pub(super) trait Quest {
     /// Faces farther apart than this are not told of, but for rounding; `None`: no faces are.
     fn closeness(&self) -> Option<f64>;
 
+    /// Whether features are to be told of as they are turned now; if not, also as they may be turned soon.
+    fn is_for_now(&self) -> bool;
+
     /// Whether corners and edges are to be told of.
     fn wants_features(&self) -> bool;
 
@@ -61,12 +65,13 @@ pub(super) trait Quest {
         counters: &mut Counters,
     );
 
-    /// Two edges that are looked at, of the first body and of the second, each from its lesser vertex.
+    /// Two edges that are looked at, of the first body and of the second, each from its lesser vertex, and whether they touch.
     fn edges(
         &mut self,
         ground: Ground,
         edges: [EdgeId; 2],
         segments: [[DVec3; 2]; 2],
+        touch: Touch,
         counters: &mut Counters,
     );
 }
@@ -131,8 +136,14 @@ impl Found {
     }
 
     /// Offers the contact of two edges.
-    pub(super) fn edges(&mut self, pair: &Pair, edges: [EdgeId; 2], segments: [[DVec3; 2]; 2]) {
-        if let Some(contact) = edge_edge_at(pair, edges, segments, self.limit)
+    pub(super) fn edges(
+        &mut self,
+        pair: &Pair,
+        edges: [EdgeId; 2],
+        segments: [[DVec3; 2]; 2],
+        touch: Touch,
+    ) {
+        if let Some(contact) = edge_edge_at(pair, edges, segments, touch, self.limit)
             && contact.separation >= -pair.length_error()
         {
             self.offer(contact);
@@ -159,6 +170,11 @@ impl Quest for Looking {
     #[inline]
     fn closeness(&self) -> Option<f64> {
         self.meets.then_some(0.0)
+    }
+
+    #[inline]
+    fn is_for_now(&self) -> bool {
+        true
     }
 
     #[inline]
@@ -189,13 +205,14 @@ impl Quest for Looking {
         ground: Ground,
         edges: [EdgeId; 2],
         segments: [[DVec3; 2]; 2],
+        touch: Touch,
         counters: &mut Counters,
     ) {
         let Some(found) = &mut self.found else { return };
         let [p, q] = segments;
         if may_cross(p, q, found.limit + ground.pair.length_error()) {
             counters.triangle_tests += 1;
-            found.edges(ground.pair, edges, segments);
+            found.edges(ground.pair, edges, segments, touch);
         }
     }
 }

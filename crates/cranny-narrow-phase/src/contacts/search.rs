@@ -4,22 +4,28 @@
 //! around slanted triangles is thicker than the gap. What tells is a plane over them (`posed`);
 //! of two leaves in the end, their points: if those of one all lie higher over the other's plane than
 //! the best contact so far, the pair has no better one (nor do triangles meet). In what is left, corners
-//! are compared with triangles and ridges with ridges, each from the one face that owns it.
+//! are compared with triangles and ridges with ridges, each from the one face that owns it; ridges only if they touch as they are
+//! turned (`gauss_map`).
 //!
 //! The descent sees every pair of triangles that meet, since a bound above 0 is what leaves a pair out:
 //! the exact verdict on the surfaces comes with the contacts.
 
-use cranny_exact::{Aabb, DVec3, RigidMap};
+use cranny_exact::RigidMap;
 use cranny_geometry::{Content, PatchId};
 
 use super::close_faces::for_close_faces;
+use super::gauss_map::Touch;
 use super::kept::Kept;
-use super::leaf::{Parts, Segment};
+use super::leaf::Parts;
 use super::posed::{Posed, are_apart};
 use super::quest::{Ground, Quest, Tip};
 use crate::answer::Counters;
 use crate::descent::{BoxTest, Opened, opened};
 use crate::pair::{Pair, Side};
+
+/// Of two nodes, squares of whose diagonals differ by no more than this factor, both are opened at once. Smaller: what lies
+/// between is tested, too; larger: a small node is compared with what it need not be opened for.
+const MUCH: f64 = 8.0;
 
 /// Searches pairs of patches of one pair of bodies.
 pub(super) struct Search<'a, 'b> {
@@ -29,8 +35,6 @@ pub(super) struct Search<'a, 'b> {
     culling_error: f64,
     second_from_first: RigidMap,
     stack: Vec<(f64, u32, u32)>,
-    /// Scratch: edges of the second leaf that may be near any of the first's.
-    near_edges: Vec<(Segment, [DVec3; 2], Aabb)>,
     posed: Box<[Posed; 2]>,
     kept: Kept,
 }
@@ -46,7 +50,6 @@ impl<'a, 'b> Search<'a, 'b> {
             culling_error: pair.culling_error(),
             second_from_first: pair.first_from_second.inverse(),
             stack: Vec::new(),
-            near_edges: Vec::new(),
             posed,
             kept,
         }
@@ -127,28 +130,33 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             counters.node_tests += 1;
             let [node_a, node_b] = [self.posed[0].node(a), self.posed[1].node(b)];
-            // The larger of two nodes is opened, or the one that can be.
-            let children = match (node_a.children(), node_b.children()) {
-                (Some([left, right]), other) if other.is_none() || node_a.size >= node_b.size => {
-                    [(left, b), (right, b)]
+            let (limit, first) = (quest.limit(), stack.len());
+            let mut add = |a, b| stack.extend(self.lower(a, b, limit).map(|lower| (lower, a, b)));
+            // Both are opened, unless one is much larger or cannot be: what lies between is mostly opened, too.
+            match (node_a.children(), node_b.children()) {
+                (Some(left), Some(right))
+                    if node_a.size < MUCH * node_b.size && node_b.size < MUCH * node_a.size =>
+                {
+                    left.into_iter().for_each(|a| right.into_iter().for_each(|b| add(a, b)));
                 }
-                (_, Some([left, right])) => [(a, left), (a, right)],
+                (Some(children), other) if other.is_none() || node_a.size >= node_b.size => {
+                    children.into_iter().for_each(|a| add(a, b));
+                }
+                (_, Some(children)) => children.into_iter().for_each(|b| add(a, b)),
                 _ => {
                     self.leaves([a, b], quest, counters);
                     continue;
                 }
-            };
-            let [x, y] = children;
-            let lower_x = self.lower(x.0, x.1, quest.limit());
-            let lower_y = self.lower(y.0, y.1, quest.limit());
-            // The nearer one is popped first.
-            let is_x_nearer = lower_x < lower_y;
-            if is_x_nearer {
-                stack.extend(lower_y.map(|lower| (lower, y.0, y.1)));
             }
-            stack.extend(lower_x.map(|lower| (lower, x.0, x.1)));
-            if !is_x_nearer {
-                stack.extend(lower_y.map(|lower| (lower, y.0, y.1)));
+            // The nearest is popped first.
+            let (mut nearest, last) = (first, stack.len());
+            for at in first..last {
+                if stack[at].0 < stack[nearest].0 {
+                    nearest = at;
+                }
+            }
+            if first < last {
+                stack.swap(nearest, last - 1);
             }
         }
         self.stack = stack;
@@ -179,12 +187,10 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         let closeness = quest.closeness().map(|length| length + rounding);
         let close = closeness.filter(|&reach| !outline_a.is_apart_from(&outline_b, reach));
-        for (posed, (at, owned)) in
-            [first, second].into_iter().zip([a, b].into_iter().zip(&self.kept.owned))
-        {
-            // Which faces meet is no matter of owners.
-            posed.fill(pair, at, quest.wants_features().then_some(owned));
-        }
+        // Which faces meet is no matter of owners.
+        let (owned, wanted) = (&self.kept.owned, quest.wants_features());
+        first.fill(pair, a, wanted.then_some(&owned[0]));
+        second.fill(pair, b, wanted.then_some(&owned[1]));
         let [first, second] = &*self.posed;
         let (parts_a, parts_b) = (first.parts(a), second.parts(b));
         if let Some(reach) = close {
@@ -195,7 +201,7 @@ impl<'a, 'b> Search<'a, 'b> {
         if quest.wants_features() {
             self.corners([&parts_a, &parts_b], quest, counters);
             self.corners([&parts_b, &parts_a], quest, counters);
-            self.edges([a, b], quest, counters);
+            self.edges([&parts_a, &parts_b], quest, counters);
         }
     }
 
@@ -205,11 +211,11 @@ impl<'a, 'b> Search<'a, 'b> {
         if are_apart(own.corner_bounds(), its.bounds(), quest.limit() + rounding) {
             return;
         }
-        let ground = Ground { pair: self.pair, owned: &self.kept.owned };
+        let ground = self.ground();
         let (points, its_points) = (own.points(), its.points());
         for corner in own.corners() {
-            let (at, reach) = (corner.at(points), quest.limit() + rounding);
-            if !its.may_reach(&[at], &Aabb { min: at, max: at }, reach) {
+            let (at, mut reach) = (corner.at(points), quest.limit() + rounding);
+            if !its.may_reach(at, reach) {
                 continue;
             }
             let local = match its.side() {
@@ -218,44 +224,35 @@ impl<'a, 'b> Search<'a, 'b> {
             };
             let tip = Tip { side: own.side(), vertex: corner.vertex, at };
             for facet in its.facets() {
-                if facet.may_reach(local, quest.limit() + rounding) {
+                if facet.may_reach(local, reach) {
                     quest.corner(ground, tip, (facet.face, &facet.corners(its_points)), counters);
+                    reach = quest.limit() + rounding;
                 }
             }
         }
     }
 
     /// Tells of the edges of two leaves.
-    fn edges(&mut self, [a, b]: [u32; 2], quest: &mut impl Quest, counters: &mut Counters) {
+    fn edges(&self, [a, b]: [&Parts; 2], quest: &mut impl Quest, counters: &mut Counters) {
         let rounding = self.culling_error;
-        let mut near = std::mem::take(&mut self.near_edges);
-        let ground = Ground { pair: self.pair, owned: &self.kept.owned };
-        let [a, b] = [self.posed[0].parts(a), self.posed[1].parts(b)];
-        let [points_a, points_b] = [a.points(), b.points()];
-        near.clear();
-        if !are_apart(a.edge_bounds(), b.edge_bounds(), quest.limit() + rounding) {
-            let reach = quest.limit() + rounding;
-            for (k, around) in b.edges() {
-                let ends = k.ends(points_b);
-                if !are_apart(around, a.edge_bounds(), reach) && a.may_reach(&ends, around, reach) {
-                    near.push((*k, ends, *around));
-                }
-            }
+        if are_apart(a.edge_bounds(), b.edge_bounds(), quest.limit() + rounding) {
+            return;
         }
-        for (e, around) in a.edges() {
-            if near.is_empty() {
-                break;
-            }
-            let (ends, reach) = (e.ends(points_a), quest.limit() + rounding);
-            if are_apart(around, b.edge_bounds(), reach) || !b.may_reach(&ends, around, reach) {
+        let (ground, are_turned_so) = (self.ground(), quest.is_for_now());
+        for (e, span) in a.edges().iter().zip(a.spans()) {
+            if are_apart(&span.bounds, b.edge_bounds(), quest.limit() + rounding) {
                 continue;
             }
-            for (k, its_ends, its_box) in &near {
-                if !are_apart(around, its_box, quest.limit() + rounding) {
-                    quest.edges(ground, [e.edge, k.edge], [ends, *its_ends], counters);
+            for (k, its) in b.edges().iter().zip(b.spans()) {
+                let touch =
+                    if are_turned_so { span.arc.touch(&its.arc, rounding) } else { Touch::Perhaps };
+                if touch != Touch::Never
+                    && !are_apart(&span.bounds, &its.bounds, quest.limit() + rounding)
+                {
+                    let segments = [e.ends(a.points()), k.ends(b.points())];
+                    quest.edges(ground, [e.edge, k.edge], segments, touch, counters);
                 }
             }
         }
-        self.near_edges = near;
     }
 }
