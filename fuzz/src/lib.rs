@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Mesh, Model};
-use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Demand, Method, PairMemory, Placed, Query, query};
 
 // The tests of cranny-geometry ask the same of bytes from seeds; what they ask is written once.
 #[path = "../../crates/cranny-geometry/tests/from_bytes/asked.rs"]
@@ -59,7 +59,9 @@ pub fn ask(model: &Model) {
             Demand::Regions { margin: 0.0 },
         ] {
             // A pose beyond the domain is refused, and that is an answer.
-            let _ = query(a, b, &Query::of(demand), &mut PairMemory::default());
+            for method in [Method::Boxes, Method::Envelopes] {
+                let _ = query(a, b, &Query::of(demand).by(method), &mut PairMemory::default());
+            }
         }
     }
 }

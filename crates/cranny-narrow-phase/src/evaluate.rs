@@ -115,7 +115,7 @@ fn answer(
     coherent.begin(pair);
     let mut counters = Counters::default();
     // What crossed last is looked at first: mostly it crosses still.
-    let gap = match coherent.has_crossed() {
+    let gap = match pockets.is_none() && coherent.has_crossed() {
         true => 0.0,
         false => parting.gap(pair, enough(demand), &mut counters),
     };

@@ -1,7 +1,7 @@
 //! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are made again, and
 //! the graph when it is asked for.
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use super::convexity::is_convex;
 use super::facets::{FacetLayer, Plane};
@@ -39,8 +39,8 @@ impl ConvexHull {
         out.list(excluded);
     }
 
-    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked exactly; not
-    /// that this holds the other vertices. Its graph is made when it is first asked for.
+    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked exactly, and that its
+    /// box, which is the body's, holds the other vertices; not that it does. Its graph is made when it is first asked for.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;
@@ -48,6 +48,11 @@ impl ConvexHull {
         check_below(sources.iter().map(|v| v.0), mesh.vertices().len(), "a vertex is not there")?;
         check(sources.is_sorted_by(|a, b| a < b), "vertices are not ascending")?;
         let positions: Vec<_> = sources.iter().map(|&v| mesh.position(v)).collect();
+        let around = |points: &[DVec3]| Aabb::of_points(points.iter().copied());
+        check(
+            around(&positions) == around(mesh.vertices()),
+            "its box is not that of all vertices",
+        )?;
         let corners = surface.triangles.as_flattened();
         check_below(corners.iter().copied(), positions.len(), "a corner is not there")?;
         check(kind.allows(positions.len(), surface.triangles.len()), "it has the wrong dimension")?;
@@ -129,6 +134,24 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_hull_is_as_wide_as_the_mesh() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.1, 0.1, 0.1)];
+        let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 3, 4]]).unwrap();
+        let read = |points: &[DVec3]| {
+            let mut out = Writer::default();
+            ConvexHull::of_points(points).encode(&mut out);
+            ConvexHull::decode(&mut Reader::new(&out.into_bytes()), &mesh)
+                .map_err(|Flaw(what)| what)
+        };
+        assert!(read(&corners).is_ok());
+        // One, a few, and no vertices of it.
+        for count in [0, 1, 3] {
+            let error = read(&corners[..count]).unwrap_err();
+            assert!(error.contains("its box"), "{count}: {error}");
+        }
+    }
 
     #[test]
     fn twins_run_opposite_ways_and_are_of_each_other() {

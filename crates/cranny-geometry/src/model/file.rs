@@ -137,8 +137,8 @@ impl Model {
     /// linear time: by the first query whose bodies no plane between their hulls parts. What the file says of both is
     /// checked here.
     ///
-    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), which no query reads, are
-    /// made when somebody first asks for them, from the rest of the model and as building makes them; so the
+    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), which queries read only where they
+    /// are told to, are made when somebody first asks for them, from the rest of the model and as building makes them; so the
     /// first call costs what these stages of building cost (README). Of a model that was deformed before it was
     /// saved they would come out otherwise: there they are in the file, and are read and checked here.
     ///
@@ -155,12 +155,12 @@ impl Model {
     /// Length and checksum; that every section is of the length it says, every index in range, every number
     /// one, every unit vector of length 1. Beyond that:
     ///
-    /// - Mesh: as [`Mesh::new`], and that a face has an area. Radius and box are computed; the digest is what
+    /// - Mesh: as [`Mesh::new`], and that a face has an area. The radius is computed; the digest is what
     ///   the file says.
     /// - Topology: that half-edges are each there once, sorted by edge, and that no edge joins two components. All else is made from that. Not that the faces of
     ///   a component hang together.
-    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once, and that twins are
-    ///   twins. Not that it holds the other vertices, nor that the planes of its facets lie above it.
+    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once, that twins are
+    ///   twins, and that its box is that of all vertices. Not that it holds the other vertices, nor that the planes of its facets lie above it.
     /// - Features, concavities: that a face lies on a facet or in a concavity, not both; that rows are whole;
     ///   that none surrounds itself. Not how faces were classified, nor sizes.
     /// - Trees, over faces and over patches: that each holds its faces once, in leaves that make a tree. Boxes are made

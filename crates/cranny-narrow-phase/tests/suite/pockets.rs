@@ -137,24 +137,56 @@ fn a_ball_that_keeps_off_the_walls_of_a_cup_opens_nothing() {
 }
 
 /// A ball that sinks along the wall of a cup, always as near to it: the plane of the wall, kept from query to query, says
-/// nothing of the floor that comes nearer meanwhile.
+/// nothing of the floor that comes nearer meanwhile. Straight down, and on a circle about the origin of the cup's frame far
+/// beside it: of points that turn about the origin of one body, only those of the other go anywhere.
 #[test]
 fn a_ball_that_sinks_along_a_wall_meets_the_floor() {
     let cup = Cup { radius: 1.0, height: 2.0, wall: 0.1, floor: 0.1, segments: 48 };
-    let (cup, ball) = (shape(cup), shape(Sphere { radius: 0.4, segments: 24, rings: 12 }));
+    let mesh = cup.build().unwrap();
+    let beside = mesh.vertices().iter().map(|&p| p + 500.0 * DVec3::X).collect();
+    let cup = model(Mesh::new(beside, mesh.faces().to_vec()).unwrap());
+    let ball = shape(Sphere { radius: 0.4, segments: 24, rings: 12 });
     let middle = cup_middle(&cup);
+    for is_straight in [true, false] {
+        let mut memory = PairMemory::default();
+        let mut seen = [0; 2];
+        for step in 0..100 {
+            let sunk = 0.01 * f64::from(step) - 0.2;
+            let place = middle + DVec3::new(-0.35, 0.07, 0.0);
+            let turn = DQuat::from_axis_angle(DVec3::Y, sunk / place.x);
+            let pose = match is_straight {
+                true => Pose::at(place - sunk * DVec3::Z),
+                false => Pose { rotation: turn, translation: turn * place },
+            };
+            let (a, b) =
+                (Placed { model: &cup, pose: Pose::IDENTITY }, Placed { model: &ball, pose });
+            let what = format!("step {step}, straight: {is_straight}");
+            let done = agreed(a, b, Demand::Intersects, &mut memory, &what);
+            seen[usize::from(done.pockets_opened > 0)] += 1;
+        }
+        assert!(seen[0] > 30 && seen[1] > 10, "{seen:?}");
+    }
+}
+
+/// Whatever crossed before, a plane is looked for where the hulls have come apart.
+#[test]
+fn bodies_that_have_parted_are_told_by_a_plane_again() {
+    let (cup, cube) = (shape(Cup::default()), shape(Cuboid::default()));
     let mut memory = PairMemory::default();
-    let mut seen = [0; 2];
-    for step in 0..100 {
-        let place = middle + DVec3::new(-0.4, 0.0, 0.2 - 0.01 * f64::from(step));
+    let mut at = |x: f64, method: Method| {
         let (a, b) = (
             Placed { model: &cup, pose: Pose::IDENTITY },
-            Placed { model: &ball, pose: Pose::at(place) },
+            Placed { model: &cube, pose: Pose::at(x * DVec3::X) },
         );
-        let done = agreed(a, b, Demand::Intersects, &mut memory, &format!("step {step}"));
-        seen[usize::from(done.pockets_opened > 0)] += 1;
+        let question = Query::of(Demand::Distance { below: Some(1.0) }).by(method);
+        query(a, b, &question, &mut memory).unwrap()
+    };
+    for method in [Method::Boxes, Method::Envelopes] {
+        assert_eq!(at(0.4, method).surface, Meeting::Cross);
     }
-    assert!(seen[0] > 30 && seen[1] > 10, "{seen:?}");
+    // Hulls that overlapped are asked about again after a wait.
+    let parted = (0..100).filter(|_| at(10.0, Method::Envelopes).counters.planes_parted == 1);
+    assert!(parted.count() > 90);
 }
 
 /// The middle of the space in a cup.
