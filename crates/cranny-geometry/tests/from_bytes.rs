@@ -64,6 +64,13 @@ fn a_solid_without_volume_comes_back_from_its_file() {
     ]);
 }
 
+#[test]
+fn a_body_without_volume_has_none_up_to_what_its_sum_may_be_off_by() {
+    // A sheet just thicker than skin that is told to have no volume; shells as small as rounding a length apart, between
+    // which the hull is a needle.
+    [1_006_005, 1_023_061].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
+}
+
 /// Two sides at 60 degrees, rough by rounding, share caps: seen along the axis nearest the larger one's normal the other is
 /// edge-on, and triangles of half its size were turned over by rounding.
 #[test]
