@@ -1,4 +1,4 @@
-//! Which faces hang together.
+//! Which faces hang together. Source and cost stand with [`DisjointSets`].
 
 use crate::codec::{Flaw, check};
 use crate::ids::{ComponentId, FaceId};

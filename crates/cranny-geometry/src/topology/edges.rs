@@ -1,4 +1,4 @@
-//! The order of half-edges, and the edges that follow from it.
+//! The order of half-edges, and the edges that follow from it. Source and cost stand with the module.
 
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
