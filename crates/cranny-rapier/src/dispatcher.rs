@@ -14,7 +14,6 @@
 //! seen here. Of compounds each part is asked about.
 //! Shape casts (continuous collision detection) use the parry mesh of the same triangles.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cranny_geometry::Model;
@@ -144,17 +143,17 @@ impl Dispatcher {
         if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
             let wanted = log.demand(s1.tag(), s2.tag());
             let told = match answer {
-                Some((answer, demand)) if demand.covers(wanted) => Some(answer),
+                Some((answer, demand)) if demand.covers(wanted) => Some((answer, demand)),
                 Some(_) => {
                     let begin = Instant::now();
                     let told = ask([s1.model(), s2.model()], pose, wanted, pair.memory());
                     read = begin.elapsed();
-                    told
+                    told.map(|answer| (answer, wanted))
                 }
                 None => None,
             };
             if let Some(told) = told {
-                log.put((s1.tag(), s2.tag()), Arc::new(told), pose);
+                log.put((s1.tag(), s2.tag()), told, pose);
             }
         }
         *workspace = Some(ContactManifoldsWorkspace::from(*pair));

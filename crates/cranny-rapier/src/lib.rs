@@ -8,14 +8,16 @@
 //! - 'Exact' refers to the f32 relative pose that rapier hands over.
 //! - Mass, centre and inertia are those of the solid, computed in f64.
 //! - Impulses are carried over from step to step by features, or by place.
+//! - With the feature `snapshot`, a world that was written and read again goes on to the bit as if nobody had stopped
+//!   it: `snapshot` and `restore`.
 //!
 //! # Non-promises
 //!
 //! Segments, cylinders, cones and the latter two rounded meet our shape as a hollow parry mesh, and so do all
 //! shape casts: see [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
 //! its own meshes: look ahead of fast bodies, as [`simulation`] does. A body of
-//! these kinds that lies wholly inside a solid is told as such, but no contact drives it out. A snapshot of
-//! rapier's world does not hold our shapes. rapier's own settings matter: see [`simulation`].
+//! these kinds that lies wholly inside a solid is told as such, but no contact drives it out. rapier's own
+//! settings matter: see [`simulation`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -60,6 +62,8 @@ mod pair;
 mod partners;
 mod shape;
 pub mod simulation;
+#[cfg(feature = "snapshot")]
+pub mod snapshot;
 
 pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 pub use detector::{Detector, UnknownDetector};
@@ -72,3 +76,5 @@ pub use simulation::{
     BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Simulation, SimulationError,
     SimulationOptions, Timings,
 };
+#[cfg(feature = "snapshot")]
+pub use snapshot::{RestoreError, Sets, SnapshotError, restore, snapshot};

@@ -18,6 +18,8 @@ pub struct LoggedAnswer {
     pub first_from_second: Pose,
     /// The step in which it was computed.
     pub step: u64,
+    /// What was asked.
+    pub demand: Demand,
 }
 
 /// Answers by pairs of tags, and the time spent. Shared by a dispatcher and its owner.
@@ -126,9 +128,32 @@ impl AnswerLog {
         entries.reading += reading;
     }
 
-    pub(crate) fn put(&self, tags: (u32, u32), answer: Arc<Answer>, first_from_second: Pose) {
+    pub(crate) fn put(
+        &self,
+        tags: (u32, u32),
+        (answer, demand): (Answer, Demand),
+        first_from_second: Pose,
+    ) {
         let mut entries = self.entries();
-        let step = entries.step;
-        entries.answers.insert(tags, LoggedAnswer { answer, first_from_second, step });
+        let (step, answer) = (entries.step, Arc::new(answer));
+        entries.answers.insert(tags, LoggedAnswer { answer, first_from_second, step, demand });
+    }
+
+    /// All that it knows, by ascending tags.
+    #[cfg(feature = "snapshot")]
+    pub(crate) fn all(&self) -> Vec<((u32, u32), LoggedAnswer)> {
+        self.entries().answers.iter().map(|(&tags, logged)| (tags, logged.clone())).collect()
+    }
+
+    /// Goes on as a log that was read back.
+    #[cfg(feature = "snapshot")]
+    pub(crate) fn continue_at(&self, step: u64) {
+        self.entries().step = step;
+    }
+
+    /// Knows again what it knew of a pair.
+    #[cfg(feature = "snapshot")]
+    pub(crate) fn put_back(&self, tags: (u32, u32), logged: LoggedAnswer) {
+        self.entries().answers.insert(tags, logged);
     }
 }

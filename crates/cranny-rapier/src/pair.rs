@@ -12,6 +12,8 @@ use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
+#[cfg(feature = "snapshot")]
+use rapier3d::parry::query::details::VoxelsShapeContactManifoldsWorkspace;
 use rapier3d::parry::query::{
     DefaultQueryDispatcher, PersistentQueryDispatcher, TypedWorkspaceData, WorkspaceData,
 };
@@ -59,6 +61,9 @@ pub(crate) struct PairWorkspace {
     parts: BTreeMap<(usize, usize), Self>,
     /// Of the parts that were ever near, by side and number: what takes long to make is made once.
     part_cores: BTreeMap<(usize, usize), Option<Core>>,
+    /// Empty, always.
+    #[cfg(feature = "snapshot")]
+    stand_in: VoxelsShapeContactManifoldsWorkspace<2>,
 }
 
 impl Clone for PairWorkspace {
@@ -69,11 +74,20 @@ impl Clone for PairWorkspace {
             leads_out: self.leads_out,
             parts: self.parts.clone(),
             part_cores: self.part_cores.clone(),
+            #[cfg(feature = "snapshot")]
+            stand_in: VoxelsShapeContactManifoldsWorkspace::new(),
         }
     }
 }
 
 impl WorkspaceData for PairWorkspace {
+    /// A snapshot holds an empty one in its place: what a pair keeps saves time and changes no answer.
+    #[cfg(feature = "snapshot")]
+    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
+        TypedWorkspaceData::VoxelsShapeContactManifoldsWorkspace(&self.stand_in)
+    }
+
+    #[cfg(not(feature = "snapshot"))]
     fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
         TypedWorkspaceData::Custom
     }
@@ -130,6 +144,8 @@ impl PairWorkspace {
             leads_out,
             parts: BTreeMap::new(),
             part_cores: BTreeMap::new(),
+            #[cfg(feature = "snapshot")]
+            stand_in: VoxelsShapeContactManifoldsWorkspace::new(),
         }
     }
 

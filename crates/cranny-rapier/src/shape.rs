@@ -12,6 +12,8 @@ use thiserror::Error;
 
 use crate::convert::narrow;
 use crate::mass::{MassError, mass_properties};
+#[cfg(feature = "snapshot")]
+use crate::snapshot::Mask;
 
 /// A model that rapier cannot take.
 #[derive(Debug, Error)]
@@ -36,6 +38,8 @@ pub struct MeshShape {
     model: Model,
     tag: u32,
     mesh: TriMesh,
+    #[cfg(feature = "snapshot")]
+    mask: Mask,
 }
 
 impl MeshShape {
@@ -46,7 +50,13 @@ impl MeshShape {
     /// [`ShapeError::TriMesh`].
     pub fn new(model: &Model, tag: u32) -> Result<Self, ShapeError> {
         let (vertices, faces) = buffers(model);
-        Ok(Self { model: model.clone(), tag, mesh: TriMesh::new(vertices, faces)? })
+        Ok(Self {
+            model: model.clone(),
+            tag,
+            mesh: TriMesh::new(vertices, faces)?,
+            #[cfg(feature = "snapshot")]
+            mask: Mask::default(),
+        })
     }
 
     /// The same as a shared shape, ready for a `ColliderBuilder`.
@@ -74,6 +84,12 @@ impl MeshShape {
     #[must_use]
     pub fn mesh(&self) -> &TriMesh {
         &self.mesh
+    }
+
+    /// What it wears while it is written.
+    #[cfg(feature = "snapshot")]
+    pub(crate) fn mask(&self) -> &Mask {
+        &self.mask
     }
 }
 
@@ -143,7 +159,13 @@ impl Shape for MeshShape {
         ShapeType::Custom
     }
 
+    /// Its own, so that rapier's serde refuses to write it: what it could read back would be another shape. Only a
+    /// [`snapshot`](crate::snapshot()) is told of one that it can.
     fn as_typed_shape(&self) -> TypedShape<'_> {
+        #[cfg(feature = "snapshot")]
+        if let Some(worn) = self.mask.worn() {
+            return worn;
+        }
         TypedShape::Custom(self)
     }
 

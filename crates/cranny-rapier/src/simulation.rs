@@ -227,33 +227,36 @@ pub struct Timings {
 
 /// A rapier world of models.
 pub struct Simulation {
-    options: SimulationOptions,
-    parameters: IntegrationParameters,
-    pipeline: PhysicsPipeline,
-    islands: IslandManager,
-    broad_phase: DefaultBroadPhase,
-    narrow_phase: NarrowPhase,
-    bodies: RigidBodySet,
-    colliders: ColliderSet,
-    joints: ImpulseJointSet,
-    multibody_joints: MultibodyJointSet,
-    soft_bodies: SoftBodySet,
-    ccd: CCDSolver,
-    handles: Vec<RigidBodyHandle>,
-    tagged: Vec<Tagged>,
-    motions: Motions,
+    pub(crate) options: SimulationOptions,
+    pub(crate) parameters: IntegrationParameters,
+    pub(crate) pipeline: PhysicsPipeline,
+    pub(crate) islands: IslandManager,
+    pub(crate) broad_phase: DefaultBroadPhase,
+    pub(crate) narrow_phase: NarrowPhase,
+    pub(crate) bodies: RigidBodySet,
+    pub(crate) colliders: ColliderSet,
+    pub(crate) joints: ImpulseJointSet,
+    pub(crate) multibody_joints: MultibodyJointSet,
+    pub(crate) soft_bodies: SoftBodySet,
+    pub(crate) ccd: CCDSolver,
+    pub(crate) handles: Vec<RigidBodyHandle>,
+    pub(crate) tagged: Vec<Tagged>,
+    pub(crate) motions: Motions,
     /// Whether rapier has seen all bodies where they are.
-    settled: bool,
+    pub(crate) settled: bool,
     /// The prediction distance of the last step.
-    looked_ahead: f32,
-    poses_before: Vec<Pose>,
-    exclusions: Exclusions,
-    log: AnswerLog,
+    pub(crate) looked_ahead: f32,
+    pub(crate) poses_before: Vec<Pose>,
+    pub(crate) exclusions: Exclusions,
+    pub(crate) log: AnswerLog,
+    /// Whether joints were inserted that no step has seen: rapier's serde would lose that.
+    #[cfg_attr(not(feature = "snapshot"), allow(dead_code, reason = "a snapshot asks"))]
+    pub(crate) joined: bool,
 }
 
 /// Pairs of tags that never meet, lower first.
 #[derive(Default)]
-struct Exclusions(HashSet<(u32, u32)>);
+pub(crate) struct Exclusions(pub(crate) HashSet<(u32, u32)>);
 
 impl PhysicsHooks for Exclusions {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
@@ -264,6 +267,10 @@ impl PhysicsHooks for Exclusions {
         };
         (!excluded).then(SolverFlags::default)
     }
+}
+
+fn dispatcher_of(log: &AnswerLog, motions: &Motions) -> Dispatcher {
+    Dispatcher::with_log(log.clone()).looking_ahead(motions.clone())
 }
 
 impl Simulation {
@@ -283,7 +290,7 @@ impl Simulation {
         parameters.num_solver_iterations = options.substeps();
         parameters.contact_recycling = options.recycling.unwrap_or(!ours);
         let (log, motions) = (AnswerLog::default(), Motions::default());
-        let dispatcher = Dispatcher::with_log(log.clone()).looking_ahead(motions.clone());
+        let dispatcher = dispatcher_of(&log, &motions);
         let mut pipeline = PhysicsPipeline::new();
         pipeline.counters.enable();
         Self {
@@ -307,7 +314,14 @@ impl Simulation {
             poses_before: Vec::new(),
             exclusions: Exclusions::default(),
             log,
+            joined: false,
         }
+    }
+
+    /// What puts the detector into rapier, and tells this simulation.
+    #[cfg(feature = "snapshot")]
+    pub(crate) fn dispatcher(&self) -> Dispatcher {
+        dispatcher_of(&self.log, &self.motions)
     }
 
     /// rapier's parameters, for what the options do not say.
@@ -369,6 +383,7 @@ impl Simulation {
     ) {
         let joint = generic_joint(&parent_from_joint, &child_from_joint, spec, contacts_enabled);
         self.joints.insert(self.handle(parent), self.handle(child), joint, true);
+        self.joined = true;
     }
 
     /// Two bodies never meet from now on.
@@ -406,6 +421,7 @@ impl Simulation {
             &self.exclusions,
             &(),
         );
+        self.joined = false;
         self.forget_parted();
     }
 

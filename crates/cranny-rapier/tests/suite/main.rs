@@ -13,4 +13,6 @@ mod pairs;
 mod queries;
 mod resting;
 mod rolling;
+#[cfg(feature = "snapshot")]
+mod snapshots;
 mod world;

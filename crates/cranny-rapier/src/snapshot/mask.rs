@@ -1,0 +1,77 @@
+//! What our shape is written as: rapier's serde cannot read a shape that it does not know.
+
+use std::fmt;
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, ThreadId};
+
+use rapier3d::parry::shape::{Ball, Shape, TypedShape};
+
+use crate::shape::MeshShape;
+
+/// Radius of the ball that stands for our shape: no other has it.
+const NO_BALL: f32 = -1.0;
+
+/// A ball that is none, shown to a thread that writes a snapshot in place of the shape. Everybody else sees the
+/// shape, so that what is written without a snapshot is refused by rapier's serde, and never comes back as a ball.
+pub(crate) struct Mask {
+    ball: Ball,
+    /// Once for each snapshot that is being written.
+    writers: Mutex<Vec<ThreadId>>,
+}
+
+impl Default for Mask {
+    fn default() -> Self {
+        Self { ball: Ball::new(NO_BALL), writers: Mutex::default() }
+    }
+}
+
+/// A copy is not being written.
+impl Clone for Mask {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl fmt::Debug for Mask {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Mask")
+    }
+}
+
+impl Mask {
+    /// What this thread is to take the shape for, if it writes it.
+    pub(crate) fn worn(&self) -> Option<TypedShape<'_>> {
+        let writers = self.writers.lock().unwrap_or_else(PoisonError::into_inner);
+        writers.contains(&thread::current().id()).then_some(TypedShape::Ball(&self.ball))
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Vec<ThreadId>)) {
+        change(&mut self.writers.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+/// A shape that this thread writes, until this is dropped.
+pub(super) struct Masked<'a>(&'a Mask);
+
+impl<'a> Masked<'a> {
+    pub(super) fn new(shape: &'a MeshShape) -> Self {
+        let mask = shape.mask();
+        mask.change(|writers| writers.push(thread::current().id()));
+        Self(mask)
+    }
+}
+
+impl Drop for Masked<'_> {
+    fn drop(&mut self) {
+        let own = thread::current().id();
+        self.0.change(|writers| {
+            let found = writers.iter().position(|writer| *writer == own);
+            found.map(|index| writers.swap_remove(index));
+        });
+    }
+}
+
+/// Whether a shape that was read is what stands for ours.
+pub(super) fn is_stand_in(shape: &dyn Shape) -> bool {
+    shape.as_ball().is_some_and(|ball| ball.radius.to_bits() == NO_BALL.to_bits())
+}

@@ -1,0 +1,247 @@
+//! A [`Simulation`] as bytes: rapier's world, and what the simulation keeps beside it.
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::Model;
+use cranny_narrow_phase::{Demand, PairMemory};
+use rapier3d::geometry::ColliderHandle;
+use rapier3d::math::Vector;
+use rapier3d::prelude::{IntegrationParameters, PhysicsWorld, RigidBodyHandle};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+use super::frame::Kind;
+use super::{RestoreError, Sets, SnapshotError, read, written};
+use crate::ahead::Tagged;
+use crate::ask::ask;
+use crate::log::LoggedAnswer;
+use crate::pair::ours;
+use crate::simulation::{Simulation, SimulationOptions};
+
+/// What a simulation keeps beside rapier's sets.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    detector: String,
+    gravity: [f64; 3],
+    step: f64,
+    length_unit: f64,
+    recycling: Option<bool>,
+    solver_iterations: Option<u64>,
+    handles: Vec<RigidBodyHandle>,
+    tagged: Vec<(ColliderHandle, [f32; 3], f32)>,
+    settled: bool,
+    looked_ahead: f32,
+    poses_before: Vec<WrittenPose>,
+    /// Ascending.
+    exclusions: Vec<(u32, u32)>,
+    /// The log's step.
+    log_step: u64,
+    answers: Vec<WrittenAnswer>,
+}
+
+/// Rotation and translation.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct WrittenPose([f64; 4], [f64; 3]);
+
+impl WrittenPose {
+    fn of(pose: &Pose) -> Self {
+        Self(pose.rotation.to_array(), pose.translation.to_array())
+    }
+
+    fn pose(self) -> Pose {
+        let Self(rotation, translation) = self;
+        Pose { rotation: DQuat::from_array(rotation), translation: DVec3::from_array(translation) }
+    }
+}
+
+/// An answer of the log as a question: asked again, it is the same.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct WrittenAnswer {
+    tags: (u32, u32),
+    first_from_second: WrittenPose,
+    step: u64,
+    demand: WrittenDemand,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+enum WrittenDemand {
+    None,
+    Intersects,
+    Distance(Option<f64>),
+    Contacts(f64),
+    Regions(f64),
+}
+
+impl WrittenDemand {
+    fn of(demand: Demand) -> Self {
+        match demand {
+            Demand::None => Self::None,
+            Demand::Intersects => Self::Intersects,
+            Demand::Distance { below } => Self::Distance(below),
+            Demand::Contacts { margin } => Self::Contacts(margin),
+            Demand::Regions { margin } => Self::Regions(margin),
+        }
+    }
+
+    fn demand(self) -> Demand {
+        match self {
+            Self::None => Demand::None,
+            Self::Intersects => Demand::Intersects,
+            Self::Distance(below) => Demand::Distance { below },
+            Self::Contacts(margin) => Demand::Contacts { margin },
+            Self::Regions(margin) => Demand::Regions { margin },
+        }
+    }
+}
+
+impl Simulation {
+    /// The simulation between two steps as bytes, of which [`restore`](Self::restore) makes one that goes on to the bit
+    /// as this one. See [`snapshot`](mod@crate::snapshot).
+    ///
+    /// # Errors
+    ///
+    /// [`SnapshotError`], as where a body or a joint was inserted since the last step.
+    pub fn snapshot(&self) -> Result<Vec<u8>, SnapshotError> {
+        if self.joined {
+            return Err(SnapshotError::UnsettledJoint);
+        }
+        let SimulationOptions {
+            detector,
+            gravity,
+            step,
+            length_unit,
+            recycling,
+            solver_iterations,
+        } = self.options;
+        let mut exclusions: Vec<(u32, u32)> = self.exclusions.0.iter().copied().collect();
+        exclusions.sort_unstable();
+        let answers = self.log.all().into_iter().map(|(tags, logged)| WrittenAnswer {
+            tags,
+            first_from_second: WrittenPose::of(&logged.first_from_second),
+            step: logged.step,
+            demand: WrittenDemand::of(logged.demand),
+        });
+        let tagged = self.tagged.iter();
+        let kept = Kept {
+            detector: detector.name().to_owned(),
+            gravity: gravity.to_array(),
+            step,
+            length_unit,
+            recycling,
+            solver_iterations: solver_iterations.map(|n| n as u64),
+            handles: self.handles.clone(),
+            tagged: tagged.map(|t| (t.collider, t.center.to_array(), t.radius)).collect(),
+            settled: self.settled,
+            looked_ahead: self.looked_ahead,
+            poses_before: self.poses_before.iter().map(WrittenPose::of).collect(),
+            exclusions,
+            log_step: self.log.step(),
+            answers: answers.collect(),
+        };
+        let sets = Sets {
+            gravity: Vector::ZERO, // the options' is in double precision
+            parameters: &self.parameters,
+            islands: &self.islands,
+            broad_phase: &self.broad_phase,
+            narrow_phase: &self.narrow_phase,
+            bodies: &self.bodies,
+            colliders: &self.colliders,
+            joints: &self.joints,
+            multibody_joints: &self.multibody_joints,
+            soft_bodies: &self.soft_bodies,
+        };
+        written(Kind::Simulation, &sets, &kept)
+    }
+
+    /// A simulation from the bytes of [`snapshot`](Self::snapshot). `models` are those of its bodies, in any order. Body
+    /// numbers stay; [`read_by`](Self::read_by) has to be said again, and what it asks beyond the solver's question is
+    /// asked from the next step on.
+    ///
+    /// # Errors
+    ///
+    /// [`RestoreError`].
+    pub fn restore(bytes: &[u8], models: &[Model]) -> Result<Self, RestoreError> {
+        let (kept, world): (Kept, PhysicsWorld) = read(Kind::Simulation, bytes, models)?;
+        let detector = kept.detector.parse();
+        let detector = detector.map_err(|_| RestoreError::Content { flaw: "unknown detector" })?;
+        let options = SimulationOptions {
+            detector,
+            gravity: DVec3::from_array(kept.gravity),
+            step: kept.step,
+            length_unit: kept.length_unit,
+            recycling: kept.recycling,
+            solver_iterations: kept.solver_iterations.map(|n| n as usize),
+        };
+        let mut simulation = Self::new(options);
+        let bodies_are_known = kept.handles.len() == kept.tagged.len()
+            && kept.handles.len() == kept.poses_before.len()
+            && kept.handles.iter().all(|&handle| world.bodies.contains(handle))
+            && kept.tagged.iter().all(|&(handle, ..)| world.colliders.contains(handle));
+        if !bodies_are_known {
+            return Err(RestoreError::Content { flaw: "bodies are missing" });
+        }
+        simulation.put_in(world);
+        simulation.handles = kept.handles;
+        let tagged = kept.tagged.into_iter().map(|(collider, center, radius)| Tagged {
+            collider,
+            center: Vector::from_array(center),
+            radius,
+        });
+        simulation.tagged = tagged.collect();
+        simulation.settled = kept.settled;
+        simulation.looked_ahead = kept.looked_ahead;
+        simulation.poses_before = kept.poses_before.into_iter().map(WrittenPose::pose).collect();
+        simulation.exclusions.0 = kept.exclusions.into_iter().collect();
+        simulation.log.continue_at(kept.log_step);
+        for answer in kept.answers {
+            simulation.ask_again(&answer)?;
+        }
+        Ok(simulation)
+    }
+
+    /// rapier's part of it, with this one's own dispatcher.
+    fn put_in(&mut self, world: PhysicsWorld) {
+        let PhysicsWorld {
+            integration_parameters,
+            islands,
+            broad_phase,
+            mut narrow_phase,
+            bodies,
+            colliders,
+            impulse_joints,
+            multibody_joints,
+            soft_bodies,
+            ..
+        } = world;
+        narrow_phase.set_query_dispatcher(self.dispatcher());
+        self.parameters = IntegrationParameters { ..integration_parameters };
+        self.islands = islands;
+        self.broad_phase = broad_phase;
+        self.narrow_phase = narrow_phase;
+        self.bodies = bodies;
+        self.colliders = colliders;
+        self.joints = impulse_joints;
+        self.multibody_joints = multibody_joints;
+        self.soft_bodies = soft_bodies;
+    }
+
+    /// Fills the log again, which tells of bodies asleep what was said when they were last asked about.
+    fn ask_again(&self, written: &WrittenAnswer) -> Result<(), RestoreError> {
+        let flaw = RestoreError::Content { flaw: "an answer is of no pair of bodies" };
+        let model = |tag: u32| {
+            let collider = self.tagged.get(tag as usize)?.collider;
+            Some(ours(self.colliders.get(collider)?.shape())?.model())
+        };
+        let (first, second) = written.tags;
+        let Some(models) = model(first).zip(model(second)) else { return Err(flaw) };
+        let (pose, demand) = (written.first_from_second.pose(), written.demand.demand());
+        let answer = ask(models.into(), pose, demand, &mut PairMemory::default()).ok_or(flaw)?;
+        let logged = LoggedAnswer {
+            answer: Arc::new(answer),
+            first_from_second: pose,
+            step: written.step,
+            demand,
+        };
+        self.log.put_back(written.tags, logged);
+        Ok(())
+    }
+}

@@ -1,0 +1,171 @@
+//! [`Simulation`]s, with what they keep beside rapier's world.
+
+use std::f64::consts::TAU;
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::Model;
+use cranny_narrow_phase::Demand;
+use cranny_rapier::{
+    BodyIndex, BodyKind, Detector, JointSpec, Simulation, SimulationOptions, SnapshotError,
+};
+use cranny_shapes::{IsoBolt, IsoNut};
+
+use crate::world::{cuboid, model, spec};
+
+fn bits(v: DVec3) -> [u64; 3] {
+    v.to_array().map(f64::to_bits)
+}
+
+/// All poses and velocities, to the bit.
+fn state(simulation: &Simulation) -> Vec<([u64; 4], [[u64; 3]; 3])> {
+    let bodies = (0..simulation.len() as u32).map(BodyIndex);
+    let of = |body| {
+        let pose = simulation.pose(body);
+        let (linear, angular) = simulation.velocity(body);
+        let rotation = pose.rotation.to_array().map(f64::to_bits);
+        (rotation, [pose.translation, linear, angular].map(bits))
+    };
+    bodies.map(of).collect()
+}
+
+/// What is told of all pairs, written out.
+fn told(simulation: &Simulation) -> String {
+    let pairs = simulation.contact_pairs();
+    let told = pairs.iter().map(|pair| {
+        let answer = (&pair.answer.contacts, &pair.answer.regions, pair.answer.distance);
+        format!("{:?} {:?} {answer:?} {:?} {}", pair.a, pair.b, pair.poses, pair.fresh)
+    });
+    told.collect::<Vec<_>>().join("\n")
+}
+
+#[track_caller]
+fn goes_on(
+    make: impl Fn() -> Simulation,
+    models: &[Model],
+    [before, after]: [usize; 2],
+    also: impl Fn(&mut Simulation),
+) -> [Simulation; 2] {
+    let (mut unwritten, mut written) = (make(), make());
+    for simulation in [&mut unwritten, &mut written] {
+        (0..before).for_each(|_| simulation.step());
+    }
+    let bytes = written.snapshot().expect("between two steps");
+    let mut restored = Simulation::restore(&bytes, models).expect("just written");
+    assert_eq!(state(&restored), state(&unwritten));
+    assert_eq!(told(&restored), told(&unwritten), "what the last step said");
+    also(&mut unwritten);
+    also(&mut restored);
+    for step in 0..after {
+        unwritten.step();
+        restored.step();
+        assert_eq!(state(&restored), state(&unwritten), "step {step} after it was read");
+        assert_eq!(told(&restored), told(&unwritten), "step {step} after it was read");
+        assert_eq!(restored.prediction_distance(), unwritten.prediction_distance());
+    }
+    [unwritten, restored]
+}
+
+fn nut_on_bolt() -> (Simulation, Vec<Model>) {
+    let models = vec![
+        model(IsoBolt { segments: 48, ..IsoBolt::default() }),
+        model(IsoNut { segments: 48, ..IsoNut::default() }),
+    ];
+    let mut simulation = Simulation::new(SimulationOptions {
+        step: 1.0 / 240.0,
+        length_unit: 3.0,
+        ..SimulationOptions::default()
+    });
+    simulation.insert(&spec(&models[0], BodyKind::Fixed, DVec3::ZERO)).unwrap();
+    let mut nut = spec(&models[1], BodyKind::Dynamic, DVec3::new(0.0, 0.0, 20.0));
+    (nut.friction, nut.angular_velocity) = (0.1, DVec3::new(0.0, 0.0, TAU));
+    simulation.insert(&nut).unwrap();
+    (simulation, models)
+}
+
+#[test]
+fn a_nut_on_its_bolt() {
+    let (_, models) = nut_on_bolt();
+    let nuts = goes_on(|| nut_on_bolt().0, &models, [30, 40], |_| ());
+    let [one, other] = nuts.each_ref().map(|nut| nut.snapshot().expect("between two steps"));
+    assert!(one == other, "written the same again");
+    assert!(nuts[1].contact_pairs().iter().any(|pair| !pair.answer.contacts.is_empty()));
+}
+
+fn pile(detector: Detector) -> (Simulation, Vec<Model>) {
+    let models = vec![cuboid(8.0, 8.0, 1.0), cuboid(0.6, 0.8, 0.5), cuboid(0.3, 0.3, 2.0)];
+    let mut simulation =
+        Simulation::new(SimulationOptions { detector, ..SimulationOptions::default() });
+    let mut add = |k: usize, kind, x: f64, z: f64| {
+        simulation.insert(&spec(&models[k], kind, DVec3::new(x, 0.0, z))).unwrap()
+    };
+    add(0, BodyKind::Fixed, 0.0, 0.0);
+    for k in 0..3 {
+        add(1, BodyKind::Dynamic, 0.03 * f64::from(k), 0.8 + 0.56 * f64::from(k));
+    }
+    let (post, arm) = (add(2, BodyKind::Fixed, 2.0, 1.5), add(1, BodyKind::Dynamic, 2.6, 2.0));
+    let passer = add(2, BodyKind::Dynamic, 0.0, 9.0);
+    let at = |x: f64, z: f64| Pose::at(DVec3::new(x, 0.0, z));
+    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, target: None };
+    simulation.join(post, arm, at(0.2, 0.5), at(-0.4, 0.0), &hinge, false);
+    simulation.exclude(passer, BodyIndex(1));
+    (simulation, models)
+}
+
+#[test]
+fn a_pile_a_hinge_and_a_pair_that_is_left_out() {
+    for detector in Detector::ALL {
+        let (_, models) = pile(detector);
+        goes_on(|| pile(detector).0, &models, [50, 70], |_| ());
+    }
+}
+
+/// What is asked by a reader is asked again of the reader that is given anew.
+#[test]
+fn readers_read_on() {
+    let (_, models) = pile(Detector::Cranny);
+    let reader = |_, _| Demand::Regions { margin: 0.5 };
+    let make = || {
+        let (simulation, _) = pile(Detector::Cranny);
+        simulation.read_by(reader);
+        simulation
+    };
+    goes_on(make, &models, [50, 20], |simulation| simulation.read_by(reader));
+}
+
+#[test]
+fn who_sleeps_is_told_of_as_before() {
+    let (_, models) = pile(Detector::Cranny);
+    let make = || {
+        let (mut simulation, _) = pile(Detector::Cranny);
+        (0..400).for_each(|_| simulation.step());
+        simulation
+    };
+    let [_, rested] = goes_on(make, &models, [0, 30], |_| ());
+    let pairs = rested.contact_pairs();
+    assert!(pairs.iter().any(|pair| !pair.fresh && !pair.answer.contacts.is_empty()));
+}
+
+#[test]
+fn bodies_that_were_pushed_and_put_elsewhere_before_the_next_step() {
+    let (_, models) = pile(Detector::Cranny);
+    let make = || {
+        let (mut simulation, _) = pile(Detector::Cranny);
+        (0..40).for_each(|_| simulation.step());
+        simulation.set_pose(BodyIndex(3), Pose::at(DVec3::new(1.0, 1.0, 2.0)));
+        simulation.set_velocity(BodyIndex(2), DVec3::new(0.5, 0.0, 1.0), DVec3::Z);
+        simulation
+    };
+    goes_on(make, &models, [0, 60], |_| ());
+}
+
+#[test]
+fn between_steps_only() {
+    let (mut simulation, models) = pile(Detector::Cranny);
+    let written = |simulation: &Simulation| simulation.snapshot();
+    assert!(matches!(written(&simulation), Err(SnapshotError::UnsettledJoint)));
+    simulation.step();
+    assert!(written(&simulation).is_ok());
+    simulation.insert(&spec(&models[1], BodyKind::Dynamic, DVec3::new(0.0, 3.0, 5.0))).unwrap();
+    let refused = written(&simulation);
+    assert!(matches!(refused, Err(SnapshotError::Unsettled { changed: 1 })), "{refused:?}");
+}
