@@ -44,6 +44,9 @@ const REFITS: usize = 4;
 /// quadratic time (`wide_fans_take_no_quadratic_time`).
 const CROWDED: usize = 256;
 
+/// Lengths whose squares, and those of components that matter, neither vanish nor overflow: far inside of what does.
+const SQUARES: Range<f64> = 1e-100..1e100;
+
 pub(super) const UNASSIGNED: u32 = u32::MAX;
 
 /// A facet of the merged layer, numbered from 0 in no order that means anything.
@@ -419,6 +422,10 @@ impl<'a> Growth<'a> {
 
 /// The vector at length 1; `None` where it has none to speak of.
 fn unit(v: DVec3) -> Option<DVec3> {
+    let length = v.length();
+    if SQUARES.contains(&length) {
+        return Some(v / length);
+    }
     let largest = v.abs().max_element();
     let scaled = v / largest;
     (largest > 0.0 && scaled.is_finite()).then(|| scaled / scaled.length())

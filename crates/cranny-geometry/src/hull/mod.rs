@@ -30,9 +30,11 @@
 
 mod codec;
 mod convexity;
+mod exchange;
 mod facet_order;
 mod facets;
 mod facets_update;
+mod fan;
 mod locate;
 mod measures;
 mod numbering;

@@ -34,6 +34,9 @@ impl Outlines {
         tolerance: f64,
     ) -> Self {
         let facets = triangle_starts.len() - 1;
+        if facets == surface.triangles.len() && facets > 2 {
+            return Self::of_triangles(surface, facet_of, triangles);
+        }
         let row =
             |f: usize| &triangles[triangle_starts[f] as usize..triangle_starts[f + 1] as usize];
         let loops = Loops::new(surface, facet_of, (0..facets).map(row));
@@ -67,6 +70,21 @@ impl Outlines {
             outlines.starts.push(outlines.corners.len() as u32);
         }
         outlines
+    }
+
+    /// The outlines of facets that are one triangle each, of a hull that is no plate: at each vertex three of them
+    /// meet, or more.
+    fn of_triangles(surface: &Surface, facet_of: &[u32], triangles: &[u32]) -> Self {
+        let corners = |&t: &u32| surface.triangles[t as usize].map(HullVertexId);
+        let neighbours = |&t: &u32| {
+            let across = |i: u32| FacetId(across(surface, facet_of, 3 * t + i));
+            [across(0), across(1), across(2)]
+        };
+        Self {
+            starts: (0..=triangles.len() as u32).map(|f| 3 * f).collect(),
+            corners: triangles.iter().flat_map(corners).collect(),
+            neighbours: triangles.iter().flat_map(neighbours).collect(),
+        }
     }
 
     /// The outlines of facets that follow those before, `fresh` of which are new or have another number.

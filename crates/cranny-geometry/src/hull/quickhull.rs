@@ -32,6 +32,7 @@
 
 use cranny_exact::{Aabb, DVec3, Sign};
 
+use super::fan::Fan;
 use super::side::Side;
 use super::sieve::outer_points;
 use super::span::{Span, span_of};
@@ -60,7 +61,7 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
     of_subset(points, &extreme).map_or(surface, |(surface, _)| surface)
 }
 
-/// [`exact_hull`] of few points; `None` if they are coplanar.
+/// As [`exact_hull`]; `None` if the points are coplanar.
 pub(super) fn hull_of_some(points: &[DVec3]) -> Option<Surface> {
     let Span::Space(simplex) = span_of(points) else { return None };
     Some(exact_hull(points, simplex))
@@ -199,7 +200,7 @@ struct Waiting {
 }
 
 impl Waiting {
-    const NOBODY: Self = Self { apex: NONE, list: NONE, apex_height: 0.0 };
+    const NOBODY: Self = Self { apex: NONE, list: NONE, apex_height: f64::NEG_INFINITY };
 }
 
 /// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they become more; more,
@@ -226,7 +227,7 @@ struct Builder<'a> {
     removed: Vec<u32>,
     horizon: Vec<(u32, u32, u32)>,
     orphans: Vec<u32>,
-    fan: Vec<(u32, Side)>,
+    fan: Fan,
 }
 
 impl<'a> Builder<'a> {
@@ -249,13 +250,13 @@ impl<'a> Builder<'a> {
             removed: Vec::new(),
             horizon: Vec::new(),
             orphans: Vec::new(),
-            fan: Vec::new(),
+            fan: Fan::default(),
         };
         // `d` lies above (a, b, c): the base looks away from it, and `d` closes the hole above.
         let (base, side) = builder.add_face([a, c, b], [NONE; 3]);
         builder.horizon = vec![(a, b, 4 * base + 2), (b, c, 4 * base + 1), (c, a, 4 * base)];
         builder.close_hole(d);
-        builder.fan.push((base, side));
+        builder.fan.push(base, &side);
         builder.orphans = (0..points.len() as u32).filter(|i| ![a, b, c, d].contains(i)).collect();
         builder.assign_orphans(&[a, b, c, d]);
         builder
@@ -340,14 +341,13 @@ impl<'a> Builder<'a> {
         self.fan.clear();
         let horizon = std::mem::take(&mut self.horizon);
         for &(from, to, outer) in &horizon {
-            let new = self.add_face([from, to, apex], [outer, NONE, NONE]);
-            let (face, _) = new;
+            let (face, side) = self.add_face([from, to, apex], [outer, NONE, NONE]);
             self.links[(outer >> 2) as usize].twins[(outer & 3) as usize] = 4 * face;
             self.fan_start[from as usize] = face;
-            self.fan.push(new);
+            self.fan.push(face, &side);
         }
         self.horizon = horizon;
-        for &(face, _) in &self.fan {
+        for face in self.fan.faces() {
             let to = self.links[face as usize].vertices[1];
             let neighbour = self.fan_start[to as usize];
             self.links[face as usize].twins[1] = 4 * neighbour + 2;
@@ -383,10 +383,8 @@ impl<'a> Builder<'a> {
         let orphans = std::mem::take(&mut self.orphans);
         for &point in &orphans {
             let place = self.points[point as usize];
-            let above = self.fan.iter().find_map(|&(face, ref side)| {
-                let height = side.height(place);
-                let sign = side.sign(height, place, || self.corners(face));
-                (sign == Sign::Positive).then_some((face, height))
+            let above = self.fan.first_above(place, |face, height| {
+                self.facing[face as usize].side.sign(height, place, || self.corners(face))
             });
             match above {
                 Some((face, height)) => self.wait(face, point, height),
@@ -398,17 +396,16 @@ impl<'a> Builder<'a> {
         }
         self.orphans = orphans;
         self.orphans.clear();
-        let fan = self.fan.iter().map(|&(face, _)| face);
-        self.pending.extend(fan.filter(|&face| self.waiting[face as usize].apex != NONE));
+        self.pending
+            .extend(self.fan.faces().filter(|&face| self.waiting[face as usize].apex != NONE));
     }
 
     fn wait(&mut self, face: u32, point: u32, height: f64) {
         let waiting = &mut self.waiting[face as usize];
-        let mut lower = point;
-        if waiting.apex == NONE || height > waiting.apex_height {
-            lower = std::mem::replace(&mut waiting.apex, point);
-            waiting.apex_height = height;
-        }
+        let is_highest = height > waiting.apex_height;
+        let lower = if is_highest { waiting.apex } else { point };
+        waiting.apex = if is_highest { point } else { waiting.apex };
+        waiting.apex_height = if is_highest { height } else { waiting.apex_height };
         if lower != NONE {
             self.successor[lower as usize] = waiting.list;
             waiting.list = lower;

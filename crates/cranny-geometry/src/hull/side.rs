@@ -34,7 +34,7 @@ const FILTER: f64 = 8.0 * f64::EPSILON;
 pub(super) struct Side {
     /// `(b − a) × (c − a)`, rounded.
     pub(super) normal: DVec3,
-    anchor: DVec3,
+    pub(super) anchor: DVec3,
     bound: f64,
 }
 

@@ -30,7 +30,7 @@ use super::span::{Span, span_of};
 const CROWD: usize = 32;
 
 /// Fewer points than these are not sieved: with so few cells little would fall through.
-const LEAST: usize = 256;
+const LEAST: usize = 2048;
 
 /// What is taken off the squared radius: the dozen or so roundings of computing it and of measuring
 /// against it, with room. Smaller, and the proof above fails; larger, and a few more points are left.
