@@ -129,7 +129,8 @@ impl Model {
     ///
     /// Where the box of the hull changes, so does what counts as flat, and all facets are measured and
     /// everything is classified. Where a hull's surface cannot be repaired (a vertex inside a flat
-    /// facet comes out, vertices coincide, the body is flat) it is built anew. Where caps are shared, count negative or
+    /// facet comes out, vertices coincide) it is built anew, and what is as before keeps its number; so is the hull of a
+    /// flat body, and then all is followed. Where caps are shared, count negative or
     /// hang on isolated vertices, concavities are found anew, all of them.
     ///
     /// # Errors

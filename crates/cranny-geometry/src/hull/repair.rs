@@ -12,8 +12,8 @@
 //! triangle has the point above it, what the point sees is replaced by a fan.
 //!
 //! All signs are exact, and the result is checked where it is new: every edge convex or flat, every
-//! vertex extreme. Cases that are not worth the care (a vertex inside a flat facet or edge comes out,
-//! coincident points, a hull that collapses) are not repaired: the caller builds the hull anew.
+//! vertex extreme. Where that fails (a vertex inside a flat facet or edge comes out, points coincide), all is undone
+//! and the surface is [exchanged](super::exchange) for one that was built anew.
 //!
 //! Source: points are put in as by Barber, Dobkin and Huhdanpaa (1996, "The quickhull algorithm for convex
 //! hulls"); how they are taken out is argued above and this crate's own. Cost: for each vertex taken out a hull of
@@ -43,8 +43,8 @@ pub(super) struct Repair<'a> {
     known: usize,
     /// The numbers of points that were no vertices.
     extra: BTreeMap<u32, u32>,
-    triangles: Vec<[u32; 3]>,
-    twins: Vec<u32>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) twins: Vec<u32>,
     /// A half-edge that starts at a vertex; `NONE` for points that are none.
     leaving: Vec<u32>,
     /// Strictly inside.
@@ -53,6 +53,8 @@ pub(super) struct Repair<'a> {
     first_new: u32,
     /// Triangles that are gone, and what their corners were.
     dead: Vec<(u32, [u32; 3])>,
+    /// Twins of triangles before that were replaced, and what they were.
+    replaced: Vec<(u32, u32)>,
 }
 
 /// A surface that follows another one. Triangles that are there still have the numbers that they had, but for those
@@ -90,7 +92,25 @@ impl<'a> Repair<'a> {
             leaving,
             middle,
             dead: Vec::new(),
+            replaced: Vec::new(),
         }
+    }
+
+    /// Everything is as it was. O(n).
+    pub(super) fn undo(&mut self) {
+        let before = self.first_new as usize;
+        self.triangles.truncate(before);
+        self.twins.truncate(3 * before);
+        for (t, corners) in self.dead.drain(..).filter(|d| (d.0 as usize) < before) {
+            self.triangles[t as usize] = corners;
+        }
+        for (h, twin) in self.replaced.drain(..).rev() {
+            self.twins[h as usize] = twin;
+        }
+        self.sources.truncate(self.known);
+        self.positions.truncate(self.known);
+        self.extra.clear();
+        self.find_leaving();
     }
 
     fn at(&self, v: u32) -> DVec3 {
@@ -102,11 +122,11 @@ impl<'a> Repair<'a> {
         orient3d(a, b, c, p)
     }
 
-    fn is_alive(&self, t: u32) -> bool {
+    pub(super) fn is_alive(&self, t: u32) -> bool {
         self.triangles[t as usize][0] != NONE
     }
 
-    fn origin(&self, h: u32) -> u32 {
+    pub(super) fn origin(&self, h: u32) -> u32 {
         self.triangles[h as usize / 3][h as usize % 3]
     }
 
@@ -116,7 +136,7 @@ impl<'a> Repair<'a> {
     }
 
     /// The number of a point, which has one now.
-    fn entered(&mut self, point: u32) -> u32 {
+    pub(super) fn entered(&mut self, point: u32) -> u32 {
         let (number, place) = (self.sources.len() as u32, self.points[point as usize]);
         *self.extra.entry(point).or_insert_with(|| {
             self.sources.push(VertexId(point));
@@ -126,14 +146,41 @@ impl<'a> Repair<'a> {
         })
     }
 
-    fn kill(&mut self, t: u32) {
+    pub(super) fn kill(&mut self, t: u32) {
         let corners = std::mem::replace(&mut self.triangles[t as usize], [NONE; 3]);
         self.dead.push((t, corners));
     }
 
+    /// Takes the vertices that have moved out, and puts all points that have moved, ascending, in at their new places;
+    /// `near` tells the points that lie in a box. `None` where that cannot be done.
+    pub(super) fn move_points(
+        &mut self,
+        moved: &[VertexId],
+        near: impl Fn(&Aabb) -> Vec<VertexId>,
+    ) -> Option<()> {
+        let is_moved = |v: VertexId| moved.binary_search(&v).is_ok();
+        let unmoved = |bounds: &Aabb| -> Vec<u32> {
+            let mut found = near(bounds);
+            found.retain(|&v| !is_moved(v));
+            found.into_iter().map(|v| v.0).collect()
+        };
+        for &v in moved {
+            if let Some(known) = self.known(v) {
+                self.take_out(known, unmoved)?;
+            }
+        }
+        // Moved points lie side by side, as a rule: each walk begins where the last one ended, the first at what
+        // was made last.
+        let mut start = None;
+        for &v in moved {
+            start = Some(self.put_in(v.0, start)?);
+        }
+        Some(())
+    }
+
     /// Takes a vertex of the hull before out; `near` tells the points that may come out, which lie in a box: no moved
     /// ones. `None` where the hole cannot be filled.
-    pub(super) fn take_out(&mut self, d: u32, near: impl Fn(&Aabb) -> Vec<u32>) -> Option<()> {
+    fn take_out(&mut self, d: u32, near: impl Fn(&Aabb) -> Vec<u32>) -> Option<()> {
         let spokes = self.spokes(d);
         let place = self.at(d);
         // Seen from outside, the link runs around counter-clockwise.
@@ -175,6 +222,17 @@ impl<'a> Repair<'a> {
         self.fill(&link, &filling)
     }
 
+    /// Finds for each vertex a half-edge that leaves it. O(n).
+    pub(super) fn find_leaving(&mut self) {
+        self.leaving.clear();
+        self.leaving.resize(self.sources.len(), NONE);
+        for (h, &v) in (0..).zip(self.triangles.as_flattened()) {
+            if v != NONE {
+                self.leaving[v as usize] = h;
+            }
+        }
+    }
+
     /// The half-edges that leave a vertex, in the order in which its link runs.
     fn spokes(&self, d: u32) -> Vec<u32> {
         let first = self.leaving[d as usize];
@@ -199,7 +257,7 @@ impl<'a> Repair<'a> {
 
     /// Closes a hole with triangles; `None` where its rim is not theirs. `rim`: edges of the triangles to
     /// come, and the half-edge beyond each.
-    fn fill(&mut self, rim: &[(u32, u32, u32)], triangles: &[[u32; 3]]) -> Option<()> {
+    pub(super) fn fill(&mut self, rim: &[(u32, u32, u32)], triangles: &[[u32; 3]]) -> Option<()> {
         let mut open: BTreeMap<(u32, u32), u32> =
             rim.iter().map(|&(from, to, beyond)| ((to, from), beyond)).collect();
         for &corners in triangles {
@@ -215,7 +273,10 @@ impl<'a> Repair<'a> {
                 match open.remove(&(to, from)) {
                     Some(twin) => {
                         self.twins[h as usize] = twin;
-                        self.twins[twin as usize] = h;
+                        let former = std::mem::replace(&mut self.twins[twin as usize], h);
+                        if twin / 3 < self.first_new {
+                            self.replaced.push((twin, former));
+                        }
                     }
                     // An edge run twice the same way is no surface.
                     None if open.insert((from, to), h).is_some() => return None,
@@ -229,7 +290,7 @@ impl<'a> Repair<'a> {
     /// Puts a point in at its new place, if it is outside; `start` is a triangle to walk from. Returns one
     /// to walk from next, or `None` where the point lies in the place of a vertex that it would have to
     /// replace.
-    pub(super) fn put_in(&mut self, point: u32, start: Option<u32>) -> Option<u32> {
+    fn put_in(&mut self, point: u32, start: Option<u32>) -> Option<u32> {
         let p = self.points[point as usize];
         let seen = self.triangle_towards(p, start)?;
         let corners = self.triangles[seen as usize];
@@ -307,13 +368,14 @@ impl<'a> Repair<'a> {
         orient3d(self.middle, a, b, p) == Sign::Negative
     }
 
-    /// The surface, where all that is new is sound; its vertices are exactly the extreme points.
-    pub(super) fn finish(mut self) -> Option<Repaired> {
-        let alive: Vec<u32> =
-            (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect();
-        if !self.is_sound(&alive) {
-            return None;
-        }
+    /// The triangles that are new, ascending.
+    fn made(&self) -> Vec<u32> {
+        (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect()
+    }
+
+    /// The surface, which [is sound](Self::is_sound).
+    pub(super) fn finish(mut self) -> Repaired {
+        let alive = self.made();
         let mut dead: Vec<u32> = self.dead.iter().map(|d| d.0).collect();
         dead.retain(|&t| t < self.first_new);
         dead.sort_unstable();
@@ -325,7 +387,7 @@ impl<'a> Repair<'a> {
         fresh.sort_unstable();
         let (numbering, new) = self.number(&fresh);
         let surface = Surface { triangles: self.triangles, twins: self.twins };
-        Some(Repaired {
+        Repaired {
             sources: self.sources,
             positions: self.positions,
             surface,
@@ -335,12 +397,13 @@ impl<'a> Repair<'a> {
             fresh,
             dead,
             moved: old.into_iter().collect(),
-        })
+        }
     }
 
     /// Whether new triangles have an area, and around their corners every edge is convex or flat and every vertex
-    /// extreme.
-    fn is_sound(&self, new: &[u32]) -> bool {
+    /// extreme: then the vertices are exactly the extreme points.
+    pub(super) fn is_sound(&self) -> bool {
+        let new = self.made();
         let touched: BTreeSet<u32> = new.iter().flat_map(|&t| self.triangles[t as usize]).collect();
         let is_extreme = |&v: &u32| {
             let mut convex = 0;

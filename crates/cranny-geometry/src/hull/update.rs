@@ -1,6 +1,6 @@
 //! A hull after some of its points have moved.
 //!
-//! The exact surface is [repaired](super::repair) where it can be, and facets keep their planes where
+//! The exact surface is [repaired](super::repair) where it can be, else [exchanged](super::exchange), and facets keep their planes where
 //! nothing around them is new: all their triangles are there, and all triangles at their corners. The
 //! others grow again from what is left. That holds as long as the box of the hull is the same,
 //! for the tolerance of merging, and what rounding may do, follow it; a new box means new planes.
@@ -11,6 +11,7 @@
 use cranny_exact::{Aabb, DVec3};
 
 use super::facets::FacetLayer;
+use super::quickhull::hull_of_some;
 use super::repair::{Repair, Repaired};
 use super::support::SupportGraph;
 use super::{ConvexHull, HullKind, Leaving, Surface};
@@ -115,25 +116,15 @@ impl ConvexHull {
         inside: DVec3,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Option<Repaired> {
-        let is_moved = |v: VertexId| moved.binary_search(&v).is_ok();
         let mut repair = Repair::new(points, self, inside);
-        let unmoved = |bounds: &Aabb| -> Vec<u32> {
-            let mut found = near(bounds);
-            found.retain(|&v| !is_moved(v));
-            found.into_iter().map(|v| v.0).collect()
-        };
-        for &v in moved {
-            if let Some(known) = repair.known(v) {
-                repair.take_out(known, unmoved)?;
+        if repair.move_points(moved, near).is_none() || !repair.is_sound() {
+            repair.undo();
+            repair.exchange(&hull_of_some(points)?, moved)?;
+            if !repair.is_sound() {
+                return None;
             }
         }
-        // Moved points lie side by side, as a rule: each walk begins where the last one ended, the first at what
-        // was made last.
-        let mut start = None;
-        for &v in moved {
-            start = Some(repair.put_in(v.0, start)?);
-        }
-        repair.finish()
+        Some(repair.finish())
     }
 }
 
@@ -255,6 +246,40 @@ mod tests {
         let lattice = (0..125).map(|i| DVec3::new(cell(i), cell(i / 5), cell(i / 25))).collect();
         let onto = |noise: &mut Noise, _: DVec3| (2.4 * noise.point()).round();
         knead(lattice, &mut noise, 3, onto);
+    }
+
+    #[test]
+    fn what_cannot_be_repaired_is_exchanged_where_it_changes() {
+        // Points of a lattice in a ball: its sides are polygons of many corners, triangulated one way or another, and
+        // have vertices in their middle, which come out and go in again.
+        let radius = 9i32;
+        let range = || -radius..=radius;
+        let lattice =
+            range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
+        let in_ball = lattice.filter(|p| p.iter().map(|x| x * x).sum::<i32>() <= radius * radius);
+        let mut points: Vec<DVec3> = in_ball.map(|p| DVec3::from_array(p.map(f64::from))).collect();
+        let mut hull = ConvexHull::of_points(&points);
+        let first = hull.triangle_count();
+        let is_away = |p: DVec3| p.abs().max_element() < f64::from(radius);
+        let corners: Vec<VertexId> =
+            hull.sources().iter().copied().filter(|v| is_away(points[v.index()])).collect();
+        let (mut measured, mut all) = (0, 0);
+        for pair in corners.chunks_exact(2).step_by(3) {
+            let there = pair.iter().map(|v| points[v.index()]).collect::<Vec<_>>();
+            for scale in [1.01, 1.0, 0.875, 1.0] {
+                for (v, place) in pair.iter().zip(&there) {
+                    points[v.index()] = scale * place;
+                }
+                let followed = follow(&hull, &points, pair);
+                assert_eq!(followed.hull.validate(&points), []);
+                assert_eq!(followed.hull.sources(), ConvexHull::of_points(&points).sources());
+                measured += followed.measured;
+                all += followed.hull.triangle_count();
+                hull = followed.hull;
+            }
+        }
+        assert_eq!(hull.triangle_count(), first);
+        assert!(2 * measured < all, "{measured} of {all}");
     }
 
     #[test]

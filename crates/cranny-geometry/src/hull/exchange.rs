@@ -1,0 +1,55 @@
+//! A hull whose surface was built anew, where it could not be repaired: what both surfaces have stays what it was.
+//!
+//! Whatever follows a hull follows its new triangles. So triangles of the new surface that the one before has too, with
+//! corners that have not moved, keep their numbers, and only the others are exchanged.
+//!
+//! Source: none. Cost: O(n log n).
+
+use super::quickhull::Surface;
+use super::repair::Repair;
+use crate::ids::VertexId;
+
+impl Repair<'_> {
+    /// Exchanges the surface, to which nothing has been done yet, for another one, over the points; `moved`, ascending,
+    /// are elsewhere than when it was made. `None` where the inner point is not within the new one.
+    pub(super) fn exchange(&mut self, surface: &Surface, moved: &[VertexId]) -> Option<()> {
+        let number = |repair: &mut Self, point: u32| {
+            let stays = moved.binary_search(&VertexId(point)).is_err();
+            let known = repair.known(VertexId(point)).filter(|_| stays);
+            known.unwrap_or_else(|| repair.entered(point))
+        };
+        let mut new: Vec<[u32; 3]> =
+            surface.triangles.iter().map(|t| t.map(|point| number(self, point))).collect();
+        let mut old: Vec<([u32; 3], u32)> =
+            (0..).zip(&self.triangles).map(|(t, &corners)| (lowest_first(corners), t)).collect();
+        old.sort_unstable();
+        let mut is_kept = vec![false; old.len()];
+        new.retain(|&corners| {
+            let place = old.binary_search_by_key(&lowest_first(corners), |o| o.0);
+            place.map(|i| is_kept[old[i].1 as usize] = true).is_err()
+        });
+        let is_gone = |t: u32| !is_kept[t as usize];
+        let gone: Vec<u32> = (0..old.len() as u32).filter(|&t| is_gone(t)).collect();
+        let edges = gone
+            .iter()
+            .flat_map(|&t| [(3 * t, 3 * t + 1), (3 * t + 1, 3 * t + 2), (3 * t + 2, 3 * t)]);
+        let rim: Vec<(u32, u32, u32)> = edges
+            .map(|(h, next)| (self.origin(h), self.origin(next), self.twins[h as usize]))
+            .filter(|&(.., beyond)| !is_gone(beyond / 3))
+            .collect();
+        gone.into_iter().for_each(|t| self.kill(t));
+        self.find_leaving();
+        self.fill(&rim, &new)
+    }
+}
+
+/// The same triangle, from its lowest corner on.
+fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a < b && a < c {
+        [a, b, c]
+    } else if b < c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
