@@ -4,9 +4,10 @@
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{Edge, VertexId};
 
-use super::facet::{Facet, ones};
+use super::facet::{Facet, is_beneath, ones};
 use super::features::{Corner, Segment, Span};
 use super::gauss_map::Arc;
+use super::oriented::{Extent, Oriented};
 use super::ownership::{Owned, Ownership};
 use super::posed::{Node, are_apart};
 use crate::pair::{Pair, Side};
@@ -64,6 +65,9 @@ pub(super) struct Leaves {
     arcs: Vec<Arc>,
     /// In the pair's frame.
     spans: Vec<Span>,
+    /// Of each facet and of each edge, across the box that lies along their leaf.
+    facet_extents: Vec<Extent>,
+    edge_extents: Vec<Extent>,
 }
 
 /// More leaves than this beyond twice those that were opened lately are not kept. Fewer: what moves on forgets what it
@@ -87,6 +91,8 @@ impl Leaves {
             edges: Vec::new(),
             arcs: Vec::new(),
             spans: Vec::new(),
+            facet_extents: Vec::new(),
+            edge_extents: Vec::new(),
         }
     }
 
@@ -111,6 +117,7 @@ impl Leaves {
             + self.edges.capacity() * size_of::<Segment>()
             + self.arcs.capacity() * size_of::<Arc>()
             + self.spans.capacity() * size_of::<Span>()
+            + (self.facet_extents.capacity() + self.edge_extents.capacity()) * size_of::<Extent>()
     }
 
     /// Takes in a leaf, given by its node in the arena of all patches' trees; tells its number.
@@ -148,8 +155,8 @@ impl Leaves {
         self.leaves[number as usize].posed == self.query
     }
 
-    /// Opens a leaf: its points are posed. Their box.
-    pub(super) fn open(&mut self, pair: &Pair, number: u32) -> &Aabb {
+    /// Opens a leaf: its points are posed.
+    pub(super) fn open(&mut self, pair: &Pair, number: u32) {
         let leaf = &mut self.leaves[number as usize];
         // The first body's do not move.
         if self.side == Side::Second || leaf.posed == 0 {
@@ -163,7 +170,6 @@ impl Leaves {
             leaf.bounds = bounds;
         }
         leaf.posed = self.query;
-        &leaf.bounds
     }
 
     /// Whether what an opened leaf has is there, its features among it if asked for.
@@ -175,15 +181,21 @@ impl Leaves {
 
     /// Makes what an opened leaf has, if it is not there. `ownership` tells what is looked at from its faces; without
     /// it nothing is.
-    pub(super) fn fill(&mut self, pair: &Pair, number: u32, ownership: Option<&Ownership>) {
+    pub(super) fn fill(
+        &mut self,
+        pair: &Pair,
+        number: u32,
+        local: &Oriented,
+        ownership: Option<&Ownership>,
+    ) {
         let at = number as usize;
         if self.leaves[at].facets.end == 0 {
-            self.make_facets(pair, at);
+            self.make_facets(pair, at, local);
         }
         let Some(ownership) = ownership else { return };
         let is_new = !self.leaves[at].has_features;
         if is_new {
-            self.make_features(pair, at, ownership);
+            self.make_features(pair, at, local, ownership);
         }
         let leaf = &mut self.leaves[at];
         if is_new || self.side == Side::Second {
@@ -212,18 +224,20 @@ impl Leaves {
         leaf.boxed = self.query;
     }
 
-    fn make_facets(&mut self, pair: &Pair, at: usize) {
+    fn make_facets(&mut self, pair: &Pair, at: usize, local: &Oriented) {
         let leaf = &mut self.leaves[at];
         let (mesh, start) = (pair.mesh(self.side), self.facets.len());
         let names = leaf.points.of(&self.names);
         for &face in pair.model(self.side).patches().trees().arena().leaf_faces(leaf.node) {
             let places = mesh.corners(face).map(|vertex| place(names, vertex));
-            self.facets.push(Facet::of(face, &mesh.triangle(face), places));
+            let corners = mesh.triangle(face);
+            self.facets.push(Facet::of(face, &corners, places));
+            self.facet_extents.push(Extent::of(corners.map(|p| local.within(p))));
         }
         leaf.facets = Range::since(start, self.facets.len());
     }
 
-    fn make_features(&mut self, pair: &Pair, at: usize, ownership: &Ownership) {
+    fn make_features(&mut self, pair: &Pair, at: usize, local: &Oriented, ownership: &Ownership) {
         let (side, leaf) = (self.side, &mut self.leaves[at]);
         let starts = [self.corners.len(), self.edges.len()];
         let names = leaf.points.of(&self.names);
@@ -237,6 +251,8 @@ impl Leaves {
                 let edge = pair.edge(side, facet.face, i);
                 let Edge { from, to, .. } = pair.topology(side).edges()[edge.index()];
                 self.edges.push(Segment { edge, ends: [from, to].map(|v| place(names, v)) });
+                let ends = [from, to].map(|v| local.within(pair.mesh(side).position(v)));
+                self.edge_extents.push(Extent::of(ends));
                 let arc = Arc::of(pair.mesh(side), pair.topology(side), edge);
                 self.arcs.push(arc);
                 self.spans.push(Span { bounds: Aabb::EMPTY, arc });
@@ -270,6 +286,8 @@ impl Leaves {
         shrink(&mut self.edges);
         shrink(&mut self.arcs);
         shrink(&mut self.spans);
+        shrink(&mut self.facet_extents);
+        shrink(&mut self.edge_extents);
     }
 }
 
@@ -308,19 +326,19 @@ pub(super) struct Outline<'a> {
 }
 
 impl Outline<'_> {
-    /// Whether the leaf is certainly more than `reach` away from what another node holds.
-    #[inline]
-    pub(super) fn is_apart_from_node(&self, other: &Node, reach: f64) -> bool {
-        are_apart(self.bounds, &other.bounds, reach) || other.is_beneath(self.points, reach)
-    }
-
     /// Whether two leaves are certainly more than `reach` apart: what tells is that all points of one lie over
     /// the other's plane.
     #[inline]
     pub(super) fn is_apart_from(&self, other: &Self, reach: f64) -> bool {
         are_apart(self.bounds, other.bounds, reach)
-            || self.node.is_beneath(other.points, reach)
-            || other.node.is_beneath(self.points, reach)
+            || self.is_beneath(other.points, reach)
+            || other.is_beneath(self.points, reach)
+    }
+
+    /// Whether all of some points lie higher over the leaf than `reach`.
+    fn is_beneath(&self, points: &[DVec3], reach: f64) -> bool {
+        let (normal, height) = self.node.oriented().top();
+        is_beneath(normal, height, points, reach)
     }
 }
 
@@ -343,6 +361,18 @@ impl<'a> Parts<'a> {
 
     pub(super) fn points(&self) -> &'a [DVec3] {
         self.leaf.points.of(&self.all.points)
+    }
+
+    pub(super) fn oriented(&self) -> &'a Oriented {
+        self.node.oriented()
+    }
+
+    pub(super) fn facet_extents(&self) -> &'a [Extent] {
+        self.leaf.facets.of(&self.all.facet_extents)
+    }
+
+    pub(super) fn edge_extents(&self) -> &'a [Extent] {
+        self.leaf.edges.of(&self.all.edge_extents)
     }
 
     pub(super) fn facets(&self) -> &'a [Facet] {
@@ -372,16 +402,5 @@ impl<'a> Parts<'a> {
 
     pub(super) fn edge_bounds(&self) -> &Aabb {
         &self.leaf.edge_bounds
-    }
-
-    /// Whether a point may be within reach of the leaf.
-    #[inline]
-    pub(super) fn may_reach(&self, p: DVec3, reach: f64) -> bool {
-        let Aabb { min, max } = self.leaf.bounds;
-        let is_within = |x: f64, min: f64, max: f64| x <= max + reach && x >= min - reach;
-        is_within(p.x, min.x, max.x)
-            && is_within(p.y, min.y, max.y)
-            && is_within(p.z, min.z, max.z)
-            && !self.node.is_beneath(&[p], reach)
     }
 }

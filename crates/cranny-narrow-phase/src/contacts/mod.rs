@@ -24,6 +24,7 @@ mod gather;
 mod gauss_map;
 mod kept;
 mod leaf;
+mod oriented;
 mod overlap;
 mod ownership;
 mod posed;

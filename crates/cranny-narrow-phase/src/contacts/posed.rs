@@ -2,11 +2,11 @@
 //! they are opened (`leaf`). What does not depend on the pose is kept from query to query; of the body whose frame
 //! the pair's is, that is everything.
 
-use cranny_exact::{Aabb, DMat3, DVec3};
+use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{Content, PatchId};
 
-use super::facet::is_beneath;
 use super::leaf::{Leaves, Outline, Parts, shrink};
+use super::oriented::{Oriented, boxes_of};
 use super::ownership::Ownership;
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
@@ -22,22 +22,13 @@ pub(super) fn are_apart(x: &Aabb, y: &Aabb, reach: f64) -> bool {
     beyond(along) || beyond(back)
 }
 
-/// The greater of two numbers that are no NaN.
-#[inline]
-fn more(x: f64, y: f64) -> f64 {
-    if x > y { x } else { y }
-}
-
-/// A node of a patch's tree: a box and a ball around its faces, and a plane over them.
+/// A node of a patch's tree.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// In the pair's frame: for the second body the box of its posed box.
-    pub(super) bounds: Aabb,
-    center: DVec3,
-    radius: f64,
-    normal: DVec3,
-    height: f64,
-    /// Square of the diagonal of its box, in the body's frame.
+    /// A box around its faces, one axis along their mean normal: in the pair's frame, and in the body's.
+    oriented: Oriented,
+    local: Oriented,
+    /// Square of the box's diagonal.
     pub(super) size: f64,
     /// Where its children stand; of a leaf `NONE` twice.
     children: [u32; 2],
@@ -50,50 +41,20 @@ pub(super) struct Node {
 impl Node {
     /// Where its children stand; `None` for a leaf.
     #[inline]
-    pub(super) fn children(&self) -> Option<[u32; 2]> {
-        (self.children[0] != NONE).then_some(self.children)
+    pub(super) fn children(&self) -> Option<&[u32; 2]> {
+        (self.children[0] != NONE).then_some(&self.children)
+    }
+
+    #[inline]
+    pub(super) fn oriented(&self) -> &Oriented {
+        &self.oriented
     }
 
     /// A lower bound of the distance between what two nodes hold, but for rounding; `None` where that is beyond
     /// `limit`.
-    ///
-    /// Boxes and balls tell, and each plane about the other's ball. Planes that face each other tell more: along
-    /// the normal n of one, points y below the other's plane, m · y <= g, are as high as
-    /// n · y = (n + m) · y − m · y >= (n + m) · y − g, and n + m nearly vanishes.
     #[inline]
     pub(super) fn separation_lower(&self, other: &Self, limit: f64) -> Option<f64> {
-        if are_apart(&self.bounds, &other.bounds, limit) {
-            return None;
-        }
-        let touching = self.radius + other.radius + limit;
-        if (other.center - self.center).length_squared() > touching * touching {
-            return None;
-        }
-        let over_self = self.normal.dot(other.center) - other.radius - self.height;
-        let over_other = other.normal.dot(self.center) - self.radius - other.height;
-        if over_self > limit || over_other > limit {
-            return None;
-        }
-        let over = more(over_self, over_other);
-        let sum = self.normal + other.normal;
-        let squared = sum.length_squared();
-        // Less than 120 degrees apart, they tell no more together.
-        if squared >= 1.0 {
-            return Some(over);
-        }
-        let (length, heights) = (squared.sqrt(), self.height + other.height);
-        let along_self = sum.dot(other.center) - length * other.radius - heights;
-        let along_other = sum.dot(self.center) - length * self.radius - heights;
-        let lower = more(over, more(along_self, along_other));
-        (lower <= limit).then_some(lower)
-    }
-}
-
-impl Node {
-    /// Whether all of some points lie higher over the node's plane than `reach`.
-    #[inline]
-    pub(super) fn is_beneath(&self, points: &[DVec3], reach: f64) -> bool {
-        is_beneath(self.normal, self.height, points, reach)
+        self.oriented.separation_lower(&other.oriented, limit)
     }
 }
 
@@ -111,8 +72,6 @@ struct PosedTree {
 pub(super) struct Posed {
     side: Side,
     query: u32,
-    /// Absolute values of the rotation from second to first.
-    absolute: DMat3,
     patches: Numbering,
     trees: Vec<PosedTree>,
     nodes: Vec<Node>,
@@ -124,7 +83,6 @@ impl Posed {
         Self {
             side,
             query: 0,
-            absolute: DMat3::ZERO,
             patches: Numbering::default(),
             trees: Vec::new(),
             nodes: Vec::new(),
@@ -133,14 +91,12 @@ impl Posed {
     }
 
     /// Begins a query.
-    pub(super) fn begin(&mut self, pair: &Pair) {
+    pub(super) fn begin(&mut self) {
         if self.query == u32::MAX {
             *self = Self::new(self.side);
         }
         self.query += 1;
         self.leaves.begin(self.query);
-        let m = pair.first_from_second.linear;
-        self.absolute = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
     }
 
     /// Ends a query: what is kept is little more than what it met.
@@ -170,7 +126,10 @@ impl Posed {
             tree.posed = self.query;
             if self.side == Side::Second {
                 let nodes = tree.start as usize..(tree.start + tree.len) as usize;
-                pose(pair, &self.absolute, &mut self.nodes[nodes]);
+                let map = &pair.first_from_second;
+                for node in &mut self.nodes[nodes] {
+                    node.oriented = node.local.posed(map);
+                }
             }
         }
         (tree.len > 0).then_some(tree.start)
@@ -184,19 +143,16 @@ impl Posed {
         let nodes = forest.nodes(patch.index());
         self.trees.push(PosedTree { start, len: nodes.len() as u32, posed: 0 });
         let Some(root) = forest.root(patch.index()) else { return };
-        for (node, name) in nodes.iter().zip(root..) {
-            let (bounds, slab) = (node.bounds, patches.slab(name));
+        let boxes = boxes_of(pair, self.side, patch);
+        for (oriented, name) in boxes.into_iter().zip(root..) {
             let children = match forest.arena().content(name) {
                 Content::Inner { left, right } => [left, right].map(|name| start + (name - root)),
                 Content::Leaf { .. } => [NONE; 2],
             };
             self.nodes.push(Node {
-                bounds,
-                center: bounds.center(),
-                radius: bounds.half_extents().length(),
-                normal: slab.normal,
-                height: slab.height,
-                size: (bounds.max - bounds.min).length_squared(),
+                oriented,
+                local: oriented,
+                size: 4.0 * oriented.half.length_squared(),
                 children,
                 name,
                 leaf: NONE,
@@ -223,8 +179,7 @@ impl Posed {
         if node.leaf == NONE {
             node.leaf = self.leaves.add(pair, node.name);
         }
-        // Tighter than the box of a posed box.
-        node.bounds = *self.leaves.open(pair, node.leaf);
+        self.leaves.open(pair, node.leaf);
     }
 
     /// A leaf that was opened.
@@ -240,7 +195,7 @@ impl Posed {
     pub(super) fn fill(&mut self, pair: &Pair, at: u32, ownership: Option<&Ownership>) {
         let number = self.node(at).leaf;
         if !self.leaves.is_filled(number, ownership.is_some()) {
-            self.leaves.fill(pair, number, ownership);
+            self.leaves.fill(pair, number, &self.nodes[at as usize].local, ownership);
         }
     }
 
@@ -249,68 +204,5 @@ impl Posed {
     pub(super) fn parts(&self, at: u32) -> Parts<'_> {
         let node = self.node(at);
         self.leaves.parts(node, node.leaf)
-    }
-}
-
-/// Poses nodes of the second body.
-fn pose(pair: &Pair, absolute: &DMat3, nodes: &mut [Node]) {
-    let patches = pair.model(Side::Second).patches();
-    let (map, arena) = (&pair.first_from_second, patches.trees().arena());
-    for node in nodes {
-        let (slab, bounds) = (patches.slab(node.name), &arena.node(node.name).bounds);
-        node.center = map.apply(bounds.center());
-        let reach = *absolute * bounds.half_extents();
-        node.bounds = Aabb { min: node.center - reach, max: node.center + reach };
-        node.normal = map.apply_vector(slab.normal);
-        node.height = slab.height + node.normal.dot(map.translation);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn node(center: [f64; 3], normal: DVec3, height: f64) -> Node {
-        let center = DVec3::from_array(center);
-        // As if it held whatever fits into the ball.
-        let bounds = Aabb { min: center - DVec3::ONE, max: center + DVec3::ONE };
-        Node {
-            bounds,
-            center,
-            radius: 1.0,
-            normal,
-            height,
-            size: 12.0,
-            children: [NONE; 2],
-            name: 0,
-            leaf: NONE,
-        }
-    }
-
-    #[test]
-    fn boxes_balls_and_planes_bound_the_gap_between_nodes() {
-        let nothing = |x, y| node([x, y, 0.0], DVec3::ZERO, 0.0);
-        let beyond = |a: &Node, b: &Node, limit| a.separation_lower(b, limit).is_none();
-        // Boxes tell, and across corners balls do.
-        let middle = nothing(0.0, 0.0);
-        assert!(
-            beyond(&middle, &nothing(5.0, 0.0), 2.9) && !beyond(&middle, &nothing(5.0, 0.0), 3.0)
-        );
-        assert!(
-            beyond(&middle, &nothing(3.0, 4.0), 2.9) && !beyond(&middle, &nothing(3.0, 4.0), 3.0)
-        );
-        // Faces that lie along z = 0 and z = 0.25, looking at each other; their balls overlap.
-        let floor = node([0.0; 3], DVec3::Z, 0.0);
-        let ceiling = |tilt: DVec3| node([0.5, 0.0, 0.25], (tilt - DVec3::Z).normalize(), -0.25);
-        assert_eq!(floor.separation_lower(&ceiling(DVec3::ZERO), 1.0), Some(0.25));
-        assert_eq!(ceiling(DVec3::ZERO).separation_lower(&floor, 1.0), Some(0.25));
-        assert!(beyond(&floor, &ceiling(DVec3::ZERO), 0.2));
-        // A little tilted: what is lost is what the tilt takes within a ball.
-        let tilted = floor.separation_lower(&ceiling(0.01 * DVec3::X), 1.0).unwrap();
-        assert!((0.23..0.25).contains(&tilted), "{tilted}");
-        // Whatever looks the other way is bounded by the plane about its ball.
-        let above = node([0.0, 0.0, 1.5], DVec3::Z, 1.5);
-        assert_eq!(floor.separation_lower(&above, 1.0), Some(0.5));
-        assert!(beyond(&floor, &above, 0.4));
     }
 }

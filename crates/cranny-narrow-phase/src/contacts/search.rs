@@ -1,11 +1,9 @@
 //! Branch and bound for the nearest contact of each pair of patches.
 //!
-//! Along a thread all triangles of two flanks are nearly equally near, and boxes tell nothing: a box
-//! around slanted triangles is thicker than the gap. What tells is a plane over them (`posed`);
-//! of two leaves in the end, their points: if those of one all lie higher over the other's plane than
-//! the best contact so far, the pair has no better one (nor do triangles meet). In what is left, corners
-//! are compared with triangles and ridges with ridges, each from the one face that owns it; ridges only if they touch as they are
-//! turned (`gauss_map`).
+//! Along a thread all triangles of two flanks are nearly equally near, and boxes along the axes of a frame tell nothing: one
+//! around slanted triangles is thicker than the gap. What tells is a box that lies along them (`oriented`). In what
+//! these leave, corners are compared with triangles and ridges with ridges, each from the one face that owns it, where one
+//! lies over the other as the leaf's box has them; ridges only if they touch as they are turned (`gauss_map`).
 //!
 //! The descent sees every pair of triangles that meet, since a bound above 0 is what leaves a pair out:
 //! the exact verdict on the surfaces comes with the contacts.
@@ -17,7 +15,8 @@ use super::close_faces::for_close_faces;
 use super::gauss_map::Touch;
 use super::kept::Kept;
 use super::leaf::Parts;
-use super::posed::{Posed, are_apart};
+use super::oriented::Extent;
+use super::posed::{Node, Posed, are_apart};
 use super::quest::{Ground, Quest, Tip};
 use crate::answer::Counters;
 use crate::descent::{BoxTest, Opened, opened};
@@ -43,7 +42,7 @@ impl<'a, 'b> Search<'a, 'b> {
     pub(super) fn new(pair: &'a Pair<'b>, mut kept: Kept) -> Self {
         kept.belong_to(pair);
         let mut posed = kept.posed.take().unwrap_or_else(|| Side::BOTH.map(Posed::new).into());
-        posed.iter_mut().for_each(|posed| posed.begin(pair));
+        posed.iter_mut().for_each(Posed::begin);
         Self {
             pair,
             boxes: BoxTest::of(pair),
@@ -121,72 +120,67 @@ impl<'a, 'b> Search<'a, 'b> {
         let [posed_a, posed_b] = &mut *self.posed;
         let roots = (posed_a.root(self.pair, patches[0]), posed_b.root(self.pair, patches[1]));
         let (Some(root_a), Some(root_b)) = roots else { return };
-        let mut stack = std::mem::take(&mut self.stack);
-        let lower = self.lower(root_a, root_b, quest.limit());
-        stack.extend(lower.map(|lower| (lower, root_a, root_b)));
+        let (mut stack, rounding) = (std::mem::take(&mut self.stack), self.culling_error);
+        let (node_a, node_b) = (self.posed[0].node(root_a), self.posed[1].node(root_b));
+        let lower = node_a.separation_lower(node_b, quest.limit() + rounding);
+        stack.extend(lower.map(|lower| (lower - rounding, root_a, root_b)));
         while let Some((lower, a, b)) = stack.pop() {
             if lower > quest.limit() {
                 continue;
             }
             counters.node_tests += 1;
-            let [node_a, node_b] = [self.posed[0].node(a), self.posed[1].node(b)];
-            let (limit, first) = (quest.limit(), stack.len());
-            let mut add = |a, b| stack.extend(self.lower(a, b, limit).map(|lower| (lower, a, b)));
+            let [first, second] = &*self.posed;
+            let (node_a, node_b) = (first.node(a), second.node(b));
+            let (limit, start) = (quest.limit(), stack.len());
             // Both are opened, unless one is much larger or cannot be: what lies between is mostly opened, too.
-            match (node_a.children(), node_b.children()) {
-                (Some(left), Some(right))
-                    if node_a.size < MUCH * node_b.size && node_b.size < MUCH * node_a.size =>
-                {
-                    left.into_iter().for_each(|a| right.into_iter().for_each(|b| add(a, b)));
-                }
-                (Some(children), other) if other.is_none() || node_a.size >= node_b.size => {
-                    children.into_iter().for_each(|a| add(a, b));
-                }
-                (_, Some(children)) => children.into_iter().for_each(|b| add(a, b)),
-                _ => {
-                    self.leaves([a, b], quest, counters);
-                    continue;
+            let (own, its) = ([a], [b]);
+            let (beneath_a, beneath_b): (&[u32], &[u32]) =
+                match [node_a, node_b].map(Node::children) {
+                    [None, None] => {
+                        self.leaves([a, b], lower, quest, counters);
+                        continue;
+                    }
+                    [Some(left), None] => (left, &its),
+                    [None, Some(right)] => (&own, right),
+                    [Some(_), Some(right)] if node_b.size >= MUCH * node_a.size => (&own, right),
+                    [Some(left), Some(_)] if node_a.size >= MUCH * node_b.size => (left, &its),
+                    [Some(left), Some(right)] => (left, right),
+                };
+            for &a in beneath_a {
+                let own = first.node(a);
+                for &b in beneath_b {
+                    let lower = own.separation_lower(second.node(b), limit + rounding);
+                    stack.extend(lower.map(|lower| (lower - rounding, a, b)));
                 }
             }
             // The nearest is popped first.
-            let (mut nearest, last) = (first, stack.len());
-            for at in first..last {
+            let (mut nearest, last) = (start, stack.len());
+            for at in start..last {
                 if stack[at].0 < stack[nearest].0 {
                     nearest = at;
                 }
             }
-            if first < last {
+            if start < last {
                 stack.swap(nearest, last - 1);
             }
         }
         self.stack = stack;
     }
 
-    /// A lower bound of the gap between what two nodes of the patches' trees hold; `None` where that is beyond
-    /// `limit`.
-    #[inline]
-    fn lower(&self, a: u32, b: u32, limit: f64) -> Option<f64> {
-        let [first, second] = &*self.posed;
-        let lower = first.node(a).separation_lower(second.node(b), limit + self.culling_error)?;
-        Some(lower - self.culling_error)
-    }
-
-    fn leaves(&mut self, [a, b]: [u32; 2], quest: &mut impl Quest, counters: &mut Counters) {
+    fn leaves(
+        &mut self,
+        [a, b]: [u32; 2],
+        lower: f64,
+        quest: &mut impl Quest,
+        counters: &mut Counters,
+    ) {
         let (pair, rounding) = (self.pair, self.culling_error);
-        let reach = quest.limit() + rounding;
         let [first, second] = &mut *self.posed;
         first.open(pair, a);
-        // What is posed of the one may tell already.
-        if first.outline(a).is_apart_from_node(second.node(b), reach) {
-            return;
-        }
         second.open(pair, b);
-        let (outline_a, outline_b) = (first.outline(a), second.outline(b));
-        if outline_a.is_apart_from(&outline_b, reach) {
-            return;
-        }
-        let closeness = quest.closeness().map(|length| length + rounding);
-        let close = closeness.filter(|&reach| !outline_a.is_apart_from(&outline_b, reach));
+        let close = quest.closeness().filter(|&length| lower <= length).map(|l| l + rounding);
+        let close =
+            close.filter(|&reach| !first.outline(a).is_apart_from(&second.outline(b), reach));
         // Which faces meet is no matter of owners.
         let (owned, wanted) = (&self.kept.owned, quest.wants_features());
         first.fill(pair, a, wanted.then_some(&owned[0]));
@@ -212,10 +206,11 @@ impl<'a, 'b> Search<'a, 'b> {
             return;
         }
         let ground = self.ground();
-        let (points, its_points) = (own.points(), its.points());
+        let (points, its_points, oriented) = (own.points(), its.points(), its.oriented());
         for corner in own.corners() {
             let (at, mut reach) = (corner.at(points), quest.limit() + rounding);
-            if !its.may_reach(at, reach) {
+            let within = oriented.within(at);
+            if !oriented.may_reach(within, reach) {
                 continue;
             }
             let local = match its.side() {
@@ -223,8 +218,8 @@ impl<'a, 'b> Search<'a, 'b> {
                 Side::Second => self.second_from_first.apply(at),
             };
             let tip = Tip { side: own.side(), vertex: corner.vertex, at };
-            for facet in its.facets() {
-                if facet.may_reach(local, reach) {
+            for (facet, extent) in its.facets().iter().zip(its.facet_extents()) {
+                if extent.may_reach(within, reach) && facet.may_reach(local, reach) {
                     quest.corner(ground, tip, (facet.face, &facet.corners(its_points)), counters);
                     reach = quest.limit() + rounding;
                 }
@@ -239,17 +234,29 @@ impl<'a, 'b> Search<'a, 'b> {
             return;
         }
         let (ground, are_turned_so) = (self.ground(), quest.is_for_now());
+        let oriented = b.oriented();
+        let ([own, its], extents) = ([a.points(), b.points()], b.edge_extents());
+        let (others, spans) = (b.edges(), b.spans());
+        let bounds = b.edge_bounds();
         for (e, span) in a.edges().iter().zip(a.spans()) {
-            if are_apart(&span.bounds, b.edge_bounds(), quest.limit() + rounding) {
+            let reach = quest.limit() + rounding;
+            if are_apart(&span.bounds, bounds, reach) {
                 continue;
             }
-            for (k, its) in b.edges().iter().zip(b.spans()) {
-                let touch =
-                    if are_turned_so { span.arc.touch(&its.arc, rounding) } else { Touch::Perhaps };
-                if touch != Touch::Never
-                    && !are_apart(&span.bounds, &its.bounds, quest.limit() + rounding)
-                {
-                    let segments = [e.ends(a.points()), k.ends(b.points())];
+            let [start, end] = e.ends(own);
+            let extent = Extent::of([oriented.within(start), oriented.within(end)]);
+            for (at, other) in extents.iter().enumerate() {
+                if !extent.may_meet(other, reach) {
+                    continue;
+                }
+                let (k, beside) = (&others[at], &spans[at]);
+                let touch = if are_turned_so {
+                    span.arc.touch(&beside.arc, rounding)
+                } else {
+                    Touch::Perhaps
+                };
+                if touch != Touch::Never {
+                    let segments = [[start, end], k.ends(its)];
                     quest.edges(ground, [e.edge, k.edge], segments, touch, counters);
                 }
             }
