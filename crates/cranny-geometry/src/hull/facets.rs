@@ -332,7 +332,7 @@ impl<'a> Growth<'a> {
                 .map(|h| self.triangles.area_vector(self.surface.twins[h as usize] / 3))
         };
         let at = |v: u32| self.positions[v as usize];
-        unit(self.triangles.area_vector(t))
+        unit_of_length(self.triangles.area_vector(t), self.triangles.area(t))
             .or_else(|| unit(around().sum()))
             .or_else(|| {
                 let edge = longest_edge(self.surface.triangles[t as usize].map(at));
@@ -378,7 +378,8 @@ impl<'a> Growth<'a> {
     fn plane_through_top(&self, corners: [u32; 3], normal: DVec3) -> Option<Plane> {
         let height = |v: u32| normal.dot(self.positions[v as usize]);
         let heights = corners.map(height);
-        let top = heights.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let [a, b, c] = heights;
+        let top = a.max(b).max(c);
         let rounding = self.graph.rounding(normal);
         let floor = top - 4.0 * rounding;
         let high_corners = heights.into_iter().filter(|&h| h >= floor).count();
@@ -390,7 +391,7 @@ impl<'a> Growth<'a> {
                 return None;
             }
         }
-        let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
+        let lowest = a.min(b).min(c);
         let offset = (top + rounding).next_up();
         Some(Plane {
             normal,
@@ -422,7 +423,11 @@ impl<'a> Growth<'a> {
 
 /// The vector at length 1; `None` where it has none to speak of.
 fn unit(v: DVec3) -> Option<DVec3> {
-    let length = v.length();
+    unit_of_length(v, v.length())
+}
+
+/// As [`unit`]; the length is known.
+fn unit_of_length(v: DVec3, length: f64) -> Option<DVec3> {
     if SQUARES.contains(&length) {
         return Some(v / length);
     }

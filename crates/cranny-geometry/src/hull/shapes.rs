@@ -5,7 +5,7 @@
 
 use cranny_exact::DVec3;
 
-use super::quickhull::{Surface, previous};
+use super::quickhull::Surface;
 
 /// What merging asks of each triangle.
 pub(super) struct Shapes {
@@ -38,8 +38,13 @@ impl Shapes {
             shapes.areas.push(area);
             shapes.needles.push(is_needle);
         }
-        for h in (0..3 * count as u32).filter(|&h| h < surface.twins[h as usize]) {
-            shapes.bend(positions, surface, tolerance, h);
+        let (twins, _) = surface.twins.as_chunks::<3>();
+        for (t, twins) in (0..).zip(twins) {
+            for (corner, &twin) in (0..).zip(twins) {
+                if 3 * t + corner < twin {
+                    shapes.bend(positions, surface, tolerance, [t, corner], [twin / 3, twin % 3]);
+                }
+            }
         }
         shapes
     }
@@ -69,8 +74,11 @@ impl Shapes {
             shapes.needles.push(shape.is_needle);
         }
         shapes.some = Some(some);
-        for h in triangles.iter().flat_map(|t| 3 * t..3 * t + 3) {
-            shapes.bend(positions, surface, tolerance, h);
+        for &t in triangles {
+            for corner in 0..3 {
+                let twin = surface.twins[3 * t as usize + corner as usize];
+                shapes.bend(positions, surface, tolerance, [t, corner], [twin / 3, twin % 3]);
+            }
         }
         shapes
     }
@@ -84,20 +92,27 @@ impl Shapes {
         }
     }
 
-    /// Tells both triangles at an edge if it bends clearly.
-    fn bend(&mut self, positions: &[DVec3], surface: &Surface, tolerance: f64, h: u32) {
-        let twin = surface.twins[h as usize];
-        let from = positions[surface.origin(h) as usize];
-        let apex = positions[surface.origin(previous(h)) as usize];
-        let other = positions[surface.origin(previous(twin)) as usize];
-        let is_deep = |h: u32, below: DVec3| {
-            let t = self.place(h / 3);
-            self.area_vectors[t].dot(below) > tolerance * self.areas[t]
+    /// Tells both triangles at an edge if it bends clearly; each with the corner that the edge leaves.
+    #[inline]
+    fn bend(
+        &mut self,
+        positions: &[DVec3],
+        surface: &Surface,
+        tolerance: f64,
+        one: [u32; 2],
+        other: [u32; 2],
+    ) {
+        let corner =
+            |t: u32, k: u32| positions[surface.triangles[t as usize][k as usize % 3] as usize];
+        let from = corner(one[0], one[1]);
+        let apexes = [one, other].map(|[t, k]| corner(t, k + 2));
+        let places = [one, other].map(|[t, _]| self.place(t));
+        let is_deep = |place: usize, apex: DVec3| {
+            self.area_vectors[place].dot(from - apex) > tolerance * self.areas[place]
         };
-        if is_deep(h, from - other) && is_deep(twin, from - apex) {
-            let (one, other) = (self.place(h / 3), self.place(twin / 3));
-            self.bends[one] |= 1 << (h % 3);
-            self.bends[other] |= 1 << (twin % 3);
+        if is_deep(places[0], apexes[1]) && is_deep(places[1], apexes[0]) {
+            self.bends[places[0]] |= 1 << one[1];
+            self.bends[places[1]] |= 1 << other[1];
         }
     }
 

@@ -29,22 +29,13 @@ pub(super) fn span_of(points: &[DVec3]) -> Span {
     if points.is_empty() {
         return Span::Empty;
     }
-    let (mut first, mut last) = (0, 0);
-    for i in indices() {
-        // One comparison decides nearly always.
-        if at(i).x <= at(first).x && lexicographic(at(i), at(first)).is_lt() {
-            first = i;
-        }
-        if at(i).x >= at(last).x && lexicographic(at(i), at(last)).is_gt() {
-            last = i;
-        }
-    }
+    let Extremes { ends: [first, last], sides } = Extremes::of(points);
     if at(first) == at(last) {
         return Span::Point(first);
     }
     let axis = at(last) - at(first);
     let off_line = |i: u32| !collinear(at(first), at(last), at(i));
-    let Some(third) = farthest(points, |p| axis.cross(p - at(first)).length_squared())
+    let Some(third) = farthest(points, sides, |p| axis.cross(p - at(first)).length_squared())
         .filter(|&i| off_line(i))
         .or_else(|| indices().find(|&i| off_line(i)))
     else {
@@ -52,7 +43,7 @@ pub(super) fn span_of(points: &[DVec3]) -> Span {
     };
     let normal = axis.cross(at(third) - at(first));
     let side = |i: u32| orient3d(at(first), at(last), at(third), at(i));
-    let Some(fourth) = farthest(points, |p| normal.dot(p - at(first)).abs())
+    let Some(fourth) = farthest(points, sides, |p| normal.dot(p - at(first)).abs())
         .filter(|&i| !side(i).is_zero())
         .or_else(|| indices().find(|&i| !side(i).is_zero()))
     else {
@@ -64,16 +55,53 @@ pub(super) fn span_of(points: &[DVec3]) -> Span {
     }
 }
 
-/// The index of the largest measure; the lowest index among equals.
-fn farthest(points: &[DVec3], measure: impl Fn(DVec3) -> f64) -> Option<u32> {
-    let mut best: Option<(u32, f64)> = None;
-    for (i, &p) in points.iter().enumerate() {
-        let m = measure(p);
-        if best.is_none_or(|(_, most)| m > most) {
-            best = Some((i as u32, m));
+/// Points at the sides of the box of a set.
+struct Extremes {
+    /// The first and the last in lexicographic order.
+    ends: [u32; 2],
+    /// Of least and greatest y and z.
+    sides: [u32; 4],
+}
+
+impl Extremes {
+    /// Of at least one point.
+    fn of(points: &[DVec3]) -> Self {
+        let (mut ends, mut sides) = ([0; 2], [0; 4]);
+        let Some(&start) = points.first() else { return Self { ends, sides } };
+        let (mut first, mut last, mut low, mut high) = (start, start, start, start);
+        for (i, &p) in (0..).zip(points) {
+            // One comparison decides nearly always.
+            if p.x <= first.x && lexicographic(p, first).is_lt() {
+                (ends[0], first) = (i, p);
+            }
+            if p.x >= last.x && lexicographic(p, last).is_gt() {
+                (ends[1], last) = (i, p);
+            }
+            if p.y < low.y {
+                (sides[0], low.y) = (i, p.y);
+            }
+            if p.y > high.y {
+                (sides[1], high.y) = (i, p.y);
+            }
+            if p.z < low.z {
+                (sides[2], low.z) = (i, p.z);
+            }
+            if p.z > high.z {
+                (sides[3], high.z) = (i, p.z);
+            }
         }
+        Self { ends, sides }
     }
-    best.map(|(i, _)| i)
+}
+
+/// The point of largest measure, of a few if that is more than nothing, else of all; the first of equals.
+fn farthest(points: &[DVec3], few: [u32; 4], measure: impl Fn(DVec3) -> f64) -> Option<u32> {
+    let largest = |(best, most): (Option<u32>, f64), i: u32| {
+        let m = measure(points[i as usize]);
+        if m > most { (Some(i), m) } else { (best, most) }
+    };
+    let of_few = few.into_iter().fold((None, 0.0), largest).0;
+    of_few.or_else(|| (0..points.len() as u32).fold((None, 0.0), largest).0)
 }
 
 /// Order by x, then y, then z. Total for finite coordinates (−0 equals 0).
