@@ -16,6 +16,7 @@
 //! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log n) in the chains of
 //! groups, and for each group the product of its rim and its negative caps, up to [`MOST_LOOKS`].
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
@@ -41,12 +42,12 @@ const MOST_LOOKS: usize = 1 << 18;
 /// remain apart, and negative.
 const MOST_TURNED: f64 = 0.5;
 
+/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by far.
+const HARDLY_TURNED: f64 = 0.99;
+
 /// The least component of the normal of any facet of a group along the axis that is looked along. Nearer to 0, and facets are
 /// seen edge-on, where rounding turns triangles over; larger, and some that fit together are seen along no axis.
 const LEAST_SEEN: f64 = 0.25;
-
-/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by far.
-const HARDLY_TURNED: f64 = 0.99;
 
 /// How many slabs deep a group's caps may lie beneath the hull. Smaller than 4, and sides rough by a few
 /// flatnesses are left with negative caps, at 4 a bolt that bends a little as well; larger, and volumes may
@@ -89,9 +90,9 @@ impl Sharing<'_> {
 
     fn group(&self, members: BTreeSet<u32>) -> Group {
         // What is seen along no axis is never joined; of one facet all is seen.
-        let projection = self
-            .projection(members.iter().copied())
-            .unwrap_or_else(|| Projection::along(self.largest(&members)));
+        let largest = self.largest(&members);
+        let projection =
+            self.projection(members.iter(), largest).unwrap_or_else(|| Projection::along(largest));
         let of = |f: &u32| self.chains.binary_search_by_key(f, |chain| chain.0).ok();
         let rows = members.iter().filter_map(of).map(|at| &self.chains[at].1);
         let mut chain: Vec<ChainEdge> = rows.flatten().copied().collect();
@@ -122,10 +123,10 @@ impl Sharing<'_> {
                     None => BTreeSet::from([facet]),
                 };
                 let of_both = larger(largest, self.largest(&joined));
-                let mut both = members[at].iter().chain(&joined);
+                let both = || members[at].iter().chain(&joined);
                 if members[at].contains(&facet)
-                    || !both.all(|&f| self.is_turned_less(f, of_both, MOST_TURNED))
-                    || self.projection(both_of(&members[at], &joined)).is_none()
+                    || !both().all(|&f| self.is_turned_less(f, of_both, MOST_TURNED))
+                    || self.projection(both(), of_both).is_none()
                 {
                     continue;
                 }
@@ -148,14 +149,17 @@ impl Sharing<'_> {
         all
     }
 
-    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the normal of the largest as
-    /// there is one.
-    fn projection(&self, facets: impl Iterator<Item = u32> + Clone) -> Option<Projection> {
-        let largest = self.largest(&facets.clone().collect());
+    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the normal of the largest,
+    /// whose area vector is given, as there is one.
+    fn projection<'f>(
+        &self,
+        facets: impl Iterator<Item = &'f u32> + Clone,
+        largest: DVec3,
+    ) -> Option<Projection> {
         let mut axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * largest.dot(axis).signum());
         axes.sort_by(|a, b| largest.dot(*b).total_cmp(&largest.dot(*a)));
         let seen = |axis: &DVec3, f: u32| self.hull.facet(FacetId(f)).normal.dot(*axis);
-        let sees_all = |axis: &DVec3| facets.clone().all(|f| seen(axis, f) >= LEAST_SEEN);
+        let sees_all = |axis: &DVec3| facets.clone().all(|&f| seen(axis, f) >= LEAST_SEEN);
         axes.into_iter().find(sees_all).map(Projection::along)
     }
 
@@ -300,17 +304,11 @@ impl Sharing<'_> {
     }
 }
 
-/// The facets of two groups.
-fn both_of<'a>(
-    one: &'a BTreeSet<u32>,
-    other: &'a BTreeSet<u32>,
-) -> impl Iterator<Item = u32> + Clone + 'a {
-    one.iter().chain(other).copied()
-}
-
-/// The longer of two vectors, the first of equals.
+/// The longer of two vectors. Of equals neither the first nor the last, which would depend on how facets are numbered.
 fn larger(a: DVec3, b: DVec3) -> DVec3 {
-    if b.length_squared() > a.length_squared() { b } else { a }
+    let by_place = || b.to_array().partial_cmp(&a.to_array()).unwrap_or(Ordering::Equal);
+    let by_length = b.length_squared().total_cmp(&a.length_squared());
+    if by_length.then_with(by_place).is_gt() { b } else { a }
 }
 
 /// An edge of the hull on the rim of a group.
