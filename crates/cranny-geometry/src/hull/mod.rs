@@ -30,7 +30,6 @@
 
 mod codec;
 mod convexity;
-mod exchange;
 mod facet_order;
 mod facets;
 mod facets_update;

@@ -13,23 +13,25 @@
 //!
 //! All signs are exact, and the result is checked where it is new: every edge convex or flat, every
 //! vertex extreme. Where that fails (a vertex inside a flat facet or edge comes out, points coincide), all is undone
-//! and the surface is [exchanged](super::exchange) for one that was built anew.
+//! and the surface is [exchanged](exchange) for one that was built anew.
 //!
 //! Source: points are put in as by Barber, Dobkin and Huhdanpaa (1996, "The quickhull algorithm for convex
 //! hulls"); how they are taken out is argued above and this crate's own. Cost: for each vertex taken out a hull of
 //! its link and the points in the box of its triangles, O(m log m) for m of them; for each point put in the
 //! triangles that the walk passes and those that the point sees.
 
+mod exchange;
+mod finish;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{Aabb, DVec3, Sign, orient3d};
 
+pub(super) use self::finish::Repaired;
 use super::ConvexHull;
-use super::numbering::Numbering;
 use super::quickhull::{Surface, hull_of_some, next, previous};
-use super::span::{Projection, Span, collinear, planar_hull, span_of};
+use super::span::{Projection, Span, planar_hull, span_of};
 use crate::ids::VertexId;
-use crate::rows::closing_ranks;
 
 const NONE: u32 = u32::MAX;
 
@@ -43,8 +45,8 @@ pub(super) struct Repair<'a> {
     known: usize,
     /// The numbers of points that were no vertices.
     extra: BTreeMap<u32, u32>,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) twins: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    twins: Vec<u32>,
     /// A half-edge that starts at a vertex; `NONE` for points that are none.
     leaving: Vec<u32>,
     /// Strictly inside.
@@ -55,24 +57,6 @@ pub(super) struct Repair<'a> {
     dead: Vec<(u32, [u32; 3])>,
     /// Twins of triangles before that were replaced, and what they were.
     replaced: Vec<(u32, u32)>,
-}
-
-/// A surface that follows another one. Triangles that are there still have the numbers that they had, but for those
-/// that fill gaps.
-pub(super) struct Repaired {
-    pub(super) sources: Vec<VertexId>,
-    pub(super) positions: Vec<DVec3>,
-    pub(super) surface: Surface,
-    pub(super) leaving: Vec<u32>,
-    pub(super) numbering: Numbering,
-    /// Vertices that have moved or come.
-    pub(super) new: Vec<u32>,
-    /// Triangles that are new, by their numbers now, ascending.
-    pub(super) fresh: Vec<u32>,
-    /// Triangles that are gone, by their numbers before, ascending.
-    pub(super) dead: Vec<u32>,
-    /// Triangles that have another number, before and now.
-    pub(super) moved: BTreeMap<u32, u32>,
 }
 
 impl<'a> Repair<'a> {
@@ -122,11 +106,11 @@ impl<'a> Repair<'a> {
         orient3d(a, b, c, p)
     }
 
-    pub(super) fn is_alive(&self, t: u32) -> bool {
+    fn is_alive(&self, t: u32) -> bool {
         self.triangles[t as usize][0] != NONE
     }
 
-    pub(super) fn origin(&self, h: u32) -> u32 {
+    fn origin(&self, h: u32) -> u32 {
         self.triangles[h as usize / 3][h as usize % 3]
     }
 
@@ -136,7 +120,7 @@ impl<'a> Repair<'a> {
     }
 
     /// The number of a point, which has one now.
-    pub(super) fn entered(&mut self, point: u32) -> u32 {
+    fn entered(&mut self, point: u32) -> u32 {
         let (number, place) = (self.sources.len() as u32, self.points[point as usize]);
         *self.extra.entry(point).or_insert_with(|| {
             self.sources.push(VertexId(point));
@@ -146,7 +130,7 @@ impl<'a> Repair<'a> {
         })
     }
 
-    pub(super) fn kill(&mut self, t: u32) {
+    fn kill(&mut self, t: u32) {
         let corners = std::mem::replace(&mut self.triangles[t as usize], [NONE; 3]);
         self.dead.push((t, corners));
     }
@@ -223,7 +207,7 @@ impl<'a> Repair<'a> {
     }
 
     /// Finds for each vertex a half-edge that leaves it. O(n).
-    pub(super) fn find_leaving(&mut self) {
+    fn find_leaving(&mut self) {
         self.leaving.clear();
         self.leaving.resize(self.sources.len(), NONE);
         for (h, &v) in (0..).zip(self.triangles.as_flattened()) {
@@ -257,7 +241,7 @@ impl<'a> Repair<'a> {
 
     /// Closes a hole with triangles; `None` where its rim is not theirs. `rim`: edges of the triangles to
     /// come, and the half-edge beyond each.
-    pub(super) fn fill(&mut self, rim: &[(u32, u32, u32)], triangles: &[[u32; 3]]) -> Option<()> {
+    fn fill(&mut self, rim: &[(u32, u32, u32)], triangles: &[[u32; 3]]) -> Option<()> {
         let mut open: BTreeMap<(u32, u32), u32> =
             rim.iter().map(|&(from, to, beyond)| ((to, from), beyond)).collect();
         for &corners in triangles {
@@ -366,124 +350,6 @@ impl<'a> Repair<'a> {
     fn lies_beyond(&self, h: u32, p: DVec3) -> bool {
         let (a, b) = (self.at(self.origin(h)), self.at(self.origin(next(h))));
         orient3d(self.middle, a, b, p) == Sign::Negative
-    }
-
-    /// The triangles that are new, ascending.
-    fn made(&self) -> Vec<u32> {
-        (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect()
-    }
-
-    /// The surface, which [is sound](Self::is_sound).
-    pub(super) fn finish(mut self) -> Repaired {
-        let alive = self.made();
-        let mut dead: Vec<u32> = self.dead.iter().map(|d| d.0).collect();
-        dead.retain(|&t| t < self.first_new);
-        dead.sort_unstable();
-        let moves = closing_ranks(self.first_new, &dead, &alive);
-        self.close_ranks(&moves, self.first_new as usize + alive.len() - dead.len());
-        let (made, old): (Vec<_>, Vec<_>) =
-            moves.into_iter().partition(|&(from, _)| from >= self.first_new);
-        let mut fresh: Vec<u32> = made.into_iter().map(|(_, to)| to).collect();
-        fresh.sort_unstable();
-        let (numbering, new) = self.number(&fresh);
-        let surface = Surface { triangles: self.triangles, twins: self.twins };
-        Repaired {
-            sources: self.sources,
-            positions: self.positions,
-            surface,
-            leaving: self.leaving,
-            numbering,
-            new,
-            fresh,
-            dead,
-            moved: old.into_iter().collect(),
-        }
-    }
-
-    /// Whether new triangles have an area, and around their corners every edge is convex or flat and every vertex
-    /// extreme: then the vertices are exactly the extreme points.
-    pub(super) fn is_sound(&self) -> bool {
-        let new = self.made();
-        let touched: BTreeSet<u32> = new.iter().flat_map(|&t| self.triangles[t as usize]).collect();
-        let is_extreme = |&v: &u32| {
-            let mut convex = 0;
-            for h in self.spokes(v) {
-                let apex = self.origin(previous(self.twins[h as usize]));
-                match self.side_of(self.triangles[h as usize / 3], self.at(apex)) {
-                    Sign::Positive => return false,
-                    Sign::Negative => convex += 1,
-                    Sign::Zero => {}
-                }
-            }
-            convex >= 3
-        };
-        let is_flat = |&t: &u32| {
-            let [a, b, c] = self.triangles[t as usize].map(|v| self.at(v));
-            collinear(a, b, c)
-        };
-        touched.iter().all(is_extreme) && !new.iter().any(is_flat)
-    }
-
-    /// Moves triangles to the places of those that are gone; `count` are left.
-    fn close_ranks(&mut self, moves: &[(u32, u32)], count: usize) {
-        let places: BTreeMap<u32, u32> = moves.iter().copied().collect();
-        let moved = |h: u32| places.get(&(h / 3)).map(|to| 3 * to + h % 3);
-        let twins_of = |t: u32| [3 * t, 3 * t + 1, 3 * t + 2].map(|h| self.twins[h as usize]);
-        let contents: Vec<(u32, [u32; 3], [u32; 3])> = moves
-            .iter()
-            .map(|&(from, to)| (to, self.triangles[from as usize], twins_of(from)))
-            .collect();
-        for (to, corners, twins) in contents {
-            self.triangles[to as usize] = corners;
-            for (h, (corner, twin)) in (3 * to..).zip(corners.into_iter().zip(twins)) {
-                let place = moved(twin);
-                self.twins[h as usize] = place.unwrap_or(twin);
-                if place.is_none() {
-                    self.twins[twin as usize] = h;
-                }
-                self.leaving[corner as usize] = h;
-            }
-        }
-        self.triangles.truncate(count);
-        self.twins.truncate(3 * count);
-    }
-
-    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which are returned too.
-    fn number(&mut self, fresh: &[u32]) -> (Numbering, Vec<u32>) {
-        let corners = self.dead.iter().flat_map(|&(_, corners)| corners);
-        let is_gone = |v: &u32| (*v as usize) < self.known && self.leaving[*v as usize] == NONE;
-        let mut gone: BTreeSet<u32> = corners.filter(is_gone).collect();
-        let mut come = Vec::new();
-        let mut back = BTreeMap::new();
-        for v in self.known as u32..self.sources.len() as u32 {
-            if self.leaving[v as usize] == NONE {
-                continue;
-            }
-            // A vertex that has moved and is one again.
-            match self.known(self.sources[v as usize]).filter(|old| gone.remove(old)) {
-                Some(old) => {
-                    self.positions[old as usize] = self.positions[v as usize];
-                    self.leaving[old as usize] = self.leaving[v as usize];
-                    back.insert(v, old);
-                }
-                None => come.push(v),
-            }
-        }
-        come.sort_unstable_by_key(|&v| self.sources[v as usize]);
-        for corner in fresh.iter().flat_map(|&t| 3 * t..3 * t + 3) {
-            let corner = &mut self.triangles[corner as usize / 3][corner as usize % 3];
-            *corner = back.get(corner).copied().unwrap_or(*corner);
-        }
-        let numbering = Numbering::of(&self.sources, self.known, &gone, &come);
-        if !numbering.is_same() {
-            numbering.apply(&mut self.triangles);
-        }
-        self.sources = numbering.arranged(std::mem::take(&mut self.sources));
-        self.positions = numbering.arranged(std::mem::take(&mut self.positions));
-        self.leaving = numbering.arranged(std::mem::take(&mut self.leaving));
-        let new = come.into_iter().chain(back.into_values());
-        let new = new.map(|v| numbering.of_vertex(v)).collect();
-        (numbering, new)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A hull after some of its points have moved.
 //!
-//! The exact surface is [repaired](super::repair) where it can be, else [exchanged](super::exchange), and facets keep their planes where
+//! The exact surface is [repaired](super::repair) where it can be, else exchanged, and facets keep their planes where
 //! nothing around them is new: all their triangles are there, and all triangles at their corners. The
 //! others grow again from what is left. That holds as long as the box of the hull is the same,
 //! for the tolerance of merging, and what rounding may do, follow it; a new box means new planes.

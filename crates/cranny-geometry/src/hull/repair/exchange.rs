@@ -5,14 +5,18 @@
 //!
 //! Source: none. Cost: O(n log n).
 
-use super::quickhull::Surface;
-use super::repair::Repair;
+use super::super::quickhull::Surface;
+use super::Repair;
 use crate::ids::VertexId;
 
 impl Repair<'_> {
     /// Exchanges the surface, to which nothing has been done yet, for another one, over the points; `moved`, ascending,
     /// are elsewhere than when it was made. `None` where the inner point is not within the new one.
-    pub(super) fn exchange(&mut self, surface: &Surface, moved: &[VertexId]) -> Option<()> {
+    pub(in crate::hull) fn exchange(
+        &mut self,
+        surface: &Surface,
+        moved: &[VertexId],
+    ) -> Option<()> {
         let number = |repair: &mut Self, point: u32| {
             let stays = moved.binary_search(&VertexId(point)).is_err();
             let known = repair.known(VertexId(point)).filter(|_| stays);
