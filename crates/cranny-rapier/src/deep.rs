@@ -9,31 +9,24 @@
 //!   overhangs it is oblique, and not the shortest way;
 //! - wholly inside, that to the nearest point of the outer surface.
 //!
-//! Along it, each vertex that is inside has the plane of the other surface before it, as if that were a
-//! half-space; so a body moves out as it is, without a turn. How fast is the solver's to say: it corrects by
-//! no more than `max_corrective_velocity`, and takes that velocity away again.
+//! Along it the body of the lesser volume, or the one inside, is led by three contacts that do not turn it (`lead`). How
+//! fast is the solver's to say: it corrects by no more than `max_corrective_velocity`, and takes that velocity away
+//! again.
 
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::{FaceId, Model, VertexId};
-use cranny_narrow_phase::{
-    Answer, Contact, Containment, Demand, Feature, PairMemory, Region, reduce_contacts,
-};
+use cranny_geometry::{FaceId, Model};
+use cranny_narrow_phase::{Answer, Contact, Containment, Demand, Feature, PairMemory, Region};
 
 use crate::ask::ask;
-use crate::partners::{half_space_contacts, holds};
+use crate::lead::places;
 
 /// What overlaps by more than this share of the thinner body's thickness, has one way out. Larger: a plate
 /// whose middle was passed is pulled through; smaller: curved contacts lose the normals of their own points
 /// while they could still tell.
 const DEEP: f64 = 0.5;
 
-/// Vertices at least this share of the deepest one's depth inside are led out. Larger: too few to lead a body
-/// without turning it; smaller: some of those that stand for it are hardly inside.
-const LED: f64 = 0.9;
-
-/// How deep the deepest vertex is told to be, as a share of the thinner body's thickness; all others are told to be
-/// as much less deep as they are. The solver caps the speed at which it leads out, and told the whole depth
-/// of all, would lead all at that one speed: what leans would go on leaning. Larger: just that; smaller: it takes longer.
+/// How deep a body is told to be at most, as a share of the thinner one's thickness. Larger: it shoots out; smaller: it
+/// takes longer.
 const TOLD: f64 = 0.15;
 
 /// Cosine of the angle (a right one and 15 degrees more) up to which what else touches leaves the way out free.
@@ -54,7 +47,6 @@ pub(crate) fn way_out(
     thickness: f64,
     pose: &Pose,
     answer: &Answer,
-    reach: f64,
     memory: &mut PairMemory,
 ) -> Option<Vec<Contact>> {
     if !answer.solid {
@@ -62,8 +54,7 @@ pub(crate) fn way_out(
     }
     let told = TOLD * thickness;
     if let Some(contained) = answer.contained {
-        return out_of_a_solid(models, pose, contained, memory)
-            .map(|led| leveled(led, told, reach));
+        return out_of_a_solid(models, pose, contained, told, memory);
     }
     let deep = DEEP * thickness;
     if answer.contacts.iter().all(|c| -c.separation < deep) {
@@ -82,7 +73,7 @@ pub(crate) fn way_out(
     let way = deepest().min_by(|x, y| depth(x).total_cmp(&depth(y)))?.normal;
     let mut contacts: Vec<Contact> = deepest()
         .filter(|region| region.normal.dot(way) >= ASIDE)
-        .flat_map(|region| leveled(out_of_a_region(models, pose, region), told, reach))
+        .flat_map(|region| out_of_a_region(models, pose, region, told))
         .collect();
     // What touches elsewhere stays, unless it holds the body in.
     let shallow = answer.contacts.iter().filter(|c| -c.separation < deep);
@@ -91,57 +82,42 @@ pub(crate) fn way_out(
     Some(contacts)
 }
 
-/// The same contacts, all nearer to the surface by the same length, so that the deepest is as deep as `told`; without
-/// those that then are out of reach.
-fn leveled(mut contacts: Vec<Contact>, told: f64, reach: f64) -> Vec<Contact> {
-    let deepest = contacts.iter().map(|c| -c.separation).fold(0.0, f64::max);
-    let nearer = (deepest - told).max(0.0);
-    for contact in &mut contacts {
-        contact.separation += nearer;
-        contact.point_b += contact.normal * nearer;
-    }
-    contacts.retain(|c| c.separation <= reach);
-    contacts
+/// The lesser body, along the region's normal.
+fn out_of_a_region(models: &[Model; 2], pose: &Pose, region: &Region, told: f64) -> [Contact; 3] {
+    let volume = |model: &Model| model.mass_properties().map_or(0.0, |mass| mass.volume);
+    let first = volume(&models[0]) <= volume(&models[1]);
+    let deepest = &region.deepest;
+    let depth = -deepest.separation;
+    led(models, pose, first, region.normal, deepest.point_a, depth.min(told))
+        .map(|lead| Contact { id: deepest.id, ..lead })
 }
 
-/// Of each vertex that lies well inside the other body, along the region's normal.
-fn out_of_a_region(models: &[Model; 2], pose: &Pose, region: &Region) -> Vec<Contact> {
-    let (normal, deepest) = (region.normal, region.deepest);
-    let first_from_second = pose.world_from_body();
-    let second_from_first = first_from_second.inverse();
-    // No part of a body has farther to go than the region says.
-    let depth = -deepest.separation;
-    let led = |separation: f64| separation <= -LED * depth;
-    let mut contacts = Vec::new();
-    for (v, &p) in models[0].mesh().vertices().iter().enumerate() {
-        let separation = normal.dot(deepest.point_b - p).max(-depth);
-        if led(separation) && holds(&models[1], second_from_first.apply(p)) {
-            contacts.push(Contact {
-                id: (Feature::Vertex(VertexId(v as u32)), deepest.id.1),
-                point_a: p,
-                point_b: p + normal * separation,
-                normal,
-                separation,
-            });
+/// Contacts so deep that lead the first body, or else the second, along a normal (from first to second); through a
+/// point. Told as of the first faces.
+fn led(
+    models: &[Model; 2],
+    pose: &Pose,
+    first: bool,
+    normal: DVec3,
+    through: DVec3,
+    depth: f64,
+) -> [Contact; 3] {
+    let places = if first {
+        places(&models[0], normal)
+    } else {
+        let map = pose.world_from_body();
+        places(&models[1], map.inverse().apply_vector(normal)).map(|p| map.apply(p))
+    };
+    places.map(|place| {
+        let point_a = place + normal * normal.dot(through - place);
+        Contact {
+            id: (Feature::Face(FaceId(0)), Feature::Face(FaceId(0))),
+            point_a,
+            point_b: point_a - normal * depth,
+            normal,
+            separation: -depth,
         }
-    }
-    for (v, &q) in models[1].mesh().vertices().iter().enumerate() {
-        let q = first_from_second.apply(q);
-        let separation = normal.dot(q - deepest.point_a).max(-depth);
-        if led(separation) && holds(&models[0], q) {
-            contacts.push(Contact {
-                id: (deepest.id.0, Feature::Vertex(VertexId(v as u32))),
-                point_a: q - normal * separation,
-                point_b: q,
-                normal,
-                separation,
-            });
-        }
-    }
-    if contacts.is_empty() {
-        return region.points.clone(); // edges that cross, no vertex inside
-    }
-    reduce_contacts(contacts)
+    })
 }
 
 /// A body wholly inside another: out through the nearest point of that one's surface.
@@ -149,6 +125,7 @@ fn out_of_a_solid(
     models: &[Model; 2],
     pose: &Pose,
     contained: Containment,
+    told: f64,
     memory: &mut PairMemory,
 ) -> Option<Vec<Contact>> {
     let answer = ask(models.each_ref(), *pose, Demand::Distance { below: None }, memory)?;
@@ -169,20 +146,19 @@ fn out_of_a_solid(
         }
         _ => None,
     })?;
-    // Only what lies deepest is led: it stands for the whole body.
-    let led = |model: &Model, normal: DVec3, offset: f64| {
-        let heights = model.mesh().vertices().iter().map(|&p| normal.dot(p) - offset);
-        let deepest = heights.fold(0.0, f64::min);
-        let contacts = half_space_contacts(model, normal, offset, LED * deepest);
-        contacts.into_iter().map(|c| Contact { id: (c.id.0, outer.feature), ..c })
-    };
-    Some(match contained {
-        Containment::AInB => led(&models[0], outward, outward.dot(outer.point)).collect(),
-        Containment::BInA => {
-            let second_from_first = first_from_second.inverse();
-            let normal = second_from_first.apply_vector(outward);
-            let offset = normal.dot(second_from_first.apply(outer.point));
-            led(&models[1], normal, offset).map(|c| c.moved(&first_from_second).swapped()).collect()
+    let inner_first = contained == Containment::AInB;
+    let second_from_first = pose.world_from_body().inverse();
+    let (model, way, through) = match inner_first {
+        true => (&models[0], outward, outer.point),
+        false => {
+            let way = second_from_first.apply_vector(outward);
+            (&models[1], way, second_from_first.apply(outer.point))
         }
-    })
+    };
+    let heights = model.mesh().vertices().iter().map(|&p| way.dot(through - p));
+    let depth = heights.fold(0.0, f64::max);
+    let normal = if inner_first { -outward } else { outward };
+    let [a, b] = [first.feature, second.feature];
+    let leads = led(models, pose, inner_first, normal, outer.point, depth.min(told));
+    Some(leads.map(|lead| Contact { id: (a, b), ..lead }).to_vec())
 }

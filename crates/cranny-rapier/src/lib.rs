@@ -55,6 +55,7 @@ mod deep;
 mod detector;
 mod dispatcher;
 mod joint;
+mod lead;
 mod log;
 mod manifolds;
 mod mass;

@@ -200,7 +200,7 @@ impl PairWorkspace {
             return Found { contacts: Vec::new(), answer: None };
         };
         let led = match self.leads_out {
-            true => way_out(&models, thickness, pose, &answer, margin, self.memory()),
+            true => way_out(&models, thickness, pose, &answer, self.memory()),
             false => None,
         };
         let contacts = led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {

@@ -31,6 +31,8 @@ mod posed;
 mod quest;
 mod search;
 mod within;
+#[cfg(test)]
+mod wrenches;
 
 use std::collections::BTreeMap;
 

@@ -65,7 +65,7 @@ fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: f32, size
     }
 }
 
-/// How many contacts the exact query makes: per region, at most four a direction. `None` where the bodies overlap by
+/// How many contacts the exact query makes: per region, at most 17 a direction. `None` where the bodies overlap by
 /// half of what the thinner one is thick (2·V/A), or one is inside the other: then a way out takes their place.
 fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option<usize> {
     let margin = f64::from(margin as f32);
@@ -85,7 +85,7 @@ fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option
                 directions.push(normal);
             }
         }
-        assert!(region.points.len() <= 8 * directions.len(), "{} points", region.points.len());
+        assert!(region.points.len() <= 17 * directions.len(), "{} points", region.points.len());
     }
     let thickness = [a.model, b.model].map(|m| {
         let faces = (0..m.mesh().faces().len() as u32).map(FaceId);
