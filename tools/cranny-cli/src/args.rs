@@ -135,7 +135,7 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "N", value_parser = budget, allow_hyphen_values = true)]
     pub(crate) budget: Option<u64>,
 
-    /// How the triangles that meet are found at level exact: the same answers
+    /// How the triangles that meet are found at level exact, for all demands but contacts: the same answers
     #[arg(long, value_enum, value_name = "METHOD", default_value = "boxes")]
     pub(crate) method: MethodArg,
 
