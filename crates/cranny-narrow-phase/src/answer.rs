@@ -172,8 +172,8 @@ pub struct Counters {
     /// Concavities whose faces were looked for, since the other body's hull may reach them; this and what follows is
     /// counted by [`Method::Envelopes`](crate::Method::Envelopes) only.
     pub pockets_opened: u64,
-    /// Concavities that the box of the other hull meets, but none of whose faces it reaches: it is beyond a lid, or in
-    /// the core of the pocket.
+    /// Concavities whose box overlaps that of the other hull, but none of whose faces the hull reaches: it is beyond a lid, its
+    /// box misses theirs, it is in the core of the pocket, or offends no facet of the first layer.
     pub pockets_passed: u64,
     /// Facets of envelopes that a box was held against.
     pub facets_compared: u64,

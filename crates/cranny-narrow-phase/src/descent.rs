@@ -88,14 +88,26 @@ pub(crate) fn for_each_near_pair(
     pair: &Pair,
     margin: f64,
     counters: &mut Counters,
-    mut visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
+    visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
 ) {
+    // Who ends it knows.
+    let _ = for_each_near_pair_beneath(pair, margin, |_, _| true, counters, visit);
+}
+
+/// The same, of the leaves that are reached by nodes which `holds` names: those of a body's tree that hold something wanted.
+pub(crate) fn for_each_near_pair_beneath(
+    pair: &Pair,
+    margin: f64,
+    holds: impl Fn(Side, u32) -> bool,
+    counters: &mut Counters,
+    mut visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let boxes = BoxTest::of(pair);
     let (first, second) = (pair.model(Side::First).tree(), pair.model(Side::Second).tree());
     let apart = |a: u32, b: u32| boxes.apart(&first.node(a).bounds, &second.node(b).bounds, margin);
     counters.node_tests += 1;
     if apart(0, 0) {
-        return;
+        return ControlFlow::Continue(());
     }
     let mut stack = vec![(0u32, 0u32)];
     while let Some((a, b)) = stack.pop() {
@@ -106,17 +118,20 @@ pub(crate) fn for_each_near_pair(
             Opened::Neither => {
                 for &f in first.leaf_faces(a) {
                     for &g in second.leaf_faces(b) {
-                        if visit(f, g, counters).is_break() {
-                            return;
-                        }
+                        visit(f, g, counters)?;
                     }
                 }
                 continue;
             }
         };
-        counters.node_tests += 2;
-        stack.extend(children.into_iter().filter(|&(a, b)| !apart(a, b)));
+        for (a, b) in children {
+            if holds(Side::First, a) && holds(Side::Second, b) {
+                counters.node_tests += 1;
+                stack.extend((!apart(a, b)).then_some((a, b)));
+            }
+        }
     }
+    ControlFlow::Continue(())
 }
 
 /// Which node of a pair is opened next.

@@ -7,7 +7,7 @@
 
 use cranny_exact::DVec3;
 
-use super::{Envelope, EnvelopeFacet, HalfSpace, Thing};
+use super::{Envelope, HalfSpace, Thing};
 use crate::ids::{EnvelopeFacetId, FaceId, LayerId};
 
 /// Where a thing is with respect to a concavity's lids.
@@ -84,10 +84,9 @@ impl Envelope<'_> {
         facet: EnvelopeFacetId,
         thing: &Thing<F>,
     ) -> bool {
-        let EnvelopeFacet { beneath, bounds, reach, .. } = self.all.facet(facet);
-        thing.bounds().overlaps(bounds)
-            && !thing.is_above(thing.least(self.axis()), *reach)
-            && !thing.is_beyond(beneath.normal, beneath.offset)
+        let (lowest, mut is_offended) = (thing.least(self.axis()), false);
+        self.offended_among([facet], thing, lowest, &mut Opened::default(), |_| is_offended = true);
+        is_offended
     }
 
     fn offended_above<F: Fn(DVec3) -> f64>(
@@ -96,10 +95,22 @@ impl Envelope<'_> {
         thing: &Thing<F>,
         lowest: f64,
         opened: &mut Opened,
-        mut visit: impl FnMut(EnvelopeFacetId),
+        visit: impl FnMut(EnvelopeFacetId),
     ) {
         opened.layers += 1;
-        for id in self.all.layer(layer) {
+        self.offended_among(self.all.layer(layer), thing, lowest, opened, visit);
+    }
+
+    /// Of some facets, those that reach farther up first.
+    fn offended_among<F: Fn(DVec3) -> f64>(
+        &self,
+        facets: impl IntoIterator<Item = EnvelopeFacetId>,
+        thing: &Thing<F>,
+        lowest: f64,
+        opened: &mut Opened,
+        mut visit: impl FnMut(EnvelopeFacetId),
+    ) {
+        for id in facets {
             let facet = self.all.facet(id);
             if thing.is_above(lowest, facet.reach) {
                 break; // the facets that follow reach no farther

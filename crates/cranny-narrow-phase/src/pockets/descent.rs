@@ -13,7 +13,7 @@ use cranny_geometry::{
 };
 
 use crate::answer::Counters;
-use crate::descent::{BoxTest, Opened, opened};
+use crate::descent::for_each_near_pair_beneath;
 use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side};
 
@@ -155,29 +155,13 @@ pub(super) fn for_each_pair_of_rests(
     counters: &mut Counters,
     visit: &mut impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let boxes = BoxTest::of(pair);
-    let mut stack = vec![(first.root, second.root)];
-    while let Some((a, b)) = stack.pop() {
-        let (box_a, box_b) = (first.bounds(a), second.bounds(b));
-        counters.node_tests += 1;
-        if boxes.apart(box_a, box_b, 0.0) {
-            continue;
+    let part = |side| if side == Side::First { first } else { second };
+    let holds = |side, node| part(side).holds(node);
+    let is_ours = |part: &Part, face| part.model.concavities().of_face(face).is_none();
+    for_each_near_pair_beneath(pair, 0.0, holds, counters, |f, g, counters| {
+        if is_ours(first, f) && is_ours(second, g) {
+            return visit(f, g, counters);
         }
-        match opened(first.tree.content(a), second.tree.content(b), box_a, box_b) {
-            Opened::First(left, right) => {
-                let children = [right, left].into_iter().filter(|&child| first.holds(child));
-                stack.extend(children.map(|child| (child, b)));
-            }
-            Opened::Second(left, right) => {
-                let children = [right, left].into_iter().filter(|&child| second.holds(child));
-                stack.extend(children.map(|child| (a, child)));
-            }
-            Opened::Neither => {
-                for f in first.faces(a) {
-                    second.faces(b).try_for_each(|g| visit(f, g, counters))?;
-                }
-            }
-        }
-    }
-    ControlFlow::Continue(())
+        ControlFlow::Continue(())
+    })
 }
