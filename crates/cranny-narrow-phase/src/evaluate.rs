@@ -128,7 +128,6 @@ fn answer(
     } else if let Some(pockets) = &mut pockets {
         let pairs = pockets.meetings(pair, !wants_regions, &mut counters);
         out.surface = strongest(&pairs);
-        coherent.was_passed_over();
         pairs
     } else if wants_regions {
         let pairs = coherent.meetings(pair, &mut counters);

@@ -168,11 +168,6 @@ impl Coherent {
         (surface, touching)
     }
 
-    /// Faces were looked for in another way, which does not prove that surfaces were apart all the time.
-    pub(crate) fn was_passed_over(&mut self) {
-        self.apart = None;
-    }
-
     /// Lets go of what is of use only while patches are near each other.
     pub(crate) fn let_go(&mut self) {
         self.patches.let_go();
