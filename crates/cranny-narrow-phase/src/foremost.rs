@@ -276,9 +276,7 @@ impl Face {
         let [gap, back] = [other.across[0] - self.across[1], self.across[0] - other.across[1]];
         gap.max(back).max(DVec2::ZERO).length_squared()
     }
-}
 
-impl Face {
     /// Whether a triangle lies farther off along the face's normal, on one side, than `most`. A needle's normal may be noise:
     /// what the face reaches along it counts.
     fn is_beyond(&self, its: &[DVec3; 3], most: f64) -> bool {

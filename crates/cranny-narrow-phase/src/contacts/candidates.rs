@@ -157,11 +157,8 @@ impl Candidates {
         }
         .into_iter()
         .peekable();
-        let slack = step.and_then(|step| {
-            let slack = (FEWEST * step.of(&whole)).max(LEAST * margin).min(MOST * patch_size(pair));
-            (slack >= WORTH * step.of(&whole)).then_some(slack)
-        });
-        let slack = slack.unwrap_or(0.0);
+        let lasting = |step: &Step| lasting(step.of(&whole), FEWEST, margin, patch_size(pair));
+        let slack = step.and_then(lasting).unwrap_or(0.0);
         let reach = margin + slack;
         let mut names = search.near_patches(reach, counters);
         names.sort_unstable();
@@ -229,6 +226,12 @@ fn slack(pair: &Pair, patches: [PatchId; 2], step: f64, margin: f64) -> Option<f
         let (all, patch) = (pair.model(side).patches(), patches[side.index()]);
         (2.0 * all.patch(patch).area / all.faces(patch).len() as f64).sqrt()
     });
-    let slack = (queries * step).max(LEAST * margin).min(MOST * length[0].min(length[1]));
-    (slack > 0.0 && slack >= WORTH * step).then_some(slack)
+    lasting(step, queries, margin, length[0].min(length[1])).filter(|&slack| slack > 0.0)
+}
+
+/// What lasts for so many queries like the last, by which things may have come nearer by `step`, among faces or patches of some
+/// length; `None` where that is not worth it.
+fn lasting(step: f64, queries: f64, margin: f64, length: f64) -> Option<f64> {
+    let slack = (queries * step).max(LEAST * margin).min(MOST * length);
+    (slack >= WORTH * step).then_some(slack)
 }

@@ -47,9 +47,7 @@ impl Facet {
             && height >= self.bottom - reach
             && self.sides.iter().all(|(outward, end)| outward.dot(p) <= end + reach)
     }
-}
 
-impl Facet {
     /// Where its corners are, given the points of its leaf.
     #[inline]
     pub(super) fn corners(&self, points: &[DVec3]) -> [DVec3; 3] {
@@ -66,7 +64,7 @@ pub(super) fn is_beneath(normal: DVec3, height: f64, points: &[DVec3], reach: f6
 
 /// How far points reach along a direction: least and most.
 #[inline]
-fn extent(points: &[DVec3; 3], direction: DVec3) -> [f64; 2] {
+pub(super) fn extent(points: &[DVec3; 3], direction: DVec3) -> [f64; 2] {
     let [a, b, c] = points.map(|p| direction.dot(p));
     let [low, high] = if a < b { [a, b] } else { [b, a] };
     [if c < low { c } else { low }, if c > high { c } else { high }]

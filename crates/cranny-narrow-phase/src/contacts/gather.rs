@@ -3,12 +3,12 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, VertexId};
 
-use super::facet::may_cross;
+use super::facet::extent;
 use super::gauss_map::Touch;
 use super::quest::{Found, Ground, Quest, Tip, Wanted};
 use crate::answer::{Contact, Counters};
 use crate::pair::{Pair, Side};
-use crate::surface::FacePair;
+use crate::surface::{FacePair, looked_at};
 use crate::triangle_distance::{closest_on_segments, closest_on_triangle};
 
 /// More features and faces than this take as long to look at as a search for the nearest.
@@ -81,10 +81,8 @@ impl Near {
                     found.corner(ground, tip, (face, &pair.triangle(side.other(), face)));
                 }
                 Features::Edges([e, g]) => {
-                    let [p, q] = [pair.segment(Side::First, e), pair.segment(Side::Second, g)];
-                    if may_cross(p, q, found.limit + pair.length_error()) {
-                        found.edges(pair, [e, g], [p, q], Touch::Perhaps);
-                    }
+                    let segments = [pair.segment(Side::First, e), pair.segment(Side::Second, g)];
+                    found.edges(pair, [e, g], segments, Touch::Perhaps);
                 }
             }
         }
@@ -102,9 +100,7 @@ impl Near {
             if gap > reach {
                 break;
             }
-            counters.triangle_tests += 1;
-            let triangles = [pair.triangle(Side::First, f), pair.triangle(Side::Second, g)];
-            meeting.extend(FacePair::of([f, g], triangles.each_ref()));
+            meeting.extend(looked_at(pair, f, g, counters));
         }
     }
 }
@@ -113,11 +109,8 @@ impl Near {
 fn gap([a, b]: [&[DVec3; 3]; 2]) -> f64 {
     let over = |own: &[DVec3; 3], its: &[DVec3; 3]| {
         let normal = (own[1] - own[0]).cross(own[2] - own[0]).normalize_or_zero();
-        let heights = |points: &[DVec3; 3]| points.map(|p| normal.dot(p));
-        let [top, bottom] = [f64::max, f64::min].map(|f| heights(own).into_iter().reduce(f));
-        let [high, low] = [f64::max, f64::min].map(|f| heights(its).into_iter().reduce(f));
-        let along = |x: Option<f64>, y: Option<f64>| x.zip(y).map_or(0.0, |(x, y)| x - y);
-        along(low, top).max(along(bottom, high))
+        let ([bottom, top], [low, high]) = (extent(own, normal), extent(its, normal));
+        (low - top).max(bottom - high)
     };
     over(a, b).max(over(b, a)).max(0.0)
 }
@@ -240,9 +233,7 @@ impl Quest for Gathering {
         let (s, t) = closest_on_segments(&p, &q);
         let [on_first, on_second] = [p[0] + (p[1] - p[0]) * s, q[0] + (q[1] - q[0]) * t];
         self.add((on_second - on_first).length(), Features::Edges(edges), ground.pair);
-        if may_cross(p, q, self.found.limit + ground.pair.length_error()) {
-            self.found.edges(ground.pair, edges, segments, touch);
-        }
+        self.found.edges(ground.pair, edges, segments, touch);
     }
 }
 

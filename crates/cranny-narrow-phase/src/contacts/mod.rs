@@ -44,7 +44,7 @@ use self::coarse::Coarse;
 use self::feature_pair::{across_gap, patch_index};
 use self::gather::Asked;
 pub(crate) use self::kept::Kept;
-use self::quest::{Found, Looking, Wanted, have_crossed, nearer};
+use self::quest::{Found, Looking, Wanted, nearer};
 use self::search::Search;
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
@@ -205,7 +205,7 @@ pub(crate) fn meetings_of_patches(
     let mut looking = Looking { found: None, meets: true, meeting: Vec::new() };
     for patches in search.near_patches(0.0, counters) {
         search.look(patches, &mut looking, counters);
-        if only_verdict && have_crossed(&looking.meeting) {
+        if only_verdict && strongest(&looking.meeting) == Meeting::Cross {
             break;
         }
     }

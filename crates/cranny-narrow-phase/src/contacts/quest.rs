@@ -1,6 +1,6 @@
 //! What a descent of two patches' trees is for: the nearest contact, or all, or only which faces meet.
 
-use cranny_exact::{DVec3, Meeting};
+use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, VertexId};
 
 use super::facet::may_cross;
@@ -135,19 +135,24 @@ impl Found {
         }
     }
 
-    /// Offers the contact of two edges.
+    /// Offers the contact of two edges; whether they were looked at closely.
     pub(super) fn edges(
         &mut self,
         pair: &Pair,
         edges: [EdgeId; 2],
         segments: [[DVec3; 2]; 2],
         touch: Touch,
-    ) {
+    ) -> bool {
+        let [p, q] = segments;
+        if !may_cross(p, q, self.limit + pair.length_error()) {
+            return false;
+        }
         if let Some(contact) = edge_edge_at(pair, edges, segments, touch, self.limit)
             && contact.separation >= -pair.length_error()
         {
             self.offer(contact);
         }
+        true
     }
 }
 
@@ -209,17 +214,9 @@ impl Quest for Looking {
         counters: &mut Counters,
     ) {
         let Some(found) = &mut self.found else { return };
-        let [p, q] = segments;
-        if may_cross(p, q, found.limit + ground.pair.length_error()) {
-            counters.triangle_tests += 1;
-            found.edges(ground.pair, edges, segments, touch);
-        }
+        let is_looked_at = found.edges(ground.pair, edges, segments, touch);
+        counters.triangle_tests += u64::from(is_looked_at);
     }
-}
-
-/// Whether faces that cross are among some that meet.
-pub(super) fn have_crossed(meeting: &[FacePair]) -> bool {
-    meeting.iter().any(|p| p.meeting == Meeting::Cross)
 }
 
 #[cfg(test)]
