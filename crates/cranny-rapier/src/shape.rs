@@ -31,7 +31,7 @@ pub enum ShapeError {
 }
 
 /// A model, prepared for [`Dispatcher`](crate::Dispatcher). Contacts, intersections and distances
-/// between two of them are Cranny's; ray casts, point queries and shape casts go to a parry mesh of
+/// between two of them are Cranny's, and so are shape casts; ray casts and point queries go to a parry mesh of
 /// the same triangles.
 #[derive(Clone)]
 pub struct MeshShape {

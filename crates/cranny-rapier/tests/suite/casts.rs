@@ -1,0 +1,162 @@
+//! Shape casts of polyhedra, against times that anybody can compute.
+
+use cranny_rapier::dispatcher;
+use cranny_shapes::Cup;
+use rapier3d::math::{Pose, Rotation, Vector};
+use rapier3d::parry::query::details::{NonlinearRigidMotion, ShapeCastOptions};
+use rapier3d::parry::query::{QueryDispatcher, ShapeCastHit, ShapeCastStatus};
+use rapier3d::parry::shape::SharedShape;
+use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder};
+
+use crate::world::{World, cuboid, model, ours, up};
+
+/// f32 of times about 1, and the tolerance.
+const EXACT: f32 = 1e-5;
+
+fn straight(
+    g1: &SharedShape,
+    g2: &SharedShape,
+    from: Pose,
+    velocity: Vector,
+) -> Option<ShapeCastHit> {
+    let options = ShapeCastOptions::with_max_time_of_impact(100.0);
+    dispatcher().cast_shapes(&from, velocity, &**g1, &**g2, options).expect("known")
+}
+
+fn partners() -> [(&'static str, SharedShape); 4] {
+    let corners: Vec<Vector> = (0..8)
+        .map(|i| Vector::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
+        .collect();
+    [
+        ("ours", ours(&cuboid(1.0, 1.0, 1.0))),
+        ("cuboid", SharedShape::cuboid(0.5, 0.5, 0.5)),
+        ("convex polyhedron", SharedShape::convex_hull(&corners).expect("a cube")),
+        ("triangle mesh", {
+            let mesh = cranny_rapier::Detector::RapierTrimesh.shape(&cuboid(1.0, 1.0, 1.0), 0);
+            mesh.expect("parry takes a cube")
+        }),
+    ]
+}
+
+#[test]
+fn cubes_that_fly_at_a_cube_meet_it_in_time() {
+    let cube = ours(&cuboid(1.0, 1.0, 1.0));
+    for (name, partner) in partners() {
+        // 2 − 1 = 1 apart, by 4 a second.
+        let hit = straight(&cube, &partner, up(2.0), Vector::new(0.0, 0.0, -4.0)).expect(name);
+        assert!((hit.time_of_impact - 0.25).abs() < EXACT, "{name}: {}", hit.time_of_impact);
+        assert!(hit.time_of_impact <= 0.25, "{name}: conservative");
+        assert_eq!(hit.status, ShapeCastStatus::Converged, "{name}");
+        assert!((hit.normal1 - Vector::Z).length() < EXACT, "{name}: {}", hit.normal1);
+        assert!((hit.normal2 + Vector::Z).length() < EXACT, "{name}: {}", hit.normal2);
+        assert!((hit.witness1.z - 0.5).abs() < EXACT, "{name}: {}", hit.witness1);
+        assert!((hit.witness2.z + 0.5).abs() < EXACT, "{name}: {}", hit.witness2);
+        // The other order, and told in the other's frame.
+        let hit = straight(&partner, &cube, up(-2.0), Vector::new(0.0, 0.0, 4.0)).expect(name);
+        assert!((hit.time_of_impact - 0.25).abs() < EXACT, "{name}: {}", hit.time_of_impact);
+        // Past it, away from it, and not at all.
+        let beside = Pose::translation(1.01, 0.0, 2.0);
+        assert!(straight(&cube, &partner, beside, Vector::new(0.0, 0.0, -4.0)).is_none(), "{name}");
+        assert!(straight(&cube, &partner, up(2.0), Vector::Z).is_none(), "{name}");
+        assert!(straight(&cube, &partner, up(2.0), Vector::ZERO).is_none(), "{name}");
+    }
+}
+
+/// A turned cube meets with an edge: half a diagonal lower.
+#[test]
+fn an_edge_comes_first() {
+    let cube = ours(&cuboid(1.0, 1.0, 1.0));
+    let turned = Rotation::from_rotation_x(std::f32::consts::FRAC_PI_4);
+    let from = Pose::from_parts(Vector::new(0.0, 0.0, 3.0), turned);
+    let hit = straight(&cube, &cube, from, Vector::new(0.0, 0.0, -1.0)).expect("it meets");
+    let expected = 2.5 - 0.5f32.sqrt();
+    assert!((hit.time_of_impact - expected).abs() < EXACT, "{} not {expected}", hit.time_of_impact);
+}
+
+/// Thin, fast, and from so far away that no step would see it.
+#[test]
+fn a_bullet_meets_a_sheet() {
+    let (sheet, bullet) = (ours(&cuboid(4.0, 4.0, 0.001)), SharedShape::cuboid(0.01, 0.01, 0.01));
+    let hit = straight(&sheet, &bullet, up(100.0), Vector::new(0.0, 0.0, -10_000.0));
+    let time = hit.expect("it does not tunnel").time_of_impact;
+    assert!((time - (100.0 - 0.0105) / 10_000.0).abs() < 1e-8, "{time}");
+}
+
+/// Into the well of a cup, which no hull would let in: down to its floor at 0.1.
+#[test]
+fn a_cube_falls_into_a_cup() {
+    let cup = ours(&model(Cup { radius: 0.5, height: 0.6, wall: 0.1, floor: 0.1, segments: 32 }));
+    let cube = SharedShape::cuboid(0.1, 0.1, 0.1);
+    let hit = straight(&cup, &cube, up(2.0), Vector::new(0.0, 0.0, -1.0)).expect("the floor");
+    assert!((hit.time_of_impact - 1.8).abs() < EXACT, "{}", hit.time_of_impact);
+}
+
+/// What begins within a solid, where a hollow mesh sees nothing, or overlaps.
+#[test]
+fn who_begins_inside_is_told_so() {
+    let (block, crumb) = (ours(&cuboid(2.0, 2.0, 2.0)), ours(&cuboid(0.2, 0.2, 0.2)));
+    for from in [Pose::IDENTITY, up(1.05)] {
+        let hit = straight(&block, &crumb, from, Vector::Z).expect("it is inside");
+        assert_eq!(hit.time_of_impact, 0.0);
+        assert_eq!(hit.status, ShapeCastStatus::PenetratingOrWithinTargetDist);
+    }
+    let options = ShapeCastOptions {
+        stop_at_penetration: false,
+        ..ShapeCastOptions::with_max_time_of_impact(10.0)
+    };
+    let cast = |velocity| {
+        let cast = dispatcher().cast_shapes(&up(1.05), velocity, &*block.0, &*crumb.0, options);
+        cast.expect("known")
+    };
+    assert!(cast(Vector::Z).is_none(), "it comes out");
+    assert!(cast(-Vector::Z).is_some(), "it goes in");
+}
+
+/// A bar that turns about its end by a quarter in a second meets a block on its way at an angle that is known.
+#[test]
+fn a_bar_that_turns_meets_a_block() {
+    let (bar, block) = (ours(&cuboid(4.0, 0.2, 0.2)), SharedShape::cuboid(0.1, 0.1, 0.5));
+    let pivot = Vector::new(-2.0, 0.0, 0.0);
+    let turning = NonlinearRigidMotion::new(
+        Pose::translation(2.0, 0.0, 0.0),
+        pivot,
+        Vector::ZERO,
+        Vector::new(0.0, 0.0, std::f32::consts::FRAC_PI_2),
+    );
+    // Its side is 0.1 beside a line through the origin. The block's near corner, (1.6, 1.9), is 0.1 beside that line
+    // when the line's angle is that of the corner less asin(0.1 / |corner|).
+    let at = Pose::translation(1.5, 2.0, 0.0);
+    let corner = (1.6f32, 1.9f32);
+    let angle = corner.1.atan2(corner.0) - (0.1 / corner.0.hypot(corner.1)).asin();
+    let expected = angle / std::f32::consts::FRAC_PI_2;
+    let still = NonlinearRigidMotion::constant_position(at);
+    let cast = |begin: f32, end: f32| {
+        dispatcher()
+            .cast_shapes_nonlinear(&turning, &*bar.0, &still, &*block.0, begin, end, true)
+            .expect("known")
+    };
+    let hit = cast(0.0, 1.0).expect("it meets the block");
+    assert!((hit.time_of_impact - expected).abs() < EXACT, "{} not {expected}", hit.time_of_impact);
+    let later = cast(0.25, 1.0).expect("it meets the block");
+    assert!((later.time_of_impact - expected).abs() < EXACT, "{}", later.time_of_impact);
+    assert!(cast(0.0, 0.9 * expected).is_none());
+    let swapped = dispatcher()
+        .cast_shapes_nonlinear(&still, &*block.0, &turning, &*bar.0, 0.0, 1.0, true)
+        .expect("known")
+        .expect("it meets the block");
+    assert!((swapped.time_of_impact - expected).abs() < EXACT, "{}", swapped.time_of_impact);
+}
+
+/// rapier's own continuous detection of a fast cuboid, against a sheet of ours: 2.5 a step through 0.02.
+#[test]
+fn rapier_stops_a_fast_cuboid_at_a_sheet_of_ours() {
+    let mut world = World::new();
+    world.fixed(&ours(&cuboid(4.0, 4.0, 0.02)), Pose::IDENTITY);
+    let bullet = RigidBodyBuilder::dynamic()
+        .pose(up(1.0))
+        .linvel(Vector::new(0.0, 0.0, -150.0))
+        .ccd_enabled(true);
+    let (body, _) = world.0.insert(bullet, ColliderBuilder::cuboid(0.1, 0.1, 0.1));
+    world.run(60);
+    assert!(world.at(body).z > 0.0, "{}", world.at(body));
+}
