@@ -1,11 +1,12 @@
 //! The exact hull after some points have moved, found from the one before.
 //!
-//! First the vertices that have moved are taken out, at their old places, one by one. The triangles
-//! around such a vertex `d` leave a hole, bounded by its *link*; all others stay what they were, triangles
-//! with every point below. Whatever fills the hole is seen from `d`, and its vertices lie in the convex
-//! hull of `d` and its link: a ray from `d` through one of them meets it before it meets the link's
-//! own hull. So the points in the box around the old triangles are all that can come out, and the
-//! filling is that part of the hull of these points and the link that `d` sees.
+//! First the vertices that have moved are taken out, at their old places, one by one. The facets around such a vertex
+//! `d`, whole planes of triangles, leave a hole; all others stay what they were, triangles with every point below.
+//! Whatever fills the hole is seen from `d` or lies in a plane of these, and its vertices lie in the convex hull of `d`
+//! and the rim: a ray from `d` through one of them meets it before it meets the rim's own hull. So the points in the box
+//! around the old triangles are all that can come out. Every edge of the rim is bent, and bent more when `d` is gone; so
+//! it is an edge of the hull of these points and the rim too, and the filling is that part of it that the rim encloses.
+//! (Were triangles of the same plane left standing, their edges need not be edges of that hull.)
 //!
 //! Then the moved points are put in at their new places, as quickhull does: a walk along the surface
 //! finds the triangle that the ray from an inner point through the new one leaves by; if that
@@ -165,19 +166,13 @@ impl<'a> Repair<'a> {
     /// Takes a vertex of the hull before out; `near` tells the points that may come out, which lie in a box: no moved
     /// ones. `None` where the hole cannot be filled.
     fn take_out(&mut self, d: u32, near: impl Fn(&Aabb) -> Vec<u32>) -> Option<()> {
-        let spokes = self.spokes(d);
-        let place = self.at(d);
-        // Seen from outside, the link runs around counter-clockwise.
-        let link: Vec<(u32, u32, u32)> = spokes
-            .iter()
-            .map(|&h| {
-                let rim = next(h);
-                (self.origin(rim), self.origin(next(rim)), self.twins[rim as usize])
-            })
-            .collect();
-        let corners = link.iter().map(|&(from, ..)| self.at(from));
-        let bounds = Aabb::of_points(corners.chain([place]));
-        let mut some: Vec<u32> = link.iter().map(|l| l.0).collect();
+        let region = self.facets_around(d);
+        let rim = self.rim_of(&region)?;
+        let bounds = {
+            let corners = region.iter().flat_map(|&t| self.triangles[t as usize]);
+            Aabb::of_points(corners.map(|v| self.at(v)))
+        };
+        let mut some: Vec<u32> = rim.iter().map(|edge| edge.0).collect();
         for v in near(&bounds) {
             let number = match self.known(VertexId(v)) {
                 Some(number) => number,
@@ -191,19 +186,64 @@ impl<'a> Repair<'a> {
         some.dedup();
         let places: Vec<DVec3> = some.iter().map(|&v| self.at(v)).collect();
         let filling = match span_of(&places) {
-            Span::Space(_) => self.seen_from(place, &some, &places)?,
+            Span::Space(_) => within(&hull_of_some(&places)?, &some, &rim)?,
             Span::Plane(triangle) => {
                 let triangle = triangle.map(|i| places[i as usize]);
                 let outline = planar_hull(&places, Projection::of_plane(triangle)?);
-                fan_along(&link, outline.into_iter().map(|i| some[i as usize]).collect())?
+                fan_along(&rim, outline.into_iter().map(|i| some[i as usize]).collect())?
             }
             _ => return None,
         };
-        for &h in &spokes {
-            self.kill(h / 3);
+        for t in region {
+            self.kill(t);
         }
         self.leaving[d as usize] = NONE;
-        self.fill(&link, &filling)
+        self.fill(&rim, &filling)
+    }
+
+    /// The triangles around a vertex, and those that lie in one plane with one of them and hang together with it.
+    fn facets_around(&self, d: u32) -> BTreeSet<u32> {
+        let mut front: Vec<u32> = self.spokes(d).into_iter().map(|h| h / 3).collect();
+        let mut region: BTreeSet<u32> = front.iter().copied().collect();
+        while let Some(t) = front.pop() {
+            for h in 3 * t..3 * t + 3 {
+                let twin = self.twins[h as usize];
+                let is_flat = || {
+                    let apex = self.at(self.origin(previous(twin)));
+                    self.side_of(self.triangles[t as usize], apex) == Sign::Zero
+                };
+                if !region.contains(&(twin / 3)) && is_flat() {
+                    region.insert(twin / 3);
+                    front.push(twin / 3);
+                }
+            }
+        }
+        region
+    }
+
+    /// The edges around triangles that hang together, each with the half-edge beyond it, in their order; `None` where
+    /// they are not one loop.
+    fn rim_of(&self, region: &BTreeSet<u32>) -> Option<Vec<(u32, u32, u32)>> {
+        let mut edges = BTreeMap::new();
+        for h in region.iter().flat_map(|&t| 3 * t..3 * t + 3) {
+            let twin = self.twins[h as usize];
+            if !region.contains(&(twin / 3)) {
+                let (from, to) = (self.origin(h), self.origin(next(h)));
+                let is_second = edges.insert(from, (from, to, twin)).is_some();
+                if is_second {
+                    return None;
+                }
+            }
+        }
+        let mut rim = vec![*edges.first_key_value()?.1];
+        while rim.len() < edges.len() {
+            let following = *edges.get(&rim[rim.len() - 1].1)?;
+            if following.0 == rim[0].0 {
+                return None;
+            }
+            rim.push(following);
+        }
+        Some(rim)
     }
 
     /// Finds for each vertex a half-edge that leaves it. O(n).
@@ -227,16 +267,6 @@ impl<'a> Repair<'a> {
             h = self.twins[previous(h) as usize];
         }
         spokes
-    }
-
-    /// The triangles of the hull of some points that have `eye` above them.
-    fn seen_from(&self, eye: DVec3, some: &[u32], places: &[DVec3]) -> Option<Vec<[u32; 3]>> {
-        let surface = hull_of_some(places)?;
-        let seen = surface.triangles.iter().filter(|t| {
-            let [a, b, c] = t.map(|v| places[v as usize]);
-            orient3d(a, b, c, eye) == Sign::Positive
-        });
-        Some(seen.map(|t| t.map(|v| some[v as usize])).collect())
     }
 
     /// Closes a hole with triangles; `None` where its rim is not theirs. `rim`: edges of the triangles to
@@ -351,6 +381,28 @@ impl<'a> Repair<'a> {
         let (a, b) = (self.at(self.origin(h)), self.at(self.origin(next(h))));
         orient3d(self.middle, a, b, p) == Sign::Negative
     }
+}
+
+/// The triangles of the hull of some points that lie within a rim; `None` where an edge of that is none of the hull.
+fn within(surface: &Surface, some: &[u32], rim: &[(u32, u32, u32)]) -> Option<Vec<[u32; 3]>> {
+    let ends = |h: u32| surface.ends(h).map(|v| some[v as usize]);
+    let edges: BTreeSet<[u32; 2]> = rim.iter().map(|&(from, to, _)| [from, to]).collect();
+    let half_edges = 0..surface.twins.len() as u32;
+    let mut front: Vec<u32> = half_edges.filter(|&h| edges.contains(&ends(h))).collect();
+    if front.len() < edges.len() {
+        return None;
+    }
+    let mut seen = BTreeSet::new();
+    while let Some(h) = front.pop() {
+        if seen.insert(h / 3) {
+            let own = 3 * (h / 3)..3 * (h / 3) + 3;
+            let inner = own.filter(|&h| !edges.contains(&ends(h)));
+            front.extend(inner.map(|h| surface.twins[h as usize]));
+        }
+    }
+    Some(
+        seen.into_iter().map(|t| surface.triangles[t as usize].map(|v| some[v as usize])).collect(),
+    )
 }
 
 /// Triangles over a convex outline in a plane, turned so that they fit into a link; `None` where the link
