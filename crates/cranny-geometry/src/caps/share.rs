@@ -304,7 +304,8 @@ impl Sharing<'_> {
     }
 }
 
-/// The longer of two vectors. Of equals neither the first nor the last, which would depend on how facets are numbered.
+/// The longer of two vectors. Of those equal to the bit neither the first nor the last, which would depend on how facets
+/// are numbered; sums over the triangles of equal facets may still differ by rounding.
 fn larger(a: DVec3, b: DVec3) -> DVec3 {
     let by_place = || b.to_array().partial_cmp(&a.to_array()).unwrap_or(Ordering::Equal);
     let by_length = b.length_squared().total_cmp(&a.length_squared());

@@ -83,13 +83,15 @@ impl Model {
     /// deformation keeps vertices, faces and edges as they are):
     ///
     /// - the hull has the same vertices and the same exact shape; its merged facets have the same vertices,
-    ///   and planes that agree to rounding (where flatness is wide, from about a thousandth, facets that a
-    ///   rebuild would grow from another seed may be merged otherwise). Within a facet it may be triangulated otherwise.
+    ///   and planes that agree to rounding (where flatness is wide, from about a thousandth, and along edges
+    ///   where a vertex or a needle lies within the flatness of both sides, facets that a rebuild would grow from another
+    ///   seed may be merged otherwise). Within a facet it may be triangulated otherwise.
     ///   Vertices have the same numbers; triangles and facets may be numbered otherwise, so that those away from a
     ///   change keep the numbers that they had;
     /// - vertices, edges and faces are classified the same. A needle on the edge between two facets may
     ///   be counted to either;
-    /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
+    /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids, but for concavities
+    ///   without faces, which may be numbered otherwise among themselves. Lids
     ///   have the same boundary; lids and cap triangles may be numbered otherwise;
     /// - all sizes and the mass properties agree to rounding, box, radius and digest to the bit;
     /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes are those that
@@ -129,8 +131,8 @@ impl Model {
     ///
     /// Where the box of the hull changes, so does what counts as flat, and all facets are measured and
     /// everything is classified. Where a hull's surface cannot be repaired (a vertex inside a flat
-    /// facet comes out, vertices coincide) it is built anew, and what is as before keeps its number; so is the hull of a
-    /// flat body, and then all is followed. Where caps are shared, count negative or
+    /// facet comes out, vertices coincide) it is built anew, and what is as before keeps its number. Where the body is or
+    /// becomes flat, or shrinks away from the point that was known to be inside, all triangles and facets count as new. Where caps are shared, count negative or
     /// hang on isolated vertices, concavities are found anew, all of them.
     ///
     /// # Errors

@@ -22,7 +22,7 @@ use crate::late::Late;
 pub(crate) struct Followed {
     pub(crate) hull: ConvexHull,
     pub(crate) facets: FacetChange,
-    /// Triangles that are new or have another number; all, if the surface was built anew.
+    /// Triangles that are new or have another number; all, if it could be neither repaired nor exchanged.
     pub(crate) triangles: Vec<u32>,
     /// Number of triangles whose planes were measured.
     pub(crate) measured: usize,
