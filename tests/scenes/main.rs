@@ -11,5 +11,6 @@ mod linking;
 mod nut;
 mod overlap;
 mod peg;
+mod rest;
 mod ring;
 mod run;

@@ -9,7 +9,11 @@ const MAJOR: f64 = 1.0;
 const MINOR: f64 = 0.2;
 
 fn hang_the_ring(step: f64) -> Ended {
-    let scene = asset("ring_of_tori.ron");
+    hang("ring_of_tori.ron", MINOR, step)
+}
+
+fn hang(name: &str, minor: f64, step: f64) -> Ended {
+    let scene = asset(name);
     let names: Vec<String> = (0..12).map(|i| format!("torus_{i}")).collect();
     let bodies: Vec<&str> = scene.description.bodies.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(bodies, names);
@@ -30,10 +34,10 @@ fn hang_the_ring(step: f64) -> Ended {
     let ended = run(&scene, &RunOptions { step: Some(step), ..RunOptions::default() });
     let summary = &ended.summary;
     let smooth_overlap = (0..12)
-        .map(|i| 2.0 * MINOR - circle_distance(&ended.poses[i], &ended.poses[(i + 1) % 12], MAJOR))
+        .map(|i| 2.0 * minor - circle_distance(&ended.poses[i], &ended.poses[(i + 1) % 12], MAJOR))
         .fold(f64::NEG_INFINITY, f64::max);
     eprintln!(
-        "ring at {step:.5} s: deepest overlap of the polyhedra {:?}, of the smooth tubes at the end {smooth_overlap:.4}, \
+        "{name} at {step:.5} s: deepest overlap of the polyhedra {:?}, of the smooth tubes at the end {smooth_overlap:.4}, \
          energy drift {:?}, contacts {:?}, wall {:.1} s",
         summary.deepest, summary.energy_drift, summary.contacts, summary.wall_s
     );
@@ -44,7 +48,8 @@ fn hang_the_ring(step: f64) -> Ended {
     assert!(summary.energy_drift.unwrap() <= 0.01, "energy rose: {:?}", summary.energy);
     // It fell, and it came nearly to rest.
     let energy = summary.energy.unwrap();
-    assert!(energy.end < energy.start - 10.0, "{energy:?}");
+    let fell = 10.0 * (minor / MINOR).powi(2); // as heavy as the wire is thick
+    assert!(energy.end < energy.start - fell, "{energy:?}");
     ended
 }
 
@@ -61,4 +66,14 @@ fn all_links_hold_at_240_hz_and_hardly_overlap() {
 fn all_links_hold_at_60_hz() {
     let ended = hang_the_ring(1.0 / 60.0);
     assert_eq!(ended.summary.steps, 300);
+}
+
+/// Of wire of 0.06: two wires on each other are 0.12 thick, and through is out. Aimed at is an overlap of 0.02; by how much
+/// that is missed stands in the README of `cranny-rapier`. Half a wire is still on the right side of the other one's middle.
+#[test]
+fn all_links_of_thin_wire_hold_at_60_hz() {
+    let ended = hang("ring_of_thin_tori.ron", 0.06, 1.0 / 60.0);
+    assert_eq!(ended.summary.steps, 300);
+    let deepest = ended.summary.deepest.unwrap();
+    assert!(deepest.depth < 0.06, "{deepest:?}");
 }
