@@ -215,14 +215,18 @@ impl<'a> Growth<'a> {
     pub(super) fn run(&mut self, left: impl Iterator<Item = u32>) {
         let mut seeds = Vec::new();
         for t in left {
-            if self.triangles.is_apart(self.surface, t) {
+            if self.triangles.is_apart(t) {
                 let plane = self.plane_of_one(t, self.normal_of(t));
                 self.take(&[t], plane);
             } else {
                 seeds.push((self.triangles.area(t), t));
             }
         }
-        seeds.sort_unstable_by(|a: &(f64, u32), b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        // Where areas are the same, their vertices decide: numbers of triangles mean nothing.
+        let corners = |t: u32| self.surface.triangles[t as usize];
+        seeds.sort_unstable_by(|a: &(f64, u32), b| {
+            b.0.total_cmp(&a.0).then_with(|| corners(a.1).cmp(&corners(b.1)))
+        });
         for (_, seed) in seeds {
             if self.facet_of[seed as usize] == UNASSIGNED {
                 let (region, plane) = self.facet_from(seed);
@@ -288,7 +292,8 @@ impl<'a> Growth<'a> {
                 self.vertex_round[v as usize] = self.round;
             }
             region.push(t);
-            queue.extend((3 * t..3 * t + 3).map(|h| self.surface.twins[h as usize] / 3));
+            let open = (3 * t..3 * t + 3).filter(|&h| !self.triangles.bends(h));
+            queue.extend(open.map(|h| self.surface.twins[h as usize] / 3));
         }
         region
     }

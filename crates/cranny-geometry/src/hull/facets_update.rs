@@ -1,12 +1,15 @@
 //! Facets of a hull that was repaired, within the same box: those around which nothing is new keep their planes and
-//! their numbers, the others grow again from what is left.
+//! their numbers, the others grow again, and come out as if the hull had been built.
 //!
-//! A facet stays if all its triangles are there, no corner of one is a corner of a new triangle, and every new vertex
-//! is certainly below its plane. New facets take the numbers of those that are gone; where fewer are new, the last
-//! ones take the numbers that are free.
+//! Facets never grow over an edge that bends clearly. So triangles that hang together over other edges share facets with
+//! no others, and which facets they make does not depend on these. They are grown again together where one of them is
+//! new, has a corner of a new one, or has a facet that lost a triangle, that is not certainly above every new vertex or that a
+//! lost vertex may have held up. New facets take the numbers of those that are gone; where fewer are new, the last ones
+//! take the numbers that are free.
 //!
 //! No source: this crate's own, and right because a plane that every new vertex is below supports the new hull as it did
-//! the old one. Cost: what grows again and what borders on it, a comparison for each plane, and copying.
+//! the old one. Cost: what grows again and what borders on it, a comparison for each plane, and copying. What hangs
+//! together is next to nothing but facets of one plane, unless the body is flat nearly everywhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,8 +17,9 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::facets::{FacetLayer, Growth, Plane, UNASSIGNED};
 use super::outline::Region;
+use super::quickhull::Surface;
 use super::repair::Repaired;
-use super::shapes::Shapes;
+use super::shapes::{Shapes, bends_clearly};
 use super::support::SupportGraph;
 use super::update::FacetChange;
 use crate::rows::{closing_ranks, overwritten};
@@ -30,8 +34,9 @@ impl FacetLayer {
         graph: &SupportGraph,
         bounds: &Aabb,
     ) -> (Self, FacetChange, usize) {
-        let Repaired { positions, surface, leaving, numbering, new, fresh, dead, moved, .. } =
-            repaired;
+        let Repaired {
+            positions, surface, leaving, numbering, new, lost, fresh, dead, moved, ..
+        } = repaired;
         let Self { tolerance, planes, facet_of, triangle_starts, triangles, outlines } = self;
         let before = planes.len();
         let mut gone: BTreeSet<u32> = dead.iter().map(|&t| facet_of[t as usize]).collect();
@@ -48,21 +53,20 @@ impl FacetLayer {
         let around = touched.iter().flat_map(|&v| surface.spokes(leaving[v as usize]));
         let disturbed = around.map(|h| now[h as usize / 3]).filter(|&f| f != UNASSIGNED);
         gone.extend(disturbed);
-        let places: Vec<DVec3> = new.iter().map(|&v| positions[v as usize]).collect();
-        let fresh_vertices =
-            Vertices { bounds: Aabb::of_points(places.iter().copied()), places, graph };
-        gone.extend(
-            (0..).zip(&planes).filter(|(_, p)| !fresh_vertices.are_beneath(p)).map(|(f, _)| f),
-        );
+        let places = new.iter().map(|&v| positions[v as usize]).collect();
+        let new = Vertices::at(places, graph);
+        let lost = Vertices::at(lost.clone(), graph);
+        let is_free = |p: &Plane| new.are_below(p, 1.0) && lost.are_below(p, HELD_UP);
+        gone.extend((0..).zip(&planes).filter(|(_, p)| !is_free(p)).map(|(f, _)| f));
         let row = |f: u32| {
             let row =
                 triangle_starts[f as usize] as usize..triangle_starts[f as usize + 1] as usize;
             let there = triangles[row].iter().filter(|t| dead.binary_search(t).is_err());
             there.map(|t| moved.get(t).copied().unwrap_or(*t))
         };
-        let mut left: Vec<u32> =
-            gone.iter().flat_map(|&f| row(f)).chain(fresh.iter().copied()).collect();
-        left.sort_unstable();
+        let first = gone.iter().flat_map(|&f| row(f)).chain(fresh.iter().copied()).collect();
+        let left = hanging_together(positions, surface, tolerance, first);
+        gone.extend(left.iter().map(|&t| now[t as usize]).filter(|&f| f != UNASSIGNED));
         left.iter().for_each(|&t| now[t as usize] = UNASSIGNED);
         let shapes = Shapes::of_some(positions, surface, tolerance, &left);
         let mut growth =
@@ -112,17 +116,50 @@ fn sorted(members: impl Iterator<Item = u32>) -> Vec<u32> {
     all
 }
 
-/// Vertices that are new.
+/// Triangles, ascending: some, and those that hang together with them over edges that do not bend clearly.
+fn hanging_together(
+    positions: &[DVec3],
+    surface: &Surface,
+    tolerance: f64,
+    mut front: Vec<u32>,
+) -> Vec<u32> {
+    let mut region: BTreeSet<u32> = front.iter().copied().collect();
+    while let Some(t) = front.pop() {
+        for h in 3 * t..3 * t + 3 {
+            let beside = surface.twins[h as usize] / 3;
+            let is_open = || !bends_clearly(positions, surface, tolerance, h);
+            if !region.contains(&beside) && is_open() {
+                region.insert(beside);
+                front.push(beside);
+            }
+        }
+    }
+    region.into_iter().collect()
+}
+
+/// Of the rounding of heights, how far a vertex that holds a plane up may be below it: one is what the plane was raised
+/// by, and one the rounding of that. Smaller, and a plane stays up when what held it is gone; larger, and a few facets
+/// more grow again.
+const HELD_UP: f64 = 3.0;
+
+/// Vertices that are new, or lost.
 struct Vertices<'a> {
     bounds: Aabb,
     places: Vec<DVec3>,
     graph: &'a SupportGraph,
 }
 
-impl Vertices<'_> {
-    /// Whether they are certainly below a plane.
-    fn are_beneath(&self, plane: &Plane) -> bool {
-        let most = plane.offset - self.graph.rounding(plane.normal);
+impl<'a> Vertices<'a> {
+    fn at(places: Vec<DVec3>, graph: &'a SupportGraph) -> Self {
+        Self { bounds: Aabb::of_points(places.iter().copied()), places, graph }
+    }
+
+    /// Whether they are below a plane by so many roundings of their heights.
+    fn are_below(&self, plane: &Plane, roundings: f64) -> bool {
+        if self.places.is_empty() {
+            return true;
+        }
+        let most = plane.offset - roundings * self.graph.rounding(plane.normal);
         let highest = (plane.normal * self.bounds.min).max(plane.normal * self.bounds.max);
         // Sums and products round monotonically: no height is above that of the box.
         highest.x + highest.y + highest.z <= most

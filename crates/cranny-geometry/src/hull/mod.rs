@@ -28,6 +28,7 @@
 //! assert_eq!(hull.position(top), DVec3::ONE);
 //! ```
 
+mod canonical;
 mod codec;
 mod convexity;
 mod facet_order;

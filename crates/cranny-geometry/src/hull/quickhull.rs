@@ -32,6 +32,7 @@
 
 use cranny_exact::{Aabb, DVec3, Sign};
 
+use super::canonical::{canonical, lowest_corner};
 use super::fan::Fan;
 use super::side::Side;
 use super::sieve::outer_points;
@@ -48,17 +49,17 @@ pub(super) struct Surface {
 }
 
 /// The hull of points that are not coplanar: a surface over their indices, whose vertices are exactly
-/// the extreme points (the lowest index of each).
+/// the extreme points (the lowest index of each), in the [one form](super::canonical) that these decide.
 pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
-    let (surface, flat) = triangulate(points, simplex);
-    if flat.is_empty() {
-        return surface;
+    let (mut surface, mut flat) = triangulate(points, simplex);
+    if !flat.vertices.is_empty() {
+        let mut extreme: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
+        extreme.sort_unstable();
+        extreme.dedup();
+        extreme.retain(|v| flat.vertices.binary_search(v).is_err());
+        (surface, flat) = of_subset(points, &extreme).unwrap_or((surface, flat));
     }
-    let mut extreme: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
-    extreme.sort_unstable();
-    extreme.dedup();
-    extreme.retain(|v| flat.binary_search(v).is_err());
-    of_subset(points, &extreme).map_or(surface, |(surface, _)| surface)
+    canonical(surface, &flat.edges)
 }
 
 /// As [`exact_hull`]; `None` if the points are coplanar.
@@ -67,64 +68,81 @@ pub(super) fn hull_of_some(points: &[DVec3]) -> Option<Surface> {
     Some(exact_hull(points, simplex))
 }
 
-/// The hull of points that are not coplanar, and those of its vertices, sorted, that lie inside an edge
-/// or a facet of it.
-fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
+/// The hull of points that are not coplanar, and what of it is flat.
+fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Flat) {
     outer_points(points)
         .and_then(|kept| of_subset(points, &kept))
         .unwrap_or_else(|| of_all(points, simplex))
 }
 
 /// [`triangulate`], no point set aside.
-pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Vec<u32>) {
+pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Flat) {
     Builder::new(points, simplex).run()
 }
 
-/// [`triangulate`] of some of the points, over the indices of all; `None` if they are coplanar.
-fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Vec<u32>)> {
+/// [`triangulate`] of some of the points, ascending, over the indices of all; `None` if they are coplanar.
+fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Flat)> {
     let subset: Vec<DVec3> = indices.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&subset) else { return None };
     let (mut surface, mut flat) = of_all(&subset, simplex);
-    for vertex in surface.triangles.iter_mut().flatten().chain(&mut flat) {
+    for vertex in surface.triangles.iter_mut().flatten().chain(&mut flat.vertices) {
         *vertex = indices[*vertex as usize];
     }
     Some((surface, flat))
 }
 
-/// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
-/// convex; inside an edge of the hull two are, inside a facet none. `edge_sign` is the exact
-/// [`edge_sign`] of a half-edge of the surface, over `points` points; it takes longest for zeros, so it is not asked
-/// of those that `is_surely_bent` names, nor of edges between vertices that are known to be extreme.
-pub(super) fn flat_vertices(
-    points: usize,
-    surface: &Surface,
-    is_surely_bent: impl Fn(u32) -> bool,
-    edge_sign: impl Fn(u32) -> Sign,
-) -> Vec<u32> {
-    let mut convex_edges = vec![0u32; points];
-    let mut doubtful = Vec::new();
-    for (half_edge, &twin) in (0u32..).zip(&surface.twins) {
-        if half_edge > twin {
-            continue;
+/// What is flat of a surface.
+pub(super) struct Flat {
+    /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly convex; inside an
+    /// edge of the hull two are, inside a facet none.
+    pub(super) vertices: Vec<u32>,
+    /// One half-edge of each flat edge, if all vertices are extreme; else of some.
+    pub(super) edges: Vec<u32>,
+}
+
+impl Flat {
+    /// Of a surface over `points` points. `edge_sign` is the exact [`edge_sign`] of a half-edge; it takes longest for
+    /// zeros, so it is not asked of those that `is_surely_bent` names.
+    pub(super) fn of(
+        points: usize,
+        surface: &Surface,
+        is_surely_bent: impl Fn(u32) -> bool,
+        edge_sign: impl Fn(u32) -> Sign,
+    ) -> Self {
+        let mut convex_edges = vec![0u32; points];
+        let mut doubtful = Vec::new();
+        for (half_edge, &twin) in (0u32..).zip(&surface.twins) {
+            if half_edge > twin {
+                continue;
+            }
+            if is_surely_bent(half_edge) {
+                surface.ends(half_edge).into_iter().for_each(|v| convex_edges[v as usize] += 1);
+            } else {
+                doubtful.push(half_edge);
+            }
         }
-        if is_surely_bent(half_edge) {
-            surface.ends(half_edge).into_iter().for_each(|v| convex_edges[v as usize] += 1);
-        } else {
-            doubtful.push(half_edge);
+        let mut edges = Vec::new();
+        // Between vertices that are known to be extreme it matters only if the others are as well.
+        let mut put_off = Vec::new();
+        for half_edge in doubtful {
+            let ends = surface.ends(half_edge);
+            if ends.iter().all(|&v| convex_edges[v as usize] >= 3) {
+                put_off.push(half_edge);
+            } else if edge_sign(half_edge).is_zero() {
+                edges.push(half_edge);
+            } else {
+                ends.into_iter().for_each(|v| convex_edges[v as usize] += 1);
+            }
         }
+        let mut vertices: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
+        vertices.retain(|&v| convex_edges[v as usize] < 3);
+        vertices.sort_unstable();
+        vertices.dedup();
+        if vertices.is_empty() {
+            edges.extend(put_off.into_iter().filter(|&h| edge_sign(h).is_zero()));
+        }
+        Self { vertices, edges }
     }
-    for half_edge in doubtful {
-        let ends = surface.ends(half_edge);
-        let matters = ends.iter().any(|&v| convex_edges[v as usize] < 3);
-        if matters && edge_sign(half_edge) != Sign::Zero {
-            ends.into_iter().for_each(|v| convex_edges[v as usize] += 1);
-        }
-    }
-    let mut flat: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
-    flat.retain(|&v| convex_edges[v as usize] < 3);
-    flat.sort_unstable();
-    flat.dedup();
-    flat
 }
 
 /// On which side of a triangle the apex of its neighbour lies: `Negative` where the edge is convex,
@@ -263,7 +281,7 @@ impl<'a> Builder<'a> {
     }
 
     /// As [`triangulate`].
-    fn run(mut self) -> (Surface, Vec<u32>) {
+    fn run(mut self) -> (Surface, Flat) {
         while let Some(face) = self.pending.pop() {
             let apex = self.waiting[face as usize].apex;
             if apex != NONE {
@@ -412,7 +430,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn into_surface(self) -> (Surface, Vec<u32>) {
+    /// The faces that are left, each from its lowest vertex on.
+    fn into_surface(self) -> (Surface, Flat) {
         let mut lowest = std::collections::BTreeMap::new();
         for &(vertex, duplicate) in &self.duplicates {
             let least = lowest.entry(vertex).or_insert(duplicate);
@@ -421,24 +440,31 @@ impl<'a> Builder<'a> {
         let alive: Vec<u32> = (0..self.links.len() as u32)
             .filter(|&f| self.links[f as usize].vertices[0] != NONE)
             .collect();
-        let mut new_index = vec![NONE; self.links.len()];
-        for (new, &old) in (0..).zip(&alive) {
-            new_index[old as usize] = new;
-        }
-        let mut surface = Surface {
-            triangles: Vec::with_capacity(alive.len()),
-            twins: Vec::with_capacity(3 * alive.len()),
-        };
-        for &old in &alive {
-            let Links { vertices, twins } = self.links[old as usize];
-            surface.triangles.push(vertices);
-            surface.twins.extend(twins.map(|t| 3 * new_index[(t >> 2) as usize] + (t & 3)));
-        }
-        if !lowest.is_empty() {
-            for vertex in surface.triangles.as_flattened_mut() {
-                *vertex = *lowest.get(vertex).unwrap_or(vertex);
+        // The place of a face, and the corner that comes first there.
+        let mut places = vec![(NONE, 0); self.links.len()];
+        let mut triangles = Vec::with_capacity(alive.len());
+        for (place, &face) in (0..).zip(&alive) {
+            let mut vertices = self.links[face as usize].vertices;
+            if !lowest.is_empty() {
+                vertices = vertices.map(|v| *lowest.get(&v).unwrap_or(&v));
             }
+            let first = lowest_corner(vertices);
+            places[face as usize] = (3 * place, first);
+            let [a, b, c] = vertices;
+            triangles.push([[a, b, c], [b, c, a], [c, a, b]][first as usize]);
         }
+        let half_edge = |twin: u32| {
+            let (place, first) = places[(twin >> 2) as usize];
+            let corner = (twin & 3) + 3 - first;
+            place + if corner < 3 { corner } else { corner - 3 }
+        };
+        let mut twins = Vec::with_capacity(3 * alive.len());
+        for &face in &alive {
+            let [a, b, c] = self.links[face as usize].twins;
+            let first = places[face as usize].1 as usize;
+            twins.extend([[a, b, c], [b, c, a], [c, a, b]][first].map(half_edge));
+        }
+        let surface = Surface { triangles, twins };
         let across = |half_edge: u32| {
             let apex = surface.origin(previous(surface.twins[half_edge as usize]));
             let face = alive[half_edge as usize / 3];
@@ -448,7 +474,7 @@ impl<'a> Builder<'a> {
             let (_, side, p) = across(half_edge);
             side.height(p).abs() > side.margin()
         };
-        let flat = flat_vertices(self.points.len(), &surface, is_surely_bent, |half_edge| {
+        let flat = Flat::of(self.points.len(), &surface, is_surely_bent, |half_edge| {
             let (face, side, p) = across(half_edge);
             side.sign(side.height(p), p, || self.corners(face))
         });

@@ -30,6 +30,7 @@ use cranny_exact::{Aabb, DVec3, Sign, orient3d};
 
 pub(super) use self::finish::Repaired;
 use super::ConvexHull;
+use super::canonical::lowest_corner;
 use super::quickhull::{Surface, hull_of_some, next, previous};
 use super::span::{Projection, Span, planar_hull, span_of};
 use crate::ids::VertexId;
@@ -203,7 +204,11 @@ impl<'a> Repair<'a> {
 
     /// The triangles around a vertex, and those that lie in one plane with one of them and hang together with it.
     fn facets_around(&self, d: u32) -> BTreeSet<u32> {
-        let mut front: Vec<u32> = self.spokes(d).into_iter().map(|h| h / 3).collect();
+        self.facets_of(self.spokes(d).into_iter().map(|h| h / 3).collect())
+    }
+
+    /// Some triangles, and those that lie in one plane with one of them and hang together with it.
+    fn facets_of(&self, mut front: Vec<u32>) -> BTreeSet<u32> {
         let mut region: BTreeSet<u32> = front.iter().copied().collect();
         while let Some(t) = front.pop() {
             for h in 3 * t..3 * t + 3 {
@@ -269,6 +274,13 @@ impl<'a> Repair<'a> {
         spokes
     }
 
+    /// A triangle from the corner on whose point is the lowest.
+    fn lowest_first(&self, mut corners: [u32; 3]) -> [u32; 3] {
+        let points = corners.map(|v| self.sources[v as usize].0);
+        corners.rotate_left(lowest_corner(points) as usize);
+        corners
+    }
+
     /// Closes a hole with triangles; `None` where its rim is not theirs. `rim`: edges of the triangles to
     /// come, and the half-edge beyond each.
     fn fill(&mut self, rim: &[(u32, u32, u32)], triangles: &[[u32; 3]]) -> Option<()> {
@@ -279,6 +291,7 @@ impl<'a> Repair<'a> {
             if self.side_of(corners, self.middle) != Sign::Negative {
                 return None;
             }
+            let corners = self.lowest_first(corners);
             self.triangles.push(corners);
             self.twins.extend([NONE; 3]);
             for h in 3 * t..3 * t + 3 {

@@ -1,7 +1,8 @@
 //! The triangles of a hull one by one: areas, which are needles, and which of their edges bend clearly.
 //!
 //! Cost: O(n), a look at each triangle and each edge. No source: areas are lengths of cross products, and an edge
-//! bends clearly where each of its triangles has the other's apex deeper below its plane than the tolerance.
+//! bends clearly where neither of its triangles is a needle, whose normal is made of rounding, and each has the other's
+//! apex deeper below its plane than the tolerance.
 
 use cranny_exact::DVec3;
 
@@ -102,15 +103,10 @@ impl Shapes {
         one: [u32; 2],
         other: [u32; 2],
     ) {
-        let corner =
-            |t: u32, k: u32| positions[surface.triangles[t as usize][k as usize % 3] as usize];
-        let from = corner(one[0], one[1]);
-        let apexes = [one, other].map(|[t, k]| corner(t, k + 2));
         let places = [one, other].map(|[t, _]| self.place(t));
-        let is_deep = |place: usize, apex: DVec3| {
-            self.area_vectors[place].dot(from - apex) > tolerance * self.areas[place]
-        };
-        if is_deep(places[0], apexes[1]) && is_deep(places[1], apexes[0]) {
+        let shapes = places.map(|place| (self.area_vectors[place], self.areas[place]));
+        let are_wide = !self.needles[places[0]] && !self.needles[places[1]];
+        if are_wide && are_apart(positions, surface, tolerance, [one, other], shapes) {
             self.bends[places[0]] |= 1 << one[1];
             self.bends[places[1]] |= 1 << other[1];
         }
@@ -131,14 +127,50 @@ impl Shapes {
         self.needles[self.place(t)]
     }
 
-    /// Whether the triangle bends away from its neighbours so clearly, seen from either side of each
-    /// edge, and is itself so far from a needle, as they are, that it is a facet of its own. This
-    /// spares most triangles of a smooth hull the growth.
-    pub(super) fn is_apart(&self, surface: &Surface, t: u32) -> bool {
-        self.bends[self.place(t)] == 0b111
-            && !self.is_needle(t)
-            && (3 * t..3 * t + 3).all(|h| !self.is_needle(surface.twins[h as usize] / 3))
+    /// Whether a half-edge of a triangle that was looked at bends clearly.
+    #[inline]
+    pub(super) fn bends(&self, h: u32) -> bool {
+        self.bends[self.place(h / 3)] >> (h % 3) & 1 == 1
     }
+
+    /// Whether all edges of the triangle bend clearly, so that it is a facet of its own. This spares most triangles of a
+    /// smooth hull the growth.
+    #[inline]
+    pub(super) fn is_apart(&self, t: u32) -> bool {
+        self.bends[self.place(t)] == 0b111
+    }
+}
+
+/// Whether a half-edge bends clearly.
+pub(super) fn bends_clearly(
+    positions: &[DVec3],
+    surface: &Surface,
+    tolerance: f64,
+    half_edge: u32,
+) -> bool {
+    let sides = [half_edge, surface.twins[half_edge as usize]].map(|h| [h / 3, h % 3]);
+    let shapes = sides.map(|[t, _]| Shape::of(positions, surface.triangles[t as usize], tolerance));
+    let are_wide = shapes.iter().all(|shape| !shape.is_needle);
+    let shapes = shapes.map(|shape| (shape.area_vector, shape.area));
+    are_wide && are_apart(positions, surface, tolerance, sides, shapes)
+}
+
+/// Whether each of two triangles at an edge has the other's apex deeper below its plane than the tolerance; each with the
+/// corner that the edge leaves, its area vector and its area, twice.
+#[inline]
+fn are_apart(
+    positions: &[DVec3],
+    surface: &Surface,
+    tolerance: f64,
+    [one, other]: [[u32; 2]; 2],
+    shapes: [(DVec3, f64); 2],
+) -> bool {
+    let corner = |t: u32, k: u32| positions[surface.triangles[t as usize][k as usize % 3] as usize];
+    // Each from its own side, so that it is told alike from whichever triangle the edge is looked at.
+    let is_deep = |(area_vector, area): (DVec3, f64), [t, k]: [u32; 2], [u, l]: [u32; 2]| {
+        area_vector.dot(corner(t, k) - corner(u, l + 2)) > tolerance * area
+    };
+    is_deep(shapes[0], one, other) && is_deep(shapes[1], other, one)
 }
 
 /// One triangle.

@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec3, Sign};
 
-use super::quickhull::{edge_sign, flat_vertices};
+use super::quickhull::{Flat, edge_sign};
 use super::span::collinear;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId, Location};
 use crate::ids::{HalfEdgeId, VertexId};
@@ -135,8 +135,8 @@ impl ConvexHull {
         match self.kind {
             HullKind::Volume => {
                 let sign = |h| edge_sign(&self.positions, &self.surface, h);
-                let flat = flat_vertices(self.vertex_count(), &self.surface, |_| false, sign);
-                flat.into_iter().map(HullVertexId).collect()
+                let flat = Flat::of(self.vertex_count(), &self.surface, |_| false, sign);
+                flat.vertices.into_iter().map(HullVertexId).collect()
             }
             HullKind::Polygon => {
                 let outline = self.plate_outline();

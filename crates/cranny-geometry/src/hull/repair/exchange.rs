@@ -24,12 +24,13 @@ impl Repair<'_> {
         };
         let mut new: Vec<[u32; 3]> =
             surface.triangles.iter().map(|t| t.map(|point| number(self, point))).collect();
+        // Both are in the one form, so a triangle of both is told the same way.
         let mut old: Vec<([u32; 3], u32)> =
-            (0..).zip(&self.triangles).map(|(t, &corners)| (lowest_first(corners), t)).collect();
+            (0..).zip(&self.triangles).map(|(t, &corners)| (corners, t)).collect();
         old.sort_unstable();
         let mut is_kept = vec![false; old.len()];
         new.retain(|&corners| {
-            let place = old.binary_search_by_key(&lowest_first(corners), |o| o.0);
+            let place = old.binary_search_by_key(&corners, |o| o.0);
             place.map(|i| is_kept[old[i].1 as usize] = true).is_err()
         });
         let is_gone = |t: u32| !is_kept[t as usize];
@@ -44,16 +45,5 @@ impl Repair<'_> {
         gone.into_iter().for_each(|t| self.kill(t));
         self.find_leaving();
         self.fill(&rim, &new)
-    }
-}
-
-/// The same triangle, from its lowest corner on.
-fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
     }
 }

@@ -1,4 +1,5 @@
-//! What a repair leaves: whether it is sound, triangles that fill the gaps, vertices numbered by their points.
+//! What a repair leaves: whether it is sound, the one form that its points decide, triangles that fill the gaps, vertices
+//! numbered by their points.
 //!
 //! Source: none. Cost: that of what is new, and copying; where vertices come or go, all corners are renamed.
 
@@ -6,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{DVec3, Sign};
 
+use super::super::canonical::halved;
 use super::super::numbering::Numbering;
 use super::super::quickhull::{Surface, previous};
 use super::super::span::collinear;
@@ -23,6 +25,8 @@ pub(in crate::hull) struct Repaired {
     pub(in crate::hull) numbering: Numbering,
     /// Vertices that have moved or come.
     pub(in crate::hull) new: Vec<u32>,
+    /// Where vertices were that have moved or gone.
+    pub(in crate::hull) lost: Vec<DVec3>,
     /// Triangles that are new, by their numbers now, ascending.
     pub(in crate::hull) fresh: Vec<u32>,
     /// Triangles that are gone, by their numbers before, ascending.
@@ -49,7 +53,9 @@ impl Repair<'_> {
             moves.into_iter().partition(|&(from, _)| from >= self.first_new);
         let mut fresh: Vec<u32> = made.into_iter().map(|(_, to)| to).collect();
         fresh.sort_unstable();
-        let (numbering, new) = self.number(&fresh);
+        let gone = self.gone();
+        let lost = gone.iter().map(|&v| self.at(v)).collect();
+        let (numbering, new) = self.number(&fresh, gone);
         let surface = Surface { triangles: self.triangles, twins: self.twins };
         Repaired {
             sources: self.sources,
@@ -58,6 +64,7 @@ impl Repair<'_> {
             leaving: self.leaving,
             numbering,
             new,
+            lost,
             fresh,
             dead,
             moved: old.into_iter().collect(),
@@ -88,6 +95,34 @@ impl Repair<'_> {
         touched.iter().all(is_extreme) && !new.iter().any(is_flat)
     }
 
+    /// Brings the surface, which [is sound](Self::is_sound), into the [one form](super::super::canonical) that its points
+    /// decide. `None` where that cannot be done.
+    pub(in crate::hull) fn make_canonical(&mut self) -> Option<()> {
+        let mut left: BTreeSet<u32> = self.made().into_iter().collect();
+        while let Some(t) = left.pop_first() {
+            let polygon = self.facets_of(vec![t]);
+            if polygon.len() == 1 {
+                continue;
+            }
+            let mut rim = self.rim_of(&polygon)?;
+            let lowest = (0..rim.len()).min_by_key(|&i| self.sources[rim[i].0 as usize])?;
+            rim.rotate_left(lowest);
+            let corners = |[i, m, k]: [u32; 3]| [i, m, k].map(|c| rim[c as usize].0);
+            let form: Vec<[u32; 3]> =
+                halved(rim.len() as u32).map(|t| self.lowest_first(corners(t))).collect();
+            let has = |t: &[u32; 3]| polygon.iter().any(|&own| self.triangles[own as usize] == *t);
+            let is_so = form.len() == polygon.len() && form.iter().all(has);
+            polygon.iter().for_each(|t| {
+                left.remove(t);
+            });
+            if !is_so {
+                polygon.into_iter().for_each(|t| self.kill(t));
+                self.fill(&rim, &form)?;
+            }
+        }
+        Some(())
+    }
+
     /// Moves triangles to the places of those that are gone; `count` are left.
     fn close_ranks(&mut self, moves: &[(u32, u32)], count: usize) {
         let places: BTreeMap<u32, u32> = moves.iter().copied().collect();
@@ -112,11 +147,16 @@ impl Repair<'_> {
         self.twins.truncate(3 * count);
     }
 
-    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which are returned too.
-    fn number(&mut self, fresh: &[u32]) -> (Numbering, Vec<u32>) {
+    /// Vertices of the hull before that are none where they were.
+    fn gone(&self) -> BTreeSet<u32> {
         let corners = self.dead.iter().flat_map(|&(_, corners)| corners);
         let is_gone = |v: &u32| (*v as usize) < self.known && self.leaving[*v as usize] == NONE;
-        let mut gone: BTreeSet<u32> = corners.filter(is_gone).collect();
+        corners.filter(is_gone).collect()
+    }
+
+    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which are returned too, and
+    /// `gone` the vertices that [are](Self::gone).
+    fn number(&mut self, fresh: &[u32], mut gone: BTreeSet<u32>) -> (Numbering, Vec<u32>) {
         let mut come = Vec::new();
         let mut back = BTreeMap::new();
         for v in self.known as u32..self.sources.len() as u32 {
