@@ -45,6 +45,16 @@ fn a_lid_all_around_opens_nowhere() {
 }
 
 #[test]
+fn facets_of_nearly_flat_sides_cover_what_a_rebuild_covers() {
+    // Planes triangulated otherwise than in a rebuild made other facets, and concavities covered other edges.
+    asked::deform(&[
+        255, 97, 97, 97, 97, 12, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 0, 0, 0, 0, 0,
+        80, 0, 0, 10, 75, 97, 97, 97, 12, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 0, 0,
+        0, 0, 0, 80, 0, 0, 10, 75, 97, 97, 97, 97, 97, 97, 33, 3, 255, 255, 255, 33,
+    ]);
+}
+
+#[test]
 fn a_solid_without_volume_comes_back_from_its_file() {
     // Rounding left it a volume below none, which no file may hold.
     let flat = [

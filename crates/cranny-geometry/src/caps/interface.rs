@@ -17,7 +17,7 @@ use crate::hull::ConvexHull;
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
 
-/// The vertices that divide edges of the hull, by the lesser of the two half-edges and along it.
+/// The vertices that divide edges of the hull, by the lesser of the two half-edges; from the lesser of the edge's ends on.
 #[derive(Debug, Default)]
 pub(crate) struct Divisions(BTreeMap<u32, Vec<(f64, u32)>>);
 
@@ -44,7 +44,8 @@ impl Divisions {
         for edge in left {
             let Origin::Hull(h) = edge.origin else { continue };
             let twin = hull.twin(HalfEdgeId(h)).0;
-            let [from, to] = if h < twin { edge.ends } else { [edge.ends[1], edge.ends[0]] };
+            // From the lesser vertex on: numbers of half-edges mean nothing, and rounding may tell the two ways apart.
+            let [from, to] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
             let (p, q) = (at(from), at(to));
             let (low, high) = (p[axis].min(q[axis]) - reach, p[axis].max(q[axis]) + reach);
             let first = candidates.partition_point(|&v| at(v)[axis] < low);
@@ -76,15 +77,15 @@ impl Divisions {
         let whole = std::mem::take(chain);
         for edge in whole {
             let row = match edge.origin {
-                Origin::Hull(h) => self.0.get(&h.min(hull.twin(HalfEdgeId(h)).0)).map(|r| (h, r)),
+                Origin::Hull(h) => self.0.get(&h.min(hull.twin(HalfEdgeId(h)).0)),
                 Origin::Mesh => None,
             };
-            let Some((h, row)) = row else {
+            let Some(row) = row else {
                 chain.push(edge);
                 continue;
             };
             let mut path: Vec<u32> = row.iter().map(|&(_, v)| v).collect();
-            if h > hull.twin(HalfEdgeId(h)).0 {
+            if edge.ends[0] > edge.ends[1] {
                 path.reverse();
             }
             path.push(edge.ends[1]);
