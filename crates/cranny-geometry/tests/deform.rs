@@ -252,6 +252,28 @@ fn an_open_surface_follows_too() {
     }
 }
 
+#[test]
+fn openings_without_faces_keep_their_order_however_facets_are_numbered() {
+    // A divided cube, of two opposite sides of which faces are missing: openings that no face lies beneath.
+    let whole = split_edges(&split_edges(&Cuboid::default().build().unwrap()));
+    let mut rng = Rng::new(5);
+    let (mut faceless, mut followed) = (0, 0);
+    for _ in 0..12 {
+        let faces = whole.faces().iter().copied().filter(|_| rng.below(8) != 0).collect();
+        let mut model = model(Mesh::new(whole.vertices().to_vec(), faces).unwrap());
+        for step in 0..6 {
+            let corners = model.hull().sources();
+            let v = corners[rng.below(corners.len())];
+            let place = model.mesh().position(v) * [0.96875, 1.03125][rng.below(2)];
+            let change = deformed(&mut model, &[(v, place)], &format!("step {step}"));
+            let bare = model.concavities().iter().filter(|c| c.faces.is_empty()).count();
+            faceless += usize::from(bare > 1);
+            followed += usize::from(change.hull && !change.work.is_anew);
+        }
+    }
+    assert!(faceless > 20 && followed > 20, "{faceless}, {followed}");
+}
+
 /// A dimple of a golf ball, pressed: how much is looked at does not depend on how large the ball is.
 #[test]
 fn work_follows_the_dent_not_the_mesh() {

@@ -4,6 +4,8 @@
 //! caps, O(m log m) for m cap triangles and edges of rims, and k² for k facets that are covered together, each of
 //! which asks for the others. What lies in what stands in `nesting`.
 
+use std::collections::BTreeMap;
+
 use cranny_exact::{Aabb, DVec3};
 
 use super::components::{Components, edge_between};
@@ -12,7 +14,7 @@ use super::{Border, Concavities, ConcavityKind, LidRecord, MIXED, Measures, Reco
 use crate::boundary::Loops;
 use crate::caps::{CapSurface, outlines};
 use crate::features::{Features, NONE};
-use crate::hull::{ConvexHull, FacetId};
+use crate::hull::{ConvexHull, FacetId, lowest_first};
 use crate::ids::{CapId, ConcavityId, EdgeId, FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::rows::rows;
@@ -34,6 +36,14 @@ pub(super) const BLANK: Record = Record {
     first_loop: 0,
     measures: Measures { cap_area: 0.0, face_area: 0.0, pocket_volume: 0.0, opening: DVec3::ZERO },
 };
+
+/// The first of some caps in the order of their vertices, which is the same however facets are numbered.
+pub(super) fn first_of_caps(
+    caps: &CapSurface,
+    some: impl Iterator<Item = usize>,
+) -> Option<[u32; 3]> {
+    some.map(|cap| lowest_first(caps.triangles[cap])).min()
+}
 
 /// What the steps below look at.
 pub(super) struct Input<'a> {
@@ -76,8 +86,8 @@ impl Input<'_> {
         caps.triangles[cap].map(|v| self.position(v))
     }
 
-    /// Numbers components by their least elements, and lids by their least caps. What has no faces and
-    /// covers nothing is skin and gets no number.
+    /// Numbers components by their least faces, those without by [the first](first_of_caps) of their caps, and lids by
+    /// their least caps. What has no faces and covers nothing is skin and gets no number.
     fn number(&self, mut components: Components, caps: CapSurface) -> Concavities {
         let (faces, count) = (self.mesh.faces().len(), caps.triangles.len());
         let mut is_skin = vec![false; count];
@@ -97,12 +107,23 @@ impl Input<'_> {
         for face in (0..faces as u32).map(FaceId).filter(|&f| !self.features.is_convex(f)) {
             concavity_of_face[face.index()] = number(components.of_face(face));
         }
-        let concavity_of_cap: Vec<u32> = (0..count)
-            .map(|cap| {
-                let root = components.of_cap(cap);
-                if root >= faces && is_skin[root - faces] { NONE } else { number(root) }
-            })
+        let roots: Vec<usize> = (0..count).map(|cap| components.of_cap(cap)).collect();
+        let is_skin = |root: usize| root >= faces && is_skin[root - faces];
+        let mut faceless: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (cap, &root) in roots.iter().enumerate().filter(|(_, r)| **r >= faces && !is_skin(**r))
+        {
+            faceless.entry(root).or_default().push(cap);
+        }
+        let mut faceless: Vec<(Option<[u32; 3]>, usize)> = faceless
+            .into_iter()
+            .map(|(root, own)| (first_of_caps(&caps, own.into_iter()), root))
             .collect();
+        faceless.sort_unstable();
+        for (_, root) in faceless {
+            number(root);
+        }
+        let concavity_of_cap: Vec<u32> =
+            roots.iter().map(|&root| if is_skin(root) { NONE } else { number(root) }).collect();
 
         let mut roots: Vec<(u32, usize)> = (0..count)
             .filter(|&cap| concavity_of_cap[cap] != NONE && components.lid_of(cap) == cap)

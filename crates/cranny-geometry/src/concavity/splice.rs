@@ -12,7 +12,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::build::{BLANK, CANCELLED, Input, twice_area_vector};
+use super::build::{BLANK, CANCELLED, Input, first_of_caps, twice_area_vector};
 use super::region::{Group, Part};
 use super::{Concavities, Concavity, LidRecord, MIXED, Measures, Record, SOLID, Skin, SurfaceSums};
 use crate::boundary::Loops;
@@ -182,20 +182,24 @@ impl Concavities {
         groups: Vec<Group>,
         ids: &[u32],
     ) -> Self {
-        let faces = self.concavity_of_face.len();
-        let key = |first_face: Option<&FaceId>, first_cap: Option<u32>| match first_face {
-            Some(face) => face.index(),
-            None => faces + first_cap.unwrap_or(NONE) as usize,
-        };
+        // As they are numbered when they are built.
+        type Key = (u32, Option<[u32; 3]>);
+        let of_face = |face: FaceId| (face.0, None);
         let kept = self.iter().filter(|c| !disturbed[c.id().index()]).map(|c| {
-            let first_cap = c.caps.first().map(|cap| ids[cap.index()]);
-            (key(c.faces.first(), first_cap), Origin::Kept(c.id().index()))
+            let own = c.caps.iter().map(|cap| ids[cap.index()] as usize);
+            let key =
+                c.faces.first().map_or_else(|| (NONE, first_of_caps(&caps, own)), |&f| of_face(f));
+            (key, Origin::Kept(c.id().index()))
         });
         let made = groups.iter().enumerate().map(|(i, group)| {
-            let first_cap = group.lids.first().and_then(|lid| lid.first()).map(|cap| cap.0);
-            (key(group.faces.first(), first_cap), Origin::Made(i))
+            let own = group.lids.iter().flatten().map(|cap| cap.index());
+            let key = group
+                .faces
+                .first()
+                .map_or_else(|| (NONE, first_of_caps(&caps, own)), |&f| of_face(f));
+            (key, Origin::Made(i))
         });
-        let mut order: Vec<(usize, Origin)> = kept.chain(made).collect();
+        let mut order: Vec<(Key, Origin)> = kept.chain(made).collect();
         order.sort_unstable_by_key(|&(key, _)| key);
         let mut all = Concavities {
             records: Vec::with_capacity(order.len()),

@@ -63,8 +63,8 @@ pub struct ChangeSet {
     /// Whether the hull has changed: its vertices, triangles and facets may have other numbers. Triangles and facets
     /// away from the change keep theirs, unless everything was built anew.
     pub hull: bool,
-    /// For each concavity before, by its id, the id of the one that has the same faces; `None` where there
-    /// is no such.
+    /// For each concavity before, by its id, the id of the one that has the same faces, or where it has none the same
+    /// caps; `None` where there is no such.
     pub concavities: Vec<Option<ConcavityId>>,
     /// Concavities, by their ids afterwards, that have another shape than before: faces or caps of them
     /// have moved, or are others. Ascending.

@@ -2,7 +2,7 @@
 //!
 //! Sources stand in the module, costs with [`Model::deform`](crate::Model::deform).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::Aabb;
 use cranny_exact::DVec3;
@@ -11,9 +11,9 @@ use super::renew::Renewal;
 use super::totals::Totals;
 use super::{ChangeSet, Work, Workshop};
 use crate::caps::CapSurface;
-use crate::concavity::{Concavities, Disturbance};
+use crate::concavity::{Concavities, Concavity, Disturbance};
 use crate::features::{Judged, NONE};
-use crate::hull::{ConvexHull, FacetChange, Followed, HullKind, Location};
+use crate::hull::{ConvexHull, FacetChange, Followed, HullKind, Location, lowest_first};
 use crate::ids::{ConcavityId, FaceId, VertexId};
 use crate::late::Late;
 use crate::model::{FormerEnvelopes, Parts, openings};
@@ -368,18 +368,34 @@ impl<'a> Deformation<'a> {
 }
 
 /// Tells what has become of concavities, once the moved vertices and their faces are told. Returns for each
-/// of the new ones the old one that has the same faces.
+/// of the new ones the old one that has the same faces; of those without faces, the same caps.
 pub(super) fn tell_concavities(
     change: &mut ChangeSet,
     old: &Concavities,
     new: &Concavities,
 ) -> Vec<Option<ConcavityId>> {
-    let has_faces_of = |i: u32| {
-        let faces = new.get(ConcavityId(i)).faces;
-        let before = old.of_face(*faces.first()?)?;
-        (old.get(before).faces == faces).then_some(before)
+    let faceless = |all: &Concavities| -> BTreeMap<Vec<[u32; 3]>, ConcavityId> {
+        let caps = |c: &Concavity<'_>| {
+            let mut caps: Vec<[u32; 3]> = c
+                .caps
+                .iter()
+                .map(|&cap| lowest_first(all.corners_of_cap(cap).map(|v| v.0)))
+                .collect();
+            caps.sort_unstable();
+            caps
+        };
+        all.iter().filter(|c| c.faces.is_empty()).map(|c| (caps(&c), c.id())).collect()
     };
-    let same: Vec<Option<ConcavityId>> = (0..new.len() as u32).map(has_faces_of).collect();
+    let mut same: Vec<Option<ConcavityId>> = vec![None; new.len()];
+    for concavity in new.iter() {
+        let faces = concavity.faces;
+        let before = faces.first().and_then(|&first| old.of_face(first));
+        same[concavity.id().index()] = before.filter(|&before| old.get(before).faces == faces);
+    }
+    let before = faceless(old);
+    for (caps, id) in faceless(new) {
+        same[id.index()] = before.get(&caps).copied();
+    }
     let mut map = vec![None; old.len()];
     let mut reshaped: Vec<ConcavityId> =
         change.faces.iter().filter_map(|&f| new.of_face(f)).collect();

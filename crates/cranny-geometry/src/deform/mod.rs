@@ -82,16 +82,11 @@ impl Model {
     /// and this model's flatness, and as long as no two vertices coincide (a rebuild would weld them; a
     /// deformation keeps vertices, faces and edges as they are):
     ///
-    /// - the hull has the same vertices and the same exact shape; its merged facets have the same vertices,
-    ///   and planes that agree to rounding (where flatness is wide, from about a thousandth, and along edges
-    ///   where a vertex or a needle lies within the flatness of both sides, facets that a rebuild would grow from another
-    ///   seed may be merged otherwise). Within a facet it may be triangulated otherwise.
-    ///   Vertices have the same numbers; triangles and facets may be numbered otherwise, so that those away from a
-    ///   change keep the numbers that they had;
-    /// - vertices, edges and faces are classified the same. A needle on the edge between two facets may
-    ///   be counted to either;
-    /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids, but for concavities
-    ///   without faces, which may be numbered otherwise among themselves. Lids
+    /// - the hull has the same vertices, with the same numbers, the same triangles and the same merged facets, in the same
+    ///   planes to the bit. Triangles and facets may be numbered otherwise, so that those away from a change keep the
+    ///   numbers that they had;
+    /// - vertices, edges and faces are classified the same, and each face lies on the same facet;
+    /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
     ///   have the same boundary; lids and cap triangles may be numbered otherwise;
     /// - all sizes and the mass properties agree to rounding, box, radius and digest to the bit;
     /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes are those that

@@ -24,6 +24,13 @@ pub(super) fn lowest_corner([a, b, c]: [u32; 3]) -> u32 {
     }
 }
 
+/// A triangle, from its lowest vertex on.
+pub(crate) fn lowest_first(mut triangle: [u32; 3]) -> [u32; 3] {
+    let first = lowest_corner(triangle) as usize;
+    triangle.rotate_left(first);
+    triangle
+}
+
 /// The triangles of a convex polygon of so many corners, at least three, as indices of corners `[i, m, k]`, ascending:
 /// each stands on the chord from `i` to `k`, the first on the edge from the last corner to corner 0.
 pub(super) fn halved(corners: u32) -> impl Iterator<Item = [u32; 3]> {
@@ -119,9 +126,7 @@ impl Polygon {
             let shift = lowest_corner(corners);
             // The half-edge that leaves `i`, `m` or `k`.
             let leaves = |corner: u32| 3 * t + (corner + 3 - shift) % 3;
-            let mut rotated = corners;
-            rotated.rotate_left(shift as usize);
-            surface.triangles[t as usize] = rotated;
+            surface.triangles[t as usize] = lowest_first(corners);
             let mut link = |h: u32, beyond: u32| {
                 surface.twins[h as usize] = beyond;
                 surface.twins[beyond as usize] = h;

@@ -55,6 +55,7 @@ use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::late::Late;
+pub(crate) use canonical::lowest_first;
 pub(crate) use facet_order::FacetOrder;
 use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};

@@ -213,6 +213,13 @@ fn chain(lid: Lid<'_>) -> Vec<([u32; 2], i32)> {
     edges.into_iter().filter(|e| e.1 != 0).collect()
 }
 
+/// A triangle, from its lowest vertex on.
+fn lowest_first(mut corners: [VertexId; 3]) -> [VertexId; 3] {
+    let lowest = (0..3).min_by_key(|&i| corners[i]).unwrap_or(0);
+    corners.rotate_left(lowest);
+    corners
+}
+
 /// Whether the change set says what has changed.
 pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &ChangeSet, what: &str) {
     for v in (0..before.mesh().vertices().len() as u32).map(VertexId) {
@@ -230,8 +237,16 @@ pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &Chang
     }
     assert_eq!(change.concavities.len(), before.concavities().len(), "{what}");
     for (old, new) in (0..).map(ConcavityId).zip(&change.concavities) {
-        let faces = before.concavities().get(old).faces;
-        let same = after.concavities().iter().find(|c| c.faces == faces && !faces.is_empty());
+        let old = before.concavities().get(old);
+        // Those without faces are told by their caps.
+        let caps = |model: &Model, c: &Concavity<'_>| -> BTreeSet<[VertexId; 3]> {
+            let caps = c.caps.iter().map(|&cap| model.concavities().cap(cap).corners);
+            caps.map(lowest_first).collect()
+        };
+        let is_same = |c: &Concavity<'_>| {
+            c.faces == old.faces && (!c.faces.is_empty() || caps(before, &old) == caps(after, c))
+        };
+        let same = after.concavities().iter().find(is_same);
         assert_eq!(*new, same.map(|c| c.id()), "{what}");
     }
     for new in after.concavities().iter() {
