@@ -56,7 +56,12 @@ impl FacetLayer {
         let places = new.iter().map(|&v| positions[v as usize]).collect();
         let new = Vertices::at(places, graph);
         let lost = Vertices::at(lost.clone(), graph);
-        let is_free = |p: &Plane| new.are_below(p, 1.0) && lost.are_below(p, HELD_UP);
+        // One look at a plane decides nearly always.
+        let both = Aabb::of_points(new.places.iter().chain(&lost.places).copied());
+        let is_free = |p: &Plane| {
+            is_below(&both, p, HELD_UP * graph.rounding(p.normal))
+                || (new.are_below(p, 1.0) && lost.are_below(p, HELD_UP))
+        };
         gone.extend((0..).zip(&planes).filter(|(_, p)| !is_free(p)).map(|(f, _)| f));
         let row = |f: u32| {
             let row =
@@ -156,13 +161,17 @@ impl<'a> Vertices<'a> {
 
     /// Whether they are below a plane by so many roundings of their heights.
     fn are_below(&self, plane: &Plane, roundings: f64) -> bool {
-        if self.places.is_empty() {
-            return true;
-        }
-        let most = plane.offset - roundings * self.graph.rounding(plane.normal);
-        let highest = (plane.normal * self.bounds.min).max(plane.normal * self.bounds.max);
-        // Sums and products round monotonically: no height is above that of the box.
-        highest.x + highest.y + highest.z <= most
-            || self.places.iter().all(|&p| plane.normal.dot(p) <= most)
+        let depth = roundings * self.graph.rounding(plane.normal);
+        let is_deep = |&p: &DVec3| plane.normal.dot(p) <= plane.offset - depth;
+        self.places.is_empty()
+            || is_below(&self.bounds, plane, depth)
+            || self.places.iter().all(is_deep)
     }
+}
+
+/// Whether all points of a box are so deep below a plane.
+fn is_below(bounds: &Aabb, plane: &Plane, depth: f64) -> bool {
+    let highest = (plane.normal * bounds.min).max(plane.normal * bounds.max);
+    // Sums and products round monotonically: no height is above that of the box.
+    highest.x + highest.y + highest.z <= plane.offset - depth
 }

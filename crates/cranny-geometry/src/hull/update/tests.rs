@@ -25,12 +25,12 @@ impl Noise {
     }
 }
 
-fn follow(hull: &ConvexHull, points: &[DVec3], moved: &[VertexId]) -> Followed {
+fn follow(hull: &ConvexHull, points: &[DVec3], moved: &[VertexId], flatness: f64) -> Followed {
     let near = |bounds: &Aabb| {
         let all = (0..).map(VertexId).zip(points);
         all.filter(|(_, p)| bounds.contains_point(**p)).map(|(v, _)| v).collect()
     };
-    hull.clone().followed(points, moved, hull.inner_point(), FLATNESS, near)
+    hull.clone().followed(points, moved, hull.inner_point(), flatness, near)
 }
 
 /// Everything but numbers of triangles and facets is the same, bit for bit.
@@ -72,7 +72,7 @@ fn knead(
         for v in &moved {
             points[v.index()] = to(noise, points[v.index()]);
         }
-        let followed = follow(&hull, &points, &moved);
+        let followed = follow(&hull, &points, &moved, FLATNESS);
         let rebuilt = ConvexHull::of_points(&points);
         assert_eq!(followed.hull.validate(&points), [], "step {step}");
         assert_same(&followed.hull, &rebuilt, &format!("step {step}"));
@@ -142,7 +142,7 @@ fn what_cannot_be_repaired_is_exchanged_where_it_changes() {
             for (v, place) in pair.iter().zip(&there) {
                 points[v.index()] = scale * place;
             }
-            let followed = follow(&hull, &points, pair);
+            let followed = follow(&hull, &points, pair, FLATNESS);
             assert_eq!(followed.hull.validate(&points), []);
             assert_same(&followed.hull, &ConvexHull::of_points(&points), "");
             measured += followed.measured;
@@ -162,7 +162,7 @@ fn a_vertex_pushed_in_brings_out_what_lay_beneath() {
     let hull = ConvexHull::of_points(&points);
     assert_eq!(hull.vertex_count(), 6);
     points[0] = DVec3::ZERO;
-    let Followed { hull, .. } = follow(&hull, &points, &[VertexId(0)]);
+    let Followed { hull, .. } = follow(&hull, &points, &[VertexId(0)], FLATNESS);
     assert_eq!(hull.validate(&points), []);
     assert_eq!(hull.sources(), [1, 2, 3, 4, 5, 6].map(VertexId));
     assert!(!hull.contains_point(0.8 * DVec3::X) && hull.contains_point(0.75 * DVec3::X));
@@ -209,14 +209,15 @@ fn a_followed_hull_is_the_one_that_is_built_however_flat_it_is() {
     for seed in 0..240 {
         let mut rng = Rng::new(seed);
         let family = seed as usize % 8;
-        let count = [6, 20, 60][rng.below(3)];
+        let count = [6, 20, 60, 120][rng.below(4)];
+        let flatness = [FLATNESS, 1e-3, 0.02][seed as usize / 8 % 3];
         let mut points: Vec<DVec3> = (0..count).map(|_| of_family(family, &mut rng)).collect();
         if rng.below(2) == 0 {
             // Corners keep the box, so that facets may keep their planes.
             let bit = |i: usize, k: usize| if i >> k & 1 == 1 { 4.0 } else { -4.0 };
             points.extend((0..8).map(|i| DVec3::new(bit(i, 0), bit(i, 1), bit(i, 2))));
         }
-        let mut hull = ConvexHull::of_points(&points);
+        let mut hull = ConvexHull::with_flatness(&points, flatness);
         for step in 0..8 {
             let how = rng.below(5);
             let mut moved: Vec<VertexId> =
@@ -234,10 +235,10 @@ fn a_followed_hull_is_the_one_that_is_built_however_flat_it_is() {
                     _ => *p + f64::EPSILON * of_family(0, &mut rng),
                 };
             }
-            let followed = follow(&hull, &points, &moved);
+            let followed = follow(&hull, &points, &moved, flatness);
             let what = format!("seed {seed}, step {step}");
             assert_eq!(followed.hull.validate(&points), [], "{what}");
-            assert_same(&followed.hull, &ConvexHull::of_points(&points), &what);
+            assert_same(&followed.hull, &ConvexHull::with_flatness(&points, flatness), &what);
             kept += usize::from(followed.measured < followed.hull.triangle_count());
             steps += usize::from(followed.hull.kind() == HullKind::Volume);
             hull = followed.hull;
