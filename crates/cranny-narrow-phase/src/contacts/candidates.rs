@@ -8,10 +8,12 @@
 use cranny_exact::RigidMap;
 use cranny_geometry::PatchId;
 
+use super::cut::Cut;
+use super::feature_pair::across_gap;
 use super::gather::{Asked, Gathering, Near};
-use super::quest::Wanted;
+use super::quest::{Found, Looking, Wanted};
 use super::search::Search;
-use crate::answer::{Contact, Counters};
+use crate::answer::{Contact, Counters, Feature};
 use crate::front::motion::{Ball, Motion};
 use crate::pair::{Pair, Side};
 use crate::patience::Patience;
@@ -33,6 +35,10 @@ const MOST: f64 = 0.25;
 /// A slack that lasts for fewer queries than this costs more than it saves.
 const WORTH: f64 = 2.0;
 
+/// How far patches may come nearer, in radii of theirs, before a cut of them is made anew. Smaller: small patches are searched from
+/// the top; larger: what motion adds up to is rounded by more than each step's own allowance, some hundred half ulps.
+const FARTHEST: f64 = 64.0;
+
 /// Two patches that may be within the margin.
 #[derive(Clone, Debug)]
 struct Place {
@@ -40,6 +46,46 @@ struct Place {
     near: Option<Near>,
     /// Whether too much was near the last time that it was gathered, and so is not now.
     crowd: Patience,
+    /// Whose contact was nearest in the last query.
+    nearest: Option<(Feature, Feature)>,
+    /// Where the last search ended.
+    cut: Cut,
+}
+
+impl Place {
+    fn new(patches: [PatchId; 2]) -> Self {
+        let crowd = Patience::default();
+        Self { patches, near: None, crowd, nearest: None, cut: Cut::default() }
+    }
+
+    /// The contacts, by a search that a contact bounds whose features were nearest last; it begins where the last one ended
+    /// if bodies `move`, so that there will be a next one.
+    fn searched(
+        &mut self,
+        search: &mut Search,
+        Asked { wanted, margin, meeting: meets }: Asked,
+        moves: bool,
+        meeting: &mut Vec<FacePair>,
+        counters: &mut Counters,
+    ) -> Vec<Contact> {
+        let (pair, patches) = (search.pair(), self.patches);
+        let mut look = |limit: f64| {
+            let found = Some(Found::new(limit, wanted));
+            let mut looking = Looking { found, meets, meeting: std::mem::take(meeting) };
+            if moves {
+                search.look_on(patches, &mut self.cut, &mut looking, counters);
+            } else {
+                search.look(patches, &mut looking, counters);
+            }
+            *meeting = looking.meeting;
+            looking.found.map_or_else(Vec::new, |found| found.contacts)
+        };
+        let known = self.nearest.filter(|_| wanted == Wanted::Nearest);
+        let bound = known.and_then(|id| across_gap(pair, id, margin));
+        let found = bound.map_or_else(Vec::new, |contact| look(contact.separation.max(0.0)));
+        // What memory names may be seen from no face of its patch, by rounding.
+        if found.is_empty() { look(margin) } else { found }
+    }
 }
 
 /// All pairs of patches that may be within a margin while the bodies move little.
@@ -73,14 +119,16 @@ pub(super) struct Candidates {
 
 impl Candidates {
     pub(super) fn bytes(&self) -> usize {
-        let of =
-            |place: &Place| size_of::<Place>() + place.near.as_ref().map_or(0, |near| near.bytes());
+        let of = |place: &Place| {
+            size_of::<Place>()
+                + place.cut.bytes()
+                + place.near.as_ref().map_or(0, |near| near.bytes())
+        };
         let places = self.vicinity.as_ref().map_or(&[][..], |vicinity| &vicinity.places);
         places.iter().map(of).sum::<usize>() + self.poses.capacity() * size_of::<RigidMap>()
     }
 
-    /// Tells the contacts of each pair of patches within the margin, by ascending names; those that are not known
-    /// `searched` tells, given how far apart at most they are. Faces that meet go to `meeting`.
+    /// Tells the contacts of each pair of patches within the margin, by ascending names. Faces that meet go to `meeting`.
     pub(super) fn each(
         &mut self,
         search: &mut Search,
@@ -88,19 +136,16 @@ impl Candidates {
         wanted: impl Fn([PatchId; 2]) -> Wanted,
         meeting: &mut Vec<FacePair>,
         counters: &mut Counters,
-        mut searched: impl FnMut(
-            &mut Search,
-            [PatchId; 2],
-            Asked,
-            &mut Vec<FacePair>,
-            &mut Counters,
-        ) -> Vec<Contact>,
         mut told: impl FnMut([PatchId; 2], Vec<Contact>),
     ) {
         let pair = search.pair();
         let step = self.last.replace(pair.first_from_second).map(|pose| Step::since(&pose, pair));
         let mut vicinity = self.vicinity(search, margin, step.as_ref(), counters);
         let steps: Vec<Step> = self.poses.iter().map(|pose| Step::since(pose, pair)).collect();
+        let mut tell = |place: &mut Place, found: Vec<Contact>| {
+            place.nearest = found.first().map(|contact| contact.id);
+            told(place.patches, found);
+        };
         let mut is_new = false;
         for place in &mut vicinity.places {
             let patches = place.patches;
@@ -109,20 +154,23 @@ impl Candidates {
             if let Some(near) = &place.near {
                 let moved = steps[near.since as usize].of(&balls);
                 if let Some(found) = near.found(search.ground(), asked, moved, meeting, counters) {
-                    told(patches, found);
+                    tell(place, found);
                     continue;
                 }
             }
             place.near = None;
+            let step = step.as_ref().map(|step| step.of(&balls));
+            place.cut.moved(step.unwrap_or(0.0), FARTHEST * (balls[0].radius + balls[1].radius));
             if !search.may_be_within(patches, margin, counters) {
                 continue;
             }
-            let step = step.as_ref().map(|step| step.of(&balls));
             let slack = step.and_then(|step| slack(pair, patches, step, margin));
             let Some(slack) = slack.filter(|_| place.crowd.is_over()) else {
-                told(patches, searched(search, patches, asked, meeting, counters));
+                let found = place.searched(search, asked, step.is_some(), meeting, counters);
+                tell(place, found);
                 continue;
             };
+            place.cut = Cut::default();
             let mut gathering = Gathering::new(asked, slack);
             search.look(patches, &mut gathering, counters);
             let (near, found) = gathering.end(steps.len() as u32, pair, meeting, counters);
@@ -132,7 +180,7 @@ impl Candidates {
             }
             is_new |= near.is_some();
             place.near = near;
-            told(patches, found);
+            tell(place, found);
         }
         if is_new {
             self.poses.push(pair.first_from_second);
@@ -165,7 +213,7 @@ impl Candidates {
         let place = |patches| {
             while before.next_if(|place| place.patches < patches).is_some() {}
             let known = before.next_if(|place| place.patches == patches);
-            known.unwrap_or(Place { patches, near: None, crowd: Patience::default() })
+            known.unwrap_or_else(|| Place::new(patches))
         };
         let places = names.into_iter().map(place).collect();
         Vicinity { since: pair.first_from_second, slack, reach, places }
@@ -234,4 +282,74 @@ fn slack(pair: &Pair, patches: [PatchId; 2], step: f64, margin: f64) -> Option<f
 fn lasting(step: f64, queries: f64, margin: f64, length: f64) -> Option<f64> {
     let slack = (queries * step).max(LEAST * margin).min(MOST * length);
     (slack >= WORTH * step).then_some(slack)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ContactMemory, near_patches};
+    use super::*;
+    use crate::pair::PosedVertices;
+    use crate::query::Placed;
+    use cranny_exact::{DQuat, DVec3, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_shapes::{Cup, IsoBolt, IsoNut, Shape, Torus};
+    use cranny_testkit::Rng;
+
+    fn model(shape: impl Into<Shape>) -> Model {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
+    }
+
+    /// Whatever way bodies go, by small steps and large ones, back and forth, with rests: what is told on from where searches ended
+    /// is what is told without memory. Of a few thousand ends that were left alone or tried by one axis, some would not be apart.
+    #[test]
+    fn searches_that_go_on_tell_what_new_ones_do() {
+        let ring = || Torus { major_segments: 24, minor_segments: 12, ..Torus::default() };
+        let bolt = IsoBolt { segments: 24, ..IsoBolt::default() };
+        let nut = IsoNut { segments: 24, ..IsoNut::default() };
+        let cup = || Cup { segments: 24, ..Cup::default() };
+        let along = |z: f64| DVec3::new(0.0, 0.0, z);
+        // Two bodies, where the second is at first, the margin, and how far it goes and turns in a step at most.
+        let scenes = [
+            (model(bolt), model(nut), along(12.0), 0.2, 0.1, 0.05),
+            (model(ring()), model(ring()), DVec3::new(1.8, 0.3, 0.2), 0.1, 0.1, 0.1),
+            (
+                model(cup()),
+                model(Torus { major_radius: 0.2, minor_radius: 0.1, ..ring() }),
+                along(0.5),
+                0.1,
+                0.1,
+                0.2,
+            ),
+        ];
+        let mut rng = Rng::new(17);
+        for (number, (a, b, start, margin, shift, turn)) in scenes.iter().enumerate() {
+            let mut memory = ContactMemory::default();
+            let (mut at, mut rotation) = (*start, DQuat::IDENTITY);
+            let (mut ends, mut told) = (0, 0);
+            for frame in 0..40 {
+                // From a thousandth of the largest step up to that; every fifth time nothing moves.
+                let size = if frame % 5 == 4 { 0.0 } else { 0.1f64.powi(rng.below(4) as i32) };
+                let mut some = |size: f64| size * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+                at = *start + 0.9 * (at - *start) + some(size * shift);
+                rotation = (DQuat::from_scaled_axis(some(size * turn)) * rotation).normalize();
+                let place = |model, translation, rotation| Placed {
+                    model,
+                    pose: Pose { rotation, translation },
+                };
+                let (first, second) =
+                    (place(a, DVec3::ZERO, DQuat::IDENTITY), place(b, at, rotation));
+                let mut posed = PosedVertices::default();
+                let pair = Pair::new(first, second, &mut posed);
+                let counters = &mut Counters::default();
+                let warm = near_patches(&pair, *margin, &mut memory, counters);
+                let cold = near_patches(&pair, *margin, &mut ContactMemory::default(), counters);
+                assert!(warm.meeting == cold.meeting, "scene {number}, frame {frame}");
+                assert!(warm.contacts == cold.contacts, "scene {number}, frame {frame}");
+                let places = &memory.candidates.vicinity.as_ref().unwrap().places;
+                ends += places.iter().map(|place| place.cut.ends().len()).sum::<usize>();
+                told += warm.contacts.len();
+            }
+            assert!(ends > 1_000 && told > 40, "scene {number}: {ends} ends, {told} contacts");
+        }
+    }
 }

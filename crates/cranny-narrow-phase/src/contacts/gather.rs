@@ -11,8 +11,9 @@ use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
 use crate::triangle_distance::{closest_on_segments, closest_on_triangle};
 
-/// More features and faces than this take as long to look at as a search for the nearest.
-const CROWD: usize = 64;
+/// More features and faces than this take as long to look at as a search for the nearest. Larger: on a thread that is the more work the
+/// slower it turns; smaller: of finely meshed bodies that hardly move little is kept.
+const CROWD: usize = 20;
 
 /// More than this are not kept where all contacts are wanted, which a search measures all the same. Larger: memory of wide
 /// margins grows without a bound; smaller: coarse patches that rest on each other are searched each time.

@@ -16,6 +16,7 @@
 mod candidates;
 mod close_faces;
 mod coarse;
+mod cut;
 mod facet;
 pub(crate) mod facing;
 mod feature_pair;
@@ -41,20 +42,18 @@ use cranny_geometry::{Model, PatchId};
 
 use self::candidates::Candidates;
 use self::coarse::Coarse;
-use self::feature_pair::{across_gap, patch_index};
-use self::gather::Asked;
+use self::feature_pair::patch_index;
 pub(crate) use self::kept::Kept;
-use self::quest::{Found, Looking, Wanted, nearer};
+use self::quest::{Looking, Wanted, nearer};
 use self::search::Search;
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
 use crate::reduce::reduce;
 use crate::surface::{FacePair, strongest};
 
-/// What the last search found: the features of each pair of patches' nearest contact.
+/// What searches keep for the next one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactMemory {
-    nearest: BTreeMap<[PatchId; 2], (Feature, Feature)>,
     kept: Kept,
     candidates: Candidates,
 }
@@ -67,9 +66,7 @@ impl ContactMemory {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.nearest.len() * size_of::<([PatchId; 2], (Feature, Feature))>()
-            + self.kept.bytes()
-            + self.candidates.bytes()
+        self.kept.bytes() + self.candidates.bytes()
     }
 }
 
@@ -93,14 +90,12 @@ pub(crate) fn near_patches(
 ) -> Near {
     let coarse = Coarse::of(pair);
     let wanted = |patches| if coarse.holds(pair, patches) { Wanted::All } else { Wanted::Nearest };
-    let (mut groups, mut nearest) = (BTreeMap::new(), BTreeMap::new());
+    let mut groups = BTreeMap::new();
     let meeting = each_near(pair, (margin, true), wanted, memory, counters, |patches, found| {
-        if let Some(first) = found.first() {
-            nearest.insert(patches, first.id);
+        if !found.is_empty() {
             groups.insert(patches, found);
         }
     });
-    memory.nearest = nearest;
     if strongest(&meeting) == Meeting::Cross {
         for contact in overlap::overlaps(pair, &meeting, counters) {
             groups.entry(patches_of(pair, contact.id)).or_default().push(contact);
@@ -144,45 +139,16 @@ fn each_near(
     told: impl FnMut([PatchId; 2], Vec<Contact>),
 ) -> Vec<FacePair> {
     if !memory.kept.belong_to(pair) {
-        memory.nearest.clear();
         memory.candidates = Candidates::default();
     }
     memory.kept.reserve(pair);
     let mut search = Search::new(pair, std::mem::take(&mut memory.kept));
     let mut meeting = Vec::new();
-    let ContactMemory { nearest, candidates, .. } = memory;
-    let searched = |search: &mut Search, patches, asked, meeting: &mut _, counters: &mut _| {
-        searched(search, patches, asked, nearest.get(&patches).copied(), meeting, counters)
-    };
     let asked = (margin, meets);
-    candidates.each(&mut search, asked, wanted, &mut meeting, counters, searched, told);
+    memory.candidates.each(&mut search, asked, wanted, &mut meeting, counters, told);
     memory.kept = search.end();
     in_order(&mut meeting);
     meeting
-}
-
-/// The contacts of two patches, by a search that a contact bounds whose features were nearest last.
-fn searched(
-    search: &mut Search,
-    patches: [PatchId; 2],
-    Asked { wanted, margin, meeting: meets }: Asked,
-    last: Option<(Feature, Feature)>,
-    meeting: &mut Vec<FacePair>,
-    counters: &mut Counters,
-) -> Vec<Contact> {
-    let pair = search.pair();
-    let mut look = |limit: f64| {
-        let found = Some(Found::new(limit, wanted));
-        let mut looking = Looking { found, meets, meeting: std::mem::take(meeting) };
-        search.look(patches, &mut looking, counters);
-        *meeting = looking.meeting;
-        looking.found.map_or_else(Vec::new, |found| found.contacts)
-    };
-    let known = last.filter(|_| wanted == Wanted::Nearest);
-    let bound = known.and_then(|id| across_gap(pair, id, margin));
-    let found = bound.map_or_else(Vec::new, |contact| look(contact.separation.max(0.0)));
-    // What memory names may be seen from no face of its patch, by rounding.
-    if found.is_empty() { look(margin) } else { found }
 }
 
 /// Faces that meet by ascending ids, each pair once: patches searched twice tell twice.

@@ -85,22 +85,31 @@ impl Oriented {
         DVec3::from_array(self.axes.map(|axis| axis.dot(from)))
     }
 
-    /// Whether a point, as the box has it, may be no farther away than `reach`.
+    /// Where a point is as the box has it; `None` where it is farther away than `reach`, which the normal tells mostly.
     #[inline]
-    pub(super) fn may_reach(&self, p: DVec3, reach: f64) -> bool {
-        p.z.abs() <= self.half.z + reach
-            && p.x.abs() <= self.half.x + reach
-            && p.y.abs() <= self.half.y + reach
+    pub(super) fn reached(&self, p: DVec3, reach: f64) -> Option<DVec3> {
+        let from = p - self.center;
+        let z = self.axes[2].dot(from);
+        if z.abs() > self.half.z + reach {
+            return None;
+        }
+        let x = self.axes[0].dot(from);
+        if x.abs() > self.half.x + reach {
+            return None;
+        }
+        let y = self.axes[1].dot(from);
+        (y.abs() <= self.half.y + reach).then(|| DVec3::new(x, y, z))
     }
 
-    /// A lower bound of the distance between what two boxes hold, but for rounding; `None` where that is beyond
-    /// `limit`.
+    /// A lower bound of the distance between what two boxes hold, but for rounding: the first that is found beyond `limit`, and else
+    /// the greatest.
     #[inline]
-    pub(super) fn separation_lower(&self, other: &Self, limit: f64) -> Option<f64> {
+    pub(super) fn apart(&self, other: &Self, limit: f64) -> Bound {
         let between = other.center - self.center;
         let touching = self.radius + other.radius + limit;
         if between.length_squared() > touching * touching {
-            return None;
+            let lower = between.length() - self.radius - other.radius;
+            return Bound { lower, axis: Axis::BALLS };
         }
         let ([a0, a1, a2], [b0, b1, b2]) = (self.axes, other.axes);
         let reach = |half: DVec3, x: f64, y: f64, z: f64| {
@@ -108,38 +117,78 @@ impl Oriented {
         };
         // Along the normals first.
         let (d20, d21, d22) = (a2.dot(b0), a2.dot(b1), a2.dot(b2));
-        let mut lower = a2.dot(between).abs() - self.half.z - reach(other.half, d20, d21, d22);
-        if lower > limit {
-            return None;
+        let along = a2.dot(between).abs() - self.half.z - reach(other.half, d20, d21, d22);
+        if along > limit {
+            return Bound { lower: along, axis: Axis(2) };
         }
+        let mut best = Bound { lower: along, axis: Axis(2) };
         let (d02, d12) = (a0.dot(b2), a1.dot(b2));
         let along = b2.dot(between).abs() - other.half.z - reach(self.half, d02, d12, d22);
         if along > limit {
-            return None;
+            return Bound { lower: along, axis: Axis(5) };
         }
-        lower = more(lower, along);
+        best = best.or(along, Axis(5));
         let (d00, d01) = (a0.dot(b0), a0.dot(b1));
         let along = a0.dot(between).abs() - self.half.x - reach(other.half, d00, d01, d02);
         if along > limit {
-            return None;
+            return Bound { lower: along, axis: Axis(0) };
         }
-        lower = more(lower, along);
+        best = best.or(along, Axis(0));
         let (d10, d11) = (a1.dot(b0), a1.dot(b1));
         let along = a1.dot(between).abs() - self.half.y - reach(other.half, d10, d11, d12);
         if along > limit {
-            return None;
+            return Bound { lower: along, axis: Axis(1) };
         }
-        lower = more(lower, along);
+        best = best.or(along, Axis(1));
         let along = b0.dot(between).abs() - other.half.x - reach(self.half, d00, d10, d20);
         if along > limit {
-            return None;
+            return Bound { lower: along, axis: Axis(3) };
         }
-        lower = more(lower, along);
+        best = best.or(along, Axis(3));
         let along = b1.dot(between).abs() - other.half.y - reach(self.half, d01, d11, d21);
-        if along > limit {
-            return None;
+        best.or(along, Axis(4))
+    }
+
+    /// The bound that one axis tells.
+    #[inline]
+    pub(super) fn apart_along(&self, other: &Self, axis: Axis) -> f64 {
+        let between = other.center - self.center;
+        if axis == Axis::BALLS {
+            return between.length() - self.radius - other.radius;
         }
-        Some(more(lower, along))
+        let (own, its, at) =
+            if axis.0 < 3 { (self, other, axis.0) } else { (other, self, axis.0 - 3) };
+        let at = usize::from(at).min(2);
+        let (along, half) = (own.axes[at], own.half.to_array()[at]);
+        let [x, y, z] = its.axes;
+        let reach = its.half.x * along.dot(x).abs()
+            + its.half.y * along.dot(y).abs()
+            + its.half.z * along.dot(z).abs();
+        along.dot(between).abs() - half - reach
+    }
+}
+
+/// What tells that two boxes are apart: one of the axes of the first or of the second, or the balls around them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Axis(u8);
+
+impl Axis {
+    pub(super) const BALLS: Self = Self(6);
+}
+
+/// A lower bound of a distance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bound {
+    pub(super) lower: f64,
+    /// What tells it.
+    pub(super) axis: Axis,
+}
+
+impl Bound {
+    /// The greater of two.
+    #[inline]
+    fn or(self, lower: f64, axis: Axis) -> Self {
+        if lower > self.lower { Self { lower, axis } } else { self }
     }
 }
 
@@ -263,9 +312,9 @@ mod tests {
             [(0.25 * DVec3::Z, 0.25), (3.0 * DVec3::Y, 2.0), (6.0 * DVec3::X, 2.0)]
         {
             let there = about(shift);
-            let lower = here.separation_lower(&there, 3.0).unwrap();
+            let lower = here.apart(&there, 3.0).lower;
             assert!((lower - apart).abs() < 1e-14, "{shift} {lower}");
-            assert!(here.separation_lower(&there, 0.99 * apart).is_none());
+            assert!(here.apart(&there, 0.99 * apart).lower > 0.99 * apart);
         }
     }
 
@@ -289,22 +338,21 @@ mod tests {
                 .flat_map(|p| moved.map(|q| (*p - q).length()))
                 .fold(f64::INFINITY, f64::min);
             let limit = rng.unit().abs();
-            match own.separation_lower(&other, limit) {
-                None => {
-                    assert!(nearest > limit - 1e-14);
-                    parted += 1;
-                }
-                Some(lower) => assert!(lower <= limit && nearest >= lower - 1e-14),
+            let Bound { lower, axis } = own.apart(&other, limit);
+            assert!(nearest >= lower - 1e-14);
+            assert!((own.apart_along(&other, axis) - lower).abs() < 1e-14);
+            parted += u32::from(lower > limit);
+            for axis in (0..=6).map(Axis) {
+                assert!(nearest >= own.apart_along(&other, axis) - 1e-14);
             }
             let extent = Extent::of(cloud.map(|p| own.within(p)));
             let its = Extent::of(moved.map(|p| own.within(p)));
             assert!(extent.may_meet(&its, nearest) && its.may_meet(&extent, nearest));
             for p in moved {
-                let (within, reach) = (own.within(p), nearest.max(1e-14));
+                let reach = nearest.max(1e-14);
                 let near = cloud.iter().map(|q| (*q - p).length()).fold(f64::INFINITY, f64::min);
-                held += u32::from(!own.may_reach(within, reach));
-                assert!(own.may_reach(within, near + 1e-14));
-                assert!(extent.may_reach(within, near + 1e-14));
+                held += u32::from(own.reached(p, reach).is_none());
+                assert!(own.reached(p, near + 1e-14).is_some());
             }
         }
         assert!(parted > 200 && held > 500, "{parted} {held}");

@@ -49,13 +49,6 @@ impl Node {
     pub(super) fn oriented(&self) -> &Oriented {
         &self.oriented
     }
-
-    /// A lower bound of the distance between what two nodes hold, but for rounding; `None` where that is beyond
-    /// `limit`.
-    #[inline]
-    pub(super) fn separation_lower(&self, other: &Self, limit: f64) -> Option<f64> {
-        self.oriented.separation_lower(&other.oriented, limit)
-    }
 }
 
 /// A patch's tree among the nodes that are kept; `len` is 0 where it holds no faces.

@@ -12,10 +12,11 @@ use cranny_exact::RigidMap;
 use cranny_geometry::{Content, PatchId};
 
 use super::close_faces::for_close_faces;
+use super::cut::{Cut, End};
 use super::gauss_map::Touch;
 use super::kept::Kept;
 use super::leaf::Parts;
-use super::oriented::Extent;
+use super::oriented::{Bound, Extent, Oriented};
 use super::posed::{Node, Posed, are_apart};
 use super::quest::{Ground, Quest, Tip};
 use crate::answer::Counters;
@@ -33,7 +34,7 @@ pub(super) struct Search<'a, 'b> {
     /// What posing may add to a distance between nodes.
     culling_error: f64,
     second_from_first: RigidMap,
-    stack: Vec<(f64, u32, u32)>,
+    stack: Vec<(Bound, u32, u32)>,
     posed: Box<[Posed; 2]>,
     kept: Kept,
 }
@@ -117,15 +118,81 @@ impl<'a, 'b> Search<'a, 'b> {
         quest: &mut impl Quest,
         counters: &mut Counters,
     ) {
+        let Some(roots) = self.roots(patches) else { return };
+        let ([a, b], limit) = (self.oriented(roots), quest.limit() + self.culling_error);
+        let bound = a.apart(b, limit);
+        if bound.lower <= limit {
+            self.descend((bound, roots), quest, counters, |_, _, _| {});
+        }
+    }
+
+    /// Looks at two patches from where the last search of them ended.
+    pub(super) fn look_on(
+        &mut self,
+        patches: [PatchId; 2],
+        cut: &mut Cut,
+        quest: &mut impl Quest,
+        counters: &mut Counters,
+    ) {
+        let Some([root_a, root_b]) = self.roots(patches) else { return };
+        let (begun, mut nearest) = (cut.begin(), 0);
+        for at in 0..begun {
+            let limit = quest.limit() + self.culling_error;
+            if cut.is_apart(at, limit) {
+                continue;
+            }
+            let End { nodes, axis, .. } = cut.ends()[at];
+            let nodes = [root_a + nodes[0], root_b + nodes[1]];
+            counters.node_tests += 1;
+            let [a, b] = self.oriented(nodes);
+            let lower = a.apart_along(b, axis);
+            if lower > limit {
+                cut.stays(at, Bound { lower, axis });
+                continue;
+            }
+            let bound = a.apart(b, limit);
+            if bound.lower > limit {
+                cut.stays(at, bound);
+                continue;
+            }
+            self.descend((bound, nodes), quest, counters, |[a, b], bound, is_nearer| {
+                if is_nearer {
+                    nearest = cut.ends().len();
+                }
+                cut.add([a - root_a, b - root_b], bound);
+            });
+            // Whatever is beneath it has been added.
+            nearest = if nearest + 1 == cut.ends().len() { at } else { nearest };
+            cut.drop(at);
+        }
+        cut.end(nearest);
+    }
+
+    /// Where the roots of two patches stand; `None` where one holds no faces.
+    fn roots(&mut self, patches: [PatchId; 2]) -> Option<[u32; 2]> {
         let [posed_a, posed_b] = &mut *self.posed;
-        let roots = (posed_a.root(self.pair, patches[0]), posed_b.root(self.pair, patches[1]));
-        let (Some(root_a), Some(root_b)) = roots else { return };
+        Some([posed_a.root(self.pair, patches[0])?, posed_b.root(self.pair, patches[1])?])
+    }
+
+    #[inline]
+    fn oriented(&self, [a, b]: [u32; 2]) -> [&Oriented; 2] {
+        [self.posed[0].node(a).oriented(), self.posed[1].node(b).oriented()]
+    }
+
+    /// Opens two nodes, whose bound is given, and what is beneath them. Pairs of nodes that are not opened are told, with what parts
+    /// them and whether something was found there that is nearer than all before.
+    fn descend(
+        &mut self,
+        (bound, [a, b]): (Bound, [u32; 2]),
+        quest: &mut impl Quest,
+        counters: &mut Counters,
+        mut ended: impl FnMut([u32; 2], Bound, bool),
+    ) {
         let (mut stack, rounding) = (std::mem::take(&mut self.stack), self.culling_error);
-        let (node_a, node_b) = (self.posed[0].node(root_a), self.posed[1].node(root_b));
-        let lower = node_a.separation_lower(node_b, quest.limit() + rounding);
-        stack.extend(lower.map(|lower| (lower - rounding, root_a, root_b)));
-        while let Some((lower, a, b)) = stack.pop() {
-            if lower > quest.limit() {
+        stack.push((bound, a, b));
+        while let Some((bound, a, b)) = stack.pop() {
+            if bound.lower > quest.limit() + rounding {
+                ended([a, b], bound, false);
                 continue;
             }
             counters.node_tests += 1;
@@ -137,7 +204,8 @@ impl<'a, 'b> Search<'a, 'b> {
             let (beneath_a, beneath_b): (&[u32], &[u32]) =
                 match [node_a, node_b].map(Node::children) {
                     [None, None] => {
-                        self.leaves([a, b], lower, quest, counters);
+                        self.leaves([a, b], bound.lower - rounding, quest, counters);
+                        ended([a, b], bound, quest.limit() < limit);
                         continue;
                     }
                     [Some(left), None] => (left, &its),
@@ -147,16 +215,20 @@ impl<'a, 'b> Search<'a, 'b> {
                     [Some(left), Some(right)] => (left, right),
                 };
             for &a in beneath_a {
-                let own = first.node(a);
+                let own = first.node(a).oriented();
                 for &b in beneath_b {
-                    let lower = own.separation_lower(second.node(b), limit + rounding);
-                    stack.extend(lower.map(|lower| (lower - rounding, a, b)));
+                    let bound = own.apart(second.node(b).oriented(), limit + rounding);
+                    if bound.lower > limit + rounding {
+                        ended([a, b], bound, false);
+                    } else {
+                        stack.push((bound, a, b));
+                    }
                 }
             }
             // The nearest is popped first.
             let (mut nearest, last) = (start, stack.len());
             for at in start..last {
-                if stack[at].0 < stack[nearest].0 {
+                if stack[at].0.lower < stack[nearest].0.lower {
                     nearest = at;
                 }
             }
@@ -167,6 +239,7 @@ impl<'a, 'b> Search<'a, 'b> {
         self.stack = stack;
     }
 
+    /// Compares what two leaves have, given how far apart they are at least.
     fn leaves(
         &mut self,
         [a, b]: [u32; 2],
@@ -192,7 +265,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 quest.faces(faces, triangles, counters);
             });
         }
-        if quest.wants_features() {
+        if wanted {
             self.corners([&parts_a, &parts_b], quest, counters);
             self.corners([&parts_b, &parts_a], quest, counters);
             self.edges([&parts_a, &parts_b], quest, counters);
@@ -202,23 +275,22 @@ impl<'a, 'b> Search<'a, 'b> {
     /// Tells of a leaf's corners before another's faces, and beside them.
     fn corners(&self, [own, its]: [&Parts; 2], quest: &mut impl Quest, counters: &mut Counters) {
         let rounding = self.culling_error;
-        if are_apart(own.corner_bounds(), its.bounds(), quest.limit() + rounding) {
+        let mut reach = quest.limit() + rounding;
+        if are_apart(own.corner_bounds(), its.bounds(), reach) {
             return;
         }
         let ground = self.ground();
         let (points, its_points, oriented) = (own.points(), its.points(), its.oriented());
+        let (facets, extents) = (its.facets(), its.facet_extents());
         for corner in own.corners() {
-            let (at, mut reach) = (corner.at(points), quest.limit() + rounding);
-            let within = oriented.within(at);
-            if !oriented.may_reach(within, reach) {
-                continue;
-            }
+            let at = corner.at(points);
+            let Some(within) = oriented.reached(at, reach) else { continue };
             let local = match its.side() {
                 Side::First => at,
                 Side::Second => self.second_from_first.apply(at),
             };
             let tip = Tip { side: own.side(), vertex: corner.vertex, at };
-            for (facet, extent) in its.facets().iter().zip(its.facet_extents()) {
+            for (facet, extent) in facets.iter().zip(extents) {
                 if extent.may_reach(within, reach) && facet.may_reach(local, reach) {
                     quest.corner(ground, tip, (facet.face, &facet.corners(its_points)), counters);
                     reach = quest.limit() + rounding;
