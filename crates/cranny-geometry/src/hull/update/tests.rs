@@ -1,8 +1,11 @@
 //! A followed hull is the one that is built, bit for bit but for numbers of triangles and facets.
 
+use std::collections::BTreeSet;
+
 use cranny_exact::DQuat;
 use cranny_testkit::Rng;
 
+use super::super::shapes::bends_clearly;
 use super::super::{FLATNESS, Facet};
 use super::*;
 
@@ -53,6 +56,24 @@ fn assert_same(followed: &ConvexHull, rebuilt: &ConvexHull, what: &str) {
         facets
     };
     assert_eq!(told(followed), told(rebuilt), "{what}");
+}
+
+/// Every facet hangs together over edges that do not bend clearly: on that it rests that facets elsewhere do not
+/// matter.
+fn assert_hanging_together(hull: &ConvexHull, what: &str) {
+    let is_open = |&h: &u32| !bends_clearly(&hull.positions, &hull.surface, hull.flatness(), h);
+    for facet in hull.facets() {
+        let mut left: BTreeSet<u32> = facet.triangles.iter().copied().collect();
+        let mut front = Vec::from_iter(left.pop_first());
+        while let Some(t) = front.pop() {
+            let beside = (3 * t..3 * t + 3)
+                .filter(is_open)
+                .map(|h| hull.surface.twins[h as usize] / 3)
+                .filter(|t| left.remove(t));
+            front.extend(beside);
+        }
+        assert!(left.is_empty(), "{what}: triangles {left:?} hang on nothing");
+    }
 }
 
 /// Moves points again and again; returns how many triangles were measured, and how many there were.
@@ -238,6 +259,7 @@ fn a_followed_hull_is_the_one_that_is_built_however_flat_it_is() {
             let followed = follow(&hull, &points, &moved, flatness);
             let what = format!("seed {seed}, step {step}");
             assert_eq!(followed.hull.validate(&points), [], "{what}");
+            assert_hanging_together(&followed.hull, &what);
             assert_same(&followed.hull, &ConvexHull::with_flatness(&points, flatness), &what);
             kept += usize::from(followed.measured < followed.hull.triangle_count());
             steps += usize::from(followed.hull.kind() == HullKind::Volume);
