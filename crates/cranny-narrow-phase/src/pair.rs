@@ -175,7 +175,9 @@ impl<'a> Pair<'a> {
     /// Corners of a face in the pair's frame.
     #[inline]
     pub(crate) fn triangle(&self, side: Side, face: FaceId) -> [DVec3; 3] {
-        self.mesh(side).corners(face).map(|v| self.position(side, v))
+        // One by one: as a map over the three it is a call for each.
+        let [a, b, c] = self.mesh(side).corners(face);
+        [self.position(side, a), self.position(side, b), self.position(side, c)]
     }
 
     /// Ends of an edge, in the direction from its lesser to its greater vertex.

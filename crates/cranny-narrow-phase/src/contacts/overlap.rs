@@ -148,15 +148,17 @@ impl Ridges {
 
     /// Those of a face.
     fn of_face(&mut self, pair: &Pair, face: FaceId) -> [Option<EdgeId>; 3] {
-        [0, 1, 2].map(|i| {
-            let edge = pair.edge(self.side, face, i);
-            let (number, is_new) = self.edges.number(u64::from(edge.0));
-            if is_new {
-                let around = pair.topology(self.side).half_edges(edge);
-                self.are.push(may_be_ridge(pair.mesh(self.side), around));
-            }
-            self.are[number as usize].then_some(edge)
-        })
+        [self.of_side(pair, face, 0), self.of_side(pair, face, 1), self.of_side(pair, face, 2)]
+    }
+
+    fn of_side(&mut self, pair: &Pair, face: FaceId, i: usize) -> Option<EdgeId> {
+        let edge = pair.edge(self.side, face, i);
+        let (number, is_new) = self.edges.number(u64::from(edge.0));
+        if is_new {
+            let around = pair.topology(self.side).half_edges(edge);
+            self.are.push(may_be_ridge(pair.mesh(self.side), around));
+        }
+        self.are[number as usize].then_some(edge)
     }
 }
 
@@ -189,11 +191,14 @@ fn nearest_on(
         }
         counters.node_tests += 1;
         if let Content::Inner { left, right } = tree.content(node) {
-            let mut children = [left, right].map(|child| (bound(child), child));
-            if children[0].0 < children[1].0 {
-                children.swap(0, 1);
+            let (left, right) = ((bound(left), left), (bound(right), right));
+            let (near, far) = if left.0 < right.0 { (left, right) } else { (right, left) };
+            if far.0 <= best.distance {
+                stack.push(far);
             }
-            stack.extend(children.into_iter().filter(|child| child.0 <= best.distance));
+            if near.0 <= best.distance {
+                stack.push(near);
+            }
             continue;
         }
         for &face in tree.leaf_faces(node) {
