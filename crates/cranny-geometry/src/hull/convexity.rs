@@ -11,7 +11,8 @@
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 
-use super::quickhull::{Surface, edge_sign, hull_of_some, previous};
+use super::flat::edge_sign;
+use super::quickhull::{Surface, hull_of_some, previous};
 use super::side::Side;
 use super::span::{Projection, planar_hull};
 use super::{HullKind, plate, twofold};

@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec3, Sign};
 
-use super::quickhull::{Flat, edge_sign};
+use super::flat::{Flat, edge_sign};
 use super::span::collinear;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId, Location};
 use crate::ids::{HalfEdgeId, VertexId};

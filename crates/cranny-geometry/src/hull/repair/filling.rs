@@ -1,0 +1,43 @@
+//! What fills the hole that a vertex leaves.
+//!
+//! Source and cost: those of the repair.
+
+use std::collections::BTreeSet;
+
+use super::super::quickhull::Surface;
+
+/// The triangles of the hull of some points that lie within a rim; `None` where an edge of that is none of the hull.
+pub(super) fn within(
+    surface: &Surface,
+    some: &[u32],
+    rim: &[(u32, u32, u32)],
+) -> Option<Vec<[u32; 3]>> {
+    let ends = |h: u32| surface.ends(h).map(|v| some[v as usize]);
+    let edges: BTreeSet<[u32; 2]> = rim.iter().map(|&(from, to, _)| [from, to]).collect();
+    let half_edges = 0..surface.twins.len() as u32;
+    let mut front: Vec<u32> = half_edges.filter(|&h| edges.contains(&ends(h))).collect();
+    if front.len() < edges.len() {
+        return None;
+    }
+    let mut seen = BTreeSet::new();
+    while let Some(h) = front.pop() {
+        if seen.insert(h / 3) {
+            let own = 3 * (h / 3)..3 * (h / 3) + 3;
+            let inner = own.filter(|&h| !edges.contains(&ends(h)));
+            front.extend(inner.map(|h| surface.twins[h as usize]));
+        }
+    }
+    Some(
+        seen.into_iter().map(|t| surface.triangles[t as usize].map(|v| some[v as usize])).collect(),
+    )
+}
+
+/// Triangles over a convex outline in a plane, turned so that they fit into a link; `None` where the link
+/// has other vertices.
+pub(super) fn fan_along(link: &[(u32, u32, u32)], outline: Vec<u32>) -> Option<Vec<[u32; 3]>> {
+    let rim: Vec<u32> = link.iter().map(|l| l.0).collect();
+    if outline.len() != rim.len() || !outline.iter().all(|v| rim.contains(v)) {
+        return None;
+    }
+    Some((2..rim.len()).map(|i| [rim[0], rim[i - 1], rim[i]]).collect())
+}
