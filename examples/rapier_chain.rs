@@ -6,7 +6,7 @@
 #![expect(clippy::print_stdout, reason = "an example talks to a person")]
 
 use cranny::prelude::*;
-use cranny::rapier::{BodyIndex, BodyKind, BodySpec, Simulation, SimulationOptions};
+use cranny::rapier::{BodyIndex, BodyKind, BodySpec, Normals, Simulation, SimulationOptions};
 use cranny::shapes::ChainLink;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             density: 1.0,
             friction: 0.5,
             restitution: 0.0,
+            normals: Normals::Flat,
             groups: 1,
         })
     };

@@ -80,7 +80,7 @@ fuzz_target!(|data: &[u8]| {
                     0 => Demand::Intersects,
                     1 => Demand::Distance { below: None },
                     2 => Demand::Distance { below: Some(reach) },
-                    3 => Demand::Contacts { margin: reach },
+                    3 => Demand::contacts(reach),
                     4 => Demand::Regions { margin: 0.0 },
                     _ => Demand::Regions { margin: 0.1 * reach },
                 };

@@ -55,7 +55,7 @@ pub fn ask(model: &Model) {
         for demand in [
             Demand::Intersects,
             Demand::Distance { below: None },
-            Demand::Contacts { margin: 0.1 * size },
+            Demand::contacts(0.1 * size),
             Demand::Regions { margin: 0.0 },
         ] {
             // A pose beyond the domain is refused, and that is an answer.

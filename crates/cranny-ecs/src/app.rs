@@ -57,6 +57,7 @@ pub struct RunOptions {
 ///     linear_velocity: DVec3::new(velocity, 0.0, 0.0),
 ///     angular_velocity: DVec3::ZERO,
 ///     material: Material::default(),
+///     normals: Normals::default(),
 ///     layers: vec!["all".into()],
 ///     effects: vec![],
 /// };

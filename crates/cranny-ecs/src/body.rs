@@ -9,7 +9,7 @@ use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, SceneDescription};
+use cranny_world::description::{BodyKind, Normals, SceneDescription};
 use glam::DQuat;
 
 use crate::error::SceneAppError;
@@ -50,6 +50,8 @@ pub struct BodyRecord {
     pub kind: BodyKind,
     /// Mass per volume.
     pub density: f64,
+    /// Whose normals its contacts have for the solver.
+    pub normals: Normals,
 }
 
 /// All bodies by id, those that were removed included.

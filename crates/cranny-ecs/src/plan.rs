@@ -9,6 +9,7 @@ use bevy_ecs::schedule::{
     InternedScheduleLabel, InternedSystemSet, NodeId, ScheduleLabel, Schedules, SystemKey,
 };
 use cranny_world::BodyId;
+use cranny_world::description::Normals;
 use serde::Serialize;
 
 use crate::body::Bodies;
@@ -287,6 +288,12 @@ fn pairs(table: &EffectTable, bodies: &Bodies, exact_solver: bool) -> Vec<Planne
     pairs
 }
 
+/// Whether one of two bodies has other normals for the solver than its facets'.
+fn is_smooth(bodies: &Bodies, pair: [BodyId; 2]) -> bool {
+    let mut records = pair.into_iter().filter_map(|id| bodies.get(id));
+    records.any(|record| record.normals != Normals::Flat)
+}
+
 fn group_of(
     table: &EffectTable,
     bodies: &Bodies,
@@ -310,6 +317,9 @@ fn group_of(
         }
         effects.push(match table.contact_margin(a, b) {
             Some(margin) if kind == EffectKind::Contacts => format!("Contacts(margin: {margin})"),
+            _ if kind == EffectKind::Response && exact_solver && is_smooth(bodies, [a, b]) => {
+                "Response(normals: smooth)".to_owned()
+            }
             _ => kind.name().to_owned(),
         });
         let by = asked.iter().map(|by| match by {

@@ -253,6 +253,7 @@ impl Plugin for CorePlugin {
                 visual: body.visual.clone(),
                 kind: body.kind,
                 density: body.material.density,
+                normals: body.normals,
             });
         }
         app.insert_resource(records);

@@ -61,6 +61,7 @@ impl RigidScene {
                 density: body.material.density,
                 friction: body.material.friction,
                 restitution: body.material.restitution,
+                normals: body.normals,
                 groups: body.layers.iter().filter_map(|l| layers.get(&**l)).fold(0, |m, b| m | b),
             };
             let index = simulation

@@ -26,6 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod angle;
 mod boundary;
 mod caps;
 mod chunks;
@@ -52,11 +53,13 @@ mod report;
 mod resolution;
 mod rows;
 mod scan;
+mod smooth_normals;
 mod topology;
 mod tree;
 mod weld;
 mod winding;
 
+pub use angle::between as radians_between;
 pub use concavity::Concavities;
 pub use deform::{ChangeSet, DeformError, Work};
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
@@ -75,5 +78,8 @@ pub use polygon::{SplitPolygon, split_polygon};
 pub use repair::Repair;
 pub use repair::proof::ProofError;
 pub use report::{Element, Finding, FindingKind, MeetingScan, RepairKind, RepairRecord, Report};
+pub use smooth_normals::{
+    Crease, CreaseAngleError, SmoothNormals, SurfaceNormal, check_crease_angle,
+};
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
 pub use tree::{Content, FaceForest, FaceTree, Node, NodeChanges};

@@ -1,6 +1,7 @@
 //! The one entry: from a question about a pair to its answer.
 
 use cranny_exact::{DVec3, Interval, Meeting, PoseError};
+use cranny_geometry::{CreaseAngleError, check_crease_angle};
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
@@ -12,7 +13,7 @@ use crate::near::near_regions;
 use crate::pair::{Pair, Side};
 use crate::parting::Parting;
 use crate::pockets::Pockets;
-use crate::query::{Demand, Method, Placed, Query};
+use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::meeting_regions;
 use crate::surface::{FacePair, strongest};
@@ -38,6 +39,9 @@ pub enum QueryError {
         /// The value found.
         value: f64,
     },
+    /// A crease angle that is none.
+    #[error(transparent)]
+    Crease(#[from] CreaseAngleError),
 }
 
 /// Answers a question about two placed models.
@@ -48,7 +52,7 @@ pub enum QueryError {
 ///
 /// # Errors
 ///
-/// [`QueryError`] where a pose or a length of the query is no such thing.
+/// [`QueryError`] where a pose, a length or a crease angle of the query is no such thing.
 pub fn query(
     a: Placed,
     b: Placed,
@@ -56,12 +60,21 @@ pub fn query(
     memory: &mut PairMemory,
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
-    check_lengths(&query.demand)?;
-    let PairMemory { posed, parting, contacts: kept, coherent, pockets, .. } = memory;
+    check_numbers(&query.demand)?;
+    let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, .. } = memory;
     let mut pair = Pair::new(a, b, posed);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
     Ok(match query.demand {
-        Demand::Contacts { margin } => contacts(&mut pair, margin, parting, kept),
+        Demand::Contacts { margin, normals } => {
+            let mut told = contacts(&mut pair, margin, parting, kept);
+            // What regions tell leads out of a whole overlap, and is no surface's.
+            if let Normals::Smooth { crease_angle } = normals
+                && told.regions.is_empty()
+            {
+                smooth.retell(&mut told.contacts, [a, b], crease_angle)?;
+            }
+            told
+        }
         demand => answer(&mut pair, &demand, parting, coherent, pockets, kept),
     })
 }
@@ -75,10 +88,13 @@ pub(crate) fn accepted<'a>(a: Placed<'a>, b: Placed<'a>) -> Result<[Placed<'a>; 
     Ok([at(a, 'A')?, at(b, 'B')?])
 }
 
-pub(crate) fn check_lengths(demand: &Demand) -> Result<(), QueryError> {
+pub(crate) fn check_numbers(demand: &Demand) -> Result<(), QueryError> {
+    if let Demand::Contacts { normals: Normals::Smooth { crease_angle }, .. } = *demand {
+        check_crease_angle(crease_angle)?;
+    }
     let (what, value) = match *demand {
         Demand::Distance { below: Some(value) } => ("below", value),
-        Demand::Contacts { margin } | Demand::Regions { margin } => ("margin", margin),
+        Demand::Contacts { margin, .. } | Demand::Regions { margin } => ("margin", margin),
         _ => return Ok(()),
     };
     if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(QueryError::Length { what, value }) }
@@ -188,7 +204,7 @@ fn answer(
 fn enough(demand: &Demand) -> f64 {
     match *demand {
         Demand::Distance { below: Some(length) }
-        | Demand::Contacts { margin: length }
+        | Demand::Contacts { margin: length, .. }
         | Demand::Regions { margin: length } => length,
         Demand::Distance { below: None } | Demand::Intersects | Demand::None => 0.0,
     }

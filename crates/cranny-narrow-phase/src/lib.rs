@@ -24,7 +24,8 @@
 //! faces that meet, by the envelopes of concavities; [`Method`] chooses. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
 //! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
-//! matters; `contacts` finds the few points that a solver needs, patch by patch. `impact` finds when
+//! matters; `contacts` finds the few points that a solver needs, patch by patch, and `smooth` tells them with
+//! the normals of curved surfaces, for whoever asks. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
 //! [`walk`] follows the closest features of two convex hulls from frame to frame. `levels` tells what is
 //! certain of a pair when only so much may be spent on it: [`estimate`]. `verify` asks everything twice, with memory
@@ -75,6 +76,7 @@ mod projection;
 mod query;
 mod reduce;
 mod regions;
+mod smooth;
 mod surface;
 mod touch;
 mod triangle_distance;
@@ -92,7 +94,8 @@ pub use impact::{
 };
 pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
-pub use query::{Demand, Method, Placed, Query};
+pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::reduce as reduce_contacts;
+pub use smooth::smooth_normal;
 pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 pub use verify::{Mismatch, query_verified};

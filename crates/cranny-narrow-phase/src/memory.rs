@@ -6,6 +6,7 @@ use crate::levels::Carried;
 use crate::pair::PosedVertices;
 use crate::parting::Parting;
 use crate::pockets::Pockets;
+use crate::smooth::SmoothMemory;
 
 /// Memory of one pair. Dropping it costs time, never a different answer.
 ///
@@ -13,6 +14,8 @@ use crate::pockets::Pockets;
 /// and half as much again for the blocks that these rest in), the faces that crossed or were nearest,
 /// and of contacts within a margin the last ones' features, those that can make contacts soon, two bytes for each face of both
 /// models, and the planes and edges of those faces that were near, let go of when most are near no longer.
+/// Where smooth normals were asked for, those of both models: whoever has many pairs of few models makes them once, and
+/// tells contacts itself ([`smooth_normal`](crate::smooth_normal)).
 /// Models are recognised, not kept alive.
 #[derive(Clone, Debug, Default)]
 pub struct PairMemory {
@@ -21,6 +24,7 @@ pub struct PairMemory {
     pub(crate) coherent: Coherent,
     pub(crate) parting: Parting,
     pub(crate) pockets: Pockets,
+    pub(crate) smooth: SmoothMemory,
     pub(crate) levels: Option<Box<Carried>>,
 }
 
@@ -30,7 +34,7 @@ impl PairMemory {
     pub fn bytes(&self) -> usize {
         let levels = self.levels.as_ref().map_or(0, |carried| carried.bytes());
         let kept = self.contacts.bytes() + self.coherent.bytes() + self.pockets.bytes();
-        self.posed.bytes() + kept + levels
+        self.posed.bytes() + kept + self.smooth.bytes() + levels
     }
 
     /// Forgets everything.

@@ -33,6 +33,9 @@ pub enum Demand {
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
         margin: f64,
+        /// Whose normals the contacts have. Which contacts there are, their points and separations do not depend
+        /// on it, nor do regions.
+        normals: Normals,
     },
     /// Everything: the distance as well.
     Regions {
@@ -41,8 +44,42 @@ pub enum Demand {
     },
 }
 
+/// Whose normals the contacts have that a solver asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Normals {
+    /// Those of the meshes: of a face, of two edges, of the way across a gap.
+    #[default]
+    Flat,
+    /// Those of the curved surfaces that the meshes stand for, see [`smooth_normal`](crate::smooth_normal).
+    /// A separation is still the meshes', and measured along their own normal.
+    Smooth {
+        /// Edges between normals that differ by less are smooth: radians, 0 to π.
+        crease_angle: f64,
+    },
+}
+
+impl Normals {
+    /// Of two wishes about the same contacts. The mesh's own come first: what is told smooth is no longer known
+    /// exactly. Of two creases, the one that leaves more of it.
+    fn join(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Smooth { crease_angle: a }, Self::Smooth { crease_angle: b }) => {
+                Self::Smooth { crease_angle: a.min(b) }
+            }
+            _ => Self::Flat,
+        }
+    }
+}
+
 impl Demand {
-    /// The least demand that answers both: the union of their work, at the larger margin.
+    /// Contacts with the normals of the meshes.
+    #[must_use]
+    pub const fn contacts(margin: f64) -> Self {
+        Self::Contacts { margin, normals: Normals::Flat }
+    }
+
+    /// The least demand that answers both: the union of their work, at the larger margin. Of contacts that are wanted
+    /// with different normals, those of the meshes.
     #[must_use]
     pub fn join(self, other: Self) -> Self {
         use Demand::{Contacts, Distance, Intersects, None, Regions};
@@ -52,14 +89,15 @@ impl Demand {
             (Distance { below: a }, Distance { below: b }) => {
                 Distance { below: a.zip(b).map(|(a, b)| a.max(b)) }
             }
-            (Distance { .. }, Contacts { margin }) | (Contacts { margin }, Distance { .. }) => {
-                Regions { margin }
-            }
+            (Distance { .. }, Contacts { margin, .. })
+            | (Contacts { margin, .. }, Distance { .. }) => Regions { margin },
             (Distance { .. }, x) | (x, Distance { .. }) => x,
-            (Contacts { margin: a }, Contacts { margin: b }) => Contacts { margin: a.max(b) },
+            (Contacts { margin: a, normals: m }, Contacts { margin: b, normals: n }) => {
+                Contacts { margin: a.max(b), normals: m.join(n) }
+            }
             (
-                Regions { margin: a } | Contacts { margin: a },
-                Regions { margin: b } | Contacts { margin: b },
+                Regions { margin: a } | Contacts { margin: a, .. },
+                Regions { margin: b } | Contacts { margin: b, .. },
             ) => Regions { margin: a.max(b) },
         }
     }
@@ -78,8 +116,10 @@ impl Demand {
                 (Some(have), Some(want)) => have >= want,
                 (Some(_), Option::None) => false,
             },
-            (Contacts { margin: have }, Contacts { margin: want })
-            | (Regions { margin: have }, Regions { margin: want }) => have >= want,
+            (Contacts { margin: have, normals: m }, Contacts { margin: want, normals: n }) => {
+                have >= want && m == n
+            }
+            (Regions { margin: have }, Regions { margin: want }) => have >= want,
             _ => false,
         }
     }
@@ -88,7 +128,7 @@ impl Demand {
     #[must_use]
     pub fn margin(&self) -> Option<f64> {
         match *self {
-            Self::Contacts { margin } | Self::Regions { margin } => Some(margin),
+            Self::Contacts { margin, .. } | Self::Regions { margin } => Some(margin),
             _ => None,
         }
     }
@@ -135,8 +175,7 @@ mod tests {
 
     #[test]
     fn an_answer_covers_what_it_tells() {
-        let (contacts, regions) =
-            (Demand::Contacts { margin: 0.1 }, Demand::Regions { margin: 0.1 });
+        let (contacts, regions) = (Demand::contacts(0.1), Demand::Regions { margin: 0.1 });
         let (whole, near) =
             (Demand::Distance { below: None }, Demand::Distance { below: Some(1.0) });
         for demand in [Demand::None, Demand::Intersects, whole, near, contacts, regions] {
@@ -152,8 +191,23 @@ mod tests {
     }
 
     #[test]
+    fn smooth_contacts_are_others() {
+        let smooth = |margin, crease_angle| Demand::Contacts {
+            margin,
+            normals: Normals::Smooth { crease_angle },
+        };
+        let flat = Demand::contacts(0.1);
+        assert!(!flat.covers(smooth(0.1, 0.5)) && !smooth(0.1, 0.5).covers(flat));
+        assert!(smooth(0.1, 0.5).covers(smooth(0.05, 0.5)));
+        assert!(!smooth(0.1, 0.5).covers(smooth(0.1, 0.4)));
+        assert_eq!(smooth(0.2, 0.5).join(flat), Demand::contacts(0.2));
+        assert_eq!(smooth(0.1, 0.5).join(smooth(0.2, 0.4)), smooth(0.2, 0.4));
+        assert_eq!(smooth(0.1, 0.5).join(Demand::Distance { below: None }).margin(), Some(0.1));
+    }
+
+    #[test]
     fn joining_takes_the_larger_demand_and_margin() {
-        let contacts = Demand::Contacts { margin: 0.1 };
+        let contacts = Demand::contacts(0.1);
         assert_eq!(Demand::None.join(Demand::Intersects), Demand::Intersects);
         assert_eq!(
             contacts.join(Demand::Distance { below: None }),
@@ -163,7 +217,7 @@ mod tests {
             contacts.join(Demand::Regions { margin: 0.05 }),
             Demand::Regions { margin: 0.1 }
         );
-        assert_eq!(contacts.join(Demand::Contacts { margin: 0.2 }).margin(), Some(0.2));
+        assert_eq!(contacts.join(Demand::contacts(0.2)).margin(), Some(0.2));
         assert_eq!(
             Demand::Distance { below: Some(1.0) }.join(Demand::Distance { below: None }),
             Demand::Distance { below: None }

@@ -4,7 +4,8 @@ use std::fmt;
 use std::panic::catch_unwind;
 use std::str::FromStr;
 
-use cranny_geometry::Model;
+use cranny_geometry::{Model, check_crease_angle};
+use cranny_narrow_phase::Normals;
 use rapier3d::parry::shape::{SharedShape, TriMeshFlags};
 use thiserror::Error;
 
@@ -54,9 +55,26 @@ impl Detector {
     /// [`ShapeError::TriMesh`] where parry refuses the mesh, [`ShapeError::Decomposition`] where it fails
     /// to decompose it.
     pub fn shape(self, model: &Model, tag: u32) -> Result<SharedShape, ShapeError> {
+        self.shape_with(model, Normals::Flat, tag)
+    }
+
+    /// The same with normals as they are wanted; only ours has other ones than flat.
+    ///
+    /// # Errors
+    ///
+    /// As [`shape`](Self::shape), and [`ShapeError::Crease`] where a crease angle is none.
+    pub fn shape_with(
+        self,
+        model: &Model,
+        normals: Normals,
+        tag: u32,
+    ) -> Result<SharedShape, ShapeError> {
+        if let Normals::Smooth { crease_angle } = normals {
+            check_crease_angle(crease_angle)?;
+        }
         let (vertices, faces) = buffers(model);
         Ok(match self {
-            Self::Cranny => MeshShape::shared(model, tag)?,
+            Self::Cranny => SharedShape::new(MeshShape::new(model, tag)?.with_normals(normals)?),
             Self::RapierTrimesh => SharedShape::trimesh(vertices, faces)?,
             Self::RapierTrimeshFixed => SharedShape::trimesh_with_flags(
                 vertices,

@@ -7,6 +7,8 @@
 //!   a bounded number of them, each with the normal of its own point.
 //! - 'Exact' refers to the f32 relative pose that rapier hands over.
 //! - Mass, centre and inertia are those of the solid, computed in f64.
+//! - Normals are those of the meshes' facets; where a shape asks for it ([`MeshShape::with_smooth_normals`]), a solver gets
+//!   those of the curved surface that the facets stand for. Points and separations are exact all the same.
 //! - Impulses are carried over from step to step by features, or by place.
 //! - With the feature `snapshot`, a world that was written and read again goes on to the bit as if nobody had stopped
 //!   it: `snapshot` and `restore`.
@@ -22,7 +24,7 @@
 //! ```
 //! use cranny_exact::{DVec3, Pose};
 //! use cranny_geometry::{BuildOptions, Model};
-//! use cranny_rapier::{BodyKind, BodySpec, Simulation, SimulationOptions};
+//! use cranny_rapier::{BodyKind, BodySpec, Normals, Simulation, SimulationOptions};
 //! use cranny_shapes::Cuboid;
 //!
 //! let cube = Cuboid { size: [1.0, 1.0, 1.0] }.build()?;
@@ -37,6 +39,7 @@
 //!     density: 1.0,
 //!     friction: 0.5,
 //!     restitution: 0.0,
+//!     normals: Normals::Flat,
 //!     groups: 1,
 //! };
 //! simulation.insert(&spec(BodyKind::Fixed, 0.0))?;
@@ -68,6 +71,7 @@ pub mod simulation;
 pub mod snapshot;
 
 pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
+pub use cranny_narrow_phase::Normals;
 pub use detector::{Detector, UnknownDetector};
 pub use dispatcher::{Dispatcher, dispatcher};
 pub use joint::JointSpec;

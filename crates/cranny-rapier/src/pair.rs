@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory};
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, smooth_normal};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -115,7 +115,7 @@ impl Found {
 /// What a shape is asked about as; `None` where parry has to be asked.
 fn core(shape: &dyn Shape) -> Option<Core> {
     match ours(shape) {
-        Some(shape) => Some(Core::new(shape.model().clone(), 0.0)),
+        Some(shape) => Some(Core::of_ours(shape)),
         None => Core::of(shape),
     }
 }
@@ -190,11 +190,12 @@ impl PairWorkspace {
     fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: f64) -> Found {
         let radii = cores.each_ref().map(|core| core.radius);
         let thickness = cores[0].thickness.min(cores[1].thickness);
-        let models = cores.map(|core| core.model);
+        let [first, second] = cores;
+        let (models, smooth) = ([first.model, second.model], [first.smooth, second.smooth]);
         let margin = reach + radii[0] + radii[1];
         let demand = match self.leads_out {
             true => solver_demand(models.each_ref(), margin),
-            false => Demand::Contacts { margin },
+            false => Demand::contacts(margin),
         };
         let Some(answer) = ask(models.each_ref(), *pose, demand, self.memory()) else {
             return Found { contacts: Vec::new(), answer: None };
@@ -203,9 +204,22 @@ impl PairWorkspace {
             true => way_out(&models, thickness, pose, &answer, self.memory()),
             false => None,
         };
+        // A solver's alone; and a way out is one for the whole body, and no surface's.
+        let is_smooth = self.leads_out && led.is_none() && smooth.iter().any(Option::is_some);
+        let bodies = [
+            Placed { model: &models[0], pose: ExactPose::IDENTITY },
+            Placed { model: &models[1], pose: *pose },
+        ];
         let contacts = led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
             let ids = ids_of(contact, models.each_ref(), demand);
-            SolverContact::of(contact, ids).rounded(radii)
+            let told = SolverContact::of(contact, ids).rounded(radii);
+            if is_smooth {
+                let normal =
+                    smooth_normal(contact, bodies, smooth.each_ref().map(Option::as_deref));
+                SolverContact { normal, ..told }
+            } else {
+                told
+            }
         });
         Found { contacts: contacts.collect(), answer: Some((answer, demand)) }
     }
@@ -266,7 +280,7 @@ fn inverse(pose: &ExactPose) -> ExactPose {
 /// What the solver needs of a pair of polyhedra.
 fn solver_demand(models: [&Model; 2], margin: f64) -> Demand {
     if models.iter().all(|model| model.mesh().faces().len() >= FINE) {
-        Demand::Contacts { margin }
+        Demand::contacts(margin)
     } else {
         Demand::Regions { margin }
     }

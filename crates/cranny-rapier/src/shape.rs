@@ -1,6 +1,9 @@
 //! A Cranny model as a rapier shape.
 
-use cranny_geometry::Model;
+use std::sync::Arc;
+
+use cranny_geometry::{CreaseAngleError, Model, SmoothNormals};
+use cranny_narrow_phase::Normals;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use rapier3d::parry::mass_properties::MassProperties;
@@ -25,6 +28,9 @@ pub enum ShapeError {
     /// parry's convex decomposition gave up, with a panic.
     #[error("parry cannot decompose the mesh into convex pieces: it panics on it")]
     Decomposition,
+    /// A crease angle that is none.
+    #[error(transparent)]
+    Crease(#[from] CreaseAngleError),
     /// No mass can be computed.
     #[error(transparent)]
     Mass(#[from] MassError),
@@ -38,6 +44,7 @@ pub struct MeshShape {
     model: Model,
     tag: u32,
     mesh: TriMesh,
+    smooth: Option<Arc<SmoothNormals>>,
     #[cfg(feature = "snapshot")]
     mask: Mask,
 }
@@ -54,9 +61,35 @@ impl MeshShape {
             model: model.clone(),
             tag,
             mesh: TriMesh::new(vertices, faces)?,
+            smooth: None,
             #[cfg(feature = "snapshot")]
             mask: Mask::default(),
         })
+    }
+
+    /// The same with normals as they are wanted, see [`with_smooth_normals`](Self::with_smooth_normals).
+    ///
+    /// # Errors
+    ///
+    /// [`ShapeError::Crease`].
+    pub fn with_normals(self, normals: Normals) -> Result<Self, ShapeError> {
+        match normals {
+            Normals::Flat => Ok(Self { smooth: None, ..self }),
+            Normals::Smooth { crease_angle } => self.with_smooth_normals(crease_angle),
+        }
+    }
+
+    /// The same with smooth normals: a solver gets its contacts with the normals of the curved surface that the mesh
+    /// stands for, smooth over edges between normals that differ by less than `crease_angle` (radians, 0 to π). Points and
+    /// separations of contacts stay exact, as do all other answers.
+    /// See [`smooth_normal`](cranny_narrow_phase::smooth_normal).
+    ///
+    /// # Errors
+    ///
+    /// [`ShapeError::Crease`].
+    pub fn with_smooth_normals(self, crease_angle: f64) -> Result<Self, ShapeError> {
+        let smooth = Some(Arc::new(SmoothNormals::of(&self.model, crease_angle)?));
+        Ok(Self { smooth, ..self })
     }
 
     /// The same as a shared shape, ready for a `ColliderBuilder`.
@@ -72,6 +105,12 @@ impl MeshShape {
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The normals that its contacts get, if not those of its facets.
+    #[must_use]
+    pub fn smooth_normals(&self) -> Option<&Arc<SmoothNormals>> {
+        self.smooth.as_ref()
     }
 
     /// What the answer log knows it by.

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose, PoseError};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand};
+use cranny_narrow_phase::{Answer, Demand, Normals};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
@@ -126,6 +126,9 @@ pub struct BodySpec<'a> {
     pub friction: f64,
     /// 0 to 1.
     pub restitution: f64,
+    /// Whose normals its contacts have for the solver: its facets' or, opted in, those of the curved surface that they
+    /// stand for ([`MeshShape::with_smooth_normals`](crate::MeshShape::with_smooth_normals)). Our detector only.
+    pub normals: Normals,
     /// Bodies meet where their bits overlap.
     pub groups: u32,
 }
@@ -339,7 +342,7 @@ impl Simulation {
         check_numbers(spec)?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
         let index = self.handles.len() as u32;
-        let shape = self.options.detector.shape(spec.model, index)?;
+        let shape = self.options.detector.shape_with(spec.model, spec.normals, index)?;
         let groups = Group::from_bits_truncate(spec.groups);
         let mut collider = ColliderBuilder::new(shape)
             .density(0.0)

@@ -7,7 +7,7 @@ use cranny_scene::scene_file::SceneProblem;
 use cranny_scene::{
     LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
 };
-use cranny_world::description::{BodyKind, CameraView, Effect, JointKind, Material};
+use cranny_world::description::{BodyKind, CameraView, Effect, JointKind, Material, Normals};
 use miette::Diagnostic;
 
 fn parse(text: &str) -> Result<LoadedScene, SceneError> {
@@ -145,6 +145,12 @@ fn errors_name_line_column_and_what_was_expected() {
             "line 3, column",
             "rotation quaternion has length 1.08",
         ),
+        (
+            "kind: Dynamic,",
+            "kind: Dynamic, normals: Smooth(crease_angle: 4),",
+            "line 2, column",
+            "from 0 to π, found 4",
+        ),
         ("density: 2", "density: -2", "line 4, column", "greater than 0, found -2"),
         ("restitution: 1", "restitution: 1.5", "line 4, column", "from 0 to 1, found 1.5"),
         ("at: (0, 0, 20)", "at: (0, NaN, 20)", "line 3, column", "coordinate y is NaN"),
@@ -261,5 +267,23 @@ fn no_prefix_and_no_changed_character_panics() {
                 assert!(error.to_string().starts_with("scene file test.ron"));
             }
         }
+    }
+}
+
+/// Flat unless asked for; of bodies, piles and robots alike.
+#[test]
+fn normals_are_smooth_where_a_scene_says_so() {
+    let body = |normals: &str| {
+        format!("(bodies: [(name: \"a\", shape: Generator(Sphere()), kind: Fixed{normals})])")
+    };
+    let told = |text: &str| parse(text).map(|loaded| loaded.description.bodies[0].normals);
+    assert_eq!(told(&body("")).unwrap(), Normals::Flat);
+    assert_eq!(told(&body(", normals: Flat")).unwrap(), Normals::Flat);
+    let smooth = told(&body(", normals: Smooth(crease_angle: 0.17)")).unwrap();
+    assert_eq!(smooth, Normals::Smooth { crease_angle: 0.17 });
+    let pile = "(groups: [Pile(count: 2, region: (min: (0, 0, 0), max: (9, 9, 9)), shapes: [Generator(Sphere())], normals: Smooth(crease_angle: 0.3))])";
+    assert_eq!(told(pile).unwrap(), Normals::Smooth { crease_angle: 0.3 });
+    for wrong in ["Smooth()", "Smooth(crease_angle: -0.1)", "Smooth(crease_angle: 3.2)", "Round"] {
+        assert!(parse(&body(&format!(", normals: {wrong}"))).is_err(), "{wrong}");
     }
 }

@@ -120,7 +120,7 @@ pub(crate) fn told(answer: Answer) -> Answer {
 pub(crate) const DEMANDS: [Demand; 4] = [
     Demand::Intersects,
     Demand::Distance { below: None },
-    Demand::Contacts { margin: 0.0 },
+    Demand::contacts(0.0),
     Demand::Regions { margin: 0.0 },
 ];
 

@@ -4,6 +4,7 @@
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Mesh;
+pub use cranny_narrow_phase::Normals;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -67,6 +68,8 @@ pub struct BodyDescription {
     pub angular_velocity: DVec3,
     /// What it is made of.
     pub material: Material,
+    /// Whose normals its contacts have for a solver: its facets' or those of the curved surface that they stand for.
+    pub normals: Normals,
     /// Bodies meet only where they share a layer.
     pub layers: Vec<String>,
     /// Effects of this body beyond the scene's.

@@ -28,7 +28,7 @@ const DISTANCE: Demand = Demand::Distance { below: None };
 const REGIONS: Demand = Demand::Regions { margin: 0.0 };
 
 /// As far as the gap between the flanks of nut and bolt.
-const THREAD: Demand = Demand::Contacts { margin: 0.05 };
+const THREAD: Demand = Demand::contacts(0.05);
 
 /// Names have no spaces at their ends and stay as they are: figures are kept by them.
 const CASES: &[Case] = &[
@@ -66,7 +66,7 @@ const CASES: &[Case] = &[
     Case { name: "regions contact golf 10k", made: || warm("golf 10k contact", REGIONS, 20) },
     Case {
         name: "contacts contact torus 10k",
-        made: || warm("torus 10k contact", Demand::Contacts { margin: 0.002 }, 20),
+        made: || warm("torus 10k contact", Demand::contacts(0.002), 20),
     },
     Case {
         name: "intersects nut 2 degrees",

@@ -79,7 +79,7 @@ fn demand_of(demand: DemandArg) -> Demand {
     match demand {
         DemandArg::Intersects => Demand::Intersects,
         DemandArg::Distance => Demand::Distance { below: None },
-        DemandArg::Contacts => Demand::Contacts { margin: 0.0 },
+        DemandArg::Contacts => Demand::contacts(0.0),
         DemandArg::Regions => Demand::Regions { margin: 0.0 },
     }
 }

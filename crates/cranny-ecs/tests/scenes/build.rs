@@ -5,7 +5,7 @@ use std::sync::Arc;
 use cranny_exact::{DVec3, Pose};
 use cranny_shapes::Cuboid;
 use cranny_world::description::{
-    BodyDescription, BodyKind, Effect, Material, RecordDescription, SceneDescription,
+    BodyDescription, BodyKind, Effect, Material, Normals, RecordDescription, SceneDescription,
 };
 
 /// A unit cube.
@@ -19,6 +19,7 @@ pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> Bo
         linear_velocity: velocity,
         angular_velocity: DVec3::ZERO,
         material: Material::default(),
+        normals: Normals::Flat,
         layers: vec!["all".into()],
         effects: Vec::new(),
     }

@@ -10,7 +10,7 @@ use cranny_exact::DVec3;
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::Detector as Detection;
 use cranny_shapes::Torus;
-use cranny_world::description::{BodyKind, Effect, PairDescription};
+use cranny_world::description::{BodyKind, Effect, Normals, PairDescription};
 
 use crate::build::{cube, drop, scene};
 
@@ -63,6 +63,27 @@ fn the_same_run_ends_in_the_same_state_whoever_watches() {
     let mut app = SceneApp::new(&moved, &RunOptions::default()).unwrap();
     run(&mut app);
     assert_ne!(alone, app.finish().unwrap().state_hash);
+}
+
+#[test]
+fn smooth_normals_are_told_in_the_plan() {
+    for (detector, normals, told) in [
+        (Detection::Cranny, Normals::Flat, "Response"),
+        (Detection::Cranny, Normals::Smooth { crease_angle: 0.2 }, "Response(normals: smooth)"),
+        // Nobody else has them.
+        (Detection::RapierTrimesh, Normals::Smooth { crease_angle: 0.2 }, "Response"),
+    ] {
+        let plugins = PluginOptions { detector, ..PluginOptions::default() };
+        let options = RunOptions { plugins, ..RunOptions::default() };
+        let mut scene = drop(&[Effect::Response]);
+        scene.bodies[1].normals = normals;
+        let plan = SceneApp::new(&scene, &options).unwrap().plan().unwrap();
+        assert_eq!(plan.pairs[0].effects, [told]);
+    }
+    let mut scene = drop(&[Effect::Response]);
+    scene.bodies[1].normals = Normals::Smooth { crease_angle: -1.0 };
+    let refused = SceneApp::new(&scene, &RunOptions::default()).err().unwrap();
+    assert!(refused.to_string().contains("-1"), "{refused}");
 }
 
 #[test]

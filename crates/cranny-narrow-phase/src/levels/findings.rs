@@ -42,7 +42,7 @@ impl<'p, 'm> Findings<'p, 'm> {
         match self.demand {
             Demand::None | Demand::Intersects => 0.0,
             Demand::Distance { below } => self.least().min(below.unwrap_or(f64::INFINITY)),
-            Demand::Contacts { margin } | Demand::Regions { margin } => margin,
+            Demand::Contacts { margin, .. } | Demand::Regions { margin } => margin,
         }
     }
 

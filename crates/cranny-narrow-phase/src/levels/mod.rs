@@ -37,7 +37,7 @@ pub use estimate::{Estimate, Place, Verdict};
 
 use crate::answer::Surface;
 use crate::containment::{Solidity, solidity};
-use crate::evaluate::{QueryError, accepted, check_lengths, query};
+use crate::evaluate::{QueryError, accepted, check_numbers, query};
 use crate::front::{Ground, ground};
 use crate::memory::PairMemory;
 use crate::pair::{Pair, Side};
@@ -97,7 +97,7 @@ pub fn estimate(
         return query(a, b, question, memory).map(Estimate::of_answer);
     }
     let [a, b] = accepted(a, b)?;
-    check_lengths(&question.demand)?;
+    check_numbers(&question.demand)?;
     if question.demand == Demand::None {
         return Ok(Estimate::blank());
     }

@@ -65,7 +65,7 @@ fn cost(teeth: u32, gap: f64, tilt: f64, demand: Demand) -> Cost {
 const DEMANDS: [Demand; 4] = [
     Demand::Intersects,
     Demand::Distance { below: None },
-    Demand::Contacts { margin: 0.012 },
+    Demand::contacts(0.012),
     Demand::Regions { margin: 0.0 },
 ];
 

@@ -15,7 +15,7 @@ use crate::measure::{from_surface, world_triangles};
 use crate::solids::{at, model, octahedron, shape};
 
 fn contacts_with(a: Placed, b: Placed, margin: f64, memory: &mut PairMemory) -> Answer {
-    query(a, b, &Query::of(Demand::Contacts { margin }), memory).unwrap()
+    query(a, b, &Query::of(Demand::contacts(margin)), memory).unwrap()
 }
 
 fn contacts(a: Placed, b: Placed, margin: f64) -> Answer {
@@ -426,7 +426,7 @@ fn memory_of_a_model_says_nothing_of_one_with_other_patches() {
         let distance = Demand::Distance { below: None };
         let gap = ask(&original, far, distance, &mut PairMemory::default()).distance.unwrap();
         let pose = Pose { translation: (3.0 * reach - gap) * away, ..far };
-        let demand = Demand::Contacts { margin: 0.2 * reach };
+        let demand = Demand::contacts(0.2 * reach);
         let mut memory = PairMemory::default();
         ask(&original, pose, demand, &mut memory);
         let warm = ask(&deformed, pose, demand, &mut memory);
@@ -444,7 +444,7 @@ fn memory_of_contacts_follows_what_is_near() {
         minor_segments: 24,
     });
     let cube = shape(Cuboid { size: [0.06; 3] });
-    let query_of = Query::of(Demand::Contacts { margin: 0.03 });
+    let query_of = Query::of(Demand::contacts(0.03));
     let placed = |frame: u32| {
         let angle = 0.02 * f64::from(frame);
         let at = DVec3::new(1.25 * angle.cos(), 1.25 * angle.sin(), 0.0);
@@ -503,7 +503,7 @@ fn what_is_near_is_kept_and_changes_no_answer() {
             let margin = 0.01 + 0.004 * (step % 8) as f64;
             let demand = match step % 10 {
                 9 => Demand::Regions { margin },
-                _ => Demand::Contacts { margin },
+                _ => Demand::contacts(margin),
             };
             let second = Placed { model: b, pose };
             let ask =

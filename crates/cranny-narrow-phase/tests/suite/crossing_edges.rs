@@ -11,7 +11,7 @@ use crate::solids::shape;
 const DEPTH: f64 = 0.01;
 
 fn contacts(a: Placed, b: Placed) -> Vec<Contact> {
-    let ask = Query::of(Demand::Contacts { margin: 0.0 });
+    let ask = Query::of(Demand::contacts(0.0));
     query(a, b, &ask, &mut PairMemory::default()).unwrap().contacts
 }
 

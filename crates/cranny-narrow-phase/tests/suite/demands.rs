@@ -49,7 +49,7 @@ fn lesser_demands_agree_with_greater_ones_and_leave_the_rest_blank() {
         assert_eq!((apart.distance, apart.witnesses), (full.distance, full.witnesses));
         assert!(apart.contacts.is_empty() && apart.regions.is_empty());
 
-        let contacts = ask(a, b, Demand::Contacts { margin: 0.1 });
+        let contacts = ask(a, b, Demand::contacts(0.1));
         assert_eq!(verdict(&contacts), verdict(&full));
         assert_eq!(contacts.triangle_pairs, full.triangle_pairs);
         assert_eq!((contacts.distance, contacts.witnesses), (None, None));
@@ -162,7 +162,7 @@ fn bad_questions_are_refused_by_name() {
         );
     }
     for margin in [-1e-9, f64::NAN, f64::INFINITY] {
-        for demand in [Demand::Regions { margin }, Demand::Contacts { margin }] {
+        for demand in [Demand::Regions { margin }, Demand::contacts(margin)] {
             let error = refused(here, here, demand);
             assert!(matches!(error, QueryError::Length { what: "margin", .. }), "{error}");
         }

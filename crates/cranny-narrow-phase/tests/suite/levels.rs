@@ -72,7 +72,7 @@ impl Truth {
     fn of(a: Placed, b: Placed, margin: f64) -> Self {
         Self {
             regions: ask(a, b, Demand::Regions { margin }),
-            contacts: ask(a, b, Demand::Contacts { margin }),
+            contacts: ask(a, b, Demand::contacts(margin)),
             margin,
         }
     }
@@ -144,7 +144,7 @@ fn demand(rng: &mut Rng, margin: f64) -> Demand {
         0 => Demand::Intersects,
         1 => Demand::Distance { below: None },
         2 => Demand::Distance { below: Some(margin) },
-        3 => Demand::Contacts { margin },
+        3 => Demand::contacts(margin),
         _ => Demand::Regions { margin },
     }
 }
@@ -309,9 +309,7 @@ fn effort_without_limits_is_the_query() {
         Placed { model: &cup, pose: Pose::IDENTITY },
         Placed { model: &ball, pose: Pose::at(DVec3::new(0.3, 0.2, 0.9)) },
     );
-    for demand in
-        [Demand::Intersects, Demand::Contacts { margin: 0.1 }, Demand::Regions { margin: 0.0 }]
-    {
+    for demand in [Demand::Intersects, Demand::contacts(0.1), Demand::Regions { margin: 0.0 }] {
         let mut memory = PairMemory::default();
         let found = estimate(a, b, &Query::of(demand), &Effort::default(), &mut memory).unwrap();
         assert_eq!(found.answer.as_ref().map(told), Some(told(&ask(a, b, demand))));
@@ -492,7 +490,7 @@ fn what_is_no_question_is_refused_as_by_the_query() {
         (f64::NAN, Demand::Intersects),
         (1e300, Demand::Intersects),
         (0.0, Demand::Distance { below: Some(-1.0) }),
-        (0.0, Demand::Contacts { margin: f64::INFINITY }),
+        (0.0, Demand::contacts(f64::INFINITY)),
     ] {
         let question = Query::of(demand);
         let refused = query(at(0.0), at(x), &question, &mut PairMemory::default()).unwrap_err();

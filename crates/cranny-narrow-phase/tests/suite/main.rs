@@ -19,6 +19,7 @@ mod needles;
 mod pockets;
 mod regions;
 mod rounded;
+mod smooth;
 mod solids;
 mod verdict;
 mod walk;

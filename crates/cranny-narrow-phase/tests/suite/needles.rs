@@ -65,7 +65,7 @@ fn lost(first: bool) -> Vec<String> {
             };
             let ask = |d| query(a, b, &Query::of(d), &mut PairMemory::default()).unwrap();
             let distance = ask(Demand::Distance { below: None }).distance.unwrap();
-            let c = ask(Demand::Contacts { margin: 0.1 });
+            let c = ask(Demand::contacts(0.1));
             let g = ask(Demand::Regions { margin: 0.1 });
             for (name, answer) in [("contacts", c), ("regions", g)] {
                 let least =

@@ -2,13 +2,15 @@
 //! ours as such.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_geometry::{BuildOptions, Mesh, Model, SmoothNormals};
 use rapier3d::parry::shape::{AxisMask, Shape, TypedShape, Voxels};
 
 use crate::convert::wide;
 use crate::deep::thickness;
+use crate::shape::MeshShape;
 
 /// A shape as all that is within a radius of a polyhedron.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub(crate) struct Core {
     pub(crate) radius: f64,
     /// As [`thickness`] tells it.
     pub(crate) thickness: f64,
+    /// What its contacts are told by, if not by its facets.
+    pub(crate) smooth: Option<Arc<SmoothNormals>>,
 }
 
 impl Core {
@@ -32,9 +36,15 @@ impl Core {
         Some(Self::new(polyhedron(inner)?, radius.into()))
     }
 
-    pub(crate) fn new(model: Model, radius: f64) -> Self {
+    /// Of one of our shapes.
+    pub(crate) fn of_ours(shape: &MeshShape) -> Self {
+        let smooth = shape.smooth_normals().cloned();
+        Self { smooth, ..Self::new(shape.model().clone(), 0.0) }
+    }
+
+    fn new(model: Model, radius: f64) -> Self {
         let thickness = thickness(&model);
-        Self { model, radius, thickness }
+        Self { model, radius, thickness, smooth: None }
     }
 }
 

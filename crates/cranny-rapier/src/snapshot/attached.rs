@@ -3,6 +3,7 @@
 use std::fmt;
 
 use cranny_geometry::{Model, ModelTag};
+use cranny_narrow_phase::Normals;
 use rapier3d::geometry::ColliderHandle;
 use rapier3d::parry::shape::{Compound, Shape, SharedShape};
 use rapier3d::prelude::{
@@ -69,6 +70,21 @@ pub(super) struct Attached {
     place: Place,
     tag: u32,
     model: ModelPrint,
+    /// Of smooth normals.
+    crease_angle: Option<f64>,
+}
+
+/// Normals as they are written.
+pub(super) fn crease_angle_of(normals: Normals) -> Option<f64> {
+    match normals {
+        Normals::Flat => None,
+        Normals::Smooth { crease_angle } => Some(crease_angle),
+    }
+}
+
+/// Normals as they were written.
+pub(super) fn normals_of(crease_angle: Option<f64>) -> Normals {
+    crease_angle.map_or(Normals::Flat, |crease_angle| Normals::Smooth { crease_angle })
 }
 
 /// Prints of models, each made once.
@@ -94,7 +110,8 @@ pub(super) fn attached(colliders: &ColliderSet) -> (Vec<Attached>, Vec<Masked<'_
             let Some(shape) = ours(shape) else { continue };
             masked.push(Masked::new(shape));
             let (place, model) = (Place { collider, part }, prints.of(shape.model()));
-            found.push(Attached { place, tag: shape.tag(), model });
+            let crease_angle = shape.smooth_normals().map(|normals| normals.crease_angle());
+            found.push(Attached { place, tag: shape.tag(), model, crease_angle });
         }
     }
     (found, masked)
@@ -121,14 +138,16 @@ pub(super) fn attach(
     models: &[Model],
 ) -> Result<(), RestoreError> {
     let prints: Vec<ModelPrint> = models.iter().map(ModelPrint::of).collect();
-    let shape_of = |Attached { place, tag, model }: &Attached| {
+    let shape_of = |Attached { place, tag, model, crease_angle }: &Attached| {
         let found = prints.iter().position(|print| print == model);
         let index = found.ok_or_else(|| RestoreError::Model {
             place: *place,
             model: *model,
             given: prints.clone(),
         })?;
-        MeshShape::shared(&models[index], *tag)
+        MeshShape::new(&models[index], *tag)
+            .and_then(|shape| shape.with_normals(normals_of(*crease_angle)))
+            .map(SharedShape::new)
             .map_err(|source| RestoreError::Shape { place: *place, source })
     };
     for of_collider in attached.chunk_by(|a, b| a.place.collider == b.place.collider) {
@@ -197,7 +216,8 @@ mod tests {
         let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
         let mut colliders = ColliderSet::new();
         colliders.insert(ColliderBuilder::ball(1.0));
-        let ours = MeshShape::shared(&model, 7).unwrap();
+        let ours = MeshShape::new(&model, 7).unwrap().with_smooth_normals(0.3).unwrap();
+        let ours = SharedShape::new(ours);
         let compound = SharedShape::compound(vec![(Pose::IDENTITY, ours)]);
         colliders.insert(ColliderBuilder::new(compound));
         colliders.take_modified();
@@ -214,7 +234,9 @@ mod tests {
         assert!(colliders.take_modified().is_empty());
         let (_, holder) = colliders.iter().nth(1).unwrap();
         let (_, shape) = &holder.shape().as_compound().unwrap().shapes()[0];
-        assert_eq!(ours(&**shape).map(MeshShape::tag), Some(7));
+        let shape = ours(&**shape).unwrap();
+        assert_eq!(shape.tag(), 7);
+        assert_eq!(shape.smooth_normals().map(|normals| normals.crease_angle()), Some(0.3));
     }
 
     #[test]

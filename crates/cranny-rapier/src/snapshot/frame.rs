@@ -6,7 +6,7 @@ use thiserror::Error;
 const MAGIC: &[u8; 8] = b"CRANNYRS";
 
 /// Of the form; a snapshot of any other is refused.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 const CHECKSUM: usize = 32;
 
@@ -135,7 +135,7 @@ mod tests {
             assert!(content(Kind::World, &damaged).is_err(), "bit {bit}");
         }
         let mut later = bytes;
-        later[8] = 2;
-        assert_eq!(content(Kind::World, &later), Err(FrameError::Version { found: 2 }));
+        later[8] = VERSION as u8 + 1;
+        assert_eq!(content(Kind::World, &later), Err(FrameError::Version { found: VERSION + 1 }));
     }
 }

@@ -9,6 +9,7 @@ use rapier3d::prelude::{IntegrationParameters, PhysicsWorld, RigidBodyHandle};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+use super::attached::{crease_angle_of, normals_of};
 use super::frame::Kind;
 use super::{RestoreError, Sets, SnapshotError, read, written};
 use crate::ahead::Tagged;
@@ -67,7 +68,7 @@ enum WrittenDemand {
     None,
     Intersects,
     Distance(Option<f64>),
-    Contacts(f64),
+    Contacts(f64, Option<f64>),
     Regions(f64),
 }
 
@@ -77,7 +78,9 @@ impl WrittenDemand {
             Demand::None => Self::None,
             Demand::Intersects => Self::Intersects,
             Demand::Distance { below } => Self::Distance(below),
-            Demand::Contacts { margin } => Self::Contacts(margin),
+            Demand::Contacts { margin, normals } => {
+                Self::Contacts(margin, crease_angle_of(normals))
+            }
             Demand::Regions { margin } => Self::Regions(margin),
         }
     }
@@ -87,7 +90,9 @@ impl WrittenDemand {
             Self::None => Demand::None,
             Self::Intersects => Demand::Intersects,
             Self::Distance(below) => Demand::Distance { below },
-            Self::Contacts(margin) => Demand::Contacts { margin },
+            Self::Contacts(margin, crease_angle) => {
+                Demand::Contacts { margin, normals: normals_of(crease_angle) }
+            }
             Self::Regions(margin) => Demand::Regions { margin },
         }
     }

@@ -75,8 +75,7 @@ fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option
     );
     // Meshes of few faces are asked for regions.
     let fine = [a.model, b.model].iter().all(|m| m.mesh().faces().len() >= 64);
-    let ask =
-        Query::of(if fine { Demand::Contacts { margin } } else { Demand::Regions { margin } });
+    let ask = Query::of(if fine { Demand::contacts(margin) } else { Demand::Regions { margin } });
     let answer = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
     for region in &answer.regions {
         let mut directions: Vec<DVec3> = Vec::new();

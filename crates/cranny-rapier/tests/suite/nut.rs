@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use cranny_exact::{DVec3, Pose};
-use cranny_rapier::{BodyKind, BodySpec, Detector, Simulation, SimulationOptions};
+use cranny_rapier::{BodyKind, BodySpec, Detector, Normals, Simulation, SimulationOptions};
 use cranny_shapes::{IsoBolt, IsoNut};
 
 use crate::world::model;
@@ -38,6 +38,7 @@ fn a_spun_nut_keeps_turning_along_its_helix() {
         density: 1.0,
         friction: 0.0,
         restitution: 0.0,
+        normals: Normals::Flat,
         groups: 1,
     };
     simulation.insert(&spec(&bolt, BodyKind::Fixed, 0.0, 0.0)).unwrap();

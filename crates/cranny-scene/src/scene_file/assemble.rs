@@ -131,6 +131,7 @@ impl Assembly<'_> {
             linear_velocity: velocity[0],
             angular_velocity: velocity[1],
             material: body.material.into(),
+            normals: body.normals.into(),
             layers: body.layers.clone(),
             effects: effects(&body.effects),
         };
@@ -169,6 +170,7 @@ impl Assembly<'_> {
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             material: group.material.into(),
+            normals: group.normals.into(),
             layers: group.layers.clone(),
             effects: effects(&group.effects),
         };

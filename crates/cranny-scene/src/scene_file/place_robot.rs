@@ -197,6 +197,7 @@ impl Placing<'_> {
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             material,
+            normals: self.file.normals.into(),
             layers: self.file.layers.clone(),
             effects: effects(&self.file.effects),
         });

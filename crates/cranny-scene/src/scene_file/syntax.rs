@@ -5,13 +5,13 @@ use std::path::Path;
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_shapes::Shape;
-use cranny_world::description::{BodyKind, Effect, Material, RecordDescription};
+use cranny_world::description::{BodyKind, Effect, Material, Normals, RecordDescription};
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::effect::EffectFile;
 use super::problem::{SceneError, SceneProblem, located};
-use super::values::{Axis, Finite, Fraction, NotNegative, Positive, Rotation, Vector};
+use super::values::{Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Vector};
 
 /// A whole file.
 #[derive(Debug, Deserialize)]
@@ -91,6 +91,8 @@ pub(super) struct BodyFile {
     pub(super) velocity: VelocityFile,
     #[serde(default)]
     pub(super) material: MaterialFile,
+    #[serde(default)]
+    pub(super) normals: NormalsFile,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
     #[serde(default)]
@@ -197,6 +199,27 @@ impl From<MaterialFile> for Material {
     }
 }
 
+/// Whose normals a body's contacts have for a solver.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Normals")]
+pub(super) enum NormalsFile {
+    #[default]
+    Flat,
+    Smooth {
+        /// Radians.
+        crease_angle: FaceAngle,
+    },
+}
+
+impl From<NormalsFile> for Normals {
+    fn from(normals: NormalsFile) -> Self {
+        match normals {
+            NormalsFile::Flat => Self::Flat,
+            NormalsFile::Smooth { crease_angle } => Self::Smooth { crease_angle: crease_angle.0 },
+        }
+    }
+}
+
 /// Bodies made by rule.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Group")]
@@ -223,6 +246,8 @@ pub(super) struct PileFile {
     pub(super) kind: KindFile,
     #[serde(default)]
     pub(super) material: MaterialFile,
+    #[serde(default)]
+    pub(super) normals: NormalsFile,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
     #[serde(default)]
@@ -269,6 +294,8 @@ pub(super) struct RobotFile {
     /// Its density is for links whose URDF states no mass.
     #[serde(default)]
     pub(super) material: MaterialFile,
+    #[serde(default)]
+    pub(super) normals: NormalsFile,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
     #[serde(default)]

@@ -69,5 +69,6 @@ ranges! {
     Positive: "a finite number greater than 0", |x| x > 0.0 && x.is_finite();
     NotNegative: "a finite number of at least 0", |x| x >= 0.0 && x.is_finite();
     Fraction: "a number from 0 to 1", |x| (0.0..=1.0).contains(&x);
+    FaceAngle: "a number of radians from 0 to π", |x| (0.0..=std::f64::consts::PI).contains(&x);
     Finite: "a finite number", f64::is_finite;
 }

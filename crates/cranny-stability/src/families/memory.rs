@@ -132,7 +132,7 @@ fn stroll(trial: &mut Trial<'_>, names: &str, [a, b]: [&Model; 2], memory: &mut 
         let demand = match trial.rng.below(5) {
             0 => Demand::Intersects,
             1 | 2 => Demand::Distance { below: None },
-            3 => Demand::Contacts { margin: 0.02 * reach },
+            3 => Demand::contacts(0.02 * reach),
             _ => Demand::Regions { margin: 0.0 },
         };
         let name = format!("{names}, frame {frame}, {what}, {demand:?}");

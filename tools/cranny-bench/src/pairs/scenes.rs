@@ -19,10 +19,10 @@ const NEAR: &[Demand] = &[Demand::Intersects, Demand::Distance { below: None }];
 
 /// Contacts for a solver within 0.2 % of the size.
 const CONTACT: &[Demand] =
-    &[Demand::Intersects, Demand::Regions { margin: 0.0 }, Demand::Contacts { margin: 0.002 }];
+    &[Demand::Intersects, Demand::Regions { margin: 0.0 }, Demand::contacts(0.002)];
 
 /// As far as the gap between the flanks.
-const THREAD: Demand = Demand::Contacts { margin: 0.05 };
+const THREAD: Demand = Demand::contacts(0.05);
 
 /// The scenes whose name contains `only`; what cannot be built is left out.
 pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
