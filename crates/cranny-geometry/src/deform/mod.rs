@@ -112,6 +112,8 @@ impl Model {
     /// free, and the last ones fill what gaps remain. Only concavities that share a vertex with something that has
     /// changed are divided anew. Beside what is looked at there is
     ///
+    /// - each exactly planar polygon of the hull that gets a new triangle, and all facets that hang together with one that
+    ///   changes over edges that do not bend clearly: on a body that is flat nearly everywhere, however far that goes;
     /// - a comparison of each facet's plane with the new vertices, a look at which facet each face is on and at which
     ///   corners each cap has, and copying of rows;
     /// - where vertices come onto the hull or leave it, all corners of the hull are renamed;

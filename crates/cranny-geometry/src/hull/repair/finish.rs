@@ -110,8 +110,9 @@ impl Repair<'_> {
             let corners = |[i, m, k]: [u32; 3]| [i, m, k].map(|c| rim[c as usize].0);
             let form: Vec<[u32; 3]> =
                 halved(rim.len() as u32).map(|t| self.lowest_first(corners(t))).collect();
-            let has = |t: &[u32; 3]| polygon.iter().any(|&own| self.triangles[own as usize] == *t);
-            let is_so = form.len() == polygon.len() && form.iter().all(has);
+            let own: BTreeSet<[u32; 3]> =
+                polygon.iter().map(|&t| self.triangles[t as usize]).collect();
+            let is_so = form.len() == own.len() && form.iter().all(|t| own.contains(t));
             polygon.iter().for_each(|t| {
                 left.remove(t);
             });
