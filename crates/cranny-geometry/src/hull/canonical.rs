@@ -12,16 +12,14 @@
 
 use super::quickhull::{Surface, next};
 
-/// The corner of a triangle, 0 to 2, from which on its vertices are told: the lowest.
+/// The corners of a triangle from each of them on.
+pub(super) const TURNED: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+
+/// The corner of a triangle, 0 to 2, from which on its vertices are told: the lowest. Without branches, which nobody
+/// could foretell.
 #[inline]
 pub(super) fn lowest_corner([a, b, c]: [u32; 3]) -> u32 {
-    if a < b && a < c {
-        0
-    } else if b < c {
-        1
-    } else {
-        2
-    }
+    u32::from(b < a.min(c)) + 2 * u32::from(c < a.min(b))
 }
 
 /// A triangle, from its lowest vertex on.

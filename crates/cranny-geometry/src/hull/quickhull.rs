@@ -32,7 +32,7 @@
 
 use cranny_exact::{Aabb, DVec3, Sign};
 
-use super::canonical::{canonical, lowest_corner};
+use super::canonical::{TURNED, canonical, lowest_corner};
 use super::fan::Fan;
 use super::flat::Flat;
 use super::side::Side;
@@ -389,19 +389,18 @@ impl<'a> Builder<'a> {
             }
             let first = lowest_corner(vertices);
             places[face as usize] = (3 * place, first);
-            let [a, b, c] = vertices;
-            triangles.push([[a, b, c], [b, c, a], [c, a, b]][first as usize]);
+            triangles.push(TURNED[first as usize].map(|corner| vertices[corner]));
         }
         let half_edge = |twin: u32| {
             let (place, first) = places[(twin >> 2) as usize];
             let corner = (twin & 3) + 3 - first;
-            place + if corner < 3 { corner } else { corner - 3 }
+            place + corner - 3 * u32::from(corner >= 3)
         };
         let mut twins = Vec::with_capacity(3 * alive.len());
         for &face in &alive {
-            let [a, b, c] = self.links[face as usize].twins;
-            let first = places[face as usize].1 as usize;
-            twins.extend([[a, b, c], [b, c, a], [c, a, b]][first].map(half_edge));
+            let own = &self.links[face as usize].twins;
+            let (_, first) = places[face as usize];
+            twins.extend(TURNED[first as usize].map(|corner| half_edge(own[corner])));
         }
         let surface = Surface { triangles, twins };
         let across = |half_edge: u32| {
