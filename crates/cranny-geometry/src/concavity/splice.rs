@@ -184,20 +184,16 @@ impl Concavities {
     ) -> Self {
         // As they are numbered when they are built.
         type Key = (u32, Option<[u32; 3]>);
-        let of_face = |face: FaceId| (face.0, None);
+        let key = |faces: &[FaceId], own: &mut dyn Iterator<Item = usize>| -> Key {
+            faces.first().map_or_else(|| (NONE, first_of_caps(&caps, own)), |f| (f.0, None))
+        };
         let kept = self.iter().filter(|c| !disturbed[c.id().index()]).map(|c| {
-            let own = c.caps.iter().map(|cap| ids[cap.index()] as usize);
-            let key =
-                c.faces.first().map_or_else(|| (NONE, first_of_caps(&caps, own)), |&f| of_face(f));
-            (key, Origin::Kept(c.id().index()))
+            let mut own = c.caps.iter().map(|cap| ids[cap.index()] as usize);
+            (key(c.faces, &mut own), Origin::Kept(c.id().index()))
         });
         let made = groups.iter().enumerate().map(|(i, group)| {
-            let own = group.lids.iter().flatten().map(|cap| cap.index());
-            let key = group
-                .faces
-                .first()
-                .map_or_else(|| (NONE, first_of_caps(&caps, own)), |&f| of_face(f));
-            (key, Origin::Made(i))
+            let mut own = group.lids.iter().flatten().map(|cap| cap.index());
+            (key(&group.faces, &mut own), Origin::Made(i))
         });
         let mut order: Vec<(Key, Origin)> = kept.chain(made).collect();
         order.sort_unstable_by_key(|&(key, _)| key);

@@ -9,23 +9,9 @@ use super::super::shapes::bends_clearly;
 use super::super::{FLATNESS, Facet};
 use super::*;
 
-/// Numbers in −1..1 that look random.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next())
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        ((self.next() + 1.0) * 0.5 * count as f64) as usize % count
-    }
+/// A point in a cube.
+fn anywhere(rng: &mut Rng) -> DVec3 {
+    DVec3::new(rng.unit(), rng.unit(), rng.unit())
 }
 
 fn follow(hull: &ConvexHull, points: &[DVec3], moved: &[VertexId], flatness: f64) -> Followed {
@@ -79,19 +65,19 @@ fn assert_hanging_together(hull: &ConvexHull, what: &str) {
 /// Moves points again and again; returns how many triangles were measured, and how many there were.
 fn knead(
     mut points: Vec<DVec3>,
-    noise: &mut Noise,
+    rng: &mut Rng,
     at_once: usize,
-    mut to: impl FnMut(&mut Noise, DVec3) -> DVec3,
+    mut to: impl FnMut(&mut Rng, DVec3) -> DVec3,
 ) -> (usize, usize) {
     let mut hull = ConvexHull::of_points(&points);
     let (mut measured, mut all) = (0, 0);
     for step in 0..40 {
         let mut moved: Vec<VertexId> =
-            (0..at_once).map(|_| VertexId(noise.below(points.len()) as u32)).collect();
+            (0..at_once).map(|_| VertexId(rng.below(points.len()) as u32)).collect();
         moved.sort_unstable();
         moved.dedup();
         for v in &moved {
-            points[v.index()] = to(noise, points[v.index()]);
+            points[v.index()] = to(rng, points[v.index()]);
         }
         let followed = follow(&hull, &points, &moved, FLATNESS);
         let rebuilt = ConvexHull::of_points(&points);
@@ -106,45 +92,45 @@ fn knead(
 
 #[test]
 fn a_ball_of_points_is_kneaded_and_stays_the_hull() {
-    let mut noise = Noise(1);
+    let mut rng = Rng::new(1);
     let mut ball: Vec<DVec3> = Vec::new();
     while ball.len() < 400 {
-        let p = noise.point();
+        let p = anywhere(&mut rng);
         ball.extend(Some(p).filter(|p| p.length() < 1.0));
     }
     // Corners that never move keep the box.
     ball.extend((0..6).map(|i| DVec3::AXES[i / 2] * if i % 2 == 0 { 2.0 } else { -2.0 }));
-    let inward = |noise: &mut Noise, p: DVec3| {
-        if p.length() == 2.0 { p } else { (p * (1.0 + 0.5 * noise.next())).clamp_length_max(1.9) }
+    let inward = |rng: &mut Rng, p: DVec3| {
+        if p.length() == 2.0 { p } else { (p * (1.0 + 0.5 * rng.unit())).clamp_length_max(1.9) }
     };
-    let (measured, all) = knead(ball, &mut noise, 5, inward);
+    let (measured, all) = knead(ball, &mut rng, 5, inward);
     assert!(5 * measured < 4 * all, "{measured} of {all}");
 }
 
 #[test]
 fn a_smooth_hull_is_repaired_where_it_is_dented_and_bumped() {
-    let mut noise = Noise(2);
-    let mut sphere: Vec<DVec3> = (0..2000).map(|_| noise.point().normalize()).collect();
+    let mut rng = Rng::new(2);
+    let mut sphere: Vec<DVec3> = (0..2000).map(|_| anywhere(&mut rng).normalize()).collect();
     sphere.extend(DVec3::AXES.into_iter().flat_map(|a| [1.2 * a, -1.2 * a]));
-    let nudge = |noise: &mut Noise, p: DVec3| {
-        if p.length() > 1.1 { p } else { p * (1.0 + 0.02 * noise.next()) }
+    let nudge = |rng: &mut Rng, p: DVec3| {
+        if p.length() > 1.1 { p } else { p * (1.0 + 0.02 * rng.unit()) }
     };
-    let (measured, all) = knead(sphere, &mut noise, 1, nudge);
+    let (measured, all) = knead(sphere, &mut rng, 1, nudge);
     assert!(100 * measured < 3 * all, "{measured} of {all}");
 }
 
 #[test]
 fn points_of_a_lattice_come_out_in_planes_and_on_top_of_each_other() {
-    let mut noise = Noise(3);
+    let mut rng = Rng::new(3);
     let cell = |i: i32| f64::from(i % 5 - 2);
     let lattice = (0..125).map(|i| DVec3::new(cell(i), cell(i / 5), cell(i / 25))).collect();
-    let onto = |noise: &mut Noise, _: DVec3| (2.4 * noise.point()).round();
-    knead(lattice, &mut noise, 3, onto);
+    let onto = |rng: &mut Rng, _: DVec3| (2.4 * anywhere(rng)).round();
+    knead(lattice, &mut rng, 3, onto);
 }
 
 #[test]
 fn what_cannot_be_repaired_is_exchanged_where_it_changes() {
-    // Points of a lattice in a ball: its sides are polygons of many corners, triangulated one way or another, and
+    // Points of a lattice in a ball: its sides are polygons of many corners, and
     // have vertices in their middle, which come out and go in again.
     let radius = 9i32;
     let range = || -radius..=radius;
@@ -194,7 +180,6 @@ fn of_family(family: usize, rng: &mut Rng) -> DVec3 {
     let lattice = |rng: &mut Rng, n: i32| {
         DVec3::from_array(std::array::from_fn(|_| f64::from(rng.between(-n, n))))
     };
-    let any = |rng: &mut Rng| DVec3::new(rng.unit(), rng.unit(), rng.unit());
     match family {
         // Points of a lattice: all is exactly flat, or clearly bent.
         0 => lattice(rng, 2),
@@ -220,7 +205,7 @@ fn of_family(family: usize, rng: &mut Rng) -> DVec3 {
         }
         // A rod thinner than that.
         6 => rng.unit() * DVec3::new(1.0, 0.3, 0.7) + 32.0 * f64::EPSILON * lattice(rng, 3),
-        _ => any(rng).normalize(),
+        _ => anywhere(rng).normalize(),
     }
 }
 
