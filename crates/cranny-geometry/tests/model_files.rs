@@ -157,7 +157,7 @@ fn a_few_moves(model: &Model, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
     let first = rng.below(model.mesh().vertices().len());
     let some = model.mesh().vertices().iter().enumerate().skip(first).take(3);
     some.map(|(v, &p)| {
-        let mut by = || size * (rng.unit() - 0.5);
+        let mut by = || 0.5 * size * rng.unit();
         (VertexId(v as u32), (p + DVec3::new(by(), by(), by())) * DVec3::new(-0.0, 1.0, 1.0))
     })
     .collect()

@@ -120,11 +120,11 @@ mod tests {
         let mut rng = Rng::new(17);
         let (mut told_apart, mut left) = (0, 0);
         for _ in 0..20_000 {
-            let mut point = || DVec3::new(rng.unit(), rng.unit(), rng.unit()) - 0.5;
+            let mut point = || 0.5 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
             let triangle @ [a, b, c] = [point(), point(), point()];
             let [s, t] = [rng.unit(), rng.unit()];
             // Within a few digits of the plane, and of late ones of the coordinates.
-            let step = 4.0 * (rng.unit() - 0.5) * f64::EPSILON;
+            let step = 2.0 * rng.unit() * f64::EPSILON;
             let p = a + s * (b - a) + t * (c - a) + step * DVec3::Z;
             let exact = orient3d(a, b, c, p);
             match told(triangle, p) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use cranny_exact::{DMat3, DQuat, DVec3};
+use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::Mesh;
 use cranny_testkit::Rng;
 
@@ -37,7 +37,7 @@ impl Written {
 }
 
 /// A unit cube of `cells` squares along each edge, each cut by either diagonal; points of the surface lie
-/// beneath its sides by up to `rough` flatnesses.
+/// off its sides by up to `rough` flatnesses, beneath them as well as above.
 pub(crate) fn noisy_cube(
     cells: i32,
     rough: f64,
@@ -57,12 +57,12 @@ pub(crate) fn noisy_cube(
                         p[(axis + 1) % 3] = i + du;
                         p[(axis + 2) % 3] = j + dv;
                         *ids.entry(p).or_insert_with(|| {
-                            let inward = |c: i32| match c {
+                            let beneath = |c: i32| match c {
                                 0 => depth * rng.unit(),
                                 c if c == cells => 1.0 - depth * rng.unit(),
                                 c => f64::from(c) / f64::from(cells),
                             };
-                            vertices.push(DVec3::from_array(p.map(inward)));
+                            vertices.push(DVec3::from_array(p.map(beneath)));
                             vertices.len() as u32 - 1
                         })
                     };
@@ -83,7 +83,6 @@ pub(crate) fn noisy_cube(
     if !is_turned {
         return written.apply(&mesh);
     }
-    let turn = [0; 4].map(|_| rng.unit() - 0.5);
-    let turn = DMat3::from_quat(DQuat::from_array(turn).normalize());
+    let turn = DMat3::from_quat(rng.rotation());
     written.apply(&moved(&mesh, |p| turn * p))
 }

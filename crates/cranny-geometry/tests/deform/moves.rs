@@ -27,7 +27,7 @@ pub(crate) fn random_moves(mesh: &Mesh, rng: &mut Rng) -> Vec<(VertexId, DVec3)>
     let size = bounds.diagonal();
     let v = VertexId(rng.below(mesh.vertices().len()) as u32);
     let outward = (mesh.position(v) - bounds.center()).normalize_or(DVec3::X);
-    let mut any = || DVec3::new(rng.unit() - 0.5, rng.unit() - 0.5, rng.unit() - 0.5);
+    let mut any = || 0.5 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
     let aside = any();
     match rng.below(7) {
         0 => bell(mesh, v, 0.15 * size, -0.06 * size * outward),
