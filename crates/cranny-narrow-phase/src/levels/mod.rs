@@ -261,7 +261,7 @@ impl Estimator<'_, '_> {
             surface,
             solid: solidity.map(|s| s.solid),
             contained: solidity.and_then(|s| s.contained).map(|c| pair.ordered_containment(c)),
-            separation: Interval { lo: distance.lo - deepest, hi: distance.hi },
+            separation: Interval { lo: distance.lo - deepest, hi: distance.hi.min(farthest(pair)) },
             witnesses: self.findings.witnesses(),
             places,
             answer: None,
@@ -278,6 +278,12 @@ impl Estimator<'_, '_> {
         // Both are certain; rounding may make them pass each other where they meet.
         Interval { lo: self.carried.distance.lo.clamp(0.0, hi), hi }
     }
+}
+
+/// No two points of the bodies are farther apart: they lie in both bodies' boxes.
+fn farthest(pair: &Pair) -> f64 {
+    let [x, y] = Side::BOTH.map(|side| pair.bounds(side));
+    (y.max - x.min).max(x.max - y.min).length().next_up() + pair.culling_error()
 }
 
 /// No region of contact is deeper: its pieces lie in both bodies' boxes.

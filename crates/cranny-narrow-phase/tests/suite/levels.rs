@@ -2,6 +2,7 @@
 //! narrowed from frame to frame.
 
 use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use cranny_exact::{Aabb, DQuat, DVec3, Interval, Meeting, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
@@ -46,14 +47,36 @@ fn full_leaves(model: &Model) -> Model {
 }
 
 fn budgets(rng: &mut Rng) -> Budget<'static> {
-    match rng.below(7) {
+    match rng.below(8) {
         0 => Budget::Tests(0),
         1 => Budget::Tests(1),
         2 => Budget::Tests(2 + rng.below(30) as u64),
         3 => Budget::Tests(30 + rng.below(300) as u64),
         4 => Budget::Tests(1_000),
         5 => Budget::Tests(u64::MAX),
+        6 => Budget::Until { clock: &TICKS, deadline_ns: 0 },
         _ => Budget::Unlimited,
+    }
+}
+
+/// Goes on by one whenever it is read.
+struct Ticks(AtomicU64);
+
+impl Clock for Ticks {
+    fn now_ns(&self) -> u64 {
+        self.0.fetch_add(1, Ordering::Relaxed)
+    }
+}
+
+static TICKS: Ticks = Ticks(AtomicU64::new(0));
+
+/// The same budget, or one that ends when the clock has been read a few times more.
+fn begun(budget: Budget<'static>, rng: &mut Rng) -> Budget<'static> {
+    match budget {
+        Budget::Until { clock, .. } => {
+            Budget::Until { clock, deadline_ns: clock.now_ns() + rng.below(30) as u64 }
+        }
+        budget => budget,
     }
 }
 
@@ -102,6 +125,7 @@ impl Truth {
         } else {
             let distance = exact.distance.unwrap();
             assert!(held.contains(distance), "{what}: {distance:e} in {held:?}");
+            assert!(found.answer.is_some() || held.hi.is_finite(), "{what}: {held:?}");
             assert!(found.places.is_empty() && held.lo >= 0.0, "{what}");
         }
     }
@@ -159,7 +183,7 @@ fn no_level_or_budget_excludes_what_exact_finds() {
     let bodies = bodies();
     let mut rng = Rng::new(17);
     let mut verdicts = [[0u32; 3]; LEVELS.len()];
-    let (mut contained, mut places) = (0, 0);
+    let (mut contained, mut places, mut timed) = (0, 0, [0u32; 2]);
     for round in 0..66 {
         let (name_a, a) = &bodies[round % bodies.len()];
         // A speck in another's middle, where that one has material there: what chance rarely brings.
@@ -190,6 +214,7 @@ fn no_level_or_budget_excludes_what_exact_finds() {
             for _ in 0..3 {
                 let (level, budget) =
                     habit.unwrap_or_else(|| (rng.below(LEVELS.len()), budgets(&mut rng)));
+                let budget = begun(budget, &mut rng);
                 let effort = Effort { accuracy: LEVELS[level], budget };
                 let demand = demand(&mut rng, margin);
                 let cold = rng.below(3) == 0;
@@ -212,6 +237,9 @@ fn no_level_or_budget_excludes_what_exact_finds() {
                 if let Budget::Tests(tests) = budget {
                     assert!(tests_of(&found) <= tests, "{what}: {:?}", found.counters);
                 }
+                if let Budget::Until { deadline_ns, .. } = budget {
+                    timed[usize::from(TICKS.0.load(Ordering::Relaxed) > deadline_ns)] += 1;
+                }
                 verdicts[level][found.verdict as usize] += 1;
                 contained += u32::from(found.contained.is_some());
                 places += found.places.len();
@@ -222,6 +250,7 @@ fn no_level_or_budget_excludes_what_exact_finds() {
         assert!(counts[Verdict::Excluded as usize] > 10, "{level:?}: {verdicts:?}");
         assert!(counts[Verdict::Open as usize] > 10, "{level:?}: {verdicts:?}");
     }
+    assert!(timed.iter().all(|&times| times > 50), "in time, and late: {timed:?}");
     let certain = verdicts.map(|counts| counts[Verdict::Certain as usize]);
     assert!(certain[LEVELS.len() - 1] > 40, "{certain:?}");
     assert!(contained > 5 && places > 1_000, "{contained} {places}");
