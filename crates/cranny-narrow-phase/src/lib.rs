@@ -28,7 +28,8 @@
 //! the normals of curved surfaces, for whoever asks. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
 //! [`walk`] follows the closest features of two convex hulls from frame to frame. `levels` tells what is
-//! certain of a pair when only so much may be spent on it: [`estimate`]. `verify` asks everything twice, with memory
+//! certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
+//! memory holds, for drawing. `verify` asks everything twice, with memory
 //! and without, for whoever doubts it: [`query_verified`].
 //!
 //! ```
@@ -67,6 +68,7 @@ mod memory;
 mod near;
 mod node_set;
 mod numbering;
+mod observe;
 mod pair;
 mod parting;
 mod patience;
@@ -94,6 +96,7 @@ pub use impact::{
 };
 pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
+pub use observe::{KeptNodes, PairObserver};
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::reduce as reduce_contacts;
 pub use smooth::smooth_normal;

@@ -8,7 +8,7 @@ use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::FaceId;
 
 use super::quests::Meetings;
-use super::{Front, Quest};
+use super::{Front, Nodes, Quest};
 use crate::answer::{Counters, Surface};
 use crate::closest::{Closest, NearestFaces, search};
 use crate::contacts::{Kept, meetings_of_patches};
@@ -286,6 +286,23 @@ impl Coherent {
         let stride = crossing().count().div_ceil(KEPT_CROSSINGS).max(1);
         self.crossing.clear();
         self.crossing.extend(crossing().step_by(stride).map(|p| [p.first, p.second]));
+    }
+
+    /// The front, if the last query was about this pair at its pose and used one.
+    pub(crate) fn front_at(&self, pair: &Pair) -> Option<impl Iterator<Item = (Nodes, f64)> + '_> {
+        let is_used = self.advanced && self.whose.are_of(pair);
+        let front = self.front.as_ref().filter(|front| is_used && front.is_at(pair))?;
+        Some(front.entries())
+    }
+
+    /// Faces that crossed last.
+    pub(crate) fn crossing_of(&self, pair: &Pair) -> &[[FaceId; 2]] {
+        if self.whose.are_of(pair) { &self.crossing } else { &[] }
+    }
+
+    /// Faces that were nearest last.
+    pub(crate) fn nearest_of(&self, pair: &Pair) -> Option<[FaceId; 2]> {
+        self.nearest.filter(|_| self.whose.are_of(pair))
     }
 
     pub(crate) fn bytes(&self) -> usize {

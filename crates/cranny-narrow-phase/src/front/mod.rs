@@ -155,6 +155,19 @@ impl Front {
         unbroken && !quest.is_done()
     }
 
+    /// Whether odometers have counted up to this pose.
+    pub(crate) fn is_at(&self, pair: &Pair) -> bool {
+        self.map == pair.first_from_second
+    }
+
+    /// Its pairs of nodes, and how far apart they are at least, but for what posing may have eaten.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (Nodes, f64)> + '_ {
+        self.blocks.iter().flat_map(|block| {
+            let rest = |entry: &Entry| (entry.nodes, (entry.key - block.odometer).next_down());
+            block.entries.iter().map(rest)
+        })
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         self.blocks.iter().map(Block::bytes).sum()
     }

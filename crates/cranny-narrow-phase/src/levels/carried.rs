@@ -10,8 +10,10 @@ use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
 use crate::front::motion::{Ball, Motion};
+use crate::front::{Ground, Nodes};
 use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side, Whose};
+use crate::walk::HullFeature;
 
 /// Memory of a pair, as far as estimates are concerned. Bounds that were certain stay so: motion widens
 /// them by as much as it may have changed.
@@ -82,6 +84,21 @@ impl Carried {
         let lo = (lo - step).next_down().max(0.0);
         self.distance = Interval { lo, hi: (hi + step).next_up() };
         self.refinement.advance(step);
+    }
+
+    /// Whether the last estimate was about this pair at its pose.
+    pub(crate) fn is_at(&self, pair: &Pair) -> bool {
+        self.whose.are_of(pair) && self.map == pair.first_from_second
+    }
+
+    /// Pairs of nodes that are not opened, and how far apart they are at least.
+    pub(crate) fn cut(&self, ground: &Ground) -> impl Iterator<Item = (Nodes, f64)> {
+        self.refinement.entries().map(|entry| (entry.nodes, self.refinement.lower(entry, ground)))
+    }
+
+    /// Where the next walk starts.
+    pub(crate) fn walked(&self) -> Option<[HullFeature; 2]> {
+        self.hulls.features()
     }
 
     pub(crate) fn bytes(&self) -> usize {

@@ -59,6 +59,11 @@ impl HullWalk {
         })
     }
 
+    /// Where the next walk starts.
+    pub(super) fn features(&self) -> Option<[HullFeature; 2]> {
+        self.state.features()
+    }
+
     pub(super) fn bytes(&self) -> usize {
         match &self.graphs {
             Some([a, b]) if Arc::ptr_eq(a, b) => a.bytes(),

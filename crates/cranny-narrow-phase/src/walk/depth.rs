@@ -11,6 +11,7 @@ use cranny_exact::DVec3;
 
 use super::certificate::{Effort, certify, lower_bound};
 use super::graph::HullFeature;
+use super::observer::{Trail, WalkObserver};
 use super::sides::Sides;
 use super::voronoi::{End, walk};
 
@@ -34,7 +35,7 @@ pub(super) fn parting(
     sides: &Sides,
     start: DVec3,
     hints: [HullFeature; 2],
-    steps: &mut u64,
+    trail: &mut Trail<impl WalkObserver>,
 ) -> Option<Parting> {
     let mut normal = start;
     let mut pair = hints;
@@ -42,8 +43,9 @@ pub(super) fn parting(
     loop {
         let shift = ((1.0 + CLEARANCE) * depth.max(0.0) + 8.0 * sides.resolution()) * normal;
         let apart = sides.moved(shift);
+        trail.shift = shift;
         let reached = certify(&apart, pair, Effort::Glance).filter(|c| c.parts(&apart)).or_else(
-            || match walk(&apart, pair, steps) {
+            || match walk(&apart, pair, trail) {
                 End::Closest(pair) | End::Cycle(pair) => certify(&apart, pair, Effort::Thorough),
                 End::Inside(_) => None,
             },

@@ -50,6 +50,7 @@ mod depth;
 mod exhaustive;
 mod graph;
 mod nearest;
+mod observer;
 mod portal;
 mod sides;
 mod voronoi;
@@ -61,6 +62,8 @@ use thiserror::Error;
 use certificate::{Certificate, Effort, certify, lower_bound};
 use exhaustive::exhaust;
 pub use graph::{FeatureGraph, GraphError, HullEdgeId, HullFeature};
+use observer::Trail;
+pub use observer::WalkObserver;
 use portal::{Portal, Search};
 use sides::Sides;
 pub use sides::WalkHull;
@@ -89,6 +92,12 @@ impl WalkState {
     #[must_use]
     pub fn starting_at(pair: [HullFeature; 2]) -> Self {
         Self { pair: Some(pair), ..Self::default() }
+    }
+
+    /// The pair that the next walk starts at.
+    #[must_use]
+    pub fn features(&self) -> Option<[HullFeature; 2]> {
+        self.pair
     }
 }
 
@@ -158,31 +167,49 @@ pub fn walk_hulls(
     state: &mut WalkState,
     counters: &mut WalkCounters,
 ) -> Result<HullAnswer, WalkError> {
+    walk_hulls_observed(first, second, first_from_second, state, counters, &mut ())
+}
+
+/// The same, and shows an observer each state that it comes to.
+///
+/// # Errors
+///
+/// [`WalkError::NotFinite`].
+pub fn walk_hulls_observed(
+    first: WalkHull,
+    second: WalkHull,
+    first_from_second: &RigidMap,
+    state: &mut WalkState,
+    counters: &mut WalkCounters,
+    observer: &mut impl WalkObserver,
+) -> Result<HullAnswer, WalkError> {
     if !(first_from_second.linear.is_finite() && first_from_second.translation.is_finite()) {
         return Err(WalkError::NotFinite);
     }
     let sides = Sides::new([first, second], first_from_second);
     counters.queries += 1;
-    let mut query = Query { sides: &sides, state, counters };
+    let trail = Trail { counters, observer, shift: DVec3::ZERO };
+    let mut query = Query { sides: &sides, state, trail };
     Ok(query.answer())
 }
 
-struct Query<'a> {
+struct Query<'a, O> {
     sides: &'a Sides<'a>,
     state: &'a mut WalkState,
-    counters: &'a mut WalkCounters,
+    trail: Trail<'a, O>,
 }
 
-impl Query<'_> {
+impl<O: WalkObserver> Query<'_, O> {
     fn answer(&mut self) -> HullAnswer {
         if let Some(depth) = self.still_overlapping() {
-            self.counters.proved_at_once += 1;
+            self.trail.counters.proved_at_once += 1;
             return self.penetrating(depth);
         }
         let start = self.start();
+        self.trail.observer.kept_pair(start);
         if let Some(certificate) = certify(self.sides, start, Effort::Glance) {
             if certificate.parts(self.sides) {
-                self.counters.proved_at_once += 1;
+                self.trail.counters.proved_at_once += 1;
                 return self.separated(&certificate);
             }
             if certificate.straddles(self.sides) {
@@ -192,8 +219,8 @@ impl Query<'_> {
         if let Some(answer) = self.walked(start) {
             return answer;
         }
-        self.counters.searches += 1;
-        match portal::search(self.sides, &mut self.counters.portals) {
+        self.trail.counters.searches += 1;
+        match portal::search(self.sides, &mut self.trail) {
             Search::Overlap(portal, depth) => {
                 self.state.portal = Some(portal);
                 self.penetrating(depth)
@@ -207,13 +234,16 @@ impl Query<'_> {
     }
 
     /// The depth of overlap that the inner balls or last frame's portal prove.
-    fn still_overlapping(&self) -> Option<f64> {
+    fn still_overlapping(&mut self) -> Option<f64> {
         let portal = self.state.portal.as_ref()?;
         let known = |i: usize, v: HullVertexId| self.sides.graph(i).has(HullFeature::Vertex(v));
         if !portal.iter().all(|pair| known(0, pair[0]) && known(1, pair[1])) {
             return None;
         }
-        portal::depth_of_balls(self.sides).or_else(|| portal::proved_depth(self.sides, portal))
+        let depth = portal::depth_of_balls(self.sides)
+            .or_else(|| portal::proved_depth(self.sides, portal))?;
+        self.trail.observer.kept_portal(*portal, depth);
+        Some(depth)
     }
 
     /// Last frame's pair; without one, the supports along the line of centres.
@@ -233,10 +263,10 @@ impl Query<'_> {
 
     /// Walks; an answer where a proof, or the exact predicates, can tell at the pair that it ends at.
     fn walked(&mut self, start: [HullFeature; 2]) -> Option<HullAnswer> {
-        let pair = match walk(self.sides, start, &mut self.counters.steps) {
+        let pair = match walk(self.sides, start, &mut self.trail) {
             End::Closest(pair) => pair,
             End::Cycle(pair) => {
-                self.counters.cycles += 1;
+                self.trail.counters.cycles += 1;
                 pair
             }
             End::Inside(_) => return None,
@@ -267,7 +297,7 @@ impl Query<'_> {
             axis => axis,
         };
         let hints = self.start();
-        let parting = depth::parting(self.sides, axis, hints, &mut self.counters.steps);
+        let parting = depth::parting(self.sides, axis, hints, &mut self.trail);
         let (normal, points, pair, most) = match parting {
             Some(p) => (p.normal, p.points, p.pair, p.depth),
             None => (axis, [self.sides.graph(0).center; 2], hints, f64::INFINITY),
@@ -285,7 +315,7 @@ impl Query<'_> {
 
     /// Judged by exact predicates on all triangles near a direction's supports.
     fn exhaustively(&mut self, axis: DVec3) -> HullAnswer {
-        self.counters.exhausted += 1;
+        self.trail.exhausted(axis);
         let found = exhaust(self.sides, axis);
         self.state.portal = None;
         if found.meeting == Meeting::Cross {

@@ -16,6 +16,7 @@
 use cranny_exact::DVec3;
 use cranny_geometry::hull::HullVertexId;
 
+use super::observer::{Trail, WalkObserver};
 use super::sides::Sides;
 
 /// A vertex of the first hull and one of the second.
@@ -100,7 +101,7 @@ fn support(sides: &Sides, direction: DVec3, near: Option<SupportPair>) -> Corner
 /// Seeks the portal before which the origin lies, or the plane beyond which it does. Every portal is a set
 /// of vertices and lies further out than the one before; where rounding says otherwise, the origin is on
 /// the boundary as far as f64 tells. So the search ends.
-pub(super) fn search(sides: &Sides, portals: &mut u64) -> Search {
+pub(super) fn search(sides: &Sides, trail: &mut Trail<impl WalkObserver>) -> Search {
     let center = center_of(sides);
     if let Some(depth) = depth_of_balls(sides) {
         let any = support(sides, -center, None).pair;
@@ -118,11 +119,11 @@ pub(super) fn search(sides: &Sides, portals: &mut u64) -> Search {
     if second.at.dot(across) < 0.0 {
         return Search::Apart(across, second.pair);
     }
-    let portal = match seek(sides, center, [first, second], portals) {
+    let portal = match seek(sides, center, [first, second], trail) {
         Ok(portal) => portal,
         Err(end) => return end,
     };
-    refine(sides, center, portal, portals)
+    refine(sides, center, portal, trail)
 }
 
 /// Turns a third corner about the ray until the ray passes between the three.
@@ -130,7 +131,7 @@ fn seek(
     sides: &Sides,
     center: DVec3,
     [mut a, mut b]: [Corner; 2],
-    portals: &mut u64,
+    trail: &mut Trail<impl WalkObserver>,
 ) -> Result<[Corner; 3], Search> {
     let mut direction = (a.at - center).cross(b.at - center);
     if direction.dot(center) > 0.0 {
@@ -139,8 +140,8 @@ fn seek(
     }
     let mut turns = Turns::default();
     loop {
-        *portals += 1;
         let c = support(sides, direction, Some(b.pair));
+        trail.portal([a.pair, b.pair, c.pair]);
         if c.at.dot(direction) < 0.0 {
             return Err(Search::Apart(direction, c.pair));
         }
@@ -159,17 +160,22 @@ fn seek(
 }
 
 /// Moves the portal outward until the origin lies before it, or beyond the support.
-fn refine(sides: &Sides, center: DVec3, portal: [Corner; 3], portals: &mut u64) -> Search {
+fn refine(
+    sides: &Sides,
+    center: DVec3,
+    portal: [Corner; 3],
+    trail: &mut Trail<impl WalkObserver>,
+) -> Search {
     let [mut a, mut b, mut c] = portal;
     let mut turns = Turns::default();
     loop {
-        *portals += 1;
         let mut normal = (b.at - a.at).cross(c.at - a.at);
         if normal.dot(a.at - center) < 0.0 {
             (b, c) = (c, b);
             normal = -normal;
         }
         let pairs = [a.pair, b.pair, c.pair];
+        trail.portal(pairs);
         if normal.dot(a.at) >= 0.0
             && let Some(depth) = proved_depth(sides, &pairs)
         {

@@ -15,6 +15,7 @@ use cranny_geometry::hull::{FacetId, HullVertexId};
 
 use super::graph::{HalfEdge, HullEdgeId, HullFeature};
 use super::nearest::witnesses;
+use super::observer::{Trail, WalkObserver};
 use super::sides::Sides;
 use crate::triangle_distance::closest_on_segments;
 use HullFeature::{Edge, Facet, Vertex};
@@ -256,18 +257,22 @@ pub(super) enum End {
 /// Walks until a pair is closest or reaches inside, or until a pair comes back. Steps depend on the pair
 /// alone and there are finitely many pairs, so one of the three happens. Returns are found by comparing
 /// with a pair that is kept for twice as long each time (Brent 1980): no memory, and no cycle escapes.
-pub(super) fn walk(sides: &Sides, start: [HullFeature; 2], steps: &mut u64) -> End {
+pub(super) fn walk(
+    sides: &Sides,
+    start: [HullFeature; 2],
+    trail: &mut Trail<impl WalkObserver>,
+) -> End {
     let mut here = start;
     let (mut kept, mut age, mut lifetime) = (start, 0u64, 1u64);
     loop {
-        *steps += 1;
+        trail.pair(here);
         let next = match step(sides, here) {
             Step::Move(next) => next,
             Step::Closest => return End::Closest(here),
             Step::Inside => return End::Inside(here),
         };
         if next == kept {
-            return End::Cycle(nearest_of_cycle(sides, next, steps));
+            return End::Cycle(nearest_of_cycle(sides, next, trail));
         }
         here = next;
         age += 1;
@@ -279,14 +284,18 @@ pub(super) fn walk(sides: &Sides, start: [HullFeature; 2], steps: &mut u64) -> E
 
 /// Of the pairs on a cycle the one whose witnesses are nearest: rounding alone keeps a walk from ending,
 /// among pairs that are equally near.
-fn nearest_of_cycle(sides: &Sides, start: [HullFeature; 2], steps: &mut u64) -> [HullFeature; 2] {
+fn nearest_of_cycle(
+    sides: &Sides,
+    start: [HullFeature; 2],
+    trail: &mut Trail<impl WalkObserver>,
+) -> [HullFeature; 2] {
     let distance = |pair| {
         witnesses(sides, pair)
             .map_or(f64::INFINITY, |w| (w.points[1] - w.points[0]).length_squared())
     };
     let (mut here, mut best) = (start, (distance(start), start));
     while let Step::Move(next) = step(sides, here) {
-        *steps += 1;
+        trail.pair(here);
         if next == start {
             break;
         }

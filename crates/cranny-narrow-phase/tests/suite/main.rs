@@ -16,6 +16,7 @@ mod impact_sampled;
 mod levels;
 mod measure;
 mod needles;
+mod observe;
 mod pockets;
 mod regions;
 mod rounded;

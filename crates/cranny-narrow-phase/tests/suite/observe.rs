@@ -1,0 +1,342 @@
+//! What an observer is shown is what queries use: all faces, with bounds that hold, that motion spends and splits
+//! renew; and of a walk every state that is counted.
+
+use std::collections::BTreeSet;
+
+use cranny_exact::{DQuat, DVec3, Meeting, Pose, RigidMap};
+use cranny_geometry::hull::HullVertexId;
+use cranny_geometry::{Content, FaceId, FaceTree, Model};
+use cranny_narrow_phase::walk::{
+    HullFeature, Relation, WalkCounters, WalkObserver, WalkState, walk_hulls, walk_hulls_observed,
+};
+use cranny_narrow_phase::{
+    Accuracy, Demand, Effort, KeptNodes, PairMemory, PairObserver, Placed, Query, estimate, query,
+};
+use cranny_shapes::{Comb, Cuboid, Cup, Torus};
+use cranny_testkit::Rng;
+
+use crate::coherence::Walk;
+use crate::measure::{from_surface, world_triangles};
+use crate::solids::shape;
+use crate::walk_judge::{at, cuboid, disk, random_map, sphere};
+
+/// All that is shown.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Seen {
+    front: Vec<KeptNodes>,
+    cut: Vec<KeptNodes>,
+    crossing: Vec<[FaceId; 2]>,
+    nearest: Option<[FaceId; 2]>,
+    walk: Option<[HullFeature; 2]>,
+}
+
+impl PairObserver for Seen {
+    fn front(&mut self, kept: KeptNodes) {
+        self.front.push(kept);
+    }
+
+    fn cut(&mut self, kept: KeptNodes) {
+        self.cut.push(kept);
+    }
+
+    fn crossing(&mut self, faces: [FaceId; 2]) {
+        self.crossing.push(faces);
+    }
+
+    fn nearest(&mut self, faces: [FaceId; 2]) {
+        self.nearest = Some(faces);
+    }
+
+    fn walk(&mut self, features: [HullFeature; 2]) {
+        self.walk = Some(features);
+    }
+}
+
+fn seen(memory: &PairMemory, a: Placed, b: Placed) -> Seen {
+    let mut seen = Seen::default();
+    memory.observe(a, b, &mut seen).unwrap();
+    seen
+}
+
+fn beneath(tree: &FaceTree, node: u32) -> Vec<FaceId> {
+    match tree.content(node) {
+        Content::Leaf { .. } => tree.leaf_faces(node).to_vec(),
+        Content::Inner { left, right } => [beneath(tree, left), beneath(tree, right)].concat(),
+    }
+}
+
+/// Every pair of faces lies beneath just one pair of nodes.
+fn assert_covers(kept: &[KeptNodes], a: &Model, b: &Model, what: &str) {
+    let [m, n] = [a, b].map(|model| model.mesh().faces().len());
+    let mut times = vec![0u8; m * n];
+    for pair in kept {
+        for f in beneath(a.tree(), pair.nodes[0]) {
+            for g in beneath(b.tree(), pair.nodes[1]) {
+                times[f.index() * n + g.index()] += 1;
+            }
+        }
+    }
+    assert!(times.iter().all(|&times| times == 1), "{what}");
+}
+
+/// No corner beneath the one node is nearer to a face beneath the other than the pair's separation.
+fn assert_holds(kept: &KeptNodes, a: Placed, b: Placed, what: &str) {
+    let triangles = |placed: Placed, node| {
+        let all = world_triangles(placed);
+        beneath(placed.model.tree(), node).iter().map(|f| all[f.index()]).collect::<Vec<_>>()
+    };
+    let (of_a, of_b) = (triangles(a, kept.nodes[0]), triangles(b, kept.nodes[1]));
+    let one = of_a.iter().flatten().map(|p| from_surface(*p, &of_b));
+    let other = of_b.iter().flatten().map(|p| from_surface(*p, &of_a));
+    let room = one.chain(other).fold(f64::INFINITY, f64::min);
+    assert!(kept.separation <= room, "{what}: {} of {room}", kept.separation);
+}
+
+fn nodes(kept: &[KeptNodes]) -> BTreeSet<[u32; 2]> {
+    kept.iter().map(|kept| kept.nodes).collect()
+}
+
+fn exchanged(kept: &[KeptNodes]) -> Vec<KeptNodes> {
+    let of = |kept: &KeptNodes| KeptNodes { nodes: [kept.nodes[1], kept.nodes[0]], ..*kept };
+    kept.iter().map(of).collect()
+}
+
+fn bodies() -> [Model; 4] {
+    [
+        shape(Torus { major_segments: 9, minor_segments: 5, ..Torus::default() }),
+        shape(Cup { segments: 7, ..Cup::default() }),
+        shape(Comb { teeth: 3, ..Comb::default() }),
+        shape(Cuboid::default()),
+    ]
+}
+
+#[test]
+fn the_front_shown_is_the_one_that_the_query_left() {
+    let bodies = bodies();
+    let mut rng = Rng::new(41);
+    let (mut fronts, mut unchanged, mut renewed, mut crossings) = (0, 0, 0, 0);
+    for round in 0..40 {
+        let (a, b) = (&bodies[round % 4], &bodies[rng.below(4)]);
+        let reach = a.radius() + b.radius();
+        let mut walk = Walk::new(&mut rng, reach);
+        let mut memory = PairMemory::default();
+        let demand = [Demand::Intersects, Demand::Regions { margin: 0.0 }][round % 2];
+        let mut before: Option<Seen> = None;
+        for frame in 0..30 {
+            walk.step(&mut rng, reach);
+            let a = Placed { model: a, pose: Pose::IDENTITY };
+            let b = Placed { model: b, pose: walk.pose };
+            let answer = query(a, b, &Query::of(demand), &mut memory).unwrap();
+            let now = seen(&memory, a, b);
+            let what = format!("round {round}, frame {frame}");
+            let mirrored = seen(&memory, b, a);
+            assert_eq!(mirrored.front, exchanged(&now.front), "{what}");
+            if demand == Demand::Intersects && !now.crossing.is_empty() {
+                assert_eq!(answer.surface, Meeting::Cross, "{what}");
+            }
+            crossings += now.crossing.len();
+            if now.front.is_empty() {
+                before = None;
+                continue;
+            }
+            fronts += 1;
+            assert_covers(&now.front, a.model, b.model, &what);
+            for kept in now.front.iter().step_by(7) {
+                assert_holds(kept, a, b, &what);
+            }
+            // What is kept changes where that was counted, and only there.
+            let counters = &answer.counters;
+            if let Some(before) = before.filter(|_| counters.bypassed == 0) {
+                let same = nodes(&before.front) == nodes(&now.front);
+                let still = counters.front_split == 0 && counters.front_rebuilt == 0;
+                assert!(same || !still, "{what}: {counters:?}");
+                assert!(!same || counters.front_split == 0, "{what}: {counters:?}");
+                if still && counters.front_tested == 0 {
+                    // Nothing was looked at: motion has spent, and nothing has renewed.
+                    let pairs = before.front.iter().zip(&now.front);
+                    assert!(pairs.clone().all(|(x, y)| y.separation <= x.separation), "{what}");
+                    unchanged += 1;
+                } else {
+                    renewed += 1;
+                }
+            }
+            before = Some(now);
+        }
+    }
+    assert!(fronts > 100 && unchanged > 20 && renewed > 20, "{fronts} {unchanged} {renewed}");
+    assert!(crossings > 100, "{crossings}");
+}
+
+#[test]
+fn faces_that_are_shown_as_nearest_are_those_of_the_answer() {
+    let [torus, cup, ..] = bodies();
+    let mut memory = PairMemory::default();
+    for frame in 0..20 {
+        let turn = DQuat::from_axis_angle(DVec3::Y, 0.01 * f64::from(frame));
+        let b = Placed {
+            model: &cup,
+            pose: Pose { rotation: turn, translation: DVec3::new(1.9, 1.3, 0.4) },
+        };
+        let a = Placed { model: &torus, pose: Pose::IDENTITY };
+        let question = Query::of(Demand::Distance { below: None });
+        let answer = query(a, b, &question, &mut memory).unwrap();
+        let [f, g] = seen(&memory, a, b).nearest.unwrap();
+        let [p, q] = answer.witnesses.unwrap().map(|witness| witness.point);
+        assert!(from_surface(p, &world_triangles(a)[f.index()..=f.index()]) < 1e-12);
+        assert!(from_surface(q, &world_triangles(b)[g.index()..=g.index()]) < 1e-12);
+    }
+}
+
+#[test]
+fn the_cut_shown_bounds_the_distance_as_the_estimate_does() {
+    let bodies = bodies();
+    let mut rng = Rng::new(43);
+    let mut bounds = 0;
+    for round in 0..40 {
+        let (a, b) = (&bodies[round % 4], &bodies[rng.below(4)]);
+        let reach = a.radius() + b.radius();
+        let mut walk = Walk::new(&mut rng, reach);
+        let mut memory = PairMemory::default();
+        for frame in 0..6 {
+            walk.step(&mut rng, reach);
+            let a = Placed { model: a, pose: Pose::IDENTITY };
+            let b = Placed { model: b, pose: walk.pose };
+            let question = Query::of(Demand::Distance { below: None });
+            let effort = Effort::tests(20 + rng.below(100) as u64);
+            let found = estimate(a, b, &question, &effort, &mut memory).unwrap();
+            let now = seen(&memory, a, b);
+            let what = format!("round {round}, frame {frame}");
+            assert_covers(&now.cut, a.model, b.model, &what);
+            for kept in now.cut.iter().step_by(5) {
+                assert_holds(kept, a, b, &what);
+            }
+            let least = now.cut.iter().map(|kept| kept.separation).fold(f64::INFINITY, f64::min);
+            if found.separation.hi > 0.0 {
+                assert!(least.min(found.separation.hi) <= found.separation.lo, "{what}");
+                // Nothing but the cut bounds the first estimate from below.
+                if frame == 0 {
+                    assert_eq!(least.min(found.separation.hi), found.separation.lo, "{what}");
+                    bounds += 1;
+                }
+            }
+            assert_eq!(seen(&memory, b, a).cut, exchanged(&now.cut), "{what}");
+        }
+    }
+    assert!(bounds > 10, "{bounds}");
+}
+
+#[test]
+fn what_stems_from_elsewhere_is_not_shown() {
+    let [torus, cup, ..] = bodies();
+    let a = Placed { model: &torus, pose: Pose::IDENTITY };
+    let at = |x: f64| Placed { model: &cup, pose: Pose::at(DVec3::new(0.7 + x, 0.1, 0.2)) };
+    let mut memory = PairMemory::default();
+    let nothing = Seen::default();
+    assert_eq!(seen(&memory, a, at(0.0)), nothing);
+    let question = Query::of(Demand::Regions { margin: 0.0 });
+    for x in [1e-4, 2e-4, 3e-4] {
+        query(a, at(x), &question, &mut memory).unwrap();
+    }
+    let effort = Effort::of(Accuracy::Hulls);
+    estimate(a, at(3e-4), &question, &effort, &mut memory).unwrap();
+    let here = seen(&memory, a, at(3e-4));
+    assert!(!here.front.is_empty() && !here.cut.is_empty() && here.walk.is_some(), "{here:?}");
+    let elsewhere = seen(&memory, a, at(2e-4));
+    assert!(elsewhere.front.is_empty() && elsewhere.cut.is_empty() && elsewhere.walk.is_none());
+    // Another body at the same place.
+    let other = shape(Cuboid::default());
+    let other = Placed { model: &other, pose: at(3e-4).pose };
+    assert_eq!(seen(&memory, a, other), nothing);
+    let nowhere = Placed { model: &cup, pose: Pose::at(DVec3::splat(f64::NAN)) };
+    assert!(memory.observe(a, nowhere, &mut Seen::default()).is_err());
+}
+
+/// A pair that a walk looked at, and how far the second hull was moved for that.
+type Step = ([HullFeature; 2], DVec3);
+
+/// What a walk shows.
+#[derive(Clone, Debug, Default)]
+struct Steps {
+    kept: Option<[HullFeature; 2]>,
+    proved: Option<f64>,
+    pairs: Vec<Step>,
+    portals: u64,
+    exhausted: u64,
+}
+
+impl WalkObserver for Steps {
+    fn kept_pair(&mut self, pair: [HullFeature; 2]) {
+        self.kept = Some(pair);
+    }
+
+    fn kept_portal(&mut self, _: [[HullVertexId; 2]; 3], depth: f64) {
+        self.proved = Some(depth);
+    }
+
+    fn pair(&mut self, pair: [HullFeature; 2], shift: DVec3) {
+        self.pairs.push((pair, shift));
+    }
+
+    fn portal(&mut self, _: [[HullVertexId; 2]; 3]) {
+        self.portals += 1;
+    }
+
+    fn exhausted(&mut self, _: DVec3) {
+        self.exhausted += 1;
+    }
+}
+
+#[test]
+fn every_state_of_a_walk_is_shown_and_none_changes() {
+    let hulls = [cuboid(DVec3::ONE), sphere(40, 7), disk(12, 1.0), cuboid(DVec3::splat(0.2))];
+    let mut rng = Rng::new(47);
+    let mut kinds = [0u32; 4];
+    for round in 0..60 {
+        let (a, b) = (&hulls[round % 4], &hulls[rng.below(4)]);
+        let mut map = match round % 6 {
+            // Faces flush: what only the exact predicates decide.
+            0 => at(2.0, 0.0, 0.0),
+            _ => random_map(&mut rng, 2.5),
+        };
+        let (mut state, mut unseen) = (WalkState::default(), WalkState::default());
+        for _ in 0..12 {
+            let (mut counters, mut steps) = (WalkCounters::default(), Steps::default());
+            let last = state.features();
+            let found = walk_hulls_observed(
+                a.walkable(),
+                b.walkable(),
+                &map,
+                &mut state,
+                &mut counters,
+                &mut steps,
+            )
+            .unwrap();
+            let mut plain = WalkCounters::default();
+            let same = walk_hulls(a.walkable(), b.walkable(), &map, &mut unseen, &mut plain);
+            assert_eq!((same.unwrap(), plain, unseen), (found, counters, state));
+            assert_eq!(steps.pairs.len() as u64, counters.steps);
+            assert_eq!((steps.portals, steps.exhausted), (counters.portals, counters.exhausted));
+            let (walked, parting): (Vec<&Step>, Vec<&Step>) =
+                steps.pairs.iter().partition(|(_, shift)| *shift == DVec3::ZERO);
+            if let (Some(last), Some(kept)) = (last, steps.kept) {
+                assert_eq!(kept, last, "a walk starts where the last one ended");
+            }
+            if found.relation == Relation::Separated && counters.exhausted == 0 {
+                assert!(parting.is_empty() && steps.proved.is_none());
+                let end = walked.last().map(|step| step.0).or(steps.kept);
+                assert_eq!(end, Some(found.features));
+            }
+            if let Some(depth) = steps.proved {
+                assert_eq!(found.separation.hi, -depth);
+                assert_eq!((counters.proved_at_once, walked.len()), (1, 0));
+            }
+            kinds[0] += u32::from(walked.len() > 1);
+            kinds[1] += u32::from(!parting.is_empty());
+            kinds[2] += u32::from(steps.proved.is_some());
+            kinds[3] += u32::from(steps.portals > 0);
+            assert_eq!(state.features(), Some(found.features));
+            map = RigidMap { translation: 0.93 * map.translation, ..map };
+        }
+    }
+    assert!(kinds.iter().all(|&times| times > 10), "{kinds:?}");
+}
