@@ -57,13 +57,37 @@ pub(crate) fn svg(
 /// What the drawing library says.
 pub(crate) fn legend(
     area: &Area<'_>,
-    (x, y): (i32, i32),
+    corner: (i32, i32),
     names: impl Iterator<Item = (String, RGBColor)>,
 ) -> Result<(), Failed> {
+    column(area, corner, names, |area, (x, y), color| {
+        area.draw(&PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)))
+    })
+}
+
+/// The same for dots.
+///
+/// # Errors
+///
+/// What the drawing library says.
+pub(crate) fn marks(
+    area: &Area<'_>,
+    corner: (i32, i32),
+    names: impl Iterator<Item = (String, ShapeStyle)>,
+) -> Result<(), Failed> {
+    column(area, corner, names, |area, (x, y), style| area.draw(&Circle::new((x + 9, y), 4, style)))
+}
+
+fn column<S>(
+    area: &Area<'_>,
+    (x, y): (i32, i32),
+    names: impl Iterator<Item = (String, S)>,
+    sign: impl Fn(&Area<'_>, (i32, i32), S) -> Result<(), Failed>,
+) -> Result<(), Failed> {
     let style = LABEL.into_font().color(&BLACK).pos(Pos::new(HPos::Left, VPos::Center));
-    for (i, (name, color)) in names.enumerate() {
+    for (i, (name, own)) in names.enumerate() {
         let y = y + LEGEND_LINE * i as i32;
-        area.draw(&PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)))?;
+        sign(area, (x, y), own)?;
         area.draw(&Text::new(name, (x + 24, y), style.clone()))?;
     }
     Ok(())

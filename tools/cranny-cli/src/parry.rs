@@ -1,4 +1,6 @@
-//! parry's numbers: single precision, as its default build takes them.
+//! parry's numbers, single precision as its default build takes them; and its panics.
+
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
 
 use cranny_exact::{DVec3, Pose as ExactPose};
 use parry3d::math::{Pose, Rotation, Vector};
@@ -15,4 +17,13 @@ pub(crate) fn single(pose: ExactPose) -> Pose {
 /// A point, exactly.
 pub(crate) fn double(v: Vector) -> DVec3 {
     DVec3::new(v.x.into(), v.y.into(), v.z.into())
+}
+
+/// What a peer returns, or why it does not; a panic of its is not printed.
+pub(crate) fn quietly<T>(ask: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let told = catch_unwind(AssertUnwindSafe(ask));
+    panic::set_hook(hook);
+    told.unwrap_or_else(|_| Err("it panicked".to_owned()))
 }

@@ -1,7 +1,8 @@
 //! Names of files, looked at before any work is done, so that all commands refuse them in the same words;
 //! and folders of reports.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use crate::failure::Failure;
@@ -74,10 +75,25 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
 ///
 /// Where it cannot be written.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text).map_err(|error| {
-        Failure::run(format!(
-            "{}: cannot be written ({error}). Name another folder.",
-            path.display()
-        ))
-    })
+    fs::write(path, text).map_err(|error| cannot_write(path, &error))
+}
+
+/// Checks that a file could be written into such a folder, and leaves everything as it is.
+///
+/// # Errors
+///
+/// Where it could not.
+pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
+    let tried = match File::create_new(path) {
+        Ok(_) => fs::remove_file(path),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            File::options().append(true).open(path).map(drop)
+        }
+        Err(error) => Err(error),
+    };
+    tried.map_err(|error| cannot_write(path, &error))
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> Failure {
+    Failure::run(format!("{}: cannot be written ({error}). Name another folder.", path.display()))
 }

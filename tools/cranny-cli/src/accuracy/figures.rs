@@ -1,277 +1,292 @@
-//! One method's figures over all poses: a row of the report.
-
-use std::time::{Duration, Instant};
+//! One method's figures over all poses: what it told, judged by what is so.
 
 use cranny_exact::DVec3;
-use cranny_geometry::Model;
 use serde::Serialize;
 
-use super::{Scene, Told};
-use crate::pose_file::PosePair;
+use super::method::{Name, Told};
+use super::series::Reply;
+use super::truth::Truth;
 
-/// Something that is asked about pairs.
-pub(super) trait Method {
-    fn name(&self) -> &'static str;
-
-    fn level(&self) -> Option<String> {
-        None
-    }
-
-    fn budget(&self) -> Option<u64> {
-        None
-    }
-
-    /// Whether it is told when a motion begins only, and keeps what it likes from then on.
-    fn is_warm(&self) -> bool {
-        false
-    }
-
-    /// Forgets what it knows of earlier poses.
-    fn begin(&mut self, _models: [&Model; 2]) {}
-
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told;
-
-    /// Where it tells that bodies are in contact.
-    fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3>;
-}
-
-/// Times are the best of so many runs, pose by pose: a spike that does not come back is the machine's.
-const RUNS: usize = 3;
-
-/// What one run may take; a method that is slower is asked at fewer poses, evenly spread.
-const PATIENCE: Duration = Duration::from_secs(4);
-
-/// A row.
+/// A row of the report. Lengths are in units of the meshes; `None`: nothing that could be told or judged.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Figures {
-    pub(super) method: &'static str,
-    pub(super) level: Option<String>,
-    pub(super) budget: Option<u64>,
-    pub(super) memory: &'static str,
+    #[serde(flatten)]
+    pub(super) name: Name,
     pub(super) poses: usize,
-    pub(super) median_us: f64,
-    pub(super) p99_us: f64,
+    pub(super) median_us: Option<f64>,
+    pub(super) p99_us: Option<f64>,
     pub(super) tests_mean: Option<f64>,
     pub(super) false_negatives: usize,
     pub(super) false_positives: usize,
     pub(super) open: usize,
+    /// Intervals that do not hold the distance.
+    pub(super) outside: usize,
     pub(super) width_mean: Option<f64>,
     pub(super) width_max: Option<f64>,
     pub(super) distance_error_mean: Option<f64>,
     pub(super) distance_error_max: Option<f64>,
     pub(super) witness_error_mean: Option<f64>,
+    pub(super) witness_error_max: Option<f64>,
+    /// Poses at which bodies are in contact, and where that is was asked.
+    pub(super) contact_poses: usize,
+    pub(super) contact_median_us: Option<f64>,
+    pub(super) contact_p99_us: Option<f64>,
+    /// Places told, a pose.
+    pub(super) contacts_mean: Option<f64>,
+    /// Regions of contact at poses where no place was told.
+    pub(super) contacts_missed: usize,
     pub(super) contact_error_mean: Option<f64>,
-}
-
-/// Asks a method at all poses, several times, and judges what it told.
-pub(super) fn measured(scene: &Scene, method: &mut impl Method) -> Figures {
-    let asked = asked(scene, method);
-    let mut best = vec![Duration::MAX; asked.len()];
-    let mut told = Vec::new();
-    for _ in 0..RUNS {
-        told.clear();
-        method.begin(scene.models);
-        for (&pose, best) in asked.iter().zip(&mut best) {
-            if !method.is_warm() {
-                method.begin(scene.models);
-            }
-            let start = Instant::now();
-            let here = method.ask(scene.models, scene.poses[pose]);
-            *best = start.elapsed().min(*best);
-            told.push(here);
-        }
-    }
-    let contact_errors = contact_errors(scene, method, &asked);
-    let mut micros: Vec<f64> = best.iter().map(|time| time.as_secs_f64() * 1e6).collect();
-    micros.sort_unstable_by(f64::total_cmp);
-    let truths = || asked.iter().map(|&pose| &scene.truths[pose]).zip(&told);
-    let count = |wrong: fn(bool, Option<bool>) -> bool| {
-        truths().filter(|(truth, told)| wrong(truth.meets, told.meets)).count()
-    };
-    let of = |value: fn(&Told) -> Option<f64>| told.iter().filter_map(value).collect::<Vec<_>>();
-    let widths = of(|told| told.width);
-    let tests = of(|told| told.tests.map(|tests| tests as f64));
-    let distances: Vec<f64> = truths()
-        .filter_map(|(truth, told)| Some((told.distance? - truth.distance).abs()))
-        .collect();
-    let witnesses: Vec<f64> = truths()
-        .filter_map(|(truth, told)| {
-            let ([p, q], [v, w]) = (truth.witnesses?, told.witnesses?);
-            Some(p.distance(v).max(q.distance(w)))
-        })
-        .collect();
-    Figures {
-        method: method.name(),
-        level: method.level(),
-        budget: method.budget(),
-        memory: if method.is_warm() { "warm" } else { "cold" },
-        poses: asked.len(),
-        median_us: quantile(&micros, 50),
-        p99_us: quantile(&micros, 99),
-        tests_mean: mean(&tests),
-        false_negatives: count(|meets, told| meets && told == Some(false)),
-        false_positives: count(|meets, told| !meets && told == Some(true)),
-        open: count(|_, told| told.is_none()),
-        width_mean: mean(&widths),
-        width_max: most(&widths),
-        distance_error_mean: mean(&distances),
-        distance_error_max: most(&distances),
-        witness_error_mean: mean(&witnesses),
-        contact_error_mean: mean(&contact_errors),
-    }
-}
-
-/// The poses that a method is asked at: all, or as many as its patience allows.
-fn asked(scene: &Scene, method: &mut impl Method) -> Vec<usize> {
-    let start = Instant::now();
-    method.begin(scene.models);
-    let all = scene.poses.len();
-    for &pose in scene.poses.iter().take(2) {
-        method.ask(scene.models, pose);
-    }
-    let run = start.elapsed().as_secs_f64() * 0.5 * all as f64;
-    let stride = ((run / PATIENCE.as_secs_f64()).ceil() as usize).clamp(1, all);
-    (0..all).step_by(stride).collect()
-}
-
-/// How far each region's deepest contact is from the nearest place that a method tells, at those poses
-/// where it tells any.
-fn contact_errors(scene: &Scene, method: &mut impl Method, asked: &[usize]) -> Vec<f64> {
-    let start = Instant::now();
-    let mut errors = Vec::new();
-    method.begin(scene.models);
-    for &pose in asked {
-        let truth = &scene.truths[pose];
-        if truth.contacts.is_empty() || start.elapsed() > PATIENCE {
-            continue;
-        }
-        if !method.is_warm() {
-            method.begin(scene.models);
-        }
-        let told = method.contacts(scene.models, scene.poses[pose]);
-        let nearest = |p: &DVec3| told.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);
-        errors.extend(truth.contacts.iter().map(nearest).filter(|error| error.is_finite()));
-    }
-    errors
-}
-
-/// Of sorted values; 0 of none.
-fn quantile(sorted: &[f64], percent: usize) -> f64 {
-    let last = sorted.len().saturating_sub(1);
-    sorted.get((sorted.len() * percent / 100).min(last)).copied().unwrap_or(0.0)
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn most(values: &[f64]) -> Option<f64> {
-    values.iter().copied().reduce(f64::max)
-}
-
-const COLUMNS: &str = "method,level,budget,memory,poses,median_us,p99_us,tests_mean,false_negatives,\
-false_positives,open,width_mean,width_max,distance_error_mean,distance_error_max,witness_error_mean,\
-contact_error_mean";
-
-/// All rows, below a line of names. Numbers are written so that they read back to the bit.
-pub(super) fn csv(all: &[Figures]) -> String {
-    let mut text = format!("{COLUMNS}\n");
-    for row in all {
-        text += &row.csv();
-        text.push('\n');
-    }
-    text
+    pub(super) contact_error_max: Option<f64>,
+    /// Why there are no figures.
+    pub(super) note: Option<String>,
 }
 
 impl Figures {
-    fn csv(&self) -> String {
-        fn cell(value: Option<impl ToString>) -> String {
-            value.map_or_else(String::new, |value| value.to_string())
-        }
-        [
-            self.method.to_owned(),
-            cell(self.level.as_ref()),
-            cell(self.budget),
-            self.memory.to_owned(),
-            self.poses.to_string(),
-            self.median_us.to_string(),
-            self.p99_us.to_string(),
-            cell(self.tests_mean),
-            self.false_negatives.to_string(),
-            self.false_positives.to_string(),
-            self.open.to_string(),
-            cell(self.width_mean),
-            cell(self.width_max),
-            cell(self.distance_error_mean),
-            cell(self.distance_error_max),
-            cell(self.witness_error_mean),
-            cell(self.contact_error_mean),
-        ]
-        .join(",")
+    /// Of a method that could not be asked.
+    pub(super) fn none(name: Name, note: String) -> Self {
+        Self { note: Some(note), ..Self::of(name, &[], &[]) }
     }
 
-    /// What it is, in a word.
-    pub(super) fn label(&self) -> String {
-        match (&self.level, self.budget) {
-            (_, Some(budget)) => budget.to_string(),
-            (Some(level), None) => level.clone(),
-            (None, None) => self.method.to_owned(),
+    /// Judges what was told of distances, and of contacts.
+    pub(super) fn judged(
+        truths: &[Truth],
+        name: Name,
+        distances: &[Reply<Told>],
+        contacts: &[Reply<Vec<DVec3>>],
+    ) -> Self {
+        let row = Self::of(name, distances, contacts);
+        row.with_verdicts(truths, distances)
+            .with_lengths(truths, distances)
+            .with_contacts(truths, contacts)
+    }
+
+    /// With times only.
+    fn of(name: Name, distances: &[Reply<Told>], contacts: &[Reply<Vec<DVec3>>]) -> Self {
+        let (times, contact_times) = (micros(distances), micros(contacts));
+        Self {
+            name,
+            poses: distances.len(),
+            median_us: quantile(&times, 50),
+            p99_us: quantile(&times, 99),
+            tests_mean: mean(distances.iter().filter_map(|r| Some(r.told.tests? as f64))),
+            false_negatives: 0,
+            false_positives: 0,
+            open: 0,
+            outside: 0,
+            width_mean: None,
+            width_max: None,
+            distance_error_mean: None,
+            distance_error_max: None,
+            witness_error_mean: None,
+            witness_error_max: None,
+            contact_poses: contacts.len(),
+            contact_median_us: quantile(&contact_times, 50),
+            contact_p99_us: quantile(&contact_times, 99),
+            contacts_mean: mean(contacts.iter().map(|reply| reply.told.len() as f64)),
+            contacts_missed: 0,
+            contact_error_mean: None,
+            contact_error_max: None,
+            note: None,
         }
     }
 
-    /// The line for people, below [`heading`].
-    pub(super) fn text(&self) -> String {
-        let number =
-            |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |x| format!("{x:.2e}"));
-        format!(
-            "{:<20}  {:<4}  {:>5}  {:>9.1}  {:>9.1}  {:>8.0}  {:>5}  {:>5}  {:>5}  {:>8}  {:>8}  {:>8}  {:>8}",
-            self.label(),
-            self.memory,
-            self.poses,
-            self.median_us,
-            self.p99_us,
-            self.tests_mean.unwrap_or(0.0),
-            self.false_negatives,
-            self.false_positives,
-            self.open,
-            number(self.width_mean),
-            number(self.distance_error_mean),
-            number(self.witness_error_mean),
-            number(self.contact_error_mean),
-        )
+    fn with_verdicts(mut self, truths: &[Truth], replies: &[Reply<Told>]) -> Self {
+        for (truth, told) in beside_truth(truths, replies) {
+            match told.meets {
+                None => self.open += 1,
+                Some(false) if truth.meets => self.false_negatives += 1,
+                Some(true) if !truth.meets => self.false_positives += 1,
+                Some(_) => {}
+            }
+            let held = told.held.unwrap_or(truth.held);
+            self.outside += usize::from(held.lo > truth.held.hi || held.hi < truth.held.lo);
+        }
+        self
+    }
+
+    fn with_lengths(self, truths: &[Truth], replies: &[Reply<Told>]) -> Self {
+        let widths: Vec<f64> = replies.iter().filter_map(|r| Some(r.told.held?.width())).collect();
+        let of = |error: fn(&Truth, &Told) -> Option<f64>| -> Vec<f64> {
+            beside_truth(truths, replies).filter_map(|(truth, told)| error(truth, told)).collect()
+        };
+        let (distances, witnesses) = (of(distance_error), of(witness_error));
+        Self {
+            width_mean: mean(widths.iter().copied()),
+            width_max: most(&widths),
+            distance_error_mean: mean(distances.iter().copied()),
+            distance_error_max: most(&distances),
+            witness_error_mean: mean(witnesses.iter().copied()),
+            witness_error_max: most(&witnesses),
+            ..self
+        }
+    }
+
+    /// How far each region's deepest contact is from the nearest place told.
+    fn with_contacts(mut self, truths: &[Truth], replies: &[Reply<Vec<DVec3>>]) -> Self {
+        let mut errors = Vec::new();
+        for reply in replies {
+            let regions = &truths[reply.pose].contacts;
+            if reply.told.is_empty() {
+                self.contacts_missed += regions.len();
+                continue;
+            }
+            let nearest =
+                |p: &DVec3| reply.told.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);
+            errors.extend(regions.iter().map(nearest));
+        }
+        self.contact_error_mean = mean(errors.iter().copied());
+        self.contact_error_max = most(&errors);
+        self
     }
 }
 
-/// What the columns of [`Figures::text`] mean.
-pub(super) fn heading() -> String {
-    format!(
-        "{:<20}  {:<4}  {:>5}  {:>9}  {:>9}  {:>8}  {:>5}  {:>5}  {:>5}  {:>8}  {:>8}  {:>8}  {:>8}",
-        "level, budget",
-        "",
-        "poses",
-        "median us",
-        "p99 us",
-        "tests",
-        "miss",
-        "false",
-        "open",
-        "width",
-        "distance",
-        "witness",
-        "contact"
-    )
+fn beside_truth<'a>(
+    truths: &'a [Truth],
+    replies: &'a [Reply<Told>],
+) -> impl Iterator<Item = (&'a Truth, &'a Told)> {
+    replies.iter().map(|reply| (&truths[reply.pose], &reply.told))
+}
+
+/// Of the distance between the surfaces. Who takes bodies for solids tells 0 where one lies within the other,
+/// which is no error.
+fn distance_error(truth: &Truth, told: &Told) -> Option<f64> {
+    let distance = told.distance?;
+    let is_of_solids = truth.contained && distance == 0.0;
+    (!is_of_solids).then(|| (distance - truth.distance).abs())
+}
+
+/// How far witness points are from the exact ones, the farther of the two.
+pub(super) fn witness_error(truth: &Truth, told: &Told) -> Option<f64> {
+    let ([p, q], [v, w]) = (truth.witnesses?, told.witnesses?);
+    Some(p.distance(v).max(q.distance(w)))
+}
+
+/// Ascending.
+fn micros<T>(replies: &[Reply<T>]) -> Vec<f64> {
+    let mut micros: Vec<f64> = replies.iter().map(Reply::micros).collect();
+    micros.sort_unstable_by(f64::total_cmp);
+    micros
+}
+
+/// Of sorted values.
+pub(super) fn quantile(sorted: &[f64], percent: usize) -> Option<f64> {
+    let last = sorted.len().checked_sub(1)?;
+    sorted.get((sorted.len() * percent / 100).min(last)).copied()
+}
+
+pub(super) fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), x| (sum + x, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+pub(super) fn most(values: &[f64]) -> Option<f64> {
+    values.iter().copied().reduce(f64::max)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use cranny_exact::Interval;
+
     use super::*;
 
     #[test]
     fn quantiles_means_and_greatest() {
         let sorted: Vec<f64> = (0..100).map(f64::from).collect();
-        assert_eq!((quantile(&sorted, 50), quantile(&sorted, 99)), (50.0, 99.0));
-        assert_eq!((quantile(&[7.0], 99), quantile(&[], 50)), (7.0, 0.0));
-        assert_eq!((mean(&[1.0, 2.0, 6.0]), mean(&[])), (Some(3.0), None));
-        assert_eq!((most(&[1.0, f64::INFINITY]), most(&[])), (Some(f64::INFINITY), None));
+        assert_eq!((quantile(&sorted, 50), quantile(&sorted, 99)), (Some(50.0), Some(99.0)));
+        assert_eq!((quantile(&[7.0], 99), quantile(&[], 50)), (Some(7.0), None));
+        assert_eq!((mean([1.0, 2.0, 6.0].into_iter()), mean([].into_iter())), (Some(3.0), None));
+        assert_eq!((most(&[1.0, 3.0, 2.0]), most(&[])), (Some(3.0), None));
+    }
+
+    /// Apart by 2; meeting; one in the other, 0.5 from its wall.
+    fn truths() -> Vec<Truth> {
+        let apart = Truth {
+            meets: false,
+            contained: false,
+            distance: 2.0,
+            held: Interval::around(2.0, 1e-15),
+            witnesses: Some([DVec3::ZERO, 2.0 * DVec3::X]),
+            contacts: Vec::new(),
+        };
+        let meeting = Truth {
+            meets: true,
+            distance: 0.0,
+            held: Interval::point(0.0),
+            witnesses: None,
+            contacts: vec![DVec3::ZERO, DVec3::Y],
+            ..apart.clone()
+        };
+        let within = Truth {
+            contained: true,
+            distance: 0.5,
+            held: Interval::point(0.5),
+            contacts: Vec::new(),
+            ..meeting.clone()
+        };
+        vec![apart, meeting, within]
+    }
+
+    fn judged(told: [Told; 3], contacts: Vec<Vec<DVec3>>) -> Figures {
+        let reply = |pose, told| Reply { pose, time: Duration::from_micros(7), told };
+        let replies: Vec<_> =
+            told.into_iter().enumerate().map(|(pose, told)| reply(pose, told)).collect();
+        let time = Duration::from_micros(9);
+        let contacts: Vec<_> =
+            contacts.into_iter().map(|told| Reply { pose: 1, time, told }).collect();
+        Figures::judged(&truths(), Name::of_peer("it"), &replies, &contacts)
+    }
+
+    fn told(meets: Option<bool>, distance: f64) -> Told {
+        Told { meets, distance: Some(distance), ..Told::default() }
+    }
+
+    #[test]
+    fn verdicts_are_judged_one_by_one() {
+        let row =
+            judged([told(Some(true), 2.0), told(Some(false), 0.0), told(None, 0.5)], Vec::new());
+        assert_eq!((row.false_negatives, row.false_positives, row.open), (1, 1, 1));
+        assert_eq!((row.poses, row.median_us, row.p99_us), (3, Some(7.0), Some(7.0)));
+        assert_eq!(row.distance_error_max, Some(0.0));
+    }
+
+    #[test]
+    fn intervals_that_do_not_hold_the_distance_are_counted() {
+        let holding = |lo, hi| Told { held: Some(Interval { lo, hi }), ..told(None, hi) };
+        let row = judged([holding(1.0, 1.5), holding(0.0, 0.75), holding(0.25, 0.5)], Vec::new());
+        assert_eq!((row.outside, row.width_mean, row.width_max), (1, Some(0.5), Some(0.75)));
+        let row = judged([holding(2.5, 3.0), holding(0.0, 0.0), holding(0.0, 1.0)], Vec::new());
+        assert_eq!(row.outside, 1);
+    }
+
+    #[test]
+    fn solids_in_each_other_have_no_distance_and_hollow_ones_do() {
+        let apart = told(Some(false), 2.25);
+        let solid = judged([apart.clone(), told(Some(true), 0.0), told(Some(true), 0.0)], vec![]);
+        assert_eq!(
+            (solid.distance_error_max, solid.distance_error_mean),
+            (Some(0.25), Some(0.125))
+        );
+        let hollow = judged([apart, told(Some(true), 0.0), told(Some(false), 1.5)], vec![]);
+        assert_eq!(hollow.distance_error_max, Some(1.0));
+        assert_eq!(hollow.false_negatives, 1);
+    }
+
+    #[test]
+    fn witnesses_are_compared_where_bodies_are_apart() {
+        let with = |points| Told { witnesses: Some(points), ..told(None, 0.0) };
+        let points = [3.0 * DVec3::Y, DVec3::X];
+        let row = judged([with(points), with(points), with(points)], Vec::new());
+        assert_eq!((row.witness_error_mean, row.witness_error_max), (Some(3.0), Some(3.0)));
+    }
+
+    #[test]
+    fn regions_near_which_nothing_was_told_are_missed_not_passed_over() {
+        let nothing = [told(None, 0.0), told(None, 0.0), told(None, 0.0)];
+        let row = judged(nothing, vec![vec![DVec3::ZERO, 0.5 * DVec3::Y], Vec::new()]);
+        assert_eq!((row.contact_poses, row.contacts_missed), (2, 2));
+        assert_eq!((row.contacts_mean, row.contact_median_us), (Some(1.0), Some(9.0)));
+        assert_eq!((row.contact_error_mean, row.contact_error_max), (Some(0.25), Some(0.5)));
     }
 }

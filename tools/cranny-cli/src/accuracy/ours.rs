@@ -1,49 +1,57 @@
 //! Levels and budgets of ours, with memory and without.
 
+use std::time::{Duration, Instant};
+
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
-    Accuracy, Budget, Demand, Effort, Estimate, PairMemory, Placed, Query, Verdict, estimate,
+    Accuracy, Budget, Clock, Counters, Demand, Effort, Estimate, PairMemory, Placed, Query,
+    Verdict, estimate,
 };
 
-use super::Told;
-use super::figures::Method;
+use super::method::{Method, Name, Told};
 use crate::pose_file::PosePair;
 
-const LEVELS: [Accuracy; 10] = [
-    Accuracy::Boxes,
-    Accuracy::Hulls,
-    Accuracy::Caps,
-    Accuracy::Tree(2),
-    Accuracy::Tree(4),
-    Accuracy::Tree(6),
-    Accuracy::Tree(8),
-    Accuracy::Tree(12),
-    Accuracy::Tree(16),
-    Accuracy::Exact,
-];
+/// How long one estimate may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Allowance {
+    /// As long as the level takes.
+    Unlimited,
+    /// So many elementary tests.
+    Tests(u64),
+    /// So long by the clock.
+    Time(Duration),
+}
 
-const BUDGETS: [u64; 7] = [10, 30, 100, 300, 1_000, 3_000, 10_000];
-
-/// A level or a budget, warm or cold.
+/// A level within a budget, warm or cold.
 pub(super) struct Ours {
-    effort: Effort<'static>,
+    accuracy: Accuracy,
+    allowance: Allowance,
     warm: bool,
+    clock: SinceStart,
     memory: PairMemory,
-    /// Memory in which only what the level prepares is there, and whose it is.
+    /// Memory in which only what the level prepares is there.
     prepared: Option<PairMemory>,
 }
 
+/// Nanoseconds since it was made.
+struct SinceStart(Instant);
+
+impl Clock for SinceStart {
+    fn now_ns(&self) -> u64 {
+        u64::try_from(self.0.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+}
+
 impl Ours {
-    /// All levels, then all budgets; each cold, then warm.
-    pub(super) fn all() -> Vec<Self> {
-        let efforts = LEVELS.map(Effort::of).into_iter().chain(BUDGETS.map(Effort::tests));
-        let both = |effort| [false, true].map(|warm| Self::new(effort, warm));
-        efforts.flat_map(both).collect()
+    /// Cold and warm.
+    pub(super) fn both(accuracy: Accuracy, allowance: Allowance) -> [Self; 2] {
+        [false, true].map(|warm| Self::new(accuracy, allowance, warm))
     }
 
-    fn new(effort: Effort<'static>, warm: bool) -> Self {
-        Self { effort, warm, memory: PairMemory::default(), prepared: None }
+    pub(super) fn new(accuracy: Accuracy, allowance: Allowance, warm: bool) -> Self {
+        let clock = SinceStart(Instant::now());
+        Self { accuracy, allowance, warm, clock, memory: PairMemory::default(), prepared: None }
     }
 
     fn estimate(
@@ -53,30 +61,40 @@ impl Ours {
         demand: Demand,
     ) -> Option<Estimate> {
         let [a, b] = [Placed { model: a, pose: poses[0] }, Placed { model: b, pose: poses[1] }];
+        let budget = match self.allowance {
+            Allowance::Unlimited => Budget::Unlimited,
+            Allowance::Tests(tests) => Budget::Tests(tests),
+            Allowance::Time(time) => Budget::Until {
+                clock: &self.clock,
+                deadline_ns: self.clock.now_ns() + time.as_nanos() as u64,
+            },
+        };
+        let effort = Effort { accuracy: self.accuracy, budget };
         // Poses were found good when the truth was asked.
-        estimate(a, b, &Query::of(demand), &self.effort, &mut self.memory).ok()
+        estimate(a, b, &Query::of(demand), &effort, &mut self.memory).ok()
     }
 }
 
 impl Method for Ours {
-    fn name(&self) -> &'static str {
-        "cranny"
-    }
-
-    fn level(&self) -> Option<String> {
-        Some(match self.effort.accuracy {
-            Accuracy::Boxes => "boxes".to_owned(),
-            Accuracy::Hulls => "hulls".to_owned(),
-            Accuracy::Caps => "caps".to_owned(),
-            Accuracy::Tree(depth) => format!("tree:{depth}"),
-            Accuracy::Exact => "exact".to_owned(),
-        })
-    }
-
-    fn budget(&self) -> Option<u64> {
-        match self.effort.budget {
-            Budget::Tests(tests) => Some(tests),
-            Budget::Unlimited | Budget::Until { .. } => None,
+    fn name(&self) -> Name {
+        Name {
+            method: "cranny",
+            level: Some(match self.accuracy {
+                Accuracy::Boxes => "boxes".to_owned(),
+                Accuracy::Hulls => "hulls".to_owned(),
+                Accuracy::Caps => "caps".to_owned(),
+                Accuracy::Tree(depth) => format!("tree:{depth}"),
+                Accuracy::Exact => "exact".to_owned(),
+            }),
+            budget: match self.allowance {
+                Allowance::Tests(tests) => Some(tests),
+                _ => None,
+            },
+            deadline_us: match self.allowance {
+                Allowance::Time(time) => Some(time.as_micros() as u64),
+                _ => None,
+            },
+            memory: if self.warm { "warm" } else { "cold" },
         }
     }
 
@@ -87,7 +105,7 @@ impl Method for Ours {
     fn begin(&mut self, [a, b]: [&Model; 2]) {
         let prepared = self.prepared.get_or_insert_with(|| {
             let mut memory = PairMemory::default();
-            memory.prepare(a, b, self.effort.accuracy);
+            memory.prepare(a, b, self.accuracy);
             memory
         });
         self.memory = prepared.clone();
@@ -96,7 +114,6 @@ impl Method for Ours {
     fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told {
         let found = self.estimate(models, poses, Demand::Distance { below: None });
         let Some(found) = found else { return Told::default() };
-        let counters = &found.counters;
         Told {
             meets: match found.verdict {
                 Verdict::Certain => Some(true),
@@ -104,15 +121,9 @@ impl Method for Ours {
                 Verdict::Open => None,
             },
             distance: Some(found.separation.hi),
-            width: Some(found.separation.width()),
+            held: Some(found.separation),
             witnesses: found.witnesses.map(|w| w.map(|w| w.point)),
-            tests: Some(
-                counters.node_tests
-                    + counters.triangle_tests
-                    + counters.inside_tests
-                    + counters.hull_steps
-                    + counters.planes_tried,
-            ),
+            tests: Some(tests(&found.counters)),
         }
     }
 
@@ -127,4 +138,13 @@ impl Method for Ours {
             None => found.places.iter().map(|place| place.bounds.center()).collect(),
         }
     }
+}
+
+/// Elementary tests of all kinds.
+fn tests(counters: &Counters) -> u64 {
+    counters.node_tests
+        + counters.triangle_tests
+        + counters.inside_tests
+        + counters.hull_steps
+        + counters.planes_tried
 }

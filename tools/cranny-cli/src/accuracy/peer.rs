@@ -1,7 +1,5 @@
 //! parry's triangle meshes and convex decompositions, as rapier users have them.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_rapier::Detector;
@@ -12,13 +10,14 @@ use parry3d::query::{
 };
 use parry3d::shape::SharedShape;
 
-use super::Told;
-use super::figures::Method;
+use super::method::{Method, Name, Told};
+use super::smaller_size;
 use crate::parry::{double, single};
 use crate::pose_file::PosePair;
 
-/// What manifolds are asked to foresee: next to nothing, as our regions do.
-const PREDICTION: f32 = 1e-4;
+/// What manifolds are asked to foresee, as a share of the smaller body's size: next to nothing, as our regions do.
+/// Smaller: single precision loses surfaces that touch; larger: gaps count as contacts.
+const PREDICTION: f64 = 1e-4;
 
 /// A kind of shape of parry's.
 pub(super) struct Peer {
@@ -31,17 +30,21 @@ impl Peer {
     pub(super) const KINDS: [Detector; 2] =
         [Detector::RapierTrimesh, Detector::RapierDecomposition];
 
+    /// What one of a kind is called.
+    pub(super) fn name_of(kind: Detector) -> Name {
+        Name::of_peer(match kind {
+            Detector::RapierDecomposition => "parry-decomposition",
+            _ => "parry-trimesh",
+        })
+    }
+
     /// Prepares both shapes.
     ///
     /// # Errors
     ///
-    /// What the peer says, where it refuses a mesh or panics.
+    /// What the peer says, where it refuses a mesh.
     pub(super) fn new(kind: Detector, [a, b]: [&Model; 2]) -> Result<Self, String> {
-        let shape = |model: &Model| {
-            catch_unwind(AssertUnwindSafe(|| kind.shape(model, 0)))
-                .map_err(|_| "it panicked over the mesh".to_owned())?
-                .map_err(|error| error.to_string())
-        };
+        let shape = |model: &Model| kind.shape(model, 0).map_err(|error| error.to_string());
         let first = shape(a)?;
         let second = if a.is_same(b) { first.clone() } else { shape(b)? };
         Ok(Self { kind, shapes: [first, second] })
@@ -49,11 +52,8 @@ impl Peer {
 }
 
 impl Method for Peer {
-    fn name(&self) -> &'static str {
-        match self.kind {
-            Detector::RapierDecomposition => "parry-decomposition",
-            _ => "parry-trimesh",
-        }
+    fn name(&self) -> Name {
+        Self::name_of(self.kind)
     }
 
     fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told {
@@ -81,16 +81,17 @@ impl Method for Peer {
         }
     }
 
-    fn contacts(&mut self, _: [&Model; 2], poses: PosePair) -> Vec<DVec3> {
+    fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3> {
         let [p, q] = poses.map(single);
         let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
         let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
         let relative = p.inv_mul(&q);
+        let prediction = PREDICTION * smaller_size(models);
         let told = DefaultQueryDispatcher.contact_manifolds(
             &relative,
             a,
             b,
-            PREDICTION,
+            prediction as f32,
             &mut manifolds,
             &mut None,
         );

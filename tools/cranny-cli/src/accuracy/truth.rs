@@ -1,6 +1,6 @@
 //! Exact answers, by which all others are judged.
 
-use cranny_exact::DVec3;
+use cranny_exact::{DVec3, Interval};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
@@ -11,8 +11,12 @@ use crate::pose_file::PosePair;
 pub(super) struct Truth {
     /// The bodies share a point.
     pub(super) meets: bool,
+    /// They do, but their surfaces do not: one lies within the other.
+    pub(super) contained: bool,
     /// Between the surfaces; 0 where they meet.
     pub(super) distance: f64,
+    /// Holds that distance whatever was rounded.
+    pub(super) held: Interval,
     /// Where surfaces that do not meet are nearest.
     pub(super) witnesses: Option<[DVec3; 2]>,
     /// Of each region that overlaps, half-way between the deepest contact's points.
@@ -32,9 +36,15 @@ pub(super) fn truths([a, b]: [&Model; 2], poses: &[PosePair]) -> Result<Vec<Trut
         let answer =
             query(a, b, &question, &mut memory).map_err(|e| format!("pose {index}: {e}"))?;
         let surfaces_meet = answer.surface.meets();
+        let distance = answer.distance.unwrap_or(f64::INFINITY);
         Ok(Truth {
             meets: answer.solid || surfaces_meet,
-            distance: answer.distance.unwrap_or(f64::INFINITY),
+            contained: answer.solid && !surfaces_meet,
+            distance,
+            held: match answer.separation.contains(distance) {
+                true => answer.separation,
+                false => Interval::point(distance),
+            },
             witnesses: answer.witnesses.filter(|_| !surfaces_meet).map(|w| w.map(|w| w.point)),
             contacts: answer
                 .regions

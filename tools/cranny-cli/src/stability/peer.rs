@@ -1,7 +1,5 @@
 //! parry's triangle meshes and convex polyhedra, asked the same in single precision.
 
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
-
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Model, ModelTag};
 use cranny_rapier::Detector;
@@ -11,7 +9,7 @@ use parry3d::query::{distance, intersection_test};
 use parry3d::shape::{Shape, SharedShape};
 use parry3d::transformation::try_convex_hull;
 
-use crate::parry::{double, single};
+use crate::parry::{double, quietly, single};
 
 /// Shapes of so many models are kept.
 const KEPT: usize = 16;
@@ -20,15 +18,6 @@ const KEPT: usize = 16;
 #[derive(Default)]
 pub(super) struct Parry {
     shapes: Vec<(ModelTag, SharedShape)>,
-}
-
-/// What it returns, or why it does not; a panic of its is not printed.
-fn quietly<T>(ask: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    let hook = panic::take_hook();
-    panic::set_hook(Box::new(|_| {}));
-    let told = catch_unwind(AssertUnwindSafe(ask));
-    panic::set_hook(hook);
-    told.unwrap_or_else(|_| Err("it panicked".to_owned()))
 }
 
 fn points(points: &[DVec3]) -> Vec<Vector> {

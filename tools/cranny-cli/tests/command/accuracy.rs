@@ -7,6 +7,9 @@ use cranny_shapes::{Cuboid, Cup, Sphere};
 
 use crate::harness::{Folder, Outcome, argument, run};
 
+/// Cells by the names of their columns.
+type Row = BTreeMap<String, String>;
+
 /// A ball that comes down beside a cup's middle until it overlaps the bottom, and rises again.
 struct Scene {
     folder: Folder,
@@ -37,13 +40,17 @@ impl Scene {
         run(&[&["accuracy", a, b, "--poses", &self.poses, "--out", &out], options].concat())
     }
 
-    fn rows(&self) -> Vec<BTreeMap<String, String>> {
-        let text = fs::read_to_string(self.folder.path("out/accuracy.csv")).unwrap();
+    fn rows(&self) -> Vec<Row> {
+        self.table("accuracy.csv")
+    }
+
+    fn table(&self, name: &str) -> Vec<Row> {
+        let text = fs::read_to_string(self.folder.path("out").join(name)).unwrap();
         let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
         let names: Vec<String> = lines.next().unwrap().collect();
         lines
             .map(|cells| {
-                let row: BTreeMap<_, _> = names.iter().cloned().zip(cells).collect();
+                let row: Row = names.iter().cloned().zip(cells).collect();
                 assert_eq!(row.len(), names.len());
                 row
             })
@@ -51,7 +58,18 @@ impl Scene {
     }
 }
 
-fn number(row: &BTreeMap<String, String>, name: &str) -> f64 {
+impl Scene {
+    fn assert_drawn(&self, name: &str, words: &[&str]) {
+        let svg = fs::read_to_string(self.folder.path("out").join(name)).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+        for word in words {
+            assert!(svg.contains(word), "{word}");
+        }
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    }
+}
+
+fn number(row: &Row, name: &str) -> f64 {
     row[name].parse().unwrap_or_else(|_| panic!("{name} in {row:?}"))
 }
 
@@ -63,11 +81,16 @@ fn the_report_reads_back_and_nothing_is_missed() {
     let rows = scene.rows();
     assert_eq!(outcome.stdout.lines().count(), rows.len() + 1, "a line a row, and a heading");
     let ours: Vec<_> = rows.iter().filter(|row| row["method"] == "cranny").collect();
-    assert_eq!(ours.len(), 2 * (10 + 7));
+    assert_eq!(ours.len(), 2 * (10 + 7 + 3));
+    let in_contact = number(ours[0], "contact_poses");
+    assert!(in_contact > 2.0 && in_contact < FRAMES as f64, "{in_contact}");
     for row in &ours {
-        let wrong = (row["false_negatives"].as_str(), row["false_positives"].as_str());
-        assert_eq!(wrong, ("0", "0"), "{row:?}");
-        assert_eq!(row["poses"], FRAMES.to_string());
+        for wrong in ["false_negatives", "false_positives", "outside", "contacts_missed"] {
+            assert_eq!(row[wrong], "0", "{wrong} in {row:?}");
+        }
+        assert_eq!((row["poses"].as_str(), row["note"].as_str()), ("24", ""));
+        assert!(number(row, "contact_median_us") > 0.0 && number(row, "contacts_mean") >= 1.0);
+        assert!(number(row, "contact_error_max") >= number(row, "contact_error_mean"));
         assert!(
             number(row, "median_us") > 0.0 && number(row, "p99_us") >= number(row, "median_us")
         );
@@ -76,7 +99,7 @@ fn the_report_reads_back_and_nothing_is_missed() {
         assert!(number(row, "distance_error_max") <= number(row, "width_max") + 1e-12);
     }
     let row = |level: &str, budget: &str, memory: &str| {
-        let is = |row: &&&BTreeMap<String, String>| {
+        let is = |row: &&&Row| {
             row["level"] == level && row["budget"] == budget && row["memory"] == memory
         };
         *ours.iter().find(is).unwrap()
@@ -96,15 +119,77 @@ fn the_report_reads_back_and_nothing_is_missed() {
         let row = rows.iter().find(|row| row["method"] == peer).unwrap();
         assert!(row["level"].is_empty() && row["width_mean"].is_empty());
         assert!(number(row, "median_us") > 0.0 && number(row, "distance_error_mean") < 1.0);
+        assert_eq!((number(row, "contact_poses"), number(row, "outside")), (in_contact, 0.0));
     }
-    let svg = fs::read_to_string(scene.folder.path("out/accuracy.svg")).unwrap();
-    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-    for word in
-        ["trees, exact, warm", "budgets of tests, cold", "convex decomposition", "tree:2", "30"]
-    {
-        assert!(svg.contains(word), "{word}");
+    let words = [
+        "trees, exact, warm",
+        "budgets of tests, cold",
+        "budgets of time",
+        "convex pieces",
+        "tree:2",
+    ];
+    scene.assert_drawn("accuracy.svg", &words);
+}
+
+/// What was told at a pose agrees with what is so there, and the rows are made of nothing else.
+#[test]
+fn poses_are_told_one_by_one() {
+    let scene = Scene::new();
+    let options =
+        ["--levels", "hulls,exact", "--budgets", "100", "--deadlines", "none", "--no-peers"];
+    assert_eq!(scene.accuracy(&options).code, Some(0));
+    let poses = scene.table("poses.csv");
+    let rows = scene.rows();
+    assert_eq!((rows.len(), poses.len()), (6, 6 * FRAMES));
+    for (row, poses) in rows.iter().zip(poses.chunks(FRAMES)) {
+        let count = |told: &str| poses.iter().filter(|pose| pose["told"] == told).count();
+        assert_eq!(row["open"], count("open").to_string());
+        for (i, pose) in poses.iter().enumerate() {
+            assert_eq!((&pose["level"], &pose["budget"]), (&row["level"], &row["budget"]));
+            assert_eq!(pose["pose"], i.to_string());
+            assert!(pose["told"] == "open" || pose["told"] == pose["meets"], "{pose:?}");
+            let [least, most, distance] =
+                ["at_least", "at_most", "distance"].map(|name| number(pose, name));
+            assert!(least <= distance + 1e-12 && distance <= most + 1e-12, "{pose:?}");
+        }
+        let widths = poses.iter().map(|pose| number(pose, "at_most") - number(pose, "at_least"));
+        let mean = widths.sum::<f64>() / FRAMES as f64;
+        assert!((mean - number(row, "width_mean")).abs() < 1e-12);
     }
-    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+}
+
+#[test]
+fn what_a_budget_leaves_open_is_narrowed_at_rest() {
+    let scene = Scene::new();
+    let options = ["--levels", "none", "--budgets", "20,200", "--deadlines", "none", "--no-peers"];
+    assert_eq!(scene.accuracy(&options).code, Some(0));
+    let rows = scene.table("refinement.csv");
+    assert_eq!(rows.len(), 2 * 64);
+    for rows in rows.chunks(64) {
+        let widths: Vec<f64> = rows.iter().map(|row| number(row, "width_mean")).collect();
+        assert!(widths.windows(2).all(|w| w[1] <= w[0]), "{widths:?}");
+        assert!(widths[0] > 0.01 && widths[widths.len() - 1] < 0.5 * widths[0], "{widths:?}");
+        assert!(rows.windows(2).all(|w| number(&w[1], "open") <= number(&w[0], "open")));
+    }
+    // The larger budget is through.
+    assert_eq!(rows[127]["open"], "0");
+    assert!(number(&rows[127], "width_max") < 1e-12, "{:?}", rows[127]);
+    scene.assert_drawn("refinement.svg", &["20 tests a frame", "200 tests a frame"]);
+}
+
+/// A slow method is asked at fewer poses, and one with memory sees the motion as it is.
+#[test]
+fn an_impatient_user_is_told_of_fewer_poses() {
+    let scene = Scene::new();
+    let options = ["--levels", "exact", "--budgets", "none", "--deadlines", "none", "--no-peers"];
+    let hurried = [&options[..], &["--patience", "0.001", "--runs", "1"]].concat();
+    assert_eq!(scene.accuracy(&hurried).code, Some(0));
+    for row in scene.rows() {
+        assert!(number(&row, "poses") >= 1.0 && number(&row, "poses") < FRAMES as f64, "{row:?}");
+    }
+    for name in ["refinement.csv", "refinement.svg"] {
+        assert!(!scene.folder.path("out").join(name).exists(), "no budget, nothing to refine");
+    }
 }
 
 #[test]
@@ -127,6 +212,27 @@ fn what_cannot_be_asked_or_written_is_refused() {
         run(&["accuracy", &cube, &cube, "--poses", poses, "--out", out, "--no-peers"])
     };
     ask(&scene.poses, &taken).assert_refused(1, &["taken"]);
+    // A folder where a file must go is told before the work, and nothing is left behind.
+    let blocked = scene.folder.path("blocked");
+    fs::create_dir_all(blocked.join("refinement.csv")).unwrap();
+    ask(&scene.poses, &argument(&blocked))
+        .assert_refused(1, &["refinement.csv", "cannot be written"]);
+    assert_eq!(fs::read_dir(&blocked).unwrap().count(), 1);
+    let empty = scene.folder.write("empty.json", "[]");
+    ask(&empty, &argument(&scene.folder.path("out"))).assert_refused(2, &["at least one pose"]);
+    let nothing = ["--levels", "none", "--budgets", "none", "--deadlines", "none", "--no-peers"];
+    scene.accuracy(&nothing).assert_refused(2, &["nothing is left", "--levels"]);
+    for (option, list, reason) in [
+        ("--levels", "exact,tree", "how deep"),
+        ("--budgets", "-5", "whole number of tests"),
+        ("--deadlines", "10,0", "microseconds"),
+        ("--runs", "0", "1 or more"),
+        ("--patience", "-1", "seconds"),
+    ] {
+        let refused = scene.accuracy(&[option, list]);
+        assert_eq!((refused.code, refused.stdout.as_str()), (Some(2), ""));
+        assert!(refused.stderr.contains(option) && refused.stderr.contains(reason), "{refused:?}");
+    }
     ask(&far, &argument(&scene.folder.path("out"))).assert_refused(2, &["pose 0"]);
     assert_eq!(run(&["accuracy", &cube, &cube, "--poses", &scene.poses]).code, Some(2));
 }

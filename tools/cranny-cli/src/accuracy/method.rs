@@ -1,0 +1,87 @@
+//! What is asked about pairs, and what it tells.
+
+use cranny_exact::{DVec3, Interval};
+use cranny_geometry::Model;
+use serde::Serialize;
+
+use crate::csv::cell;
+use crate::pose_file::PosePair;
+
+/// Something that is asked about pairs.
+pub(super) trait Method {
+    fn name(&self) -> Name;
+
+    /// Whether it is told when a motion begins only, and keeps what it likes from then on.
+    fn is_warm(&self) -> bool {
+        false
+    }
+
+    /// Forgets what it knows of earlier poses.
+    fn begin(&mut self, _models: [&Model; 2]) {}
+
+    /// Whether the bodies meet, and how far they are apart.
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told;
+
+    /// Where it tells that bodies are in contact.
+    fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3>;
+}
+
+/// What a method told at one pose.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Told {
+    /// Whether the bodies share a point; `None`: it does not say.
+    pub(super) meets: Option<bool>,
+    /// Its distance, or the upper end of where that lies.
+    pub(super) distance: Option<f64>,
+    /// What certainly holds the distance, of those who tell it.
+    pub(super) held: Option<Interval>,
+    pub(super) witnesses: Option<[DVec3; 2]>,
+    pub(super) tests: Option<u64>,
+}
+
+/// What is asked, how much it may spend, and what it remembers: the first columns of every table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(super) struct Name {
+    pub(super) method: &'static str,
+    pub(super) level: Option<String>,
+    /// Elementary tests a pose.
+    pub(super) budget: Option<u64>,
+    /// Microseconds a pose.
+    pub(super) deadline_us: Option<u64>,
+    pub(super) memory: &'static str,
+}
+
+impl Name {
+    /// Something that is not ours, and keeps nothing from pose to pose.
+    pub(super) fn of_peer(method: &'static str) -> Self {
+        Self { method, level: None, budget: None, deadline_us: None, memory: "cold" }
+    }
+
+    pub(super) fn is_ours(&self) -> bool {
+        self.level.is_some()
+    }
+
+    /// A level of ours, by itself.
+    pub(super) fn is_level(&self) -> bool {
+        self.is_ours() && self.budget.is_none() && self.deadline_us.is_none()
+    }
+
+    /// Names of the cells of [`csv`](Self::csv).
+    pub(super) const COLUMNS: &'static str = "method,level,budget,deadline_us,memory";
+
+    pub(super) fn csv(&self) -> String {
+        let Self { method, level, budget, deadline_us, memory } = self;
+        let [level, budget, deadline] = [cell(level.as_ref()), cell(*budget), cell(*deadline_us)];
+        format!("{method},{level},{budget},{deadline},{memory}")
+    }
+
+    /// What it is, in a word.
+    pub(super) fn label(&self) -> String {
+        match (&self.level, self.budget, self.deadline_us) {
+            (_, Some(budget), _) => format!("{budget} tests"),
+            (_, _, Some(deadline)) => format!("{deadline} us"),
+            (Some(level), None, None) => level.clone(),
+            (None, None, None) => self.method.to_owned(),
+        }
+    }
+}

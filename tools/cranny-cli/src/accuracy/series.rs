@@ -1,0 +1,100 @@
+//! A method asked one question at many poses, several times.
+
+use std::time::{Duration, Instant};
+
+use super::Scene;
+use super::method::Method;
+use super::visits::{Visit, centers, visits};
+
+/// Poses at which it is tried how long a question takes.
+const TRIALS: usize = 5;
+
+/// Puts a question to a method, at the pose of an index.
+pub(super) type Ask<T> = fn(&mut dyn Method, &Scene, usize) -> T;
+
+/// What was told at a pose, in the shortest time of all runs.
+#[derive(Clone, Debug)]
+pub(super) struct Reply<T> {
+    pub(super) pose: usize,
+    pub(super) time: Duration,
+    pub(super) told: T,
+}
+
+impl<T> Reply<T> {
+    pub(super) fn micros(&self) -> f64 {
+        self.time.as_nanos() as f64 / 1e3
+    }
+}
+
+/// One question to one method.
+pub(super) struct Series<T> {
+    ask: Ask<T>,
+    visits: Vec<Visit>,
+    /// One a pose that counts, in their order; empty before the first run.
+    pub(super) replies: Vec<Reply<T>>,
+}
+
+impl<T> Series<T> {
+    /// Decides at which of the candidates to ask, so that a run takes no longer than `patience`.
+    pub(super) fn planned(
+        scene: &Scene,
+        method: &mut dyn Method,
+        ask: Ask<T>,
+        candidates: &[usize],
+        patience: Duration,
+    ) -> Self {
+        let each = each(scene, method, ask, candidates, patience);
+        let affordable = patience.as_secs_f64() / each.as_secs_f64().max(1e-9);
+        let visits = visits(candidates, method.is_warm(), affordable as usize);
+        Self { ask, visits, replies: Vec::new() }
+    }
+
+    /// Asks at all poses; of what was told before, only that stays which took no longer.
+    pub(super) fn run(&mut self, scene: &Scene, method: &mut dyn Method) {
+        method.begin(scene.models);
+        let mut index = 0;
+        for visit in &self.visits {
+            if !method.is_warm() {
+                method.begin(scene.models);
+            }
+            let start = Instant::now();
+            let told = (self.ask)(method, scene, visit.pose);
+            let time = start.elapsed();
+            if !visit.counts {
+                continue;
+            }
+            let reply = Reply { pose: visit.pose, time, told };
+            match self.replies.get_mut(index) {
+                Some(best) if best.time <= time => {}
+                Some(best) => *best = reply,
+                None => self.replies.push(reply),
+            }
+            index += 1;
+        }
+    }
+}
+
+/// How long a question takes on average, tried at some poses. Memory may follow for one pose.
+fn each<T>(
+    scene: &Scene,
+    method: &mut dyn Method,
+    ask: Ask<T>,
+    candidates: &[usize],
+    patience: Duration,
+) -> Duration {
+    let (mut spent, mut asked) = (Duration::ZERO, 0);
+    for pose in centers(candidates.len(), TRIALS).filter_map(|i| candidates.get(i).copied()) {
+        method.begin(scene.models);
+        if method.is_warm() && pose > 0 {
+            ask(method, scene, pose - 1);
+        }
+        let start = Instant::now();
+        ask(method, scene, pose);
+        spent += start.elapsed();
+        asked += 1;
+        if spent > patience {
+            break;
+        }
+    }
+    spent / asked.max(1)
+}
