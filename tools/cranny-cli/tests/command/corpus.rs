@@ -1,5 +1,6 @@
 //! The command against the answers of others: six pairs of real meshes at 240 poses.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use cranny_exact::DVec3;
@@ -36,29 +37,63 @@ impl Pair {
         self.content["poses"].as_array().unwrap()
     }
 
-    /// The command's lines, with the pair's two bodies as A and B in this order.
-    fn query(&self, [first, second]: [&str; 2]) -> Vec<Value> {
+    /// What the command takes for the pair's two bodies as A and B in this order, and its poses in a file.
+    fn arguments(&self, [first, second]: [&str; 2], folder: &Folder) -> Vec<String> {
         let entry = |pose: &Value| match first {
             "a" => json!({"a": null, "b": pose["b"]}),
             _ => json!({"a": pose["b"], "b": null}),
         };
-        let folder = Folder::new();
         let poses: Vec<Value> = self.poses().iter().map(entry).collect();
         let poses = folder.write("poses.json", Value::Array(poses).to_string());
         let [mesh_a, mesh_b] = [first, second].map(|body| argument(&self.mesh(body)));
         let [scale_a, scale_b] = [first, second].map(|body| self.scale(body).to_string());
-        run(&[
-            "query",
-            &mesh_a,
-            &mesh_b,
-            "--poses",
-            &poses,
-            "--scale-a",
-            &scale_a,
-            "--scale-b",
-            &scale_b,
-        ])
-        .json_lines()
+        let options = ["--scale-a", &scale_a, "--scale-b", &scale_b, "--poses", &poses];
+        [&mesh_a, &mesh_b]
+            .into_iter()
+            .map(String::as_str)
+            .chain(options)
+            .map(str::to_owned)
+            .collect()
+    }
+
+    /// Lines of `query`.
+    fn query(&self, order: [&str; 2]) -> Vec<Value> {
+        let folder = Folder::new();
+        let arguments = self.arguments(order, &folder);
+        let arguments: Vec<&str> =
+            std::iter::once("query").chain(arguments.iter().map(String::as_str)).collect();
+        run(&arguments).json_lines()
+    }
+
+    /// Rows of the table of poses that `accuracy` writes for some levels and budgets.
+    fn accuracy(&self) -> Vec<BTreeMap<String, String>> {
+        let folder = Folder::new();
+        let out = argument(&folder.path("out"));
+        let arguments = self.arguments(["a", "b"], &folder);
+        let options = [
+            "--levels",
+            "boxes,hulls,caps,tree:4,tree:10",
+            "--budgets",
+            "300",
+            "--deadlines",
+            "200",
+            "--patience",
+            "300",
+            "--runs",
+            "1",
+            "--no-peers",
+            "--out",
+            &out,
+        ];
+        let arguments: Vec<&str> = std::iter::once("accuracy")
+            .chain(arguments.iter().map(String::as_str))
+            .chain(options)
+            .collect();
+        assert_eq!(run(&arguments).code, Some(0));
+        let text = std::fs::read_to_string(folder.path("out/poses.csv")).unwrap();
+        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
+        let names: Vec<String> = lines.next().unwrap().collect();
+        lines.map(|cells| names.iter().cloned().zip(cells).collect()).collect()
     }
 }
 
@@ -121,4 +156,33 @@ fn six_pairs_agree_on_all_poses_either_way_round() {
     }
     assert_eq!(poses, 240);
     assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
+}
+
+/// No level and no budget, of tests or of time, with memory or without, excludes what others found, and the intervals
+/// hold the distances that they measured.
+#[test]
+fn levels_and_budgets_contradict_no_answer_of_others() {
+    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
+        println!("skipped: CRANNY_CORPUS not set");
+        return;
+    };
+    let mut told = BTreeMap::from([("apart", 0), ("meets", 0), ("open", 0)]);
+    for pair in &pairs(&corpus) {
+        let tolerance = DISTANCE_TOLERANCE * (pair.diagonal("a") + pair.diagonal("b"));
+        let rows = pair.accuracy();
+        assert_eq!(rows.len(), 2 * 7 * pair.poses().len());
+        for row in &rows {
+            let expected = &pair.poses()[row["pose"].parse::<usize>().unwrap()];
+            let meets = expected["surface"] != "none" || expected["solid"] == true;
+            let right = if meets { "meets" } else { "apart" };
+            *told.get_mut(row["told"].as_str()).unwrap() += 1;
+            let distance = expected["distance"].as_f64().unwrap();
+            let [least, most] = ["at_least", "at_most"].map(|end| row[end].parse::<f64>().unwrap());
+            let agrees = (row["told"] == "open" || row["told"] == right)
+                && least <= distance + tolerance
+                && distance <= most + tolerance;
+            assert!(agrees, "{}: expected {expected}, found {row:?}", pair.file.display());
+        }
+    }
+    assert!(told.values().all(|&times| times > 300), "{told:?}");
 }
