@@ -23,19 +23,19 @@ pub(crate) struct AccuracyArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
-    /// Levels of accuracy, as for `query`, with commas between; or none
+    /// Levels of accuracy, as for `query`, with commas between, or `none`
     #[arg(long, value_name = "LIST", value_parser = levels, allow_hyphen_values = true, default_value = "boxes,hulls,caps,tree:2,tree:4,tree:6,tree:8,tree:12,tree:16,exact")]
     pub(crate) levels: List<Accuracy>,
 
-    /// Budgets for exact answers, in elementary tests a pose; or none
+    /// Budgets for exact answers, in elementary tests a pose, or `none`
     #[arg(long, value_name = "LIST", value_parser = budgets, allow_hyphen_values = true, default_value = "10,30,100,300,1000,3000,10000")]
     pub(crate) budgets: List<u64>,
 
-    /// Times for exact answers, in whole microseconds a pose; or none
+    /// Times for exact answers, in whole microseconds a pose, or `none`
     #[arg(long, value_name = "LIST", value_parser = deadlines, allow_hyphen_values = true, default_value = "10,100,1000")]
     pub(crate) deadlines: List<u64>,
 
-    /// Each method is asked so often at each pose; the shortest time counts
+    /// How many times each method is asked at each pose; the shortest time counts
     #[arg(long, value_name = "N", default_value = "3", value_parser = runs, allow_hyphen_values = true)]
     pub(crate) runs: NonZeroU32,
 
