@@ -9,7 +9,7 @@ use super::graph::HullFeature;
 /// Sees each state of a walk, in order, as [`walk_hulls_observed`](super::walk_hulls_observed) comes to it. What
 /// is counted in [`WalkCounters::steps`], `portals` and `exhausted` is seen here one by one; a call that is
 /// `proved_at_once` shows the state that proves it. Every method does nothing unless it is written anew, and
-/// `()` sees nothing, at no cost.
+/// `()` sees nothing.
 pub trait WalkObserver {
     /// Last frame's pair, held against the certificate before any walk.
     fn kept_pair(&mut self, _pair: [HullFeature; 2]) {}
