@@ -16,9 +16,9 @@ pub enum Flatness {
     ///
     /// Numbers rounded to a grid (few decimals, whatever unit they were scaled to since), or to few
     /// significant digits, give [`GRID_STEPS`](Self::GRID_STEPS) of the grid, or of the last digit of
-    /// the largest, at most [`GRID_LIMIT`](Self::GRID_LIMIT) and at least what follows. Where all
-    /// numbers are round ones, of ten steps, or small ones, of a few, the body was drawn on the grid, and
-    /// the grid says nothing.
+    /// the largest, at most [`GRID_LIMIT`](Self::GRID_LIMIT) of the body's extent and at least what follows. Where all
+    /// numbers are round ones, of ten steps, or small ones, of a few, counted from 0 or from the corner of the body's
+    /// box, the body was drawn on the grid, and the grid says nothing.
     /// [`Single`](Self::Single) where every coordinate has no more than nine digits, with which such
     /// numbers are written, or is a number of single precision; otherwise [`Double`](Self::Double).
     /// Turned after it was read, a mesh no longer shows how it was written: then say it by
@@ -50,6 +50,7 @@ impl Flatness {
     /// (`decimals_make_no_dents`); larger, and marks a few steps deep are taken for rounding.
     pub const GRID_STEPS: f64 = 2.0;
 
+    /// A share of the greatest coordinate magnitude or of the greatest extent, whichever is less.
     /// On a coarse lattice (whole numbers) the step says nothing of precision. Smaller, and nuts of 15 mm
     /// written in metres with six decimals, a step of 7e-5, have dents; larger, and pockets
     /// of a thousandth of the body are taken for rounding (`shallow_pockets_on_a_lattice_stay`).
@@ -69,7 +70,10 @@ impl Flatness {
                 let is_single = is_single(mesh) || share(written_step(mesh)) >= Self::NINE_DIGITS;
                 let step = share(rounding_step(mesh));
                 let binary = if is_single { Self::SINGLE } else { FLATNESS };
-                binary.max((Self::GRID_STEPS * step).min(Self::GRID_LIMIT))
+                let bounds = mesh.bounds();
+                // A body far from the origin is no larger for it.
+                let extent = (bounds.max - bounds.min).max_element().min(largest(mesh));
+                binary.max((Self::GRID_STEPS * step).min(Self::GRID_LIMIT * share(Some(extent))))
             }
             Self::Double => FLATNESS,
             Self::Single => Self::SINGLE,

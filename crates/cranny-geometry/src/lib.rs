@@ -2,11 +2,11 @@
 //!
 //! # Promises
 //!
-//! - Any triangle mesh with finite coordinates is accepted, open and non-manifold ones included;
-//!   the [`Report`] names every defect that limits answers.
-//! - Preparation moves nothing unless asked to [`Repair`]: coincident vertices are welded,
-//!   unreferenced ones dropped. A repaired surface is proved to be the filed one within the weld
-//!   distance.
+//! - Any triangle mesh is accepted whose coordinates lie in the [`domain`](cranny_exact::domain) and of which one face at
+//!   least has an area, open and non-manifold ones included; the [`Report`] names every defect that limits answers.
+//! - Preparation moves nothing unless asked to [`Repair`]: vertices in the same place are welded,
+//!   unreferenced ones dropped, and a closed body that is inside out is turned round, which the report says. A repaired
+//!   surface is proved to be the filed one within the weld distance.
 //! - The hull is exactly convex, and the tree's boxes hold their faces exactly.
 //! - No input or output, no clock, no globals, no graphics.
 //!
@@ -23,6 +23,30 @@
 //! let (model, report) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
 //! assert!(model.is_closed() && report.is_sound());
 //! assert!((model.mass_properties().unwrap().volume - 1.0 / 6.0).abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! What of a body is not convex, and what becomes of it when the body is dented and when it is saved:
+//!
+//! ```
+//! use cranny_exact::DVec3;
+//! use cranny_geometry::concavity::ConcavityKind;
+//! use cranny_geometry::{BuildOptions, Model, VertexId};
+//! use cranny_shapes::Cup;
+//!
+//! let (mut model, _) = Model::build(Cup::default().build()?, &BuildOptions::default())?;
+//! let well = model.concavities().iter().next().ok_or("a cup has a well")?;
+//! assert_eq!((well.kind, well.lids().len()), (ConcavityKind::Pocket, 1));
+//! assert!(well.measures.pocket_volume > 0.0 && !well.faces.is_empty() && !well.caps.is_empty());
+//!
+//! // A vertex of the well goes a little inward: nothing of the hull follows.
+//! let vertex: VertexId = model.mesh().corners(well.faces[0])[0];
+//! let place = model.mesh().position(vertex);
+//! let change = model.deform(&[(vertex, place + 0.001 * (model.bounds().center() - place))])?;
+//! assert_eq!(change.vertices, [vertex]);
+//!
+//! let loaded = Model::decode(&model.encode())?;
+//! assert_eq!(loaded.digest(), model.digest());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

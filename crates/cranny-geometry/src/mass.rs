@@ -21,7 +21,7 @@ const ROUNDINGS: f64 = 16.0;
 /// volume and inertia 0, and its centre is that of its box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
-    /// Volume, negative where the mesh is inside out. Unit: length^3.
+    /// Volume, negative where the mesh is inside out, which that of a [`Model`](crate::Model) is not. Unit: length^3.
     pub volume: f64,
     /// Centre of mass.
     pub center: DVec3,

@@ -31,21 +31,33 @@ pub(crate) struct Foot {
     pub(crate) parameter: f64,
 }
 
-/// The nearest point of the segment `[a, b]`. Ends that coincide are a point.
+/// The nearest point of the segment `[a, b]`. Ends that coincide are a point. A vertex that was rounded once off its
+/// edge is told as near as that: what would be lost in differences is kept beside them (`two_sum` of Knuth 1969, The
+/// Art of Computer Programming 2, 4.2.2), and of `to − parameter * along`, which all but cancels, only the result is
+/// rounded.
 pub(crate) fn foot(p: DVec3, [a, b]: [DVec3; 2]) -> Foot {
-    let (along, to) = (b - a, p - a);
+    let ([to, to_rest], [along, along_rest]) = (difference(p, a), difference(b, a));
     let length_squared = along.length_squared();
-    let parameter = match to.dot(along) / length_squared {
-        t if t.is_nan() => 0.0,
-        t => t.clamp(0.0, 1.0),
-    };
+    let on_segment = |t: f64| if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
+    let left = |t: f64| DVec3::splat(-t).mul_add(along, to);
+    let first = on_segment(to.dot(along) / length_squared);
+    // As exact as a parameter can be: the quotient's own roundings would show.
+    let parameter = on_segment(first + left(first).dot(along) / length_squared);
     if on_line(p, a, b) && Aabb::of_points([a, b]).contains_point(p) {
         return Foot { distance: 0.0, parameter };
     }
     // Any point of the segment gives an upper bound, whatever the parameter's rounding.
-    let reach = to.abs() + along.abs();
-    let distance = (to - parameter * along).length() * (1.0 + ROUNDINGS);
-    Foot { distance: distance + ROUNDINGS * reach.length(), parameter }
+    let left = left(parameter);
+    let distance = (left + (to_rest - parameter * along_rest)).length() * (1.0 + ROUNDINGS);
+    let entered = left.abs() + to_rest.abs() + along_rest.abs();
+    Foot { distance: distance + ROUNDINGS * entered.length(), parameter }
+}
+
+/// `p − q`, rounded, and what rounding took away, exactly.
+fn difference(p: DVec3, q: DVec3) -> [DVec3; 2] {
+    let rounded = p - q;
+    let taken = p - rounded;
+    [rounded, (p - (rounded + taken)) + (taken - q)]
 }
 
 /// Whether three points lie on one line, exactly.
@@ -116,6 +128,8 @@ pub(crate) fn segment_may_meet([a, b]: [DVec3; 2], bounds: &Aabb) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use cranny_testkit::Rng;
+
     use super::*;
 
     #[test]
@@ -125,6 +139,26 @@ mod tests {
         let above = foot(DVec3::new(1.0, 0.5, 0.0), [DVec3::ZERO, 4.0 * DVec3::X]);
         assert_eq!(above.parameter, 0.25);
         assert!(above.distance >= 0.5 && above.distance < 0.5 + 1e-13);
+    }
+
+    #[test]
+    fn what_was_rounded_once_is_as_near_as_that() {
+        let mut rng = Rng::new(5);
+        for _ in 0..2000 {
+            let [a, b] = [rng.rotation() * DVec3::X, rng.rotation() * DVec3::X];
+            let p = a + 0.5 * (1.0 + rng.unit()) * (b - a);
+            assert!(foot(p, [a, b]).distance < 2.0 * f64::EPSILON, "{p}, {a}, {b}");
+        }
+    }
+
+    #[test]
+    fn what_lies_off_by_the_last_digits_is_told_to_be() {
+        let (middle, beside) = (DVec3::new(1.5, 2.0, 0.0), DVec3::new(-4.0, 3.0, 0.0));
+        for digits in [40, 45, 50] {
+            let off = 2f64.powi(-digits);
+            let found = foot(middle + off * beside, [DVec3::ZERO, 2.0 * middle]).distance;
+            assert!(found >= 5.0 * off && found < 5.05 * off, "{found:e} for {:e}", 5.0 * off);
+        }
     }
 
     #[test]

@@ -9,6 +9,8 @@
 //! No source: this crate's own. Cost: O(n), some passes over the coordinates, most of which end at the first number
 //! that does not fit.
 
+use cranny_exact::DVec3;
+
 use crate::grid::common_step;
 use crate::mesh::Mesh;
 
@@ -86,12 +88,18 @@ fn steps(mesh: &Mesh) -> impl Iterator<Item = f64> {
     [grid_step(mesh), digit_step(mesh)].into_iter().flatten()
 }
 
-/// Whether every coordinate is a multiple of ten steps, or only a few steps from 0: rounding leaves numbers of
-/// many steps, one in ten of which is round.
+/// Whether every coordinate is a multiple of ten steps, or only a few steps, from 0 or from the corner of the
+/// body's box, which may have been moved away from 0 since: rounding leaves numbers of many steps, one in ten of which
+/// is round.
 fn is_drawn(mesh: &Mesh, step: f64) -> bool {
-    written(mesh, largest(mesh)).all(|x| {
+    let noise = noise(largest(mesh));
+    let is_round = |x: f64| {
         let tens = x / (10.0 * step);
         tens.abs() < 0.1 * FEW_STEPS || (tens - tens.round()).abs() < 0.05
+    };
+    [DVec3::ZERO, mesh.bounds().min].into_iter().any(|origin| {
+        let mut from_there = mesh.vertices().iter().map(|p| p - origin);
+        from_there.all(|p| p.to_array().into_iter().all(|x| x.abs() <= noise || is_round(x)))
     })
 }
 
@@ -192,8 +200,13 @@ const SINGLE: f64 = 1.0 / (1u64 << 23) as f64;
 /// The coordinates but for those that computing left where nothing was meant: the 6e-17 of a
 /// quarter turn is written with all its digits beside a 1.
 fn written(mesh: &Mesh, largest: f64) -> impl Iterator<Item = f64> + Clone + '_ {
-    let noise = BINARY_STEPS * f64::EPSILON * largest;
+    let noise = noise(largest);
     coordinates(mesh).filter(move |x| x.abs() > noise)
+}
+
+/// What computing may leave of coordinates where 0 was meant.
+fn noise(largest: f64) -> f64 {
+    BINARY_STEPS * f64::EPSILON * largest
 }
 
 fn coordinates(mesh: &Mesh) -> impl Iterator<Item = f64> + Clone + '_ {
@@ -202,8 +215,6 @@ fn coordinates(mesh: &Mesh) -> impl Iterator<Item = f64> + Clone + '_ {
 
 #[cfg(test)]
 mod tests {
-    use cranny_exact::DVec3;
-
     use super::*;
 
     fn distance(scale: f64, shift: f64) -> f64 {
@@ -278,6 +289,23 @@ mod tests {
         assert_eq!(step([0.05, 0.00737769, 0.00130089]), Some(1e-7));
         // Round numbers have few digits without having lost any.
         assert_eq!(rounding_step(&mesh([300_000.0, 80.0, 200_000.0])), None);
+    }
+
+    #[test]
+    fn whole_numbers_far_from_the_origin_are_drawn_ones() {
+        let corners = [[0.0, 0.0, 0.0], [7.0, 0.0, 3.0], [0.0, 11.0, 0.0], [3.0, 1.0, 500.0]];
+        let at = |place: DVec3| {
+            let vertices = corners.map(|c| place + DVec3::from_array(c)).to_vec();
+            rounding_step(&Mesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).unwrap())
+        };
+        assert_eq!(at(DVec3::new(1e6, -1e6, 1e6)), None);
+        assert_eq!(at(DVec3::new(1_234_567.0, 7_654_321.0, -1_111_113.0)), None);
+        // Many steps of its own, few of them round.
+        assert_eq!(at(DVec3::ZERO), None);
+        let wide = [[0.0; 3], [1_237.0, 0.0, 3.0], [0.0, 4_311.0, 0.0], [3.0, 1.0, 2_501.0]];
+        let wide = wide.map(|c| DVec3::splat(1e6) + DVec3::from_array(c)).to_vec();
+        let wide = Mesh::new(wide, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        assert_eq!(rounding_step(&wide), Some(1.0));
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod bodies;
 mod check;
 mod counts;
 mod covers;
+mod families;
 mod noisy;
 mod random;
 mod rough;
