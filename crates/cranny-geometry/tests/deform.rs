@@ -1,5 +1,7 @@
 //! Deformation: what follows moved vertices equals what is built of the moved mesh.
 
+#[path = "deform/any_solid.rs"]
+mod any_solid;
 #[path = "deform/equal.rs"]
 mod equal;
 #[path = "deform/folded.rs"]
