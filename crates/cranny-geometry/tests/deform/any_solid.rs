@@ -16,8 +16,12 @@ use cranny_testkit::Rng;
 use crate::equal::{assert_equals_rebuild, assert_tells_changes, options};
 use crate::meshes::turned;
 
-/// Seeds that always run: some seconds' worth.
+/// Seeds that always run: a second's worth.
 const SEEDS: Range<u64> = 0..60;
+
+/// And some that alone showed a fault: a cap with a corner that had moved was told as it was, where no face of the
+/// concavity had moved.
+const TELLING: [u64; 2] = [487, 883];
 
 /// Deformations of each solid.
 const STEPS: usize = 6;
@@ -110,10 +114,11 @@ fn moves(model: &Model, home: &Mesh, coincides: bool, rng: &mut Rng) -> Vec<(Ver
     all
 }
 
-/// The seeds asked for; these if none are.
-fn seeds() -> Range<u64> {
-    let Ok(text) = std::env::var("CRANNY_SEEDS") else { return SEEDS };
+/// The seeds asked for; those above if none are.
+fn seeds() -> Vec<u64> {
+    let Ok(text) = std::env::var("CRANNY_SEEDS") else { return SEEDS.chain(TELLING).collect() };
     let ends = text.split_once("..").and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));
+    let ends = ends.map(|ends: Range<u64>| ends.collect());
     ends.unwrap_or_else(|| panic!("CRANNY_SEEDS is '{text}', and should be as 1000..5000"))
 }
 
@@ -146,6 +151,5 @@ fn solids_of_many_kinds_follow_any_moves() {
             assert_tells_changes(&before, &model, &change, &what);
         }
     }
-    println!("{followed} deformations followed, {anew} built anew");
     assert!(followed > 0 && anew > 0, "{followed}, {anew}");
 }
