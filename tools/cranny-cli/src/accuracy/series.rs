@@ -44,8 +44,9 @@ impl<T> Series<T> {
         patience: Duration,
     ) -> Self {
         let each = each(scene, method, ask, candidates, patience);
-        let affordable = patience.as_secs_f64() / each.as_secs_f64().max(1e-9);
-        let visits = visits(candidates, method.is_warm(), affordable as usize);
+        let affordable = patience.as_nanos() / each.as_nanos().max(1);
+        let affordable = usize::try_from(affordable).unwrap_or(usize::MAX);
+        let visits = visits(candidates, method.is_warm(), affordable);
         Self { ask, visits, replies: Vec::new() }
     }
 
