@@ -66,14 +66,14 @@ impl Flatness {
     pub fn resolve(self, mesh: &Mesh) -> f64 {
         match self {
             Self::Auto => {
-                let share = |step: Option<f64>| step.map_or(0.0, |step| step / largest(mesh));
+                let (largest, bounds) = (largest(mesh), mesh.bounds());
+                let share = |step: Option<f64>| step.map_or(0.0, |step| step / largest);
                 let is_single = is_single(mesh) || share(written_step(mesh)) >= Self::NINE_DIGITS;
                 let step = share(rounding_step(mesh));
                 let binary = if is_single { Self::SINGLE } else { FLATNESS };
-                let bounds = mesh.bounds();
                 // A body far from the origin is no larger for it.
-                let extent = (bounds.max - bounds.min).max_element().min(largest(mesh));
-                binary.max((Self::GRID_STEPS * step).min(Self::GRID_LIMIT * share(Some(extent))))
+                let extent = (bounds.max - bounds.min).max_element().min(largest) / largest;
+                binary.max((Self::GRID_STEPS * step).min(Self::GRID_LIMIT * extent))
             }
             Self::Double => FLATNESS,
             Self::Single => Self::SINGLE,
@@ -85,5 +85,21 @@ impl Flatness {
     #[must_use]
     pub fn distance(self, mesh: &Mesh) -> f64 {
         self.resolve(mesh) * largest(mesh)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_exact::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn a_grid_says_no_more_of_a_body_far_away_than_its_size_allows() {
+        let far = [[0.0; 3], [1_237.0, 0.0, 3.0], [0.0, 4_311.0, 0.0], [3.0, 1.0, 2_501.0]]
+            .map(|c| DVec3::splat(1e6) + DVec3::from_array(c));
+        let mesh = Mesh::new(far.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let most = Flatness::GRID_LIMIT * 4_311.0;
+        assert!((Flatness::Auto.distance(&mesh) / most - 1.0).abs() < 1e-12);
     }
 }

@@ -159,6 +159,17 @@ mod tests {
             let found = foot(middle + off * beside, [DVec3::ZERO, 2.0 * middle]).distance;
             assert!(found >= 5.0 * off && found < 5.05 * off, "{found:e} for {:e}", 5.0 * off);
         }
+        // An end beside the line by less than differences keep: half as far in the middle.
+        let off = 2f64.powi(-60);
+        for (p, ends) in [
+            (middle, [off * beside, 2.0 * middle]),
+            (-middle, [2.0 * -middle, off * beside]),
+            (off * beside, [-middle, middle]),
+        ] {
+            let least = if p.length() < 1.0 { 5.0 * off } else { 2.5 * off };
+            let found = foot(p, ends).distance;
+            assert!(found >= 0.999 * least && found < 1e-15, "{found:e} for {least:e}");
+        }
     }
 
     #[test]

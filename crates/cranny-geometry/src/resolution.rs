@@ -92,14 +92,12 @@ fn steps(mesh: &Mesh) -> impl Iterator<Item = f64> {
 /// body's box, which may have been moved away from 0 since: rounding leaves numbers of many steps, one in ten of which
 /// is round.
 fn is_drawn(mesh: &Mesh, step: f64) -> bool {
-    let noise = noise(largest(mesh));
     let is_round = |x: f64| {
         let tens = x / (10.0 * step);
         tens.abs() < 0.1 * FEW_STEPS || (tens - tens.round()).abs() < 0.05
     };
     [DVec3::ZERO, mesh.bounds().min].into_iter().any(|origin| {
-        let mut from_there = mesh.vertices().iter().map(|p| p - origin);
-        from_there.all(|p| p.to_array().into_iter().all(|x| x.abs() <= noise || is_round(x)))
+        coordinates(mesh).zip(origin.to_array().into_iter().cycle()).all(|(x, o)| is_round(x - o))
     })
 }
 
@@ -200,13 +198,8 @@ const SINGLE: f64 = 1.0 / (1u64 << 23) as f64;
 /// The coordinates but for those that computing left where nothing was meant: the 6e-17 of a
 /// quarter turn is written with all its digits beside a 1.
 fn written(mesh: &Mesh, largest: f64) -> impl Iterator<Item = f64> + Clone + '_ {
-    let noise = noise(largest);
+    let noise = BINARY_STEPS * f64::EPSILON * largest;
     coordinates(mesh).filter(move |x| x.abs() > noise)
-}
-
-/// What computing may leave of coordinates where 0 was meant.
-fn noise(largest: f64) -> f64 {
-    BINARY_STEPS * f64::EPSILON * largest
 }
 
 fn coordinates(mesh: &Mesh) -> impl Iterator<Item = f64> + Clone + '_ {

@@ -1,4 +1,4 @@
-//! What a pair's memory holds, shown for drawing: nothing of it is kept for that, and whoever does not look pays nothing.
+//! What a pair's memory holds, shown for drawing: nothing of it is kept for that.
 
 use cranny_geometry::FaceId;
 

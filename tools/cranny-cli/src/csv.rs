@@ -10,6 +10,11 @@ pub(crate) fn cell(value: Option<impl ToString>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
+/// A line of names, then the rows.
+pub(crate) fn table(columns: &str, rows: impl Iterator<Item = String>) -> String {
+    std::iter::once(columns.to_owned()).chain(rows).map(|row| row + "\n").collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,19 +4,19 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::concavity::ConcavityKind::{self, Island, Passage, Pocket, Void};
-use cranny_geometry::{BuildOptions, Mesh, Model, Repair};
+use cranny_geometry::features::Feature;
+use cranny_geometry::{BuildOptions, FaceId, Mesh, Model, Repair, VertexId};
 use cranny_shapes::Cuboid;
 use cranny_testkit::Rng;
 
 use crate::bodies;
 use crate::check::{check_sums, checked_with, closed_checked};
-use crate::ways::{moved, rounded_to_single, turned};
+use crate::rounding::classification;
+use crate::ways::{census, moved, rounded_to_single, turned};
 
 /// Kinds and lids, sorted: what no way of writing a body may change.
 fn kinds(model: &Model) -> Vec<(ConcavityKind, usize)> {
-    let mut all: Vec<_> = model.concavities().iter().map(|c| (c.kind, c.lids().len())).collect();
-    all.sort_unstable();
-    all
+    census(model).into_iter().map(|(kind, lids, _)| (kind, lids)).collect()
 }
 
 /// Each concavity's faces and caps have the same boundary, and its loops are that boundary, each of them simple.
@@ -44,18 +44,6 @@ fn assert_closes(model: &Model, what: &str) {
     }
 }
 
-/// Of each concavity kind, lids, loops and faces, these by their names.
-fn classes(model: &Model, face: &[usize]) -> Vec<(ConcavityKind, usize, usize, Vec<usize>)> {
-    let all = model.concavities().iter().map(|c| {
-        let mut faces: Vec<usize> = c.faces.iter().map(|f| face[f.index()]).collect();
-        faces.sort_unstable();
-        (c.kind, c.lids().len(), c.loops().len(), faces)
-    });
-    let mut all: Vec<_> = all.collect();
-    all.sort_unstable();
-    all
-}
-
 fn sheared(mesh: &Mesh) -> Mesh {
     let shear = DMat3::from_cols(
         DVec3::new(1.0, 0.25, 0.0),
@@ -71,16 +59,15 @@ fn assert_counts(mesh: &Mesh, mut expected: Vec<(ConcavityKind, usize)>, what: &
     let model = closed_checked(mesh);
     assert_eq!(kinds(&model), expected, "{what}");
     assert_closes(&model, what);
-    let names: Vec<usize> = (0..mesh.faces().len()).collect();
-    let class = classes(&model, &names);
+    let class = classification(&model, FaceId::index);
     for scale in [2f64.powi(-60), 2f64.powi(30)] {
         let scaled = closed_checked(&moved(mesh, |p| scale * p));
-        assert_eq!(classes(&scaled, &names), class, "{what}, scaled by {scale:e}");
+        assert_eq!(classification(&scaled, FaceId::index), class, "{what}, scaled by {scale:e}");
     }
     let (other, names) = bodies::renumbered(mesh, &mut Rng::new(3));
     let other = closed_checked(&other);
     assert_closes(&other, what);
-    assert_eq!(classes(&other, &names), class, "{what}, renumbered");
+    assert_eq!(classification(&other, |f| names[f.index()]), class, "{what}, renumbered");
     let turn = turned(mesh);
     let ways = [
         ("sheared", sheared(mesh)),
@@ -277,7 +264,7 @@ fn voids_nest_and_lie_side_by_side() {
     assert_counts(&tray(3, &pits).joined(&piece), vec![(Pocket, 1), (Island, 0)], "pebble");
 }
 
-/// A prism over a star, the upper star turned and smaller: slanted notches, all corners on the hull.
+/// A prism over a star, the upper star moved aside and another size: slanted notches, all corners on the hull.
 fn slanted_star(points: u32, scale: f64, shift: f64) -> Mesh {
     moved(&bodies::star_prism(points), |p| {
         let s = if p.z > 0.5 { scale } else { 1.0 };
@@ -289,16 +276,9 @@ fn slanted_star(points: u32, scale: f64, shift: f64) -> Mesh {
 fn slanted_notches_whose_corners_are_all_on_the_hull_are_pockets() {
     for (points, scale, shift) in [(3, 1.0, 0.3), (5, 0.5, 0.1), (8, 0.75, -0.7), (7, 0.3, 0.0)] {
         let mesh = slanted_star(points, scale, shift);
-        let vertices = mesh.vertices().len();
         let model = closed_checked(&mesh);
-        let on_hull = model.features();
-        let off = (0..vertices as u32)
-            .filter(|&v| {
-                on_hull.vertex(cranny_geometry::VertexId(v))
-                    == cranny_geometry::features::Feature::Concavity
-            })
-            .count();
-        assert_eq!(off, 0);
+        let mut all = (0..mesh.vertices().len() as u32).map(VertexId);
+        assert!(all.all(|v| model.features().vertex(v) != Feature::Concavity));
         assert_counts(&mesh, vec![(Pocket, 1); points as usize], &format!("{points} points"));
     }
 }

@@ -294,7 +294,7 @@ fn flatness_is_chosen_by_the_coordinates() {
 
 /// Everything that must not depend on scale and numbering: per face its class, and per concavity its
 /// kind, lids, loops and the faces in it, by the names that `name` gives them.
-fn classification(model: &Model, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
+pub(crate) fn classification(model: &Model, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
     let mut classes = Vec::new();
     for concavity in model.concavities().iter() {
         let mut class: Vec<usize> = concavity.faces.iter().map(|&f| name(f)).collect();

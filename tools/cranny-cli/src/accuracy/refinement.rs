@@ -10,7 +10,7 @@ use super::figures::{mean, most, quantile};
 use super::method::Method;
 use super::ours::{Allowance, Ours};
 use super::visits::centers;
-use crate::csv::cell;
+use crate::csv::{cell, table};
 
 /// Frames that bodies rest at most.
 const FRAMES: usize = 64;
@@ -73,23 +73,22 @@ impl Rested {
             median_us: quantile(&micros, 50),
         }
     }
+
+    fn csv(&self) -> String {
+        [
+            self.budget.to_string(),
+            self.frame.to_string(),
+            self.poses.to_string(),
+            self.open.to_string(),
+            cell(self.width_mean),
+            cell(self.width_max),
+            cell(self.median_us),
+        ]
+        .join(",")
+    }
 }
 
 /// A table of all rows.
 pub(super) fn csv(all: &[Rested]) -> String {
-    let mut text = "budget,frame,poses,open,width_mean,width_max,median_us\n".to_owned();
-    for row in all {
-        let cells = [
-            row.budget.to_string(),
-            row.frame.to_string(),
-            row.poses.to_string(),
-            row.open.to_string(),
-            cell(row.width_mean),
-            cell(row.width_max),
-            cell(row.median_us),
-        ];
-        text += &cells.join(",");
-        text.push('\n');
-    }
-    text
+    table("budget,frame,poses,open,width_mean,width_max,median_us", all.iter().map(Rested::csv))
 }

@@ -52,10 +52,9 @@ impl<T> Series<T> {
 
     /// Asks at all poses; of what was told before, only that stays which took no longer.
     pub(super) fn run(&mut self, scene: &Scene, method: &mut dyn Method) {
-        method.begin(scene.models);
         let mut index = 0;
-        for visit in &self.visits {
-            if !method.is_warm() {
+        for (i, visit) in self.visits.iter().enumerate() {
+            if i == 0 || !method.is_warm() {
                 method.begin(scene.models);
             }
             let start = Instant::now();

@@ -2,7 +2,7 @@
 
 use super::figures::Figures;
 use super::method::Name;
-use crate::csv::{cell, quoted};
+use crate::csv::{cell, quoted, table};
 
 const COLUMNS: &str = "poses,median_us,p99_us,tests_mean,false_negatives,false_positives,open,outside,\
 width_mean,width_max,distance_error_mean,distance_error_max,witness_error_mean,witness_error_max,\
@@ -11,12 +11,7 @@ contact_error_max,note";
 
 /// All rows, below a line of names. Numbers are written so that they read back to the bit.
 pub(super) fn csv(all: &[Figures]) -> String {
-    let mut text = format!("{},{COLUMNS}\n", Name::COLUMNS);
-    for row in all {
-        text += &row.csv();
-        text.push('\n');
-    }
-    text
+    table(&format!("{},{COLUMNS}", Name::COLUMNS), all.iter().map(Figures::csv))
 }
 
 impl Figures {
