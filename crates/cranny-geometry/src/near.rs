@@ -170,6 +170,12 @@ mod tests {
             let found = foot(p, ends).distance;
             assert!(found >= 0.999 * least && found < 1e-15, "{found:e} for {least:e}");
         }
+        // Rounded products would cancel to nothing. The distance is of exact rationals.
+        let p =
+            DVec3::new(0.431_275_538_485_871_13, -0.563_940_512_014_218_9, 0.507_171_580_162_077_1);
+        let ends =
+            [DVec3::new(0.921875, 0.921875, -0.65625), DVec3::new(0.375, -0.734375, 0.640625)];
+        assert!(foot(p, ends).distance >= 2.443_416_316_622_518e-17);
     }
 
     #[test]
