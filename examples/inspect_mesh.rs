@@ -30,10 +30,13 @@ fn inspect(path: &Path) -> Result<(), Box<dyn Error>> {
 
     println!("{}", path.display());
     println!(
-        "{} vertices ({} as filed), {} faces, {} components, area {:.4}",
-        report.vertices, report.filed_vertices, report.faces, report.components, report.area
+        "{} vertices, {} faces, {} components, area {:.4}",
+        report.vertices, report.faces, report.components, report.area
     );
-    for repair in &report.repairs {
+    if let Some(filed) = &report.provenance {
+        println!("filed: {} vertices, {} faces", filed.vertices, filed.faces);
+    }
+    for repair in report.repairs() {
         println!("repaired: {repair}");
     }
     let mut found = BTreeMap::<&str, (usize, &[&str])>::new();

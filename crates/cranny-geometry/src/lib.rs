@@ -15,8 +15,7 @@
 //! Self-intersections are reported, never resolved; holes are reported, never filled.
 //!
 //! ```
-//! use cranny_exact::DVec3;
-//! use cranny_geometry::{BuildOptions, Mesh, Model};
+//! use cranny_geometry::{BuildOptions, DVec3, Mesh, Model};
 //!
 //! let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
 //! let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -29,7 +28,6 @@
 //! What of a body is not convex, and what becomes of it when the body is dented and when it is saved:
 //!
 //! ```
-//! use cranny_exact::DVec3;
 //! use cranny_geometry::concavity::ConcavityKind;
 //! use cranny_geometry::{BuildOptions, Model, VertexId};
 //! use cranny_shapes::Cup;
@@ -83,6 +81,9 @@ mod tree;
 mod weld;
 mod winding;
 
+/// What the interface of this crate is written in.
+pub use cranny_exact::{Aabb, DVec3, Tolerance};
+
 pub use angle::between as radians_between;
 pub use concavity::Concavities;
 pub use deform::{ChangeSet, DeformError, Work};
@@ -101,7 +102,9 @@ pub use patches::{NormalCone, Patch, PatchTree, Patches, Slab};
 pub use polygon::{SplitPolygon, split_polygon};
 pub use repair::Repair;
 pub use repair::proof::ProofError;
-pub use report::{Element, Finding, FindingKind, MeetingScan, RepairKind, RepairRecord, Report};
+pub use report::{
+    Element, Finding, FindingKind, MeetingScan, Provenance, RepairKind, RepairRecord, Report,
+};
 pub use smooth_normals::{
     Crease, CreaseAngleError, SmoothNormals, SurfaceNormal, check_crease_angle,
 };

@@ -18,7 +18,7 @@ mod tag;
 
 use std::sync::Arc;
 
-use cranny_exact::Aabb;
+use cranny_exact::{Aabb, Tolerance};
 
 use crate::concavity::{Concavities, HullCovers};
 use crate::digest::digest;
@@ -32,7 +32,7 @@ use crate::mesh::Mesh;
 use crate::patches::Patches;
 use crate::reach::{farthest, radius};
 use crate::repair::{Repair, mend};
-use crate::report::{RepairKind, RepairRecord, Report};
+use crate::report::{Provenance, RepairKind, RepairRecord, Report};
 use crate::scan::faces::has_no_area;
 use crate::scan::scan;
 use crate::topology::Topology;
@@ -41,6 +41,7 @@ use crate::weld::weld;
 
 pub use file::DecodeError;
 pub(crate) use options::no_area;
+use options::weld_distance;
 pub use options::{BuildError, BuildOptions, Stage};
 pub(crate) use parts::{Covered, FormerEnvelopes, Parts, openings};
 pub use tag::ModelTag;
@@ -71,13 +72,10 @@ impl Model {
     ) -> Result<(Self, Report), BuildError> {
         options.check_leaves()?;
         observe(Stage::Repair);
-        let mut report = Report {
-            filed_vertices: mesh.vertices().len(),
-            filed_faces: mesh.faces().len(),
-            weld_distance: options.weld_distance(&mesh)?,
-            ..Report::default()
-        };
-        let (mut mesh, filed_faces) = mended(mesh, options.repair, &mut report)?;
+        let weld_distance = weld_distance(options.tolerance, &mesh)?;
+        let mut report = Report { weld_distance, ..Report::default() };
+        let Mended { mut mesh, filed_faces, mut provenance } =
+            mended(mesh, options.repair, weld_distance)?;
         if (0..mesh.faces().len() as u32).all(|f| has_no_area(&mesh, FaceId(f))) {
             return Err(BuildError::OnlyDegenerateFaces { faces: mesh.faces().len() });
         }
@@ -88,8 +86,9 @@ impl Model {
             topology = Topology::of(&mesh);
             mass = Some(MassProperties::of(&mesh));
             let turned = RepairRecord::new(RepairKind::TurnedRightSideOut, mesh.faces().len());
-            report.repairs.push(turned);
+            provenance.repairs.push(turned);
         }
+        report.provenance = Some(provenance);
         describe(&mesh, &topology, mass.as_ref(), &mut report);
 
         observe(Stage::Trees);
@@ -97,7 +96,6 @@ impl Model {
         let tree = FaceTree::of_pairs(&mesh, &mates, options.leaf_size);
         let patches = Patches::with_mates(&mesh, &topology, &mates);
         observe(Stage::Scan);
-        let weld_distance = report.weld_distance;
         let mass_of = mass.as_ref();
         let searches = options.self_intersections;
         report.take(scan(&mesh, &topology, &tree, mass_of, weld_distance, searches));
@@ -144,21 +142,25 @@ impl Model {
     /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it, for a
     /// model that was loaded. What was mended before the model was saved is not known any more.
     ///
+    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`].
+    ///
     /// # Errors
     ///
     /// [`BuildError::WeldDistance`], as [`build`](Self::build).
-    pub fn survey(&self, options: &BuildOptions) -> Result<Report, BuildError> {
+    pub fn survey(
+        &self,
+        tolerance: Option<Tolerance>,
+        self_intersections: bool,
+    ) -> Result<Report, BuildError> {
         let Parts { mesh, topology, hull, features, concavities, mass, flatness, .. } = &*self.0;
         let mut report = Report {
-            filed_vertices: mesh.vertices().len(),
-            filed_faces: mesh.faces().len(),
-            weld_distance: options.weld_distance(mesh)?,
+            weld_distance: weld_distance(tolerance, mesh)?,
             flatness: *flatness,
             ..Report::default()
         };
         describe(mesh, topology, mass.as_ref(), &mut report);
         let (mass, distance) = (mass.as_ref(), report.weld_distance);
-        report.take(scan(mesh, topology, self.tree(), mass, distance, options.self_intersections));
+        report.take(scan(mesh, topology, self.tree(), mass, distance, self_intersections));
         report.add(concavities.surface().findings(
             mesh,
             hull,
@@ -323,13 +325,21 @@ fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, rep
     report.volume = mass.map(|m| m.volume);
 }
 
-/// Welds what is in exactly the same place, then mends as far as the policy goes. Returns the mesh
-/// and the filed face of each of its faces where these are not the same.
-fn mended(
+/// A mesh that may have been mended.
+struct Mended {
     mesh: Mesh,
-    policy: Repair,
-    report: &mut Report,
-) -> Result<(Mesh, Option<Vec<FaceId>>), BuildError> {
+    /// The filed face of each face, where these are not the same.
+    filed_faces: Option<Vec<FaceId>>,
+    provenance: Provenance,
+}
+
+/// Welds what is in exactly the same place, then mends as far as the policy goes.
+fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<Mended, BuildError> {
+    let mut provenance = Provenance {
+        vertices: mesh.vertices().len(),
+        faces: mesh.faces().len(),
+        ..Provenance::default()
+    };
     let welded = weld(&mesh);
     for (kind, vertices) in [
         (RepairKind::WeldedVertices, &welded.duplicates),
@@ -337,14 +347,14 @@ fn mended(
     ] {
         if !vertices.is_empty() {
             let record = RepairRecord::new(kind, vertices.len());
-            report.repairs.push(RepairRecord { vertices: vertices.clone(), ..record });
+            provenance.repairs.push(RepairRecord { vertices: vertices.clone(), ..record });
         }
     }
     if policy == Repair::None {
-        return Ok((welded.mesh, None));
+        return Ok(Mended { mesh: welded.mesh, filed_faces: None, provenance });
     }
-    let mended = mend(&mesh, welded, policy == Repair::Full, report.weld_distance)?;
-    report.repairs.extend(mended.records);
-    report.deviation = mended.deviation;
-    Ok((mended.mesh, mended.filed_face))
+    let mended = mend(&mesh, welded, policy == Repair::Full, weld_distance)?;
+    provenance.repairs.extend(mended.records);
+    provenance.deviation = mended.deviation;
+    Ok(Mended { mesh: mended.mesh, filed_faces: mended.filed_face, provenance })
 }

@@ -1,6 +1,7 @@
 //! What was found and mended while a model was prepared.
 
 mod finding_kind;
+mod provenance;
 mod repair_record;
 
 use cranny_exact::DVec3;
@@ -8,15 +9,14 @@ use cranny_exact::DVec3;
 use crate::scan::Scanned;
 
 pub use finding_kind::{Element, FindingKind};
+pub use provenance::Provenance;
 pub use repair_record::{RepairKind, RepairRecord};
 
-/// The outcome of preparing a mesh.
+/// The outcome of preparing a mesh, or of surveying a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Vertices as filed.
-    pub filed_vertices: usize,
-    /// Faces as filed.
-    pub filed_faces: usize,
+    /// What was filed and what was mended; `None` of a model that was loaded, whose file does not say.
+    pub provenance: Option<Provenance>,
     /// Vertices of the prepared mesh.
     pub vertices: usize,
     /// Faces of the prepared mesh; [`Model::filed_face`](crate::Model::filed_face) says whence each came.
@@ -33,9 +33,6 @@ pub struct Report {
     pub volume: Option<f64>,
     /// What 'the same place' meant for findings and repairs. Unit: length.
     pub weld_distance: f64,
-    /// The prepared surface is proved to be the filed one within this distance, both ways. 0 where
-    /// no vertex moved and no edge was split off its line. Unit: length.
-    pub deviation: f64,
     /// How far the search for faces that meet went.
     pub meetings: MeetingScan,
     /// The flatness that was taken, relative to the largest coordinate magnitude: see
@@ -43,8 +40,6 @@ pub struct Report {
     pub flatness: f64,
     /// What is unusual and remains in the prepared mesh.
     pub findings: Vec<Finding>,
-    /// What was mended, in order.
-    pub repairs: Vec<RepairRecord>,
 }
 
 impl Report {
@@ -53,6 +48,23 @@ impl Report {
     #[must_use]
     pub fn is_sound(&self) -> bool {
         self.findings.iter().all(|finding| finding.kind.limits().is_empty())
+    }
+
+    /// What was mended, in order; nothing where that is not known.
+    #[must_use]
+    pub fn repairs(&self) -> &[RepairRecord] {
+        self.provenance.as_ref().map_or(&[], |known| &known.repairs)
+    }
+
+    /// Why the [volumes of pockets](crate::concavity::Measures::pocket_volume) mean nothing; `None` where they do.
+    #[must_use]
+    pub fn volumes_unknown(&self) -> Option<&'static str> {
+        let doubled = [FindingKind::DuplicateFaces, FindingKind::OppositeFaces];
+        if !self.closed {
+            return Some("the mesh is not closed");
+        }
+        let is_doubled = self.findings.iter().any(|finding| doubled.contains(&finding.kind));
+        is_doubled.then_some("faces lie in one place with others")
     }
 
     /// Takes in what a scan found.

@@ -103,11 +103,9 @@ fn a_loaded_model_is_surveyed_as_it_was_when_built() {
     for mesh in bodies() {
         let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
         let back = Model::decode(&model.encode()).unwrap();
-        let mut survey = back.survey(&BuildOptions::default()).unwrap();
-        assert_eq!(survey.filed_faces, report.faces);
-        // What was filed and mended is not saved.
-        survey.filed_vertices = report.filed_vertices;
-        survey.repairs.clone_from(&report.repairs);
+        let mut survey = back.survey(None, true).unwrap();
+        assert_eq!(survey.provenance, None, "what was filed and mended is not saved");
+        survey.provenance = report.provenance.clone();
         assert_eq!(survey, report);
     }
 }
@@ -118,7 +116,7 @@ fn repaired_and_coarse_models_come_back() {
     mesh = mesh.clone().joined(&mesh); // every face twice: one of each goes
     let options = BuildOptions { repair: Repair::Full, leaf_size: 300, ..BuildOptions::default() };
     let (model, report) = Model::build(mesh, &options).unwrap();
-    assert!(report.faces < report.filed_faces);
+    assert!(report.faces < report.provenance.unwrap().faces);
     let back = Model::decode(&model.encode()).unwrap();
     assert!(shown(&back) == shown(&model));
     let last = FaceId(report.faces as u32 - 1);

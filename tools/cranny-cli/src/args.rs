@@ -215,8 +215,9 @@ pub(crate) struct InspectArgs {
     pub(crate) weld: Option<f64>,
 
     /// How far from a plane points may lie that are meant to lie in it, as a share of the largest
-    /// coordinate, at most 0.01 (below 9e-16, by which planes are measured, that); marks no deeper are taken for rounding [default: from how finely its
-    /// coordinates are stored, which a mesh that was turned since does not show]
+    /// coordinate, at most 0.01; marks no deeper are taken for rounding. Less than 9e-16 counts as that: planes
+    /// are not known more finely [default: from how finely its coordinates are stored, which a mesh
+    /// that was turned since does not show]
     #[arg(long, value_name = "SHARE", value_parser = flat, allow_hyphen_values = true)]
     pub(crate) flat: Option<f64>,
 

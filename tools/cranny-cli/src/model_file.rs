@@ -20,8 +20,6 @@ pub(crate) struct LoadedModel {
     pub(crate) model: Model,
     /// What was found and mended.
     pub(crate) report: Report,
-    /// Whether what was filed and mended is known: not of a saved model.
-    pub(crate) knows_origin: bool,
     /// The format that the file has.
     pub(crate) format: &'static str,
     /// What the reader left out or changed.
@@ -128,10 +126,10 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
         if report.closed { "closed" } else { "open" },
         model.concavities().len(),
         report.findings.len(),
-        report.repairs.len(),
+        report.repairs().len(),
     );
     tracing::debug!("{name}: {times:?}");
-    Ok(LoadedModel { model, report, knows_origin: true, format: format.name(), notes, times })
+    Ok(LoadedModel { model, report, format: format.name(), notes, times })
 }
 
 fn unreadable(error: MeshFileError) -> Failure {

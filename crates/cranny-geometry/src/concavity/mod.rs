@@ -46,7 +46,8 @@ pub enum ConcavityKind {
     /// Several lids: a through-hole, say. Also where two notches have nothing in common but an edge of the mesh, which
     /// four faces share: faces hang together over it, though nothing passes through (two cubes that touch along an edge).
     Passage,
-    /// No lid, and air within: a bubble inside a body.
+    /// No lid, and air within: a bubble inside a body. The shell around it is a finding, too, by itself
+    /// ([`Cavity`](crate::FindingKind::Cavity)).
     Void,
     /// No lid, and matter within, or a surface that bounds nothing: a separate piece inside a
     /// concavity, or anywhere off the hull. A solid inside the matter of another is one too, without a parent, as no air
@@ -142,8 +143,8 @@ pub struct Measures {
     pub cap_area: f64,
     /// Area of the faces.
     pub face_area: f64,
-    /// Volume between cap and faces: negative for a piece of matter. It means nothing where the mesh is
-    /// open there. Unit: length^3.
+    /// Volume between cap and faces: negative for a piece of matter. It means nothing where
+    /// [`Report::volumes_unknown`](crate::Report::volumes_unknown) says why. Unit: length^3.
     pub pocket_volume: f64,
     /// Sum of the area vectors of the cap, outward: the direction in which the concavity opens, its
     /// length the area of the opening seen from there. Zero, to rounding, for a through-hole between

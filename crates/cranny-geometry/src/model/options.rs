@@ -49,16 +49,17 @@ impl BuildOptions {
             None => Ok(()),
         }
     }
+}
 
-    pub(super) fn weld_distance(&self, mesh: &Mesh) -> Result<f64, BuildError> {
-        let Some(Tolerance { weld_distance }) = self.tolerance else {
-            return Ok(default_weld_distance(mesh));
-        };
-        let limit = Self::LARGEST_WELD_SHARE * mesh.bounds().diagonal();
-        match (0.0..=limit).contains(&weld_distance) {
-            true => Ok(weld_distance),
-            false => Err(BuildError::WeldDistance { weld_distance, limit }),
-        }
+/// The weld distance asked for, or the default for a mesh.
+pub(super) fn weld_distance(tolerance: Option<Tolerance>, mesh: &Mesh) -> Result<f64, BuildError> {
+    let Some(Tolerance { weld_distance }) = tolerance else {
+        return Ok(default_weld_distance(mesh));
+    };
+    let limit = BuildOptions::LARGEST_WELD_SHARE * mesh.bounds().diagonal();
+    match (0.0..=limit).contains(&weld_distance) {
+        true => Ok(weld_distance),
+        false => Err(BuildError::WeldDistance { weld_distance, limit }),
     }
 }
 

@@ -27,7 +27,12 @@ pub(crate) fn kinds(report: &Report) -> BTreeMap<&'static str, usize> {
 }
 
 pub(crate) fn repaired(report: &Report) -> Vec<(RepairKind, usize)> {
-    report.repairs.iter().map(|r| (r.kind, r.count)).collect()
+    report.repairs().iter().map(|r| (r.kind, r.count)).collect()
+}
+
+/// How far repairs moved the surface.
+pub(crate) fn deviation(report: &Report) -> f64 {
+    report.provenance.as_ref().expect("built, not loaded").deviation
 }
 
 /// The corners of every face: preparation numbers vertices by their first use.

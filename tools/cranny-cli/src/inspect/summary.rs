@@ -4,9 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use cranny_geometry::concavity::Concavity;
-use cranny_geometry::{
-    Envelope, Envelopes, Finding, FindingKind, MeetingScan, Model, RepairRecord, Report,
-};
+use cranny_geometry::{Envelope, Envelopes, Finding, MeetingScan, Model, RepairRecord};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -168,19 +166,20 @@ impl Skipped {
 impl Summary {
     /// The report of a prepared model.
     pub(super) fn new(path: &Path, loaded: &LoadedModel) -> Self {
-        let LoadedModel { model, report, knows_origin, format, notes, times } = loaded;
+        let LoadedModel { model, report, format, notes, times } = loaded;
         let bounds = model.bounds();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        let volumes_unknown = volumes_unknown(report);
+        let volumes_unknown = report.volumes_unknown();
+        let filed = report.provenance.as_ref();
         Self {
             version: 1,
             file: path.display().to_string(),
             format,
             digest: model.digest().iter().map(|byte| format!("{byte:02x}")).collect(),
             vertices: report.vertices,
-            filed_vertices: knows_origin.then_some(report.filed_vertices),
+            filed_vertices: filed.map(|filed| filed.vertices),
             faces: report.faces,
-            filed_faces: knows_origin.then_some(report.filed_faces),
+            filed_faces: filed.map(|filed| filed.faces),
             components: report.components,
             closed: report.closed,
             oriented: report.oriented,
@@ -189,10 +188,10 @@ impl Summary {
             area: report.area,
             weld_distance: report.weld_distance,
             flatness: report.flatness,
-            deviation: knows_origin.then_some(report.deviation),
+            deviation: filed.map(|filed| filed.deviation),
             findings: report.findings.iter().map(FindingLine::new).collect(),
             findings_complete: report.meetings == MeetingScan::Complete,
-            repairs: knows_origin.then(|| report.repairs.iter().map(RepairLine::new).collect()),
+            repairs: filed.map(|filed| filed.repairs.iter().map(RepairLine::new).collect()),
             hull: HullLine::new(model),
             features: FeaturesLine::new(model),
             concavities: model
@@ -221,16 +220,6 @@ impl Summary {
             skipped: Vec::new(),
         }
     }
-}
-
-/// What keeps the volumes of pockets from meaning anything.
-fn volumes_unknown(report: &Report) -> Option<&'static str> {
-    let has = |kind: FindingKind| report.findings.iter().any(|f| f.kind == kind);
-    if !report.closed {
-        return Some("the mesh is not closed");
-    }
-    let doubled = has(FindingKind::DuplicateFaces) || has(FindingKind::OppositeFaces);
-    doubled.then_some("faces lie in one place with others")
 }
 
 impl FindingLine {

@@ -40,15 +40,15 @@ pub(super) fn page(summary: &Summary) -> String {
         format!("area {}, volume {}{}", number(hull.area), number(hull.volume), share(summary)),
     );
     row("", format!("facets up to {} thick", number(hull.thickness_max)));
-    row("on it", on_the_hull(summary));
-    row("off it", concavities::in_short(summary));
+    row("on hull", on_the_hull(summary));
+    row("off hull", concavities::in_short(summary));
     row("patches", summary.patches.to_string());
     let time = &summary.time_ms;
     row(
         "time",
         format!(
             "read {:.1} ms, repair {:.1} ms, trees {:.1} ms, scan {:.1} ms, hull {:.1} ms, \
-             features {:.1} ms, caps {:.1} ms, envelopes {:.1} ms",
+             classify {:.1} ms, caps {:.1} ms, envelopes {:.1} ms",
             time.read,
             time.repair,
             time.trees,
@@ -91,9 +91,9 @@ fn as_filed(count: usize, filed: Option<usize>) -> String {
 /// What 'the same place' meant, and how far repairs moved the surface.
 fn within(summary: &Summary) -> String {
     match summary.deviation {
-        None | Some(0.0) => number(summary.weld_distance),
+        None | Some(0.0) => format!("within {}", number(summary.weld_distance)),
         Some(off) => format!(
-            "{}; the surface is the filed one within {}",
+            "within {}; the surface is the filed one within {}",
             number(summary.weld_distance),
             number(off)
         ),

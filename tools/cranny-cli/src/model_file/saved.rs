@@ -71,13 +71,13 @@ pub(super) fn load_with_report(
     let mut times = Times { read: start.elapsed(), ..Times::default() };
     let start = Instant::now();
     let report = model
-        .survey(options)
+        .survey(options.tolerance, options.self_intersections)
         .map_err(|error| Failure::input(format!("model file {}: {error}.", path.display())))?;
     times.scan = start.elapsed();
     let notes =
         vec!["a saved model does not say what was filed and mended before it was saved".to_owned()];
     let format = "saved model";
-    Ok(LoadedModel { model, report, knows_origin: false, format, notes, times })
+    Ok(LoadedModel { model, report, format, notes, times })
 }
 
 /// Writes a model under a partial name, which is its own when all is there; returns the number of bytes.
