@@ -16,7 +16,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use rapier3d::geometry::BroadPhaseBvh;
-use rapier3d::math::{Pose, Vector};
+use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::{
     ColliderHandle, ColliderSet, IntegrationParameters, QueryFilter, RigidBody, RigidBodySet,
@@ -46,7 +46,7 @@ struct Motion {
 }
 
 impl Motion {
-    fn of(body: &RigidBody, bounds: Aabb, tagged: &Tagged, dt: f32) -> Self {
+    fn of(body: &RigidBody, bounds: Aabb, tagged: &Tagged, dt: Real) -> Self {
         let linear = (body.linvel() * dt).clamp_length_max(tagged.radius);
         Self {
             pose: *body.position(),
@@ -64,7 +64,7 @@ impl Motion {
     }
 
     /// Where the body may be until the end of the step, and a margin around it.
-    fn swept(&self, margin: f32) -> Aabb {
+    fn swept(&self, margin: Real) -> Aabb {
         let (least, most) = (self.may.mins.min(Vector::ZERO), self.may.maxs.max(Vector::ZERO));
         Aabb::new(self.bounds.mins + least, self.bounds.maxs + most).loosened(margin)
     }
@@ -74,7 +74,7 @@ impl Motion {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairAhead {
     motions: [Motion; 2],
-    base: f32,
+    base: Real,
 }
 
 impl PairAhead {
@@ -85,13 +85,13 @@ impl PairAhead {
     }
 
     /// Contacts that are farther away do not matter in this step.
-    pub(crate) fn reach(&self) -> f32 {
+    pub(crate) fn reach(&self) -> Real {
         let may = self.may();
         self.base.max(may.mins.abs().max(may.maxs.abs()).length())
     }
 
     /// How far a contact may have moved since the step before.
-    pub(crate) fn drift(&self) -> f32 {
+    pub(crate) fn drift(&self) -> Real {
         let [a, b] = &self.motions;
         self.base.max((a.linear - b.linear).length())
     }
@@ -123,7 +123,7 @@ pub(crate) struct Motions(Arc<RwLock<Known>>);
 struct Known {
     bodies: Vec<Motion>,
     /// The shortest reach.
-    base: f32,
+    base: Real,
 }
 
 /// Bodies as a simulation keeps them.
@@ -141,7 +141,7 @@ pub(crate) struct Tagged {
     /// Of mass, in the body's frame.
     pub(crate) center: Vector,
     /// About the centre of mass.
-    pub(crate) radius: f32,
+    pub(crate) radius: Real,
 }
 
 impl Tagged {
@@ -150,7 +150,7 @@ impl Tagged {
         let center = model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
         let away = |p: &DVec3| p.distance(center);
         let radius = model.mesh().vertices().iter().map(away).fold(0.0, f64::max);
-        Self { collider, center: narrow(center), radius: radius as f32 }
+        Self { collider, center: narrow(center), radius: radius as Real }
     }
 }
 
@@ -159,7 +159,7 @@ impl World<'_> {
         self.bodies.get(self.colliders.get(self.tagged[tag].collider)?.parent()?)
     }
 
-    fn motion(&self, tag: usize, dt: f32) -> Option<Motion> {
+    fn motion(&self, tag: usize, dt: Real) -> Option<Motion> {
         let (tagged, body) = (&self.tagged[tag], self.body(tag)?);
         // Where somebody put the body: its collider follows within the step.
         let bounds = self.colliders.get(tagged.collider)?.shape().compute_aabb(body.position());
@@ -185,7 +185,7 @@ impl Motions {
         broad_phase: &mut BroadPhaseBvh,
         parameters: &IntegrationParameters,
         settled: bool,
-    ) -> f32 {
+    ) -> Real {
         let base = parameters.prediction_distance();
         let tags = 0..world.tagged.len();
         let mut bodies: Vec<Motion> =
@@ -209,12 +209,12 @@ impl Motions {
 struct Neighbours<'a> {
     world: &'a World<'a>,
     parameters: &'a IntegrationParameters,
-    base: f32,
+    base: Real,
 }
 
 impl Neighbours<'_> {
     /// Tells each body what others may make of its motion, and returns the longest reach.
-    fn influence(&self, motions: &mut [Motion], broad_phase: &mut BroadPhaseBvh) -> f32 {
+    fn influence(&self, motions: &mut [Motion], broad_phase: &mut BroadPhaseBvh) -> Real {
         let mut seen = vec![false; motions.len()];
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for hop in 0..=HOPS {
@@ -256,7 +256,7 @@ impl Neighbours<'_> {
             }
         }
         let pairs = pairs.iter().map(|&pair| self.between(motions, pair));
-        pairs.filter(|p| !p.stay_apart()).map(|p| p.reach()).fold(0.0, f32::max)
+        pairs.filter(|p| !p.stay_apart()).map(|p| p.reach()).fold(0.0, Real::max)
     }
 
     fn between(&self, motions: &[Motion], pair: [u32; 2]) -> PairAhead {
@@ -270,15 +270,15 @@ impl Neighbours<'_> {
 
     /// How much of another's motion a body may take over: all where that is slower, since others may hold it,
     /// otherwise as much as its mass says.
-    fn share(&self, motions: &[Motion], of: usize, by: usize) -> f32 {
+    fn share(&self, motions: &[Motion], of: usize, by: usize) -> Real {
         let mass = |tag: usize| {
             let dynamic = self.world.body(tag).filter(|body| body.is_dynamic());
-            dynamic.map_or(f32::INFINITY, RigidBody::mass)
+            dynamic.map_or(Real::INFINITY, RigidBody::mass)
         };
         let (own, its) = (mass(of), mass(by));
-        if own == f32::INFINITY {
+        if own == Real::INFINITY {
             0.0
-        } else if its == f32::INFINITY || motions[by].linear.length() < motions[of].linear.length()
+        } else if its == Real::INFINITY || motions[by].linear.length() < motions[of].linear.length()
         {
             1.0
         } else {

@@ -1,8 +1,8 @@
-//! Between rapier's f32 and Cranny's f64. Poses are converted by functions, since neither side's
+//! Between rapier's numbers, f32 or f64, and Cranny's f64. Poses are converted by functions, since neither side's
 //! types are ours.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use rapier3d::math::{Pose as RapierPose, Rotation, Vector};
+use rapier3d::math::{Pose as RapierPose, Real, Rotation, Vector};
 
 /// A rapier pose as it stands, its quaternion normalised in f64: the pose that 'exact' refers to.
 #[must_use]
@@ -12,11 +12,11 @@ pub fn pose_from_rapier(pose: &RapierPose) -> Pose {
     Pose { rotation: rotation * (1.0 / rotation.length()), translation: wide(pose.translation) }
 }
 
-/// A pose rounded to f32.
+/// A pose, rounded to rapier's numbers.
 #[must_use]
 pub fn pose_to_rapier(pose: &Pose) -> RapierPose {
     let q = pose.rotation;
-    let rotation = Rotation::from_xyzw(q.x as f32, q.y as f32, q.z as f32, q.w as f32);
+    let rotation = Rotation::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real);
     RapierPose::from_parts(narrow(pose.translation), rotation.normalize())
 }
 
@@ -26,8 +26,8 @@ pub fn wide(v: Vector) -> DVec3 {
     DVec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 
-/// A vector, rounded to f32.
+/// A vector, rounded to rapier's numbers.
 #[must_use]
 pub fn narrow(v: DVec3) -> Vector {
-    Vector::new(v.x as f32, v.y as f32, v.z as f32)
+    Vector::new(v.x as Real, v.y as Real, v.z as Real)
 }

@@ -1,16 +1,17 @@
 //! Joints, described neutrally and built as rapier's generic ones.
 
 use cranny_exact::{DQuat, DVec3, Pose};
+use rapier3d::math::Real;
 use rapier3d::prelude::{GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel};
 
 use crate::convert::pose_to_rapier;
 
 /// Stiffness of a joint's motor, per second squared: a spring of 5 Hz whatever the mass. Softer: an
 /// arm sags under its tool; stiffer: steps of 1/60 s overshoot.
-const MOTOR_STIFFNESS: f32 = 1000.0;
+const MOTOR_STIFFNESS: Real = 1000.0;
 
 /// Damping of a joint's motor, per second: critical for the stiffness.
-const MOTOR_DAMPING: f32 = 63.0;
+const MOTOR_DAMPING: Real = 63.0;
 
 /// Which motions a joint leaves free. Axes are unit vectors in the joint's frame; angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,12 +62,12 @@ pub(crate) fn generic_joint(
         .contacts_enabled(contacts_enabled);
     if let Some(free) = free {
         if let Some([low, high]) = limits {
-            builder = builder.limits(free, [low as f32, high as f32]);
+            builder = builder.limits(free, [low as Real, high as Real]);
         }
         if let Some(target) = target {
             builder = builder.motor_model(free, MotorModel::AccelerationBased).motor_position(
                 free,
-                target as f32,
+                target as Real,
                 MOTOR_STIFFNESS,
                 MOTOR_DAMPING,
             );

@@ -5,7 +5,8 @@
 //! - `NarrowPhase::with_query_dispatcher(cranny_rapier::dispatcher())` and [`MeshShape`] are all that
 //!   a rapier app needs: contacts between meshes are then the ones that their triangles really make,
 //!   a bounded number of them, each with the normal of its own point.
-//! - 'Exact' refers to the f32 relative pose that rapier hands over.
+//! - 'Exact' refers to the relative pose that rapier hands over: of f32 in `cranny-rapier`, of f64 in `cranny-rapier-f64`,
+//!   which is built from the same sources.
 //! - Mass, centre and inertia are those of the solid, computed in f64.
 //! - Normals are those of the meshes' facets; where a shape asks for it ([`MeshShape::with_smooth_normals`]), a solver gets
 //!   those of the curved surface that the facets stand for. Points and separations are exact all the same.
@@ -50,6 +51,12 @@
 //! assert!((simulation.pose(upper).translation.z - 1.0).abs() < 0.01); // it rests on the lower one
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+#![allow(
+    clippy::unnecessary_cast,
+    clippy::useless_conversion,
+    reason = "numbers of rapier are f32 in one build and f64, where nothing is left to convert, in the other"
+)]
 
 mod ahead;
 mod ask;

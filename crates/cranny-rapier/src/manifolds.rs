@@ -11,6 +11,7 @@ use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::PatchId;
 use cranny_narrow_phase::{Contact, Feature};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
+use rapier3d::math::Real;
 use rapier3d::parry::query::{ContactManifold, TrackedContact};
 use rapier3d::parry::shape::PackedFeatureId;
 
@@ -104,7 +105,7 @@ pub(crate) fn rebuild(
                 narrow(inverse.apply(contact.on_second)),
                 first,
                 second,
-                contact.separation as f32,
+                contact.separation as Real,
             );
             manifold.points.push(point);
         }

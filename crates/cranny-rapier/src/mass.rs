@@ -1,7 +1,7 @@
 //! Mass, centre and inertia of the solid, for rapier.
 
 use cranny_geometry::Model;
-use rapier3d::math::Matrix;
+use rapier3d::math::{Matrix, Real};
 use rapier3d::parry::mass_properties::MassProperties;
 use thiserror::Error;
 
@@ -16,8 +16,8 @@ pub enum MassError {
         "the mesh is not closed, so it has no volume and no mass: close it, or make the body fixed or kinematic"
     )]
     NotClosed,
-    /// The mass is no positive f32.
-    #[error("volume {volume:e} x density {density:e} is no positive mass that f32 can hold")]
+    /// The mass is no positive number that rapier can hold.
+    #[error("volume {volume:e} x density {density:e} is no positive mass that rapier can hold")]
     NotPositive {
         /// Volume of the solid.
         volume: f64,
@@ -33,7 +33,7 @@ pub enum MassError {
 /// [`MassError`] where there is no solid or no positive mass.
 pub fn mass_properties(model: &Model, density: f64) -> Result<MassProperties, MassError> {
     let solid = model.mass_properties().ok_or(MassError::NotClosed)?;
-    let mass = (solid.volume * density) as f32;
+    let mass = (solid.volume * density) as Real;
     if !(mass > 0.0 && mass.is_finite()) {
         return Err(MassError::NotPositive { volume: solid.volume, density });
     }

@@ -161,11 +161,11 @@ impl PointQuery for MeshShape {
 
 impl Shape for MeshShape {
     fn compute_local_aabb(&self) -> Aabb {
-        // f32 rounds the vertices; the box must hold them as they are in f64.
+        // rapier's numbers round the vertices; the box must hold them as they are in f64.
         let b = self.model.bounds();
         let (min, max) = (narrow(b.min), narrow(b.max));
-        let down = |x: f32| x.next_down();
-        let up = |x: f32| x.next_up();
+        let down = |x: Real| x.next_down();
+        let up = |x: Real| x.next_up();
         Aabb::new(
             Vector::new(down(min.x), down(min.y), down(min.z)),
             Vector::new(up(max.x), up(max.y), up(max.z)),

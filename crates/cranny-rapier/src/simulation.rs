@@ -20,6 +20,7 @@ use cranny_exact::{DVec3, Pose, PoseError};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Demand, Normals};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
+use rapier3d::math::Real;
 use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
     ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
@@ -168,12 +169,16 @@ fn check_numbers(spec: &BodySpec) -> Result<(), SimulationError> {
     let velocities = linear.to_array().map(|v| ("linear velocity", v)).into_iter();
     let velocities = velocities.chain(angular.to_array().map(|v| ("angular velocity", v)));
     for (what, value) in velocities {
-        if !(value as f32).is_finite() {
-            return Err(SimulationError::Number { what, value, expected: "a finite f32" });
+        if !(value as Real).is_finite() {
+            return Err(SimulationError::Number {
+                what,
+                value,
+                expected: "a number that rapier can hold",
+            });
         }
     }
     for (what, value) in [("friction", spec.friction), ("restitution", spec.restitution)] {
-        if !(value >= 0.0 && (value as f32).is_finite()) {
+        if !(value >= 0.0 && (value as Real).is_finite()) {
             let expected = "a finite number, 0 or more";
             return Err(SimulationError::Number { what, value, expected });
         }
@@ -248,7 +253,7 @@ pub struct Simulation {
     /// Whether rapier has seen all bodies where they are.
     pub(crate) settled: bool,
     /// The prediction distance of the last step.
-    pub(crate) looked_ahead: f32,
+    pub(crate) looked_ahead: Real,
     pub(crate) poses_before: Vec<Pose>,
     pub(crate) exclusions: Exclusions,
     pub(crate) log: AnswerLog,
@@ -282,8 +287,8 @@ impl Simulation {
     pub fn new(options: SimulationOptions) -> Self {
         let ours = options.detector == Detector::Cranny;
         let mut parameters = IntegrationParameters {
-            dt: options.step as f32,
-            length_unit: options.length_unit as f32,
+            dt: options.step as Real,
+            length_unit: options.length_unit as Real,
             ..IntegrationParameters::default()
         };
         if ours {
@@ -332,7 +337,7 @@ impl Simulation {
         &mut self.parameters
     }
 
-    /// Inserts a body. Its pose is rounded to rapier's f32.
+    /// Inserts a body. Its pose is rounded to rapier's numbers.
     ///
     /// # Errors
     ///
@@ -346,8 +351,8 @@ impl Simulation {
         let groups = Group::from_bits_truncate(spec.groups);
         let mut collider = ColliderBuilder::new(shape)
             .density(0.0)
-            .friction(spec.friction as f32)
-            .restitution(spec.restitution as f32)
+            .friction(spec.friction as Real)
+            .restitution(spec.restitution as Real)
             .collision_groups(InteractionGroups::new(groups, groups, InteractionTestMode::And))
             .user_data(u128::from(index));
         if spec.kind == BodyKind::Dynamic {
@@ -361,7 +366,7 @@ impl Simulation {
         // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning of the step.
         let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let body = RigidBodyBuilder::new(kind)
-            .soft_ccd_prediction(if own { spec.model.radius() as f32 } else { 0.0 })
+            .soft_ccd_prediction(if own { spec.model.radius() as Real } else { 0.0 })
             .pose(pose_to_rapier(&pose))
             .linvel(narrow(spec.linear_velocity))
             .angvel(narrow(spec.angular_velocity));
@@ -520,7 +525,7 @@ impl Simulation {
         self.body(body).mass().into()
     }
 
-    /// Energy of all dynamic bodies, summed in f64 from rapier's f32 state.
+    /// Energy of all dynamic bodies, summed in f64 from rapier's state.
     #[must_use]
     pub fn energy(&self) -> Energy {
         let mut energy = Energy::default();

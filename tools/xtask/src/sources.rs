@@ -10,9 +10,12 @@ pub(crate) struct SourceFile {
 }
 
 /// Every `.rs` file under `src/`, stripped, in order of paths; without the files of modules that
-/// are declared `#[cfg(test)]`.
+/// are declared `#[cfg(test)]`. None of a crate that is built from the sources of another, where they are seen.
 pub(crate) fn of_crate(folder: &Path) -> Result<Vec<SourceFile>, String> {
     let mut paths = Vec::new();
+    if shares_sources(folder)? {
+        return Ok(Vec::new());
+    }
     collect(&folder.join("src"), &mut paths)?;
     paths.sort();
     let mut files = Vec::new();
@@ -24,6 +27,17 @@ pub(crate) fn of_crate(folder: &Path) -> Result<Vec<SourceFile>, String> {
     let is_test = |path: &Path| path.ancestors().any(|part| tests.contains(part));
     files.retain(|file| !is_test(&file.path));
     Ok(files)
+}
+
+/// Whether a crate's manifest names the sources of a crate beside it.
+fn shares_sources(folder: &Path) -> Result<bool, String> {
+    let manifest = folder.join("Cargo.toml");
+    let text = std::fs::read_to_string(&manifest).map_err(|e| told(&manifest, &e))?;
+    let shared = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("path = \"../")?.strip_suffix("/src/lib.rs\""))
+        .any(|name| folder.with_file_name(name).join("src").is_dir());
+    Ok(shared)
 }
 
 /// The files and folders that a file's `#[cfg(test)] mod name;` may stand for.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Mesh, Model, SmoothNormals};
+use rapier3d::math::Real;
 use rapier3d::parry::shape::{AxisMask, Shape, TypedShape, Voxels};
 
 use crate::convert::wide;
@@ -27,7 +28,7 @@ pub(crate) struct Core {
 impl Core {
     /// Of a shape of rapier's; `None` where it has none, as anything round, or where its mesh has no area.
     pub(crate) fn of(shape: &dyn Shape) -> Option<Self> {
-        let (inner, radius): (&dyn Shape, f32) = match shape.as_typed_shape() {
+        let (inner, radius): (&dyn Shape, Real) = match shape.as_typed_shape() {
             TypedShape::RoundCuboid(round) => (&round.inner_shape, round.border_radius),
             TypedShape::RoundTriangle(round) => (&round.inner_shape, round.border_radius),
             TypedShape::RoundConvexPolyhedron(round) => (&round.inner_shape, round.border_radius),
@@ -85,10 +86,10 @@ fn cuboid_mesh(h: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 /// The sides of the voxels that no other voxel covers; corners that voxels share are one vertex.
 fn voxel_mesh(voxels: &Voxels) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let size = wide(voxels.voxel_size());
-    let mut ids: HashMap<[i32; 3], u32> = HashMap::new();
+    let mut ids = HashMap::new();
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
     for voxel in voxels.voxels().filter(|voxel| !voxel.state.is_empty()) {
-        let cell: [i32; 3] = voxel.grid_coords.into();
+        let cell = voxel.grid_coords;
         let free = voxel.state.free_faces();
         for (axis, [below, above]) in SIDES.into_iter().enumerate() {
             for (side, mask) in [(0, below), (1, above)] {
@@ -102,7 +103,7 @@ fn voxel_mesh(voxels: &Voxels) -> (Vec<DVec3>, Vec<[u32; 3]>) {
                     corner[u] += du;
                     corner[v] += dv;
                     *ids.entry(corner).or_insert_with(|| {
-                        vertices.push(size * DVec3::from_array(corner.map(f64::from)));
+                        vertices.push(size * corner.as_dvec3());
                         vertices.len() as u32 - 1
                     })
                 });

@@ -4,12 +4,13 @@ use std::fmt;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{self, ThreadId};
 
+use rapier3d::math::Real;
 use rapier3d::parry::shape::{Ball, Shape, TypedShape};
 
 use crate::shape::MeshShape;
 
 /// Radius of the ball that stands for our shape: no other has it.
-const NO_BALL: f32 = -1.0;
+const NO_BALL: Real = -1.0;
 
 /// A ball that is none, shown to a thread that writes a snapshot in place of the shape. Everybody else sees the
 /// shape, so that what is written without a snapshot is refused by rapier's serde, and never comes back as a ball.

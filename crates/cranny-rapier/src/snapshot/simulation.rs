@@ -4,7 +4,7 @@ use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Demand, PairMemory};
 use rapier3d::geometry::ColliderHandle;
-use rapier3d::math::Vector;
+use rapier3d::math::{Real, Vector};
 use rapier3d::prelude::{IntegrationParameters, PhysicsWorld, RigidBodyHandle};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -28,9 +28,9 @@ struct Kept {
     recycling: Option<bool>,
     solver_iterations: Option<u64>,
     handles: Vec<RigidBodyHandle>,
-    tagged: Vec<(ColliderHandle, [f32; 3], f32)>,
+    tagged: Vec<(ColliderHandle, [Real; 3], Real)>,
     settled: bool,
-    looked_ahead: f32,
+    looked_ahead: Real,
     poses_before: Vec<WrittenPose>,
     /// Ascending.
     exclusions: Vec<(u32, u32)>,

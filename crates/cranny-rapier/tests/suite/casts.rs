@@ -2,7 +2,7 @@
 
 use cranny_rapier::dispatcher;
 use cranny_shapes::Cup;
-use rapier3d::math::{Pose, Rotation, Vector};
+use rapier3d::math::{Pose, Real, Rotation, Vector};
 use rapier3d::parry::query::details::{NonlinearRigidMotion, ShapeCastOptions};
 use rapier3d::parry::query::{QueryDispatcher, ShapeCastHit, ShapeCastStatus};
 use rapier3d::parry::shape::SharedShape;
@@ -10,8 +10,8 @@ use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder};
 
 use crate::world::{World, cuboid, model, ours, up};
 
-/// f32 of times about 1, and the tolerance.
-const EXACT: f32 = 1e-5;
+/// Steps of f32 at times about 1, and the tolerance.
+const EXACT: Real = 1e-5;
 
 fn straight(
     g1: &SharedShape,
@@ -25,7 +25,7 @@ fn straight(
 
 fn partners() -> [(&'static str, SharedShape); 4] {
     let corners: Vec<Vector> = (0..8)
-        .map(|i| Vector::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - 0.5)
+        .map(|i| Vector::new((i & 1) as Real, (i >> 1 & 1) as Real, (i >> 2) as Real) - 0.5)
         .collect();
     [
         ("ours", ours(&cuboid(1.0, 1.0, 1.0))),
@@ -66,10 +66,10 @@ fn cubes_that_fly_at_a_cube_meet_it_in_time() {
 #[test]
 fn an_edge_comes_first() {
     let cube = ours(&cuboid(1.0, 1.0, 1.0));
-    let turned = Rotation::from_rotation_x(std::f32::consts::FRAC_PI_4);
+    let turned = Rotation::from_rotation_x(std::f64::consts::FRAC_PI_4 as Real);
     let from = Pose::from_parts(Vector::new(0.0, 0.0, 3.0), turned);
     let hit = straight(&cube, &cube, from, Vector::new(0.0, 0.0, -1.0)).expect("it meets");
-    let expected = 2.5 - 0.5f32.sqrt();
+    let expected = 2.5 - Real::sqrt(0.5);
     assert!((hit.time_of_impact - expected).abs() < EXACT, "{} not {expected}", hit.time_of_impact);
 }
 
@@ -121,16 +121,16 @@ fn a_bar_that_turns_meets_a_block() {
         Pose::translation(2.0, 0.0, 0.0),
         pivot,
         Vector::ZERO,
-        Vector::new(0.0, 0.0, std::f32::consts::FRAC_PI_2),
+        Vector::new(0.0, 0.0, std::f64::consts::FRAC_PI_2 as Real),
     );
     // Its side is 0.1 beside a line through the origin. The block's near corner, (1.6, 1.9), is 0.1 beside that line
     // when the line's angle is that of the corner less asin(0.1 / |corner|).
     let at = Pose::translation(1.5, 2.0, 0.0);
-    let corner = (1.6f32, 1.9f32);
-    let angle = corner.1.atan2(corner.0) - (0.1 / corner.0.hypot(corner.1)).asin();
-    let expected = angle / std::f32::consts::FRAC_PI_2;
+    let corner = Vector::new(1.6, 1.9, 0.0);
+    let angle = corner.y.atan2(corner.x) - (0.1 / corner.length()).asin();
+    let expected = angle / std::f64::consts::FRAC_PI_2 as Real;
     let still = NonlinearRigidMotion::constant_position(at);
-    let cast = |begin: f32, end: f32| {
+    let cast = |begin: Real, end: Real| {
         dispatcher()
             .cast_shapes_nonlinear(&turning, &*bar.0, &still, &*block.0, begin, end, true)
             .expect("known")

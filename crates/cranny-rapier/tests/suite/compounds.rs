@@ -11,20 +11,20 @@ use rapier3d::prelude::{ContactData, ContactManifold, ContactManifoldData};
 use crate::world::{World, cuboid, model, ours, up};
 
 fn balls() -> SharedShape {
-    let ball = |x: f32, y: f32| (Pose::translation(x, y, 0.0), SharedShape::ball(0.2));
+    let ball = |x: Real, y: Real| (Pose::translation(x, y, 0.0), SharedShape::ball(0.2));
     SharedShape::compound(vec![ball(-0.3, -0.2), ball(0.3, -0.2), ball(0.0, 0.3)])
 }
 
 /// A bar of rapier's with a cube of ours at either end, of which the cubes reach lower.
 fn dumbbell() -> SharedShape {
-    let cube = |x: f32| (Pose::translation(x, 0.0, 0.0), ours(&cuboid(0.4, 0.4, 0.4)));
+    let cube = |x: Real| (Pose::translation(x, 0.0, 0.0), ours(&cuboid(0.4, 0.4, 0.4)));
     let bar = (Pose::IDENTITY, SharedShape::cuboid(0.5, 0.1, 0.1));
     SharedShape::compound(vec![cube(-0.6), bar, cube(0.6)])
 }
 
 /// A row of boxes with their tops at z = 0, which share edges.
 fn boxes() -> SharedShape {
-    let part = |x: f32| (Pose::translation(x, 0.0, -0.25), SharedShape::cuboid(0.5, 2.0, 0.25));
+    let part = |x: Real| (Pose::translation(x, 0.0, -0.25), SharedShape::cuboid(0.5, 2.0, 0.25));
     SharedShape::compound([-1.5, -0.5, 0.5, 1.5].map(part).to_vec())
 }
 
@@ -69,7 +69,7 @@ fn they_rest_on_each_other() {
 #[test]
 fn a_ball_falls_into_the_cup_of_a_compound() {
     let cup = ours(&model(Cup { radius: 0.5, segments: 32, ..Cup::default() }));
-    let turned = Rotation::from_rotation_x(std::f32::consts::PI);
+    let turned = Rotation::from_rotation_x(std::f64::consts::PI as Real);
     let cups = SharedShape::compound(vec![
         (Pose::IDENTITY, cup.clone()),
         (Pose::from_parts(Vector::new(0.0, 0.0, -2.0), turned), cup),
@@ -143,7 +143,7 @@ fn single_questions_see_the_parts() {
     let dispatcher = dispatcher();
     let compound = dumbbell();
     let probe = Ball::new(0.05);
-    let at = |x: f32, y: f32, z: f32| Pose::translation(x, y, z);
+    let at = |x: Real, y: Real, z: Real| Pose::translation(x, y, z);
     let meets = |pose: &Pose| {
         dispatcher.intersection_test(pose, &*compound.0, &probe).expect("known").intersecting
     };
@@ -175,7 +175,7 @@ fn single_questions_see_the_parts() {
 #[test]
 fn a_compound_weighs_what_its_parts_weigh() {
     let mass = dumbbell().mass_properties(2.0);
-    let volume = 2.0 * 0.4f32.powi(3) + 1.0 * 0.2 * 0.2;
+    let volume = 2.0 * Real::powi(0.4, 3) + 1.0 * 0.2 * 0.2;
     assert!((mass.mass() - 2.0 * volume).abs() < 1e-5, "{}", mass.mass());
     assert!(cranny_rapier::wide(mass.local_com).abs_diff_eq(DVec3::ZERO, 1e-6));
 }

@@ -1,7 +1,7 @@
 //! What convex parts, hollow meshes and internal edges get wrong.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_rapier::{MeshShape, dispatcher, pose_to_rapier};
+use cranny_rapier::{MeshShape, dispatcher, pose_to_rapier, wide};
 use cranny_shapes::{Cup, LPrism, Pyramid};
 use rapier3d::geometry::ContactManifold;
 use rapier3d::math::{Pose as RapierPose, Vector};
@@ -97,7 +97,7 @@ fn a_hook_holds_at_an_edge() {
             .linvel(Vector::new(push, 0.0, 0.0));
         let body = world.insert(moving, &ours(&model(hook)));
         world.run(180);
-        let at = cranny_rapier::wide(world.at(body));
+        let at = wide(world.at(body));
         assert!((at.z - rest.z).abs() < 1e-2, "pushed by {push}: {at}, expected {rest}");
         // Friction alone would let it slide by v²/2µg = 0.23.
         let moved = at.x - rest.x;
@@ -127,7 +127,7 @@ fn the_far_side_of_a_blade_pushes_nothing() {
         let manifolds = contacts(&blade, &shape, &turned);
         assert!(!manifolds.is_empty(), "{name} misses the blade");
         for manifold in &manifolds {
-            let along = manifold.local_n1.as_dvec3().dot(flank);
+            let along = wide(manifold.local_n1).dot(flank);
             assert!(along > 0.9, "{name} is pushed to {}", manifold.local_n1);
         }
         let above = Pose::at(DVec3::new(0.1, 0.0, 0.01 + size - 0.002));
@@ -155,7 +155,7 @@ fn the_inner_corner_of_an_l_pulls_nothing_in() {
     let tilt = DQuat::from_rotation_arc(DVec3::X, DVec3::new(1.0, -1.0, 1.0).normalize());
     let pose = Pose { rotation: tilt, translation: inner - diagonal * 0.05 };
     for manifold in contacts(&l, &SharedShape::capsule_x(0.05, 0.1), &pose) {
-        let along = manifold.local_n1.as_dvec3().dot(diagonal);
+        let along = wide(manifold.local_n1).dot(diagonal);
         assert!(along >= 0.0, "pulled to {}", manifold.local_n1);
     }
 }

@@ -1,6 +1,6 @@
 //! Partners that parry answers for, with the mesh of the same triangles.
 
-use rapier3d::math::{Pose, Rotation, Vector};
+use rapier3d::math::{Pose, Real, Rotation, Vector};
 use rapier3d::parry::shape::SharedShape;
 use rapier3d::parry::utils::Array2;
 
@@ -8,7 +8,7 @@ use crate::world::{World, cuboid, ours, up};
 
 /// y becomes z: parry's cylinders, cones and height fields are about y.
 fn upright() -> Rotation {
-    Rotation::from_rotation_x(std::f32::consts::FRAC_PI_2)
+    Rotation::from_rotation_x(std::f64::consts::FRAC_PI_2 as Real)
 }
 
 #[test]

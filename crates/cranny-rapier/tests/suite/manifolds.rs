@@ -6,7 +6,7 @@ use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::{MeshShape, dispatcher, pose_from_rapier, pose_to_rapier};
 use cranny_shapes::{Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, Torus};
 use rapier3d::geometry::ContactManifold;
-use rapier3d::math::{Pose as RapierPose, Vector};
+use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::query::{PersistentQueryDispatcher, PointQuery};
 use rapier3d::parry::shape::{FeatureId, Shape, SharedShape};
 
@@ -37,7 +37,7 @@ fn manifolds(
     pose: &RapierPose,
     first: &dyn Shape,
     second: &dyn Shape,
-    prediction: f32,
+    prediction: Real,
 ) -> Vec<ContactManifold> {
     let mut manifolds = Vec::new();
     dispatcher()
@@ -47,7 +47,7 @@ fn manifolds(
 }
 
 /// What every manifold must be, whoever made it. `size` is the largest coordinate.
-fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: f32, size: f32) {
+fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: Real, size: Real) {
     let rounding = 1e-5 * size;
     for manifold in manifolds {
         assert!((1..=4).contains(&manifold.points.len()), "{} points", manifold.points.len());
@@ -68,7 +68,7 @@ fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: f32, size
 /// How many contacts the exact query makes: per region, at most 17 a direction. `None` where the bodies overlap by
 /// half of what the thinner one is thick (2·V/A), or one is inside the other: then a way out takes their place.
 fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option<usize> {
-    let margin = f64::from(margin as f32);
+    let margin = f64::from(margin as Real);
     let (a, b) = (
         Placed { model: a, pose: Pose::IDENTITY },
         Placed { model: b, pose: pose_from_rapier(pose) },
@@ -193,7 +193,10 @@ fn primitives_in_all_positions() {
                 let swapped = manifolds(&back, &*partner.0, &shape, 0.05);
                 check(&swapped, &back, 0.05, 2.0);
                 let depth = |all: &[ContactManifold]| {
-                    all.iter().flat_map(|m| &m.points).map(|p| p.dist).fold(f32::INFINITY, f32::min)
+                    all.iter()
+                        .flat_map(|m| &m.points)
+                        .map(|p| p.dist)
+                        .fold(Real::INFINITY, Real::min)
                 };
                 let (there, here) = (depth(&found), depth(&swapped));
                 // Of two ways out that are equally long, rounding may choose another.
@@ -237,7 +240,12 @@ fn impulses_are_carried_over() {
         ("cube on slab", ours(&cuboid(4.0, 4.0, 1.0)), cube.clone(), 1.001),
         ("cube on cuboid", SharedShape::cuboid(2.0, 2.0, 0.5), cube.clone(), 1.001),
         ("cube on half-space", SharedShape::halfspace(Vector::Z), cube, 0.501),
-        ("gear on half-space", SharedShape::halfspace(Vector::Z), gear, 0.001 - thick.min.z as f32),
+        (
+            "gear on half-space",
+            SharedShape::halfspace(Vector::Z),
+            gear,
+            0.001 - thick.min.z as Real,
+        ),
         ("ball on slab", ours(&cuboid(4.0, 4.0, 1.0)), SharedShape::ball(0.5), 1.001),
     ] {
         let mut world = World::new();
@@ -247,12 +255,12 @@ fn impulses_are_carried_over() {
         let body = world.dynamic(&upper, up(start));
         world.run(20); // long enough to rest, too short to fall asleep
         let weight = world.0.bodies[body].mass() * 9.81 * world.0.integration_parameters.dt;
-        let impulses = |world: &World| -> f32 {
+        let impulses = |world: &World| -> Real {
             world.manifolds().flat_map(|m| &m.points).map(|p| p.data.warmstart_impulse).sum()
         };
         let before = impulses(&world);
         assert!(before > 0.0, "{name} remembers nothing");
-        let applied: f32 = world.manifolds().flat_map(|m| &m.points).map(|p| p.data.impulse).sum();
+        let applied: Real = world.manifolds().flat_map(|m| &m.points).map(|p| p.data.impulse).sum();
         assert!((applied - weight).abs() < 0.2 * weight, "{name}: {applied}, weight {weight}");
         world.run(1);
         let after = impulses(&world);
@@ -267,17 +275,17 @@ fn impulses_follow_their_features_and_are_not_multiplied() {
     let cube = MeshShape::new(&cuboid(0.5, 0.5, 0.5), 1).expect("parry takes it");
     let (mut found, mut workspace) = (Vec::new(), None);
     let ours = dispatcher();
-    let mut ask = |x: f32, found: &mut Vec<ContactManifold>| {
+    let mut ask = |x: Real, found: &mut Vec<ContactManifold>| {
         let pose = RapierPose::translation(x, 0.07, 0.2505);
         ours.contact_manifolds(&pose, &slab, &cube, 0.2, found, &mut workspace).expect("ours");
     };
     ask(0.03, &mut found);
     let stamp = |found: &mut Vec<ContactManifold>| {
         for (k, point) in found.iter_mut().flat_map(|m| &mut m.points).enumerate() {
-            point.data.warmstart_impulse = (k + 1) as f32;
+            point.data.warmstart_impulse = (k + 1) as Real;
         }
     };
-    let all = |found: &[ContactManifold]| -> Vec<f32> {
+    let all = |found: &[ContactManifold]| -> Vec<Real> {
         let points = found.iter().flat_map(|m| &m.points);
         points.map(|p| p.data.warmstart_impulse).filter(|&i| i > 0.0).collect()
     };
@@ -289,9 +297,9 @@ fn impulses_follow_their_features_and_are_not_multiplied() {
     // Over the edges of the tessellation: ids change, impulses are handed on by place, once each.
     for step in 1..40 {
         let before = all(&found);
-        ask(0.03 + 0.02 * step as f32, &mut found);
+        ask(0.03 + 0.02 * step as Real, &mut found);
         let after = all(&found);
-        let total = |all: &[f32]| all.iter().sum::<f32>();
+        let total = |all: &[Real]| all.iter().sum::<Real>();
         assert!(total(&after) <= total(&before), "step {step}: {before:?} became {after:?}");
         stamp(&mut found);
     }

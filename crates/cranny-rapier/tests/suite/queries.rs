@@ -5,7 +5,7 @@ use cranny_geometry::Mesh;
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::{MeshShape, dispatcher, narrow, pose_from_rapier, pose_to_rapier};
 use cranny_shapes::{Cup, LPrism, Torus};
-use rapier3d::math::{Pose as RapierPose, Vector};
+use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher};
 use rapier3d::parry::shape::{Cuboid, Shape, SharedShape};
 use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder};
@@ -42,15 +42,15 @@ fn they_agree_with_the_exact_query() {
         let intersecting = ours.intersection_test(&pose, g1, g2).expect("ours").intersecting;
         assert_eq!(intersecting, meets);
         let told = ours.distance(&pose, g1, g2).expect("ours").distance;
-        assert_eq!(told, if meets { 0.0 } else { distance as f32 });
-        let reach = 0.3f32;
+        assert_eq!(told, if meets { 0.0 } else { distance as Real });
+        let reach: Real = 0.3;
         match ours.closest_points(&pose, g1, g2, reach).expect("ours") {
             ClosestPoints::Intersecting => assert!(meets),
             ClosestPoints::Disjoint => assert!(!meets && distance > f64::from(reach)),
             ClosestPoints::WithinMargin(p, q) => {
                 assert!(!meets && distance <= f64::from(reach));
                 let way = (pose.transform_point(q) - p).length();
-                assert!((way - distance as f32).abs() < 1e-5, "{way} is not {distance}");
+                assert!((way - distance as Real).abs() < 1e-5, "{way} is not {distance}");
             }
         }
         match ours.contact(&pose, g1, g2, reach).expect("ours") {
@@ -60,7 +60,7 @@ fn they_agree_with_the_exact_query() {
                 let way = pose.transform_point(c.point2) - c.point1;
                 assert!((way.dot(c.normal1) - c.dist).abs() < 1e-5);
                 assert!((c.normal1 + pose.rotation * c.normal2).length() < 1e-5);
-                assert!((c.dist - distance as f32).abs() < 1e-5, "{} not {distance}", c.dist);
+                assert!((c.dist - distance as Real).abs() < 1e-5, "{} not {distance}", c.dist);
             }
         }
         if meets { meeting += 1 } else { apart += 1 }
@@ -189,7 +189,7 @@ fn sensors_feel_solids_not_shells() {
 #[test]
 fn poses_that_are_none_are_refused_without_a_panic() {
     let (mesh, ball) = (shape(&cuboid(1.0, 1.0, 1.0)), SharedShape::ball(0.5));
-    let broken = RapierPose::translation(f32::NAN, 0.0, 0.0);
+    let broken = RapierPose::translation(Real::NAN, 0.0, 0.0);
     assert!(dispatcher().distance(&broken, &mesh, &mesh).is_err());
     let mut found = Vec::new();
     for partner in [&mesh as &dyn Shape, &*ball.0] {
@@ -202,7 +202,7 @@ fn poses_that_are_none_are_refused_without_a_panic() {
 }
 
 #[test]
-fn conversions_keep_what_f32_can_hold() {
+fn conversions_keep_what_rapier_can_hold() {
     let rotation = DQuat::from_xyzw(0.1, -0.7, 0.3, 0.64).normalize();
     let pose = Pose { rotation, translation: DVec3::new(1.5, -2.25, 1e3) };
     let there = pose_to_rapier(&pose);
@@ -218,7 +218,9 @@ fn conversions_keep_what_f32_can_hold() {
 #[test]
 fn a_deep_contact_is_told_as_deep_as_it_is() {
     let cube = shape(&cuboid(1.0, 1.0, 1.0));
-    for (z, depth) in [(0.95f32, 0.05), (0.9, 0.1), (0.8, 0.2), (0.7, 0.3), (0.6, 0.4)] {
+    for [z, depth] in
+        [[0.95, 0.05], [0.9, 0.1], [0.8, 0.2], [0.7, 0.3], [0.6, 0.4]] as [[Real; 2]; 5]
+    {
         let pose = RapierPose::translation(0.1, 0.0, z);
         let told = dispatcher().contact(&pose, &cube, &cube, 0.1).expect("ours").expect("deep");
         // Along the direction of the area that the curves enclose, which leans a little.

@@ -1,21 +1,21 @@
 //! Each partner on ours, and ours on each partner: at rest at the right height.
 
 use cranny_shapes::Cup;
-use rapier3d::math::{IVector, Pose, Vector};
+use rapier3d::math::{IVector, Pose, Real, Vector};
 use rapier3d::parry::shape::{RoundShape, SharedShape};
 
 use crate::world::{World, cuboid, model, ours, up};
 
 /// Height of our slab's top, of the fall, and what 'the right height' allows: rapier lets bodies
 /// overlap by 0.001 and holds them within its prediction distance.
-const TOP: f32 = 0.5;
-const FALL: f32 = 0.05;
-const NEAR: f32 = 1e-2;
+const TOP: Real = 0.5;
+const FALL: Real = 0.05;
+const NEAR: Real = 1e-2;
 
 /// A hexagonal prism of half height 0.25 along z.
 fn hexagon() -> SharedShape {
-    let corner = |k: u32, z: f32| {
-        let (sin, cos) = (k as f32 * std::f32::consts::FRAC_PI_3).sin_cos();
+    let corner = |k: u32, z: Real| {
+        let (sin, cos) = (k as Real * (std::f64::consts::FRAC_PI_3 as Real)).sin_cos();
         Vector::new(0.4 * cos, 0.4 * sin, z)
     };
     let points: Vec<Vector> = (0..6).flat_map(|k| [corner(k, -0.25), corner(k, 0.25)]).collect();
@@ -38,7 +38,7 @@ fn voxels() -> SharedShape {
 }
 
 /// A large triangle through the origin that looks up, with a border radius or without.
-fn triangle(radius: f32) -> SharedShape {
+fn triangle(radius: Real) -> SharedShape {
     let [a, b, c] = [[-3.0, -2.0], [3.0, -2.0], [0.0, 4.0]].map(|[x, y]| Vector::new(x, y, 0.0));
     match radius {
         0.0 => SharedShape::triangle(a, b, c),
@@ -48,7 +48,7 @@ fn triangle(radius: f32) -> SharedShape {
 
 /// Two rails.
 fn segments() -> SharedShape {
-    let rail = |y: f32| {
+    let rail = |y: Real| {
         let ends = [-2.0, 2.0].map(|x| Vector::new(x, y, 0.0));
         (Pose::IDENTITY, SharedShape::segment(ends[0], ends[1]))
     };
@@ -64,7 +64,7 @@ fn parry_mesh(x: f64, y: f64, z: f64) -> SharedShape {
 /// Drops `upper` from a little above `rest` on `lower` and looks where it comes to rest, for either
 /// order of insertion, since rapier's order of a pair follows it.
 #[track_caller]
-fn rests(name: &str, lower: &SharedShape, upper: &SharedShape, rest: f32) {
+fn rests(name: &str, lower: &SharedShape, upper: &SharedShape, rest: Real) {
     for upper_first in [false, true] {
         let mut world = World::new();
         let start = up(rest + FALL);

@@ -1,13 +1,13 @@
 //! A ball that rolls over a floor of many triangles feels a plane.
 
 use cranny_shapes::Floor;
-use rapier3d::math::{Pose as RapierPose, Vector};
+use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::shape::SharedShape;
 use rapier3d::prelude::{RigidBodyBuilder, RigidBodyHandle};
 
 use crate::world::{World, model, ours};
 
-const RADIUS: f32 = 0.5;
+const RADIUS: Real = 0.5;
 
 /// A ball that rolls from rest height without slipping, askew to all edges: 2 m/s along x, 0.3 along y.
 fn rolling(world: &mut World) -> RigidBodyHandle {

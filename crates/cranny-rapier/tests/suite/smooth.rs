@@ -7,6 +7,7 @@ use cranny_rapier::{
 };
 use cranny_shapes::GolfBall;
 use rapier3d::geometry::{ContactData, ContactManifoldData};
+use rapier3d::math::Real;
 use rapier3d::parry::query::{PersistentQueryDispatcher, QueryDispatcher};
 use rapier3d::parry::shape::{Compound, Shape, SharedShape};
 
@@ -23,7 +24,7 @@ fn manifolds(pose: &Pose, a: &dyn Shape, b: &dyn Shape) -> Vec<Manifold> {
 }
 
 /// Normals and distances by their points on the first shape.
-fn points(manifolds: &[Manifold]) -> Vec<(DVec3, f32, DVec3)> {
+fn points(manifolds: &[Manifold]) -> Vec<(DVec3, Real, DVec3)> {
     let told = manifolds.iter().flat_map(|manifold| {
         let normal = wide(manifold.local_n1);
         manifold.points.iter().map(move |p| (wide(p.local_p1), p.dist, normal))
@@ -59,7 +60,7 @@ fn a_solver_gets_the_curved_surfaces_normals_at_the_same_points() {
         for (own, told) in own.iter().zip(&told) {
             assert_eq!((own.0, own.1), (told.0, told.1));
         }
-        let nearest = |all: &[(DVec3, f32, DVec3)]| {
+        let nearest = |all: &[(DVec3, Real, DVec3)]| {
             let first = all.iter().min_by(|x, y| x.1.total_cmp(&y.1)).expect("one");
             first.2.angle_between(along)
         };

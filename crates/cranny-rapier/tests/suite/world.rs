@@ -4,7 +4,7 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_rapier::{BodyKind, BodySpec, MeshShape, Normals, dispatcher};
 use cranny_shapes::{Cuboid, Shape};
-use rapier3d::math::{Pose as RapierPose, Vector};
+use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::shape::SharedShape;
 use rapier3d::prelude::{
     ColliderBuilder, ContactManifold, NarrowPhase, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
@@ -125,6 +125,6 @@ impl World {
     }
 }
 
-pub(crate) fn up(z: f32) -> RapierPose {
+pub(crate) fn up(z: Real) -> RapierPose {
     RapierPose::translation(0.0, 0.0, z)
 }

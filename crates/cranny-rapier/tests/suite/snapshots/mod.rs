@@ -8,7 +8,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use cranny_geometry::Model;
 use cranny_rapier::{restore, snapshot};
-use rapier3d::math::Vector;
+use rapier3d::math::{Real, Vector};
 use rapier3d::prelude::PhysicsWorld;
 
 use crate::world::World;
@@ -20,9 +20,9 @@ fn state(world: &PhysicsWorld) -> u64 {
         handle.into_raw_parts().hash(&mut hasher);
         let pose = body.position();
         let rotation = pose.rotation.to_array();
-        rotation.map(f32::to_bits).hash(&mut hasher);
+        rotation.map(Real::to_bits).hash(&mut hasher);
         for v in [pose.translation, body.linvel(), body.angvel()] {
-            Vector::to_array(&v).map(f32::to_bits).hash(&mut hasher);
+            Vector::to_array(&v).map(Real::to_bits).hash(&mut hasher);
         }
         body.is_sleeping().hash(&mut hasher);
     }

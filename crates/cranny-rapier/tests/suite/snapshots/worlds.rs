@@ -1,7 +1,7 @@
 //! Worlds of rapier with our dispatcher.
 
 use cranny_shapes::{Cup, Torus};
-use rapier3d::math::{Pose, Rotation, Vector};
+use rapier3d::math::{Pose, Real, Rotation, Vector};
 use rapier3d::parry::shape::SharedShape;
 use rapier3d::prelude::{ColliderBuilder, RevoluteJointBuilder, RigidBodyBuilder};
 
@@ -24,7 +24,7 @@ fn what_rests_and_what_lands_beside_it() {
             for k in 0..3 {
                 world.dynamic(
                     &brick,
-                    Pose::translation(0.05 * k as f32, 0.0, 0.8 + 0.55 * k as f32),
+                    Pose::translation(0.05 * k as Real, 0.0, 0.8 + 0.55 * k as Real),
                 );
             }
             world.dynamic(&cup, Pose::translation(1.8, 0.0, 1.0));
@@ -96,7 +96,7 @@ fn who_sleeps_goes_on_sleeping_until_something_falls_on_it() {
 fn compounds_that_hold_ours() {
     let models = [cuboid(6.0, 6.0, 1.0), cuboid(0.4, 0.4, 0.4)];
     let [slab, cube] = models.each_ref().map(ours);
-    let at = |x: f32| Pose::translation(x, 0.0, 0.0);
+    let at = |x: Real| Pose::translation(x, 0.0, 0.0);
     let bar = SharedShape::cuboid(0.5, 0.1, 0.1);
     let dumbbell = SharedShape::compound(vec![
         (at(-0.6), cube.clone()),
@@ -127,7 +127,7 @@ fn joints_and_what_was_said_to_bodies_before_the_next_step() {
         world.fixed(&slab, Pose::IDENTITY);
         let mut last = world.0.bodies.insert(RigidBodyBuilder::fixed().pose(up(2.2)));
         for k in 0..3 {
-            let next = world.dynamic(&link, Pose::translation(0.35 + 0.7 * k as f32, 0.0, 2.2));
+            let next = world.dynamic(&link, Pose::translation(0.35 + 0.7 * k as Real, 0.0, 2.2));
             let joint = RevoluteJointBuilder::new(Vector::Y)
                 .local_anchor1(Vector::new(if k == 0 { 0.0 } else { 0.35 }, 0.0, 0.0))
                 .local_anchor2(Vector::new(-0.35, 0.0, 0.0));
