@@ -199,7 +199,7 @@ impl Shape for MeshShape {
     }
 
     /// Its own, so that rapier's serde refuses to write it: what it could read back would be another shape. Only a
-    /// [`snapshot`](crate::snapshot()) is told of one that it can.
+    /// `snapshot` is told of one that it can.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         #[cfg(feature = "snapshot")]
         if let Some(worn) = self.mask.worn() {
