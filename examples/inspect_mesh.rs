@@ -26,7 +26,8 @@ fn main() -> ExitCode {
 
 fn inspect(path: &Path) -> Result<(), Box<dyn Error>> {
     let file = read_mesh(path)?;
-    let (model, report) = Model::build(file.mesh, &BuildOptions::default())?;
+    let options = BuildOptions { flatness: file.flatness, ..BuildOptions::default() };
+    let (model, report) = Model::build(file.mesh, &options)?;
 
     println!("{}", path.display());
     println!(

@@ -21,8 +21,8 @@ pub enum Flatness {
     /// box, the body was drawn on the grid, and the grid says nothing.
     /// [`Single`](Self::Single) where every coordinate has no more than nine digits, with which such
     /// numbers are written, or is a number of single precision; otherwise [`Double`](Self::Double).
-    /// Turned after it was read, a mesh no longer shows how it was written: then say it by
-    /// [`Relative`](Self::Relative).
+    /// Turned after it was read, a mesh no longer shows how it was written: then say it by [`Single`](Self::Single)
+    /// or [`Relative`](Self::Relative).
     #[default]
     Auto,
     /// Coordinates are rounded to `f64`: [`FLATNESS`].

@@ -24,6 +24,7 @@ use crate::concavity::{Concavities, HullCovers};
 use crate::digest::digest;
 use crate::envelope::Envelopes;
 use crate::features::Features;
+use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
 use crate::late::{Late, Unfolding};
@@ -72,7 +73,7 @@ impl Model {
     ) -> Result<(Self, Report), BuildError> {
         options.check_leaves()?;
         observe(Stage::Repair);
-        let weld_distance = weld_distance(options.tolerance, &mesh)?;
+        let weld_distance = weld_distance(options.tolerance, options.flatness, &mesh)?;
         let mut report = Report { weld_distance, ..Report::default() };
         let Mended { mut mesh, filed_faces, mut provenance } =
             mended(mesh, options.repair, weld_distance)?;
@@ -142,7 +143,8 @@ impl Model {
     /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it, for a
     /// model that was loaded. What was mended before the model was saved is not known any more.
     ///
-    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`].
+    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`]; without a tolerance, how finely a mesh was
+    /// stored is read off its coordinates, as with [`Flatness::Auto`].
     ///
     /// # Errors
     ///
@@ -154,7 +156,7 @@ impl Model {
     ) -> Result<Report, BuildError> {
         let Parts { mesh, topology, hull, features, concavities, mass, flatness, .. } = &*self.0;
         let mut report = Report {
-            weld_distance: weld_distance(tolerance, mesh)?,
+            weld_distance: weld_distance(tolerance, Flatness::Auto, mesh)?,
             flatness: *flatness,
             ..Report::default()
         };
@@ -171,7 +173,8 @@ impl Model {
     }
 
     /// The mended mesh. Face ids are those that were filed unless repairs other than
-    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face).
+    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face). **Vertices are numbered anew**,
+    /// in the order in which faces use them first: [`Provenance::vertex`] tells what became of each filed one.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.0.mesh
@@ -351,10 +354,12 @@ fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<Mended, Buil
         }
     }
     if policy == Repair::None {
+        provenance.new_ids = welded.new_id;
         return Ok(Mended { mesh: welded.mesh, filed_faces: None, provenance });
     }
     let mended = mend(&mesh, welded, policy == Repair::Full, weld_distance)?;
     provenance.repairs.extend(mended.records);
     provenance.deviation = mended.deviation;
+    provenance.new_ids = mended.new_id;
     Ok(Mended { mesh: mended.mesh, filed_faces: mended.filed_face, provenance })
 }

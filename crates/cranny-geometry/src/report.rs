@@ -56,15 +56,19 @@ impl Report {
         self.provenance.as_ref().map_or(&[], |known| &known.repairs)
     }
 
-    /// Why the [volumes of pockets](crate::concavity::Measures::pocket_volume) mean nothing; `None` where they do.
+    /// Why the [volumes of pockets](crate::concavity::Measures::pocket_volume) mean nothing; `None` where they do, as far as
+    /// faces that meet were [searched for](Self::meetings).
     #[must_use]
     pub fn volumes_unknown(&self) -> Option<&'static str> {
-        let doubled = [FindingKind::DuplicateFaces, FindingKind::OppositeFaces];
+        let has = |kind| self.findings.iter().any(|finding| finding.kind == kind);
         if !self.closed {
             return Some("the mesh is not closed");
         }
-        let is_doubled = self.findings.iter().any(|finding| doubled.contains(&finding.kind));
-        is_doubled.then_some("faces lie in one place with others")
+        if has(FindingKind::DuplicateFaces) || has(FindingKind::OppositeFaces) {
+            return Some("faces lie in one place with others");
+        }
+        let crosses = has(FindingKind::SelfIntersection) || has(FindingKind::CoplanarOverlap);
+        crosses.then_some("the surface passes through itself")
     }
 
     /// Takes in what a scan found.

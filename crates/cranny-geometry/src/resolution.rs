@@ -54,9 +54,9 @@ const EXACT_POWERS: i32 = 22;
 /// The default weld distance of a mesh. Deterministic; 0 only where all vertices coincide.
 ///
 /// The step is the coarsest of: the grid that holds every coordinate, single precision where every
-/// coordinate has it, double precision (both at the largest coordinate).
-pub(crate) fn default_weld_distance(mesh: &Mesh) -> f64 {
-    let binary = if is_single(mesh) { SINGLE } else { f64::EPSILON };
+/// coordinate has it or `was_single`, double precision (both at the largest coordinate).
+pub(crate) fn default_weld_distance(mesh: &Mesh, was_single: bool) -> f64 {
+    let binary = if was_single || is_single(mesh) { SINGLE } else { f64::EPSILON };
     let grid = GRID_STEPS * grid_step(mesh).unwrap_or(0.0);
     let least = grid.max(BINARY_STEPS * binary * largest(mesh));
     least.min(MAX_SHARE * mesh.bounds().diagonal())
@@ -213,7 +213,7 @@ mod tests {
     fn distance(scale: f64, shift: f64) -> f64 {
         let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]
             .map(|p| scale * p + DVec3::new(shift, 0.0, 0.0));
-        default_weld_distance(&Mesh::new(vertices.to_vec(), vec![[0, 1, 2]]).unwrap())
+        default_weld_distance(&Mesh::new(vertices.to_vec(), vec![[0, 1, 2]]).unwrap(), false)
     }
 
     fn close(a: f64, b: f64) -> bool {
@@ -237,8 +237,9 @@ mod tests {
     fn single_and_double_precision_are_told_apart() {
         let numbers = [1.0 / 3.0, 0.1f64.sqrt(), 0.7];
         let single = numbers.map(to_single);
-        assert_eq!(default_weld_distance(&mesh(single)), 8.0 * SINGLE * single[2]);
-        assert_eq!(default_weld_distance(&mesh(numbers)), 8.0 * f64::EPSILON * 0.7);
+        assert_eq!(default_weld_distance(&mesh(single), false), 8.0 * SINGLE * single[2]);
+        assert_eq!(default_weld_distance(&mesh(numbers), false), 8.0 * f64::EPSILON * 0.7);
+        assert_eq!(default_weld_distance(&mesh(numbers), true), 8.0 * SINGLE * 0.7);
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Every format says the same tetrahedron; every broken file is refused with its place.
 
 use cranny_exact::DVec3;
-use cranny_geometry::Mesh;
+use cranny_geometry::{BuildOptions, Flatness, Mesh, Model};
 use cranny_scene::mesh_file::{
     DecodeError, MeshFile, MeshFileError, MeshFormat, Place, Problem, UpAxis, decode_mesh,
     encode_obj, read_mesh, read_mesh_with,
 };
+use cranny_shapes::Torus;
 
 /// Not representable in `f32`: shows that text is read at full precision.
 const H: f64 = 0.1;
@@ -188,6 +189,21 @@ fn every_format_reads_the_same_tetrahedron() {
         assert_eq!(triangles(&read.mesh), triangles(&expected), "{extension} {k}");
         assert_eq!(read.mesh.vertices().len(), 4, "{extension} {k}");
     }
+}
+
+/// Two copies of a body, of which one node is turned: coordinates no longer show how finely they were stored.
+#[test]
+fn nodes_that_turn_a_mesh_say_that_it_had_single_precision() {
+    let body = Torus::default().build().unwrap();
+    let read = |node: &str| decode_mesh(&as_glb(&body, node), MeshFormat::Gltf).unwrap();
+    let (still, turned) = (read(""), read(r#","rotation":[0.6,0,0,0.8]"#));
+    assert_eq!((still.flatness, turned.flatness), (Flatness::Auto, Flatness::Single));
+    let weld = |MeshFile { mesh, flatness, .. }: MeshFile| {
+        let options = BuildOptions { flatness, ..BuildOptions::default() };
+        Model::build(mesh, &options).unwrap().1.weld_distance
+    };
+    let (still, turned) = (weld(still), weld(turned));
+    assert!(turned > 0.5 * still && turned < 2.0 * still, "{turned:e} where it was {still:e}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildError, BuildOptions, Model, Report, Stage};
+use cranny_geometry::{BuildError, BuildOptions, Flatness, Model, Report, Stage};
 use cranny_scene::{MeshFile, MeshFileError, read_mesh};
 
 use crate::failure::Failure;
@@ -87,7 +87,7 @@ pub(crate) fn load_with_report(
 fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedModel, Failure> {
     let waiting = progress::spinner(format!("reading {}", path.display()));
     let start = Instant::now();
-    let MeshFile { mesh, format, notes, .. } = read_mesh(path).map_err(unreadable)?;
+    let MeshFile { mesh, format, notes, flatness, .. } = read_mesh(path).map_err(unreadable)?;
     let mut times = Times { read: start.elapsed(), ..Times::default() };
     let name = path.display();
     for note in &notes {
@@ -114,6 +114,8 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
             ))
         })?
     };
+    let flatness = if options.flatness == Flatness::Auto { flatness } else { options.flatness };
+    let options = &BuildOptions { flatness, ..options.clone() };
     let mut stopwatch = Stopwatch::default();
     let (model, report) = Model::build_observed(mesh, options, &mut |stage| {
         stopwatch.enter(stage, &mut times);

@@ -53,7 +53,8 @@ pub enum ConcavityKind {
     /// concavity, or anywhere off the hull. A solid inside the matter of another is one too, without a parent, as no air
     /// is around it; reports tell it as [`NestedSolid`](crate::FindingKind::NestedSolid).
     Island,
-    /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it.
+    /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it. Also where a face is filed more
+    /// than once, which covers the hull too often: the cap then has negative area.
     Opening,
 }
 

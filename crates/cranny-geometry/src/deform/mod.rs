@@ -132,6 +132,9 @@ impl Model {
     /// becomes flat, or shrinks away from the point that was known to be inside, all triangles and facets count as new. Where caps are shared, count negative or
     /// hang on isolated vertices, concavities are found anew, all of them.
     ///
+    /// Vertices have the numbers of [`mesh`](Self::mesh), not those that were filed: see
+    /// [`Provenance::vertex`](crate::Provenance::vertex).
+    ///
     /// # Errors
     ///
     /// [`DeformError`], and then nothing has changed: a vertex that does not exist or is named twice, a

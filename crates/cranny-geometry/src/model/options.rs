@@ -24,8 +24,8 @@ pub struct BuildOptions {
     /// What 'the same place' means for findings and repairs: at most
     /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from how
     /// finely the coordinates were stored: twice the step of a grid that holds them all, in any unit,
-    /// or eight times the step of single or double precision at the largest coordinate, but never
-    /// more than a ten-thousandth of the diagonal.
+    /// or eight times the step of single precision (also where [`flatness`](Self::flatness) says that) or double precision at
+    /// the largest coordinate, but never more than a ten-thousandth of the diagonal.
     pub tolerance: Option<Tolerance>,
     /// Whether faces that cross, touch or overlap each other are searched for. Default: yes.
     pub self_intersections: bool,
@@ -52,9 +52,13 @@ impl BuildOptions {
 }
 
 /// The weld distance asked for, or the default for a mesh.
-pub(super) fn weld_distance(tolerance: Option<Tolerance>, mesh: &Mesh) -> Result<f64, BuildError> {
+pub(super) fn weld_distance(
+    tolerance: Option<Tolerance>,
+    flatness: Flatness,
+    mesh: &Mesh,
+) -> Result<f64, BuildError> {
     let Some(Tolerance { weld_distance }) = tolerance else {
-        return Ok(default_weld_distance(mesh));
+        return Ok(default_weld_distance(mesh, flatness == Flatness::Single));
     };
     let limit = BuildOptions::LARGEST_WELD_SHARE * mesh.bounds().diagonal();
     match (0.0..=limit).contains(&weld_distance) {

@@ -26,7 +26,7 @@ use crate::report::{RepairKind, RepairRecord};
 use crate::scan::{cracks, faces::has_no_area};
 use crate::topology::Topology;
 use crate::tree::FaceTree;
-use crate::weld::Welded;
+use crate::weld::{UNREFERENCED, Welded};
 use proof::{Proof, ProofError};
 use subdivide::Splits;
 
@@ -55,6 +55,8 @@ pub(crate) struct Mended {
     pub(crate) mesh: Mesh,
     /// The filed face that each face is, or is a part of; `None` where all are as filed.
     pub(crate) filed_face: Option<Vec<FaceId>>,
+    /// The vertex that each filed one became; [`UNREFERENCED`] where no face uses it any more.
+    pub(crate) new_id: Vec<u32>,
     pub(crate) records: Vec<RepairRecord>,
     /// No point of either surface is farther than this from the other.
     pub(crate) deviation: f64,
@@ -86,7 +88,10 @@ pub(crate) fn mend(
         proof.check(&work.mesh, &work.origin, weld_distance)?
     };
     let filed_face = (!work.is_as_filed()).then_some(work.origin);
-    Ok(Mended { mesh: compacted(work.mesh), filed_face, records, deviation })
+    let (mesh, place) = compacted(work.mesh);
+    let now = |welded: u32| place.get(welded as usize).copied().unwrap_or(UNREFERENCED);
+    let new_id = vertex_of.into_iter().map(now).collect();
+    Ok(Mended { mesh, filed_face, new_id, records, deviation })
 }
 
 /// The mesh in work: all welded vertices, used or not, and faces with the filed face of each.
@@ -231,7 +236,7 @@ fn weld_near(
         moved: near.iter().map(|pair| pair.distance).fold(0.0, f64::max),
         ..RepairRecord::new(RepairKind::WeldedNearVertices, near.len())
     });
-    for id in vertex_of.iter_mut().filter(|id| **id != crate::weld::UNREFERENCED) {
+    for id in vertex_of.iter_mut().filter(|id| **id != UNREFERENCED) {
         *id = leader[*id as usize];
     }
     let faces = mesh.faces().iter().map(|face| face.map(|v| leader[v as usize])).collect();
@@ -355,8 +360,8 @@ fn is_each_once(from: u32, to: u32, inside: &[u32]) -> bool {
     all.windows(2).all(|pair| pair[0] != pair[1])
 }
 
-/// Without the vertices that no face uses, in their old order.
-fn compacted(mesh: Mesh) -> Mesh {
+/// Without the vertices that no face uses, in their old order; and where each one is now, [`UNREFERENCED`] if nowhere.
+fn compacted(mesh: Mesh) -> (Mesh, Vec<u32>) {
     let mut used = vec![false; mesh.vertices().len()];
     for &v in mesh.faces().iter().flatten() {
         used[v as usize] = true;
@@ -366,10 +371,10 @@ fn compacted(mesh: Mesh) -> Mesh {
         .iter()
         .map(|&used| {
             next += u32::from(used);
-            next.wrapping_sub(1)
+            if used { next - 1 } else { UNREFERENCED }
         })
         .collect();
     let vertices = mesh.vertices().iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p);
     let faces = mesh.faces().iter().map(|face| face.map(|v| new_id[v as usize])).collect();
-    Mesh::from_trusted(vertices.collect(), faces)
+    (Mesh::from_trusted(vertices.collect(), faces), new_id)
 }

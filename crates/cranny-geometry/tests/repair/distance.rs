@@ -3,7 +3,7 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{Mesh, Model, Report};
 
-use crate::outcome::deviation;
+use crate::outcome::{assert_vertices_are_known, deviation};
 
 /// The distance of a point from a triangle, by its sides and its foot on the plane.
 pub(crate) fn triangle_distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
@@ -42,8 +42,9 @@ pub(crate) fn one_way(from: &Mesh, to: &Mesh) -> f64 {
 /// Checks that the repaired surface is where the filed one is, as closely as its report claims.
 pub(crate) fn assert_same_surface(filed: &Mesh, model: &Model, report: &Report) {
     assert!(deviation(report) <= report.weld_distance);
+    assert_vertices_are_known(filed, model, report);
     let rounding = 1e-14 * filed.bounds().diagonal();
     let (out, back) = (one_way(filed, model.mesh()), one_way(model.mesh(), filed));
-    assert!(out <= deviation(report) + rounding, "{out:e} from filed, {:e}", deviation(&report));
+    assert!(out <= deviation(report) + rounding, "{out:e} from filed, {:e}", deviation(report));
     assert!(back <= deviation(report) + rounding, "{back:e} from mended, {:e}", deviation(report));
 }

@@ -30,6 +30,27 @@ pub(crate) fn repaired(report: &Report) -> Vec<(RepairKind, usize)> {
     report.repairs().iter().map(|r| (r.kind, r.count)).collect()
 }
 
+/// Every filed vertex became one as far away as repairs move, or one that no face uses.
+pub(crate) fn assert_vertices_are_known(filed: &Mesh, model: &Model, report: &Report) {
+    let provenance = report.provenance.as_ref().expect("built, not loaded");
+    let (mut seen, mut lost) = (vec![false; model.mesh().vertices().len()], 0);
+    for (old, &place) in (0..).zip(filed.vertices()) {
+        let Some(vertex) = provenance.vertex(old) else {
+            lost += 1;
+            continue;
+        };
+        let off = model.mesh().position(vertex).distance(place);
+        assert!(off <= report.weld_distance, "{old}: {off:e}");
+        seen[vertex.index()] = true;
+    }
+    assert!(seen.iter().all(|&seen| seen), "a vertex from nowhere");
+    let unused = (0..filed.vertices().len() as u32)
+        .filter(|v| !filed.faces().iter().flatten().any(|corner| corner == v))
+        .count();
+    assert!(lost >= unused, "{lost} of {unused}");
+    assert_eq!(provenance.vertex(filed.vertices().len() as u32), None);
+}
+
 /// How far repairs moved the surface.
 pub(crate) fn deviation(report: &Report) -> f64 {
     report.provenance.as_ref().expect("built, not loaded").deviation

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, check_point};
-use cranny_geometry::{Mesh, MeshError};
+use cranny_geometry::{Flatness, Mesh, MeshError};
 
 use super::polygons::Polygons;
 use super::problem::{DecodeError, Place, Problem};
@@ -17,6 +17,7 @@ pub(super) struct Builder {
     polygons: Polygons,
     notes: Vec<String>,
     remark: String,
+    flatness: Flatness,
 }
 
 impl Builder {
@@ -28,6 +29,7 @@ impl Builder {
             polygons: Polygons::default(),
             notes: Vec::new(),
             remark: String::new(),
+            flatness: Flatness::Auto,
         }
     }
 
@@ -60,6 +62,11 @@ impl Builder {
         }
     }
 
+    /// Coordinates had single precision, and have been transformed since.
+    pub(super) fn was_single(&mut self) {
+        self.flatness = Flatness::Single;
+    }
+
     /// Something the reader left out or changed, one sentence.
     pub(super) fn note(&mut self, note: String) {
         self.notes.push(note);
@@ -77,7 +84,7 @@ impl Builder {
         match Mesh::new(self.vertices, faces) {
             Ok(mesh) => {
                 self.notes.extend(splits.notes(&mesh));
-                Ok(MeshFile { mesh, format, notes: self.notes })
+                Ok(MeshFile { mesh, format, notes: self.notes, flatness: self.flatness })
             }
             Err(error) => {
                 let (place, problem) = match error {

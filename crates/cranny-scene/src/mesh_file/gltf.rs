@@ -24,7 +24,7 @@ const TRIANGLE_STRIP: u32 = 5;
 const TRIANGLE_FAN: u32 = 6;
 
 /// An affine map: linear part, then translation.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Affine {
     linear: DMat3,
     translation: DVec3,
@@ -46,7 +46,7 @@ pub(super) fn decode(bytes: &[u8], fetch: Fetch<'_>) -> Result<MeshFile, DecodeE
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         let line = error.line();
         let problem = Problem::Malformed {
-            found: error.to_string(),
+            found: format!("what cannot be read ({error})"),
             expected: "glTF 2.0 in JSON".to_owned(),
         };
         DecodeError { format: FORMAT, place: Place::Line(line), problem }
@@ -190,6 +190,9 @@ impl Scene<'_> {
         };
         let positions = self.buffers.positions(positions)?;
         let first = self.builder.vertex_count();
+        if *scene_from_mesh != Affine::IDENTITY {
+            self.builder.was_single();
+        }
         for (vertex, &p) in positions.iter().enumerate() {
             let posed = scene_from_mesh.linear * p + scene_from_mesh.translation;
             self.builder.vertex(posed, || Place::Element(format!("{name}, vertex {vertex}")))?;

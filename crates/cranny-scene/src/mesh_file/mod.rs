@@ -23,7 +23,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use cranny_geometry::Mesh;
+use cranny_geometry::{Flatness, Mesh};
 use thiserror::Error;
 
 use crate::byte_order_mark::bytes_without_mark;
@@ -93,6 +93,9 @@ pub struct MeshFile {
     pub format: MeshFormat,
     /// One sentence each: polygons split, lines skipped, solids joined, units applied.
     pub notes: Vec<String>,
+    /// How flat is flat ([`BuildOptions::flatness`](cranny_geometry::BuildOptions::flatness)): [`Flatness::Single`] where single
+    /// precision was transformed since, as by nodes of glTF, which coordinates no longer show.
+    pub flatness: Flatness,
 }
 
 /// Why a mesh file was not read.

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use cranny_geometry::Mesh;
 
 use super::builder::Builder;
-use super::problem::{DecodeError, Place, Problem, excerpt};
+use super::problem::{DecodeError, Place, Problem, counted, excerpt};
 use super::text::Words;
 use super::{MeshFile, MeshFormat};
 
@@ -115,7 +115,8 @@ impl Polygons {
         }
         let count = self.corners.len() - first;
         if count < 3 {
-            return Err(words.malformed(format!("a face with {count} corners"), "at least three"));
+            return Err(words
+                .malformed(format!("a face with {}", counted(count, "corner")), "at least three"));
         }
         self.faces.push((words.line, self.corners.len()));
         Ok(())

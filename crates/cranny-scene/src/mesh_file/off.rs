@@ -86,7 +86,8 @@ fn read_corners(
 ) -> Result<(), DecodeError> {
     let number = words.integer("the number of corners")?;
     if number < 3 {
-        return Err(words.malformed(format!("a face with {number} corners"), "at least three"));
+        return Err(words
+            .malformed(format!("a face whose number of corners is {number}"), "at least three"));
     }
     corners.clear();
     for _ in 0..number {

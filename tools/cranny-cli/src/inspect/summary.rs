@@ -53,8 +53,7 @@ pub(super) struct Summary {
     pub(super) time_ms: TimesLine,
     pub(super) notes: Vec<String>,
     pub(super) outputs: Vec<String>,
-    /// What the colours of the picture mean: for people.
-    #[serde(skip)]
+    /// What the colours of the picture mean, a line each.
     pub(super) legend: Vec<String>,
     pub(super) skipped: Vec<Skipped>,
 }

@@ -217,10 +217,15 @@ fn what_an_open_or_a_doubled_mesh_holds_is_unknown_and_why() {
     let open = cup.faces()[1..].to_vec();
     let [a, b, c] = cup.faces()[0];
     let doubled = [cup.faces(), &[[a, b, c], [a, c, b]]].concat();
-    for (faces, why) in
-        [(open, "the mesh is not closed"), (doubled, "faces lie in one place with others")]
-    {
-        let report = inspected(&Mesh::new(cup.vertices().to_vec(), faces).unwrap());
+    let of_cup = |faces| Mesh::new(cup.vertices().to_vec(), faces).unwrap();
+    let aside = cup.vertices().iter().map(|&p| p + DVec3::new(0.5, 0.25, 0.125)).collect();
+    let crossed = cup.clone().joined(&Mesh::new(aside, cup.faces().to_vec()).unwrap());
+    for (mesh, why) in [
+        (of_cup(open), "the mesh is not closed"),
+        (of_cup(doubled), "faces lie in one place with others"),
+        (crossed, "the surface passes through itself"),
+    ] {
+        let report = inspected(&mesh);
         assert_eq!(report["volumes_unknown"], why);
         assert!(concavities(&report).iter().all(|c| c["pocket_volume"].is_null()));
         assert!(!concavities(&report).is_empty());

@@ -51,15 +51,13 @@ fn told(depth: usize, shown: &[Shown]) -> String {
     let drawn = shown.iter().filter(|facet| !facet.polygon.is_empty()).count();
     let why = match (drawn, shown.len() - drawn) {
         (_, 0) => String::new(),
-        (0, _) => {
-            ", none of which is drawn: no place of the concavities is beyond all of its layer"
-                .to_owned()
-        }
+        (0, _) => ", none of which is drawn: the layer leaves no room beneath it".to_owned(),
         (_, hidden) => {
             format!(", {hidden} of which are not drawn: what is beyond them is beneath others")
         }
     };
-    format!("layers of the envelopes at depth {depth}, translucent: {} facets{why}", shown.len())
+    let (count, facets) = (shown.len(), if shown.len() == 1 { "facet" } else { "facets" });
+    format!("layers of the envelopes at depth {depth}, translucent: {count} {facets}{why}")
 }
 
 /// How deep the envelopes' layers nest, 0 where there is one beneath each cap.
@@ -175,6 +173,6 @@ mod tests {
         };
         assert!(told(0, &shown(&[3, 4])).ends_with("at depth 0, translucent: 2 facets"));
         assert!(told(0, &shown(&[3, 0])).contains("2 facets, 1 of which are not drawn"));
-        assert!(told(2, &shown(&[0, 0])).contains("2 facets, none of which is drawn: no place"));
+        assert!(told(2, &shown(&[0, 0])).contains("2 facets, none of which is drawn: the layer"));
     }
 }
