@@ -251,9 +251,9 @@ a closed mesh that is inside out is turned.
   full  safe, and shells in shells become cavities, double faces within the solid are dropped
 Holes are never filled. Findings are those that remain.
 
-Concavities are what the hull covers and the body does not fill. A pocket has one lid, a passage (a
-through-hole) several, a void none; an island is a piece inside another's pocket; an opening has a
-lid and no faces beneath: the mesh is open there. With --format json all are listed, by id:
+Concavities are what the hull covers and the body does not fill. A pocket has one lid, a passage
+several (a through-hole; also notches that share an edge), a void none; an island is a piece inside
+another's pocket; an opening has a lid and no faces beneath: the mesh is open there, or filed twice. With --format json all are listed, by id:
   faces, loops, lids  how many; loops are its rims
   cap_area, area      of its lids together, and of its faces
   pocket_volume       between them; negative for an island; null where volumes_unknown says why

@@ -24,6 +24,9 @@ pub(super) fn page(summary: &Summary) -> String {
     row("area", number(summary.area));
     row("volume", summary.volume.map_or_else(|| "none: not closed".to_owned(), number));
     row("same place", within(summary));
+    if let Some(dents) = dents(summary) {
+        row("", dents);
+    }
     let hull = &summary.hull;
     row(
         "hull",
@@ -86,6 +89,19 @@ fn as_filed(count: usize, filed: Option<usize>) -> String {
         Some(filed) if filed != count => format!("{count} ({filed} in the file)"),
         _ => count.to_string(),
     }
+}
+
+/// That repairs moved the surface by more than counts as flat, so that what they left of planes is told as concavities.
+fn dents(summary: &Summary) -> Option<String> {
+    let moved = summary.deviation?;
+    let largest = summary.bounds.iter().flatten().fold(0.0, |most, x| x.abs().max(most));
+    (moved > summary.flatness * largest).then(|| {
+        format!(
+            "that is more than counts as flat: dents so deep are told as concavities; --flat {:.0e} takes them for rounding",
+            // Either side of a plane.
+            2.0 * moved / largest
+        )
+    })
 }
 
 /// What 'the same place' meant, and how far repairs moved the surface.

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use cranny_exact::DVec3;
 use cranny_geometry::Mesh;
-use cranny_shapes::Cuboid;
+use cranny_shapes::{Cuboid, Cup};
+use cranny_testkit::Rng;
 use serde_json::Value;
 
 use crate::harness::{Folder, argument, run};
@@ -34,6 +35,29 @@ fn with_t_vertex(folder: &Folder) -> String {
     faces[0] = [a, new, c];
     faces.push([new, b, c]);
     folder.mesh("cracked.obj", &Mesh::new(vertices, faces).unwrap())
+}
+
+/// Triangles of a cup, each with corners of its own that are a little off: repairs join them, and leave dents in what was flat.
+#[test]
+fn dents_that_repairs_leave_are_told_with_the_flatness_that_undoes_them() {
+    let folder = Folder::new();
+    let cup = Cup::default().build().unwrap();
+    let mut rng = Rng::new(5);
+    let mut off = || 1e-7 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
+    let corners = cup.faces().iter().flatten().map(|&v| cup.vertices()[v as usize] + off());
+    let faces = (0..cup.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let soup = folder.mesh("soup.obj", &Mesh::new(corners.collect(), faces).unwrap());
+    let repair = ["--repair", "safe", "--weld", "1e-6"];
+    let page = run(&[&["inspect", &soup], &repair[..]].concat()).stdout;
+    let (_, advice) = page.split_once("--flat ").expect("advice");
+    let flat = advice.split_whitespace().next().expect("a flatness");
+    let concavities = |more: &[&str]| {
+        let report = inspected(&soup, &[&repair[..], more].concat());
+        assert_eq!(report["closed"], true);
+        report["concavities"].as_array().unwrap().len()
+    };
+    assert!(concavities(&[]) > 1, "no dents");
+    assert_eq!(concavities(&["--flat", flat]), 1);
 }
 
 #[test]
