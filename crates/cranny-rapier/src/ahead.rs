@@ -58,6 +58,11 @@ impl Motion {
         }
     }
 
+    /// Two that are not, come no nearer than the shortest reach, `base`.
+    fn is_fast(&self, base: f32) -> bool {
+        self.may.mins.abs().max(self.may.maxs.abs()).length() > 0.5 * base
+    }
+
     /// How far a point moves by the body's turning.
     fn turning(&self, point: Vector) -> Vector {
         self.angular.cross(point - self.center)
@@ -175,6 +180,12 @@ impl Motions {
         Some(PairAhead { motions: [of(first)?, of(second)?], base: known.base })
     }
 
+    /// Whether a body may move so far in the next step that its pairs are looked at farther than by the shortest reach.
+    pub(crate) fn is_hasty(&self, tag: usize) -> bool {
+        let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
+        known.bodies.get(tag).is_none_or(|motion| motion.is_fast(known.base))
+    }
+
     /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the prediction
     /// distance that rapier has to be told: no contact that a pair's reach holds is farther.
     ///
@@ -219,7 +230,7 @@ impl Neighbours<'_> {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for hop in 0..=HOPS {
             let fast: Vec<u32> = (0..motions.len() as u32)
-                .filter(|&i| !seen[i as usize] && self.is_fast(&motions[i as usize]))
+                .filter(|&i| !seen[i as usize] && motions[i as usize].is_fast(self.base))
                 .collect();
             for &i in &fast {
                 seen[i as usize] = true;
@@ -261,11 +272,6 @@ impl Neighbours<'_> {
 
     fn between(&self, motions: &[Motion], pair: [u32; 2]) -> PairAhead {
         PairAhead { motions: pair.map(|i| motions[i as usize]), base: self.base }
-    }
-
-    /// Two that are not, come no nearer than the prediction distance.
-    fn is_fast(&self, Motion { may, .. }: &Motion) -> bool {
-        may.mins.abs().max(may.maxs.abs()).length() > 0.5 * self.base
     }
 
     /// How much of another's motion a body may take over: all where that is slower, since others may hold it,

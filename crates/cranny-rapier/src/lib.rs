@@ -86,7 +86,7 @@ pub use log::{AnswerLog, LoggedAnswer};
 pub use mass::{MassError, mass_properties};
 pub use shape::{MeshShape, ShapeError};
 pub use simulation::{
-    BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Simulation, SimulationError,
+    BodyIndex, BodyKind, BodySpec, Energy, KEPT_WITHIN, PairContacts, Simulation, SimulationError,
     SimulationOptions, Timings,
 };
 #[cfg(feature = "snapshot")]

@@ -4,7 +4,7 @@
 //! | rapier setting | here | why |
 //! |---|---|---|
 //! | `contact_clustering` | off with [`Detector::Cranny`] | it merges normals within 5 degrees and keeps the first; ours are few and exact at their own points |
-//! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for | it keeps contacts while a pair drifts by several prediction distances; thin gaps do not forgive that |
+//! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for, and then only of pairs at rest that drift by [`KEPT_WITHIN`] at most | by rapier's default contacts are kept while a pair drifts by several prediction distances; thin gaps do not forgive that |
 //! | `friction_model` | Coulomb with [`Detector::Cranny`] | the simplified model rubs at a manifold's middle; most of ours have one point |
 //! | `num_solver_iterations` | enough for [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] unless asked for | they are rapier's substeps: at 1/60 s its default of 4 lets a falling chain sink in by half a link before it is stopped |
 //! | `normalized_prediction_distance` | with [`Detector::Cranny`] at each step at least as far as any two bodies near each other can come nearer in it; each pair is looked at as far as *its* bodies can | fast bodies are stopped before they overlap, also where one of two that fall together is stopped by a third |
@@ -43,6 +43,11 @@ use crate::shape::ShapeError;
 /// 240 Hz. Longer: a chain of twelve links tears at 60 Hz; shorter: solving takes longer for nothing.
 pub const SOLVER_SUBSTEP: f64 = 1.0 / 960.0;
 
+/// How far, as a multiple of the length unit, a pair of slow bodies may drift and keep the contacts of an earlier step: a tenth of
+/// rapier's own allowance for overlaps. A contact rides with its bodies meanwhile, its separation with it. Larger: what comes near while a
+/// pair drifts is seen later by as much; smaller: what rests is asked about in each step.
+pub const KEPT_WITHIN: f64 = 0.0005;
+
 /// How a simulation runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationOptions {
@@ -56,7 +61,8 @@ pub struct SimulationOptions {
     /// (0.02 of it) and tolerances.
     pub length_unit: f64,
     /// Whether rapier may reuse contacts while a pair moves little. `None`: its default for its own
-    /// detectors, never for ours.
+    /// detectors, never for ours. With ours, where asked for, within [`KEPT_WITHIN`], and never of what is about to move by
+    /// more than half the prediction distance.
     pub recycling: Option<bool>,
     /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough for
     /// [`SOLVER_SUBSTEP`] for ours.
@@ -81,6 +87,13 @@ impl SimulationOptions {
     pub fn substeps_for(step: f64) -> usize {
         let enough = (step / SOLVER_SUBSTEP).round() as usize;
         enough.max(IntegrationParameters::default().num_solver_iterations)
+    }
+}
+
+impl SimulationOptions {
+    /// Whether only what rests may keep its contacts.
+    fn keeps_resting(&self) -> bool {
+        self.detector == Detector::Cranny && self.recycling == Some(true)
     }
 }
 
@@ -297,6 +310,9 @@ impl Simulation {
         }
         parameters.num_solver_iterations = options.substeps();
         parameters.contact_recycling = options.recycling.unwrap_or(!ours);
+        if options.keeps_resting() {
+            parameters.normalized_contact_recycle_distance = KEPT_WITHIN as f32;
+        }
         let (log, motions) = (AnswerLog::default(), Motions::default());
         let dispatcher = dispatcher_of(&log, &motions);
         let mut pipeline = PhysicsPipeline::new();
@@ -445,8 +461,27 @@ impl Simulation {
         let broad_phase = &mut self.broad_phase;
         let ahead = self.motions.look(&world, broad_phase, &parameters, self.settled);
         self.settled = true;
+        if self.options.keeps_resting() {
+            self.refresh_hasty();
+        }
         parameters.normalized_prediction_distance = ahead / parameters.length_unit;
         parameters
+    }
+
+    /// Has rapier ask anew about pairs of whatever may move far in this step: kept contacts are those of a shorter reach. It keeps none of
+    /// a collider with hooks; ours does nothing.
+    fn refresh_hasty(&mut self) {
+        for (tag, tagged) in self.tagged.iter().enumerate() {
+            let Some(collider) = self.colliders.get(tagged.collider) else { continue };
+            let (hasty, hooks) = (self.motions.is_hasty(tag), collider.active_hooks());
+            let mut wanted = hooks;
+            wanted.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, hasty);
+            if wanted != hooks
+                && let Some(collider) = self.colliders.get_mut(tagged.collider)
+            {
+                collider.set_active_hooks(wanted);
+            }
+        }
     }
 
     /// How far ahead bodies were looked at in the last step, at most: rapier's prediction distance, as long as nothing

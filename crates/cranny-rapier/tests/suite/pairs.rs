@@ -166,6 +166,27 @@ fn recycled_answers_say_so() {
     assert!(fresh > 0 && recycled > 0, "{fresh} fresh, {recycled} recycled");
 }
 
+/// What was found within a short reach says nothing of what a body about to move far may meet.
+#[test]
+fn contacts_are_kept_at_rest_and_not_of_what_is_about_to_move() {
+    let options = SimulationOptions { recycling: Some(true), ..SimulationOptions::default() };
+    let (slab, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));
+    let mut simulation = Simulation::new(options);
+    simulation.insert(&spec(&slab, BodyKind::Fixed, DVec3::ZERO)).expect("a body");
+    let at = DVec3::new(0.0, 0.0, 1.001);
+    let body = simulation.insert(&spec(&cube, BodyKind::Dynamic, at)).expect("a body");
+    let mut kept = 0;
+    for _ in 0..20 {
+        simulation.step();
+        kept += simulation.contact_pairs().iter().filter(|pair| !pair.fresh).count();
+    }
+    assert!(kept > 3, "{kept}");
+    simulation.set_velocity(body, DVec3::new(3.0, 0.0, 0.0), DVec3::ZERO);
+    simulation.step();
+    let pairs = simulation.contact_pairs();
+    assert!(pairs.len() == 1 && pairs[0].fresh, "{} pairs", pairs.len());
+}
+
 #[test]
 fn excluded_bodies_pass_and_are_told_no_more() {
     let (slab, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));
