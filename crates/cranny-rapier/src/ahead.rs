@@ -59,7 +59,7 @@ impl Motion {
     }
 
     /// Two that are not, come no nearer than the shortest reach, `base`.
-    fn is_fast(&self, base: f32) -> bool {
+    fn is_fast(&self, base: Real) -> bool {
         self.may.mins.abs().max(self.may.maxs.abs()).length() > 0.5 * base
     }
 

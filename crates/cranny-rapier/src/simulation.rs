@@ -311,7 +311,7 @@ impl Simulation {
         parameters.num_solver_iterations = options.substeps();
         parameters.contact_recycling = options.recycling.unwrap_or(!ours);
         if options.keeps_resting() {
-            parameters.normalized_contact_recycle_distance = KEPT_WITHIN as f32;
+            parameters.normalized_contact_recycle_distance = KEPT_WITHIN as Real;
         }
         let (log, motions) = (AnswerLog::default(), Motions::default());
         let dispatcher = dispatcher_of(&log, &motions);
