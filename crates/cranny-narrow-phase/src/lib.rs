@@ -27,7 +27,7 @@
 //! matters; `contacts` finds the few points that a solver needs, patch by patch, and `smooth` tells them with
 //! the normals of curved surfaces, for whoever asks. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
-//! [`walk`] follows the closest features of two convex hulls from frame to frame. `levels` tells what is
+//! [`walk`] follows the closest features of two convex hulls from frame to frame. `revolved` measures against cylinders, cones and the like. `levels` tells what is
 //! certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
 //! memory holds, for drawing. `verify` asks everything twice, with memory
 //! and without, for whoever doubts it: [`query_verified`].
@@ -78,6 +78,7 @@ mod projection;
 mod query;
 mod reduce;
 mod regions;
+pub mod revolved;
 mod smooth;
 mod surface;
 mod touch;

@@ -37,6 +37,8 @@ mod queries;
 mod resting;
 #[path = "../../cranny-rapier/tests/suite/rolling.rs"]
 mod rolling;
+#[path = "../../cranny-rapier/tests/suite/round.rs"]
+mod round;
 #[path = "../../cranny-rapier/tests/suite/smooth.rs"]
 mod smooth;
 #[cfg(feature = "snapshot")]

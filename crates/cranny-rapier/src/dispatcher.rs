@@ -18,6 +18,7 @@
 
 use std::time::{Duration, Instant};
 
+use cranny_exact::RigidMap;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Demand, PairMemory};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
@@ -33,13 +34,14 @@ use rapier3d::parry::query::{
 use rapier3d::parry::shape::{Compound, Shape};
 
 use crate::ahead::{Motions, PairAhead};
+use crate::apart::{Apart, apart};
 use crate::ask::ask;
 use crate::casts::{AtOnce, Cast};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, rebuild};
 use crate::pair::{Found, PairWorkspace, for_parry, involves_ours, ours};
-use crate::partners::{holds, polyhedron};
+use crate::partners::{holds, polyhedron, revolved, rounded_polyhedron};
 
 /// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact may have moved
 /// and still be the same: beyond, its impulse belongs to another place.
@@ -78,6 +80,16 @@ fn models(g1: &dyn Shape, g2: &dyn Shape) -> Option<[Model; 2]> {
     }
     let model = |g: &dyn Shape| ours(g).map(|s| s.model().clone()).or_else(|| polyhedron(g));
     Some([model(g1)?, model(g2)?])
+}
+
+/// Whether a pair, of which one shape is ours, is one that [`apart`] answers about: but where the pose is none.
+fn is_known(g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    let known = |g: &dyn Shape| {
+        ours(g).is_some()
+            || revolved(g, &RigidMap::IDENTITY).is_some()
+            || rounded_polyhedron(g).is_some()
+    };
+    (ours(g1).is_some() || ours(g2).is_some()) && known(g1) && known(g2)
 }
 
 /// Whether a shape that is no polyhedron lies inside the other one, ours, given that the surfaces
@@ -264,8 +276,14 @@ impl QueryDispatcher for Dispatcher {
             }
             None => {}
         }
+        let models = models(g1, g2);
+        if models.is_none() {
+            if let Some(told) = apart(&pose_from_rapier(pos12), g1, g2, 0.0) {
+                return Ok(ShapeIntersection::new(matches!(told, Apart::Meeting)));
+            }
+        }
         let parry = DefaultQueryDispatcher.intersection_test(pos12, for_parry(g1), for_parry(g2));
-        let Some([m1, m2]) = models(g1, g2) else {
+        let Some([m1, m2]) = models else {
             let parry = parry?;
             let intersecting = parry.intersecting || encloses(pos12, g1, g2);
             return Ok(ShapeIntersection { intersecting, ..parry });
@@ -296,15 +314,16 @@ impl QueryDispatcher for Dispatcher {
             }
             None => {}
         }
-        let Some([m1, m2]) = models(g1, g2) else {
-            let apart = DefaultQueryDispatcher.distance(pos12, for_parry(g1), for_parry(g2))?;
-            let distance = if encloses(pos12, g1, g2) { 0.0 } else { apart.distance };
-            return Ok(ShapeDistance { distance, ..apart });
+        let distance = match apart(&pose_from_rapier(pos12), g1, g2, f64::INFINITY) {
+            Some(Apart::By(distance, _)) => distance as Real,
+            Some(_) => 0.0,
+            None if is_known(g1, g2) => return Err(Unsupported),
+            None => {
+                let told = DefaultQueryDispatcher.distance(pos12, for_parry(g1), for_parry(g2))?;
+                let distance = if encloses(pos12, g1, g2) { 0.0 } else { told.distance };
+                return Ok(ShapeDistance { distance, ..told });
+            }
         };
-        let demand = Demand::Distance { below: None };
-        let answer = ask([&m1, &m2], pose_from_rapier(pos12), demand, &mut PairMemory::default())
-            .ok_or(Unsupported)?;
-        let distance = if answer.solid { 0.0 } else { answer.distance.unwrap_or(0.0) as Real };
         Ok(ShapeDistance { distance, subshape1: 0, subshape2: 0 })
     }
 
@@ -363,31 +382,21 @@ impl QueryDispatcher for Dispatcher {
             }
             None => {}
         }
-        let Some([m1, m2]) = models(g1, g2) else {
-            if encloses(pos12, g1, g2) {
-                return Ok(ClosestPoints::Intersecting);
-            }
-            return DefaultQueryDispatcher.closest_points(
-                pos12,
-                for_parry(g1),
-                for_parry(g2),
-                max_dist,
-            );
-        };
         let pose = pose_from_rapier(pos12);
-        let demand = Demand::Distance { below: None };
-        let answer =
-            ask([&m1, &m2], pose, demand, &mut PairMemory::default()).ok_or(Unsupported)?;
-        if answer.solid || answer.surface.meets() {
-            return Ok(ClosestPoints::Intersecting);
-        }
-        let inverse = pose.world_from_body().inverse();
-        Ok(match (answer.witnesses, answer.distance) {
-            (Some([a, b]), Some(d)) if d <= f64::from(max_dist) => {
-                ClosestPoints::WithinMargin(narrow(a.point), narrow(inverse.apply(b.point)))
+        match apart(&pose, g1, g2, max_dist.into()) {
+            Some(Apart::Meeting) => Ok(ClosestPoints::Intersecting),
+            Some(Apart::Farther) => Ok(ClosestPoints::Disjoint),
+            Some(Apart::By(_, [a, b])) => {
+                let b = pose.world_from_body().inverse().apply(b);
+                Ok(ClosestPoints::WithinMargin(narrow(a), narrow(b)))
             }
-            _ => ClosestPoints::Disjoint,
-        })
+            None if is_known(g1, g2) => Err(Unsupported),
+            None if encloses(pos12, g1, g2) => Ok(ClosestPoints::Intersecting),
+            None => {
+                let (g1, g2) = (for_parry(g1), for_parry(g2));
+                DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist)
+            }
+        }
     }
 
     fn cast_shapes(

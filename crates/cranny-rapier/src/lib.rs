@@ -59,6 +59,7 @@
 )]
 
 mod ahead;
+mod apart;
 mod ask;
 mod casts;
 mod convert;

@@ -23,7 +23,10 @@ use crate::ask::ask;
 use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
 use crate::deep::way_out;
 use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
-use crate::partners::{Core, ball_contacts, capsule_contacts, half_space_contacts};
+use crate::partners::{
+    Core, ball_contacts, capsule_contacts, deep_contact, half_space_contacts, revolved,
+    revolved_contacts,
+};
 use crate::shape::MeshShape;
 
 /// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
@@ -270,7 +273,7 @@ fn parts(shape: &dyn Shape) -> Vec<(ExactPose, &dyn Shape)> {
     }
 }
 
-fn inverse(pose: &ExactPose) -> ExactPose {
+pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
     ExactPose {
         rotation: pose.rotation.conjugate(),
         translation: pose.world_from_body().inverse().translation,
@@ -336,13 +339,15 @@ fn primitive_contacts(
         }
         TypedShape::Capsule(capsule) => {
             let axis = [capsule.segment.a, capsule.segment.b].map(|p| map.apply(wide(p)));
-            Some(capsule_contacts(model, axis, capsule.radius.into(), reach))
+            let mut contacts = capsule_contacts(model, axis, capsule.radius.into(), reach);
+            contacts.extend(deep_contact(model, &revolved(partner, &map)?, &contacts));
+            Some(contacts)
         }
         TypedShape::HalfSpace(half_space) => {
             let normal = map.apply_vector(wide(half_space.normal)).normalize_or_zero();
             Some(half_space_contacts(model, normal, normal.dot(map.translation), reach))
         }
-        _ => None,
+        _ => Some(revolved_contacts(model, &revolved(partner, &map)?, reach)),
     }
 }
 

@@ -19,6 +19,7 @@ mod needles;
 mod observe;
 mod pockets;
 mod regions;
+mod revolved;
 mod rounded;
 mod smooth;
 mod solids;

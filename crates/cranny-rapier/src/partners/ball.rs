@@ -109,9 +109,9 @@ fn contact(
 
 /// A feature of the mesh and its point nearest to a centre.
 #[derive(Clone, Copy)]
-struct Foot {
-    feature: Feature,
-    point: DVec3,
+pub(super) struct Foot {
+    pub(super) feature: Feature,
+    pub(super) point: DVec3,
     squared: f64,
 }
 
@@ -155,11 +155,16 @@ fn swept_end(model: &Model, center: DVec3, radius: f64, reach: f64, own: Feature
 }
 
 /// Whether a feature's point is the nearest around it of what a unit way leads to from it, outside.
-fn is_least(model: &Model, feature: Feature, way: DVec3) -> bool {
+pub(super) fn is_least(model: &Model, feature: Feature, way: DVec3) -> bool {
+    is_least_within(model, feature, way, FALLS_AWAY)
+}
+
+/// [`is_least`], where a way may lean by a slack, as a sine.
+pub(super) fn is_least_within(model: &Model, feature: Feature, way: DVec3, slack: f64) -> bool {
     let least = match feature {
         Feature::Face(_) => true,
-        Feature::Edge(e) => falls_away(model, e, way),
-        Feature::Vertex(v) => edges_fall_away(model, v, way),
+        Feature::Edge(e) => falls_away(model, e, way, slack),
+        Feature::Vertex(v) => edges_fall_away(model, v, way, slack),
     };
     least && leaves(model, feature, way)
 }
@@ -170,7 +175,7 @@ pub(crate) fn holds(model: &Model, p: DVec3) -> bool {
 }
 
 /// The nearest feature of the model's closed components, where the point lies inside of them.
-fn enclosing(model: &Model, p: DVec3) -> Option<Foot> {
+pub(super) fn enclosing(model: &Model, p: DVec3) -> Option<Foot> {
     if !model.bounds().contains_point(p) {
         return None;
     }
@@ -209,7 +214,7 @@ fn leaves(model: &Model, feature: Feature, way: DVec3) -> bool {
 
 /// Sum of the unit normals around a feature, weighted by the angle at a vertex: the sign of its
 /// product with the way to a point tells inside from outside (Bærentzen and Aanæs 2005).
-fn outward_normal(model: &Model, feature: Feature) -> DVec3 {
+pub(super) fn outward_normal(model: &Model, feature: Feature) -> DVec3 {
     let mesh = model.mesh();
     let unit = |f: FaceId| mesh.area_vector(f).normalize_or_zero();
     match feature {
@@ -234,8 +239,8 @@ fn outward_normal(model: &Model, feature: Feature) -> DVec3 {
     }
 }
 
-/// Whether both faces at an edge fall away from a direction.
-fn falls_away(model: &Model, edge: EdgeId, direction: DVec3) -> bool {
+/// Whether both faces at an edge fall away from a direction, but for a slack.
+fn falls_away(model: &Model, edge: EdgeId, direction: DVec3, slack: f64) -> bool {
     let mesh = model.mesh();
     model.topology().half_edges(edge).iter().all(|h| {
         let corners = mesh.triangle(h.face());
@@ -243,16 +248,16 @@ fn falls_away(model: &Model, edge: EdgeId, direction: DVec3) -> bool {
         let along = (corners[(h.corner() + 1) % 3] - start).normalize_or_zero();
         let to_apex = corners[(h.corner() + 2) % 3] - start;
         let into = to_apex - along * along.dot(to_apex);
-        direction.dot(into) <= FALLS_AWAY * into.length()
+        direction.dot(into) <= slack * into.length()
     })
 }
 
-/// Whether all edges at a vertex fall away from a direction.
-fn edges_fall_away(model: &Model, vertex: VertexId, direction: DVec3) -> bool {
+/// Whether all edges at a vertex fall away from a direction, but for a slack.
+fn edges_fall_away(model: &Model, vertex: VertexId, direction: DVec3, slack: f64) -> bool {
     let mesh = model.mesh();
     let p = mesh.position(vertex);
     model.topology().faces_at(vertex).iter().flat_map(|&f| mesh.corners(f)).all(|w| {
         let along = mesh.position(w) - p;
-        direction.dot(along) <= FALLS_AWAY * along.length()
+        direction.dot(along) <= slack * along.length()
     })
 }

@@ -28,13 +28,8 @@ pub(crate) struct Core {
 impl Core {
     /// Of a shape of rapier's; `None` where it has none, as anything round, or where its mesh has no area.
     pub(crate) fn of(shape: &dyn Shape) -> Option<Self> {
-        let (inner, radius): (&dyn Shape, Real) = match shape.as_typed_shape() {
-            TypedShape::RoundCuboid(round) => (&round.inner_shape, round.border_radius),
-            TypedShape::RoundTriangle(round) => (&round.inner_shape, round.border_radius),
-            TypedShape::RoundConvexPolyhedron(round) => (&round.inner_shape, round.border_radius),
-            _ => (shape, 0.0),
-        };
-        Some(Self::new(polyhedron(inner)?, radius.into()))
+        let (model, radius) = rounded_polyhedron(shape)?;
+        Some(Self::new(model, radius))
     }
 
     /// Of one of our shapes.
@@ -47,6 +42,17 @@ impl Core {
         let thickness = thickness(&model);
         Self { model, radius, thickness, smooth: None }
     }
+}
+
+/// The model of a polyhedron and the border radius around it: 0 where it has none.
+pub(crate) fn rounded_polyhedron(shape: &dyn Shape) -> Option<(Model, f64)> {
+    let (inner, radius): (&dyn Shape, Real) = match shape.as_typed_shape() {
+        TypedShape::RoundCuboid(round) => (&round.inner_shape, round.border_radius),
+        TypedShape::RoundTriangle(round) => (&round.inner_shape, round.border_radius),
+        TypedShape::RoundConvexPolyhedron(round) => (&round.inner_shape, round.border_radius),
+        _ => (shape, 0.0),
+    };
+    Some((polyhedron(inner)?, radius.into()))
 }
 
 /// The model of a polyhedron or a surface of triangles; `None` for any other shape, or where the mesh has no

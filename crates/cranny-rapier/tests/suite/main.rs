@@ -14,6 +14,7 @@ mod pairs;
 mod queries;
 mod resting;
 mod rolling;
+mod round;
 mod smooth;
 #[cfg(feature = "snapshot")]
 mod snapshots;

@@ -7,7 +7,7 @@ use cranny_rapier::{MeshShape, dispatcher, pose_from_rapier, pose_to_rapier};
 use cranny_shapes::{Cup, Gear, GolfBall, IsoBolt, IsoNut, LPrism, Torus};
 use rapier3d::geometry::ContactManifold;
 use rapier3d::math::{Pose as RapierPose, Real, Vector};
-use rapier3d::parry::query::{PersistentQueryDispatcher, PointQuery};
+use rapier3d::parry::query::{PersistentQueryDispatcher, PointQuery, QueryDispatcher};
 use rapier3d::parry::shape::{FeatureId, Shape, SharedShape};
 
 use crate::world::{World, cuboid, model, ours, up};
@@ -173,6 +173,12 @@ fn primitives_in_all_positions() {
     let partners = [
         ("ball", SharedShape::ball(0.3)),
         ("capsule", SharedShape::capsule_y(0.3, 0.15)),
+        ("cylinder", SharedShape::cylinder(0.3, 0.2)),
+        ("coin", SharedShape::cylinder(0.04, 0.3)),
+        ("cone", SharedShape::cone(0.3, 0.2)),
+        ("segment", SharedShape::segment(Vector::new(-0.8, 0.0, 0.1), Vector::new(0.7, 0.1, 0.0))),
+        ("round cylinder", SharedShape::round_cylinder(0.2, 0.15, 0.05)),
+        ("round cone", SharedShape::round_cone(0.2, 0.15, 0.05)),
         ("cuboid", SharedShape::cuboid(0.3, 0.2, 0.1)),
         ("half-space", SharedShape::halfspace(Vector::new(0.6, 0.0, 0.8))),
     ];
@@ -188,6 +194,18 @@ fn primitives_in_all_positions() {
                 check(&found, &pose, 0.05, 2.0);
                 assert!(found.len() < 64, "{body} and {name}: {} manifolds", found.len());
                 points += found.iter().map(|m| m.points.len()).sum::<usize>();
+                // Where they are apart, the nearest contact is as far as they are.
+                if *name != "half-space" {
+                    let apart = dispatcher().distance(&pose, &shape, &*partner.0).expect("known");
+                    let told = found.iter().flat_map(|m| &m.points).map(|p| p.dist);
+                    let nearest = told.fold(Real::INFINITY, Real::min);
+                    let what = format!("{body} and {name}: {nearest} at {}", apart.distance);
+                    match apart.distance {
+                        0.0 => assert!(nearest < 1e-4, "{what}"),
+                        d if d < 0.05 => assert!((nearest - d).abs() < 1e-5, "{what}"),
+                        _ => assert_eq!(nearest, Real::INFINITY, "{what}"),
+                    }
+                }
                 // The other way round: the same, told from the other side.
                 let back = pose.inverse();
                 let swapped = manifolds(&back, &*partner.0, &shape, 0.05);
@@ -202,13 +220,15 @@ fn primitives_in_all_positions() {
                 // Of two ways out that are equally long, rounding may choose another.
                 let led = *name == "cuboid" && query_contacts([a, &brick], &pose, 0.05).is_none();
                 let same = there == here || (there - here).abs() < 1e-4;
-                assert!(led || same, "{there} but {here}");
-                told_alike += usize::from(!led);
+                assert!(led || same, "{body} and {name}: {there} but {here}");
+                told_alike += usize::from(same);
             }
-            assert!(points > 10, "{body} and {name}: {points} points");
+            // A segment has but its ends and what it crosses.
+            let enough = if *name == "segment" { 5 } else { 10 };
+            assert!(points > enough, "{body} and {name}: {points} points");
         }
     }
-    assert!(told_alike > 600, "{told_alike} of 640");
+    assert!(told_alike > 1560, "{told_alike} of 1600");
 }
 
 #[test]

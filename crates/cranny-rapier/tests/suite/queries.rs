@@ -7,7 +7,7 @@ use cranny_rapier::{MeshShape, dispatcher, narrow, pose_from_rapier, pose_to_rap
 use cranny_shapes::{Cup, LPrism, Torus};
 use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::query::{ClosestPoints, DefaultQueryDispatcher, QueryDispatcher};
-use rapier3d::parry::shape::{Cuboid, Shape, SharedShape};
+use rapier3d::parry::shape::{Cuboid, Shape, SharedShape, TypedShape};
 use rapier3d::prelude::{ColliderBuilder, RigidBodyBuilder};
 
 use crate::manifolds::Random;
@@ -89,6 +89,78 @@ fn boxes_agree_with_parrys_boxes() {
     }
 }
 
+fn round_partners() -> Vec<(&'static str, SharedShape)> {
+    let ends = [Vector::new(-0.3, 0.1, 0.0), Vector::new(0.5, 0.0, 0.2)];
+    vec![
+        ("ball", SharedShape::ball(0.4)),
+        ("capsule", SharedShape::capsule_x(0.4, 0.1)),
+        ("segment", SharedShape::segment(ends[0], ends[1])),
+        ("cylinder", SharedShape::cylinder(0.4, 0.3)),
+        ("flat cylinder", SharedShape::cylinder(0.05, 0.6)),
+        ("cone", SharedShape::cone(0.5, 0.3)),
+        ("round cylinder", SharedShape::round_cylinder(0.3, 0.3, 0.1)),
+        ("round cone", SharedShape::round_cone(0.4, 0.3, 0.1)),
+        ("round cuboid", SharedShape::round_cuboid(0.3, 0.2, 0.4, 0.1)),
+    ]
+}
+
+/// How far a point is from a shape's surface. parry searches what has a border, and ends early.
+fn off_surface(shape: &dyn Shape, p: Vector) -> Real {
+    let (core, border): (&dyn Shape, Real) = match shape.as_typed_shape() {
+        TypedShape::RoundCylinder(g) => (&g.inner_shape, g.border_radius),
+        TypedShape::RoundCone(g) => (&g.inner_shape, g.border_radius),
+        TypedShape::RoundCuboid(g) => (&g.inner_shape, g.border_radius),
+        _ => (shape, 0.0),
+    };
+    (core.distance_to_local_point(p, false) - border).abs()
+}
+
+/// What is round against a box as mesh, held against parry's own box, in both orders.
+#[test]
+fn round_partners_agree_with_parrys_box() {
+    let mesh = shape(&cuboid(1.0, 2.0, 0.5));
+    let parry = Cuboid::new(Vector::new(0.5, 1.0, 0.25));
+    let mut random = Random(14);
+    let (mut apart, mut meeting) = (0, 0);
+    for (name, partner) in &round_partners() {
+        for _ in 0..60 {
+            let pose = pose_to_rapier(&random.pose(1.3));
+            let truth = DefaultQueryDispatcher.distance(&pose, &parry, &*partner.0);
+            let truth = truth.expect("convex").distance;
+            for swap in [false, true] {
+                let (pose, g1, g2): (_, &dyn Shape, &dyn Shape) = match swap {
+                    false => (pose, &mesh, &*partner.0),
+                    true => (pose.inverse(), &*partner.0, &mesh),
+                };
+                let ours = dispatcher();
+                let what = format!("{name}, swapped {swap}");
+                let told = ours.distance(&pose, g1, g2).expect("ours").distance;
+                // parry's search ends early on what is flat; points on both surfaces prove that ours are not too small.
+                let near = truth - 5e-3..truth + 1e-4;
+                assert!(near.contains(&told), "{what}: {told} is not {truth}");
+                let meets = ours.intersection_test(&pose, g1, g2).expect("ours").intersecting;
+                assert_eq!(meets, told == 0.0, "{what}: distance {told}");
+                let reach = 0.3;
+                match ours.closest_points(&pose, g1, g2, reach).expect("ours") {
+                    ClosestPoints::Intersecting => assert_eq!(told, 0.0, "{what}"),
+                    ClosestPoints::Disjoint => assert!(told > reach, "{what}: {told}"),
+                    ClosestPoints::WithinMargin(p, q) => {
+                        assert!(told > 0.0 && told <= reach, "{what}: {told}");
+                        let way = (pose.transform_point(q) - p).length();
+                        assert!((way - told).abs() < 1e-5, "{what}: {way} is not {told}");
+                        for (g, p) in [(g1, p), (g2, q)] {
+                            let off = off_surface(g, p);
+                            assert!(off < 1e-4, "{what}: {p} is {off} off the surface");
+                        }
+                    }
+                }
+                if told > 0.0 { apart += 1 } else { meeting += 1 }
+            }
+        }
+    }
+    assert!(apart > 200 && meeting > 100, "{apart} {meeting}");
+}
+
 #[test]
 fn wholly_inside_a_solid_is_intersecting() {
     let block = shape(&cuboid(4.0, 4.0, 4.0));
@@ -99,6 +171,10 @@ fn wholly_inside_a_solid_is_intersecting() {
         ("capsule", SharedShape::capsule_x(0.2, 0.1)),
         ("cylinder", SharedShape::cylinder(0.2, 0.1)),
         ("cone", SharedShape::cone(0.2, 0.1)),
+        ("segment", SharedShape::segment(Vector::new(-0.2, 0.0, 0.0), Vector::new(0.1, 0.1, 0.0))),
+        ("round cylinder", SharedShape::round_cylinder(0.2, 0.1, 0.05)),
+        ("round cone", SharedShape::round_cone(0.2, 0.1, 0.05)),
+        ("round cuboid", SharedShape::round_cuboid(0.2, 0.1, 0.1, 0.05)),
     ];
     let pose = RapierPose::translation(0.3, -0.2, 0.5);
     for (name, partner) in &partners {
@@ -130,6 +206,11 @@ fn in_a_hollow_is_apart() {
         ("ours", ours(&cuboid(0.5, 0.5, 0.5)), 0.25),
         ("cuboid", SharedShape::cuboid(0.25, 0.25, 0.25), 0.25),
         ("ball", SharedShape::ball(0.25), 0.25),
+        ("capsule", SharedShape::capsule_z(0.05, 0.2), 0.25),
+        ("cylinder", SharedShape::cylinder(0.2, 0.25), 0.25),
+        ("cone", SharedShape::cone(0.1, 0.25), 0.25),
+        ("round cylinder", SharedShape::round_cylinder(0.15, 0.2, 0.05), 0.25),
+        ("round cuboid", SharedShape::round_cuboid(0.2, 0.2, 0.2, 0.05), 0.25),
     ] {
         for (body, place, distance) in [(&hollow, up(0.0), 1.0 - half), (&cup, up(0.5), 0.4 - half)]
         {
@@ -191,6 +272,10 @@ fn poses_that_are_none_are_refused_without_a_panic() {
     let (mesh, ball) = (shape(&cuboid(1.0, 1.0, 1.0)), SharedShape::ball(0.5));
     let broken = RapierPose::translation(Real::NAN, 0.0, 0.0);
     assert!(dispatcher().distance(&broken, &mesh, &mesh).is_err());
+    for (name, partner) in &round_partners() {
+        assert!(dispatcher().distance(&broken, &mesh, &*partner.0).is_err(), "{name}");
+        assert!(dispatcher().distance(&broken, &*partner.0, &mesh).is_err(), "{name}");
+    }
     let mut found = Vec::new();
     for partner in [&mesh as &dyn Shape, &*ball.0] {
         use rapier3d::parry::query::PersistentQueryDispatcher;
