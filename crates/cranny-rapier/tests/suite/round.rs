@@ -228,7 +228,7 @@ fn contacts_are_those_of_the_solid() {
     let floor = MeshShape::new(&cuboid(4.0, 4.0, 1.0), 0).expect("parry takes it");
     let cylinder = SharedShape::cylinder(0.5, 0.3);
     let apex = 0.75; // of the pyramid, above its centroid
-    for gap in [0.01, -0.01Real] {
+    for gap in [0.01, -0.01 as Real] {
         let standing = turned(apex + 0.5 + gap, upright());
         let lying = turned(apex + 0.3 + gap, Rotation::IDENTITY);
         for (name, pose) in [("standing", standing), ("lying", lying)] {
