@@ -7,11 +7,12 @@
 //! | ball, capsule | nearest features of the mesh |
 //! | half-space | lowest vertices of the mesh |
 //! | compound, also one that holds a `MeshShape` | each of its parts, as above |
-//! | all others: segment, cylinder, cone, the latter two rounded, shapes of an app's own | parry, with the mesh of the same triangles: hollow |
+//! | segment, cylinder, cone, the latter two with a border radius or without | where the signed distance from them is locally least on the mesh |
+//! | all others: shapes of an app's own | parry, with the mesh of the same triangles: hollow |
 //!
-//! Intersection tests, distances, closest points and single contacts between polyhedra are exact too.
-//! Of other partners parry tells how far the surfaces are; that one lies wholly inside our solid is
-//! seen here. Of compounds each part is asked about.
+//! Intersection tests, distances, closest points and single contacts between polyhedra are exact too, and to rounding
+//! those of what is round or has a border. Of half-spaces and shapes of an app's own parry tells how far the surfaces are; that
+//! one lies wholly inside our solid is seen here. Of compounds each part is asked about.
 //! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through, and a body inside a
 //! solid is told so. Those of other partners, and those that are to stop at a distance, use the parry mesh of the same
 //! triangles.

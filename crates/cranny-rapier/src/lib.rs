@@ -16,10 +16,9 @@
 //!
 //! # Non-promises
 //!
-//! Segments, cylinders, cones and the latter two rounded meet our shape as a hollow parry mesh, and so do shape
-//! casts of all that is round: see [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
-//! its own meshes: look ahead of fast bodies, as [`simulation`] does. A body of
-//! these kinds that lies wholly inside a solid is told as such, but no contact drives it out. rapier's own
+//! Shapes of an app's own meet our shape as a hollow parry mesh, and so do shape casts of all that is round: see
+//! [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
+//! its own meshes: look ahead of fast bodies, as [`simulation`] does. rapier's own
 //! settings matter: see [`simulation`].
 //!
 //! ```

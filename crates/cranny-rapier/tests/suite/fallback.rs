@@ -1,4 +1,4 @@
-//! Partners that parry answers for, with the mesh of the same triangles.
+//! Partners that parry has about y.
 
 use rapier3d::math::{Pose, Real, Rotation, Vector};
 use rapier3d::parry::shape::SharedShape;
