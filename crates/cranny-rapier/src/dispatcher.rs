@@ -278,10 +278,10 @@ impl QueryDispatcher for Dispatcher {
             None => {}
         }
         let models = models(g1, g2);
-        if models.is_none() {
-            if let Some(told) = apart(&pose_from_rapier(pos12), g1, g2, 0.0) {
-                return Ok(ShapeIntersection::new(matches!(told, Apart::Meeting)));
-            }
+        if models.is_none()
+            && let Some(told) = apart(&pose_from_rapier(pos12), g1, g2, 0.0)
+        {
+            return Ok(ShapeIntersection::new(matches!(told, Apart::Meeting)));
         }
         let parry = DefaultQueryDispatcher.intersection_test(pos12, for_parry(g1), for_parry(g2));
         let Some([m1, m2]) = models else {
