@@ -253,3 +253,38 @@ fn contacts_are_those_of_the_solid() {
         assert!((deepest.local_p1.x.abs() - x.abs()).abs() < 1e-5, "{}", deepest.local_p1);
     }
 }
+
+/// By hand: where contacts are of what stands askew on a small post, lies across a ridge, and is stuck in a cube.
+#[test]
+fn contacts_span_what_is_shared() {
+    let shape = |x, y| MeshShape::new(&cuboid(x, y, 1.0), 0).expect("parry takes it");
+    let places = |found: &[ContactManifold]| -> Vec<Vector> {
+        found.iter().flat_map(|m| &m.points).map(|p| p.local_p1).collect()
+    };
+    // Askew by 0.01: the corners on the higher side bear soon, too.
+    let lean = Rotation::from_rotation_y(0.01) * upright();
+    let found = contacts(&shape(0.3, 0.2), &SharedShape::cylinder(0.25, 0.4), &turned(0.752, lean));
+    for (x, y) in [(0.15, 0.1), (-0.15, 0.1), (-0.15, -0.1), (0.15, -0.1)] {
+        let corner = Vector::new(x, y, 0.5);
+        let has = places(&found).iter().any(|p| (*p - corner).length() < 1e-5);
+        assert!(has, "no contact at {corner}: {:?}", places(&found));
+    }
+    // Deeper than it is near: on the ridge, not at the ends beyond it.
+    let across = Rotation::from_rotation_z(std::f64::consts::FRAC_PI_2 as Real);
+    let roller = SharedShape::cylinder(0.6, 0.2);
+    let found = contacts(&shape(0.2, 3.0), &roller, &turned(0.69, across));
+    assert!(!found.is_empty());
+    for p in places(&found) {
+        assert!(p.x.abs() < 0.1 + 1e-5 && p.y.abs() < 1e-5, "beside the ridge: {p}");
+    }
+    // A wire without thickness, in a cube's lower side.
+    let wire = SharedShape::segment(Vector::new(-2.0, 0.1, 0.0), Vector::new(2.0, 0.1, 0.0));
+    let found = contacts(&shape(1.0, 1.0), &wire, &up(-0.49));
+    let points: Vec<_> = found.iter().flat_map(|m| &m.points).collect();
+    assert!(points.iter().all(|p| (p.dist + 0.01).abs() < 1e-5), "all are 0.01 deep");
+    assert!(found.iter().all(|m| (m.local_n1 + Vector::Z).length() < 1e-5), "all lead down");
+    for x in [-0.5, 0.5] {
+        let has = places(&found).iter().any(|p| (p.x - x).abs() < 1e-5);
+        assert!(has, "none where the wire leaves the cube at {x}: {:?}", places(&found));
+    }
+}
