@@ -272,10 +272,13 @@ fn contacts_span_what_is_shared() {
     // Deeper than it is near: on the ridge, not at the ends beyond it.
     let across = Rotation::from_rotation_z(std::f64::consts::FRAC_PI_2 as Real);
     let roller = SharedShape::cylinder(0.6, 0.2);
-    let found = contacts(&shape(0.2, 3.0), &roller, &turned(0.69, across));
-    assert!(!found.is_empty());
-    for p in places(&found) {
-        assert!(p.x.abs() < 0.1 + 1e-5 && p.y.abs() < 1e-5, "beside the ridge: {p}");
+    for width in [0.2, 1.1] {
+        let found = contacts(&shape(width, 3.0), &roller, &turned(0.69, across));
+        assert!(!found.is_empty());
+        for p in places(&found) {
+            let half = 0.5 * width as Real + 1e-5;
+            assert!(p.x.abs() < half && p.y.abs() < 1e-5, "beside the ridge: {p}");
+        }
     }
     // A wire without thickness, in a cube's lower side.
     let wire = SharedShape::segment(Vector::new(-2.0, 0.1, 0.0), Vector::new(2.0, 0.1, 0.0));
