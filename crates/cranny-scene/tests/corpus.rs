@@ -49,7 +49,7 @@ fn concavities_of_the_corpus_keep_their_invariants() {
         let kinds = |kind| all.iter().filter(|c| c.kind == kind).count();
         eprintln!(
             "{name}: {} faces, closed: {}; {} convex sets; {} pockets, {} passages, {} voids, \
-             {} islands, {} openings; {} cap triangles, {} of skin, {} negative; {} facets crossed",
+             {} islands, {} openings, {} overlays; {} cap triangles, {} of skin, {} negative; {} facets crossed",
             report.faces,
             report.closed,
             features.convex_sets().len(),
@@ -58,6 +58,7 @@ fn concavities_of_the_corpus_keep_their_invariants() {
             kinds(ConcavityKind::Void),
             kinds(ConcavityKind::Island),
             kinds(ConcavityKind::Opening),
+            kinds(ConcavityKind::Overlay),
             all.cap_count(),
             all.skin().caps,
             all.negative_caps().len(),

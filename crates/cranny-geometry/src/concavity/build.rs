@@ -376,6 +376,9 @@ impl Input<'_> {
             let kind = match concavity.lids().len() {
                 0 if closed && concavity.measures.pocket_volume > 0.0 => ConcavityKind::Void,
                 0 => ConcavityKind::Island,
+                _ if concavity.faces.is_empty() && concavity.measures.cap_area < 0.0 => {
+                    ConcavityKind::Overlay
+                }
                 _ if concavity.faces.is_empty() => ConcavityKind::Opening,
                 1 => ConcavityKind::Pocket,
                 _ => ConcavityKind::Passage,

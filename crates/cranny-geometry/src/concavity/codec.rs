@@ -21,6 +21,7 @@ coded!(ConcavityKind {
     Self::Void => 2 => Self::Void,
     Self::Island => 3 => Self::Island,
     Self::Opening => 4 => Self::Opening,
+    Self::Overlay => 5 => Self::Overlay,
 });
 coded!(Border {
     Self::Convex => 0 => Self::Convex,

@@ -53,9 +53,11 @@ pub enum ConcavityKind {
     /// concavity, or anywhere off the hull. A solid inside the matter of another is one too, without a parent, as no air
     /// is around it; reports tell it as [`NestedSolid`](crate::FindingKind::NestedSolid).
     Island,
-    /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it. Also where a face is filed more
-    /// than once, which covers the hull too often: the cap then has negative area.
+    /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it.
     Opening,
+    /// No faces of its own, where the hull is covered more than once (a face filed twice, coplanar faces that overlap): what
+    /// would be a lid has negative area.
+    Overlay,
 }
 
 impl ConcavityKind {
@@ -68,6 +70,7 @@ impl ConcavityKind {
             Self::Void => "void",
             Self::Island => "island",
             Self::Opening => "opening",
+            Self::Overlay => "overlay",
         }
     }
 }

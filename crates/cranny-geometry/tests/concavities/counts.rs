@@ -254,6 +254,7 @@ fn faces_that_cover_a_side_twice_count_negative() {
     let patch = patch.map(|[x, y]| DVec3::new(x, y, 0.5)).to_vec();
     let model = checked(&cube.joined(&Mesh::new(patch, vec![[0, 1, 2]]).unwrap()));
     let all = model.concavities();
+    assert_eq!(all.iter().map(|c| c.kind).collect::<Vec<_>>(), [ConcavityKind::Overlay]);
     assert_eq!(all.negative_caps().len(), 1);
     assert!(all.crossed_facets().is_empty());
     assert!((all.iter().map(|c| c.measures.cap_area).sum::<f64>() + 0.125).abs() < 1e-15);
