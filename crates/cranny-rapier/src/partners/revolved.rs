@@ -176,8 +176,9 @@ fn out_of_the_midst(
         return None;
     }
     let (mesh, extent) = (model.mesh(), solid.extent() + solid.radius());
-    let touch = if solid.is_thin() { TOUCH } else { -TOUCH } * extent;
-    let deep = solid.radius() + touch;
+    let touch = TOUCH * extent;
+    let pierced = if solid.is_thin() { touch } else { f64::NEG_INFINITY };
+    let deep = (solid.radius() - touch).max(pierced);
     let (mut looks, mut beside) = (DVec3::ZERO, DVec3::ZERO);
     let mut places: Vec<(FaceId, DVec3)> = Vec::new();
     for &face in &near.faces {

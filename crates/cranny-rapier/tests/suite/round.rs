@@ -291,3 +291,22 @@ fn contacts_span_what_is_shared() {
         assert!(has, "none where the wire leaves the cube at {x}: {:?}", places(&found));
     }
 }
+
+/// A disc with a border is as thick as the border is wide: 3e-7 before a cube's corner it touches nothing yet, wherever the
+/// faces there look.
+#[test]
+fn a_thick_disc_just_before_a_corner_is_apart() {
+    let (half, radius, border, gap) = (0.25, 0.5, 0.1, 3e-7);
+    let cube =
+        MeshShape::new(&cuboid(2.0 * half, 2.0 * half, 2.0 * half), 0).expect("parry takes it");
+    let disc = SharedShape::round_cylinder(0.0, radius as Real, border as Real);
+    let normal = DVec3::new(0.9, 0.3, 0.3).normalize();
+    let rim = DVec3::splat(half) + normal * (border + gap);
+    let middle = rim + radius * normal.with_z(0.0).normalize();
+    let middle = Vector::new(middle.x as Real, middle.y as Real, middle.z as Real);
+    let found = contacts(&cube, &disc, &Pose::from_parts(middle, upright()));
+    let apart: Vec<Real> = found.iter().flat_map(|m| &m.points).map(|p| p.dist).collect();
+    assert!(!apart.is_empty());
+    assert!(apart.iter().all(|d| (0.0..0.1).contains(d)), "{apart:?}");
+    assert!(apart.iter().any(|d| *d < 1e-6), "{apart:?}");
+}
