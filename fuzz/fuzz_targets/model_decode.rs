@@ -103,6 +103,9 @@ fuzz_target!(|data: &[u8]| {
         let groups = model.concavities().iter().map(|concavity| concavity.faces);
         let trees = model.concavity_trees().validate(model.mesh(), groups);
         assert_eq!(trees, Ok(()), "a tree for each concavity");
-        ask(&model);
+        // Queries take a hundred times as long as reading: they are made of some.
+        if data.first().is_none_or(|byte| byte / 8 % 8 == 0) {
+            ask(&model);
+        }
     }
 });

@@ -41,7 +41,8 @@ pub enum Repair {
     /// vertices along unmatched edges are welded to one another within the distance; edges are split
     /// at T-vertices and at the middle corners of faces without area; faces without area go where
     /// others cover them; of faces in one place as many stay as the surface needs (opposite ones are
-    /// cancelled only while another copy stays); faces are turned to agree with their neighbours, and
+    /// cancelled only while another copy stays, and of a last pair the one goes that fits its
+    /// neighbours less well); faces are turned to agree with their neighbours, and
     /// closed components to look outwards, each with what lies in it.
     Safe,
     /// `Safe`, and what changes the solid, though no place where it can be touched from outside:

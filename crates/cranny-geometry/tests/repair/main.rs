@@ -74,6 +74,17 @@ fn copies_of_faces_go() {
             (BTreeMap::new(), base.faces().len())
         );
         assert!(after.closed);
+
+        // One copy too many, the wrong way round, and before the one that fits; on the hull and off it.
+        for f in [0, 7, 11] {
+            let back =
+                edited(&base, |_, faces| faces.insert(0, [faces[f][1], faces[f][0], faces[f][2]]));
+            let (model, after) = built(&back, Repair::Safe);
+            assert_eq!(kinds(&after), BTreeMap::new());
+            assert_eq!(repaired(&after), [(RepairKind::DroppedCoincidentFaces, 1)]);
+            assert_eq!(after.repairs()[0].faces, [0]);
+            assert_eq!(triangles(model.mesh()), triangles(&base));
+        }
     }
 }
 
