@@ -319,6 +319,34 @@ fn replace_one<B: BroadPhase + Default>() {
     assert_eq!(twins.update(), [OverlapEvent::Ended(ProxyId(1), ProxyId(2))]);
 }
 
+/// A box of which a face moved by less than single precision tells of leaves its fat box all the same.
+#[test]
+fn the_smallest_of_steps_loses_no_pair() {
+    the_smallest_of_steps::<SweepAndPrune>();
+    the_smallest_of_steps::<BoxTree>();
+    the_smallest_of_steps::<AdaptiveBroadPhase>();
+}
+
+fn the_smallest_of_steps<B: BroadPhase + Default>() {
+    let infinity = f64::INFINITY;
+    let slab = |y: (f64, f64), z: (f64, f64)| Aabb {
+        min: DVec3::new(-infinity, y.0, z.0),
+        max: DVec3::new(0.0, y.1, z.1),
+    };
+    let mut twins = Twins::<B>::new();
+    for id in 0..3 {
+        twins.insert(id, Aabb { min: DVec3::ZERO, max: DVec3::ZERO }, Motion::Moving);
+    }
+    twins.insert(3, slab((-infinity, 0.0), (0.0, 0.0)), Motion::Moving);
+    assert_eq!(twins.update().len(), 6);
+    // Of infinite steps no room is made, so that the last box is out of the fat one by the smallest number there is.
+    let least = f64::from_bits(1);
+    for slab in [slab((-2.0, infinity), (-1.0, 0.0)), slab((0.0, 0.0), (0.0, least))] {
+        twins.set_box(3, slab);
+        assert!(twins.update().is_empty());
+    }
+}
+
 #[test]
 fn boxes_that_stand_still_are_not_touched() {
     let mut twins = populated::<SweepAndPrune>(&mut Lcg(5));

@@ -24,7 +24,7 @@ use candidate::Candidate;
 use fat::{fattened, holds, step, wear};
 use parry3d::bounding_volume::{Aabb as FatBox, BoundingVolume};
 use parry3d::math::Vector;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhLeafUpdateStatus, BvhWorkspace};
 use std::fmt;
 
 /// The box-tree back end of [`BroadPhase`](crate::BroadPhase).
@@ -200,9 +200,7 @@ impl FatTree {
             return;
         }
         if renewed.len() * WALK_SHARE > slots.len() {
-            for slot in renewed {
-                self.tree.insert_or_update_partially(self.fat[slot.index()], slot.0, NOTED);
-            }
+            renewed.iter().for_each(|&slot| self.put_and_note(slot));
             self.tree.refit(&mut self.workspace);
             self.walk::<true>(slots, found);
         } else {
@@ -212,6 +210,17 @@ impl FatTree {
             renewed.iter().for_each(|&slot| self.search(slot, slots, found));
         }
         woken.iter().for_each(|&slot| self.search(slot, slots, found));
+    }
+
+    /// Puts a new fat box into the tree, which notes the change; its ancestors await a refit.
+    fn put_and_note(&mut self, slot: Slot) {
+        let fat = self.fat[slot.index()];
+        let status = self.tree.insert_or_update_partially(fat, slot.0, NOTED);
+        if status == BvhLeafUpdateStatus::Unchanged {
+            // A box may leave its fat box by less than the tree had grown that. In none it is a change again.
+            self.tree.insert_or_update_partially(FatBox::new_invalid(), slot.0, 0.0);
+            self.tree.insert_or_update_partially(fat, slot.0, NOTED);
+        }
     }
 
     /// Finds all candidates by a new tree.
