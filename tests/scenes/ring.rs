@@ -68,12 +68,12 @@ fn all_links_hold_at_60_hz() {
     assert_eq!(ended.summary.steps, 300);
 }
 
-/// Of wire of 0.06: two wires on each other are 0.12 thick, and through is out. Aimed at is an overlap of 0.02; by how much
-/// that is missed stands in the README of `cranny-rapier`. Half a wire is still on the right side of the other one's middle.
+/// Of wire of 0.06: two wires on each other are 0.12 thick, and through is out. The chain snaps taut within one step, which is made in
+/// parts: undivided it is 0.038 deep.
 #[test]
 fn all_links_of_thin_wire_hold_at_60_hz() {
     let ended = hang("ring_of_thin_tori.ron", 0.06, 1.0 / 60.0);
     assert_eq!(ended.summary.steps, 300);
     let deepest = ended.summary.deepest.unwrap();
-    assert!(deepest.depth < 0.06, "{deepest:?}");
+    assert!(deepest.depth < 0.02, "{deepest:?}");
 }

@@ -55,7 +55,7 @@ pub struct RigidBodies {
     index_of: BTreeMap<BodyId, BodyIndex>,
     /// The `Transform`s that the solver knows of, by its numbers.
     known: Vec<Transform>,
-    /// What the solver's detector found, at the poses of the beginning of this step.
+    /// What the solver's detector found, at the poses of the beginning of this step, or of its last part.
     answers: Vec<PairContacts>,
     /// The `Transform`s from which a pair's latest answer was computed.
     answered_at: BTreeMap<(BodyIndex, BodyIndex), [Transform; 2]>,
@@ -152,7 +152,7 @@ impl RigidBodies {
         self.ids.get(index.0 as usize).copied()
     }
 
-    /// Exact answers for the poses at the beginning of the step, by ascending bodies. Where rapier
+    /// Exact answers for the poses at the beginning of the step, or of its last part, by ascending bodies. Where rapier
     /// kept contacts from an older step, they are here only if neither body has moved since (it
     /// lets resting pairs sleep). Empty with rapier's own detectors. Ids ascend with the solver's
     /// numbers, so `a` < `b` in both.

@@ -44,6 +44,7 @@ impl RigidScene {
                 .unwrap_or_else(|| typical_size(scene, models, &members)),
             recycling: options.recycling,
             solver_iterations: options.substeps,
+            ..SimulationOptions::default()
         });
         let mut index_of = BTreeMap::new();
         for &id in &members {

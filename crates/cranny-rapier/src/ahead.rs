@@ -8,13 +8,15 @@
 //! they differ by as much. What rapier is told is the longest reach of bodies that are near each other. So what lies at
 //! rest, or is lost far away, makes nothing else dearer.
 //!
-//! Motions are those of centres of mass: what spins fast needs steps in which its rim moves by less than the prediction
-//! distance.
+//! Motions are those of centres of mass. What that leaves out, turning and features that change, is kept short by
+//! dividing steps (`pace`).
+
+mod pace;
 
 use std::sync::{Arc, PoisonError, RwLock};
 
 use cranny_exact::DVec3;
-use cranny_geometry::Model;
+use cranny_geometry::{FaceId, Model};
 use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -29,6 +31,11 @@ use crate::manifolds::SolverContact;
 /// Through how many bodies a motion is handed on within a step. More: everything in a pile that one body falls on
 /// looks ahead; fewer: what stands close behind a body that is hit is not seen by it.
 const HOPS: usize = 2;
+
+/// The longest of a box of motions.
+fn longest(may: &Aabb) -> Real {
+    may.mins.abs().max(may.maxs.abs()).length()
+}
 
 /// What a body does in the next step.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +67,7 @@ impl Motion {
 
     /// Two that are not, come no nearer than the shortest reach, `base`.
     fn is_fast(&self, base: Real) -> bool {
-        self.may.mins.abs().max(self.may.maxs.abs()).length() > 0.5 * base
+        longest(&self.may) > 0.5 * base
     }
 
     /// How far a point moves by the body's turning.
@@ -91,8 +98,7 @@ impl PairAhead {
 
     /// Contacts that are farther away do not matter in this step.
     pub(crate) fn reach(&self) -> Real {
-        let may = self.may();
-        self.base.max(may.mins.abs().max(may.maxs.abs()).length())
+        self.base.max(longest(&self.may()))
     }
 
     /// How far a contact may have moved since the step before.
@@ -147,6 +153,9 @@ pub(crate) struct Tagged {
     pub(crate) center: Vector,
     /// About the centre of mass.
     pub(crate) radius: Real,
+    /// Twice its volume over its area, which is the radius of a long wire and the height of a wide sheet; infinite where a
+    /// model has no volume.
+    pub(crate) thickness: Real,
 }
 
 impl Tagged {
@@ -155,7 +164,16 @@ impl Tagged {
         let center = model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
         let away = |p: &DVec3| p.distance(center);
         let radius = model.mesh().vertices().iter().map(away).fold(0.0, f64::max);
-        Self { collider, center: narrow(center), radius: radius as Real }
+        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
+        let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
+        let solid = model.mass_properties().filter(|_| area > 0.0);
+        let thickness = solid.map_or(f64::INFINITY, |mass| 2.0 * mass.volume.abs() / area);
+        Self {
+            collider,
+            center: narrow(center),
+            radius: radius as Real,
+            thickness: thickness as Real,
+        }
     }
 }
 

@@ -67,6 +67,10 @@ pub struct SimulationOptions {
     /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough for
     /// [`SOLVER_SUBSTEP`] for ours.
     pub solver_iterations: Option<usize>,
+    /// Into how many parts a step is divided at most in which two bodies near each other move farther than the thinner
+    /// one is thick; contacts are found at the beginning of each. 1: never. More than 2: fast chains overlap less, and
+    /// large piles take longer to fall (figures in the README). Our detector only.
+    pub most_parts: usize,
 }
 
 impl SimulationOptions {
@@ -106,6 +110,7 @@ impl Default for SimulationOptions {
             length_unit: 1.0,
             recycling: None,
             solver_iterations: None,
+            most_parts: 2,
         }
     }
 }
@@ -208,7 +213,7 @@ pub struct PairContacts {
     pub b: BodyIndex,
     /// In world coordinates.
     pub answer: Arc<Answer>,
-    /// Of a and b, from which the answer was computed: those at the beginning of the step.
+    /// Of a and b, from which the answer was computed: those at the beginning of the step, or of its last part.
     pub poses: [Pose; 2],
     /// Computed in the last step; otherwise rapier recycled older contacts.
     pub fresh: bool,
@@ -246,6 +251,18 @@ pub struct Timings {
     pub step: f64,
 }
 
+impl Timings {
+    fn plus(self, other: &Self) -> Self {
+        Self {
+            broad: self.broad + other.broad,
+            narrow: self.narrow + other.narrow,
+            reading: self.reading + other.reading,
+            solver: self.solver + other.solver,
+            step: self.step + other.step,
+        }
+    }
+}
+
 /// A rapier world of models.
 pub struct Simulation {
     pub(crate) options: SimulationOptions,
@@ -267,6 +284,9 @@ pub struct Simulation {
     pub(crate) settled: bool,
     /// The prediction distance of the last step.
     pub(crate) looked_ahead: Real,
+    /// In how many parts the last step was made, and what it took.
+    pub(crate) parts: usize,
+    timings: Timings,
     pub(crate) poses_before: Vec<Pose>,
     pub(crate) exclusions: Exclusions,
     pub(crate) log: AnswerLog,
@@ -335,6 +355,8 @@ impl Simulation {
             motions,
             settled: false,
             looked_ahead: 0.0,
+            parts: 1,
+            timings: Timings::default(),
             poses_before: Vec::new(),
             exclusions: Exclusions::default(),
             log,
@@ -422,8 +444,39 @@ impl Simulation {
         }
     }
 
-    /// Advances by one step.
+    /// Advances by one step, which may be made in parts ([`SimulationOptions::most_parts`]).
     pub fn step(&mut self) {
+        let whole = self.parameters;
+        self.parts = self.parts_needed();
+        self.timings = Timings::default();
+        for _ in 0..self.parts {
+            self.parameters.dt = whole.dt / self.parts as Real;
+            let iterations = whole.num_solver_iterations.div_ceil(self.parts);
+            self.parameters.num_solver_iterations = iterations;
+            self.advance();
+            self.timings = self.timings.plus(&self.timings_of_part());
+        }
+        self.parameters.dt = whole.dt;
+        self.parameters.num_solver_iterations = whole.num_solver_iterations;
+        self.joined = false;
+        self.forget_parted();
+    }
+
+    /// How many parts the next step is made in.
+    fn parts_needed(&mut self) -> usize {
+        // Before the first step the broad phase knows nobody's neighbours.
+        let may = self.options.detector == Detector::Cranny && self.options.most_parts > 1;
+        if !(may && self.settled) {
+            return 1;
+        }
+        let parameters = self.looking_ahead();
+        let world =
+            World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
+        self.motions.parts(&world, &mut self.broad_phase, &parameters, self.options.most_parts)
+    }
+
+    /// A step of rapier's.
+    fn advance(&mut self) {
         self.log.begin_step();
         for index in 0..self.handles.len() {
             self.poses_before[index] = self.pose(BodyIndex(index as u32));
@@ -445,8 +498,12 @@ impl Simulation {
             &self.exclusions,
             &(),
         );
-        self.joined = false;
-        self.forget_parted();
+    }
+
+    /// In how many parts the last step was made.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.parts
     }
 
     /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs: rapier asks about
@@ -640,6 +697,11 @@ impl Simulation {
     /// Of the last step.
     #[must_use]
     pub fn timings_ms(&self) -> Timings {
+        self.timings
+    }
+
+    /// Of rapier's last step.
+    fn timings_of_part(&self) -> Timings {
         let counters = &self.pipeline.counters;
         let reading = 1e3 * self.log.reading_time().as_secs_f64();
         Timings {

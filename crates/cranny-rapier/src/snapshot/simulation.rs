@@ -27,8 +27,10 @@ struct Kept {
     length_unit: f64,
     recycling: Option<bool>,
     solver_iterations: Option<u64>,
+    most_parts: u64,
     handles: Vec<RigidBodyHandle>,
-    tagged: Vec<(ColliderHandle, [Real; 3], Real)>,
+    /// Collider, centre of mass, radius, thickness.
+    tagged: Vec<(ColliderHandle, [Real; 3], Real, Real)>,
     settled: bool,
     looked_ahead: Real,
     poses_before: Vec<WrittenPose>,
@@ -116,6 +118,7 @@ impl Simulation {
             length_unit,
             recycling,
             solver_iterations,
+            most_parts,
         } = self.options;
         let mut exclusions: Vec<(u32, u32)> = self.exclusions.0.iter().copied().collect();
         exclusions.sort_unstable();
@@ -133,8 +136,11 @@ impl Simulation {
             length_unit,
             recycling,
             solver_iterations: solver_iterations.map(|n| n as u64),
+            most_parts: most_parts as u64,
             handles: self.handles.clone(),
-            tagged: tagged.map(|t| (t.collider, t.center.to_array(), t.radius)).collect(),
+            tagged: tagged
+                .map(|t| (t.collider, t.center.to_array(), t.radius, t.thickness))
+                .collect(),
             settled: self.settled,
             looked_ahead: self.looked_ahead,
             poses_before: self.poses_before.iter().map(WrittenPose::of).collect(),
@@ -175,6 +181,7 @@ impl Simulation {
             length_unit: kept.length_unit,
             recycling: kept.recycling,
             solver_iterations: kept.solver_iterations.map(|n| n as usize),
+            most_parts: kept.most_parts as usize,
         };
         let mut simulation = Self::new(options);
         let bodies_are_known = kept.handles.len() == kept.tagged.len()
@@ -186,10 +193,11 @@ impl Simulation {
         }
         simulation.put_in(world);
         simulation.handles = kept.handles;
-        let tagged = kept.tagged.into_iter().map(|(collider, center, radius)| Tagged {
+        let tagged = kept.tagged.into_iter().map(|(collider, center, radius, thickness)| Tagged {
             collider,
             center: Vector::from_array(center),
             radius,
+            thickness,
         });
         simulation.tagged = tagged.collect();
         simulation.settled = kept.settled;

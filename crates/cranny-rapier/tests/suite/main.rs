@@ -11,6 +11,7 @@ mod mass;
 mod motion;
 mod nut;
 mod pairs;
+mod parts;
 mod queries;
 mod resting;
 mod rolling;

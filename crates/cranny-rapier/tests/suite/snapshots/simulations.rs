@@ -6,7 +6,8 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::Demand;
 use cranny_rapier::{
-    BodyIndex, BodyKind, Detector, JointSpec, Simulation, SimulationOptions, SnapshotError,
+    BodyIndex, BodyKind, BodySpec, Detector, JointSpec, Simulation, SimulationOptions,
+    SnapshotError,
 };
 use cranny_shapes::{IsoBolt, IsoNut};
 
@@ -117,6 +118,31 @@ fn a_pile_a_hinge_and_a_pair_that_is_left_out() {
         let (_, models) = pile(detector);
         goes_on(|| pile(detector).0, &models, [50, 70], |_| ());
     }
+}
+
+/// In as many parts as before: the setting and the thicknesses are written.
+#[test]
+fn steps_in_parts() {
+    let models = [cuboid(4.0, 4.0, 1.0), cuboid(0.5, 0.5, 0.05)];
+    let make = || {
+        let options = SimulationOptions { most_parts: 3, ..SimulationOptions::default() };
+        let mut simulation = Simulation::new(options);
+        simulation.insert(&spec(&models[0], BodyKind::Fixed, DVec3::ZERO)).unwrap();
+        for k in 0..3 {
+            let at = DVec3::new(0.2 * f64::from(k), 0.0, 1.0 + 0.4 * f64::from(k));
+            let plate = spec(&models[1], BodyKind::Dynamic, at);
+            let plate = BodySpec { angular_velocity: DVec3::new(0.0, 9.0, 1.0), ..plate };
+            simulation.insert(&plate).unwrap();
+        }
+        simulation
+    };
+    let [mut one, mut other] = goes_on(make, &models, [5, 30], |_| ());
+    let push = |simulation: &mut Simulation| {
+        simulation.set_velocity(BodyIndex(3), DVec3::Z * -20.0, DVec3::X * 20.0);
+        simulation.step();
+        simulation.parts()
+    };
+    assert_eq!([push(&mut one), push(&mut other)], [3, 3]);
 }
 
 /// What is asked by a reader is asked again of the reader that is given anew.
