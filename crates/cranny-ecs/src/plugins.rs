@@ -38,6 +38,10 @@ pub struct PluginOptions {
     /// Solver substeps a step; `None`: enough for our detector, rapier's default with its own.
     #[cfg(feature = "rapier")]
     pub substeps: Option<usize>,
+    /// Into how many parts a step is divided at most in which bodies near each other move farther than the thinner one is
+    /// thick; `None`: 2. Our detector only.
+    #[cfg(feature = "rapier")]
+    pub most_parts: Option<usize>,
     /// What the solver takes for a metre, in units of length; `None`: twice the volume per
     /// area of the thinnest moving body.
     pub length_unit: Option<f64>,

@@ -12,6 +12,10 @@ use crate::effects::{EffectKind, EffectTable};
 use crate::error::SceneAppError;
 use crate::plugins::PluginOptions;
 
+/// Into how many parts a fast step of a scene is divided. More: fast chains overlap less, and large piles take longer to
+/// fall; the README of `cranny-rapier` has figures.
+const MOST_PARTS: usize = 2;
+
 /// rapier tells bodies apart by 32 bits.
 const LAYER_LIMIT: usize = 32;
 
@@ -44,7 +48,7 @@ impl RigidScene {
                 .unwrap_or_else(|| typical_size(scene, models, &members)),
             recycling: options.recycling,
             solver_iterations: options.substeps,
-            ..SimulationOptions::default()
+            most_parts: options.most_parts.unwrap_or(MOST_PARTS),
         });
         let mut index_of = BTreeMap::new();
         for &id in &members {

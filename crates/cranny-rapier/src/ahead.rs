@@ -16,7 +16,7 @@ mod pace;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use cranny_exact::DVec3;
-use cranny_geometry::{FaceId, Model};
+use cranny_geometry::Model;
 use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -25,6 +25,7 @@ use rapier3d::prelude::{
 };
 
 use crate::convert::narrow;
+use crate::deep::thickness;
 use crate::dispatcher::Dispatcher;
 use crate::manifolds::SolverContact;
 
@@ -164,15 +165,11 @@ impl Tagged {
         let center = model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
         let away = |p: &DVec3| p.distance(center);
         let radius = model.mesh().vertices().iter().map(away).fold(0.0, f64::max);
-        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
-        let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
-        let solid = model.mass_properties().filter(|_| area > 0.0);
-        let thickness = solid.map_or(f64::INFINITY, |mass| 2.0 * mass.volume.abs() / area);
         Self {
             collider,
             center: narrow(center),
             radius: radius as Real,
-            thickness: thickness as Real,
+            thickness: thickness(model) as Real,
         }
     }
 }

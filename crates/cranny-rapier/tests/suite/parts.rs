@@ -30,7 +30,8 @@ fn parts(simulation: &mut Simulation, steps: usize) -> Vec<usize> {
 
 #[test]
 fn only_steps_in_which_something_fast_is_near_something_are_divided() {
-    let (mut simulation, plate) = flight(SimulationOptions::default());
+    let (mut simulation, plate) =
+        flight(SimulationOptions { most_parts: 2, ..SimulationOptions::default() });
     let parts = parts(&mut simulation, 40);
     // It arrives in the 20th step, by 0.15 beside a thickness of 0.083.
     assert!(parts[..17].iter().all(|&parts| parts == 1), "{parts:?}");
@@ -89,7 +90,8 @@ fn a_body_that_spins_beside_another_makes_parts() {
 #[test]
 fn a_step_in_parts_lasts_as_long() {
     let (belt, rider) = (cuboid(400.0, 4.0, 1.0), cuboid(0.1, 0.1, 0.1));
-    let mut simulation = Simulation::new(SimulationOptions::default());
+    let mut simulation =
+        Simulation::new(SimulationOptions { most_parts: 2, ..SimulationOptions::default() });
     let belt = BodySpec {
         linear_velocity: DVec3::X * 30.0,
         ..spec(&belt, BodyKind::Kinematic, DVec3::ZERO)
@@ -106,7 +108,8 @@ fn a_step_in_parts_lasts_as_long() {
 #[test]
 fn an_open_sheet_alone_divides_nothing() {
     let (open, ball) = (sheet(2.0), model(Torus::default()));
-    let mut simulation = Simulation::new(SimulationOptions::default());
+    let mut simulation =
+        Simulation::new(SimulationOptions { most_parts: 2, ..SimulationOptions::default() });
     simulation.insert(&spec(&open, BodyKind::Fixed, DVec3::ZERO)).expect("a sheet");
     let kinematic = BodySpec {
         linear_velocity: DVec3::X * 30.0,
