@@ -12,10 +12,6 @@ use crate::effects::{EffectKind, EffectTable};
 use crate::error::SceneAppError;
 use crate::plugins::PluginOptions;
 
-/// Into how many parts a fast step of a scene is divided. More: fast chains overlap less, and large piles take longer to
-/// fall; the README of `cranny-rapier` has figures.
-const MOST_PARTS: usize = 2;
-
 /// rapier tells bodies apart by 32 bits.
 const LAYER_LIMIT: usize = 32;
 
@@ -39,6 +35,7 @@ impl RigidScene {
     ) -> Result<Self, SceneAppError> {
         let members = members(scene, effects);
         let layers = layer_bits(scene)?;
+        let defaults = SimulationOptions::default();
         let mut simulation = Simulation::new(SimulationOptions {
             detector: options.detector,
             gravity: scene.gravity,
@@ -48,7 +45,7 @@ impl RigidScene {
                 .unwrap_or_else(|| typical_size(scene, models, &members)),
             recycling: options.recycling,
             solver_iterations: options.substeps,
-            most_parts: options.most_parts.unwrap_or(MOST_PARTS),
+            most_parts: options.most_parts.unwrap_or(defaults.most_parts),
         });
         let mut index_of = BTreeMap::new();
         for &id in &members {

@@ -44,6 +44,9 @@ const ENCLOSES_NOTHING: f64 = 1e-6;
 /// has one normal; others are read direction by direction.
 const FLAT: f64 = 0.9;
 
+/// The cosine of how far from a direction a face may look that stops what comes along it: 60 degrees.
+const LOOKS_ALONG: f64 = 0.5;
+
 /// Vertices of a curved region that are measured at most; more are sampled evenly.
 const MAX_SAMPLES: usize = 256;
 
@@ -256,6 +259,10 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
             }
         }
     }
+    // How deep a piece is along a direction that none of its faces looks along, rays do not tell.
+    if candidates.iter().any(|&n| face_each_other(pair, ground, n)) {
+        candidates.retain(|&n| face_each_other(pair, ground, n));
+    }
     let depth =
         |n: DVec3| -> f64 { leads(ground, n).deepest.map_or(f64::INFINITY, |d| -d.separation) };
     let mut best = (depth(candidates[0]), candidates[0]);
@@ -266,6 +273,14 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
         }
     }
     best.1
+}
+
+/// Whether some face of the first body's piece looks along `n`, and some of the second's against it, within 60 degrees.
+fn face_each_other(pair: &Pair, ground: &Ground, n: DVec3) -> bool {
+    Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
+        let faces = &ground.cut.pieces[side.index()].faces;
+        faces.iter().any(|&f| sign * pair.normal(side, f).dot(n) >= LOOKS_ALONG)
+    })
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.

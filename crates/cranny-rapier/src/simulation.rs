@@ -68,8 +68,8 @@ pub struct SimulationOptions {
     /// [`SOLVER_SUBSTEP`] for ours.
     pub solver_iterations: Option<usize>,
     /// Into how many parts a step is divided at most in which two bodies near each other move farther than the thinner
-    /// one is thick; contacts are found at the beginning of each. 1: never, as rapier's own pipeline. 2: what the scenes
-    /// of `cranny-ecs` do. More: fast chains overlap less, and large piles take longer to fall (figures in the README).
+    /// one is thick; contacts are found at the beginning of each. 1: never, as rapier's own pipeline.
+    /// More than 2: fast chains overlap less, and large piles take longer to fall (figures in the README).
     /// Our detector only.
     pub most_parts: usize,
 }
@@ -111,7 +111,7 @@ impl Default for SimulationOptions {
             length_unit: 1.0,
             recycling: None,
             solver_iterations: None,
-            most_parts: 1,
+            most_parts: 2,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, Placed, Region};
+use cranny_narrow_phase::{Answer, Contact, Demand, Placed, Region};
 use cranny_shapes::{Cuboid, Sphere, Torus};
 
 use crate::measure::{from_surface, world_triangles};
@@ -324,4 +324,27 @@ fn open_surfaces_have_curves_but_neither_depth_nor_area() {
     let hollow = model(cuboid([-2.0; 3], [2.0; 3]).joined(&inverted(&cuboid([-1.0; 3], [1.0; 3]))));
     let answer = regions(at(&hollow, 0.0, 0.0, 0.0), at(&unit, 0.0, 0.0, 0.0));
     assert!(answer.regions.is_empty() && !answer.solid);
+}
+
+/// Flush sides, a rim that dips in by 2e-9 over a strip 1e-6 wide: its curves enclose next to nothing.
+#[test]
+fn a_rim_that_dips_in_is_parted_the_way_that_it_came() {
+    let plate = shape(Cuboid { size: [1.0, 1.0, 0.1] });
+    // A turn about y, and in the other components what a simulation left of it.
+    let turn = -0.000_811_274_355_029_043_3;
+    let rotation =
+        DQuat::from_xyzw(1.156e-19, turn, 8.135e-21, 0.999_999_670_916_906_4).normalize();
+    let dips = 2e-9;
+    let translation = DVec3::new(8.178_557_326e-5, 2.89e-21, -0.100_811_208_271_444 + dips);
+    let lower = Placed { model: &plate, pose: Pose { rotation, translation } };
+    let answer = ask(at(&plate, 0.0, 0.0, 0.0), lower, Demand::Regions { margin: 0.01 });
+    let deepest = &answer.regions[0];
+    assert!(deepest.depth.is_some_and(|depth| depth > 0.3 * dips && depth < 3.0 * dips));
+    assert_along(deepest.normal, -DVec3::Z, 2e-3);
+    // Both ends of the rim are held, and both of the other side, which hangs.
+    for (x, y) in [(0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)] {
+        let held = |c: &&Contact| (c.point_a - DVec3::new(x, y, -0.05)).length() < 1e-5;
+        let contact = answer.contacts.iter().find(held).expect("a contact at each corner");
+        assert_along(contact.normal, -DVec3::Z, 2e-3);
+    }
 }
