@@ -45,7 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let report = world.step()?;
         let name = |body| world.name(body).unwrap_or("unknown body");
         for event in &report.events {
-            let verb = if event.kind == PairEventKind::Began { "touches" } else { "has left" };
+            let verb = match event.kind {
+                PairEventKind::Began => "touches",
+                PairEventKind::Ended => "has left",
+                _ => continue,
+            };
             println!("{time:.3} s: '{}' {verb} the {}", name(event.b), name(event.a));
         }
         if let Some(deepest) = report.stats.deepest.filter(|_| step % 5 == 0) {

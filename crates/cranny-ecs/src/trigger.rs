@@ -86,13 +86,17 @@ fn tell_collisions(
     mut commands: Commands,
 ) {
     for event in detected.report.iter().flat_map(|report| &report.events) {
+        let began = match event.kind {
+            PairEventKind::Began => true,
+            PairEventKind::Ended => false,
+            _ => continue,
+        };
         if !effects.asks(EffectKind::Trigger, event.a, event.b) {
             continue;
         }
         let (Some(a), Some(b)) = (bodies.get(event.a), bodies.get(event.b)) else { continue };
         let sides =
             [(a.entity, b.entity, [event.a, event.b]), (b.entity, a.entity, [event.b, event.a])];
-        let began = event.kind == PairEventKind::Began;
         for (turn, (body, other, ids)) in sides.into_iter().enumerate() {
             let (start, end) =
                 (CollisionStart { body, other, ids }, CollisionEnd { body, other, ids });

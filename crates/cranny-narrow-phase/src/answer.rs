@@ -13,7 +13,8 @@ pub type Surface = Meeting;
 
 /// Everything that was asked about a pair, in world coordinates and in the caller's order.
 ///
-/// Every field but [`counters`](Self::counters) is a pure function of models, poses and query.
+/// Every field is a pure function of models, poses and query, but [`counters`](Self::counters), and the names of
+/// [regions](Region::id).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// How the surfaces meet.
@@ -116,9 +117,24 @@ impl Contact {
     }
 }
 
+/// Names a region of a pair for as long as it lasts: from 0, never used twice by one memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RegionId(pub u32);
+
 /// A connected region of contact.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Two are equal that are the same place: [`id`](Self::id) and [`from`](Self::from) tell history, and are not compared.
+#[derive(Clone, Debug)]
 pub struct Region {
+    /// Stays the same from query to query with one memory while the region lasts. Of a region that splits, the part with
+    /// most pairs of faces in common keeps it; of regions that merge, so does that one's.
+    pub id: RegionId,
+    /// The regions of the last query of which it has a share, ascending: itself alone while nothing happens, none where it is
+    /// new, several where they merged.
+    pub from: Vec<RegionId>,
+    /// The pairs of faces, of A and of B, that meet in it, or that hold the features of its contacts where it lies across a gap;
+    /// ascending. Of special positions (faces flush, edges crossing edges), those that meet right beside it.
+    pub faces: Vec<[FaceId; 2]>,
     /// The contact of least separation.
     pub deepest: Contact,
     /// Unit, from A to B: direction of the area that the region's curves enclose, or of the deepest
@@ -135,6 +151,49 @@ pub struct Region {
     pub curves: Vec<Curve>,
     /// Triangle pairs that meet in this region.
     pub triangle_pairs: u32,
+}
+
+impl PartialEq for Region {
+    fn eq(&self, other: &Self) -> bool {
+        let Self {
+            id: _,
+            from: _,
+            faces,
+            deepest,
+            normal,
+            depth,
+            area,
+            points,
+            curves,
+            triangle_pairs,
+        } = self;
+        (faces, deepest, normal, depth, area, points, curves, triangle_pairs)
+            == (
+                &other.faces,
+                &other.deepest,
+                &other.normal,
+                &other.depth,
+                &other.area,
+                &other.points,
+                &other.curves,
+                &other.triangle_pairs,
+            )
+    }
+}
+
+impl Region {
+    /// With the bodies' names exchanged.
+    #[must_use]
+    pub fn swapped(mut self) -> Self {
+        self.faces.iter_mut().for_each(|faces| faces.reverse());
+        self.faces.sort_unstable();
+        self.deepest = self.deepest.swapped();
+        self.normal = -self.normal;
+        for point in &mut self.points {
+            *point = point.swapped();
+        }
+        self
+    }
 }
 
 /// A polyline in which the surfaces intersect.
@@ -206,13 +265,7 @@ impl Answer {
         for contact in &mut self.contacts {
             *contact = contact.swapped();
         }
-        for region in &mut self.regions {
-            region.deepest = region.deepest.swapped();
-            region.normal = -region.normal;
-            for point in &mut region.points {
-                *point = point.swapped();
-            }
-        }
+        self.regions = self.regions.into_iter().map(Region::swapped).collect();
         self
     }
 

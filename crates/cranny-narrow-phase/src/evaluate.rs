@@ -4,12 +4,12 @@ use cranny_exact::{DVec3, Interval, Meeting, PoseError};
 use cranny_geometry::{CreaseAngleError, check_crease_angle};
 use thiserror::Error;
 
-use crate::answer::{Answer, Contact, Counters, Feature, Region, Surface, Witness};
+use crate::answer::{Answer, Contact, Counters, Feature, Region, RegionId, Surface, Witness};
 use crate::contacts::{ContactMemory, near_patches};
 use crate::containment::{Solidity, solidity};
 use crate::front::coherent::Coherent;
 use crate::memory::PairMemory;
-use crate::near::near_regions;
+use crate::near::{NearRegion, near_regions};
 use crate::pair::{Pair, Side};
 use crate::parting::Parting;
 use crate::pockets::Pockets;
@@ -61,10 +61,11 @@ pub fn query(
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
     check_numbers(&query.demand)?;
-    let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, .. } = memory;
+    let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, tracks, .. } =
+        memory;
     let mut pair = Pair::new(a, b, posed);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
-    Ok(match query.demand {
+    let mut told = match query.demand {
         Demand::Contacts { margin, normals } => {
             let mut told = contacts(&mut pair, margin, parting, kept);
             // What regions tell leads out of a whole overlap, and is no surface's.
@@ -76,7 +77,11 @@ pub fn query(
             told
         }
         demand => answer(&mut pair, &demand, parting, coherent, pockets, kept),
-    })
+    };
+    if matches!(query.demand, Demand::Regions { .. }) || !told.regions.is_empty() {
+        tracks.follow([a, b], &mut told.regions);
+    }
+    Ok(told)
 }
 
 /// The bodies at poses that a [`Pair`] may rely on.
@@ -325,10 +330,13 @@ fn gaps(
     memory: &mut ContactMemory,
     counters: &mut Counters,
 ) -> Vec<Region> {
-    let region = |contacts: Vec<Contact>| {
+    let region = |NearRegion { contacts, faces }: NearRegion| {
         let points: Vec<Contact> =
             reduce(contacts).into_iter().map(|c| pair.world_contact(c)).collect();
         Region {
+            id: RegionId::default(),
+            from: Vec::new(),
+            faces: pair.ordered_faces(faces),
             deepest: points[0],
             normal: points[0].normal,
             depth: None,

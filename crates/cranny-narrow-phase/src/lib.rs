@@ -82,13 +82,14 @@ pub mod revolved;
 mod smooth;
 mod surface;
 mod touch;
+mod tracks;
 mod triangle_distance;
 mod verify;
 pub mod walk;
 mod wedge;
 
 pub use answer::{
-    Answer, Contact, Containment, Counters, Curve, Feature, Region, Surface, Witness,
+    Answer, Contact, Containment, Counters, Curve, Feature, Region, RegionId, Surface, Witness,
 };
 pub use evaluate::{QueryError, query};
 pub use impact::{

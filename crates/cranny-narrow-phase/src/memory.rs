@@ -7,6 +7,7 @@ use crate::pair::PosedVertices;
 use crate::parting::Parting;
 use crate::pockets::Pockets;
 use crate::smooth::SmoothMemory;
+use crate::tracks::RegionTracks;
 
 /// Memory of one pair. Dropping it costs time, never a different answer.
 ///
@@ -16,6 +17,7 @@ use crate::smooth::SmoothMemory;
 /// models, and the planes and edges of those faces that were near, let go of when most are near no longer.
 /// Where smooth normals were asked for, those of both models: whoever has many pairs of few models makes them once, and
 /// tells contacts itself ([`smooth_normal`](crate::smooth_normal)).
+/// Of regions, the last ones and their faces, by which the next are named.
 /// Models are recognised, not kept alive.
 #[derive(Clone, Debug, Default)]
 pub struct PairMemory {
@@ -25,6 +27,7 @@ pub struct PairMemory {
     pub(crate) parting: Parting,
     pub(crate) pockets: Pockets,
     pub(crate) smooth: SmoothMemory,
+    pub(crate) tracks: RegionTracks,
     pub(crate) levels: Option<Box<Carried>>,
 }
 
@@ -34,7 +37,7 @@ impl PairMemory {
     pub fn bytes(&self) -> usize {
         let levels = self.levels.as_ref().map_or(0, |carried| carried.bytes());
         let kept = self.contacts.bytes() + self.coherent.bytes() + self.pockets.bytes();
-        self.posed.bytes() + kept + self.smooth.bytes() + levels
+        self.posed.bytes() + kept + self.smooth.bytes() + self.tracks.bytes() + levels
     }
 
     /// Forgets everything.

@@ -14,6 +14,13 @@ use crate::contacts::{ContactMemory, across_gaps};
 use crate::pair::{Pair, Side};
 use crate::triangle_distance::closest_on_triangle;
 
+/// Contacts across a gap that hang together, and the pairs of faces that hold their features.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NearRegion {
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) faces: Vec<[FaceId; 2]>,
+}
+
 /// All contacts between surfaces that are apart by more than 0 and at most `margin`, grouped into
 /// regions, in the pair's frame.
 pub(crate) fn near_regions(
@@ -21,7 +28,7 @@ pub(crate) fn near_regions(
     margin: f64,
     memory: &mut ContactMemory,
     counters: &mut Counters,
-) -> Vec<Vec<Contact>> {
+) -> Vec<NearRegion> {
     let mut contacts = across_gaps(pair, margin, memory, counters);
     // Edges that touch have no direction but noise.
     contacts.retain(|contact| match contact.id {
@@ -50,7 +57,7 @@ fn by_foot(pair: &Pair, contact: &Contact) -> (Feature, Feature) {
     }
 }
 
-fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<Vec<Contact>> {
+fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<NearRegion> {
     let mut places: Vec<([FaceId; 2], usize)> = Vec::new();
     for (index, contact) in contacts.iter().enumerate() {
         let of_second = faces_at(pair, Side::Second, contact.id.1);
@@ -63,14 +70,18 @@ fn regions(pair: &Pair, contacts: Vec<Contact>) -> Vec<Vec<Contact>> {
     for ends in places.windows(2).filter(|ends| ends[0].0 == ends[1].0) {
         sets.union(ends[0].1, ends[1].1);
     }
-    let mut regions: Vec<Vec<Contact>> = Vec::new();
+    let mut regions: Vec<NearRegion> = Vec::new();
     let mut region_of_root = vec![None; contacts.len()];
     for (index, contact) in contacts.into_iter().enumerate() {
         let region = *region_of_root[sets.find(index)].get_or_insert(regions.len());
         if region == regions.len() {
-            regions.push(Vec::new());
+            regions.push(NearRegion::default());
         }
-        regions[region].push(contact);
+        regions[region].contacts.push(contact);
+    }
+    for (faces, index) in places {
+        let region = region_of_root[sets.find(index)].expect("every contact is in a region");
+        regions[region].faces.push(faces);
     }
     regions
 }
@@ -159,6 +170,8 @@ mod tests {
                     all.sort_by_key(|x| x.0);
                     all
                 };
+                let found: Vec<Vec<Contact>> =
+                    found.into_iter().map(|found| found.contacts).collect();
                 let (found, truth) = (told(&found), told(&truth));
                 let (ours, theirs) = (flat(&found), flat(&truth));
                 let ids = |all: &[((Feature, Feature), f64)]| -> Vec<_> {

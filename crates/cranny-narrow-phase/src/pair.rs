@@ -264,6 +264,16 @@ impl<'a> Pair<'a> {
         if self.swapped { [second, first] } else { [first, second] }
     }
 
+    /// Pairs of faces of the two in the caller's order, ascending, each once.
+    pub(crate) fn ordered_faces(&self, mut faces: Vec<[FaceId; 2]>) -> Vec<[FaceId; 2]> {
+        if self.swapped {
+            faces.iter_mut().for_each(|faces| faces.reverse());
+        }
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
     /// A containment told as if first were A.
     pub(crate) fn ordered_containment(&self, containment: Containment) -> Containment {
         if self.swapped { containment.swapped() } else { containment }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
-use crate::answer::{Contact, Counters, Curve, Feature, Region};
+use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
 use crate::depth::{Ground, leads};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, Side};
@@ -116,7 +116,7 @@ fn outer_touch(pair: &Pair, pairs: &[FacePair]) -> Vec<Region> {
     let closed = is_closed(pair);
     let regions = touch_regions(pair, pairs).into_iter().map(|t| {
         let (depth, area) = (closed.then_some(0.0), closed.then_some(t.area));
-        finish(pair, t.normal, depth, area, reduce(t.contacts), Vec::new(), t.triangle_pairs)
+        finish(pair, t.normal, depth, area, reduce(t.contacts), Vec::new(), t.faces)
     });
     regions.collect()
 }
@@ -129,10 +129,14 @@ fn finish(
     area: Option<f64>,
     points: Vec<Contact>,
     curves: Vec<Curve>,
-    triangle_pairs: u32,
+    faces: Vec<[FaceId; 2]>,
 ) -> Region {
     let points: Vec<Contact> = points.into_iter().map(|c| pair.world_contact(c)).collect();
+    let triangle_pairs = faces.len() as u32;
     Region {
+        id: RegionId::default(),
+        from: Vec::new(),
+        faces: pair.ordered_faces(faces),
         deepest: points[0],
         normal: pair.world_normal(normal),
         depth,
@@ -195,7 +199,6 @@ fn closed_region(
     let mut points = reduce(contacts);
     points.retain(|c| c.id != deepest.id);
     points.insert(0, deepest);
-    let triangle_pairs = cut.segments.len() as u32;
     finish(
         pair,
         normal,
@@ -203,7 +206,7 @@ fn closed_region(
         Some(shape.area_vector.dot(normal).abs()),
         points,
         curves(pair, intersection, chains, &cut.segments),
-        triangle_pairs,
+        cut.segments.iter().map(|&s| intersection.segments[s].faces).collect(),
     )
 }
 
@@ -393,8 +396,8 @@ fn open_regions(pair: &Pair, intersection: &Intersection, pairs: &[FacePair]) ->
                 })
                 .collect();
             let curves = curves(pair, intersection, &mut chains, &segments);
-            let count = segments.len() as u32;
-            finish(pair, normal, None, None, reduce(points), curves, count)
+            let faces = segments.iter().map(|&s| intersection.segments[s].faces).collect();
+            finish(pair, normal, None, None, reduce(points), curves, faces)
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use cranny_exact::{DVec3, orient3d};
-use cranny_geometry::{DisjointSets, VertexId};
+use cranny_geometry::{DisjointSets, FaceId, VertexId};
 
 use crate::answer::{Contact, Feature};
 use crate::intersection::{Intersection, intersect};
@@ -15,7 +15,8 @@ pub(crate) struct TouchRegion {
     pub(crate) normal: DVec3,
     pub(crate) area: f64,
     pub(crate) contacts: Vec<Contact>,
-    pub(crate) triangle_pairs: u32,
+    /// Those that touch.
+    pub(crate) faces: Vec<[FaceId; 2]>,
 }
 
 /// Groups touching pairs into regions: pairs whose faces share a vertex on both bodies are neighbours.
@@ -72,7 +73,8 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
         let id = (Feature::Face(t.first), Feature::Face(t.second));
         contacts.push(at_rest(id, nearest.points[0], normal));
     }
-    TouchRegion { normal, area, contacts, triangle_pairs: pairs.len() as u32 }
+    let faces = pairs.iter().map(|p| [p.first, p.second]).collect();
+    TouchRegion { normal, area, contacts, faces }
 }
 
 fn at_rest(id: (Feature, Feature), p: DVec3, normal: DVec3) -> Contact {

@@ -118,6 +118,9 @@ pub struct WitnessMessage {
 /// A connected region of contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegionMessage {
+    /// Stays the same while the region lasts; 0 in recordings of before it was told.
+    #[serde(default)]
+    pub id: u32,
     /// The contact of least separation.
     pub deepest: ContactMessage,
     /// Describes the region.
@@ -174,12 +177,18 @@ pub struct EventsMessage {
 /// One event.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventMessage {
-    /// `began` or `ended`.
+    /// `began`, `ended`, `region_split` or `region_merged`.
     pub kind: String,
     /// Name of the one body.
     pub a: String,
     /// Name of the other.
     pub b: String,
+    /// Of regions that split or merged: the one that goes on, by its id.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region: Option<u32>,
+    /// The one that is new, or gone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other: Option<u32>,
 }
 
 /// `cranny.StepStats`: what a step cost and found.
@@ -288,6 +297,7 @@ impl RegionMessage {
             points: c.points.iter().map(|&p| p.into()).collect(),
         };
         Self {
+            id: region.id.0,
             deepest: ContactMessage::of(&region.deepest),
             normal: region.normal.into(),
             depth: region.depth,
@@ -314,10 +324,14 @@ impl ContactMessage {
 
 impl EventsMessage {
     pub(crate) fn of(frame: &Frame) -> Self {
-        let event = |e: &crate::frame::RecordedEvent| EventMessage {
-            kind: PairEventKind::name(e.kind).to_owned(),
-            a: e.a.to_owned(),
-            b: e.b.to_owned(),
+        let event = |e: &crate::frame::RecordedEvent| {
+            let [region, other] = match e.kind {
+                PairEventKind::RegionSplit { region, part } => [region, part].map(|id| Some(id.0)),
+                PairEventKind::RegionMerged { region, gone } => [region, gone].map(|id| Some(id.0)),
+                _ => [None; 2],
+            };
+            let kind = PairEventKind::name(e.kind).to_owned();
+            EventMessage { kind, a: e.a.to_owned(), b: e.b.to_owned(), region, other }
         };
         Self { step: frame.step, events: frame.events.iter().map(event).collect() }
     }

@@ -89,7 +89,7 @@ fn contacts_events_and_stats_agree_with_the_world() {
         (recording.contacts().unwrap(), recording.stats().unwrap(), recording.events().unwrap());
 
     let mut pendulum = Pendulum::new();
-    let (mut touching, mut told) = (BTreeSet::new(), 0);
+    let (mut touching, mut told, mut of_regions) = (BTreeSet::new(), 0, 0);
     for step in 0..STEPS {
         pendulum.world.set_pose(pendulum.bob, Pendulum::pose(step, STEPS)).unwrap();
         let report = pendulum.world.step().unwrap();
@@ -112,6 +112,7 @@ fn contacts_events_and_stats_agree_with_the_world() {
             assert_eq!(pair.regions.len(), found.answer.regions.len());
             assert_eq!(pair.solid, found.answer.solid);
             for (read, region) in pair.regions.iter().zip(&found.answer.regions) {
+                assert_eq!(read.id, region.id.0);
                 assert_eq!(read.points.len(), region.points.len());
                 assert_eq!(read.curves.len(), region.curves.len());
                 let deepest = region.deepest.separation;
@@ -126,12 +127,21 @@ fn contacts_events_and_stats_agree_with_the_world() {
         assert_eq!(stats.measures[0].name, "swing");
         for event in &events[at].1.events {
             let pair = (event.a.clone(), event.b.clone());
-            let changed =
-                if event.kind == "began" { touching.insert(pair) } else { touching.remove(&pair) };
+            let ids = [event.region, event.other];
+            let changed = match &event.kind[..] {
+                "began" => ids == [None; 2] && touching.insert(pair),
+                "ended" => ids == [None; 2] && touching.remove(&pair),
+                "region_split" | "region_merged" => {
+                    of_regions += 1;
+                    ids[0].is_some() && ids[1].is_some() && ids[0] != ids[1]
+                }
+                _ => false,
+            };
             assert!(changed, "{event:?} at {step}");
         }
     }
     assert!(told > 0 && touching.is_empty(), "the bob met both and left them: {told}");
+    assert!(of_regions > 0, "no region merged or split");
 }
 
 #[test]

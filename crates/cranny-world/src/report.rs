@@ -1,7 +1,7 @@
 //! What a step tells.
 
 use cranny_broad_phase::BroadPhaseCounters;
-use cranny_narrow_phase::{Answer, Counters, Mismatch, Surface};
+use cranny_narrow_phase::{Answer, Counters, Mismatch, RegionId, Surface};
 
 use crate::body::BodyId;
 
@@ -12,7 +12,8 @@ pub struct StepReport {
     pub step: u64,
     /// One a pair that was queried or supplied.
     pub answers: Vec<PairAnswer>,
-    /// Which pairs began or ended to touch, among those that have a demand.
+    /// Which pairs began or ended to touch, among those that have a demand, and which regions of contact split or merged, where
+    /// regions are asked for.
     pub events: Vec<PairEvent>,
     /// Counts and sums.
     pub stats: StepStats,
@@ -63,6 +64,20 @@ pub enum PairEventKind {
     /// They touched or overlapped at the step before and do not now, or one was removed, or nothing
     /// is asked about the pair any more.
     Ended,
+    /// A region of their contact came apart: `part` is new, `region` goes on. Told once for each part.
+    RegionSplit {
+        /// The part that keeps the name.
+        region: RegionId,
+        /// The other.
+        part: RegionId,
+    },
+    /// Two regions of their contact grew together. Told once for each that was.
+    RegionMerged {
+        /// The one that goes on.
+        region: RegionId,
+        /// The one that is part of it now.
+        gone: RegionId,
+    },
 }
 
 impl PairEventKind {
@@ -72,6 +87,8 @@ impl PairEventKind {
         match self {
             Self::Began => "began",
             Self::Ended => "ended",
+            Self::RegionSplit { .. } => "region_split",
+            Self::RegionMerged { .. } => "region_merged",
         }
     }
 }
@@ -134,6 +151,23 @@ impl StepStats {
 /// Whether the bodies share a point, or one lies inside the other.
 pub(crate) fn touches(answer: &Answer) -> bool {
     answer.solid || answer.surface != Surface::None
+}
+
+/// How the regions of a pair's contact split and merged since its last answer.
+///
+/// A region's share of a former one that goes on elsewhere, and whose name is new, was split from that; a former one whose
+/// name nobody bears any more has merged into whatever has a share of it and bears an older name.
+pub(crate) fn region_events(answer: &Answer) -> impl Iterator<Item = PairEventKind> {
+    let is_there = |id: RegionId| answer.regions.iter().any(|region| region.id == id);
+    answer.regions.iter().flat_map(move |region| {
+        let (id, is_new) = (region.id, !region.from.contains(&region.id));
+        let parent = region.from.iter().copied().find(|&old| is_there(old)).filter(|_| is_new);
+        let split = parent.map(|old| PairEventKind::RegionSplit { region: old, part: id });
+        let gone = region.from.iter().copied().filter(move |&old| !is_new && !is_there(old));
+        split
+            .into_iter()
+            .chain(gone.map(move |gone| PairEventKind::RegionMerged { region: id, gone }))
+    })
 }
 
 /// The greatest depth that an answer tells; 0 where it tells none.

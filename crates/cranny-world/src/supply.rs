@@ -8,16 +8,7 @@ pub(crate) fn swapped(answer: Answer) -> Answer {
         contained: answer.contained.map(Containment::swapped),
         witnesses: answer.witnesses.map(|[a, b]| [b, a]),
         contacts: answer.contacts.into_iter().map(Contact::swapped).collect(),
-        regions: answer.regions.into_iter().map(swapped_region).collect(),
+        regions: answer.regions.into_iter().map(Region::swapped).collect(),
         ..answer
-    }
-}
-
-fn swapped_region(region: Region) -> Region {
-    Region {
-        deepest: region.deepest.swapped(),
-        normal: -region.normal,
-        points: region.points.into_iter().map(Contact::swapped).collect(),
-        ..region
     }
 }

@@ -14,7 +14,8 @@ use crate::demand::Wish;
 use crate::description::{BodyKind, Effect};
 use crate::error::{WorldError, WorldInvariantError};
 use crate::report::{
-    PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats, touches,
+    PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats, region_events,
+    touches,
 };
 use crate::supply::swapped;
 
@@ -421,15 +422,17 @@ impl World {
             .filter(|pair| touches(&pair.answer) && asked(&pair.a, &pair.b))
             .map(|pair| (pair.a, pair.b))
             .collect();
-        let events = self
-            .touching
-            .symmetric_difference(&touching)
-            .map(|&(a, b)| {
-                let began = touching.contains(&(a, b));
-                let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };
-                PairEvent { a, b, kind }
-            })
-            .collect();
+        let changed = self.touching.symmetric_difference(&touching).map(|&(a, b)| {
+            let began = touching.contains(&(a, b));
+            let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };
+            PairEvent { a, b, kind }
+        });
+        let asked = answers.iter().filter(|pair| asked(&pair.a, &pair.b));
+        let of_regions = asked.flat_map(|pair| {
+            region_events(&pair.answer).map(|kind| PairEvent { a: pair.a, b: pair.b, kind })
+        });
+        let mut events: Vec<PairEvent> = changed.chain(of_regions).collect();
+        events.sort_unstable();
         self.touching = touching;
         events
     }

@@ -2,7 +2,9 @@
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_narrow_phase::{Answer, Counters, Demand, PairMemory, Placed, Query, Surface, query};
+use cranny_narrow_phase::{
+    Answer, Counters, Demand, PairMemory, Placed, Query, RegionId, Surface, query,
+};
 use cranny_shapes::{Cuboid, Torus};
 use cranny_world::description::{BodyKind, Effect};
 use cranny_world::{BodyId, BodySpec, PairEvent, PairEventKind, StepReport, World, WorldError};
@@ -48,6 +50,42 @@ fn began(a: BodyId, b: BodyId) -> PairEvent {
 
 fn ended(a: BodyId, b: BodyId) -> PairEvent {
     PairEvent { a, b, kind: PairEventKind::Ended }
+}
+
+/// A bar with two legs under a plate that comes down on them, until the bar is reached, and goes up again.
+#[test]
+fn regions_that_merge_and_split_are_events() {
+    let plate = model(Cuboid { size: [6.0, 1.0, 6.0] }.build().unwrap());
+    let legs = model(cranny_testkit::bodies::channel());
+    let mut world = World::new();
+    world.set_scene_effects(&[Effect::Contacts { margin: 0.0 }]).unwrap();
+    let lower = world.insert(BodySpec::new("legs", legs)).unwrap();
+    // Its underside is half a unit beneath its middle.
+    let over = |y: f64| Pose::at(DVec3::new(1.3, y + 0.5, 1.1));
+    let upper = BodySpec { pose: over(2.5), ..BodySpec::new("plate", plate) };
+    let upper = world.insert(upper).unwrap();
+    let mut told = Vec::new();
+    for y in [2.5, 1.9, 1.5, 1.5, 0.9, 0.8, 1.4, 1.45, 2.5] {
+        world.set_pose(upper, over(y)).unwrap();
+        let report = step(&mut world);
+        assert!(report.events.iter().all(|event| (event.a, event.b) == (lower, upper)));
+        told.push(report.events.iter().map(|event| event.kind).collect::<Vec<_>>());
+    }
+    let merged = PairEventKind::RegionMerged { region: RegionId(0), gone: RegionId(1) };
+    let split = PairEventKind::RegionSplit { region: RegionId(0), part: RegionId(2) };
+    let (began, ended) = (PairEventKind::Began, PairEventKind::Ended);
+    let expected = [
+        vec![],
+        vec![began],
+        vec![],
+        vec![],
+        vec![merged],
+        vec![],
+        vec![split],
+        vec![],
+        vec![ended],
+    ];
+    assert_eq!(told, expected);
 }
 
 fn answered(report: &StepReport) -> Vec<(u32, u32)> {

@@ -126,7 +126,7 @@ impl Scene {
             of_patches,
             all,
             patches: near.contacts,
-            regions: regions.into_iter().flat_map(reduce).collect(),
+            regions: regions.into_iter().flat_map(|region| reduce(region.contacts)).collect(),
             center,
             length: self.models[0].radius().min(self.models[1].radius()),
         }

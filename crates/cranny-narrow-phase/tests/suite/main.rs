@@ -23,6 +23,7 @@ mod revolved;
 mod rounded;
 mod smooth;
 mod solids;
+mod tracks;
 mod verdict;
 mod walk;
 mod walk_hard;
