@@ -98,7 +98,7 @@ pub use impact::{
 };
 pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
-pub use observe::{KeptNodes, PairObserver};
+pub use observe::{KeptNodes, MetParts, PairObserver, PartsCase};
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::reduce as reduce_contacts;
 pub use smooth::smooth_normal;

@@ -1,6 +1,6 @@
 //! What a pair's memory holds, shown for drawing: nothing of it is kept for that.
 
-use cranny_geometry::FaceId;
+use cranny_geometry::{ConcavityId, FaceId};
 
 use crate::evaluate::{QueryError, accepted};
 use crate::front::ground;
@@ -20,6 +20,38 @@ pub struct KeptNodes {
     pub separation: f64,
 }
 
+/// Two parts of bodies whose hulls meet: each is a concavity, or the faces that are in none and lie on the hull.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MetParts {
+    /// A concavity of A; `None`: what of it lies on its hull.
+    pub a: Option<ConcavityId>,
+    /// The same of B.
+    pub b: Option<ConcavityId>,
+}
+
+/// What two parts that meet are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum PartsCase {
+    /// Both lie on their hulls: contact is there now, or not at all.
+    ConvexConvex,
+    /// What lies on the one hull is in a concavity of the other, mostly through its caps.
+    CapConvex,
+    /// A concavity in a concavity: a link in a link.
+    CapCap,
+}
+
+impl MetParts {
+    /// Which of the three cases it is.
+    #[must_use]
+    pub fn case(self) -> PartsCase {
+        match (self.a, self.b) {
+            (None, None) => PartsCase::ConvexConvex,
+            (Some(_), Some(_)) => PartsCase::CapCap,
+            _ => PartsCase::CapConvex,
+        }
+    }
+}
+
 /// Sees what a memory holds, in no particular order. Every method does nothing unless it is written anew.
 pub trait PairObserver {
     /// Where the last descent of [`query`](crate::query) ended, kept from frame to frame. Each pair of faces lies
@@ -34,6 +66,16 @@ pub trait PairObserver {
 
     /// Faces, of A and of B, that were nearest when last measured, and are measured first for a distance.
     fn nearest(&mut self, _faces: [FaceId; 2]) {}
+
+    /// Parts of A and of B that [`Method::Envelopes`](crate::Method::Envelopes) asked against each other.
+    fn parts(&mut self, _met: MetParts) {}
+
+    /// A concavity of A (`body` 0) or of B (1) whose faces are looked for since the last query by
+    /// [`Method::Envelopes`](crate::Method::Envelopes), because the other's hull may reach them.
+    fn opened(&mut self, _body: usize, _concavity: ConcavityId) {}
+
+    /// One whose faces were looked for by the query before, and are no more.
+    fn closed(&mut self, _body: usize, _concavity: ConcavityId) {}
 
     /// Features of A's hull and of B's from which the next walk of an estimate starts.
     fn walk(&mut self, _features: [HullFeature; 2]) {}
@@ -102,6 +144,7 @@ impl PairMemory {
         if let Some([first, second]) = self.coherent.nearest_of(&pair) {
             observer.nearest(pair.ordered(first, second));
         }
+        self.pockets.show(&pair, observer);
         let Some(carried) = self.levels.as_ref().filter(|levels| levels.is_at(&pair)) else {
             return Ok(());
         };

@@ -35,6 +35,7 @@ use self::hull_extent::HullExtent;
 use crate::answer::Counters;
 use crate::front::motion::{Ball, Motion};
 use crate::node_set::NodeSet;
+use crate::observe::{MetParts, PairObserver};
 use crate::pair::{Pair, Side, Whose};
 use crate::surface::{FacePair, looked_at};
 
@@ -53,6 +54,9 @@ pub(crate) struct Pockets {
     map: Option<RigidMap>,
     /// By side, ascending.
     met: [Vec<Met>; 2],
+    /// By side, ascending: those of them whose faces were looked for, and those of the query before.
+    open: [Vec<ConcavityId>; 2],
+    open_before: [Vec<ConcavityId>; 2],
     /// The nodes that hold a face in no concavity.
     rests: Option<[Arc<NodeSet>; 2]>,
 }
@@ -122,7 +126,7 @@ impl Pockets {
     fn opened(&mut self, pair: &Pair, counters: &mut Counters) -> [Vec<ConcavityId>; 2] {
         let before = self.map.replace(pair.first_from_second);
         let motion = before.map(|before| Motion::since(&before, pair));
-        Side::BOTH.map(|side| {
+        let open = Side::BOTH.map(|side| {
             let guest = Ball::around(&pair.model(side.other()).bounds());
             let step_of = |motion: &Motion| motion.step_of(side.other(), &guest);
             let step = motion.as_ref().map(|motion| motion.as_ref().map_or(0.0, step_of));
@@ -130,12 +134,56 @@ impl Pockets {
             let (met, open) = opened_on(pair, side, &before, step, counters);
             self.met[side.index()] = met;
             open
-        })
+        });
+        self.open_before = std::mem::replace(&mut self.open, open.clone());
+        open
+    }
+
+    /// Whether the last query was about these models at this pose.
+    fn is_at(&self, pair: &Pair) -> bool {
+        self.whose.are_of(pair) && self.map.is_some_and(|map| map == pair.first_from_second)
+    }
+
+    /// Shows what the last query, if it was this one, has opened and closed, and which parts it asked against each other.
+    pub(crate) fn show(&self, pair: &Pair, observer: &mut impl PairObserver) {
+        let [ours, theirs] = Side::BOTH.map(|side| pair.bounds(side));
+        if !self.is_at(pair) || !ours.overlaps(&theirs) {
+            return;
+        }
+        let rests = Side::BOTH.map(|side| {
+            let concavities = pair.model(side).concavities();
+            let faces = 0..pair.mesh(side).faces().len() as u32;
+            { faces }.any(|face| concavities.of_face(FaceId(face)).is_none())
+        });
+        let parts = Side::BOTH.map(|side| {
+            let index = side.index();
+            let rest = rests[index].then_some(None);
+            rest.into_iter().chain(self.open[index].iter().copied().map(Some)).collect::<Vec<_>>()
+        });
+        for &first in &parts[0] {
+            for &second in &parts[1] {
+                let [a, b] = pair.ordered(first, second);
+                observer.parts(MetParts { a, b });
+            }
+        }
+        for side in Side::BOTH {
+            let index = side.index();
+            let [is_first, is_second] = [side == Side::First, side == Side::Second];
+            let body = usize::from(pair.ordered(is_first, is_second)[1]);
+            let (now, before) = (&self.open[index], &self.open_before[index]);
+            let only = |these: &[ConcavityId], those: &[ConcavityId]| -> Vec<ConcavityId> {
+                these.iter().copied().filter(|id| those.binary_search(id).is_err()).collect()
+            };
+            only(now, before).into_iter().for_each(|id| observer.opened(body, id));
+            only(before, now).into_iter().for_each(|id| observer.closed(body, id));
+        }
     }
 
     pub(crate) fn bytes(&self) -> usize {
         let met = self.met.iter().map(|met| met.capacity() * size_of::<Met>()).sum::<usize>();
-        met + self.rests.as_ref().map_or(0, NodeSet::bytes_of_pair)
+        let open = self.open.iter().chain(&self.open_before).map(Vec::capacity).sum::<usize>();
+        met + open * size_of::<ConcavityId>()
+            + self.rests.as_ref().map_or(0, NodeSet::bytes_of_pair)
     }
 }
 

@@ -5,14 +5,15 @@ use std::collections::BTreeSet;
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose, RigidMap};
 use cranny_geometry::hull::HullVertexId;
-use cranny_geometry::{Content, FaceId, FaceTree, Model};
+use cranny_geometry::{ConcavityId, Content, FaceId, FaceTree, Model};
 use cranny_narrow_phase::walk::{
     HullFeature, Relation, WalkCounters, WalkObserver, WalkState, walk_hulls, walk_hulls_observed,
 };
 use cranny_narrow_phase::{
-    Accuracy, Demand, Effort, KeptNodes, PairMemory, PairObserver, Placed, Query, estimate, query,
+    Accuracy, Demand, Effort, KeptNodes, MetParts, Method, PairMemory, PairObserver, PartsCase,
+    Placed, Query, estimate, query,
 };
-use cranny_shapes::{Comb, Cuboid, Cup, Torus};
+use cranny_shapes::{Comb, Cuboid, Cup, Sphere, Torus};
 use cranny_testkit::Rng;
 
 use crate::coherence::Walk;
@@ -339,4 +340,77 @@ fn every_state_of_a_walk_is_shown_and_none_changes() {
         }
     }
     assert!(kinds.iter().all(|&times| times > 10), "{kinds:?}");
+}
+
+/// What a query by envelopes tells of parts.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Parts {
+    cases: BTreeSet<PartsCase>,
+    opened: Vec<usize>,
+    closed: Vec<usize>,
+}
+
+impl PairObserver for Parts {
+    fn parts(&mut self, met: MetParts) {
+        self.cases.insert(met.case());
+    }
+
+    fn opened(&mut self, body: usize, _: ConcavityId) {
+        self.opened.push(body);
+    }
+
+    fn closed(&mut self, body: usize, _: ConcavityId) {
+        self.closed.push(body);
+    }
+}
+
+fn parts(a: Placed, b: Placed, memory: &mut PairMemory) -> Parts {
+    let question = Query::of(Demand::Intersects).by(Method::Envelopes);
+    query(a, b, &question, memory).unwrap();
+    let mut parts = Parts::default();
+    memory.observe(a, b, &mut parts).unwrap();
+    parts
+}
+
+#[test]
+fn which_parts_meet_and_what_is_opened_for_that_is_shown() {
+    use PartsCase::{CapCap, CapConvex, ConvexConvex};
+    let cup = shape(Cup { segments: 24, ..Cup::default() });
+    let ball = shape(Sphere { radius: 0.2, segments: 12, rings: 8 });
+    let middle = cup.bounds().center();
+    // From beside the cup's wall to the middle of its inside, and into the wall from there.
+    let wall = cup.bounds().max.x;
+    let placed = |x: f64| Placed { model: &ball, pose: Pose::at(middle + DVec3::X * x) };
+    let host = Placed { model: &cup, pose: Pose::IDENTITY };
+    let told = |cases: &[PartsCase], opened: &[usize], closed: &[usize]| Parts {
+        cases: cases.iter().copied().collect(),
+        opened: opened.to_vec(),
+        closed: closed.to_vec(),
+    };
+    for exchanged in [false, true] {
+        let mut memory = PairMemory::default();
+        let mut ask = |x: f64| match exchanged {
+            false => parts(host, placed(x), &mut memory),
+            true => parts(placed(x), host, &mut memory),
+        };
+        let cup_is = usize::from(exchanged);
+        let outside = wall - middle.x + 0.19;
+        assert_eq!(ask(outside), told(&[ConvexConvex], &[], &[]));
+        // The inside's faces are reached through the wall; no lid is crossed.
+        assert_eq!(ask(outside - 0.25), told(&[ConvexConvex, CapConvex], &[cup_is], &[]));
+        assert_eq!(ask(outside - 0.26), told(&[ConvexConvex, CapConvex], &[], &[]));
+        // In the middle it keeps off all of them.
+        assert_eq!(ask(0.0), told(&[ConvexConvex], &[], &[cup_is]));
+        // Far away there is nothing to tell: a plane parts them.
+        assert_eq!(ask(9.0), Parts::default());
+    }
+    // Each ring goes through the hole of the other.
+    let ring = shape(Torus { major_segments: 24, minor_segments: 12, ..Torus::default() });
+    let turned = DQuat::from_axis_angle(DVec3::X, 1.5);
+    let pose = Pose { rotation: turned, translation: DVec3::X };
+    let link = Placed { model: &ring, pose };
+    let links =
+        parts(Placed { model: &ring, pose: Pose::IDENTITY }, link, &mut PairMemory::default());
+    assert!(links.cases.contains(&CapCap), "{links:?}");
+    assert_eq!(links.opened, [0, 1]);
 }

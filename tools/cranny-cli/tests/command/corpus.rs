@@ -13,6 +13,9 @@ use crate::harness::{Folder, argument, run};
 /// The recorded distances come from `f64` libraries; ours and theirs agree to about 1e-15.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
+/// What a line tells that is not of its pose alone.
+const HISTORY: [&str; 3] = ["pose", "micros", "tests"];
+
 struct Pair {
     file: PathBuf,
     content: Value,
@@ -35,6 +38,28 @@ impl Pair {
 
     fn poses(&self) -> &[Value] {
         self.content["poses"].as_array().unwrap()
+    }
+
+    /// The same poses in another order, by their numbers.
+    fn reordered(&self, order: &[usize]) -> Self {
+        let mut content = self.content.clone();
+        content["poses"] = order.iter().map(|&k| self.poses()[k].clone()).collect();
+        Self { file: self.file.clone(), content, corpus: self.corpus.clone() }
+    }
+
+    /// The poses by how far apart bodies are: neighbours are mostly near each other.
+    fn sorted(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.poses().len()).collect();
+        let distance = |k: usize| self.poses()[k]["distance"].as_f64().unwrap();
+        order.sort_by(|&i, &j| distance(i).total_cmp(&distance(j)));
+        order
+    }
+
+    /// The poses in an order that leads back and forth: each the multiple of a number without a common divisor.
+    fn shuffled(&self) -> Vec<usize> {
+        let count = self.poses().len();
+        assert_ne!(count % 17, 0);
+        (0..count).map(|k| (17 * k + 5) % count).collect()
     }
 
     /// What the command takes for the pair's two bodies as A and B in this order, and its poses in a file.
@@ -156,6 +181,76 @@ fn six_pairs_agree_on_all_poses_either_way_round() {
     }
     assert_eq!(poses, 240);
     assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
+}
+
+/// With memory, what was asked before changes nothing: to the bit, in sorted and in shuffled order.
+#[test]
+fn answers_do_not_depend_on_the_order_of_poses() {
+    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
+        println!("skipped: CRANNY_CORPUS not set");
+        return;
+    };
+    let mut poses = 0;
+    for pair in &pairs(&corpus) {
+        let lines = pair.query(["a", "b"]);
+        for order in [pair.sorted(), pair.shuffled()] {
+            let mut seen = order.clone();
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq(0..lines.len()), "each once");
+            let others = pair.reordered(&order).query(["a", "b"]);
+            assert_eq!(others.len(), lines.len());
+            for (&k, mut other) in order.iter().zip(others) {
+                let mut line = lines[k].clone();
+                for line in [&mut line, &mut other] {
+                    line.as_object_mut().unwrap().retain(|name, _| !HISTORY.contains(&&name[..]));
+                }
+                assert!(line == other, "{} pose {k}", pair.file.display());
+                poses += 1;
+            }
+        }
+    }
+    assert_eq!(poses, 2 * 240);
+}
+
+/// The M12 nut meets nothing anywhere along the helix of its bolt, and a tenth of the pitch aside it is thousands of
+/// triangles deep in the thread.
+#[test]
+fn the_nut_of_twelve_millimetres_follows_its_bolt() {
+    /// Of M12, in metres.
+    const PITCH: f64 = 0.001_75;
+    /// Where the nut's thread stands in the bolt's: by trial, in the middle between the flanks.
+    const START: f64 = 0.012 + PITCH * 1.5 / 16.0;
+    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
+        println!("skipped: CRANNY_CORPUS not set");
+        return;
+    };
+    let pairs = pairs(&corpus);
+    let pair = pairs.iter().find(|pair| pair.file.ends_with("p01_bolt_nut_m12.json")).unwrap();
+    let pose = |k: u32, shift: f64| {
+        let turns = f64::from(k) / 60.0;
+        let (sin, cos) = (turns * std::f64::consts::TAU).sin_cos();
+        let z = START + PITCH * (turns + shift);
+        let rows = [[cos, -sin, 0.0, 0.0], [sin, cos, 0.0, 0.0], [0.0, 0.0, 1.0, z]];
+        let last = [[0.0, 0.0, 0.0, 1.0]];
+        json!({"a": null, "b": rows.iter().chain(&last).flatten().collect::<Vec<_>>()})
+    };
+    let folder = Folder::new();
+    let query = |demand: &str, poses: Vec<Value>| {
+        let poses = folder.write("helix.json", Value::Array(poses).to_string());
+        let [mesh_a, mesh_b] = ["a", "b"].map(|body| argument(&pair.mesh(body)));
+        run(&["query", &mesh_a, &mesh_b, "--poses", &poses, "--demand", demand]).json_lines()
+    };
+    // A turn and a half, by six degrees.
+    let along = (0..90).map(|k| pose(k, 0.0)).collect();
+    for (k, line) in query("intersects", along).iter().enumerate() {
+        assert_eq!((&line["surface"], &line["solid"]), (&json!("none"), &json!(false)), "{k}");
+    }
+    let aside = [(0, 0.1), (0, -0.1), (25, 0.1), (70, -0.1)].map(|(k, shift)| pose(k, shift));
+    for line in query("regions", aside.to_vec()) {
+        assert_eq!(line["surface"], json!("cross"));
+        let pairs = line["triangle_pairs"].as_u64().unwrap();
+        assert!(pairs > 4_000, "{pairs}");
+    }
 }
 
 /// No level and no budget, of tests or of time, with memory or without, excludes what others found, and the intervals
