@@ -4,7 +4,8 @@
 //!
 //! - The verdict on the surfaces, solidity and containment are exact for the vertices as stored and
 //!   the poses as [accepted](cranny_exact::Pose::accepted): no epsilon decides them, and exchanging A
-//!   and B exchanges the answer.
+//!   and B exchanges the answer (of one model twice at the very same pose there is nothing to exchange: its contacts and regions
+//!   are told as they are).
 //! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
 //!   largest length of the pair.
 //! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer.
@@ -23,8 +24,8 @@
 //! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `pockets` is the second way to the
 //! faces that meet, by the envelopes of concavities; [`Method`] chooses. `intersection` chains the segments of
 //! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
-//! `near` describe contact without overlap, `regions` puts it together and `reduce` keeps what
-//! matters; `contacts` finds the few points that a solver needs, patch by patch, and `smooth` tells them with
+//! `near` describe contact without overlap, `regions` puts it together, `reduce` keeps what
+//! matters and `tracks` names regions after those of the last query; `contacts` finds the few points that a solver needs, patch by patch, and `smooth` tells them with
 //! the normals of curved surfaces, for whoever asks. `impact` finds when
 //! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
 //! [`walk`] follows the closest features of two convex hulls from frame to frame. `revolved` measures against cylinders, cones and the like. `levels` tells what is

@@ -13,7 +13,8 @@
 //! # Promises
 //!
 //! No level and no budget excludes what [`query`] finds: [`Verdict::Excluded`] and
-//! [`Verdict::Certain`] agree with it, the interval holds its distance, the places hold its contacts.
+//! [`Verdict::Certain`] agree with it, the interval holds its distance, the places hold its contacts
+//! across gaps, and where surfaces meet; not the points of a contact that is deeper than the margin.
 //! An effort without limits *is* [`query`], which pays nothing for any of this.
 //!
 //! An [`Answer`](crate::Answer) stays what it was, exact in every field: whoever reads one need not ask how it came
