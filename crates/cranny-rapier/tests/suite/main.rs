@@ -2,6 +2,7 @@
 
 mod casts;
 mod chain;
+mod character;
 mod compounds;
 mod concave;
 mod fallback;
