@@ -41,6 +41,8 @@ mod resting;
 mod rolling;
 #[path = "../../cranny-rapier/tests/suite/round.rs"]
 mod round;
+#[path = "../../cranny-rapier/tests/suite/round_scenes.rs"]
+mod round_scenes;
 #[path = "../../cranny-rapier/tests/suite/smooth.rs"]
 mod smooth;
 #[cfg(feature = "snapshot")]

@@ -17,6 +17,7 @@ mod queries;
 mod resting;
 mod rolling;
 mod round;
+mod round_scenes;
 mod smooth;
 #[cfg(feature = "snapshot")]
 mod snapshots;
