@@ -47,43 +47,48 @@ fn energy(world: &World, body: RigidBodyHandle) -> Real {
     (body.kinetic_energy() + body.mass() * GRAVITY * body.center_of_mass().z) / body.mass()
 }
 
-/// On an incline of 20 degrees, whose tangent is 0.364, for two seconds: with friction 0.5 it stays within 0.002, with
-/// 0.2 it goes by g (sin - 0.2 cos) t² / 2 within 3 %, and it never tilts by more than 0.01.
-#[test]
-fn a_cylinder_holds_on_an_incline_or_slides_as_it_should() {
-    let slope = (20.0 as Real).to_radians();
-    let incline = Rotation::from_rotation_y(slope);
+/// How far a cylinder goes in two seconds down an incline of 20 degrees, whose tangent is 0.364, and its greatest overlap.
+/// It leaves the incline by less than 0.01 and tilts by less than 0.01.
+#[track_caller]
+fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (Real, Real) {
+    let incline = Rotation::from_rotation_y((20.0 as Real).to_radians());
     let (down, up_from) = (incline * Vector::X, incline * Vector::Z);
-    let cylinder = SharedShape::cylinder(0.1, 0.25);
-    for (friction, rate) in [(0.5, 0.0), (0.2, GRAVITY * (slope.sin() - 0.2 * slope.cos()))] {
-        for (name, mesh) in [
-            ("slab", ours(&cuboid(12.0, 4.0, 1.0))),
-            ("tessellated", ours(&tessellated_slab(40, 6.0))),
-        ] {
-            let mut world = world();
-            let top = if name == "slab" { 0.5 } else { 0.0 };
-            let pose = Pose::from_parts(-top * up_from, incline);
-            world.0.insert(RigidBodyBuilder::fixed().pose(pose), rubbing(&mesh, friction));
-            let start = -4.0 * down + 0.1 * up_from;
-            let rotation = incline * upright();
-            let pose = Pose::from_parts(start, rotation);
-            let body = awake(&mut world, &cylinder, pose, friction);
-            let mut worst: Real = 0.0;
-            for _ in 0..120 {
-                world.run(1);
-                worst = worst.max(deepest(&world));
-            }
-            let went = world.at(body) - start;
-            let along = went.dot(down);
-            let expected = 0.5 * rate * 4.0;
-            let what = format!("{name}, friction {friction}: {along} of {expected}");
-            assert!((along - expected).abs() < 0.002 + 0.03 * expected, "{what}");
-            assert!((went - along * down).length() < 0.01, "{what}: {went}");
-            let tilt = world.0.bodies[body].rotation().angle_between(rotation);
-            let axis = *world.0.bodies[body].rotation() * Vector::Y;
-            assert!(axis.angle_between(up_from) < 0.01, "{what}: turned by {tilt}");
-            assert!(worst < DEPTH, "{what}: {worst} deep");
-        }
+    let mut world = world();
+    let pose = Pose::from_parts(-top * up_from, incline);
+    world.0.insert(RigidBodyBuilder::fixed().pose(pose), rubbing(incline_shape, friction));
+    let start = -4.0 * down + 0.1 * up_from;
+    let pose = Pose::from_parts(start, incline * upright());
+    let body = awake(&mut world, &SharedShape::cylinder(0.1, 0.25), pose, friction);
+    let mut worst: Real = 0.0;
+    for _ in 0..120 {
+        world.run(1);
+        worst = worst.max(deepest(&world));
+    }
+    let went = world.at(body) - start;
+    let along = went.dot(down);
+    let tilt = (*world.0.bodies[body].rotation() * Vector::Y).angle_between(up_from);
+    assert!((went - along * down).length() < 0.01, "{name}, friction {friction}: {went}");
+    assert!(tilt < 0.01, "{name}, friction {friction}: tilted by {tilt}");
+    (along, worst)
+}
+
+/// With friction 0.5 it stays within 0.002. With 0.2 it should go by g (sin - 0.2 cos) t² / 2 within 3 %: 3.02. On
+/// rapier's own cuboid it goes 4.6 % too far, so that is the solver's; on ours as far as there, within 0.5 %.
+#[test]
+fn a_cylinder_holds_on_an_incline_or_slides_as_it_does_on_a_cuboid() {
+    let slope = (20.0 as Real).to_radians();
+    let expected = 2.0 * GRAVITY * (slope.sin() - 0.2 * slope.cos());
+    let (on_cuboid, _) = slid("cuboid", &SharedShape::cuboid(6.0, 2.0, 0.5), 0.5, 0.2);
+    for (name, mesh, top) in [
+        ("slab", ours(&cuboid(12.0, 4.0, 1.0)), 0.5),
+        ("tessellated", ours(&tessellated_slab(40, 6.0)), 0.0),
+    ] {
+        let (held, worst) = slid(name, &mesh, top, 0.5);
+        assert!(held.abs() < 0.002 && worst < DEPTH, "{name}: {held}, {worst} deep");
+        let (along, worst) = slid(name, &mesh, top, 0.2);
+        assert!((along / on_cuboid - 1.0).abs() < 5e-3, "{name}: {along}, cuboid {on_cuboid}");
+        assert!((along / expected - 1.0).abs() < 0.06, "{name}: {along} of {expected}");
+        assert!(worst < DEPTH, "{name}: {worst} deep");
     }
 }
 
@@ -116,7 +121,6 @@ fn they_rest_for_ten_seconds() {
         let (early, late) = (early.expect("a second passed"), *world.0.bodies[body].position());
         let shift = (late.translation - early.translation).length();
         let turn = late.rotation.angle_between(early.rotation);
-        println!("{name}: {shift} {turn} {worst} {} {}", highest - begun, late.translation);
         assert!(shift < 1e-3, "{name}: crept by {shift}");
         assert!(turn < 1e-3, "{name}: turned by {turn}");
         assert!(worst < DEPTH, "{name}: {worst} deep");
@@ -151,7 +155,6 @@ fn a_cone_comes_to_rest_in_a_funnel() {
         let axis = *world.0.bodies[body].rotation() * Vector::NEG_Y;
         let tilt = axis.angle_between(Vector::Z);
         let what = format!("askew by {askew}: at {at}, not {rest}, tilted by {tilt}, {worst} deep");
-        println!("{what} {}", world.0.bodies[body].linvel());
         assert!((at.z - rest).abs() < 0.01, "{what}");
         assert!(at.truncate().length() < 0.01, "{what}");
         assert!(tilt < 0.02, "{what}");
