@@ -48,7 +48,7 @@ fn energy(world: &World, body: RigidBodyHandle) -> Real {
 }
 
 /// How far a cylinder goes in two seconds down an incline of 20 degrees, whose tangent is 0.364, and its greatest overlap.
-/// It leaves the incline by less than 0.01 and tilts by less than 0.01.
+/// It leaves the incline by less than 0.005, tilts by less than 0.01, and veers by less than 0.05: on rapier's own cuboid by 0.021.
 #[track_caller]
 fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (Real, Real) {
     let incline = Rotation::from_rotation_y((20.0 as Real).to_radians());
@@ -67,7 +67,8 @@ fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (
     let went = world.at(body) - start;
     let along = went.dot(down);
     let tilt = (*world.0.bodies[body].rotation() * Vector::Y).angle_between(up_from);
-    assert!((went - along * down).length() < 0.01, "{name}, friction {friction}: {went}");
+    assert!(went.dot(up_from).abs() < 5e-3, "{name}, friction {friction}: {went}");
+    assert!(went.y.abs() < 0.05, "{name}, friction {friction}: {went}");
     assert!(tilt < 0.01, "{name}, friction {friction}: tilted by {tilt}");
     (along, worst)
 }
