@@ -17,7 +17,7 @@ use bevy_time::{TimePlugin, TimeUpdateStrategy};
 use bevy_transform::components::Transform;
 use cranny::ecs::prelude::*;
 use cranny::ecs::{Failure, RigidBodies, RigidBody, transform_of};
-use cranny::prelude::*;
+use cranny::prelude::{BuildOptions, DVec3, Mesh, Model, Pose};
 use cranny::rapier::{self, BodyIndex, BodySpec};
 use cranny::shapes::{Cuboid, Cup};
 use cranny::world::description::{
