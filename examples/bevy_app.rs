@@ -137,7 +137,7 @@ fn drop_crate(
         density: 1.0,
         friction: 0.5,
         restitution: 0.0,
-        normals: rapier::Normals::Flat,
+        normals: Normals::Flat,
         groups: 1, // the scene's only layer
     })?;
     commands.spawn((Crate(index), transform_of(&pose)));
