@@ -165,7 +165,13 @@ impl RigidBodies {
         let mut answered_at = BTreeMap::new();
         answers.retain(|pair| {
             let key = (pair.a, pair.b);
-            let now = [pair.a, pair.b].map(|index| self.known[index.0 as usize]);
+            // Bodies that were put into the solver's world by hand have no `Transform` here.
+            let [Some(&a), Some(&b)] =
+                [pair.a, pair.b].map(|index| self.known.get(index.0 as usize))
+            else {
+                return false;
+            };
+            let now = [a, b];
             let current = pair.fresh || self.answered_at.get(&key) == Some(&now);
             if current {
                 answered_at.insert(key, now);

@@ -13,6 +13,8 @@ extern crate cranny_rapier_f64 as cranny_rapier;
 mod casts;
 #[path = "../../cranny-rapier/tests/suite/chain.rs"]
 mod chain;
+#[path = "../../cranny-rapier/tests/suite/character.rs"]
+mod character;
 #[path = "../../cranny-rapier/tests/suite/compounds.rs"]
 mod compounds;
 #[path = "../../cranny-rapier/tests/suite/concave.rs"]
@@ -39,6 +41,8 @@ mod resting;
 mod rolling;
 #[path = "../../cranny-rapier/tests/suite/round.rs"]
 mod round;
+#[path = "../../cranny-rapier/tests/suite/round_scenes.rs"]
+mod round_scenes;
 #[path = "../../cranny-rapier/tests/suite/smooth.rs"]
 mod smooth;
 #[cfg(feature = "snapshot")]

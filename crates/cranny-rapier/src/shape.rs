@@ -9,7 +9,8 @@ use rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use rapier3d::parry::mass_properties::MassProperties;
 use rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use rapier3d::parry::shape::{
-    FeatureId, Shape, ShapeType, SharedShape, SubShapeId, TriMesh, TriMeshBuilderError, TypedShape,
+    CompositeShape, FeatureId, Shape, ShapeType, SharedShape, SubShapeId, TriMesh,
+    TriMeshBuilderError, TypedShape,
 };
 use thiserror::Error;
 
@@ -45,6 +46,7 @@ pub struct MeshShape {
     tag: u32,
     mesh: TriMesh,
     smooth: Option<Arc<SmoothNormals>>,
+    walkable: bool,
     #[cfg(feature = "snapshot")]
     mask: Mask,
 }
@@ -62,6 +64,7 @@ impl MeshShape {
             tag,
             mesh: TriMesh::new(vertices, faces)?,
             smooth: None,
+            walkable: false,
             #[cfg(feature = "snapshot")]
             mask: Mask::default(),
         })
@@ -90,6 +93,21 @@ impl MeshShape {
     pub fn with_smooth_normals(self, crease_angle: f64) -> Result<Self, ShapeError> {
         let smooth = Some(Arc::new(SmoothNormals::of(&self.model, crease_angle)?));
         Ok(Self { smooth, ..self })
+    }
+
+    /// The same as ground that rapier's `KinematicCharacterController` feels. The controller asks its casts of the query
+    /// pipeline's dispatcher, and parry's own whether it stands on something; that one is then shown the parry mesh of the
+    /// same triangles. Without this nothing but a ball is ever told to be grounded on the shape, snaps to it, is carried
+    /// by it or pushes it. Nothing else changes, but that parry panics where such a shape is put into a compound.
+    #[must_use]
+    pub fn walkable(self) -> Self {
+        Self { walkable: true, ..self }
+    }
+
+    /// Whether rapier's character controller feels it, see [`walkable`](Self::walkable).
+    #[must_use]
+    pub fn is_walkable(&self) -> bool {
+        self.walkable
     }
 
     /// The same as a shared shape, ready for a `ColliderBuilder`.
@@ -192,6 +210,12 @@ impl Shape for MeshShape {
     /// Of the solid. Of a mesh that is not closed: zero, so that nothing is invented.
     fn mass_properties(&self, density: Real) -> MassProperties {
         mass_properties(&self.model, f64::from(density)).unwrap_or_default()
+    }
+
+    /// For whoever asks parry's own dispatcher, as rapier's character controller does; not always, since parry makes no
+    /// compounds of what has parts.
+    fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
+        self.walkable.then_some(&self.mesh as &(dyn CompositeShape + Sync))
     }
 
     fn shape_type(&self) -> ShapeType {

@@ -72,6 +72,7 @@ pub(super) struct Attached {
     model: ModelPrint,
     /// Of smooth normals.
     crease_angle: Option<f64>,
+    walkable: bool,
 }
 
 /// Normals as they are written.
@@ -111,7 +112,8 @@ pub(super) fn attached(colliders: &ColliderSet) -> (Vec<Attached>, Vec<Masked<'_
             masked.push(Masked::new(shape));
             let (place, model) = (Place { collider, part }, prints.of(shape.model()));
             let crease_angle = shape.smooth_normals().map(|normals| normals.crease_angle());
-            found.push(Attached { place, tag: shape.tag(), model, crease_angle });
+            let (tag, walkable) = (shape.tag(), shape.is_walkable());
+            found.push(Attached { place, tag, model, crease_angle, walkable });
         }
     }
     (found, masked)
@@ -138,7 +140,7 @@ pub(super) fn attach(
     models: &[Model],
 ) -> Result<(), RestoreError> {
     let prints: Vec<ModelPrint> = models.iter().map(ModelPrint::of).collect();
-    let shape_of = |Attached { place, tag, model, crease_angle }: &Attached| {
+    let shape_of = |Attached { place, tag, model, crease_angle, walkable }: &Attached| {
         let found = prints.iter().position(|print| print == model);
         let index = found.ok_or_else(|| RestoreError::Model {
             place: *place,
@@ -147,6 +149,8 @@ pub(super) fn attach(
         })?;
         MeshShape::new(&models[index], *tag)
             .and_then(|shape| shape.with_normals(normals_of(*crease_angle)))
+            // parry refuses such parts of compounds, so none was written.
+            .map(|shape| if *walkable && place.part.is_none() { shape.walkable() } else { shape })
             .map(SharedShape::new)
             .map_err(|source| RestoreError::Shape { place: *place, source })
     };
@@ -237,6 +241,26 @@ mod tests {
         let shape = ours(&**shape).unwrap();
         assert_eq!(shape.tag(), 7);
         assert_eq!(shape.smooth_normals().map(|normals| normals.crease_angle()), Some(0.3));
+    }
+
+    #[test]
+    fn ground_stays_ground_but_in_a_compound() {
+        let mesh = cranny_shapes::Cuboid::default().build().unwrap();
+        let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        let mut colliders = ColliderSet::new();
+        let ground = MeshShape::new(&model, 7).unwrap().walkable();
+        colliders.insert(ColliderBuilder::new(SharedShape::new(ground)));
+        colliders.take_modified();
+        let (list, masked) = attached(&colliders);
+        let bytes = postcard::to_stdvec(&colliders).unwrap();
+        drop(masked);
+        let mut colliders: ColliderSet = postcard::from_bytes(&bytes).unwrap();
+        attach(&mut colliders, &list, &[model]).unwrap();
+        let (_, holder) = colliders.iter().next().unwrap();
+        assert!(ours(holder.shape()).unwrap().is_walkable());
+        // Nobody can have written such a part of a compound; whoever made one up gets no panic of parry's.
+        let (mut colliders, list, model) = read_back();
+        attach(&mut colliders, &[Attached { walkable: true, ..list[0] }], &[model]).unwrap();
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod casts;
 mod chain;
+mod character;
 mod compounds;
 mod concave;
 mod fallback;
@@ -16,6 +17,7 @@ mod queries;
 mod resting;
 mod rolling;
 mod round;
+mod round_scenes;
 mod smooth;
 #[cfg(feature = "snapshot")]
 mod snapshots;
