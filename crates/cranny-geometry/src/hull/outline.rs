@@ -328,12 +328,19 @@ fn walk(
     let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
     let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
     let mut h = start;
+    // Each half-edge of the facet is come by once. Were signs not exact, the triangles might not make a surface.
+    let mut left = 3 * triangles.len();
+    let mut follow = |h: u32| {
+        assert!(left > 0, "the outline of a facet of {} triangles does not end", triangles.len());
+        left -= 1;
+        next(h)
+    };
     while h != u32::MAX {
         half_edges.push(h);
         vertices.push(surface.origin(h));
-        h = next(h);
+        h = follow(h);
         while !is_boundary(h) {
-            h = next(surface.twins[h as usize]);
+            h = follow(surface.twins[h as usize]);
         }
         if h == start {
             break;
