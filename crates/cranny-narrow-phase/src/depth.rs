@@ -24,7 +24,9 @@ const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 pub(crate) struct Leads {
     /// The largest, if the pieces overlap along the direction at all.
     pub(crate) deepest: Option<Contact>,
-    /// One for every vertex of the pieces that leads, and for crossing edges while they are few.
+    /// One for every vertex of the pieces that leads, and for crossing edges while they are few. A vertex that comes out just
+    /// beside the other piece (no farther than it is deep) counts as well: of a box that has sunk in askew, the sides lean, and
+    /// three corners of four come out past the curve.
     pub(crate) all: Vec<Contact>,
 }
 
@@ -132,6 +134,7 @@ impl View<'_, '_, '_> {
         for (own, p, keep) in inner.chain(rim) {
             let height = sign * self.height(p);
             let mut best: Option<(f64, FaceId, DVec3)> = None;
+            let mut beside: Option<(f64, FaceId, DVec3)> = None;
             for &i in footprints.over(p) {
                 let face = &faces[i as usize];
                 let (id, triangle) = face.what;
@@ -140,12 +143,22 @@ impl View<'_, '_, '_> {
                 }
                 let Some(foot) = self.foot(p, triangle) else { continue };
                 let lead = height - sign * self.height(foot);
-                if lead > best.map_or(0.0, |b| b.0) && borders.on_piece(pair, other, id, foot) {
+                if lead <= best.map_or(0.0, |b| b.0) {
+                    continue;
+                }
+                let off = borders.off_piece(pair, other, id, foot);
+                if off == 0.0 {
                     best = Some((lead, id, foot));
+                } else if keep && off <= lead && beside.is_none_or(|b| lead < b.0) {
+                    beside = Some((lead, id, foot));
                 }
             }
-            if let Some((lead, face, foot)) = best {
-                leads.offer(self.contact(side, own, Feature::Face(face), p, foot, lead), keep);
+            let contact =
+                |(lead, face, foot)| self.contact(side, own, Feature::Face(face), p, foot, lead);
+            if let Some(best) = best {
+                leads.offer(contact(best), keep);
+            } else if let Some(beside) = beside {
+                leads.all.push(contact(beside));
             }
         }
     }
@@ -268,15 +281,18 @@ impl Borders {
         Self(borders)
     }
 
-    fn on_piece(&self, pair: &Pair, side: Side, face: FaceId, p: DVec3) -> bool {
+    /// How far a point of a face is from the piece, within that face; 0 if it is on it.
+    fn off_piece(&self, pair: &Pair, side: Side, face: FaceId, p: DVec3) -> f64 {
         let start = self.0.partition_point(|border| border.0 < face);
         let segments = self.0[start..].iter().take_while(|border| border.0 == face);
         let apart = |ends| (p - closest_on_segment(p, ends)).length_squared();
-        let nearest = segments
-            .map(|(_, ends)| (apart(ends), ends))
-            .min_by(|x, y| x.0.total_cmp(&y.0))
-            .map(|(_, ends)| ends);
-        nearest
-            .is_none_or(|[a, b]| pair.area_vector(side, face).dot((*b - *a).cross(p - *a)) >= 0.0)
+        let nearest =
+            segments.map(|(_, ends)| (apart(ends), ends)).min_by(|x, y| x.0.total_cmp(&y.0));
+        let is_on =
+            |[a, b]: &[DVec3; 2]| pair.area_vector(side, face).dot((*b - *a).cross(p - *a)) >= 0.0;
+        match nearest {
+            Some((squared, ends)) if !is_on(ends) => squared.sqrt().max(f64::MIN_POSITIVE),
+            _ => 0.0,
+        }
     }
 }

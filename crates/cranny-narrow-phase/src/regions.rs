@@ -186,7 +186,7 @@ fn closed_region(
         normal,
         separation: 0.0,
     };
-    let deepest =
+    let mut deepest =
         measured.deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
     let mut contacts = if shape.is_flat() || shape.normal().is_none() {
         measured.all
@@ -195,7 +195,14 @@ fn closed_region(
     };
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way is
     // longer, the one past an edge was left out.
-    contacts.retain(|c| c.separation >= deepest.separation);
+    contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
+    // Of corners that are equally deep but for rounding, the one that is told is the deepest.
+    let key = |c: &Contact| (c.separation, c.id);
+    for &contact in &contacts {
+        if key(&contact) < key(&deepest) {
+            deepest = contact;
+        }
+    }
     let mut points = reduce(contacts);
     points.retain(|c| c.id != deepest.id);
     points.insert(0, deepest);

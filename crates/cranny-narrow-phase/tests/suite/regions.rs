@@ -326,6 +326,38 @@ fn open_surfaces_have_curves_but_neither_depth_nor_area() {
     assert!(answer.regions.is_empty() && !answer.solid);
 }
 
+/// Of a box that has sunk in a little askew, corners come out of the floor just beside what the curve encloses.
+#[test]
+fn a_box_that_has_sunk_in_askew_is_held_at_all_corners() {
+    let (crate_, floor) =
+        (shape(Cuboid { size: [0.2; 3] }), shape(Cuboid { size: [2.0, 2.0, 0.1] }));
+    let fan = shape(cranny_shapes::Cup {
+        radius: 1.0,
+        height: 0.1,
+        wall: 0.01,
+        floor: 0.05,
+        segments: 48,
+    });
+    for (under, top) in [(&floor, 0.05), (&fan, 0.05)] {
+        for k in 0..40 {
+            let axis = DVec3::new(f64::from(k).sin(), f64::from(k).cos(), 0.2);
+            let lean = DQuat::from_axis_angle(axis.normalize(), 0.0005 * f64::from(k % 5));
+            let rotation =
+                (lean * DQuat::from_axis_angle(DVec3::Z, 0.1 * f64::from(k))).normalize();
+            let translation = DVec3::new(0.103, 0.041, top + 0.1 - 0.02);
+            let sunk = Placed { model: &crate_, pose: Pose { rotation, translation } };
+            let answer = regions(at(under, 0.0, 0.0, 0.0), sunk);
+            let region = only(&answer);
+            for corner in [[0.1, 0.1], [0.1, -0.1], [-0.1, 0.1], [-0.1, -0.1]] {
+                let at = translation + rotation * DVec3::new(corner[0], corner[1], -0.1);
+                let holds = |c: &&Contact| (c.point_b - at).length() < 1e-3;
+                let contact = region.points.iter().find(holds);
+                assert!(contact.is_some_and(|c| c.separation < -0.019), "{k}: {:?}", region.points);
+            }
+        }
+    }
+}
+
 /// Flush sides, a rim that dips in by 2e-9 over a strip 1e-6 wide: its curves enclose next to nothing.
 #[test]
 fn a_rim_that_dips_in_is_parted_the_way_that_it_came() {

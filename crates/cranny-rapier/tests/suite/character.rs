@@ -44,8 +44,11 @@ fn walkable(model: &Model) -> SharedShape {
     SharedShape::new(MeshShape::new(model, 0).expect("parry takes it").walkable())
 }
 
+/// What a model becomes in a world, by the detector's name.
+type Maker = (&'static str, fn(&Model) -> SharedShape);
+
 /// Ours, and what rapier has for the same model.
-fn detectors() -> [(&'static str, fn(&Model) -> SharedShape); 2] {
+fn detectors() -> [Maker; 2] {
     fn mesh(model: &Model) -> SharedShape {
         Detector::RapierTrimesh.shape(model, 0).expect("parry takes it")
     }
