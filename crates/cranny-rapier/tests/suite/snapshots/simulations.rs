@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::Demand;
+use cranny_narrow_phase::{Demand, Region, RegionId};
 use cranny_rapier::{
     BodyIndex, BodyKind, BodySpec, Detector, JointSpec, Simulation, SimulationOptions,
     SnapshotError,
@@ -29,11 +29,14 @@ fn state(simulation: &Simulation) -> Vec<([u64; 4], [[u64; 3]; 3])> {
     bodies.map(of).collect()
 }
 
-/// What is told of all pairs, written out.
+/// What is told of all pairs, written out; but for the names of regions, which are history and begin anew.
 fn told(simulation: &Simulation) -> String {
     let pairs = simulation.contact_pairs();
     let told = pairs.iter().map(|pair| {
-        let answer = (&pair.answer.contacts, &pair.answer.regions, pair.answer.distance);
+        let nameless =
+            |r: &Region| Region { id: RegionId::default(), from: Vec::new(), ..r.clone() };
+        let regions: Vec<Region> = pair.answer.regions.iter().map(nameless).collect();
+        let answer = (&pair.answer.contacts, regions, pair.answer.distance);
         format!("{:?} {:?} {answer:?} {:?} {}", pair.a, pair.b, pair.poses, pair.fresh)
     });
     told.collect::<Vec<_>>().join("\n")
