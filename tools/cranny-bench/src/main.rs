@@ -66,6 +66,12 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
+    /// The same pairs with memory, against Coal (`pip install coal`; CRANNY_PYTHON names the interpreter)
+    Coal {
+        /// Only scenes whose name contains this
+        #[arg(long, value_name = "PART", default_value = "")]
+        only: String,
+    },
     /// Boxes and envelopes, the two ways to the faces that meet, on bodies in each other's pockets
     Methods,
     /// Overlapping boxes in motion, against parry's `Bvh`
@@ -109,6 +115,7 @@ fn main() -> ExitCode {
         Command::Support => Ok(support::measure(cli.quick)),
         Command::Walk => Ok(walk::measure(cli.quick)),
         Command::Pairs { only } => Ok(pairs::measure(cli.quick, only)),
+        Command::Coal { only } => pairs::coal::measure(cli.quick, only),
         Command::Methods => Ok(pairs::methods::measure(cli.quick)),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
         Command::Count { name } => return exit(count::count(name.as_deref())),

@@ -5,6 +5,7 @@
 //! frames is taken from the wall clock (reading the CPU clock costs as much as a query), each frame
 //! at its best of some runs, since a spike that does not come back is the machine's.
 
+pub(crate) mod coal;
 pub(crate) mod methods;
 mod scenes;
 
