@@ -47,12 +47,15 @@ fn energy(world: &World, body: RigidBodyHandle) -> Real {
     (body.kinetic_energy() + body.mass() * GRAVITY * body.center_of_mass().z) / body.mass()
 }
 
+/// Twenty degrees.
+const SLOPE: Real = std::f64::consts::PI as Real / 9.0;
+
 /// How far a cylinder goes in two seconds down an incline of 20 degrees, whose tangent is 0.364, and its greatest overlap.
 /// It leaves the incline by less than 0.005, tilts by less than 0.01, and veers by less than 0.15: by
 /// 0.09 on our slab and 0.021 on rapier's own cuboid, of 3.16.
 #[track_caller]
 fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (Real, Real) {
-    let incline = Rotation::from_rotation_y((20.0 as Real).to_radians());
+    let incline = Rotation::from_rotation_y(SLOPE);
     let (down, up_from) = (incline * Vector::X, incline * Vector::Z);
     let mut world = world();
     let pose = Pose::from_parts(-top * up_from, incline);
@@ -74,12 +77,12 @@ fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (
     (along, worst)
 }
 
-/// With friction 0.5 it stays within 0.002. With 0.2 it should go by g (sin - 0.2 cos) t² / 2 within 3 %: 3.02. On
-/// rapier's own cuboid it goes 4.6 % too far (1.0 % in f64), on ours as far as that: 6 % are allowed.
+/// With friction 0.5 it stays within 0.002. With 0.2 it should go by g (sin - 0.2 cos) t² / 2 within 3 %: 3.02. That was
+/// missed: on ours it goes 4.6 % too far, in f64 4.4 %; on rapier's own cuboid 4.6 %, but in f64 1.0 %. What of it is the
+/// solver's is not known; 6 % are allowed.
 #[test]
 fn a_cylinder_holds_on_an_incline_or_slides_as_it_does_on_a_cuboid() {
-    let slope = (20.0 as Real).to_radians();
-    let expected = 2.0 * GRAVITY * (slope.sin() - 0.2 * slope.cos());
+    let expected = 2.0 * GRAVITY * (SLOPE.sin() - 0.2 * SLOPE.cos());
     let (on_cuboid, _) = slid("cuboid", &SharedShape::cuboid(6.0, 2.0, 0.5), 0.5, 0.2);
     for (name, mesh, top) in [
         ("slab", ours(&cuboid(12.0, 4.0, 1.0)), 0.5),

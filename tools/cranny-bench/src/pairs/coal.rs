@@ -111,7 +111,12 @@ fn ask(scene: &Scene) -> io::Result<Vec<f64>> {
         .collect();
     if !output.status.success() || told.len() != scene.demands.len() {
         let why = String::from_utf8_lossy(&output.stderr);
-        return Err(refused(why.lines().rfind(|line| !line.starts_with(' ')).unwrap_or("it says nothing").to_owned()));
+        return Err(refused(
+            why.lines()
+                .rfind(|line| !line.starts_with(' '))
+                .unwrap_or("it says nothing")
+                .to_owned(),
+        ));
     }
     Ok(told)
 }
