@@ -37,10 +37,11 @@ pub use domain::{DomainError, check_point, is_in_domain};
 pub use glam::{DMat3, DQuat, DVec2, DVec3};
 pub use interval::Interval;
 pub use pose::{Pose, PoseError, RigidMap};
-pub use sign::{Sign, orient2d, orient3d};
+pub use sign::{Arithmetic, Sign, orient2d, orient3d};
 pub use tolerance::Tolerance;
 pub use triangle::{
     Crossing, CrossingEnd, Meeting, Piercing, SegmentFeature, TriangleFeature,
-    classify_segment_triangle, classify_triangles, cross_triangles, locate_piercing,
+    classify_segment_triangle, classify_triangles, cross_triangles, judge_triangles,
+    locate_piercing,
 };
 pub use weighted::WeightedPoint;

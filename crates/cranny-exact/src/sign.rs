@@ -51,6 +51,16 @@ impl Sign {
     }
 }
 
+/// What it took to decide a sign, or all the signs of a question.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Arithmetic {
+    /// Floating point, the result being larger than its error can be.
+    #[default]
+    Filter,
+    /// Some sign was too near zero for that.
+    Adaptive,
+}
+
 /// Relative error of a determinant of four points as [`orient3d`] computes it (Shewchuk 1997, "Adaptive precision
 /// floating-point arithmetic and fast robust geometric predicates", `o3derrboundA`; his ε is half of ours). Smaller, and
 /// signs may be wrong; larger, and more points take the long way.
@@ -61,7 +71,13 @@ const FILTER: f64 = (7.0 + 28.0 * f64::EPSILON) * (0.5 * f64::EPSILON);
 /// `Positive`: `d` sees the triangle counter-clockwise, that is, lies on the side of the normal
 /// `(b − a) × (c − a)`. `Zero`: the four points are co-planar. Exact inside the domain.
 #[must_use]
+#[inline]
 pub fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
+    orient3d_by(a, b, c, d, &mut Arithmetic::Filter)
+}
+
+/// [`orient3d`]; raises `by` where the filter does not do.
+pub(crate) fn orient3d_by(a: DVec3, b: DVec3, c: DVec3, d: DVec3, by: &mut Arithmetic) -> Sign {
     let [p, q, r] = [a - d, b - d, c - d];
     let (qr, rp, pq) = ([q.x * r.y, r.x * q.y], [r.x * p.y, p.x * r.y], [p.x * q.y, q.x * p.y]);
     // It is negative where `d` is above.
@@ -72,6 +88,7 @@ pub fn orient3d(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Sign {
     if det.abs() > FILTER * permanent {
         return if det > 0.0 { Sign::Negative } else { Sign::Positive };
     }
+    *by = Arithmetic::Adaptive;
     orient3d_near([a, b, c, d])
 }
 

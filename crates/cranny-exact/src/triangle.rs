@@ -10,7 +10,7 @@ mod piercing;
 mod planar;
 mod plane;
 
-pub use pair::{Crossing, CrossingEnd, classify_triangles, cross_triangles};
+pub use pair::{Crossing, CrossingEnd, classify_triangles, cross_triangles, judge_triangles};
 pub use piercing::{
     Piercing, SegmentFeature, TriangleFeature, classify_segment_triangle, locate_piercing,
 };

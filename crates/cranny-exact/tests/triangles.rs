@@ -68,7 +68,7 @@ fn crossings_are_made_by_the_edges_that_rationals_find() {
     };
     let mut seen = [0; 2];
     for (i, (family, a, b)) in pairs(22, 20_000).enumerate() {
-        let (meeting, crossing) = cross_triangles(&a, &b);
+        let (meeting, crossing, _) = cross_triangles(&a, &b);
         let place = || format!("pair {i} ({family:?}): {a:?} and {b:?}");
         assert_eq!(meeting, classify_triangles(&a, &b), "{}", place());
         let piercing = |(owner, other): (&Triangle, &Triangle), name: u8| {

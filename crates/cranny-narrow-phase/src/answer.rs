@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-use cranny_exact::{DVec3, Interval, Meeting, RigidMap};
+use cranny_exact::{Arithmetic, DVec3, Interval, Meeting, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, VertexId};
 
 /// How the two triangle surfaces meet: exact.
@@ -214,8 +214,14 @@ pub struct Counters {
     pub planes_parted: u64,
     /// Pairs of tree nodes compared.
     pub node_tests: u64,
-    /// Pairs of triangles classified exactly or measured.
+    /// Pairs of triangles classified exactly or measured: the sum of the next two, and of those of which only the
+    /// distance was asked.
     pub triangle_tests: u64,
+    /// Pairs of triangles whose meeting or parting plain floating point settled, by a gap larger than its error or by
+    /// signs of determinants larger than theirs.
+    pub triangles_filtered: u64,
+    /// Pairs of triangles of which some sign was too near zero for that: adaptive arithmetic decided it.
+    pub triangles_adaptive: u64,
     /// Points classified against a solid.
     pub inside_tests: u64,
     /// Pairs of hull features that a walk looked at; only levels below `Exact` walk.
@@ -226,6 +232,10 @@ pub struct Counters {
     pub front_split: u64,
     /// Blocks of kept pairs that were found anew.
     pub front_rebuilt: u64,
+    /// Pairs of nodes fewer than before, after what had grown too fine was found anew.
+    pub front_merged: u64,
+    /// Pairs of nodes kept for the next query.
+    pub front_held: u64,
     /// Times that a search from the top was cheaper than what memory had to offer.
     pub bypassed: u64,
     /// Concavities whose faces were looked for, since the other body's hull may reach them; this and what follows is
@@ -238,17 +248,31 @@ pub struct Counters {
     pub facets_compared: u64,
 }
 
+impl Counters {
+    /// Counts how it was decided whether two triangles meet.
+    pub(crate) fn judged(&mut self, by: Arithmetic) {
+        match by {
+            Arithmetic::Filter => self.triangles_filtered += 1,
+            Arithmetic::Adaptive => self.triangles_adaptive += 1,
+        }
+    }
+}
+
 impl AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         self.planes_tried += other.planes_tried;
         self.planes_parted += other.planes_parted;
         self.node_tests += other.node_tests;
         self.triangle_tests += other.triangle_tests;
+        self.triangles_filtered += other.triangles_filtered;
+        self.triangles_adaptive += other.triangles_adaptive;
         self.inside_tests += other.inside_tests;
         self.hull_steps += other.hull_steps;
         self.front_tested += other.front_tested;
         self.front_split += other.front_split;
         self.front_rebuilt += other.front_rebuilt;
+        self.front_merged += other.front_merged;
+        self.front_held += other.front_held;
         self.bypassed += other.bypassed;
         self.pockets_opened += other.pockets_opened;
         self.pockets_passed += other.pockets_passed;

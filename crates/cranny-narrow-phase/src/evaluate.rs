@@ -201,6 +201,7 @@ fn answer(
             out.separation = Interval::around(-depth, depth_error);
         }
     }
+    counters.front_held = coherent.held();
     out.counters = counters;
     out
 }

@@ -20,8 +20,13 @@ pub(crate) struct FacePair {
 
 impl FacePair {
     /// How two faces meet, of these corners; `None` if they do not.
-    pub(crate) fn of(faces: [FaceId; 2], triangles: [&[DVec3; 3]; 2]) -> Option<Self> {
-        let (meeting, crossing) = cross_triangles(triangles[0], triangles[1]);
+    pub(crate) fn of(
+        faces: [FaceId; 2],
+        triangles: [&[DVec3; 3]; 2],
+        counters: &mut Counters,
+    ) -> Option<Self> {
+        let (meeting, crossing, by) = cross_triangles(triangles[0], triangles[1]);
+        counters.judged(by);
         let [first, second] = faces;
         meeting.meets().then_some(Self { first, second, meeting, crossing })
     }
@@ -76,5 +81,5 @@ pub(crate) fn looked_at(
 ) -> Option<FacePair> {
     counters.triangle_tests += 1;
     let (a, b) = (pair.triangle(Side::First, first), pair.triangle(Side::Second, second));
-    FacePair::of([first, second], [&a, &b])
+    FacePair::of([first, second], [&a, &b], counters)
 }

@@ -216,6 +216,24 @@ pub struct StatsMessage {
     pub triangle_tests: u64,
     /// Points classified against solids.
     pub inside_tests: u64,
+    /// Pairs of triangles whose meeting or parting plain floating point settled; 0 in recordings made before these were told.
+    #[serde(default)]
+    pub triangles_filtered: u64,
+    /// Pairs of triangles of which adaptive arithmetic had to decide a sign.
+    #[serde(default)]
+    pub triangles_adaptive: u64,
+    /// Pairs of tree nodes kept for the next step.
+    #[serde(default)]
+    pub front_held: u64,
+    /// Pairs of tree nodes kept from the last step that had to be looked at again.
+    #[serde(default)]
+    pub front_tested: u64,
+    /// Pairs of tree nodes added to what is kept.
+    #[serde(default)]
+    pub front_split: u64,
+    /// Pairs of tree nodes fewer, after what had grown too fine was found anew.
+    #[serde(default)]
+    pub front_merged: u64,
     /// Tests of one box against another.
     pub box_tests: u64,
     /// End points of boxes that changed places.
@@ -352,6 +370,12 @@ impl StatsMessage {
             node_tests: stats.counters.node_tests,
             triangle_tests: stats.counters.triangle_tests,
             inside_tests: stats.counters.inside_tests,
+            triangles_filtered: stats.counters.triangles_filtered,
+            triangles_adaptive: stats.counters.triangles_adaptive,
+            front_held: stats.counters.front_held,
+            front_tested: stats.counters.front_tested,
+            front_split: stats.counters.front_split,
+            front_merged: stats.counters.front_merged,
             box_tests: stats.broad_phase.box_tests,
             swaps: stats.broad_phase.swaps,
             deepest: frame.deepest.map(|d| DeepestMessage {

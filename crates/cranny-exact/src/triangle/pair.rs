@@ -6,7 +6,7 @@ use super::Meeting;
 use super::piercing::classify_segment_triangle;
 use super::planar::{collinear, coplanar_triangles_meet, segments_meet, span};
 use super::plane::Plane;
-use crate::sign::{Sign, orient3d};
+use crate::sign::{Arithmetic, Sign, orient3d_by};
 
 /// How two closed triangles meet.
 ///
@@ -22,25 +22,35 @@ use crate::sign::{Sign, orient3d};
 /// point where the triangles meet, the *open* ones where they cross.
 #[must_use]
 pub fn classify_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> Meeting {
-    match CommonLine::of(a, b) {
-        Ok(line) => line.meeting(),
-        Err(meeting) => meeting,
-    }
+    judge_triangles(a, b).0
 }
 
-/// How two triangles meet, and where they cross if they do so in general position.
+/// [`classify_triangles`], and what arithmetic it took. (Whatever lies in one plane took more than a filter.)
+#[must_use]
+pub fn judge_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Arithmetic) {
+    let mut by = Arithmetic::Filter;
+    let meeting = match CommonLine::of(a, b, &mut by) {
+        Ok(line) => line.meeting(),
+        Err(meeting) => meeting,
+    };
+    (meeting, by)
+}
+
+/// How two triangles meet, where they cross if they do so in general position, and what arithmetic it took.
 ///
-/// `None` where they do not cross, or where a corner of one lies in the plane of the other or an edge meets
+/// No crossing where they do not cross, or where a corner of one lies in the plane of the other or an edge meets
 /// an edge: [`locate_piercing`](super::locate_piercing) tells which features meet there.
 #[must_use]
-pub fn cross_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Option<Crossing>) {
-    match CommonLine::of(a, b) {
+pub fn cross_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Option<Crossing>, Arithmetic) {
+    let mut by = Arithmetic::Filter;
+    let (meeting, crossing) = match CommonLine::of(a, b, &mut by) {
         Ok(line) => match line.meeting() {
-            Meeting::Cross => (Meeting::Cross, line.crossing()),
+            Meeting::Cross => (Meeting::Cross, line.crossing(&mut by)),
             meeting => (meeting, None),
         },
         Err(meeting) => (meeting, None),
-    }
+    };
+    (meeting, crossing, by)
 }
 
 /// The segment in which two triangles cross in general position, by what makes its ends.
@@ -78,12 +88,12 @@ struct CommonLine<'t> {
 
 impl<'t> CommonLine<'t> {
     /// `Err` with the answer where there is no such line, or the intervals need not be looked at.
-    fn of(a: &'t [DVec3; 3], b: &'t [DVec3; 3]) -> Result<Self, Meeting> {
-        let b_about_a = Plane::through(a).sides(b);
+    fn of(a: &'t [DVec3; 3], b: &'t [DVec3; 3], by: &mut Arithmetic) -> Result<Self, Meeting> {
+        let b_about_a = Plane::through(a).sides(b, by);
         if strictly_aside(b_about_a) {
             return Err(Meeting::None);
         }
-        let a_about_b = Plane::through(b).sides(a);
+        let a_about_b = Plane::through(b).sides(a, by);
         if strictly_aside(a_about_b) {
             return Err(Meeting::None);
         }
@@ -104,16 +114,16 @@ impl<'t> CommonLine<'t> {
             a_high_to_b_low: Sign::Zero,
             a_low_to_b_high: Sign::Zero,
         };
-        line.a_high_to_b_low = line.direction(a_high, b_low);
-        line.a_low_to_b_high = line.direction(a_low, b_high);
+        line.a_high_to_b_low = line.direction(a_high, b_low, by);
+        line.a_low_to_b_high = line.direction(a_low, b_high, by);
         Ok(line)
     }
 
     /// In which direction along the line the end made by corner `l` of the second triangle lies, seen from
     /// that made by corner `k` of the first.
-    fn direction(&self, k: usize, l: usize) -> Sign {
+    fn direction(&self, k: usize, l: usize, by: &mut Arithmetic) -> Sign {
         let [(a, p), (b, q)] = [0, 1].map(|i| (self.triangles[i], self.fans[i].apex));
-        orient3d(a[p], a[k], b[q], b[l])
+        orient3d_by(a[p], a[k], b[q], b[l], by)
     }
 
     fn meeting(&self) -> Meeting {
@@ -131,13 +141,12 @@ impl<'t> CommonLine<'t> {
 
     /// The common interval of triangles that cross: from the greater of the lower ends to the lesser of the
     /// upper ends.
-    fn crossing(&self) -> Option<Crossing> {
+    fn crossing(&self, by: &mut Arithmetic) -> Option<Crossing> {
         let in_a_plane = |sides: &[Sign; 3]| sides.contains(&Sign::Zero);
         if self.sides.iter().any(in_a_plane) {
             return None;
         }
-        let (lower, upper) =
-            (self.direction(self.low[0], self.low[1]), self.direction(self.high[0], self.high[1]));
+        let [lower, upper] = [self.low, self.high].map(|[k, l]| self.direction(k, l, by));
         let of_a_or_b = |is_of_a: bool, corners: [usize; 2]| {
             let owner = usize::from(!is_of_a);
             self.end(owner, corners[owner])
@@ -278,14 +287,16 @@ mod tests {
         let end = |owner, edge| CrossingEnd { owner, edge };
         // It enters over the upright side x = 1 and leaves over the slanted one.
         let expected = Crossing { ends: [end(1, 2), end(1, 0)] };
-        assert_eq!(cross_triangles(&FLOOR, &blade), (Meeting::Cross, Some(expected)));
+        let clear = Arithmetic::Filter;
+        assert_eq!(cross_triangles(&FLOOR, &blade), (Meeting::Cross, Some(expected), clear));
         // Wide, it is cut off by the floor's own sides: x = 0 and x + y = 4.
         let wide = [[-9.0, 1.0, -9.0], [9.0, 1.0, -9.0], [0.0, 1.0, 9.0]].map(DVec3::from_array);
         let expected = Crossing { ends: [end(0, 2), end(0, 1)] };
         assert_eq!(cross_triangles(&FLOOR, &wide).1, Some(expected));
         // Ends on a side of the floor: no general position.
         let flush = [[0.0, 1.0, -1.0], [2.0, 1.0, 1.0], [0.0, 1.0, 1.0]].map(DVec3::from_array);
-        assert_eq!(cross_triangles(&FLOOR, &flush), (Meeting::Cross, None));
+        let close = Arithmetic::Adaptive;
+        assert_eq!(cross_triangles(&FLOOR, &flush), (Meeting::Cross, None, close));
     }
 
     #[test]
@@ -313,6 +324,18 @@ mod tests {
         assert_eq!(with_floor([[4.0, 0.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), Meeting::Touch);
         assert_eq!(with_floor([[4.0, 1.0, 0.0], [5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]), Meeting::None);
         assert_eq!(with_floor([[1.0, 1.0, 1.0], [1.5, 1.0, 1.0], [1.0, 1.5, 1.0]]), Meeting::None);
+    }
+
+    #[test]
+    fn only_close_calls_take_adaptive_arithmetic() {
+        let blade = |tip: f64| [[1.0, 1.0, tip], [2.0, 1.0, 1.0], [1.0, 2.0, 1.0]];
+        let by = |tip| judge_triangles(&FLOOR, &blade(tip).map(DVec3::from_array));
+        assert_eq!(by(-0.5), (Meeting::Cross, Arithmetic::Filter));
+        assert_eq!(by(0.5), (Meeting::None, Arithmetic::Filter));
+        assert_eq!(by(0.0), (Meeting::Touch, Arithmetic::Adaptive));
+        // In its plane, though far beside it.
+        let beside = [[9.0, 9.0, 0.0], [8.0, 9.0, 0.0], [9.0, 8.0, 0.0]].map(DVec3::from_array);
+        assert_eq!(judge_triangles(&FLOOR, &beside), (Meeting::None, Arithmetic::Adaptive));
     }
 
     #[test]

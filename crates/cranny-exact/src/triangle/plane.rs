@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::sign::{Sign, orient3d};
+use crate::sign::{Arithmetic, Sign, orient3d_by};
 
 /// Relative error of the filter: 8 units of rounding (2^-53 each).
 ///
@@ -32,18 +32,18 @@ impl Plane {
         Self { corners: *corners, normal: left - right, slack: FILTER * (left.abs() + right.abs()) }
     }
 
-    /// The sign of [`orient3d`] for the plane's corners and `p`; exact.
-    pub(super) fn side(&self, p: DVec3) -> Sign {
+    /// The sign of [`orient3d`](crate::orient3d) for the plane's corners and `p`; exact.
+    fn side(&self, p: DVec3, by: &mut Arithmetic) -> Sign {
         let d = p - self.corners[0];
         let height = d.dot(self.normal);
         if height.abs() > d.abs().dot(self.slack) {
             return Sign::of(height);
         }
         let [a, b, c] = self.corners;
-        orient3d(a, b, c, p)
+        orient3d_by(a, b, c, p, by)
     }
 
-    pub(super) fn sides(&self, points: &[DVec3; 3]) -> [Sign; 3] {
-        points.map(|p| self.side(p))
+    pub(super) fn sides(&self, points: &[DVec3; 3], by: &mut Arithmetic) -> [Sign; 3] {
+        points.map(|p| self.side(p, by))
     }
 }

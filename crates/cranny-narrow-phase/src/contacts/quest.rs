@@ -189,7 +189,7 @@ impl Quest for Looking {
 
     fn faces(&mut self, faces: [FaceId; 2], triangles: [&[DVec3; 3]; 2], counters: &mut Counters) {
         counters.triangle_tests += 1;
-        self.meeting.extend(FacePair::of(faces, triangles));
+        self.meeting.extend(FacePair::of(faces, triangles, counters));
     }
 
     fn corner(

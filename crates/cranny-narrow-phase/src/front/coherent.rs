@@ -4,7 +4,7 @@
 //! the faces that were nearest last, whose distance bounds the next one. And while surfaces part, on
 //! a way that the front proves free of meetings, what lies inside what stays.
 
-use cranny_exact::{DVec3, Meeting, classify_triangles};
+use cranny_exact::{DVec3, Meeting, judge_triangles};
 use cranny_geometry::FaceId;
 
 use super::quests::Meetings;
@@ -51,6 +51,8 @@ pub(crate) struct Coherent {
     front: Option<Front>,
     /// The front's odometers show this query's pose.
     advanced: bool,
+    /// Pairs of nodes of a front that was let go because it had grown too fine.
+    too_fine: u64,
     crossing: Vec<[FaceId; 2]>,
     /// Whether to look at them: in vain, where motion is so fast that none crosses for a second time.
     following: Patience,
@@ -92,6 +94,7 @@ impl Coherent {
             self.pace.patience.failed();
             self.front = None;
         } else if front.is_sparse() {
+            self.too_fine = front.held();
             self.front = None;
         } else {
             self.pace.patience.succeeded();
@@ -102,6 +105,7 @@ impl Coherent {
     /// Descends from the top and keeps where that ends, unless that is more than is worth keeping.
     fn keep_front(&mut self, pair: &Pair, quest: &mut impl Quest, counters: &mut Counters) {
         self.front = Front::of(pair, quest, counters);
+        counters.front_merged += std::mem::take(&mut self.too_fine).saturating_sub(self.held());
         self.advanced = true;
         if self.front.is_none() && !quest.is_done() {
             self.pace.patience.failed();
@@ -256,8 +260,10 @@ impl Coherent {
     fn followed_crossing(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
         let mut crosses = |&[f, g]: &[FaceId; 2]| {
             counters.triangle_tests += 1;
-            classify_triangles(&pair.triangle(Side::First, f), &pair.triangle(Side::Second, g))
-                == Meeting::Cross
+            let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
+            let (meeting, by) = judge_triangles(&first, &second);
+            counters.judged(by);
+            meeting == Meeting::Cross
         };
         if let Some(i) = self.crossing.iter().position(&mut crosses) {
             self.crossing.drain(..i);
@@ -286,6 +292,11 @@ impl Coherent {
         let stride = crossing().count().div_ceil(KEPT_CROSSINGS).max(1);
         self.crossing.clear();
         self.crossing.extend(crossing().step_by(stride).map(|p| [p.first, p.second]));
+    }
+
+    /// Pairs of nodes of the front.
+    pub(crate) fn held(&self) -> u64 {
+        self.front.as_ref().map_or(0, Front::held)
     }
 
     /// The front, if the last query was about this pair at its pose and used one.

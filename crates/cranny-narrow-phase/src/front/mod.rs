@@ -139,7 +139,9 @@ impl Front {
                 if quest.is_done() {
                     return false;
                 }
-                self.entries += fresh.iter().map(|b| b.entries.len()).sum::<usize>();
+                let now = fresh.iter().map(|b| b.entries.len()).sum::<usize>();
+                self.entries += now;
+                counters.front_merged += before.saturating_sub(now) as u64;
                 let first = fresh.swap_remove(0);
                 self.blocks[i] = first;
                 self.blocks.append(&mut fresh);
@@ -153,6 +155,11 @@ impl Front {
             self.entries -= before;
         }
         unbroken && !quest.is_done()
+    }
+
+    /// How many pairs of nodes it has.
+    pub(crate) fn held(&self) -> u64 {
+        self.entries as u64
     }
 
     /// Whether odometers have counted up to this pose.

@@ -1,6 +1,6 @@
 //! What is asked of a front: which faces meet, and which are nearest.
 
-use cranny_exact::{DVec3, Meeting};
+use cranny_exact::{Arithmetic, DVec3, Meeting};
 use cranny_geometry::FaceId;
 
 use super::Quest;
@@ -33,9 +33,11 @@ impl<'p, 'm> Meetings<'p, 'm> {
         // A gap beyond rounding along either normal is proof enough, and gives slack.
         let gap = gap_along_normals(&triangles) - error;
         if gap > 0.0 {
+            counters.judged(Arithmetic::Filter);
             return gap;
         }
-        if let Some(found) = FacePair::of([first, second], [&triangles[0], &triangles[1]]) {
+        let corners = [&triangles[0], &triangles[1]];
+        if let Some(found) = FacePair::of([first, second], corners, counters) {
             self.surface = self.surface.max(found.meeting);
             self.found.push(found);
             return 0.0;

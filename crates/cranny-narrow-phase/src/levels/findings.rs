@@ -75,11 +75,13 @@ impl<'p, 'm> Findings<'p, 'm> {
         // Beyond rounding along either normal is proof enough.
         self.counters.triangle_tests += 1;
         let gap = gap_along_normals(&triangles) - self.pair.length_error();
+        self.counters.triangles_filtered += u64::from(gap > 0.0);
         if gap > self.least() {
             return gap;
         }
         if gap <= 0.0
-            && let Some(found) = FacePair::of([first, second], [&triangles[0], &triangles[1]])
+            && let Some(found) =
+                FacePair::of([first, second], [&triangles[0], &triangles[1]], &mut self.counters)
         {
             self.surface = self.surface.max(found.meeting);
             let stronger = self.met.is_none_or(|met| found.meeting > met.meeting);

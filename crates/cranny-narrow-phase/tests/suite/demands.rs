@@ -66,6 +66,30 @@ fn lesser_demands_agree_with_greater_ones_and_leave_the_rest_blank() {
 }
 
 #[test]
+fn outcomes_of_triangle_tests_tell_close_calls_from_clear_ones() {
+    let torus = shape(Torus { major_segments: 24, minor_segments: 12, ..Torus::default() });
+    let unit = shape(Cuboid::default());
+    let counted = |model: &Model, offset: DVec3, demand| {
+        let [a, b] = [DVec3::ZERO, offset].map(|o| Placed { model, pose: Pose::at(o) });
+        ask(a, b, demand).counters
+    };
+    // In general position: of a hundred signs hardly one is near zero, and none is only measured.
+    let askew = DVec3::new(0.913, 0.377, 0.131);
+    let clear = counted(&torus, askew, Demand::Intersects);
+    assert!(clear.triangles_filtered > 0, "{clear:?}");
+    assert_eq!(clear.triangles_adaptive, 0, "{clear:?}");
+    assert_eq!(clear.triangle_tests, clear.triangles_filtered);
+    // Side against side: all that touches lies in planes of the other.
+    let flush = counted(&unit, DVec3::X, Demand::Regions { margin: 0.0 });
+    assert!(flush.triangles_adaptive > 0, "{flush:?}");
+    assert_eq!(flush.triangle_tests, flush.triangles_filtered + flush.triangles_adaptive);
+    // Far apart along the axis of both, where hulls decide nothing: pairs are measured, not judged.
+    let apart = counted(&torus, DVec3::new(0.0, 0.0, 0.7), Demand::Distance { below: None });
+    assert!(apart.triangle_tests > 0, "{apart:?}");
+    assert_eq!(apart.triangles_filtered + apart.triangles_adaptive, 0, "{apart:?}");
+}
+
+#[test]
 fn the_witness_of_a_crossing_is_the_least_pair_whatever_is_asked() {
     // Solids that touch in many pairs of faces and cross in some: where the search for a verdict
     // ends depends on the trees.

@@ -147,6 +147,7 @@ fn the_front_shown_is_the_one_that_the_query_left() {
             }
             // What is kept changes where that was counted, and only there.
             let counters = &answer.counters;
+            assert_eq!(counters.front_held, now.front.len() as u64, "{what}");
             if let Some(before) = before.filter(|_| counters.bypassed == 0) {
                 let same = nodes(&before.front) == nodes(&now.front);
                 let still = counters.front_split == 0 && counters.front_rebuilt == 0;
@@ -166,6 +167,39 @@ fn the_front_shown_is_the_one_that_the_query_left() {
     }
     assert!(fronts > 100 && unchanged > 20 && renewed > 20, "{fronts} {unchanged} {renewed}");
     assert!(crossings > 100, "{crossings}");
+}
+
+#[test]
+fn what_grew_too_fine_is_merged_and_counted() {
+    let torus = shape(Torus { major_segments: 48, minor_segments: 24, ..Torus::default() });
+    let a = Placed { model: &torus, pose: Pose::IDENTITY };
+    let mut memory = PairMemory::default();
+    let (mut merged, mut coarser, mut last) = (0, 0, None);
+    // Upright, it rolls along the inside of the other's hole and out over its back.
+    for frame in 0..400 {
+        let t = f64::from(frame) / 400.0;
+        let b = Placed {
+            model: &torus,
+            pose: Pose {
+                rotation: DQuat::from_axis_angle(DVec3::new(1.0, t, 0.0).normalize(), 1.2 + t),
+                translation: DVec3::new(0.9 + 0.5 * t, 0.0, 1.5 * t),
+            },
+        };
+        let demand = Demand::Regions { margin: 0.0 };
+        let counters = query(a, b, &Query::of(demand), &mut memory).unwrap().counters;
+        // What is held is shown, but where planes parted the hulls and none of it was asked.
+        let shown = seen(&memory, a, b).front.len() as u64;
+        assert!(shown == counters.front_held || shown == 0, "frame {frame}: {shown}");
+        // Fewer are held only where some were merged, or a search from the top was cheaper.
+        let fewer = counters.front_held < last.unwrap_or(0) && counters.front_held > 0;
+        if let Some(last) = last.filter(|_| fewer && counters.bypassed == 0) {
+            assert!(counters.front_merged >= last - counters.front_held, "frame {frame}");
+            coarser += 1;
+        }
+        merged += counters.front_merged;
+        last = Some(counters.front_held);
+    }
+    assert!(merged > 100 && coarser > 3, "{merged} {coarser}");
 }
 
 #[test]
