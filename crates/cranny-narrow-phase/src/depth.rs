@@ -11,19 +11,22 @@ use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
 
 use crate::answer::{Contact, Feature};
+use crate::borders::Borders;
 use crate::footprints::Footprints;
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
 use crate::pieces::Cut;
-use crate::triangle_distance::closest_on_segment;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 
 /// The leads of a region's first piece over its second along a direction.
+#[derive(Default)]
 pub(crate) struct Leads {
     /// The largest, if the pieces overlap along the direction at all.
     pub(crate) deepest: Option<Contact>,
+    /// Whether all are wanted, not the largest alone.
+    keeps: bool,
     /// One for every vertex of the pieces that leads, and for crossing edges while they are few. A vertex that comes out just
     /// beside the other piece (no farther than it is deep) counts as well: of a box that has sunk in askew, the sides lean, and
     /// three corners of four come out past the curve.
@@ -53,13 +56,26 @@ impl<'a, 'b> Ground<'a, 'b> {
 
 /// Measures a region along `normal` (unit, from first to second, pair's frame).
 pub(crate) fn leads(ground: &Ground, normal: DVec3) -> Leads {
-    let view = View { ground, normal };
-    let mut leads = Leads { deepest: None, all: Vec::new() };
-    for side in Side::BOTH {
-        view.vertices_over_faces(side, &mut leads);
-    }
-    view.edges_over_edges(&mut leads);
+    let mut leads = Leads { keeps: true, ..Leads::default() };
+    measure(&View { ground, normal }, f64::INFINITY, &mut leads);
     leads
+}
+
+/// The largest of [`leads`] alone, which is found with less work; or, where one is at least `enough`, any such.
+pub(crate) fn deepest_lead(ground: &Ground, normal: DVec3, enough: f64) -> Option<Contact> {
+    let mut leads = Leads::default();
+    measure(&View { ground, normal }, enough, &mut leads);
+    leads.deepest
+}
+
+fn measure(view: &View, enough: f64, leads: &mut Leads) {
+    for side in Side::BOTH {
+        view.vertices_over_faces(side, leads);
+        if leads.largest() >= enough {
+            return;
+        }
+    }
+    view.edges_over_edges(leads);
 }
 
 struct View<'g, 'a, 'b> {
@@ -72,6 +88,18 @@ struct Ranged<T> {
     what: T,
     low: f64,
     high: f64,
+}
+
+/// A face of a piece.
+type Seen<'t> = Ranged<(FaceId, &'t [DVec3; 3])>;
+
+/// A vertex of a piece, or a point of its curves, with its height.
+#[derive(Clone, Copy)]
+struct Above {
+    feature: Feature,
+    point: DVec3,
+    is_inner: bool,
+    height: f64,
 }
 
 impl<T> Ranged<T> {
@@ -96,8 +124,13 @@ impl Leads {
         }
     }
 
-    fn best(&self) -> f64 {
+    fn largest(&self) -> f64 {
         self.deepest.map_or(0.0, |d| -d.separation)
+    }
+
+    /// What leads by less is not wanted.
+    fn floor(&self) -> f64 {
+        if self.keeps { 0.0 } else { self.largest() }
     }
 }
 
@@ -108,58 +141,91 @@ impl View<'_, '_, '_> {
 
     /// For each vertex of `side`'s piece the face of the other that it leads most.
     fn vertices_over_faces(&self, side: Side, leads: &mut Leads) {
-        let Ground { pair, intersection, cut, .. } = *self.ground;
+        let Ground { cut, .. } = *self.ground;
         let other = side.other();
-        let borders = &self.ground.borders[other.index()];
         // How far ahead of the second body the first is: a vertex of the first wants low faces.
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let piece = &cut.pieces[other.index()];
         let corners = &self.ground.triangles[other.index()];
-        let mut faces: Vec<Ranged<(FaceId, &[DVec3; 3])>> = piece
-            .faces
-            .iter()
-            .zip(corners)
+        let mut faces: Vec<Seen> = (cut.pieces[other.index()].faces.iter().zip(corners))
             .map(|(&f, t)| Ranged::new((f, t), t.map(|p| sign * self.height(p))))
             .collect();
+        let mut vertices: Vec<Above> = self.vertices(side, sign).collect();
+        let by_height = |x: &Above, y: &Above| x.height.total_cmp(&y.height);
+        let Some(&highest) = vertices.iter().max_by(|x, y| by_height(x, y)) else { return };
+        if !leads.keeps {
+            // The highest leads by most or nearly so: few others are left.
+            self.offer_lead(side, highest, faces.iter(), leads);
+            let floor = leads.floor();
+            let lowest = faces.iter().map(|f| f.low).fold(f64::INFINITY, f64::min);
+            vertices.retain(|v| v.height - lowest >= floor);
+            faces.retain(|f| highest.height - f.low >= floor);
+        }
         faces.sort_unstable_by(|x, y| x.low.total_cmp(&y.low).then(x.what.0.cmp(&y.what.0)));
         let footprints = Footprints::of(self.normal, faces.iter().map(|f| f.what.1.as_slice()));
+        for vertex in vertices {
+            let over = footprints.over(vertex.point).iter().map(|&i| &faces[i as usize]);
+            let high = vertex.height;
+            let floor = leads.floor();
+            let low_enough = over.take_while(|f| high - f.low >= floor);
+            self.offer_lead(side, vertex, low_enough, leads);
+        }
+    }
+
+    /// Vertices of a side's piece, and of its curves.
+    fn vertices(&self, side: Side, sign: f64) -> impl Iterator<Item = Above> {
+        let Ground { pair, intersection, cut, .. } = *self.ground;
         let vertices = cut.pieces[side.index()].vertices.iter();
-        let inner = vertices.map(|&v| (Feature::Vertex(v), pair.position(side, v), true));
+        let inner = vertices.map(move |&v| (Feature::Vertex(v), pair.position(side, v), true));
         // Every node of closed curves is the start of a segment.
-        let rim = cut.segments.iter().map(|&s| {
+        let rim = cut.segments.iter().map(move |&s| {
             let node = &intersection.nodes[intersection.segments[s].nodes[0]];
             let feature = if side == Side::First { node.features.0 } else { node.features.1 };
             (feature, node.point, false)
         });
-        for (own, p, keep) in inner.chain(rim) {
-            let height = sign * self.height(p);
-            let mut best: Option<(f64, FaceId, DVec3)> = None;
-            let mut beside: Option<(f64, FaceId, DVec3)> = None;
-            for &i in footprints.over(p) {
-                let face = &faces[i as usize];
-                let (id, triangle) = face.what;
-                if height - face.low <= best.map_or(0.0, |b| b.0) {
-                    break;
-                }
-                let Some(foot) = self.foot(p, triangle) else { continue };
-                let lead = height - sign * self.height(foot);
-                if lead <= best.map_or(0.0, |b| b.0) {
-                    continue;
-                }
-                let off = borders.off_piece(pair, other, id, foot);
-                if off == 0.0 {
-                    best = Some((lead, id, foot));
-                } else if keep && off <= lead && beside.is_none_or(|b| lead < b.0) {
-                    beside = Some((lead, id, foot));
-                }
+        inner.chain(rim).map(move |(feature, point, is_inner)| {
+            let height = sign * self.height(point);
+            Above { feature, point, is_inner, height }
+        })
+    }
+
+    /// Offers what a vertex leads most of the faces that may be beneath it, by ascending lows for speed.
+    fn offer_lead<'f>(
+        &self,
+        side: Side,
+        vertex: Above,
+        faces: impl Iterator<Item = &'f Seen<'f>>,
+        leads: &mut Leads,
+    ) {
+        let other = side.other();
+        let sign = if side == Side::First { 1.0 } else { -1.0 };
+        let borders = &self.ground.borders[other.index()];
+        let (p, keep) = (vertex.point, vertex.is_inner && leads.keeps);
+        let mut best: Option<(f64, FaceId, DVec3)> = None;
+        let mut beside: Option<(f64, FaceId, DVec3)> = None;
+        for face in faces {
+            let (id, triangle) = face.what;
+            if vertex.height - face.low <= best.map_or(0.0, |b| b.0) {
+                continue;
             }
-            let contact =
-                |(lead, face, foot)| self.contact(side, own, Feature::Face(face), p, foot, lead);
-            if let Some(best) = best {
-                leads.offer(contact(best), keep);
-            } else if let Some(beside) = beside {
-                leads.all.push(contact(beside));
+            let Some(foot) = self.foot(p, triangle) else { continue };
+            let lead = vertex.height - sign * self.height(foot);
+            if lead <= best.map_or(0.0, |b| b.0) {
+                continue;
             }
+            let off = borders.off_piece(self.ground.pair, other, id, foot);
+            if off == 0.0 {
+                best = Some((lead, id, foot));
+            } else if keep && off <= lead && beside.is_none_or(|b| lead < b.0) {
+                beside = Some((lead, id, foot));
+            }
+        }
+        let contact = |(lead, face, foot)| {
+            self.contact(side, vertex.feature, Feature::Face(face), p, foot, lead)
+        };
+        if let Some(best) = best {
+            leads.offer(contact(best), keep);
+        } else if let Some(beside) = beside {
+            leads.all.push(contact(beside));
         }
     }
 
@@ -170,8 +236,9 @@ impl View<'_, '_, '_> {
                 .collect()
         };
         let (mut first, mut second) = (ranged(Side::First), ranged(Side::Second));
-        let keep = first.len().saturating_mul(second.len()) <= MAX_EDGE_PAIRS_KEPT;
-        let least = |leads: &Leads| if keep { 0.0 } else { leads.best() };
+        let few = first.len().saturating_mul(second.len()) <= MAX_EDGE_PAIRS_KEPT;
+        let keep = few && leads.keeps;
+        let least = |leads: &Leads| if keep { 0.0 } else { leads.largest() };
         // What cannot lead by more than is known need not be sought.
         let floor = least(leads);
         let highest = first.iter().map(|e| e.high).fold(f64::NEG_INFINITY, f64::max);
@@ -261,38 +328,56 @@ impl View<'_, '_, '_> {
     }
 }
 
-/// Where the curves run through each face, so that a point of the face can be told on or off the
-/// piece: it is on the side of the nearest curve segment that the piece lies on. By ascending face.
-struct Borders(Vec<(FaceId, [DVec3; 2])>);
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::{DQuat, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_shapes::{Cup, GolfBall, Shape, Torus};
+    use cranny_testkit::Rng;
 
-impl Borders {
-    fn of(side: Side, intersection: &Intersection, cut: &Cut) -> Self {
-        let border = |&s: &usize| {
-            let s = &intersection.segments[s];
-            let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);
-            // Seen against its own normal, the first's piece is left of the segment; the second's right.
-            match side {
-                Side::First => (s.faces[0], [p, q]),
-                Side::Second => (s.faces[1], [q, p]),
-            }
-        };
-        let mut borders: Vec<_> = cut.segments.iter().map(border).collect();
-        borders.sort_by_key(|border| border.0);
-        Self(borders)
+    use crate::answer::Counters;
+    use crate::intersection::intersect;
+    use crate::pair::PosedVertices;
+    use crate::pieces::cut;
+    use crate::query::Placed;
+    use crate::surface::meeting_pairs;
+
+    fn shape(shape: impl Into<Shape>) -> Model {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
     }
 
-    /// How far a point of a face is from the piece, within that face; 0 if it is on it.
-    fn off_piece(&self, pair: &Pair, side: Side, face: FaceId, p: DVec3) -> f64 {
-        let start = self.0.partition_point(|border| border.0 < face);
-        let segments = self.0[start..].iter().take_while(|border| border.0 == face);
-        let apart = |ends| (p - closest_on_segment(p, ends)).length_squared();
-        let nearest =
-            segments.map(|(_, ends)| (apart(ends), ends)).min_by(|x, y| x.0.total_cmp(&y.0));
-        let is_on =
-            |[a, b]: &[DVec3; 2]| pair.area_vector(side, face).dot((*b - *a).cross(p - *a)) >= 0.0;
-        match nearest {
-            Some((squared, ends)) if !is_on(ends) => squared.sqrt().max(f64::MIN_POSITIVE),
-            _ => 0.0,
+    #[test]
+    fn the_deepest_lead_is_the_largest_of_all_and_enough_ends_the_search_only_beyond_it() {
+        let bodies = [
+            shape(GolfBall { dimples: 12, triangles: 320, ..GolfBall::default() }),
+            shape(Torus { major_segments: 16, minor_segments: 9, ..Torus::default() }),
+            shape(Cup { segments: 9, ..Cup::default() }),
+        ];
+        let mut rng = Rng::new(5);
+        let mut measured = 0;
+        for _ in 0..200 {
+            let [a, b] = [0; 2].map(|_| &bodies[rng.below(3)]);
+            let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
+            let translation = DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            let place = |model, pose| Placed { model, pose };
+            let mut posed = PosedVertices::default();
+            let (a, b) = (place(a, Pose::IDENTITY), place(b, Pose { rotation, translation }));
+            let pair = Pair::new(a, b, &mut posed);
+            let intersection = intersect(&pair, &meeting_pairs(&pair, &mut Counters::default()));
+            for cut in &cut(&pair, &intersection) {
+                let ground = Ground::of(&pair, &intersection, cut);
+                let normal = DVec3::new(rng.unit(), rng.unit(), rng.unit()).normalize();
+                let lead = |c: Option<Contact>| c.map_or(0.0, |c| -c.separation);
+                let largest = lead(leads(&ground, normal).deepest);
+                let alone = |enough| lead(deepest_lead(&ground, normal, enough));
+                assert_eq!(alone(f64::INFINITY), largest);
+                assert_eq!(alone(largest.next_up()), largest);
+                let half = alone(0.5 * largest);
+                assert!(half <= largest && half >= 0.5 * largest, "{half} of {largest}");
+                measured += usize::from(largest > 0.0);
+            }
         }
+        assert!(measured > 100, "{measured}");
     }
 }

@@ -23,7 +23,7 @@
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
 //! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `pockets` is the second way to the
 //! faces that meet, by the envelopes of concavities; [`Method`] chooses. `intersection` chains the segments of
-//! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`), `touch` and
+//! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and
 //! `near` describe contact without overlap, `regions` puts it together, `reduce` keeps what
 //! matters and `tracks` names regions after those of the last query; `contacts` finds the few points that a solver needs, patch by patch, and `smooth` tells them with
 //! the normals of curved surfaces, for whoever asks. `impact` finds when
@@ -50,6 +50,7 @@
 //! ```
 
 mod answer;
+mod borders;
 pub mod brute_force;
 mod closest;
 mod contacts;

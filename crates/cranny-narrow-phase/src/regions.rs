@@ -6,7 +6,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
-use crate::depth::{Ground, leads};
+use crate::depth::{Ground, deepest_lead, leads};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, Side};
 use crate::pieces::{Cut, cut};
@@ -178,7 +178,12 @@ fn closed_region(
         Some(normal) => normal,
         None => least_deep_direction(pair, &ground),
     };
-    let measured = leads(&ground, normal);
+    let (deepest, mut contacts) = if shape.is_flat() || shape.normal().is_none() {
+        let measured = leads(&ground, normal);
+        (measured.deepest, measured.all)
+    } else {
+        (deepest_lead(&ground, normal, f64::INFINITY), nearest_ways_out(pair, &ground))
+    };
     let rim = |n: usize| Contact {
         id: intersection.nodes[n].features,
         point_a: intersection.nodes[n].point,
@@ -187,12 +192,7 @@ fn closed_region(
         separation: 0.0,
     };
     let mut deepest =
-        measured.deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
-    let mut contacts = if shape.is_flat() || shape.normal().is_none() {
-        measured.all
-    } else {
-        nearest_ways_out(pair, &ground)
-    };
+        deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way is
     // longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
@@ -273,13 +273,12 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
     if candidates.iter().any(|&n| face_each_other(pair, ground, n)) {
         candidates.retain(|&n| face_each_other(pair, ground, n));
     }
-    let depth =
-        |n: DVec3| -> f64 { leads(ground, n).deepest.map_or(f64::INFINITY, |d| -d.separation) };
-    let mut best = (depth(candidates[0]), candidates[0]);
-    for &n in &candidates[1..] {
-        let d = depth(n);
-        if d < best.0 {
-            best = (d, n);
+    let mut best = (f64::INFINITY, candidates[0]);
+    for n in candidates {
+        if let Some(deepest) = deepest_lead(ground, n, best.0)
+            && -deepest.separation < best.0
+        {
+            best = (-deepest.separation, n);
         }
     }
     best.1
