@@ -66,6 +66,8 @@ enum Command {
         #[arg(long, value_name = "PART", default_value = "")]
         only: String,
     },
+    /// Of these pairs the nut on its bolt alone
+    Nut,
     /// The same pairs with memory, against Coal (`pip install coal`; CRANNY_PYTHON names the interpreter)
     Coal {
         /// Only scenes whose name contains this
@@ -74,6 +76,8 @@ enum Command {
     },
     /// Boxes and envelopes, the two ways to the faces that meet, on bodies in each other's pockets
     Methods,
+    /// Sorting boxes level by level, beside the kept front and a descent from the top
+    Sorting,
     /// Overlapping boxes in motion, against parry's `Bvh`
     Broad {
         /// Only scenes whose name contains this
@@ -115,7 +119,9 @@ fn main() -> ExitCode {
         Command::Support => Ok(support::measure(cli.quick)),
         Command::Walk => Ok(walk::measure(cli.quick)),
         Command::Pairs { only } => Ok(pairs::measure(cli.quick, only)),
+        Command::Nut => Ok(pairs::measure(cli.quick, "nut on bolt")),
         Command::Coal { only } => pairs::coal::measure(cli.quick, only),
+        Command::Sorting => Ok(pairs::sorting::measure(cli.quick)),
         Command::Methods => Ok(pairs::methods::measure(cli.quick)),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
         Command::Count { name } => return exit(count::count(name.as_deref())),

@@ -8,6 +8,7 @@
 pub(crate) mod coal;
 pub(crate) mod methods;
 mod scenes;
+pub(crate) mod sorting;
 
 use std::time::{Duration, Instant};
 

@@ -70,7 +70,7 @@ pub(super) type Built = Result<([Mesh; 2], Vec<Pose>), ShapeError>;
 type Builder = Box<dyn Fn() -> Built>;
 
 /// Balls of diameter 1; the second spins about a slanted axis while its middle stays.
-fn golf_balls(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {
+pub(super) fn golf_balls(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {
     let dimples = if triangles >= 10_000 { 336 } else { 36 };
     let ball =
         GolfBall { triangles, dimples, radius: 0.5, dimple_depth: 0.015, ..GolfBall::default() };
@@ -82,7 +82,7 @@ fn golf_balls(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {
 
 /// Tori of diameter 1, side by side across a corner of the first's box, the second slanted and
 /// turning about its own axis.
-fn tori(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {
+pub(super) fn tori(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {
     // Four times as many segments around the ring as around the tube.
     let minor = (f64::from(triangles) / 8.0).sqrt().round() as u32;
     let ring = Torus {
