@@ -1,0 +1,127 @@
+//! One step: in how many parts it is made, how far ahead it looks, and what it leaves behind.
+
+use std::collections::HashSet;
+
+use rapier3d::math::Real;
+use rapier3d::prelude::{ActiveHooks, IntegrationParameters};
+
+use super::{BodyIndex, Simulation, Timings};
+use crate::ahead::World;
+use crate::convert::narrow;
+use crate::detector::Detector;
+
+impl Simulation {
+    /// Advances by one step, which may be made in parts ([`SimulationOptions::most_parts`]).
+    pub fn step(&mut self) {
+        let whole = self.parameters;
+        self.parts = self.parts_needed();
+        self.timings = Timings::default();
+        for _ in 0..self.parts {
+            self.parameters.dt = whole.dt / self.parts as Real;
+            let iterations = whole.num_solver_iterations.div_ceil(self.parts);
+            self.parameters.num_solver_iterations = iterations;
+            self.advance();
+            self.timings = self.timings.plus(&self.timings_of_part());
+        }
+        self.parameters.dt = whole.dt;
+        self.parameters.num_solver_iterations = whole.num_solver_iterations;
+        self.joined = false;
+        self.forget_parted();
+    }
+
+    /// How many parts the next step is made in.
+    fn parts_needed(&mut self) -> usize {
+        // Before the first step the broad phase knows nobody's neighbours.
+        let may = self.options.detector == Detector::Cranny && self.options.most_parts > 1;
+        if !(may && self.settled) {
+            return 1;
+        }
+        let parameters = self.looking_ahead();
+        let world =
+            World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
+        self.motions.parts(&world, &mut self.broad_phase, &parameters, self.options.most_parts)
+    }
+
+    /// A step of rapier's.
+    fn advance(&mut self) {
+        self.log.begin_step();
+        for index in 0..self.handles.len() {
+            self.poses_before[index] = self.pose(BodyIndex(index as u32));
+        }
+        let parameters = self.looking_ahead();
+        self.looked_ahead = parameters.prediction_distance();
+        self.pipeline.step(
+            narrow(self.options.gravity),
+            &parameters,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &mut self.joints,
+            &mut self.multibody_joints,
+            &mut self.soft_bodies,
+            &mut self.ccd,
+            &self.exclusions,
+            &(),
+        );
+    }
+
+    /// In how many parts the last step was made.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs: rapier asks about
+    /// no more, and the solver sees no more.
+    fn looking_ahead(&mut self) -> IntegrationParameters {
+        let mut parameters = self.parameters;
+        if self.options.detector != Detector::Cranny {
+            return parameters;
+        }
+        let world =
+            World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
+        let broad_phase = &mut self.broad_phase;
+        let ahead = self.motions.look(&world, broad_phase, &parameters, self.settled);
+        self.settled = true;
+        if self.options.keeps_resting() {
+            self.refresh_hasty();
+        }
+        parameters.normalized_prediction_distance = ahead / parameters.length_unit;
+        parameters
+    }
+
+    /// Has rapier ask anew about pairs of whatever may move far in this step: kept contacts are those of a shorter reach. It keeps none of
+    /// a collider with hooks; ours does nothing.
+    fn refresh_hasty(&mut self) {
+        for (tag, tagged) in self.tagged.iter().enumerate() {
+            let Some(collider) = self.colliders.get(tagged.collider) else { continue };
+            let (hasty, hooks) = (self.motions.is_hasty(tag), collider.active_hooks());
+            let mut wanted = hooks;
+            wanted.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, hasty);
+            if wanted != hooks
+                && let Some(collider) = self.colliders.get_mut(tagged.collider)
+            {
+                collider.set_active_hooks(wanted);
+            }
+        }
+    }
+
+    /// How far ahead bodies were looked at in the last step, at most: rapier's prediction distance, as long as nothing
+    /// fast is near anything. With our detector each pair has a reach of its own, up to this.
+    #[must_use]
+    pub fn prediction_distance(&self) -> f64 {
+        self.looked_ahead.into()
+    }
+
+    /// Drops answers about pairs that rapier no longer considers, whenever they are the greater part.
+    fn forget_parted(&self) {
+        if self.log.len() <= 2 * self.pair_count() {
+            return;
+        }
+        let present: HashSet<(u32, u32)> =
+            self.narrow_phase.contact_pairs().filter_map(|pair| self.tags(pair)).collect();
+        self.log.retain(|first, second| present.contains(&(first, second)));
+    }
+}

@@ -1,0 +1,167 @@
+//! What a simulation tells of its last step: pairs, energy, times.
+
+use std::sync::Arc;
+
+use cranny_exact::Pose;
+use cranny_narrow_phase::{Answer, Demand};
+
+use super::{BodyIndex, Simulation};
+use crate::convert::wide;
+
+/// What the detector said of a pair in rapier's last step.
+#[derive(Clone, Debug)]
+pub struct PairContacts {
+    /// Lower body.
+    pub a: BodyIndex,
+    /// Higher body.
+    pub b: BodyIndex,
+    /// In world coordinates.
+    pub answer: Arc<Answer>,
+    /// Of a and b, from which the answer was computed: those at the beginning of the step, or of its last part.
+    pub poses: [Pose; 2],
+    /// Computed in the last step; otherwise rapier recycled older contacts.
+    pub fresh: bool,
+}
+
+/// Mechanical energy of all dynamic bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Of motion.
+    pub kinetic: f64,
+    /// Of height: −mass · gravity · centre of mass.
+    pub potential: f64,
+}
+
+impl Energy {
+    /// Sum of both.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+/// Milliseconds of the last step, by rapier's own counters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timings {
+    /// Broad phase.
+    pub broad: f64,
+    /// Narrow phase, contact detection included.
+    pub narrow: f64,
+    /// What [`Simulation::read_by`] cost besides: questions that the solver does not ask.
+    pub reading: f64,
+    /// Constraints solver.
+    pub solver: f64,
+    /// The whole step.
+    pub step: f64,
+}
+
+impl Timings {
+    pub(super) fn plus(self, other: &Self) -> Self {
+        Self {
+            broad: self.broad + other.broad,
+            narrow: self.narrow + other.narrow,
+            reading: self.reading + other.reading,
+            solver: self.solver + other.solver,
+            step: self.step + other.step,
+        }
+    }
+}
+
+impl Simulation {
+    /// Energy of all dynamic bodies, summed in f64 from rapier's state.
+    #[must_use]
+    pub fn energy(&self) -> Energy {
+        let mut energy = Energy::default();
+        for &handle in &self.handles {
+            let body = &self.bodies[handle];
+            if body.is_dynamic() {
+                energy.kinetic += f64::from(body.kinetic_energy());
+                let center = wide(body.center_of_mass());
+                energy.potential -= f64::from(body.mass()) * self.options.gravity.dot(center);
+            }
+        }
+        energy
+    }
+
+    /// Says what somebody wants to read, from now on, about a pair of bodies in
+    /// [`contact_pairs`](Self::contact_pairs): it is answered in the step, at the poses that the solver's
+    /// contacts come from, where what the solver asks does not [cover](Demand::covers) it. How bodies move
+    /// does not depend on it.
+    pub fn read_by(&self, demand: impl Fn(BodyIndex, BodyIndex) -> Demand + Send + Sync + 'static) {
+        self.log.read_by(move |first, second| demand(BodyIndex(first), BodyIndex(second)));
+    }
+
+    /// What the detector said of each pair that rapier asked about in the last step, or whose older
+    /// contacts it kept (bodies asleep, contacts recycled), by ascending bodies. Empty for detectors
+    /// other than ours.
+    #[must_use]
+    pub fn contact_pairs(&self) -> Vec<PairContacts> {
+        let step = self.log.step();
+        let mut pairs: Vec<PairContacts> = self
+            .narrow_phase
+            .contact_pairs()
+            .filter_map(|pair| {
+                let (first, second) = self.tags(pair)?;
+                let logged = self.log.get(first, second)?;
+                let fresh = logged.step == step;
+                if !fresh && pair.manifolds().is_empty() {
+                    return None; // rapier dropped the pair without asking
+                }
+                let before = self.poses_before[first as usize];
+                let world = before.world_from_body();
+                let answer = logged.answer.as_ref().clone().moved(&world);
+                let other = before.compose(&logged.first_from_second);
+                let (a, b) = (BodyIndex(first), BodyIndex(second));
+                Some(if a < b {
+                    PairContacts { a, b, answer: Arc::new(answer), poses: [before, other], fresh }
+                } else {
+                    let answer = Arc::new(answer.swapped());
+                    PairContacts { a: b, b: a, answer, poses: [other, before], fresh }
+                })
+            })
+            .collect();
+        pairs.sort_by_key(|p| (p.a, p.b));
+        pairs
+    }
+
+    /// Points in the manifolds that rapier's solver saw in the last step.
+    #[must_use]
+    pub fn solver_contacts(&self) -> usize {
+        self.narrow_phase
+            .contact_pairs()
+            .flat_map(|pair| pair.solver_manifolds())
+            .map(|manifold| manifold.data.solver_contacts.len())
+            .sum()
+    }
+
+    /// Pairs in rapier's contact graph.
+    #[must_use]
+    pub fn pair_count(&self) -> usize {
+        self.narrow_phase.contact_pairs().count()
+    }
+
+    /// Seconds spent in contact detection, any detector, since this was last asked.
+    pub fn narrow_phase_seconds(&mut self) -> f64 {
+        self.log.take_time().as_secs_f64()
+    }
+
+    /// Of the last step.
+    #[must_use]
+    pub fn timings_ms(&self) -> Timings {
+        self.timings
+    }
+
+    /// Of rapier's last step.
+    pub(super) fn timings_of_part(&self) -> Timings {
+        let counters = &self.pipeline.counters;
+        let reading = 1e3 * self.log.reading_time().as_secs_f64();
+        Timings {
+            broad: counters.cd.broad_phase_time.time_ms()
+                + counters.cd.final_broad_phase_time.time_ms(),
+            narrow: (counters.cd.narrow_phase_time.time_ms() - reading).max(0.0),
+            reading,
+            solver: counters.stages.solver_time.time_ms(),
+            step: counters.step_time_ms(),
+        }
+    }
+}
