@@ -6,10 +6,11 @@ use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
-use cranny_exact::DVec3;
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::{BuildOptions, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
-use cranny_rapier::Detector as Detection;
-use cranny_shapes::Torus;
+use cranny_rapier::{BodySpec, Detector as Detection};
+use cranny_shapes::{Cuboid, Torus};
 use cranny_world::description::{BodyKind, Effect, Normals, PairDescription};
 
 use crate::build::{cube, drop, scene};
@@ -155,6 +156,37 @@ fn a_moved_transform_moves_the_rigid_body_and_a_despawned_one_meets_nothing() {
     app.app_mut().world_mut().despawn(floor);
     run(&mut app);
     assert!(height(&app, "box") < -1.0);
+}
+
+/// What an app puts into the solver's world by hand has no `Transform`: it holds bodies of the scene, and no answer names it.
+#[test]
+fn bodies_rest_on_what_only_the_solver_knows() {
+    let effects = [Effect::Response, CONTACTS];
+    let mut app = SceneApp::new(&drop(&effects), &RunOptions::default()).unwrap();
+    let plate = Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap();
+    let (plate, _) = Model::build(plate, &BuildOptions::default()).unwrap();
+    let spec = BodySpec {
+        model: &plate,
+        kind: cranny_rapier::BodyKind::Fixed,
+        pose: Pose::at(DVec3::new(0.125, 0.0, 0.1)),
+        linear_velocity: DVec3::ZERO,
+        angular_velocity: DVec3::ZERO,
+        density: 1.0,
+        friction: 0.5,
+        restitution: 0.0,
+        normals: Normals::Flat,
+        groups: u32::MAX,
+    };
+    let mut bodies = app.app_mut().world_mut().resource_mut::<RigidBodies>();
+    let index = bodies.simulation_mut().insert(&spec).unwrap();
+    assert_eq!(bodies.id(index), None);
+    run(&mut app);
+    // A tenth higher than on the floor.
+    assert!((height(&app, "box") - 1.1).abs() < 0.01, "{}", height(&app, "box"));
+    let bodies = app.app().world().resource::<RigidBodies>();
+    let told = bodies.simulation().contact_pairs();
+    assert!(told.iter().any(|pair| pair.b == index || pair.a == index), "they do meet");
+    assert_eq!(bodies.answers().count(), told.iter().filter(|pair| pair.b != index).count());
 }
 
 /// A plank falls past a fixed post, never nearer to it than 0.3.
