@@ -11,7 +11,7 @@ use crate::convert::narrow;
 use crate::detector::Detector;
 
 impl Simulation {
-    /// Advances by one step, which may be made in parts ([`SimulationOptions::most_parts`]).
+    /// Advances by one step, which may be made in parts ([`most_parts`](super::SimulationOptions::most_parts)).
     pub fn step(&mut self) {
         let whole = self.parameters;
         self.parts = self.parts_needed();
