@@ -52,6 +52,7 @@ mod angle;
 mod boundary;
 mod caps;
 mod chunks;
+pub mod clusters;
 mod codec;
 pub mod concavity;
 mod deform;
@@ -85,6 +86,7 @@ mod winding;
 pub use cranny_exact::{Aabb, DVec3, Tolerance};
 
 pub use angle::between as radians_between;
+pub use clusters::ClusterTree;
 pub use concavity::Concavities;
 pub use deform::{ChangeSet, DeformError, Work};
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};

@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 use cranny_exact::{Aabb, Tolerance};
 
+use crate::clusters::ClusterTree;
 use crate::concavity::{Concavities, HullCovers};
 use crate::digest::digest;
 use crate::envelope::Envelopes;
@@ -127,6 +128,7 @@ impl Model {
             former_envelopes: None,
             is_as_made: true,
             patches: Unfolding::made(patches),
+            clusters: Late::default(),
             mass,
             radius,
             digest,
@@ -257,6 +259,7 @@ impl Model {
     pub fn prepare_all(&self) {
         self.0.tree();
         self.0.patches();
+        self.0.clusters();
         self.0.envelopes();
         self.0.hull.prepare_all();
         self.0.topology.prepare_all();
@@ -269,6 +272,16 @@ impl Model {
     #[inline]
     pub fn patches(&self) -> &Patches {
         self.0.patches()
+    }
+
+    /// The search tree that questions about pairs go down.
+    ///
+    /// Made at the first call, and anew at the first call after a [deformation](Self::deform): O(n log n), about a
+    /// microsecond a face; see [`prepare_all`](Self::prepare_all).
+    #[must_use]
+    #[inline]
+    pub fn clusters(&self) -> &ClusterTree {
+        self.0.clusters()
     }
 
     /// Whether every component is closed, so that the model bounds a solid.

@@ -80,6 +80,7 @@ impl Model {
             concavity_leaf_size,
             // Made when it is needed.
             only_read: _,
+            clusters: _,
             workshop: _,
         } = &*self.0;
         let mut out = Writer::default();
@@ -222,6 +223,7 @@ impl Model {
             envelopes: envelopes.map_or_else(Late::default, Late::made),
             former_envelopes: None,
             patches: Unfolding::folded(patches),
+            clusters: Late::default(),
             mass,
             radius,
             digest,

@@ -4,6 +4,7 @@ use cranny_exact::DVec3;
 
 use super::options::Stage;
 use crate::caps::CapSurface;
+use crate::clusters::ClusterTree;
 use crate::concavity::{Concavities, HullCovers};
 use crate::deform::Workshop;
 use crate::envelope::{EnvelopeOptions, Envelopes, Pocket};
@@ -44,6 +45,8 @@ pub(crate) struct Parts {
     /// so after a deformation.
     pub(crate) is_as_made: bool,
     pub(crate) patches: Unfolding<FoldedPatches, Patches>,
+    /// Follows from mesh, topology and patches.
+    pub(crate) clusters: Late<ClusterTree>,
     pub(crate) mass: Option<MassProperties>,
     pub(crate) radius: f64,
     pub(crate) digest: [u8; 32],
@@ -73,6 +76,10 @@ impl Parts {
         self.patches.get(|folded| folded.unfold(&self.mesh))
     }
 
+    pub(crate) fn clusters(&self) -> &ClusterTree {
+        self.clusters.get(|| ClusterTree::of(&self.mesh, &self.topology, self.patches()))
+    }
+
     /// Takes out what is over the whole surface; to be [put back](Self::put_surface).
     pub(crate) fn take_surface(&mut self) -> (FaceTree, Patches) {
         let Self { mesh, tree, patches, .. } = self;
@@ -85,6 +92,7 @@ impl Parts {
     pub(crate) fn put_surface(&mut self, tree: FaceTree, patches: Patches) {
         self.tree = Unfolding::made(tree);
         self.patches = Unfolding::made(patches);
+        self.clusters = Late::default();
     }
 
     pub(crate) fn concavity_trees(&self) -> &FaceForest {

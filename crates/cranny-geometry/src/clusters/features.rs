@@ -1,0 +1,304 @@
+//! What contacts can be made of: the vertices and ridges of a mesh, and from where each is looked at.
+//!
+//! A vertex or an edge *counts to* the first face of the lowest patch at it ([`Owned`]): of several faces that say the same of a
+//! rim, that one speaks. It is *looked at* from the cluster with the largest area among those at it, whose box it does not make
+//! larger.
+
+use cranny_exact::DVec3;
+
+use super::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
+use super::{Surface, grow};
+use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use crate::mesh::Mesh;
+use crate::patches::Patches;
+
+/// By how far, as a sine, an edge must be bent to be no line drawn on a plane. Zero would find ridges by rounding.
+pub(super) const LEAST_BEND: f64 = 1e-9;
+
+/// Sine of the angle by which an edge must be bent inwards to make no contacts for certain: what leads out of the
+/// solid there runs into one of its faces. Smaller than [`LEAST_BEND`], and contacts that it lets pass are lost; larger, and
+/// edges of finely divided hollows are looked at in vain.
+const REFLEX: f64 = 1e3 * LEAST_BEND;
+
+/// How far, as a sine, edges at a vertex may rise towards a direction along which it touches rims. Smaller: tips are lost by
+/// rounding; larger: vertices of flat places are compared with every rim.
+const TIP_SLACK: f64 = 1e-6;
+
+/// Which corners and sides count to a face, a bit each; of sides, that from corner `i` to the next is bit `i`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Owned {
+    /// Its corners.
+    pub corners: u8,
+    /// Its sides.
+    pub sides: u8,
+    /// Those of the sides that may cross an edge: neither lines drawn on a plane nor bent inwards.
+    pub ridges: u8,
+}
+
+/// Which features count to each face.
+pub(super) fn owned(surface: &Surface, patches: &Patches) -> Vec<Owned> {
+    let Surface { mesh, topology, .. } = surface;
+    let key = |f: FaceId| (patches.patch_of_face(f), f);
+    let of = |face: FaceId| {
+        let (own, mut owned) = (key(face), Owned::default());
+        for i in 0..3 {
+            let around = topology.faces_at(mesh.corners(face)[i]);
+            owned.corners |= u8::from(around.iter().all(|&f| key(f) >= own)) << i;
+            let along = topology.half_edges(topology.edge_of(HalfEdgeId::of(face, i)));
+            let is_owned = along.iter().all(|h| key(h.face()) >= own);
+            owned.sides |= u8::from(is_owned) << i;
+            owned.ridges |= u8::from(is_owned && may_be_ridge(mesh, along)) << i;
+        }
+        owned
+    };
+    (0..mesh.faces().len() as u32).map(|f| of(FaceId(f))).collect()
+}
+
+/// Whether the edge of these half-edges may cross another body's and make a contact.
+#[must_use]
+pub fn may_be_ridge(mesh: &Mesh, around: &[HalfEdgeId]) -> bool {
+    let [h, g] = around else { return true };
+    // Of faces that contradict each other, the normals say nothing of which way the edge is bent.
+    let start = |h: &HalfEdgeId| mesh.faces()[h.face().index()][h.corner()];
+    if start(h) == start(g) {
+        return true;
+    }
+    let [n, m] = [h, g].map(|h| mesh.area_vector(h.face()).normalize_or_zero());
+    let ends = mesh.triangle(h.face());
+    let along = (ends[(h.corner() + 1) % 3] - ends[h.corner()]).normalize_or_zero();
+    let bend = n.cross(m);
+    // Half the slack: in the pair's frame, rounding has the angle a little larger or smaller.
+    let is_flat = n.dot(m) > 0.0 && bend.length() < 0.5 * LEAST_BEND;
+    !is_flat && bend.dot(along) >= -REFLEX
+}
+
+/// From which group each vertex and each edge is looked at.
+pub(super) struct Owners {
+    vertices: Vec<Vec<VertexId>>,
+    edges: Vec<Vec<EdgeId>>,
+}
+
+/// What is looked at from a group.
+#[derive(Clone, Copy)]
+pub(super) struct Share<'a> {
+    pub(super) vertices: &'a [VertexId],
+    pub(super) edges: &'a [EdgeId],
+}
+
+impl Owners {
+    pub(super) fn of(surface: &Surface, groups: &[Vec<FaceId>]) -> Self {
+        let Surface { mesh, topology, .. } = surface;
+        let area = |face: FaceId| {
+            let [a, b, c] = surface.triangle(face);
+            (b - a).cross(c - a).length()
+        };
+        let mut group_of = vec![0u32; mesh.faces().len()];
+        let mut areas = Vec::with_capacity(groups.len());
+        for (group, faces) in groups.iter().enumerate() {
+            areas.push(faces.iter().map(|&face| area(face)).sum::<f64>());
+            for face in faces {
+                group_of[face.index()] = group as u32;
+            }
+        }
+        // The largest, of equals the first.
+        let largest = |faces: &mut dyn Iterator<Item = FaceId>| {
+            faces.map(|face| group_of[face.index()] as usize).reduce(|x, y| {
+                let order = areas[x].total_cmp(&areas[y]).then(y.cmp(&x));
+                if order.is_lt() { y } else { x }
+            })
+        };
+        let mut vertices = vec![Vec::new(); groups.len()];
+        for vertex in (0..mesh.vertices().len() as u32).map(VertexId) {
+            if let Some(group) = largest(&mut topology.faces_at(vertex).iter().copied()) {
+                vertices[group].push(vertex);
+            }
+        }
+        let mut edges = vec![Vec::new(); groups.len()];
+        for edge in (0..topology.edges().len() as u32).map(EdgeId) {
+            let around = topology.half_edges(edge);
+            if may_be_ridge(mesh, around)
+                && let Some(group) = largest(&mut around.iter().map(|h| h.face()))
+            {
+                edges[group].push(edge);
+            }
+        }
+        Self { vertices, edges }
+    }
+
+    pub(super) fn of_group(&self, group: usize) -> Share<'_> {
+        Share { vertices: &self.vertices[group], edges: &self.edges[group] }
+    }
+}
+
+/// The vertices of some faces, each once, eight at a time; what is left repeats the first.
+pub(super) fn points(
+    surface: &Surface,
+    faces: &[FaceId],
+    from: impl Fn(DVec3) -> DVec3 + Copy,
+) -> Vec<Lanes3> {
+    let mut names: Vec<VertexId> =
+        faces.iter().flat_map(|&face| surface.mesh.corners(face)).collect();
+    names.sort_unstable();
+    names.dedup();
+    let place = |v: &VertexId| from(surface.places[v.index()]);
+    names
+        .chunks(LANES)
+        .map(|chunk| {
+            let rest = std::iter::repeat_n(&names[0], LANES - chunk.len());
+            Lanes3::of(chunk.iter().chain(rest).map(place))
+        })
+        .collect()
+}
+
+/// The mean of the faces' normals, unit; any direction where there is none.
+pub(super) fn mean_normal(surface: &Surface, faces: &[FaceId]) -> [f32; 3] {
+    let mean = grow::mean(surface, faces);
+    let mean = if mean == DVec3::ZERO { DVec3::Z } else { mean };
+    mean.to_array().map(|x| x as f32)
+}
+
+fn named<T: Copy>(ids: &[T]) -> [T; LANES] {
+    std::array::from_fn(|i| ids.get(i).copied().unwrap_or(ids[0]))
+}
+
+/// Faces side by side; `owned` says what counts to each face of the mesh.
+pub(super) fn faces(
+    surface: &Surface,
+    owned: &[Owned],
+    faces: &[FaceId],
+    from: impl Fn(DVec3) -> DVec3 + Copy,
+) -> FaceLanes {
+    let triangle = |face: FaceId| surface.triangle(face).map(from);
+    let normal = |face: FaceId| surface.normal(face);
+    // All three corners, so that bounds hold also where rounding tilts a direction.
+    let most = |face: FaceId, along: DVec3| {
+        triangle(face).map(|p| along.dot(p)).into_iter().fold(f64::NEG_INFINITY, f64::max)
+    };
+    let side = |face: FaceId, i: usize| {
+        let t = triangle(face);
+        (t[(i + 1) % 3] - t[i]).cross(normal(face)).normalize_or_zero()
+    };
+    let all = || faces.iter().copied();
+    let lanes = |of: &dyn Fn(FaceId) -> f64| Lanes::of(all().map(of), 0.0);
+    let is_rim = |face: FaceId| {
+        let owned = owned[face.index()];
+        owned.corners | owned.ridges != 0
+    };
+    let rims = all().enumerate().map(|(i, face)| u32::from(is_rim(face)) << i).sum();
+    FaceLanes {
+        ids: named(faces),
+        count: faces.len() as u32,
+        rims,
+        normal: Lanes3::of(all().map(normal)),
+        top: lanes(&|f| most(f, normal(f))),
+        bottom: lanes(&|f| -most(f, -normal(f))),
+        sides: [0, 1, 2].map(|i| Lanes3::of(all().map(|f| side(f, i)))),
+        ends: [0, 1, 2].map(|i| lanes(&|f| most(f, side(f, i)))),
+        corners: [0, 1, 2].map(|i| Lanes3::of(all().map(|f| triangle(f)[i]))),
+    }
+}
+
+/// Vertices side by side.
+pub(super) fn corners(
+    surface: &Surface,
+    vertices: &[VertexId],
+    from: impl Fn(DVec3) -> DVec3 + Copy,
+) -> Vec<CornerLanes> {
+    let chunks = vertices.chunks(LANES).map(|chunk| {
+        let tips = chunk.iter().enumerate();
+        CornerLanes {
+            ids: named(chunk),
+            count: chunk.len() as u32,
+            tips: tips.map(|(i, &v)| u32::from(is_tip(surface, v)) << i).sum(),
+            points: Lanes3::of(chunk.iter().map(|v| from(surface.places[v.index()]))),
+        }
+    });
+    chunks.collect()
+}
+
+/// Edges side by side.
+pub(super) fn ridges(
+    surface: &Surface,
+    edges: &[EdgeId],
+    from: impl Fn(DVec3) -> DVec3 + Copy,
+) -> Vec<RidgeLanes> {
+    let chunks = edges.chunks(LANES).map(|chunk| {
+        let arcs: Vec<Arc> = chunk.iter().map(|&edge| Arc::of(surface, edge)).collect();
+        RidgeLanes {
+            ids: named(chunk),
+            count: chunk.len() as u32,
+            starts: Lanes3::of(arcs.iter().map(|arc| from(arc.start))),
+            spans: Lanes3::of(arcs.iter().map(|arc| arc.span)),
+            squares: Lanes::of(arcs.iter().map(|arc| arc.span.length_squared()), 1.0),
+            along: Lanes3::of(arcs.iter().map(|arc| arc.along)),
+            left: Lanes3::of(arcs.iter().map(|arc| arc.left)),
+            right: Lanes3::of(arcs.iter().map(|arc| arc.right)),
+            blur: Lanes::of(arcs.iter().map(|arc| arc.blur), f32::INFINITY),
+        }
+    });
+    chunks.collect()
+}
+
+/// Whether all edges at a vertex fall away from some direction, or nearly so.
+fn is_tip(surface: &Surface, vertex: VertexId) -> bool {
+    let at = surface.places[vertex.index()];
+    let mut around: Vec<VertexId> = Vec::new();
+    for &face in surface.topology.faces_at(vertex) {
+        for other in surface.mesh.corners(face) {
+            if other != vertex && !around.contains(&other) {
+                around.push(other);
+            }
+        }
+    }
+    let edges: Vec<DVec3> =
+        around.iter().map(|v| (surface.places[v.index()] - at).normalize_or_zero()).collect();
+    if edges.len() < 3 {
+        return true;
+    }
+    let falls = |direction: DVec3| edges.iter().all(|edge| edge.dot(direction) <= TIP_SLACK);
+    // The directions are a cone, whose border lines are at right angles to two edges.
+    (0..edges.len()).any(|i| {
+        (i + 1..edges.len()).any(|j| {
+            let cross = edges[i].cross(edges[j]);
+            let length = cross.length();
+            length < TIP_SLACK || falls(cross / length) || falls(-cross / length)
+        })
+    })
+}
+
+/// The directions along which an edge between two faces is touched: an arc of the sphere of directions.
+struct Arc {
+    start: DVec3,
+    span: DVec3,
+    along: DVec3,
+    left: DVec3,
+    right: DVec3,
+    blur: f64,
+}
+
+impl Arc {
+    fn of(surface: &Surface, edge: EdgeId) -> Self {
+        let ends = surface.topology.edges()[edge.index()];
+        let [start, end] = [ends.from, ends.to].map(|v| surface.places[v.index()]);
+        let span = end - start;
+        let whole = Self {
+            start,
+            span,
+            along: DVec3::ZERO,
+            left: DVec3::ZERO,
+            right: DVec3::ZERO,
+            blur: f64::INFINITY,
+        };
+        let [h, g] = surface.topology.half_edges(edge) else { return whole };
+        let Some(along) = span.try_normalize() else { return whole };
+        let (mut least, mut most) = (span.length(), span.length());
+        let [left, right] = [h, g].map(|h| {
+            let aside = surface.triangle(h.face())[(h.corner() + 2) % 3] - start;
+            let into = aside - along * along.dot(aside);
+            (least, most) = (least.min(into.length()), most.max(aside.length()));
+            into.normalize_or_zero().cross(along)
+        });
+        let blur = most / (least * least);
+        if blur.is_finite() { Self { along, left, right, blur, ..whole } } else { whole }
+    }
+}
