@@ -1,10 +1,9 @@
-//! Least distance between two surfaces: branch and bound over both trees.
+//! The nearest of the faces that were measured.
 
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
 
 use crate::answer::{Counters, Feature};
-use crate::descent::{BoxTest, Opened, opened};
 use crate::pair::{Pair, Side};
 use crate::triangle_distance::{Nearest, triangle_distance};
 
@@ -113,45 +112,5 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
             features: Side::BOTH.map(feature),
             faces,
         })
-    }
-}
-
-/// Searches all faces; the fewer, the nearer those are that have been offered before.
-pub(crate) fn search(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
-    let boxes = BoxTest::of(pair);
-    let (first, second) = (pair.model(Side::First).tree(), pair.model(Side::Second).tree());
-    let bound =
-        |(a, b): (u32, u32)| boxes.bound_and_guess(&first.node(a).bounds, &second.node(b).bounds);
-    let mut stack = vec![(bound((0, 0)).0, 0u32, 0u32)];
-    counters.node_tests += 1;
-    while let Some((lower, a, b)) = stack.pop() {
-        if lower > nearest.limit() {
-            continue;
-        }
-        let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
-        let mut children = match opened(first.content(a), second.content(b), box_a, box_b) {
-            Opened::First(left, right) => [(left, b), (right, b)],
-            Opened::Second(left, right) => [(a, left), (a, right)],
-            Opened::Neither => {
-                for &f in first.leaf_faces(a) {
-                    for &g in second.leaf_faces(b) {
-                        nearest.offer(f, g, counters);
-                    }
-                }
-                continue;
-            }
-        };
-        counters.node_tests += 2;
-        let mut bounds = children.map(bound);
-        if bounds[0] < bounds[1] {
-            // The nearer one is popped first.
-            children.swap(0, 1);
-            bounds.swap(0, 1);
-        }
-        for ((lower, _), (a, b)) in bounds.into_iter().zip(children) {
-            if lower <= nearest.limit() {
-                stack.push((lower, a, b));
-            }
-        }
     }
 }

@@ -341,7 +341,7 @@ mod tests {
     use crate::pair::PosedVertices;
     use crate::pieces::cut;
     use crate::query::Placed;
-    use crate::surface::meeting_pairs;
+    use crate::search::meeting_pairs;
 
     fn shape(shape: impl Into<Shape>) -> Model {
         Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0

@@ -82,19 +82,8 @@ impl BoxTest {
     }
 }
 
-/// Calls `visit` for every pair of faces whose boxes may be within `margin` of each other; the
-/// visitor may end the descent early.
-pub(crate) fn for_each_near_pair(
-    pair: &Pair,
-    margin: f64,
-    counters: &mut Counters,
-    visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
-) {
-    // Who ends it knows.
-    let _ = for_each_near_pair_beneath(pair, margin, |_, _| true, counters, visit);
-}
-
-/// The same, of the leaves that are reached by nodes which `holds` names: those of a body's tree that hold something wanted.
+/// Calls `visit` for every pair of faces whose boxes may be within `margin` of each other, of the leaves that are reached by
+/// nodes which `holds` names; the visitor may end the descent early.
 pub(crate) fn for_each_near_pair_beneath(
     pair: &Pair,
     margin: f64,

@@ -5,9 +5,9 @@ use cranny_geometry::{CreaseAngleError, check_crease_angle};
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, RegionId, Surface, Witness};
+use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, near_patches};
 use crate::containment::{Solidity, solidity};
-use crate::front::coherent::Coherent;
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
 use crate::pair::{Pair, Side};
@@ -144,7 +144,6 @@ fn answer(
     let wants_regions = demand.margin().is_some();
     // Pairs are enumerated only for contacts; a verdict ends at the first crossing.
     let pairs = if parted {
-        coherent.let_go();
         Vec::new()
     } else if let Some(pockets) = &mut pockets {
         let pairs = pockets.meetings(pair, !wants_regions, &mut counters);
@@ -155,8 +154,7 @@ fn answer(
         out.surface = strongest(&pairs);
         pairs
     } else {
-        let only_verdict = *demand == Demand::Intersects;
-        let (surface, touching) = coherent.verdict(pair, only_verdict, &mut counters);
+        let (surface, touching) = coherent.verdict(pair, &mut counters);
         out.surface = surface;
         touching
     };
@@ -201,6 +199,7 @@ fn answer(
             out.separation = Interval::around(-depth, depth_error);
         }
     }
+    coherent.end(pair);
     counters.front_held = coherent.held();
     out.counters = counters;
     out
@@ -277,13 +276,12 @@ fn measure(
     if out.surface != Surface::None {
         out.distance = Some(0.0);
         out.separation = Interval::point(0.0);
-        // The least pair that meets is the witness. A verdict alone ends at the first crossing that it
-        // comes across, and has not seen all pairs.
-        let all = match (demand, out.surface) {
-            (Demand::Distance { .. }, Surface::Cross) => &coherent.meetings(pair, counters),
-            _ => pairs,
+        // One that is the same whatever is remembered: of surfaces that cross, a verdict may have been told by any.
+        let witness = match out.surface {
+            Surface::Cross => coherent.first_crossing(pair, counters),
+            _ => pairs.first().copied(),
         };
-        out.witnesses = all.first().map(|p| meeting_witnesses(pair, p));
+        out.witnesses = witness.map(|p| meeting_witnesses(pair, &p));
         return;
     }
     let below = match demand {

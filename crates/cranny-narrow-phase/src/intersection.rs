@@ -359,7 +359,7 @@ mod tests {
     use crate::answer::Counters;
     use crate::memory::PairMemory;
     use crate::query::Placed;
-    use crate::surface::meeting_pairs;
+    use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, Pose};
     use cranny_geometry::{BuildOptions, Model};
     use cranny_shapes::{Cuboid, GolfBall, Torus};

@@ -1,7 +1,7 @@
 //! What a pair keeps from one query to the next: a value that the caller owns.
 
+use crate::coherent::Coherent;
 use crate::contacts::ContactMemory;
-use crate::front::coherent::Coherent;
 use crate::levels::Carried;
 use crate::pair::PosedVertices;
 use crate::parting::Parting;

@@ -3,7 +3,7 @@
 use cranny_geometry::{ConcavityId, FaceId};
 
 use crate::evaluate::{QueryError, accepted};
-use crate::front::ground;
+use crate::levels::Ground;
 use crate::memory::PairMemory;
 use crate::pair::{Pair, PosedVertices};
 use crate::query::Placed;
@@ -54,10 +54,6 @@ impl MetParts {
 
 /// Sees what a memory holds, in no particular order. Every method does nothing unless it is written anew.
 pub trait PairObserver {
-    /// Where the last descent of [`query`](crate::query) ended, kept from frame to frame. Each pair of faces lies
-    /// beneath just one of these.
-    fn front(&mut self, _kept: KeptNodes) {}
-
     /// How far [`estimate`](crate::estimate) has opened the trees. Each pair of faces lies beneath just one of these.
     fn cut(&mut self, _kept: KeptNodes) {}
 
@@ -82,8 +78,8 @@ pub trait PairObserver {
 }
 
 impl PairMemory {
-    /// Shows an observer what the last query or estimate of these bodies at these poses has left. Front and cut are
-    /// shown where that used them; of what stems from other poses or other models, nothing is.
+    /// Shows an observer what the last query or estimate of these bodies at these poses has left. A cut is
+    /// shown where that used one; of what stems from other poses or other models, nothing is.
     ///
     /// Cost: linear in what is shown.
     ///
@@ -134,10 +130,7 @@ impl PairMemory {
             let [first, second] = nodes;
             KeptNodes { nodes: pair.ordered(first, second), separation: separation.max(0.0) }
         };
-        let ground = ground(&pair);
-        for (nodes, separation) in self.coherent.front_at(&pair).into_iter().flatten() {
-            observer.front(kept(nodes, separation - ground.error));
-        }
+        let ground = Ground::of(&pair);
         for [first, second] in self.coherent.crossing_of(&pair) {
             observer.crossing(pair.ordered(*first, *second));
         }

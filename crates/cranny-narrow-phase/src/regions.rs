@@ -11,7 +11,8 @@ use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, Side};
 use crate::pieces::{Cut, cut};
 use crate::reduce::reduce;
-use crate::surface::{FacePair, meeting_pairs};
+use crate::search::meeting_pairs;
+use crate::surface::FacePair;
 use crate::touch::touch_regions;
 use crate::triangle_distance::Prepared;
 

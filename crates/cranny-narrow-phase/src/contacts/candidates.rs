@@ -2,7 +2,7 @@
 //!
 //! A search of two patches finds, besides their contacts, all pairs of features that are near enough to make the
 //! nearest contact, or any within the margin, once the patches have come nearer by some *slack*. As long as
-//! they cannot have (`front::motion`), only those pairs are looked at, and the faces that were within the slack:
+//! they cannot have (`motion`), only those pairs are looked at, and the faces that were within the slack:
 //! what was left out is farther away than what is found. Where that cannot be said, the patches are searched again.
 
 use cranny_exact::RigidMap;
@@ -14,7 +14,7 @@ use super::gather::{Asked, Gathering, Near};
 use super::quest::{Found, Looking, Wanted};
 use super::search::Search;
 use crate::answer::{Contact, Counters, Feature};
-use crate::front::motion::{Ball, Motion};
+use crate::motion::{Ball, Motion};
 use crate::pair::{Pair, Side};
 use crate::patience::Patience;
 use crate::surface::FacePair;

@@ -44,7 +44,7 @@ use self::candidates::Candidates;
 use self::coarse::Coarse;
 use self::feature_pair::patch_index;
 pub(crate) use self::kept::Kept;
-use self::quest::{Looking, Wanted, nearer};
+use self::quest::{Wanted, nearer};
 use self::search::Search;
 use crate::answer::{Contact, Counters, Feature};
 use crate::pair::{Pair, Side};
@@ -157,29 +157,6 @@ fn in_order(meeting: &mut Vec<FacePair>) {
     meeting.dedup();
 }
 
-/// Every pair of faces that meet, by ascending ids; where `only_verdict`, none but those that were seen when the
-/// first patches crossed.
-///
-/// What boxes cannot part, planes over patches may: the flanks of a thread.
-pub(crate) fn meetings_of_patches(
-    pair: &Pair,
-    only_verdict: bool,
-    kept: &mut Kept,
-    counters: &mut Counters,
-) -> Vec<FacePair> {
-    let mut search = Search::new(pair, std::mem::take(kept));
-    let mut looking = Looking { found: None, meets: true, meeting: Vec::new() };
-    for patches in search.near_patches(0.0, counters) {
-        search.look(patches, &mut looking, counters);
-        if only_verdict && strongest(&looking.meeting) == Meeting::Cross {
-            break;
-        }
-    }
-    *kept = search.end();
-    in_order(&mut looking.meeting);
-    looking.meeting
-}
-
 fn patches_of(pair: &Pair, id: (Feature, Feature)) -> [PatchId; 2] {
     let of = |side, feature| PatchId(patch_index(pair.model(side), feature));
     [of(Side::First, id.0), of(Side::Second, id.1)]
@@ -192,58 +169,5 @@ impl Contact {
     pub fn patches(&self, a: &Model, b: &Model) -> (PatchId, PatchId) {
         let of = |model: &Model, feature| PatchId(patch_index(model, feature));
         (of(a, self.id.0), of(b, self.id.1))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pair::PosedVertices;
-    use crate::query::Placed;
-    use crate::surface::meeting_pairs;
-    use cranny_exact::{DQuat, DVec3, Pose};
-    use cranny_geometry::BuildOptions;
-    use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
-    use cranny_testkit::Rng;
-
-    fn shape(shape: impl Into<Shape>) -> Model {
-        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
-    }
-
-    #[test]
-    fn patches_meet_where_boxes_do() {
-        let bodies = [
-            shape(Cuboid::default()),
-            shape(Cup { segments: 9, ..Cup::default() }),
-            shape(Comb { teeth: 4, ..Comb::default() }),
-            shape(Torus { major_segments: 12, minor_segments: 7, ..Torus::default() }),
-        ];
-        let mut rng = Rng::new(9);
-        let (mut met, mut kept) = ([0; 3], Kept::default());
-        for round in 0..240 {
-            // Every other one is of cubes without a turn: faces lie on faces, and edges on edges.
-            let turned = round % 2 == 1;
-            let (a, b) = if turned { (rng.below(4), rng.below(4)) } else { (0, 0) };
-            let (a, b) = (&bodies[a], &bodies[b]);
-            let turn = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
-            let rotation = if turned { turn } else { DQuat::IDENTITY };
-            let step = |rng: &mut Rng| 0.25 * rng.below(9) as f64 - 1.0;
-            let translation = DVec3::new(step(&mut rng), step(&mut rng), step(&mut rng));
-            let (a, b) = (
-                Placed { model: a, pose: Pose::IDENTITY },
-                Placed { model: b, pose: Pose { rotation, translation } },
-            );
-            let mut posed = PosedVertices::default();
-            let pair = Pair::new(a, b, &mut posed);
-            let mut counters = Counters::default();
-            let truth = meeting_pairs(&pair, &mut counters);
-            let found = meetings_of_patches(&pair, false, &mut kept, &mut counters);
-            assert_eq!(found, truth, "round {round}");
-            let some = meetings_of_patches(&pair, true, &mut kept, &mut counters);
-            assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
-            assert_eq!(strongest(&some), strongest(&truth), "round {round}");
-            met[strongest(&truth) as usize] += 1;
-        }
-        assert!(met.iter().all(|&n| n > 10), "{met:?}");
     }
 }

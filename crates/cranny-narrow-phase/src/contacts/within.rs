@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::memory::PairMemory;
     use crate::query::Placed;
-    use crate::surface::meeting_pairs;
+    use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, DVec3, Pose};
     use cranny_geometry::{BuildOptions, Mesh, Model};
     use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};

@@ -1,10 +1,10 @@
 use super::layer::MOST_VERTICES;
 use super::*;
 use crate::brute_force::brute_force;
-use crate::closest::{self, Closest};
+use crate::closest::Closest;
 use crate::memory::PairMemory;
 use crate::query::{Demand, Placed, Query};
-use crate::surface::meeting_pairs;
+use crate::search::meeting_pairs;
 use cranny_exact::{DQuat, Pose};
 use cranny_geometry::hull::ConvexHull;
 use cranny_geometry::{BuildOptions, Mesh, Model, Repair};
@@ -60,6 +60,16 @@ fn finds_what_a_search_of_all_faces_finds() {
     assert!(settled > 1000 && left > 20, "{settled} {left}");
 }
 
+/// Measures every face against every face.
+fn offer_all(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
+    let faces = |side: Side| (0..pair.mesh(side).faces().len() as u32).map(FaceId);
+    for f in faces(Side::First) {
+        for g in faces(Side::Second) {
+            nearest.offer(f, g, counters);
+        }
+    }
+}
+
 /// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest elsewhere: how often they were told, as a search of all tells them; and which they are, if surfaces do not meet.
 fn agrees(
     foremost: &mut Foremost,
@@ -73,7 +83,7 @@ fn agrees(
         return (0, None);
     }
     let mut all = NearestFaces::less_than(&pair, f64::INFINITY);
-    closest::search(&pair, &mut all, &mut counters);
+    offer_all(&pair, &mut all, &mut counters);
     let mut settled = 0;
     for has_way in [false, true] {
         let mut nearest = NearestFaces::less_than(&pair, f64::INFINITY);
@@ -131,14 +141,14 @@ fn ties_are_told_as_a_search_tells_them() {
         }
         let below = [f64::INFINITY, 0.75, 2.0][round % 3];
         let mut all = NearestFaces::less_than(&pair, below);
-        closest::search(&pair, &mut all, &mut counters);
+        offer_all(&pair, &mut all, &mut counters);
         let mut nearest = NearestFaces::less_than(&pair, below);
         if round % 2 == 0 {
             nearest.offer(FaceId(0), FaceId(0), &mut counters);
         }
         let way = pair.first_from_second.translation.normalize_or_zero();
         if !Foremost::default().offer(&pair, way, &mut nearest, &mut counters) {
-            closest::search(&pair, &mut nearest, &mut counters);
+            offer_all(&pair, &mut nearest, &mut counters);
         }
         assert_eq!(told(nearest.found()), told(all.found()), "round {round}");
         same += u32::from(all.found().is_some());

@@ -6,11 +6,11 @@ use cranny_exact::{Interval, RigidMap};
 use cranny_geometry::FaceId;
 
 use super::effort::Accuracy;
+use super::ground::{Ground, Nodes};
 use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
-use crate::front::motion::{Ball, Motion};
-use crate::front::{Ground, Nodes};
+use crate::motion::{Ball, Motion};
 use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side, Whose};
 use crate::walk::HullFeature;

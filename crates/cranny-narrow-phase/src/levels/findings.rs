@@ -6,7 +6,6 @@ use cranny_geometry::{FaceId, VertexId};
 use crate::answer::{Counters, Feature, Surface, Witness};
 use crate::closest::NearestFaces;
 use crate::evaluate::meeting_witnesses;
-use crate::front::gap_along_normals;
 use crate::pair::{Pair, Side};
 use crate::query::Demand;
 use crate::surface::FacePair;
@@ -139,4 +138,22 @@ impl<'p, 'm> Findings<'p, 'm> {
         };
         Some(pair.ordered(pair.world_witness(p, f), pair.world_witness(q, g)))
     }
+}
+
+/// How far apart two triangles are along the normal of either; 0 or less if they overlap along both.
+fn gap_along_normals(triangles: &[[DVec3; 3]; 2]) -> f64 {
+    let along = triangles.iter().map(|[a, b, c]| {
+        let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
+        let [first, second] = triangles.map(|t| t.map(|p| normal.dot(p)));
+        (least(second) - most(first)).max(least(first) - most(second))
+    });
+    along.fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn least([a, b, c]: [f64; 3]) -> f64 {
+    a.min(b).min(c)
+}
+
+fn most([a, b, c]: [f64; 3]) -> f64 {
+    a.max(b).max(c)
 }

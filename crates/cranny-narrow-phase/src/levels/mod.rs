@@ -24,6 +24,7 @@ mod carried;
 mod effort;
 mod estimate;
 mod findings;
+mod ground;
 mod hull_gap;
 mod places;
 mod refinement;
@@ -35,11 +36,11 @@ use cranny_geometry::Model;
 pub(crate) use carried::Carried;
 pub use effort::{Accuracy, Budget, Clock, Effort};
 pub use estimate::{Estimate, Place, Verdict};
+pub(crate) use ground::Ground;
 
 use crate::answer::Surface;
 use crate::containment::{Solidity, solidity};
 use crate::evaluate::{QueryError, accepted, check_numbers, query};
-use crate::front::{Ground, ground};
 use crate::memory::PairMemory;
 use crate::pair::{Pair, Side};
 use crate::query::{Demand, Placed, Query};
@@ -104,7 +105,7 @@ pub fn estimate(
     }
     let pair = Pair::new(a, b, &mut memory.posed);
     let mut estimator = Estimator {
-        ground: ground(&pair),
+        ground: Ground::of(&pair),
         findings: Findings::new(&pair, question.demand),
         carried: Carried::at(&mut memory.levels, &pair),
         meter: Meter::of(effort.budget),

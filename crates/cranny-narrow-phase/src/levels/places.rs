@@ -3,8 +3,8 @@
 use cranny_exact::{Aabb, Interval};
 
 use super::estimate::Place;
+use super::ground::{Ground, Nodes};
 use super::refinement::Refinement;
-use crate::front::{Ground, Nodes};
 use crate::pair::Pair;
 
 /// Every entry of the cut that may hold faces within `margin`, nearest first. The bodies are known to be

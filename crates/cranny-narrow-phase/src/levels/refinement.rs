@@ -17,8 +17,8 @@ use cranny_geometry::{Content, FaceId, FaceTree};
 
 use super::effort::Meter;
 use super::findings::Findings;
+use super::ground::{Ground, Nodes};
 use super::scope::{Scope, Step};
-use crate::front::{Ground, Nodes};
 use crate::pair::Side;
 
 /// A cut of more entries, 40 bytes each, is dropped and begun anew. Fewer: large pairs under small

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use cranny_geometry::{Content, FaceId};
 
 use super::findings::Findings;
+use super::ground::{Ground, Nodes};
 use crate::descent::{Opened, opened};
-use crate::front::{Ground, Nodes};
 use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side};
 

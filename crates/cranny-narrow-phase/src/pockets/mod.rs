@@ -33,7 +33,7 @@ use cranny_geometry::{ConcavityId, Envelope, FaceId, LayerId};
 use self::descent::{Part, for_each_pair_in_pocket, for_each_pair_of_rests};
 use self::hull_extent::HullExtent;
 use crate::answer::Counters;
-use crate::front::motion::{Ball, Motion};
+use crate::motion::{Ball, Motion};
 use crate::node_set::NodeSet;
 use crate::observe::{MetParts, PairObserver};
 use crate::pair::{Pair, Side, Whose};

@@ -189,7 +189,7 @@ fn a_calm_pair_is_hardly_looked_at() {
     let across = DQuat::from_axis_angle(DVec3::X, 1.5);
     for demand in CALM {
         let [warm, cold, held] = calm_frames(&ring, across, DVec3::new(1.0, 0.1, 0.05), demand);
-        assert!(warm > 0 && warm * 8 < cold, "{demand:?}: {warm} of {cold}");
+        assert!(cold > 1_000 && warm * 8 < cold, "{demand:?}: {warm} of {cold}");
         assert!(held > 0);
     }
 }
@@ -234,7 +234,8 @@ fn faces_that_crossed_are_asked_again_only_where_that_pays() {
         (warm, cold)
     };
     let (warm, cold) = work(37.0);
-    assert!(33 * warm < 34 * cold, "fast: {warm} of {cold}");
+    // One trial in 64 is in vain, and costs ten searches.
+    assert!(16 * warm < 17 * cold, "fast: {warm} of {cold}");
     let (warm, cold) = work(0.01);
     assert!(4 * warm < 2 * cold, "slow: {warm} of {cold}");
 }

@@ -90,7 +90,7 @@ fn outcomes_of_triangle_tests_tell_close_calls_from_clear_ones() {
 }
 
 #[test]
-fn the_witness_of_a_crossing_is_the_least_pair_whatever_is_asked() {
+fn the_witness_of_a_crossing_is_the_same_whatever_is_asked_and_remembered() {
     // Solids that touch in many pairs of faces and cross in some: where the search for a verdict
     // ends depends on the trees.
     let solids = dyadic_solids();
@@ -102,6 +102,14 @@ fn the_witness_of_a_crossing_is_the_least_pair_whatever_is_asked() {
                 let distance = ask(a, b, Demand::Distance { below: None });
                 let all = ask(a, b, Demand::Regions { margin: 0.0 });
                 assert_eq!(distance.witnesses, all.witnesses, "{name_a}, {name_b}, {offset:?}");
+                // A verdict that ended elsewhere is remembered.
+                let mut memory = PairMemory::default();
+                for demand in [Demand::Intersects, Demand::Distance { below: None }] {
+                    let again = query(b, a, &Query::of(demand), &mut memory).unwrap().swapped();
+                    if demand != Demand::Intersects {
+                        assert_eq!(distance.witnesses, again.witnesses, "{name_a}, {name_b}");
+                    }
+                }
                 crossing += u32::from(all.surface == Meeting::Cross && all.triangle_pairs > 8);
             }
         }

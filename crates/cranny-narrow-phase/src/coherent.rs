@@ -1,0 +1,289 @@
+//! What a pair remembers of its last query, and how the next one uses it.
+//!
+//! The faces that crossed last are looked at first where a verdict is enough; the distance of those that were nearest last bounds
+//! the next one; a cut of the trees is followed. And while surfaces part, on a way on which the cut proves that they do not meet,
+//! what lies inside what stays.
+
+use cranny_exact::{DVec3, Meeting, RigidMap, judge_triangles};
+use cranny_geometry::FaceId;
+
+use crate::answer::{Counters, Surface};
+use crate::closest::{Closest, NearestFaces};
+use crate::containment::{Solidity, solidity};
+use crate::foremost::Foremost;
+use crate::motion::{Ball, Motion};
+use crate::pair::{Pair, Side, Whose};
+use crate::patience::Patience;
+use crate::search::{
+    Ground, KeptCut, Pending, Reach, first_meeting, meeting_faces, meetings_in, nearest_faces,
+    nearest_in,
+};
+use crate::surface::{FacePair, strongest};
+
+/// Crossing faces that are kept at most. More: more to look at before giving up; fewer: a search
+/// whenever the last of them have parted.
+const KEPT_CROSSINGS: usize = 8;
+
+/// A cut for verdicts reaches so many steps of the motion. Fewer: solids are asked anew which lies inside which; more: more
+/// clusters are listed.
+const STEPS: f64 = 2.0;
+
+/// A cut for distances reaches so many times the distance. Less: it is outgrown sooner; more: more clusters are listed.
+const GROWTH: f64 = 1.05;
+
+/// And is built anew where it reaches more than so many times the distance.
+const FARTHEST: f64 = 1.5;
+
+/// What is kept of a pair.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Coherent {
+    whose: Whose,
+    crossing: Vec<[FaceId; 2]>,
+    /// Whether to look at them: in vain, where motion is so fast that none crosses for a second time.
+    following: Patience,
+    /// The last crossing was found from the top: motion is too fast to follow it from face to face.
+    searched: bool,
+    nearest: Option<[FaceId; 2]>,
+    foremost: Foremost,
+    cut: KeptCut,
+    /// What lies inside what, and how far apart the surfaces were known to be, at the last pose.
+    apart: Option<(Solidity, f64)>,
+    /// How far apart they are known to be at this one.
+    clearance: f64,
+    /// Scratch.
+    stack: Vec<Pending>,
+}
+
+impl Coherent {
+    /// Begins a query; forgets what was known of other models.
+    pub(crate) fn begin(&mut self, pair: &Pair) {
+        if !self.whose.are_of(pair) {
+            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        }
+        self.cut.begin();
+    }
+
+    /// Whether faces are known that crossed in the last query: looking at them comes first then.
+    pub(crate) fn has_crossed(&self) -> bool {
+        !self.crossing.is_empty()
+    }
+
+    /// Ends a query.
+    pub(crate) fn end(&mut self, pair: &Pair) {
+        self.cut.end(pair);
+    }
+
+    /// The verdict on the surfaces, and what the verdict on the solids needs of the touching pairs.
+    pub(crate) fn verdict(
+        &mut self,
+        pair: &Pair,
+        counters: &mut Counters,
+    ) -> (Surface, Vec<FacePair>) {
+        let crossed = !self.crossing.is_empty();
+        if self.still_cross(pair, counters) {
+            return (Meeting::Cross, Vec::new());
+        }
+        let (surface, touching) = self.meet(pair, true, !crossed, counters);
+        self.searched = crossed;
+        if surface == Meeting::Cross {
+            self.remember_crossings(&touching);
+        }
+        (surface, touching)
+    }
+
+    /// Faces that meet, all or up to the first that crosses. `keeps`: a cut may be built for it.
+    fn meet(
+        &mut self,
+        pair: &Pair,
+        ends_at_crossing: bool,
+        keeps: bool,
+        counters: &mut Counters,
+    ) -> (Surface, Vec<FacePair>) {
+        let ground = Ground::of(pair);
+        let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
+        // Far enough for the next step to be proved free of meetings.
+        let reach = Reach { least: 0.0, build: STEPS * step, most: f64::INFINITY };
+        let cut = match keeps {
+            true => self.cut.at(pair, &ground, reach, counters),
+            false => None,
+        };
+        match cut {
+            Some(cut) => {
+                let (surface, found, clearance) =
+                    meetings_in(cut, pair, &ground, (ends_at_crossing, step), counters);
+                self.clearance = clearance.0;
+                (surface, found)
+            }
+            None => {
+                self.clearance = 0.0;
+                let search = if ends_at_crossing { first_meeting } else { all_meetings };
+                search(pair, &ground, &mut self.stack, counters)
+            }
+        }
+    }
+
+    /// Two faces that meet, of surfaces that cross: the first that a search comes across, whatever is remembered.
+    pub(crate) fn first_crossing(
+        &mut self,
+        pair: &Pair,
+        counters: &mut Counters,
+    ) -> Option<FacePair> {
+        let (_, found) = first_meeting(pair, &Ground::of(pair), &mut self.stack, counters);
+        found.into_iter().find(|p| p.meeting == Meeting::Cross)
+    }
+
+    /// All pairs of faces that meet, by ascending ids.
+    pub(crate) fn meetings(&mut self, pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
+        let (_, found) = self.meet(pair, false, true, counters);
+        self.remember_crossings(&found);
+        found
+    }
+
+    /// What the surfaces' meeting means for the solids.
+    pub(crate) fn solidity(
+        &mut self,
+        pair: &Pair,
+        surface: Surface,
+        touching: &[FacePair],
+        counters: &mut Counters,
+    ) -> Solidity {
+        if surface != Meeting::None {
+            self.apart = None;
+            return solidity(pair, surface, touching, counters);
+        }
+        let stays = |&(_, clearance): &(Solidity, f64)| {
+            self.cut.step().is_some_and(|step| step < clearance)
+        };
+        let found = match self.apart.filter(stays) {
+            Some((known, _)) => known,
+            None => solidity(pair, surface, touching, counters),
+        };
+        self.apart = Some((found, self.clearance));
+        found
+    }
+
+    /// The nearest points of surfaces that do not meet, if they are less than `below` apart. `parting`: along which the
+    /// hulls are apart, of no length if that is not known.
+    pub(crate) fn closest(
+        &mut self,
+        pair: &Pair,
+        below: f64,
+        parting: DVec3,
+        counters: &mut Counters,
+    ) -> Option<Closest> {
+        let mut nearest = NearestFaces::less_than(pair, below);
+        if let Some([f, g]) = self.nearest {
+            nearest.offer(f, g, counters);
+        }
+        if !self.foremost.offer(pair, parting, &mut nearest, counters) {
+            let ground = Ground::of(pair);
+            let limit = nearest.limit();
+            let reach = Reach { least: limit, build: GROWTH * limit, most: FARTHEST * limit };
+            let cut = match limit < f64::INFINITY {
+                true => self.cut.at(pair, &ground, reach, counters),
+                false => None,
+            };
+            match cut {
+                Some(cut) => nearest_in(cut, &ground, &mut nearest, counters),
+                None => nearest_faces(&ground, &mut self.stack, &mut nearest, counters),
+            }
+        }
+        let found = nearest.found();
+        self.nearest = found.map(|f| f.faces).or(self.nearest);
+        found
+    }
+
+    /// Whether faces that crossed before still do, or some beside them: a curve in which surfaces cross
+    /// leaves a face for one that shares a corner with it, mostly while the other face stays.
+    fn still_cross(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
+        if self.crossing.is_empty() {
+            return false;
+        }
+        if !self.following.is_over() {
+            self.crossing.clear();
+            return false;
+        }
+        let found = self.followed_crossing(pair, counters);
+        match found {
+            true => self.following.succeeded(),
+            false => self.following.failed(),
+        }
+        found
+    }
+
+    fn followed_crossing(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
+        let mut crosses = |&[f, g]: &[FaceId; 2]| {
+            counters.triangle_tests += 1;
+            let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
+            let (meeting, by) = judge_triangles(&first, &second);
+            counters.judged(by);
+            meeting == Meeting::Cross
+        };
+        if let Some(i) = self.crossing.iter().position(&mut crosses) {
+            self.crossing.drain(..i);
+            self.searched = false;
+            return true;
+        }
+        let beside = |side: Side, face: FaceId| {
+            let corners = pair.mesh(side).corners(face);
+            corners.into_iter().flat_map(move |v| pair.topology(side).faces_at(v).iter().copied())
+        };
+        let followed = self.crossing.first().filter(|_| !self.searched);
+        let found = followed.and_then(|&[f, g]| {
+            let mut neighbours = beside(Side::First, f)
+                .map(|f| [f, g])
+                .chain(beside(Side::Second, g).map(|g| [f, g]));
+            neighbours.find(&mut crosses)
+        });
+        self.crossing.clear();
+        self.crossing.extend(found);
+        found.is_some()
+    }
+
+    /// Keeps some of the crossing pairs, evenly spread.
+    fn remember_crossings(&mut self, pairs: &[FacePair]) {
+        let crossing = || pairs.iter().filter(|p| p.meeting == Meeting::Cross);
+        let stride = crossing().count().div_ceil(KEPT_CROSSINGS).max(1);
+        self.crossing.clear();
+        self.crossing.extend(crossing().step_by(stride).map(|p| [p.first, p.second]));
+    }
+
+    /// Faces that crossed last.
+    pub(crate) fn crossing_of(&self, pair: &Pair) -> &[[FaceId; 2]] {
+        if self.whose.are_of(pair) { &self.crossing } else { &[] }
+    }
+
+    /// Faces that were nearest last.
+    pub(crate) fn nearest_of(&self, pair: &Pair) -> Option<[FaceId; 2]> {
+        self.nearest.filter(|_| self.whose.are_of(pair))
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.crossing.capacity() * size_of::<[FaceId; 2]>()
+            + self.stack.capacity() * size_of::<Pending>()
+            + self.foremost.bytes()
+            + self.cut.bytes()
+    }
+
+    /// How many blocks of a cut are kept.
+    pub(crate) fn held(&self) -> u64 {
+        self.cut.held()
+    }
+}
+
+/// How far any point of either body has moved at most, seen from the other.
+fn step_since(last: &RigidMap, pair: &Pair) -> f64 {
+    let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
+    Motion::since(last, pair).map_or(0.0, |motion| motion.step(&balls))
+}
+
+/// All faces that meet, and the verdict.
+fn all_meetings(
+    pair: &Pair,
+    ground: &Ground,
+    stack: &mut Vec<Pending>,
+    counters: &mut Counters,
+) -> (Surface, Vec<FacePair>) {
+    let found = meeting_faces(pair, ground, stack, counters);
+    (strongest(&found), found)
+}

@@ -1,0 +1,290 @@
+//! A cut: where the last descent ended, kept from query to query.
+//!
+//! A descent tests a place of one tree against the boxes of a node of the other, and ends at those that are farther than its
+//! reach. How much farther the nearest of these is, is the *slack* of that block of eight; motion spends it, and until it is spent
+//! the block need not be looked at. What of a block comes within reach is descended into, and adds blocks of its own; where
+//! there have come to be many more than a new descent would leave, one is made. Pairs of clusters within reach are listed.
+//!
+//! Motion is counted once for all blocks: by how much the second body has turned, and its centre moved, as seen from the first.
+//! No point at a distance r from that centre has then moved by more than `turn · r + shift`. (Li and Chen, 'Incremental 3D
+//! collision detection with hierarchical data structures', 1998, keep such a front of a traversal.)
+//!
+//! A cut holds no answers: it lists no less than all pairs of clusters within reach.
+
+use cranny_exact::{DMat3, DVec3, RigidMap};
+use wide::f32x8;
+
+use super::ground::{At, Ground};
+use super::lanes::{lanes_of, within};
+use super::parted::Leaf;
+use crate::answer::Counters;
+use crate::pair::{Pair, Side};
+
+/// By how much the stretch of a difference of two accepted rotation matrices may exceed that of the rotations which they
+/// round. Smaller, and motion could be underestimated; larger, and bodies that move by less spend slack for nothing.
+const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
+
+/// Rounded sums of motions are made larger by this part.
+const ROUND_UP: f64 = 1.0 + 1e-12;
+
+/// Single-precision lengths are made larger by this part.
+const SPARE: f64 = 1.0 + 1e-6;
+
+/// A cut with more blocks, or pairs of clusters, than this times what it was built with, and a few more, is built anew.
+/// Larger: more is looked at in each query; smaller: cuts are built more often.
+const WORN: f64 = 1.25;
+
+/// A place of one tree, tested against a node of the other.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    at: [At; 2],
+    /// Whose node it is.
+    side: Side,
+    /// The lanes at which the descent ended.
+    ended: u8,
+}
+
+/// When a block is due: once `turn · radius + shift` reaches the limit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Due {
+    pub(super) radius: f64,
+    pub(super) limit: f64,
+}
+
+/// How much motion there has been: by how far the second body has turned, and its centre moved.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    turn: f64,
+    shift: f64,
+}
+
+impl Spent {
+    /// Of a slack, by what lies within a radius of the second body's centre.
+    #[inline(always)]
+    fn of(&self, radius: f64) -> f64 {
+        self.turn * radius + self.shift
+    }
+
+    /// How far two clusters are apart at least, by what was known of them and the motion since.
+    #[inline(always)]
+    pub(crate) fn left(&self, leaf: &Leaf) -> f64 {
+        (leaf.due.limit - self.of(leaf.due.radius) * ROUND_UP).next_down()
+    }
+
+    /// Notes how far two clusters are apart at least now; `posing` is what posing rounds.
+    #[inline(always)]
+    pub(crate) fn note(&self, leaf: &mut Leaf, separation: f64, posing: f64) {
+        let known = separation - 2.0 * posing + self.of(leaf.due.radius);
+        leaf.due.limit = leaf.due.limit.max(known.next_down());
+    }
+}
+
+/// Where a descent ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Cut {
+    map: RigidMap,
+    reach: f64,
+    spent: Spent,
+    blocks: Vec<Block>,
+    due: Vec<Due>,
+    leaves: Vec<Leaf>,
+    built: [usize; 2],
+}
+
+impl Cut {
+    /// Descends from the top, for what is within `reach`.
+    pub(crate) fn build(pair: &Pair, ground: &Ground, reach: f64, counters: &mut Counters) -> Self {
+        let mut cut = Self {
+            map: pair.first_from_second,
+            reach,
+            spent: Spent::default(),
+            blocks: Vec::new(),
+            due: Vec::new(),
+            leaves: Vec::new(),
+            built: [0; 2],
+        };
+        let mut stack = vec![[At::ROOT; 2]];
+        cut.descend(ground, &mut stack, counters);
+        cut.built = [cut.blocks.len(), cut.leaves.len()];
+        cut
+    }
+
+    /// What it lists lies within this.
+    pub(crate) fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// All pairs of clusters within reach, and perhaps some others; and the motion that there has been.
+    pub(crate) fn leaves(&mut self) -> (&mut [Leaf], Spent) {
+        (&mut self.leaves, self.spent)
+    }
+
+    /// Follows the bodies to the pair's pose; `None` where that costs more than a new descent. Returns how far any point of the
+    /// second body has moved at most since the last pose.
+    pub(crate) fn follow(
+        &mut self,
+        pair: &Pair,
+        ground: &Ground,
+        counters: &mut Counters,
+    ) -> Option<f64> {
+        let step = self.advance(pair, ground);
+        let limits = self.built.map(|built| (WORN * built as f64) as usize + 64);
+        if self.blocks.len() > limits[0] || self.leaves.len() > limits[1] {
+            return None;
+        }
+        let spent = self.spent;
+        let is_due = |due: &Due| spent.of(due.radius) >= due.limit;
+        let mut count = self.due.iter().filter(|due| is_due(due)).count();
+        // A block that is due costs about what a step of a descent does.
+        if 2 * count > self.blocks.len() + 8 {
+            return None;
+        }
+        let mut stack = Vec::new();
+        let mut index = 0;
+        while count > 0 {
+            if is_due(&self.due[index]) {
+                count -= 1;
+                self.renew(index, ground, &mut stack, counters);
+            }
+            index += 1;
+        }
+        self.descend(ground, &mut stack, counters);
+        Some(step)
+    }
+
+    /// Counts the motion since the last pose; returns a bound for all points of the second body.
+    fn advance(&mut self, pair: &Pair, ground: &Ground) -> f64 {
+        let (before, now) = (self.map, pair.first_from_second);
+        if before == now {
+            return 0.0;
+        }
+        let turn = DMat3 {
+            x_axis: now.linear.x_axis - before.linear.x_axis,
+            y_axis: now.linear.y_axis - before.linear.y_axis,
+            z_axis: now.linear.z_axis - before.linear.z_axis,
+        };
+        let squares = [turn.x_axis, turn.y_axis, turn.z_axis].map(DVec3::length_squared);
+        // Of a difference of rotations two singular values are equal and the third is nothing.
+        let turned =
+            (0.5 * (squares[0] + squares[1] + squares[2])).sqrt() * ROUND_UP + MATRIX_ERROR;
+        let center = ground.tree(Side::Second).origin();
+        let shifted =
+            (now.apply(center) - before.apply(center)).length() * ROUND_UP + pair.culling_error();
+        self.spent.turn = (self.spent.turn + turned) * ROUND_UP;
+        self.spent.shift = (self.spent.shift + shifted) * ROUND_UP;
+        self.map = now;
+        turned * ground.tree(Side::Second).unit() + shifted
+    }
+
+    /// Tests a block again; what has come within reach goes to the stack.
+    fn renew(
+        &mut self,
+        index: usize,
+        ground: &Ground,
+        stack: &mut Vec<[At; 2]>,
+        counters: &mut Counters,
+    ) {
+        let block = &mut self.blocks[index];
+        counters.front_tested += u64::from(block.ended.count_ones());
+        let tested = test(ground, block.at, block.side, self.reach, u32::from(block.ended));
+        block.ended = tested.ended;
+        counters.front_split += tested.near.count_ones() as u64;
+        self.due[index] = tested.due(&self.spent);
+        push(ground, block.at, block.side, tested.near, stack);
+    }
+
+    /// Goes down from what is on the stack, and keeps where that ends.
+    fn descend(&mut self, ground: &Ground, stack: &mut Vec<[At; 2]>, counters: &mut Counters) {
+        while let Some(at) = stack.pop() {
+            let Some(side) = ground.opened(at) else {
+                let pair =
+                    Side::BOTH.map(|side| ground.child(side, at[side.index()]).index() as u32);
+                self.leaves.push(Leaf::new(pair, cluster_radius(ground, pair[1])));
+                continue;
+            };
+            let node = ground.child(side, at[side.index()]).index();
+            let node = &ground.tree(side).nodes()[node];
+            counters.node_tests += u64::from(node.count);
+            let tested = test(ground, at, side, self.reach, node.mask());
+            if tested.ended != 0 {
+                self.due.push(tested.due(&self.spent));
+                self.blocks.push(Block { at, side, ended: tested.ended });
+            }
+            push(ground, at, side, tested.near, stack);
+        }
+    }
+
+    /// How many blocks are kept.
+    pub(crate) fn held(&self) -> u64 {
+        self.blocks.len() as u64
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.blocks.capacity() * size_of::<Block>()
+            + self.due.capacity() * size_of::<Due>()
+            + self.leaves.capacity() * size_of::<Leaf>()
+    }
+}
+
+/// What a test of eight boxes found.
+struct Tested {
+    ended: u8,
+    near: u32,
+    slack: f64,
+    radius: f64,
+}
+
+impl Tested {
+    fn due(&self, spent: &Spent) -> Due {
+        Due { radius: self.radius, limit: self.slack + spent.of(self.radius) }
+    }
+}
+
+/// Tests the lanes of `mask` of the node at a place of `side` against the other place.
+fn test(ground: &Ground, at: [At; 2], side: Side, reach: f64, mask: u32) -> Tested {
+    let i = side.index();
+    let node = &ground.tree(side).nodes()[ground.child(side, at[i]).index()];
+    let gaps = ground.gaps(side, node, at[1 - i]);
+    let near = within(gaps, f32x8::splat(ground.reach(side, reach))) & mask;
+    let ended = mask & !near;
+    let gaps = gaps.to_array();
+    let nearest = lanes_of(ended).map(|lane| gaps[lane]).fold(f32::INFINITY, f32::min);
+    let slack = (ground.certain(side, nearest) - reach - 2.0 * ground.posing()).max(0.0);
+    let unit = ground.tree(Side::Second).unit();
+    let distance = |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt();
+    let radius = match side {
+        // What of the second body is there.
+        Side::First => {
+            let b = ground.boxed(Side::Second, at[1]);
+            f64::from(distance(b.center) + b.radius) * unit * SPARE
+        }
+        // That, or what of the first one is, as seen from the second's centre: it may go as far as the slack lets it.
+        Side::Second => {
+            let farthest = lanes_of(ended)
+                .map(|lane| distance(node.center.get(lane)) + node.radius.0[lane])
+                .fold(0.0, f32::max);
+            let b = ground.placed(Side::Second, at[0]);
+            let its = f64::from(distance(b.center) + b.radius) * unit * SPARE;
+            (f64::from(farthest) * unit * SPARE).min(its + ground.posing() + slack)
+        }
+    };
+    Tested { ended: ended as u8, near, slack, radius }
+}
+
+/// How far a cluster of the second body reaches from that body's centre at most.
+fn cluster_radius(ground: &Ground, cluster: u32) -> f64 {
+    let tree = ground.tree(Side::Second);
+    let cluster = &tree.clusters()[cluster as usize];
+    (cluster.center - tree.origin()).length()
+        + f64::from(cluster.bounds.radius) * tree.unit() * SPARE
+}
+
+fn push(ground: &Ground, at: [At; 2], side: Side, near: u32, stack: &mut Vec<[At; 2]>) {
+    let i = side.index();
+    let index = ground.child(side, at[i]).index();
+    for lane in lanes_of(near) {
+        let mut next = at;
+        next[i] = At::lane(index, lane);
+        stack.push(next);
+    }
+}

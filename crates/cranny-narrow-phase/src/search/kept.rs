@@ -1,0 +1,109 @@
+//! When a cut is worth keeping, and how far it reaches.
+
+use cranny_exact::RigidMap;
+
+use super::cut::Cut;
+use super::ground::Ground;
+use crate::answer::Counters;
+use crate::pair::Pair;
+use crate::patience::Patience;
+
+/// A cut that is built anew sooner than after so many queries has not paid for itself. Larger: it is given up where it still
+/// saves time; smaller: motion that outruns it is followed in vain.
+const LEAST_AGE: u32 = 2;
+
+/// How far a cut is to reach.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// At least so far now.
+    pub(crate) least: f64,
+    /// So far where it is built.
+    pub(crate) build: f64,
+    /// No farther than this, or it is built anew.
+    pub(crate) most: f64,
+}
+
+/// A cut, where motion lets it last.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct KeptCut {
+    cut: Option<Cut>,
+    age: u32,
+    patience: Patience,
+    /// The pose of the last query.
+    last: Option<RigidMap>,
+    /// Whether the cut is at the pair's pose.
+    is_here: bool,
+    step: Option<f64>,
+}
+
+impl KeptCut {
+    /// Begins a query.
+    pub(crate) fn begin(&mut self) {
+        self.is_here = false;
+        self.step = None;
+    }
+
+    /// Ends a query.
+    pub(crate) fn end(&mut self, pair: &Pair) {
+        self.last = Some(pair.first_from_second);
+    }
+
+    /// The pose of the last query.
+    pub(crate) fn last(&self) -> Option<&RigidMap> {
+        self.last.as_ref()
+    }
+
+    /// How far any point has moved since the last query, where the cut that is kept was there then.
+    pub(crate) fn step(&self) -> Option<f64> {
+        self.step
+    }
+
+    /// The cut at the pair's pose; `None` where none is worth its while.
+    pub(crate) fn at(
+        &mut self,
+        pair: &Pair,
+        ground: &Ground,
+        reach: Reach,
+        counters: &mut Counters,
+    ) -> Option<&mut Cut> {
+        if let Some(cut) = &mut self.cut {
+            let followed = if self.is_here {
+                true
+            } else {
+                self.step = cut.follow(pair, ground, counters);
+                self.step.is_some()
+            };
+            if followed && cut.reach() >= reach.least && cut.reach() <= reach.most {
+                if !self.is_here {
+                    self.age += 1;
+                    self.patience.succeeded();
+                }
+                self.is_here = true;
+                return self.cut.as_mut();
+            }
+            self.cut = None;
+            self.step = None;
+            counters.front_rebuilt += 1;
+            if self.age < LEAST_AGE {
+                counters.bypassed += 1;
+                self.patience.failed();
+            }
+        }
+        // Not for a single query, and not while motion outruns it.
+        if self.last.is_none() || !self.patience.is_over() {
+            return None;
+        }
+        self.age = 0;
+        self.is_here = true;
+        Some(self.cut.insert(Cut::build(pair, ground, reach.build, counters)))
+    }
+
+    /// How many blocks are kept.
+    pub(crate) fn held(&self) -> u64 {
+        self.cut.as_ref().map_or(0, Cut::held)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.cut.as_ref().map_or(0, Cut::bytes)
+    }
+}

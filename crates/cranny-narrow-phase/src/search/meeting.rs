@@ -1,0 +1,177 @@
+//! Which faces of two surfaces meet.
+
+use std::ops::ControlFlow;
+
+use cranny_exact::Meeting;
+use cranny_geometry::FaceId;
+
+use super::cut::Cut;
+use super::descent::{Pending, Visitor, descend};
+use super::faces::for_near_faces;
+use super::ground::Ground;
+use crate::answer::{Counters, Surface};
+use crate::pair::{Pair, Side};
+use crate::surface::{FacePair, looked_at};
+use crate::triangle_distance::triangle_distance;
+
+/// A separation is worth measuring where it lasts for so many steps. Fewer: it is measured again and again; more: clusters are
+/// looked at in every query that could rest.
+const WORTH: f64 = 2.0;
+
+/// Queries in which it is not measured after it was not worth it.
+const HURRY: u8 = 24;
+
+struct Meetings<'g, 'p, 'm> {
+    ground: &'g Ground<'m>,
+    pair: &'p Pair<'m>,
+    /// The first crossing ends the search.
+    ends_at_crossing: bool,
+    surface: Surface,
+    found: Vec<FacePair>,
+}
+
+impl Meetings<'_, '_, '_> {
+    fn is_done(&self) -> bool {
+        self.ends_at_crossing && self.surface == Meeting::Cross
+    }
+
+    /// Whether two faces meet.
+    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> bool {
+        let found = looked_at(self.pair, f, g, counters);
+        self.surface = found.map_or(self.surface, |found| self.surface.max(found.meeting));
+        self.found.extend(found);
+        found.is_some()
+    }
+
+    /// Looks at two clusters, and measures how far apart they are, up to `reach`; 0 where they meet.
+    fn separation(&mut self, clusters: [u32; 2], reach: f64, counters: &mut Counters) -> f64 {
+        let mut least = reach;
+        for_near_faces(self.ground, clusters, reach, None, |[f, g]| {
+            if self.is_done() {
+                return 0.0;
+            }
+            if self.look(f, g, counters) {
+                least = 0.0;
+            } else if least > 0.0 {
+                counters.triangle_tests += 1;
+                let [a, b] = [(Side::First, f), (Side::Second, g)]
+                    .map(|(side, face)| self.pair.triangle(side, face));
+                let apart = triangle_distance(&a, &b).squared.sqrt() - self.pair.length_error();
+                least = least.min(apart.max(0.0));
+            }
+            // What is farther than what was measured does not matter any more.
+            least
+        });
+        least
+    }
+}
+
+impl Visitor for Meetings<'_, '_, '_> {
+    fn reach(&self) -> f64 {
+        0.0
+    }
+
+    fn clusters(&mut self, clusters: [u32; 2], counters: &mut Counters) -> ControlFlow<()> {
+        for_near_faces(self.ground, clusters, 0.0, None, |[f, g]| {
+            if !self.is_done() {
+                self.look(f, g, counters);
+            }
+            0.0
+        });
+        if self.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn search(
+    pair: &Pair,
+    ground: &Ground,
+    ends_at_crossing: bool,
+    stack: &mut Vec<Pending>,
+    counters: &mut Counters,
+) -> (Surface, Vec<FacePair>) {
+    let (surface, found) = (Meeting::None, Vec::new());
+    let mut meetings = Meetings { ground, pair, ends_at_crossing, surface, found };
+    // Who ends it knows.
+    let _ = descend(ground, stack, &mut meetings, counters);
+    let Meetings { surface, mut found, .. } = meetings;
+    found.sort_unstable();
+    (surface, found)
+}
+
+/// All pairs of faces that meet, by ascending ids.
+pub(crate) fn meeting_faces(
+    pair: &Pair,
+    ground: &Ground,
+    stack: &mut Vec<Pending>,
+    counters: &mut Counters,
+) -> Vec<FacePair> {
+    search(pair, ground, false, stack, counters).1
+}
+
+/// The verdict on the surfaces, and the pairs that meet which the verdict on the solids needs: all that touch, or some up to
+/// the first that crosses; by ascending ids.
+pub(crate) fn first_meeting(
+    pair: &Pair,
+    ground: &Ground,
+    stack: &mut Vec<Pending>,
+    counters: &mut Counters,
+) -> (Surface, Vec<FacePair>) {
+    search(pair, ground, true, stack, counters)
+}
+
+/// The same as [`meeting_faces`], for whoever asks once.
+pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
+    meeting_faces(pair, &Ground::of(pair), &mut Vec::new(), counters)
+}
+
+/// How far apart surfaces are that do not meet, but for what lies beyond a cut's reach; 0 where that is not known.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clearance(pub(crate) f64);
+
+/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the clusters that a cut lists. `step` is how far anything
+/// has moved since the last query, at most.
+pub(crate) fn meetings_in(
+    cut: &mut Cut,
+    pair: &Pair,
+    ground: &Ground,
+    (ends_at_crossing, step): (bool, f64),
+    counters: &mut Counters,
+) -> (Surface, Vec<FacePair>, Clearance) {
+    let (surface, found) = (Meeting::None, Vec::new());
+    let mut meetings = Meetings { ground, pair, ends_at_crossing, surface, found };
+    let (reach, mut clearance) = (cut.reach(), cut.reach());
+    let posing = ground.posing();
+    let (leaves, spent) = cut.leaves();
+    for leaf in leaves {
+        let left = spent.left(leaf);
+        if left > 0.0 {
+            clearance = clearance.min(left);
+            continue;
+        }
+        let gap = ground.cluster_gap(leaf, 0.0);
+        if gap > 0.0 {
+            spent.note(leaf, gap, posing);
+            clearance = clearance.min(gap);
+            continue;
+        }
+        let separation = match leaf.hurry > 0 {
+            true => {
+                leaf.hurry -= 1;
+                let _ = meetings.clusters(leaf.pair, counters);
+                0.0
+            }
+            false => meetings.separation(leaf.pair, reach, counters),
+        };
+        spent.note(leaf, separation, posing);
+        if separation < WORTH * step {
+            leaf.hurry = HURRY;
+        }
+        clearance = clearance.min(separation.max(0.0));
+        if meetings.is_done() {
+            break;
+        }
+    }
+    let Meetings { surface, mut found, .. } = meetings;
+    found.sort_unstable();
+    (surface, found, Clearance(clearance))
+}

@@ -1,0 +1,170 @@
+//! What the search leaves out is far, whatever is remembered.
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::{BuildOptions, FaceId, Model};
+use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
+use cranny_testkit::Rng;
+
+use super::cut::Cut;
+use super::*;
+use crate::answer::Counters;
+use crate::brute_force::brute_force;
+use crate::closest::NearestFaces;
+use crate::pair::{Pair, PosedVertices, Side};
+use crate::query::Placed;
+use crate::surface::{FacePair, looked_at, strongest};
+use crate::triangle_distance::triangle_distance;
+
+fn model(shape: impl Into<Shape>) -> Model {
+    Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
+}
+
+fn bodies() -> Vec<Model> {
+    vec![
+        model(Cuboid::default()),
+        model(Cup { segments: 9, ..Cup::default() }),
+        model(Comb { teeth: 4, ..Comb::default() }),
+        model(Torus { major_segments: 12, minor_segments: 7, ..Torus::default() }),
+        model(Cuboid { size: [0.06, 0.05, 0.04] }),
+    ]
+}
+
+fn faces(pair: &Pair, side: Side) -> impl Iterator<Item = FaceId> {
+    (0..pair.mesh(side).faces().len() as u32).map(FaceId)
+}
+
+/// Every face against every face.
+fn all_that_meet(pair: &Pair) -> Vec<FacePair> {
+    let mut counters = Counters::default();
+    let mut found = Vec::new();
+    for f in faces(pair, Side::First) {
+        for g in faces(pair, Side::Second) {
+            found.extend(looked_at(pair, f, g, &mut counters));
+        }
+    }
+    found
+}
+
+/// How far two clusters are apart: the least over all of their faces, and 0 where some meet.
+fn cluster_distance(pair: &Pair, ground: &Ground, clusters: [u32; 2]) -> f64 {
+    let [own, its] = Side::BOTH.map(|side| {
+        let faces = &ground.tree(side).clusters()[clusters[side.index()] as usize].faces;
+        &faces.ids[..faces.count as usize]
+    });
+    let mut least = f64::INFINITY;
+    for &f in own {
+        for &g in its {
+            let meets = looked_at(pair, f, g, &mut Counters::default()).is_some();
+            let [a, b] = [pair.triangle(Side::First, f), pair.triangle(Side::Second, g)];
+            least = least.min(triangle_distance(&a, &b).squared.sqrt());
+            least = if meets { 0.0 } else { least };
+        }
+    }
+    least
+}
+
+#[test]
+fn faces_that_meet_are_found_among_all() {
+    let bodies = bodies();
+    let mut rng = Rng::new(9);
+    let mut met = [0; 3];
+    for round in 0..240 {
+        // Every other one is of cubes without a turn: faces lie on faces, and edges on edges.
+        let turned = round % 2 == 1;
+        let (a, b) = if turned { (rng.below(5), rng.below(5)) } else { (0, 0) };
+        let turn = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
+        let rotation = if turned { turn } else { DQuat::IDENTITY };
+        let mut step = || 0.25 * rng.below(9) as f64 - 1.0;
+        let translation = DVec3::new(step(), step(), step());
+        let (a, b) = (
+            Placed { model: &bodies[a], pose: Pose::IDENTITY },
+            Placed { model: &bodies[b], pose: Pose { rotation, translation } },
+        );
+        let mut posed = PosedVertices::default();
+        let pair = Pair::new(a, b, &mut posed);
+        let (mut counters, mut stack) = (Counters::default(), Vec::new());
+        let truth = all_that_meet(&pair);
+        assert_eq!(meeting_pairs(&pair, &mut counters), truth, "round {round}");
+        let ground = Ground::of(&pair);
+        let (surface, some) = first_meeting(&pair, &ground, &mut stack, &mut counters);
+        assert_eq!(surface, strongest(&truth), "round {round}");
+        assert!(some.iter().all(|p| truth.contains(p)), "round {round}");
+        met[strongest(&truth) as usize] += 1;
+    }
+    assert!(met.iter().all(|&n| n > 10), "{met:?}");
+}
+
+/// A body wanders about another, by small steps and large ones, with rests: a cut lists all clusters within its reach, what it
+/// says that is left between clusters is there, and what is found in it is what is found without.
+#[test]
+fn a_cut_lists_all_that_is_within_reach() {
+    let bodies = bodies();
+    let mut rng = Rng::new(23);
+    let (mut followed, mut rested, mut near, mut met) = (0, 0, 0, 0);
+    for round in 0..60 {
+        let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
+        let size = a.radius() + b.radius();
+        let mut pose = Pose {
+            rotation: DQuat::from_axis_angle(rng.direction(), 1.0 + rng.unit()),
+            translation: [0.3, 0.6, 0.8][round % 3] * size * rng.direction(),
+        };
+        let reach = [0.0, 0.02, 0.1, 0.3][rng.below(4)] * size;
+        let mut cut: Option<Cut> = None;
+        for frame in 0..40 {
+            let pace =
+                if frame % 7 == 0 { 0.0 } else { size * 0.1f64.powi(1 + rng.below(4) as i32) };
+            pose.translation += pace * (rng.direction() - 0.2 * pose.translation / size);
+            let turn = DQuat::from_axis_angle(rng.direction(), pace / size);
+            pose.rotation = (turn * pose.rotation).normalize();
+            let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
+            let mut posed = PosedVertices::default();
+            let pair = Pair::new(a, b, &mut posed);
+            let ground = Ground::of(&pair);
+            let mut counters = Counters::default();
+            let last = cut.take().and_then(|mut cut| {
+                let step = cut.follow(&pair, &ground, &mut counters)?;
+                followed += 1;
+                Some((cut, step))
+            });
+            let (mut now, step) =
+                last.unwrap_or_else(|| (Cut::build(&pair, &ground, reach, &mut counters), 0.0));
+            let what = format!("round {round}, frame {frame}");
+            let (leaves, spent) = now.leaves();
+            let mut listed: Vec<[u32; 2]> = leaves.iter().map(|leaf| leaf.pair).collect();
+            for leaf in leaves.iter() {
+                let left = spent.left(leaf);
+                assert!(left <= cluster_distance(&pair, &ground, leaf.pair), "{what}");
+                rested += u32::from(left > 0.0);
+            }
+            listed.sort_unstable();
+            let count = |side: Side| ground.tree(side).clusters().len() as u32;
+            for i in 0..count(Side::First) {
+                for j in 0..count(Side::Second) {
+                    if listed.binary_search(&[i, j]).is_err() {
+                        let apart = cluster_distance(&pair, &ground, [i, j]);
+                        assert!(apart > reach, "{what}: {apart} of {reach}");
+                    }
+                }
+            }
+            near += listed.len();
+            let (surface, found, clearance) =
+                meetings_in(&mut now, &pair, &ground, (false, step), &mut counters);
+            assert_eq!(found, all_that_meet(&pair), "{what}");
+            assert_eq!(surface, strongest(&found), "{what}");
+            met += usize::from(surface.meets());
+            let slow = brute_force(a, b).unwrap();
+            assert!(clearance.0 <= slow.distance, "{what}");
+            if !surface.meets() && slow.distance <= reach {
+                let mut nearest = NearestFaces::less_than(&pair, f64::INFINITY);
+                nearest.offer(FaceId(0), FaceId(0), &mut counters);
+                nearest_in(&mut now, &ground, &mut nearest, &mut counters);
+                assert_eq!(nearest.found().map(|n| n.distance), Some(slow.distance), "{what}");
+            }
+            cut = Some(now);
+        }
+    }
+    assert!(
+        followed > 1_000 && rested > 1_000 && near > 1_000 && met > 200,
+        "{followed} {rested} {near} {met}"
+    );
+}
