@@ -15,8 +15,8 @@ use crate::motion::{Ball, Motion};
 use crate::pair::{Pair, Side, Whose};
 use crate::patience::Patience;
 use crate::search::{
-    Ground, KeptCut, Pending, Reach, first_meeting, meeting_faces, meetings_in, nearest_faces,
-    nearest_in,
+    Ground, KeptCut, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
+    near_clusters, nearest_faces, nearest_in,
 };
 use crate::surface::{FacePair, strongest};
 
@@ -34,6 +34,10 @@ const GROWTH: f64 = 1.05;
 /// And is built anew where it reaches more than so many times the distance.
 const FARTHEST: f64 = 1.5;
 
+/// A cut for contacts is built anew where it reaches more than so many times what is asked. Less: where margins change from query to
+/// query it does not last; more: more clusters are listed than are near.
+const WIDEST: f64 = 6.0;
+
 /// What is kept of a pair.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Coherent {
@@ -50,8 +54,9 @@ pub(crate) struct Coherent {
     apart: Option<(Solidity, f64)>,
     /// How far apart they are known to be at this one.
     clearance: f64,
-    /// Scratch.
+    /// Scratch: pairs of clusters within reach among it.
     stack: Vec<Pending>,
+    listed: Vec<[u32; 2]>,
 }
 
 impl Coherent {
@@ -71,6 +76,13 @@ impl Coherent {
     /// Ends a query.
     pub(crate) fn end(&mut self, pair: &Pair) {
         self.cut.end(pair);
+    }
+
+    /// Lets go of what is of use only while surfaces are near each other.
+    pub(crate) fn let_go(&mut self) {
+        if self.cut.bytes() > 0 {
+            (self.cut, self.listed, self.stack) = Default::default();
+        }
     }
 
     /// The verdict on the surfaces, and what the verdict on the solids needs of the touching pairs.
@@ -120,6 +132,47 @@ impl Coherent {
                 search(pair, &ground, &mut self.stack, counters)
             }
         }
+    }
+
+    /// All faces that meet, where asked for; lists the pairs of clusters that are within `reach`.
+    pub(crate) fn near(
+        &mut self,
+        pair: &Pair,
+        ground: &Ground,
+        reach: f64,
+        meets: bool,
+        counters: &mut Counters,
+    ) -> (Surface, Vec<FacePair>) {
+        let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
+        let build = (GROWTH * reach).max(STEPS * step);
+        let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
+        let at = Reach { least: reach, build, most };
+        self.listed.clear();
+        match self.cut.at(pair, ground, at, counters) {
+            Some(cut) => {
+                let mut found = (Meeting::None, Vec::new());
+                if meets {
+                    let (surface, all, clearance) =
+                        meetings_in(cut, pair, ground, (false, step), counters);
+                    self.clearance = clearance.0;
+                    found = (surface, all);
+                }
+                if reach > 0.0 {
+                    list_near(cut, ground, reach, &mut self.listed);
+                }
+                found
+            }
+            None => {
+                self.clearance = 0.0;
+                let listed = &mut self.listed;
+                near_clusters(pair, ground, (reach, meets), &mut self.stack, listed, counters)
+            }
+        }
+    }
+
+    /// The pairs of clusters that were listed.
+    pub(crate) fn listed(&mut self) -> &mut [[u32; 2]] {
+        &mut self.listed
     }
 
     /// Two faces that meet, of surfaces that cross: the first that a search comes across, whatever is remembered.
@@ -261,6 +314,7 @@ impl Coherent {
     pub(crate) fn bytes(&self) -> usize {
         self.crossing.capacity() * size_of::<[FaceId; 2]>()
             + self.stack.capacity() * size_of::<Pending>()
+            + self.listed.capacity() * size_of::<[u32; 2]>()
             + self.foremost.bytes()
             + self.cut.bytes()
     }

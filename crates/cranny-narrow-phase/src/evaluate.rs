@@ -67,7 +67,7 @@ pub fn query(
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
     let mut told = match query.demand {
         Demand::Contacts { margin, normals } => {
-            let mut told = contacts(&mut pair, margin, parting, kept);
+            let mut told = contacts(&mut pair, margin, parting, (coherent, kept));
             // What regions tell leads out of a whole overlap, and is no surface's.
             if let Normals::Smooth { crease_angle } = normals
                 && told.regions.is_empty()
@@ -184,7 +184,7 @@ fn answer(
         if gap > margin {
             kept.let_go();
         } else if margin > 0.0 {
-            out.regions.extend(gaps(pair, margin, kept, &mut counters));
+            out.regions.extend(gaps(pair, margin, (coherent, kept), &mut counters));
         }
         // Of equally deep ones the ids decide, in the pair's own order: not in that of A and B.
         let key = |region: &Region| pair.ordered(region.deepest.id.0, region.deepest.id.1);
@@ -220,20 +220,23 @@ fn contacts(
     pair: &mut Pair,
     margin: f64,
     parting: &mut Parting,
-    memory: &mut ContactMemory,
+    (coherent, memory): (&mut Coherent, &mut ContactMemory),
 ) -> Answer {
     let mut counters = Counters::default();
     let mut out = blank();
+    coherent.begin(pair);
     if parting.gap(pair, margin, &mut counters) > margin {
+        coherent.let_go();
         memory.let_go();
         out.separation = gap_seen(&out, pair.length_error());
         out.counters = counters;
         return out;
     }
-    let near = near_patches(pair, margin, memory, &mut counters);
-    out.surface = strongest(&near.meeting);
+    let near = near_patches(pair, margin, (coherent, memory), &mut counters);
+    out.surface = near.surface;
     out.triangle_pairs = near.meeting.len() as u32;
-    let Solidity { solid, contained } = solidity(pair, out.surface, &near.meeting, &mut counters);
+    let Solidity { solid, contained } =
+        coherent.solidity(pair, out.surface, &near.meeting, &mut counters);
     (out.solid, out.contained) = (solid, contained.map(|c| pair.ordered_containment(c)));
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     if solid && out.contacts.first().is_none_or(|c| c.separation >= 0.0) {
@@ -249,6 +252,8 @@ fn contacts(
     } else {
         gap_seen(&out, pair.length_error())
     };
+    coherent.end(pair);
+    counters.front_held = coherent.held();
     out.counters = counters;
     out
 }
@@ -326,7 +331,7 @@ pub(crate) fn meeting_witnesses(pair: &Pair, p: &FacePair) -> [Witness; 2] {
 fn gaps(
     pair: &Pair,
     margin: f64,
-    memory: &mut ContactMemory,
+    memory: (&mut Coherent, &mut ContactMemory),
     counters: &mut Counters,
 ) -> Vec<Region> {
     let region = |NearRegion { contacts, faces }: NearRegion| {

@@ -63,6 +63,11 @@ impl Motion {
         })
     }
 
+    /// By how much a unit direction of one body has turned at most, seen from the other.
+    pub(crate) fn stretch(&self) -> f64 {
+        self.stretch
+    }
+
     /// How much farther than [`step`](Self::step) a point may be displaced on the screw that joins the poses,
     /// as a factor; `None` for a turn so large that nothing is said.
     ///

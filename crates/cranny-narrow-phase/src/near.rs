@@ -10,6 +10,7 @@ mod oracle;
 use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Feature};
+use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, across_gaps};
 use crate::pair::{Pair, Side};
 use crate::triangle_distance::closest_on_triangle;
@@ -26,7 +27,7 @@ pub(crate) struct NearRegion {
 pub(crate) fn near_regions(
     pair: &Pair,
     margin: f64,
-    memory: &mut ContactMemory,
+    memory: (&mut Coherent, &mut ContactMemory),
     counters: &mut Counters,
 ) -> Vec<NearRegion> {
     let mut contacts = across_gaps(pair, margin, memory, counters);
@@ -139,7 +140,7 @@ mod tests {
         let (mut contacts, mut several) = (0, 0);
         for _ in 0..24 {
             let (a, b) = (&bodies[rng.below(6)], &bodies[rng.below(6)]);
-            let mut memory = ContactMemory::default();
+            let (mut coherent, mut memory) = (Coherent::default(), ContactMemory::default());
             let turn = |rng: &mut Rng, size: f64| {
                 let axis = size * DVec3::new(rng.unit(), rng.unit(), rng.unit());
                 DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0).normalize()
@@ -163,7 +164,10 @@ mod tests {
                 // Often by less than patches may come nearer.
                 let margin = 0.05 + 0.02 * (step % 8) as f64;
                 let mut counters = Counters::default();
-                let found = near_regions(&pair, margin, &mut memory, &mut counters);
+                coherent.begin(&pair);
+                let kept = (&mut coherent, &mut memory);
+                let found = near_regions(&pair, margin, kept, &mut counters);
+                coherent.end(&pair);
                 let truth = oracle::near_regions(&pair, margin);
                 let flat = |regions: &[Vec<((Feature, Feature), f64)>]| {
                     let mut all = regions.concat();

@@ -8,7 +8,7 @@ use cranny_exact::DVec3;
 
 use super::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 use super::{Surface, grow};
-use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
+use crate::ids::{EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::patches::Patches;
 
@@ -164,7 +164,7 @@ fn named<T: Copy>(ids: &[T]) -> [T; LANES] {
 /// Faces side by side; `owned` says what counts to each face of the mesh.
 pub(super) fn faces(
     surface: &Surface,
-    owned: &[Owned],
+    (owned, patches): (&[Owned], &Patches),
     faces: &[FaceId],
     from: impl Fn(DVec3) -> DVec3 + Copy,
 ) -> FaceLanes {
@@ -187,6 +187,7 @@ pub(super) fn faces(
     let rims = all().enumerate().map(|(i, face)| u32::from(is_rim(face)) << i).sum();
     FaceLanes {
         ids: named(faces),
+        patches: named(&faces.iter().map(|&f| patches.patch_of_face(f)).collect::<Vec<_>>()),
         count: faces.len() as u32,
         rims,
         normal: Lanes3::of(all().map(normal)),
@@ -201,13 +202,19 @@ pub(super) fn faces(
 /// Vertices side by side.
 pub(super) fn corners(
     surface: &Surface,
+    patches: &Patches,
     vertices: &[VertexId],
     from: impl Fn(DVec3) -> DVec3 + Copy,
 ) -> Vec<CornerLanes> {
+    let patch = |vertex: VertexId| {
+        // A vertex that is looked at is a corner of a face.
+        patches.patch_of_vertex(surface.topology, vertex).unwrap_or(PatchId(u32::MAX))
+    };
     let chunks = vertices.chunks(LANES).map(|chunk| {
         let tips = chunk.iter().enumerate();
         CornerLanes {
             ids: named(chunk),
+            patches: named(&chunk.iter().map(|&v| patch(v)).collect::<Vec<_>>()),
             count: chunk.len() as u32,
             tips: tips.map(|(i, &v)| u32::from(is_tip(surface, v)) << i).sum(),
             points: Lanes3::of(chunk.iter().map(|v| from(surface.places[v.index()]))),
@@ -219,6 +226,7 @@ pub(super) fn corners(
 /// Edges side by side.
 pub(super) fn ridges(
     surface: &Surface,
+    patches: &Patches,
     edges: &[EdgeId],
     from: impl Fn(DVec3) -> DVec3 + Copy,
 ) -> Vec<RidgeLanes> {
@@ -226,6 +234,12 @@ pub(super) fn ridges(
         let arcs: Vec<Arc> = chunk.iter().map(|&edge| Arc::of(surface, edge)).collect();
         RidgeLanes {
             ids: named(chunk),
+            patches: named(
+                &chunk
+                    .iter()
+                    .map(|&e| patches.patch_of_edge(surface.topology, e))
+                    .collect::<Vec<_>>(),
+            ),
             count: chunk.len() as u32,
             starts: Lanes3::of(arcs.iter().map(|arc| from(arc.start))),
             spans: Lanes3::of(arcs.iter().map(|arc| arc.span)),

@@ -1,6 +1,6 @@
 //! Eight of a kind side by side, as the narrow phase compares them.
 
-use crate::ids::{EdgeId, FaceId, VertexId};
+use crate::ids::{EdgeId, FaceId, PatchId, VertexId};
 use cranny_exact::DVec3;
 
 /// How many stand side by side.
@@ -66,6 +66,8 @@ impl Lanes3 {
 pub struct FaceLanes {
     /// Their names; beyond [`count`](Self::count) the first again.
     pub ids: [FaceId; LANES],
+    /// The patches that they count to.
+    pub patches: [PatchId; LANES],
     /// How many there are, at least 1.
     pub count: u32,
     /// A bit for each face of which a corner or side can be touched by a vertex: what counts to the face.
@@ -98,6 +100,8 @@ impl FaceLanes {
 pub struct CornerLanes {
     /// Their names; beyond [`count`](Self::count) the first again.
     pub ids: [VertexId; LANES],
+    /// The patches that they count to.
+    pub patches: [PatchId; LANES],
     /// How many there are, at least 1.
     pub count: u32,
     /// A bit for each vertex that all edges at it fall away from along some direction: it can touch a rim.
@@ -111,6 +115,8 @@ pub struct CornerLanes {
 pub struct RidgeLanes {
     /// Their names; beyond [`count`](Self::count) the first again.
     pub ids: [EdgeId; LANES],
+    /// The patches that they count to.
+    pub patches: [PatchId; LANES],
     /// How many there are, at least 1.
     pub count: u32,
     /// Their lesser vertices.

@@ -171,7 +171,7 @@ impl ClusterTree {
         };
         for (number, &group) in built.order.iter().enumerate() {
             let bounds = built.bounds[number];
-            tree.add(&surface, (&groups[group], owners.of_group(group)), bounds);
+            tree.add((&surface, patches), (&groups[group], owners.of_group(group)), bounds);
         }
         tree
     }
@@ -179,7 +179,7 @@ impl ClusterTree {
     /// Adds a cluster: its faces, and the features that are looked at from it.
     fn add(
         &mut self,
-        surface: &Surface,
+        (surface, patches): (&Surface, &Patches),
         (faces, share): (&[FaceId], features::Share),
         bounds: OrientedBox,
     ) {
@@ -188,13 +188,13 @@ impl ClusterTree {
         let range = |start: usize, end: usize| [start as u32, end as u32];
         let (points, corners, ridges) = (self.points.len(), self.corners.len(), self.ridges.len());
         self.points.extend(features::points(surface, faces, from));
-        self.corners.extend(features::corners(surface, share.vertices, from));
-        self.ridges.extend(features::ridges(surface, share.edges, from));
+        self.corners.extend(features::corners(surface, patches, share.vertices, from));
+        self.ridges.extend(features::ridges(surface, patches, share.edges, from));
         self.clusters.push(Cluster {
             center: self.origin + self.unit * middle,
             bounds: OrientedBox { center: [0.0; 3], ..bounds },
             normal: features::mean_normal(surface, faces),
-            faces: features::faces(surface, &self.owned, faces, from),
+            faces: features::faces(surface, (&self.owned, patches), faces, from),
             points: range(points, self.points.len()),
             corners: range(corners, self.corners.len()),
             ridges: range(ridges, self.ridges.len()),

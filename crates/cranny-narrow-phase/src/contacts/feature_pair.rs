@@ -7,8 +7,7 @@
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, Model, VertexId};
 
-use super::facing::{PARALLEL, Ridge, faces_fall_away, faces_towards, in_cone, in_wedge, over};
-use super::gauss_map::Touch;
+use super::facing::{PARALLEL, edges_face, faces_towards, in_cone, in_wedge, over};
 use crate::answer::{Contact, Feature};
 use crate::pair::{Pair, Side};
 use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
@@ -113,18 +112,7 @@ pub(crate) fn vertex_rim(
 /// Two edges that cross when seen along their common normal, no farther than `below` (or rounding) apart; the
 /// separation is negative where the solids beneath them overlap.
 pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option<Contact> {
-    let segments = [pair.segment(Side::First, e), pair.segment(Side::Second, g)];
-    edge_edge_at(pair, [e, g], segments, Touch::Perhaps, below)
-}
-
-/// The same, given where the edges are, each from its lesser vertex to its greater, and what is known of how they touch.
-pub(crate) fn edge_edge_at(
-    pair: &Pair,
-    [e, g]: [EdgeId; 2],
-    [p, q]: [[DVec3; 2]; 2],
-    touch: Touch,
-    below: f64,
-) -> Option<Contact> {
+    let (p, q) = (pair.segment(Side::First, e), pair.segment(Side::Second, g));
     let (d1, d2) = (p[1] - p[0], q[1] - q[0]);
     let cross = d1.cross(d2);
     let squared = cross.length_squared();
@@ -148,27 +136,9 @@ pub(crate) fn edge_edge_at(
     if unit.dot(point_b - point_a).abs() > below.max(pair.length_error()) {
         return None;
     }
-    let normal = match touch {
-        Touch::Never => return None,
-        Touch::Along(sign) => sign * unit,
-        Touch::Perhaps => edges_face(pair, [e, g], unit)?,
-    };
+    let normal = edges_face(pair, [e, g], unit)?;
     let separation = normal.dot(point_b - point_a);
     Some(Contact { id: (Feature::Edge(e), Feature::Edge(g)), point_a, point_b, normal, separation })
-}
-
-/// The direction, of a unit vector and its opposite, along which two edges face each other.
-pub(super) fn edges_face(pair: &Pair, [e, g]: [EdgeId; 2], unit: DVec3) -> Option<DVec3> {
-    let (ridge_e, ridge_g) = (Ridge::of(pair, Side::First, e), Ridge::of(pair, Side::Second, g));
-    if !ridge_e.is_sharp || !ridge_g.is_sharp {
-        return None;
-    }
-    [unit, -unit].into_iter().find(|&n| {
-        ridge_e.leads_out(n)
-            && ridge_g.leads_out(-n)
-            && faces_fall_away(pair, Side::First, e, n)
-            && faces_fall_away(pair, Side::Second, g, -n)
-    })
 }
 
 /// The contact of two features across a gap, named as an answer names them; `None` where they do not

@@ -8,11 +8,11 @@
 //! far side is nearer than the one it came in by, has no contact here.
 
 use cranny_exact::{DVec3, WeightedPoint};
+use cranny_geometry::clusters::may_be_ridge;
 use cranny_geometry::{Content, EdgeId, FaceId, VertexId};
 
 use super::facing::faces_towards;
 use super::feature_pair::edge_edge;
-use super::ownership::may_be_ridge;
 use super::within::vertices_within;
 use crate::answer::{Contact, Counters, Feature};
 use crate::inside::{Location, locate};

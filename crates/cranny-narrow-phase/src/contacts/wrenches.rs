@@ -110,16 +110,23 @@ impl Scene {
         Pose { rotation: turn * start.rotation, translation: start.translation + self.slide * time }
     }
 
-    fn sets(&self, pose: Pose, memory: &mut [ContactMemory; 3]) -> Sets {
+    fn sets(&self, pose: Pose, memory: &mut [(Coherent, ContactMemory); 3]) -> Sets {
         let [a, b] = &self.models;
         let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
         let (mut posed, mut counters) = (PosedVertices::default(), Counters::default());
         let pair = Pair::new(a, b, &mut posed);
-        let (margin, [m1, m2, m3]) = (self.margin, memory);
+        let margin = self.margin;
+        for (coherent, _) in memory.iter_mut() {
+            coherent.begin(&pair);
+        }
+        let [m1, m2, m3] = memory.each_mut().map(|(coherent, kept)| (coherent, kept));
         let all = across_gaps(&pair, margin, m1, &mut counters);
         let near = near_patches(&pair, margin, m2, &mut counters);
         assert!(near.meeting.is_empty(), "{}: they overlap", self.name);
         let regions = near_regions(&pair, margin, m3, &mut counters);
+        for (coherent, _) in memory.iter_mut() {
+            coherent.end(&pair);
+        }
         let center = all.iter().map(|c| c.point_a).sum::<DVec3>() / all.len() as f64;
         let of_patches = near.contacts.iter().map(|c| patches_of(&pair, c.id)).collect();
         Sets {
@@ -195,7 +202,7 @@ const STEPS: u32 = 100;
 impl Seen {
     fn of(scene: &Scene) -> Self {
         let directions = directions();
-        let mut memory = <[ContactMemory; 3]>::default();
+        let mut memory = <[(Coherent, ContactMemory); 3]>::default();
         let mut seen = Self::default();
         let mut before: Option<Sets> = None;
         for k in 0..STEPS {

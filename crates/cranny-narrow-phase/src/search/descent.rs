@@ -13,8 +13,8 @@ pub(crate) trait Visitor {
     /// What is farther apart than this, in lengths of the pair, does not matter. It may shrink.
     fn reach(&self) -> f64;
 
-    /// Looks at two clusters whose boxes are within reach; may end the descent.
-    fn clusters(&mut self, pair: [u32; 2], counters: &mut Counters) -> ControlFlow<()>;
+    /// Looks at two clusters whose boxes are within reach, no nearer than `gap`; may end the descent.
+    fn clusters(&mut self, pair: [u32; 2], gap: f64, counters: &mut Counters) -> ControlFlow<()>;
 }
 
 /// Two places, and a lower bound of how far they are apart, in lengths of the pair.
@@ -41,7 +41,7 @@ pub(crate) fn descend(
         let Some(side) = ground.opened(at) else {
             let pair = [Side::First, Side::Second]
                 .map(|side| ground.child(side, at[side.index()]).index() as u32);
-            visitor.clusters(pair, counters)?;
+            visitor.clusters(pair, gap, counters)?;
             continue;
         };
         let i = side.index();

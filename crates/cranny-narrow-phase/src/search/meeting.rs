@@ -71,7 +71,7 @@ impl Visitor for Meetings<'_, '_, '_> {
         0.0
     }
 
-    fn clusters(&mut self, clusters: [u32; 2], counters: &mut Counters) -> ControlFlow<()> {
+    fn clusters(&mut self, clusters: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
         for_near_faces(self.ground, clusters, 0.0, None, |[f, g]| {
             if !self.is_done() {
                 self.look(f, g, counters);
@@ -157,7 +157,7 @@ pub(crate) fn meetings_in(
         let separation = match leaf.hurry > 0 {
             true => {
                 leaf.hurry -= 1;
-                let _ = meetings.clusters(leaf.pair, counters);
+                let _ = meetings.clusters(leaf.pair, 0.0, counters);
                 0.0
             }
             false => meetings.separation(leaf.pair, reach, counters),
@@ -174,4 +174,68 @@ pub(crate) fn meetings_in(
     let Meetings { surface, mut found, .. } = meetings;
     found.sort_unstable();
     (surface, found, Clearance(clearance))
+}
+
+/// Lists pairs of clusters within reach, and finds all faces that meet where asked for.
+struct Listing<'s, 'g, 'p, 'm> {
+    meetings: Meetings<'g, 'p, 'm>,
+    reach: f64,
+    meets: bool,
+    listed: &'s mut Vec<[u32; 2]>,
+}
+
+impl Visitor for Listing<'_, '_, '_, '_> {
+    fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    fn clusters(
+        &mut self,
+        clusters: [u32; 2],
+        gap: f64,
+        counters: &mut Counters,
+    ) -> ControlFlow<()> {
+        if self.reach > 0.0 {
+            self.listed.push(clusters);
+        }
+        if self.meets && gap <= 0.0 {
+            return self.meetings.clusters(clusters, gap, counters);
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Lists the pairs of clusters within `reach`, from the top; finds all faces that meet, where asked for.
+pub(crate) fn near_clusters(
+    pair: &Pair,
+    ground: &Ground,
+    (reach, meets): (f64, bool),
+    stack: &mut Vec<Pending>,
+    listed: &mut Vec<[u32; 2]>,
+    counters: &mut Counters,
+) -> (Surface, Vec<FacePair>) {
+    let (surface, found) = (Meeting::None, Vec::new());
+    let meetings = Meetings { ground, pair, ends_at_crossing: false, surface, found };
+    let mut listing = Listing { meetings, reach, meets, listed };
+    // Nothing ends it.
+    let _ = descend(ground, stack, &mut listing, counters);
+    let Meetings { surface, mut found, .. } = listing.meetings;
+    found.sort_unstable();
+    (surface, found)
+}
+
+/// Lists the pairs of clusters of a cut that are within `reach`.
+pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, reach: f64, listed: &mut Vec<[u32; 2]>) {
+    let posing = ground.posing();
+    let (leaves, spent) = cut.leaves();
+    for leaf in leaves {
+        if spent.left(leaf) > reach {
+            continue;
+        }
+        let gap = ground.cluster_gap(leaf, reach);
+        spent.note(leaf, gap, posing);
+        if gap <= reach {
+            listed.push(leaf.pair);
+        }
+    }
 }

@@ -2,12 +2,13 @@
 //!
 //! `ground` places the two trees, `descent` goes down both at once and hands over pairs of clusters within reach, the nearest
 //! first; a visitor looks at them and may shrink its reach or end the descent. `faces` compares the faces of two clusters,
-//! eight at a time. A `cut` is where a descent ended, `kept` from query to query where that pays. All of this is single precision that keeps too much, never too little; what it keeps is decided in double
+//! eight at a time; `features` tells which of their vertices and ridges may make contacts. A `cut` is where a descent ended, `kept` from query to query where that pays. All of this is single precision that keeps too much, never too little; what it keeps is decided in double
 //! precision or exactly.
 
 mod cut;
 mod descent;
 mod faces;
+mod features;
 mod ground;
 mod kept;
 mod lanes;
@@ -16,9 +17,12 @@ mod nearest;
 mod parted;
 
 pub(crate) use self::descent::Pending;
+pub(crate) use self::features::{Candidate, Kind, Lasting, Turned, add_candidates};
 pub(crate) use self::ground::Ground;
 pub(crate) use self::kept::{KeptCut, Reach};
-pub(crate) use self::meeting::{first_meeting, meeting_faces, meeting_pairs, meetings_in};
+pub(crate) use self::meeting::{
+    first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
+};
 pub(crate) use self::nearest::{nearest_faces, nearest_in};
 
 #[cfg(test)]

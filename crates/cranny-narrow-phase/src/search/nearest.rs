@@ -19,7 +19,7 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
         self.faces.limit()
     }
 
-    fn clusters(&mut self, pair: [u32; 2], counters: &mut Counters) -> ControlFlow<()> {
+    fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
         let toward = self.faces.toward().map(|d| d.to_array().map(|x| x as f32));
         let reach = self.faces.limit();
         for_near_faces(self.ground, pair, reach, toward, |[f, g]| {
@@ -60,7 +60,7 @@ pub(crate) fn nearest_in<'p, 'm>(
         spent.note(leaf, gap, posing);
         if gap <= limit {
             // Nothing ends it.
-            let _ = nearest.clusters(leaf.pair, counters);
+            let _ = nearest.clusters(leaf.pair, 0.0, counters);
         }
     }
 }

@@ -1,0 +1,336 @@
+//! Candidates by pairs of patches, and how long they last.
+//!
+//! A list is made with a *skin*: it holds every pair of features that may make a contact once bodies have come nearer by that, and
+//! turned by a little. Until they have, the list is evaluated again and nothing is searched (as neighbour lists in molecular
+//! dynamics: Verlet, 1967). A list that does not last is made without a skin, which is cheaper.
+
+use cranny_exact::RigidMap;
+use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
+
+use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
+use super::nearer;
+use crate::answer::{Contact, Counters, Feature, Surface};
+use crate::coherent::Coherent;
+use crate::motion::{Ball, Motion};
+use crate::pair::{Pair, Side, Whose};
+use crate::patience::Patience;
+use crate::search::{Candidate, Ground, Kind, Lasting, Turned, add_candidates};
+use crate::surface::FacePair;
+use crate::triangle_distance::Part;
+
+/// A skin is meant to last for so many steps like the last. Fewer: lists are made again and again; more: they are long.
+const STEPS: f64 = 8.0;
+
+/// It is no less than this part of the margin, so that bodies at rest keep it, and no more than the next but for long faces.
+const LEAST: f64 = 0.125;
+const MOST: f64 = 0.5;
+
+/// It is no more than this part of a face's length, or the margin's above. Larger: lists hold what never comes near.
+const OF_FACE: f64 = 0.15;
+
+/// A skin that lasts for fewer steps than this is not worth its list.
+const WORTH: f64 = 3.0;
+
+/// Turns for which a list lasts at most: the sine by which what faces what may change. Larger: more edges are listed.
+const MOST_TURN: f64 = 0.1;
+const LEAST_TURN: f64 = 1e-4;
+
+/// Lists of more candidates than this are not kept. Larger: memory of wide margins grows without a bound.
+const MOST_KEPT: usize = 1 << 14;
+
+/// Candidates of one pair of patches.
+#[derive(Clone, Debug)]
+struct Range {
+    patches: [PatchId; 2],
+    start: u32,
+    end: u32,
+    /// Which of them won last.
+    winner: u32,
+}
+
+/// For how long a list lasts.
+#[derive(Clone, Debug)]
+struct Skin {
+    since: RigidMap,
+    reach: f64,
+    turn: f64,
+    margin: f64,
+}
+
+/// What searches for contacts keep for the next one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactMemory {
+    whose: Whose,
+    candidates: Vec<Candidate>,
+    ranges: Vec<Range>,
+    /// `None`: the list is that of one pose.
+    skin: Option<Skin>,
+    /// How much nearer anything has come since the list was made.
+    moved: f64,
+    /// The winners of the last list, in the order of patches.
+    winners: Vec<([PatchId; 2], Candidate)>,
+    patience: Patience,
+    last: Option<RigidMap>,
+    turned: Turned,
+}
+
+impl ContactMemory {
+    /// Lets go of what is of use only while bodies are near each other.
+    pub(crate) fn let_go(&mut self) {
+        if !self.candidates.is_empty() || self.skin.is_some() {
+            *self = Self::default();
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.candidates.capacity() * size_of::<Candidate>()
+            + self.ranges.capacity() * size_of::<Range>()
+            + self.winners.capacity() * size_of::<([PatchId; 2], Candidate)>()
+            + self.turned.bytes()
+    }
+
+    /// Sees to it that the list is that of the pair's pose, and finds all faces that meet.
+    pub(super) fn search(
+        &mut self,
+        pair: &Pair,
+        margin: f64,
+        coherent: &mut Coherent,
+        counters: &mut Counters,
+    ) -> (Surface, Vec<FacePair>) {
+        let ground = Ground::of(pair);
+        let lasting = self.prepare(pair, margin);
+        let reach = lasting.map_or(0.0, |lasting| lasting.margin + lasting.skin);
+        let found = coherent.near(pair, &ground, reach, true, counters);
+        if let Some(lasting) = lasting {
+            self.make(pair, &ground, lasting, coherent.listed());
+        }
+        found
+    }
+
+    /// Sees to it that the list is that of the pair's pose.
+    pub(super) fn list(
+        &mut self,
+        pair: &Pair,
+        margin: f64,
+        coherent: &mut Coherent,
+        counters: &mut Counters,
+    ) {
+        let ground = Ground::of(pair);
+        if let Some(lasting) = self.prepare(pair, margin) {
+            let reach = lasting.margin + lasting.skin;
+            coherent.near(pair, &ground, reach, false, counters);
+            self.make(pair, &ground, lasting, coherent.listed());
+        }
+    }
+
+    /// How a new list is to last; `None` where the one that is there does.
+    fn prepare(&mut self, pair: &Pair, margin: f64) -> Option<Lasting> {
+        if !self.whose.are_of(pair) {
+            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        }
+        let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
+        let since = |map: &RigidMap| {
+            Motion::since(map, pair)
+                .map_or((0.0, 0.0), |motion| (motion.step(&balls), motion.stretch()))
+        };
+        let step = self.last.as_ref().map(since);
+        self.last = Some(pair.first_from_second);
+        if let Some(skin) = &self.skin {
+            let (moved, turned) = since(&skin.since);
+            let posing = 2.0 * pair.culling_error();
+            if margin <= skin.margin && moved + posing <= skin.reach && turned <= skin.turn {
+                self.moved = moved + posing;
+                self.patience.succeeded();
+                return None;
+            }
+            if self.moved == 0.0 {
+                self.patience.failed();
+            }
+        }
+        let now = Lasting { margin, skin: 0.0, turn: 0.0 };
+        let Some((moved, turned)) = step.filter(|_| self.patience.is_over()) else {
+            return Some(now);
+        };
+        let length = Side::BOTH.map(|side| face_length(pair, side));
+        let most = (OF_FACE * length[0].min(length[1])).max(MOST * margin);
+        let skin = (STEPS * moved).max(LEAST * margin).min(most);
+        if skin < WORTH * moved || skin <= 0.0 {
+            return Some(now);
+        }
+        let steps = if moved > 0.0 { (skin / moved).min(50.0) } else { 50.0 };
+        let turn = (turned * steps).clamp(LEAST_TURN, MOST_TURN);
+        Some(Lasting { margin, skin, turn })
+    }
+
+    /// Makes the list from pairs of clusters within reach.
+    fn make(&mut self, pair: &Pair, ground: &Ground, lasting: Lasting, clusters: &mut [[u32; 2]]) {
+        self.note_winners();
+        self.candidates.clear();
+        self.turned.clear();
+        clusters.sort_unstable();
+        for &pair in clusters.iter() {
+            add_candidates(ground, pair, lasting, &mut self.turned, &mut self.candidates);
+        }
+        self.moved = 0.0;
+        self.skin = None;
+        if lasting.skin > 0.0 {
+            if self.candidates.len() <= MOST_KEPT {
+                let Lasting { margin, skin: reach, turn } = lasting;
+                self.skin = Some(Skin { since: pair.first_from_second, reach, turn, margin });
+            } else {
+                self.patience.failed();
+            }
+        }
+        self.candidates
+            .sort_unstable_by(|x, y| x.patches.cmp(&y.patches).then(x.bound.total_cmp(&y.bound)));
+        self.divide();
+    }
+
+    /// Remembers who won in each pair of patches.
+    fn note_winners(&mut self) {
+        let Self { candidates, ranges, winners, .. } = self;
+        winners.clear();
+        let won = ranges.iter().filter(|range| range.winner < range.end);
+        winners.extend(won.map(|range| (range.patches, candidates[range.winner as usize])));
+    }
+
+    /// Finds where each pair of patches begins, and last query's winners among its candidates.
+    fn divide(&mut self) {
+        let Self { candidates, ranges, winners, .. } = self;
+        ranges.clear();
+        let mut known = winners.iter().peekable();
+        let mut start = 0;
+        for group in candidates.chunk_by(|x, y| x.patches == y.patches) {
+            let patches = group[0].patches;
+            while known.next_if(|(p, _)| *p < patches).is_some() {}
+            let won = known.next_if(|(p, _)| *p == patches).and_then(|(_, won)| {
+                group.iter().position(|c| c.ids == won.ids && c.kind == won.kind)
+            });
+            let end = start + group.len() as u32;
+            let winner = won.map_or(u32::MAX, |at| start + at as u32);
+            ranges.push(Range { patches, start, end, winner });
+            start = end;
+        }
+    }
+
+    /// Calls `told` with each pair of patches that has candidates.
+    pub(super) fn each_group(
+        &mut self,
+        pair: &Pair,
+        margin: f64,
+        counters: &mut Counters,
+        mut told: impl FnMut(&mut Group),
+    ) {
+        let unit = pair.model(Side::Second).clusters().unit();
+        let Self { candidates, ranges, moved, .. } = self;
+        for range in ranges {
+            let list = &candidates[range.start as usize..range.end as usize];
+            let mut group = Group { pair, list, range, unit, moved: *moved, margin, counters };
+            told(&mut group);
+        }
+    }
+}
+
+/// A length of the faces of a body.
+fn face_length(pair: &Pair, side: Side) -> f64 {
+    let model = pair.model(side);
+    let patches = model.patches().patches();
+    let area: f64 = patches.iter().map(|patch| patch.area).sum();
+    (2.0 * area / model.mesh().faces().len() as f64).sqrt()
+}
+
+/// The candidates of a pair of patches.
+pub(super) struct Group<'s, 'p, 'm> {
+    pair: &'p Pair<'m>,
+    list: &'s [Candidate],
+    range: &'s mut Range,
+    unit: f64,
+    moved: f64,
+    margin: f64,
+    counters: &'s mut Counters,
+}
+
+impl Group<'_, '_, '_> {
+    pub(super) fn patches(&self) -> [PatchId; 2] {
+        self.range.patches
+    }
+
+    /// How near the contact of a candidate can be.
+    fn bound(&self, candidate: &Candidate) -> f64 {
+        f64::from(candidate.bound) * self.unit - self.moved
+    }
+
+    /// The nearest contact, if one is within the margin.
+    pub(super) fn nearest(&mut self) -> Option<Contact> {
+        let mut best: Option<Contact> = None;
+        let mut limit = self.margin;
+        let won = (self.range.winner as usize).wrapping_sub(self.range.start as usize);
+        if let Some(candidate) = self.list.get(won) {
+            self.counters.triangle_tests += 1;
+            best = contact(self.pair, candidate, limit);
+            limit = best.map_or(limit, |best| best.separation.max(0.0));
+        }
+        for (at, candidate) in self.list.iter().enumerate() {
+            if self.bound(candidate) > limit {
+                break;
+            }
+            if at == won {
+                continue;
+            }
+            self.counters.triangle_tests += 1;
+            if let Some(found) = contact(self.pair, candidate, limit)
+                && best.is_none_or(|best| nearer(&found, &best).is_lt())
+            {
+                limit = found.separation.max(0.0);
+                best = Some(found);
+                self.range.winner = self.range.start + at as u32;
+            }
+        }
+        best
+    }
+
+    /// All contacts within the margin.
+    pub(super) fn all(&mut self, all: &mut Vec<Contact>) {
+        for candidate in self.list {
+            if self.bound(candidate) > self.margin {
+                break;
+            }
+            self.counters.triangle_tests += 1;
+            all.extend(contact(self.pair, candidate, self.margin));
+        }
+    }
+}
+
+/// The contact of a candidate, no farther than `below`, and not behind by more than rounding.
+fn contact(pair: &Pair, candidate: &Candidate, below: f64) -> Option<Contact> {
+    let [first, second] = candidate.ids;
+    let found = match candidate.kind {
+        Kind::CornerFace => corner(pair, Side::First, VertexId(first), FaceId(second), below),
+        Kind::FaceCorner => corner(pair, Side::Second, VertexId(second), FaceId(first), below),
+        Kind::Edges => edge_edge(pair, EdgeId(first), EdgeId(second), below)
+            .filter(|contact| contact.separation >= -pair.length_error()),
+    };
+    found.filter(|contact| contact.separation <= below)
+}
+
+/// The contact of a vertex before a face, or before what of its rim counts to it.
+fn corner(pair: &Pair, side: Side, vertex: VertexId, face: FaceId, below: f64) -> Option<Contact> {
+    let other = side.other();
+    let at = pair.position(side, vertex);
+    match vertex_face(pair, side, (vertex, at), (face, &pair.triangle(other, face)), below) {
+        Stand::Over(found) => found,
+        Stand::Beside(part) => {
+            let model = pair.model(other);
+            let owned = model.clusters().owned(face);
+            let is_owned = match part {
+                Part::Corner(i) => owned.corners >> i & 1 != 0,
+                Part::Edge(i) => owned.sides >> i & 1 != 0,
+                Part::Inside => false,
+            };
+            let rim = part.feature(model, face);
+            // Two vertices are one pair, told from the first.
+            let twice = side == Side::Second && matches!(rim, Feature::Vertex(_));
+            if is_owned && !twice { vertex_rim(pair, side, vertex, rim, below) } else { None }
+        }
+    }
+}

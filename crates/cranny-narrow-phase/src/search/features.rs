@@ -1,0 +1,475 @@
+//! Which features of two clusters may make a contact.
+//!
+//! A vertex before a face, or before its rim; two ridges that cross as seen along their common normal. The vertices of one cluster
+//! are held against the planes of the other's faces, eight at once; of ridges the Gauss map tells first whether they can touch as they
+//! are turned (Gregorius, 2013, GDC, "The separating axis test between convex polyhedra"), then how far apart they are. What is left
+//! is a *candidate*, with a lower bound of its distance: double precision decides.
+//!
+//! Candidates can be made to last: all that may make a contact once anything has come nearer by `skin` and turned by `turn`.
+
+use cranny_geometry::PatchId;
+use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, ROUNDING, RidgeLanes};
+use wide::f32x8;
+
+use super::ground::{Ground, Placing};
+use super::lanes::{Wide3, lane_of, lanes_of, wide, within};
+use crate::pair::Side;
+
+/// Two features that may make a contact, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A vertex of the first body, a face of the second.
+    CornerFace,
+    /// A face of the first body, a vertex of the second.
+    FaceCorner,
+    /// An edge of either.
+    Edges,
+}
+
+/// Two features that may make a contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) patches: [PatchId; 2],
+    /// The numbers of the features, of the first body and of the second.
+    pub(crate) ids: [u32; 2],
+    /// No contact of theirs is nearer than this, in the second body's lengths.
+    pub(crate) bound: f32,
+    pub(crate) kind: Kind,
+}
+
+/// For how long candidates are to last, and how far they reach: lengths of the pair, and a sine.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lasting {
+    pub(crate) margin: f64,
+    pub(crate) skin: f64,
+    pub(crate) turn: f64,
+}
+
+/// By how much a vertex may lie beside a face, as a part of its distance, and still be straight before its rim. Smaller: contacts
+/// over rims are lost; larger: vertices beside faces are looked at in vain.
+const STRAIGHT: f32 = 1.0 / (1 << 13) as f32;
+
+/// Single-precision inner products of unit vectors are off by no more than this; so are those whose signs say that ridges touch.
+/// Smaller: contacts of edges are lost by rounding; larger: more of them are compared.
+const SLACK: f32 = 1e-5;
+
+/// As `SLACK`, per blur of an edge's faces and rounding of its points.
+const ERRORS: f32 = 64.0;
+
+/// Squared sine below which two edges are parallel for certain: half of what decides, since their inner products lose as much.
+const PARALLEL: f32 = 0.5e-6;
+
+/// A cluster of the first body, turned and scaled into the second's frame, about its own centre.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Turned {
+    /// Which one, of which body it is.
+    name: Option<u32>,
+    corners: Vec<Wide3>,
+    faces: Option<TurnedFaces>,
+    ridges: Vec<TurnedRidges>,
+    room: Room,
+}
+
+/// A box about the origin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Room {
+    axes: [[f32; 3]; 3],
+    half: [f32; 3],
+}
+
+impl Room {
+    /// The lanes of points that are within reach of it.
+    #[inline(always)]
+    fn near(&self, points: &Wide3, reach: f32) -> u32 {
+        // The normal first, which tells most.
+        let beside = |i: usize| {
+            within(points.dot(&Wide3::all(self.axes[i])).abs(), f32x8::splat(self.half[i] + reach))
+        };
+        let near = beside(2);
+        if near == 0 { 0 } else { near & beside(0) & beside(1) }
+    }
+
+    /// The lanes of segments, of which the middles and halves are given, that are within reach of it.
+    #[inline(always)]
+    fn near_segments(&self, middles: &Wide3, halves: &Wide3, reach: f32) -> u32 {
+        let beside = |i: usize| {
+            let axis = Wide3::all(self.axes[i]);
+            let gap = middles.dot(&axis).abs() - halves.dot(&axis).abs();
+            within(gap, f32x8::splat(self.half[i] + reach))
+        };
+        let near = beside(2);
+        if near == 0 { 0 } else { near & beside(0) & beside(1) }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct TurnedFaces {
+    normal: Wide3,
+    top: f32x8,
+    bottom: f32x8,
+    sides: [Wide3; 3],
+    ends: [f32x8; 3],
+}
+
+#[derive(Clone, Debug)]
+struct TurnedRidges {
+    starts: Wide3,
+    spans: Wide3,
+    squares: f32x8,
+    along: Wide3,
+    left: Wide3,
+    right: Wide3,
+    blur: f32x8,
+}
+
+impl TurnedFaces {
+    fn own(faces: &FaceLanes) -> Self {
+        Self {
+            normal: Wide3::of(&faces.normal),
+            top: wide(&faces.top),
+            bottom: wide(&faces.bottom),
+            sides: faces.sides.each_ref().map(Wide3::of),
+            ends: faces.ends.each_ref().map(wide),
+        }
+    }
+
+    fn turned(faces: &FaceLanes, placing: &Placing) -> Self {
+        let (own, ratio) = (Self::own(faces), f32x8::splat(placing.ratio()));
+        Self {
+            normal: placing.turned_all(&own.normal),
+            top: own.top * ratio,
+            bottom: own.bottom * ratio,
+            sides: own.sides.each_ref().map(|side| placing.turned_all(side)),
+            ends: own.ends.map(|end| end * ratio),
+        }
+    }
+}
+
+impl TurnedRidges {
+    fn own(ridges: &RidgeLanes) -> Self {
+        Self {
+            starts: Wide3::of(&ridges.starts),
+            spans: Wide3::of(&ridges.spans),
+            squares: wide(&ridges.squares),
+            along: Wide3::of(&ridges.along),
+            left: Wide3::of(&ridges.left),
+            right: Wide3::of(&ridges.right),
+            blur: wide(&ridges.blur),
+        }
+    }
+
+    fn turned(ridges: &RidgeLanes, placing: &Placing) -> Self {
+        let (own, ratio) = (Self::own(ridges), f32x8::splat(placing.ratio()));
+        Self {
+            starts: placing.turned_all(&own.starts.times(ratio)),
+            spans: placing.turned_all(&own.spans.times(ratio)),
+            squares: own.squares * ratio * ratio,
+            along: placing.turned_all(&own.along),
+            left: placing.turned_all(&own.left),
+            right: placing.turned_all(&own.right),
+            blur: own.blur / ratio,
+        }
+    }
+}
+
+impl Turned {
+    /// Turns a cluster, unless it is the one that was turned last in this query.
+    fn set(&mut self, tree: &ClusterTree, name: u32, placing: &Placing) {
+        if self.name == Some(name) {
+            return;
+        }
+        self.name = Some(name);
+        let cluster = &tree.clusters()[name as usize];
+        let ratio = f32x8::splat(placing.ratio());
+        self.corners.clear();
+        let corners = tree.corners(cluster).iter();
+        self.corners
+            .extend(corners.map(|c| placing.turned_all(&Wide3::of(&c.points).times(ratio))));
+        self.faces = Some(TurnedFaces::turned(&cluster.faces, placing));
+        self.ridges.clear();
+        let ridges = tree.ridges(cluster).iter();
+        self.ridges.extend(ridges.map(|r| TurnedRidges::turned(r, placing)));
+        self.room = Room {
+            axes: cluster.bounds.axes.map(|axis| placing.turned(axis)),
+            half: cluster.bounds.half.map(|half| half * placing.ratio()),
+        };
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.corners.capacity() * size_of::<Wide3>()
+            + self.ridges.capacity() * size_of::<TurnedRidges>()
+    }
+
+    /// Forgets what was turned at another pose.
+    pub(crate) fn clear(&mut self) {
+        self.name = None;
+    }
+}
+
+/// What all comparisons of two clusters need, in the second body's lengths.
+#[derive(Clone, Copy)]
+struct Limits {
+    /// What is farther makes no contact.
+    reach: f32,
+    /// What may come about, with what single precision is off by.
+    skin: f32,
+    error: f32,
+    turn: f32,
+    /// What a point of the pair may be off by.
+    posing: f32,
+}
+
+/// Adds the candidates of two clusters.
+pub(crate) fn add_candidates(
+    ground: &Ground,
+    pair: [u32; 2],
+    lasting: Lasting,
+    turned: &mut Turned,
+    found: &mut Vec<Candidate>,
+) {
+    let trees = ground.trees;
+    let placing = ground.into(Side::Second);
+    turned.set(trees[0], pair[0], placing);
+    let [a, b] = [0, 1].map(|i: usize| &trees[i].clusters()[pair[i] as usize]);
+    // From the second's centre to the first's.
+    let offset = ground.between(Side::Second, b, a);
+    let unit = trees[1].unit();
+    let scale = a.bounds.radius * placing.ratio()
+        + b.bounds.radius
+        + offset.iter().map(|x| x.abs()).sum::<f32>();
+    let posing = (ground.posing() / unit) as f32;
+    let error = ROUNDING * scale + posing;
+    let skin = (lasting.skin / unit) as f32 + error;
+    let reach = ((lasting.margin / unit) as f32).next_up() + skin;
+    let limits = Limits { reach, skin, error, turn: lasting.turn as f32, posing };
+    let forth = Wide3::all(offset);
+    let back = Wide3::all(offset.map(|x| -x));
+    let Some(faces) = &turned.faces else { return };
+    // The first's vertices before the second's faces.
+    let its = TurnedFaces::own(&b.faces);
+    let room = Room { axes: b.bounds.axes, half: b.bounds.half };
+    for (block, points) in trees[0].corners(a).iter().zip(&turned.corners) {
+        let before = Before { lanes: &b.faces, faces: &its, room: &room };
+        before.corners(block, &points.plus(&forth), limits, |lane, face, bound| {
+            found.push(Candidate {
+                patches: [block.patches[lane], b.faces.patches[face]],
+                ids: [block.ids[lane].0, b.faces.ids[face].0],
+                bound,
+                kind: Kind::CornerFace,
+            });
+        });
+    }
+    for block in trees[1].corners(b) {
+        let before = Before { lanes: &a.faces, faces, room: &turned.room };
+        before.corners(
+            block,
+            &Wide3::of(&block.points).plus(&back),
+            limits,
+            |lane, face, bound| {
+                found.push(Candidate {
+                    patches: [a.faces.patches[face], block.patches[lane]],
+                    ids: [a.faces.ids[face].0, block.ids[lane].0],
+                    bound,
+                    kind: Kind::FaceCorner,
+                });
+            },
+        );
+    }
+    let others = trees[1].ridges(b);
+    if others.is_empty() {
+        return;
+    }
+    for (block, ridges) in trees[0].ridges(a).iter().zip(&turned.ridges) {
+        let half = f32x8::splat(0.5);
+        let starts = ridges.starts.plus(&forth);
+        let halves = ridges.spans.times(half);
+        let near = room.near_segments(&starts.plus(&halves), &halves, limits.reach);
+        let near = near & ((1 << block.count) - 1);
+        if near == 0 {
+            continue;
+        }
+        let own = EdgeArrays::of(ridges, &starts);
+        for lane in lanes_of(near) {
+            let edge = own.edge(lane);
+            for other in others {
+                edge.before(other, limits, |k, bound| {
+                    found.push(Candidate {
+                        patches: [block.patches[lane], other.patches[k]],
+                        ids: [block.ids[lane].0, other.ids[k].0],
+                        bound,
+                        kind: Kind::Edges,
+                    });
+                });
+            }
+        }
+    }
+}
+
+/// Faces that vertices stand before.
+struct Before<'a> {
+    lanes: &'a FaceLanes,
+    faces: &'a TurnedFaces,
+    room: &'a Room,
+}
+
+impl Before<'_> {
+    /// Calls `found` with the lane of each vertex and of each face before which it may make a contact, and a lower bound.
+    #[inline(always)]
+    fn corners(
+        &self,
+        block: &CornerLanes,
+        points: &Wide3,
+        limits: Limits,
+        mut found: impl FnMut(usize, usize, f32),
+    ) {
+        let Limits { reach, skin, error, .. } = limits;
+        let near = self.room.near(points, reach) & ((1 << block.count) - 1);
+        if near == 0 {
+            return;
+        }
+        let faces = self.faces;
+        let zero = f32x8::splat(0.0);
+        let arrays = points.to_arrays();
+        for lane in lanes_of(near) {
+            let p = lane_of(&arrays, lane);
+            let height = faces.normal.dot(&p);
+            let above = (height - faces.top).fast_max(faces.bottom - height).fast_max(zero);
+            let [x, y, z] = [0, 1, 2].map(|i: usize| faces.sides[i].dot(&p) - faces.ends[i]);
+            let beside = x.fast_max(y).fast_max(z).fast_max(zero);
+            let far = f32x8::splat(reach);
+            let mut near = within(above, far) & within(beside, far) & self.lanes.mask();
+            if near == 0 {
+                continue;
+            }
+            // Over the inside, or straight before the rim, and not behind; or a tip before a rim.
+            let over = within(beside, f32x8::splat(skin + STRAIGHT * reach))
+                & within(faces.bottom - height, f32x8::splat(skin));
+            let rims = if block.tips >> lane & 1 != 0 { self.lanes.rims } else { 0 };
+            near &= over | rims;
+            if near == 0 {
+                continue;
+            }
+            let apart = (above * above + beside * beside).sqrt().to_array();
+            for face in lanes_of(near) {
+                if apart[face] <= reach || apart[face].is_nan() {
+                    found(lane, face, apart[face] - error);
+                }
+            }
+        }
+    }
+}
+
+/// Ridges of a block, as arrays.
+struct EdgeArrays {
+    starts: [[f32; LANES]; 3],
+    spans: [[f32; LANES]; 3],
+    along: [[f32; LANES]; 3],
+    left: [[f32; LANES]; 3],
+    right: [[f32; LANES]; 3],
+    squares: [f32; LANES],
+    blur: [f32; LANES],
+}
+
+impl EdgeArrays {
+    fn of(ridges: &TurnedRidges, starts: &Wide3) -> Self {
+        Self {
+            starts: starts.to_arrays(),
+            spans: ridges.spans.to_arrays(),
+            along: ridges.along.to_arrays(),
+            left: ridges.left.to_arrays(),
+            right: ridges.right.to_arrays(),
+            squares: ridges.squares.to_array(),
+            blur: ridges.blur.to_array(),
+        }
+    }
+
+    #[inline(always)]
+    fn edge(&self, lane: usize) -> OneEdge {
+        OneEdge {
+            start: lane_of(&self.starts, lane),
+            span: lane_of(&self.spans, lane),
+            along: lane_of(&self.along, lane),
+            left: lane_of(&self.left, lane),
+            right: lane_of(&self.right, lane),
+            square: f32x8::splat(self.squares[lane]),
+            blur: f32x8::splat(self.blur[lane]),
+        }
+    }
+}
+
+/// One ridge, eight times.
+struct OneEdge {
+    start: Wide3,
+    span: Wide3,
+    along: Wide3,
+    left: Wide3,
+    right: Wide3,
+    square: f32x8,
+    blur: f32x8,
+}
+
+impl OneEdge {
+    /// Calls `found` with the lane of each ridge that it may touch, and a lower bound of their distance.
+    #[inline(always)]
+    fn before(&self, others: &RidgeLanes, limits: Limits, mut found: impl FnMut(usize, f32)) {
+        let Limits { reach, error, turn, posing, .. } = limits;
+        // Arcs that cross on the sphere of directions: four inner products, all of one sign.
+        let blur = self.blur + wide(&others.blur);
+        let slack = f32x8::splat(SLACK + turn) + blur * f32x8::splat(ERRORS * posing);
+        let along = Wide3::of(&others.along);
+        let (p, q) = (self.left.dot(&along), self.right.dot(&along));
+        let (least, most) = (p.fast_min(q), p.fast_max(q));
+        let mut near = (within(most, slack) | within(-least, slack)) & ((1 << others.count) - 1);
+        if near == 0 {
+            return;
+        }
+        let (r, s) =
+            (Wide3::of(&others.left).dot(&self.along), Wide3::of(&others.right).dot(&self.along));
+        let (least, most) = (least.fast_min(r).fast_min(s), most.fast_max(r).fast_max(s));
+        near &= within(most, slack) | within(-least, slack);
+        if near == 0 {
+            return;
+        }
+        // The nearest points of the two segments.
+        let (zero, one) = (f32x8::splat(0.0), f32x8::splat(1.0));
+        let span = Wide3::of(&others.spans);
+        let between = self.start.minus(&Wide3::of(&others.starts));
+        let (a, e) = (self.square, wide(&others.squares));
+        let (b, c, f) = (self.span.dot(&span), self.span.dot(&between), span.dot(&between));
+        let whole = a * e;
+        let raw = whole - b * b;
+        let is_now = limits.turn == 0.0;
+        if is_now {
+            near &= !within(raw, f32x8::splat(PARALLEL) * whole);
+        }
+        let across = raw.fast_max(f32x8::splat(PARALLEL) * whole);
+        let bend = whole / across;
+        let s = (b * f - c * e) / across;
+        if is_now {
+            // Where lines are nearest lies within both edges, but for lost digits.
+            let blur = f32x8::splat(2.0 * error) * bend + f32x8::splat(error);
+            let t = (b * s + f) / e;
+            let (over_s, over_t) = (blur / a.sqrt(), blur / e.sqrt());
+            near &= within((s - one).fast_max(-s), over_s) & within((t - one).fast_max(-t), over_t);
+            if near == 0 {
+                return;
+            }
+        }
+        let s = s.fast_max(zero).fast_min(one);
+        let t = ((b * s + f) / e).fast_max(zero).fast_min(one);
+        let s = ((b * t - c) / a).fast_max(zero).fast_min(one);
+        let apart = between.plus(&self.span.times(s)).minus(&span.times(t));
+        let apart = apart.dot(&apart).sqrt();
+        // Where they are nearly parallel, the parameters lose digits.
+        let fuzz = f32x8::splat(error) * bend.sqrt();
+        let bound = apart - fuzz;
+        near &= within(bound, f32x8::splat(reach));
+        if near == 0 {
+            return;
+        }
+        let bound = bound.to_array();
+        for lane in lanes_of(near) {
+            found(lane, bound[lane] - error);
+        }
+    }
+}
