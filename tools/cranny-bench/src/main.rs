@@ -12,6 +12,7 @@ mod broad;
 mod cloud;
 mod count;
 mod deform;
+mod entangled;
 mod export;
 mod hulls;
 mod pairs;
@@ -78,6 +79,8 @@ enum Command {
     Methods,
     /// Sorting boxes level by level, beside the kept front and a descent from the top
     Sorting,
+    /// Pairs whose hulls overlap, warm and cold, against parry's meshes and decompositions and Coal
+    Entangled(entangled::EntangledArgs),
     /// Overlapping boxes in motion, against parry's `Bvh`
     Broad {
         /// Only scenes whose name contains this
@@ -123,6 +126,7 @@ fn main() -> ExitCode {
         Command::Coal { only } => pairs::coal::measure(cli.quick, only),
         Command::Sorting => Ok(pairs::sorting::measure(cli.quick)),
         Command::Methods => Ok(pairs::methods::measure(cli.quick)),
+        Command::Entangled(args) => return exit(compare_entangled(&cli, args)),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
         Command::Count { name } => return exit(count::count(name.as_deref())),
         Command::Export { folder } => export::write(folder, cli.quick),
@@ -143,6 +147,16 @@ fn exit(outcome: io::Result<()>) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Prints the report, and fails where answers differ.
+fn compare_entangled(cli: &Cli, args: &entangled::EntangledArgs) -> io::Result<()> {
+    let outcomes = entangled::measure(cli.quick, args)?;
+    print(&outcomes.report, cli.format)?;
+    if outcomes.differences.is_empty() {
+        return Ok(());
+    }
+    Err(io::Error::other(format!("answers differ:\n  {}", outcomes.differences.join("\n  "))))
 }
 
 fn print(report: &Report, format: Format) -> io::Result<()> {

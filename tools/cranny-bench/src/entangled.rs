@@ -1,0 +1,206 @@
+//! Pairs whose hulls overlap: ours warm and cold, parry's meshes and decompositions, and Coal.
+//!
+//! All answer about the same poses, in turns, in one run. A frame is a step of one of our simulations,
+//! or so many degrees of motion; its time is the thread's CPU time at the best of some turns, summed
+//! over its pairs. Ratios are of medians over the frames that both answered about.
+
+mod catalog;
+mod check;
+mod coal;
+mod corpus;
+mod demand;
+mod digest;
+mod kinematic;
+mod ours;
+mod parry;
+mod recorded;
+mod stage;
+mod table;
+mod turns;
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use clap::Args;
+use cranny_rapier::Detector;
+
+use self::catalog::Case;
+use self::coal::{Coal, CoalTurns};
+use self::demand::Asked;
+use self::ours::{Ours, Outcome};
+use self::parry::{Parry, Shapes};
+use self::recorded::Recordings;
+use self::stage::Stage;
+use self::table::Row;
+use self::turns::{Budget, Contestant, take_turns};
+use crate::report::Report;
+
+/// What is measured.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct EntangledArgs {
+    /// Only cases whose name contains one of these; `pile of 500 late` and the like are named in full
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+
+    /// At most so many frames
+    #[arg(long, value_name = "N")]
+    frames: Option<usize>,
+
+    /// Degrees a frame of the bodies that no solver moves, in place of each case's own
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    degrees: Vec<f64>,
+
+    /// Only these demands
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    demands: Vec<Asked>,
+
+    /// Ratios only: no microseconds, counts and hashes
+    #[arg(long)]
+    ratios: bool,
+
+    /// Lists the cases
+    #[arg(long)]
+    list: bool,
+
+    /// Simulates anew what has been recorded
+    #[arg(long)]
+    record: bool,
+
+    /// Folder of recorded poses, to be shared by revisions that are compared [default: beside the build]
+    #[arg(long, value_name = "DIR")]
+    recordings: Option<PathBuf>,
+}
+
+/// Frames of a quick look.
+const QUICK_FRAMES: usize = 40;
+
+/// A report, and where answers differ that must not.
+pub(crate) struct Outcomes {
+    pub(crate) report: Report,
+    pub(crate) differences: Vec<String>,
+}
+
+/// Measures what the arguments name.
+///
+/// # Errors
+///
+/// No case of these names, standard error that cannot be written.
+pub(crate) fn measure(quick: bool, args: &EntangledArgs) -> io::Result<Outcomes> {
+    let cases: Vec<Case> =
+        catalog::cases(&args.degrees).into_iter().filter(|c| c.is_wanted(&args.cases)).collect();
+    if cases.is_empty() {
+        return Err(io::Error::other("no case has such a name; `--list` alone lists them"));
+    }
+    if args.list {
+        return Ok(Outcomes { report: table::list(&cases), differences: Vec::new() });
+    }
+    let mut bench = Bench {
+        budget: Budget { rounds: if quick { 1 } else { 3 }, turn: if quick { 0.03 } else { 0.15 } },
+        recordings: Recordings {
+            folder: args.recordings.clone().unwrap_or_else(Recordings::default_folder),
+            anew: args.record,
+        },
+        has_coal: Coal::is_found(),
+        rows: Vec::new(),
+        notes: Vec::new(),
+        differences: Vec::new(),
+    };
+    if !bench.has_coal {
+        bench.notes.push(
+            "Coal is not found: `pip install coal`, and name the interpreter in CRANNY_PYTHON"
+                .into(),
+        );
+    }
+    let most = args.frames.unwrap_or(if quick { QUICK_FRAMES } else { usize::MAX });
+    for case in &cases {
+        writeln!(io::stderr(), "{}", case.name)?;
+        bench.measure(case, case.frames.min(most).max(1), &args.demands);
+    }
+    let Bench { rows, notes, differences, .. } = bench;
+    Ok(Outcomes { report: table::report(&rows, notes, args.ratios), differences })
+}
+
+struct Bench {
+    budget: Budget,
+    recordings: Recordings,
+    has_coal: bool,
+    rows: Vec<Row>,
+    notes: Vec<String>,
+    differences: Vec<String>,
+}
+
+impl Bench {
+    fn measure(&mut self, case: &Case, frames: usize, demands: &[Asked]) {
+        let stage = case.motion(frames, &self.recordings).and_then(Stage::new);
+        let stage = match stage {
+            Ok(stage) => stage,
+            Err(why) => return self.notes.push(format!("{}: skipped: {why}", case.name)),
+        };
+        let shapes = [Detector::RapierTrimesh, Detector::RapierDecomposition]
+            .map(|detector| Shapes::new(&stage, detector));
+        let mut coal = self.has_coal.then(|| Coal::start(&stage).ok()).flatten();
+        for &asked in case.asked {
+            if demands.is_empty() || demands.contains(&asked) {
+                self.row(case, &stage, asked, &shapes, coal.as_mut());
+            }
+        }
+    }
+
+    fn row(
+        &mut self,
+        case: &Case,
+        stage: &Stage,
+        asked: Asked,
+        shapes: &[Option<Shapes>; 2],
+        coal: Option<&mut Coal>,
+    ) {
+        let demand = asked.of(&stage.motion);
+        let mut warm = Ours::new(stage, demand, true);
+        let mut cold = Ours::new(stage, demand, false);
+        let mut parry = shapes
+            .each_ref()
+            .map(|shapes| shapes.as_ref().map(|shapes| Parry::new(stage, shapes, asked)));
+        let mut coal = coal.map(|coal| CoalTurns {
+            coal,
+            asked,
+            margin: demand.margin().unwrap_or(0.0),
+            answers: vec![None; stage.len()],
+        });
+        let mut contestants: Vec<&mut dyn Contestant> = vec![&mut warm, &mut cold];
+        let present = [parry[0].is_some(), parry[1].is_some(), coal.is_some()];
+        contestants.extend(parry.iter_mut().flatten().map(|p| p as &mut dyn Contestant));
+        contestants.extend(coal.as_mut().map(|c| c as &mut dyn Contestant));
+        let mut times = take_turns(self.budget, stage.len(), &mut contestants).into_iter();
+        let (Some(Some(first)), second) = (times.next(), times.next()) else {
+            return self.notes.push(format!("{}: our query fails", case.name));
+        };
+        let peers = present.map(|present| if present { times.next().flatten() } else { None });
+        let failures = [
+            check::warm_beside_cold(&warm.outcomes, &cold.outcomes),
+            coal.as_ref()
+                .and_then(|c| check::beside_coal(stage, asked, &warm.outcomes, &c.answers)),
+        ];
+        let at = format!("{}, {}", case.name, asked.name());
+        self.differences.extend(failures.into_iter().flatten().map(|what| format!("{at}: {what}")));
+        let mut answers = digest::Digest::default();
+        let mut tests = [0, 0];
+        for Outcome { digest, counters, .. } in warm.outcomes.iter().flatten() {
+            answers.word(*digest);
+            tests[0] += counters.node_tests + counters.front_tested;
+            tests[1] += counters.triangle_tests;
+        }
+        let [node_tests, triangle_tests] = tests.map(|tests| tests / stage.len() as u64);
+        self.rows.push(Row {
+            case: case.name.clone(),
+            asked,
+            warm: first,
+            cold: second.flatten(),
+            peers,
+            bytes: warm.bytes(),
+            node_tests,
+            triangle_tests,
+            answers: answers.value(),
+            poses: stage.pose_hash(),
+        });
+    }
+}

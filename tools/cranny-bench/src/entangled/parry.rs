@@ -1,0 +1,121 @@
+//! parry as a contestant: triangle meshes, or their convex decompositions at its defaults.
+
+use std::io;
+
+use cranny_exact::Pose;
+use cranny_rapier::Detector;
+use parry3d::math::{Pose as NarrowPose, Rotation, Vector};
+use parry3d::query::{
+    ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, PersistentQueryDispatcher,
+    QueryDispatcher,
+};
+use parry3d::shape::SharedShape;
+
+use super::demand::Asked;
+use super::stage::Stage;
+use super::turns::{Contestant, Stopwatch};
+
+/// Prediction of manifolds where regions have no margin: next to nothing, as the regions' curves.
+const PREDICTION: f32 = 1e-4;
+
+/// Shapes of a stage's meshes, in the order of its models.
+pub(super) struct Shapes(Vec<SharedShape>);
+
+impl Shapes {
+    /// `None` where parry refuses a mesh or fails to decompose it.
+    pub(super) fn new(stage: &Stage, detector: Detector) -> Option<Self> {
+        let shapes = stage.models.iter().map(|model| detector.shape(model, 0).ok());
+        shapes.collect::<Option<Vec<_>>>().map(Self)
+    }
+}
+
+/// What parry keeps of a pair from frame to frame.
+#[derive(Default)]
+struct Memory {
+    manifolds: Vec<ContactManifold<(), ()>>,
+    workspace: Option<ContactManifoldsWorkspace>,
+}
+
+pub(super) struct Parry<'a> {
+    stage: &'a Stage,
+    shapes: &'a Shapes,
+    asked: Asked,
+    stopwatch: Stopwatch,
+    /// One a pair.
+    memories: Vec<Memory>,
+}
+
+impl<'a> Parry<'a> {
+    pub(super) fn new(stage: &'a Stage, shapes: &'a Shapes, asked: Asked) -> Self {
+        let memories = stage.motion.pairs.iter().map(|_| Memory::default()).collect();
+        Self { stage, shapes, asked, stopwatch: Stopwatch::new(), memories }
+    }
+
+    fn frame(&mut self, frame: usize) -> io::Result<f64> {
+        let Self { stage, shapes, asked, stopwatch, memories } = self;
+        let near = &stage.near[frame];
+        let poses: Vec<NarrowPose> =
+            near.iter().map(|&pair| narrow(&stage.a_from_b(frame, pair))).collect();
+        let margin = match asked {
+            Asked::Regions => (stage.motion.region_margin as f32).max(PREDICTION),
+            _ => stage.motion.contact_margin as f32,
+        };
+        let (seconds, supported) = stopwatch.seconds(|| {
+            near.iter().zip(&poses).all(|(&pair, pose)| {
+                let shapes = stage.mesh_indices(pair).map(|mesh| &*shapes.0[mesh]);
+                answer(*asked, pose, shapes, margin, &mut memories[pair])
+            })
+        });
+        if supported { Ok(seconds) } else { Err(io::Error::other("not supported by parry")) }
+    }
+}
+
+/// Returns whether parry supports the query.
+fn answer(
+    asked: Asked,
+    a_from_b: &NarrowPose,
+    [a, b]: [&dyn parry3d::shape::Shape; 2],
+    margin: f32,
+    memory: &mut Memory,
+) -> bool {
+    let dispatcher = DefaultQueryDispatcher;
+    match asked {
+        Asked::Verdict => dispatcher.intersection_test(a_from_b, a, b).is_ok_and(kept),
+        Asked::Distance => dispatcher.distance(a_from_b, a, b).is_ok_and(kept),
+        Asked::Contacts | Asked::Regions => {
+            let Memory { manifolds, workspace } = memory;
+            dispatcher.contact_manifolds(a_from_b, a, b, margin, manifolds, workspace).is_ok()
+        }
+    }
+}
+
+fn kept<T>(value: T) -> bool {
+    crate::stopwatch::keep(value);
+    true
+}
+
+impl Contestant for Parry<'_> {
+    fn run(&mut self, frames: &[usize]) -> io::Result<Vec<f64>> {
+        self.memories.iter_mut().for_each(|memory| *memory = Memory::default());
+        let keeps = matches!(self.asked, Asked::Contacts | Asked::Regions);
+        let mut seconds = Vec::with_capacity(frames.len());
+        let mut last = None;
+        for &frame in frames {
+            // Its manifolds come from the frame before, as they do in a simulation.
+            if keeps && frame > 0 && last != Some(frame - 1) {
+                self.frame(frame - 1)?;
+            }
+            seconds.push(self.frame(frame)?);
+            last = Some(frame);
+        }
+        Ok(seconds)
+    }
+}
+
+fn narrow(pose: &Pose) -> NarrowPose {
+    let (t, r) = (pose.translation, pose.rotation);
+    NarrowPose::from_parts(
+        Vector::new(t.x as f32, t.y as f32, t.z as f32),
+        Rotation::from_xyzw(r.x as f32, r.y as f32, r.z as f32, r.w as f32),
+    )
+}
