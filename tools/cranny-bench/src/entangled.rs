@@ -18,7 +18,7 @@ mod stage;
 mod table;
 mod turns;
 
-use std::io::{self, Write};
+use std::io;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -33,6 +33,7 @@ use self::recorded::Recordings;
 use self::stage::Stage;
 use self::table::Row;
 use self::turns::{Budget, Contestant, take_turns};
+use crate::progress;
 use crate::report::Report;
 
 /// What is measured.
@@ -84,7 +85,7 @@ pub(crate) struct Outcomes {
 ///
 /// # Errors
 ///
-/// No case of these names, standard error that cannot be written.
+/// No case of these names.
 pub(crate) fn measure(quick: bool, args: &EntangledArgs) -> io::Result<Outcomes> {
     let cases: Vec<Case> =
         catalog::cases(&args.degrees).into_iter().filter(|c| c.is_wanted(&args.cases)).collect();
@@ -113,7 +114,7 @@ pub(crate) fn measure(quick: bool, args: &EntangledArgs) -> io::Result<Outcomes>
     }
     let most = args.frames.unwrap_or(if quick { QUICK_FRAMES } else { usize::MAX });
     for case in &cases {
-        writeln!(io::stderr(), "{}", case.name)?;
+        progress(&case.name);
         bench.measure(case, case.frames.min(most).max(1), &args.demands);
     }
     let Bench { rows, notes, differences, .. } = bench;
@@ -196,6 +197,9 @@ impl Bench {
             warm: first,
             cold: second.flatten(),
             peers,
+            otherwise: parry[1]
+                .as_ref()
+                .and_then(|parry| check::otherwise(&warm.outcomes, &parry.meets)),
             bytes: warm.bytes(),
             node_tests,
             triangle_tests,

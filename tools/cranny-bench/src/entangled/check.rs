@@ -54,10 +54,68 @@ pub(super) fn beside_coal(
     None
 }
 
+/// Of a hundred verdicts of a peer, those that are not ours; `None` where it gave none.
+pub(super) fn otherwise(ours: &[Option<Outcome>], peer: &[Option<Vec<bool>>]) -> Option<f64> {
+    let (mut all, mut others) = (0, 0);
+    for (ours, peer) in ours.iter().zip(peer) {
+        let (Some(ours), Some(peer)) = (ours, peer) else { continue };
+        all += peer.len();
+        others += ours.meets.iter().zip(peer).filter(|(ours, peer)| ours != peer).count();
+    }
+    (all > 0).then(|| 100.0 * others as f64 / all as f64)
+}
+
 /// The distance, found without memory.
 fn gap(stage: &Stage, frame: usize, pair: usize) -> f64 {
     let [a, b] = stage.placed(frame, pair);
     let whole = Query::of(Demand::Distance { below: None });
     let answer = query(a, b, &whole, &mut PairMemory::default());
     answer.ok().and_then(|answer| answer.distance).unwrap_or(f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::entangled::stage::Motion;
+    use cranny_exact::{DVec3, Pose};
+    use cranny_shapes::Cuboid;
+    use serde_json::json;
+
+    fn outcome(digest: u64, meets: bool, distance: Option<f64>) -> Option<Outcome> {
+        Some(Outcome {
+            digest,
+            meets: vec![meets],
+            distances: vec![distance],
+            ..Outcome::default()
+        })
+    }
+
+    #[test]
+    fn frames_whose_hashes_differ_are_named() {
+        let warm = [outcome(1, true, None), outcome(2, true, None), outcome(3, true, None)];
+        let cold = [None, outcome(2, true, None), outcome(4, true, None)];
+        assert!(warm_beside_cold(&warm, &cold).unwrap().ends_with("[2]"));
+        assert_eq!(warm_beside_cold(&warm, &warm), None);
+    }
+
+    #[test]
+    fn coal_is_believed_but_for_the_narrowest_gaps() {
+        let cube = Cuboid { size: [1.0; 3] }.build().unwrap();
+        let poses = [1.0 + 1e-6, 1.01].map(|x| Pose::at(DVec3::X * x)).into();
+        let stage = Stage::new(Motion::of_twins(cube, poses, 0.1)).unwrap();
+        let said = |asked, ours: &[Option<Outcome>], coal: serde_json::Value| {
+            let coal: Vec<_> = coal.as_array().unwrap().iter().map(|one| Some(vec![one.clone()]));
+            let coal: Vec<_> = coal.collect();
+            beside_coal(&stage, asked, ours, &coal)
+        };
+        let apart = [outcome(0, false, Some(1e-6)), outcome(0, false, Some(0.01))];
+        assert_eq!(said(Asked::Verdict, &apart, json!([true, false])), None);
+        let told = said(Asked::Verdict, &apart, json!([true, true])).unwrap();
+        assert!(told.starts_with("frame 1"), "{told}");
+        assert_eq!(said(Asked::Distance, &apart, json!([-1.0, 0.01])), None);
+        assert!(said(Asked::Distance, &apart, json!([0.0, 0.011])).is_some());
+        let meet = [outcome(0, true, Some(0.0)), None];
+        assert!(said(Asked::Verdict, &meet, json!([false, false])).is_some());
+        assert_eq!(otherwise(&apart, &[Some(vec![true]), Some(vec![false])]), Some(50.0));
+    }
 }

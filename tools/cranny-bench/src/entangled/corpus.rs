@@ -25,7 +25,8 @@ pub(super) fn m12_nut(way: Way, degrees: f64, frames: usize) -> Result<Motion, S
     let folder = folder()?;
     let bolt = mesh(&folder, "isaac_factory/factory_bolt_m12_loose.obj", MILLIMETRES)?;
     let nut = mesh(&folder, "isaac_factory/factory_nut_m12_loose_subdiv_3x.obj", MILLIMETRES)?;
-    let thread = Thread { pitch: 1.75, radius: 6.0, start: 3.5, play: 0.2 };
+    // It fits from 5.05, where a gap of 0.03 is left, to 5.2.
+    let thread = Thread { pitch: 1.75, radius: 6.0, start: 5.05, play: 0.1, middle: 0.075 };
     Ok(on_thread(bolt, nut, thread, way, degrees, frames))
 }
 

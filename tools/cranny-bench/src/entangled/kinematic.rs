@@ -78,7 +78,13 @@ pub(super) fn ball_in_cup(gap: f64, degrees: f64, frames: usize) -> Result<Motio
 /// Our M16 nut on its bolt.
 pub(super) fn nut(way: Way, degrees: f64, frames: usize) -> Result<Motion, ShapeError> {
     let (bolt, nut) = (IsoBolt::default(), IsoNut::default());
-    let thread = Thread { pitch: bolt.pitch, radius: 8.0, start: 12.0, play: 0.05 * bolt.pitch };
+    let thread = Thread {
+        pitch: bolt.pitch,
+        radius: 8.0,
+        start: 12.0,
+        play: 0.05 * bolt.pitch,
+        middle: 0.0,
+    };
     Ok(on_thread(bolt.build()?, nut.build()?, thread, way, degrees, frames))
 }
 
@@ -96,10 +102,12 @@ pub(super) enum Way {
 pub(super) struct Thread {
     pub(super) pitch: f64,
     pub(super) radius: f64,
-    /// Height of the nut in the first frame.
+    /// Height of the nut, along the thread in the first frame.
     pub(super) start: f64,
-    /// How far it goes across, to either side.
+    /// How far across the nut is taken, to either side of where it is nearest to no flank.
     pub(super) play: f64,
+    /// The height of that place above `start`.
+    pub(super) middle: f64,
 }
 
 /// A nut on a bolt along z. Across, a frame is as long as its degrees are at the thread's radius.
@@ -120,7 +128,7 @@ pub(super) fn on_thread(
             },
             Way::Across => {
                 let shift = to_and_fro(thread.radius * angle, thread.play);
-                Pose::at((thread.start + shift) * DVec3::Z)
+                Pose::at((thread.start + thread.middle + shift) * DVec3::Z)
             }
         }
     };

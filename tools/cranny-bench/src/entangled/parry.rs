@@ -7,9 +7,9 @@ use cranny_rapier::Detector;
 use parry3d::math::{Pose as NarrowPose, Rotation, Vector};
 use parry3d::query::{
     ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, PersistentQueryDispatcher,
-    QueryDispatcher,
+    QueryDispatcher, Unsupported,
 };
-use parry3d::shape::SharedShape;
+use parry3d::shape::{Shape, SharedShape};
 
 use super::demand::Asked;
 use super::stage::Stage;
@@ -43,16 +43,19 @@ pub(super) struct Parry<'a> {
     stopwatch: Stopwatch,
     /// One a pair.
     memories: Vec<Memory>,
+    /// Of each frame whose verdict was asked for: whether the shapes meet, pair by pair.
+    pub(super) meets: Vec<Option<Vec<bool>>>,
 }
 
 impl<'a> Parry<'a> {
     pub(super) fn new(stage: &'a Stage, shapes: &'a Shapes, asked: Asked) -> Self {
         let memories = stage.motion.pairs.iter().map(|_| Memory::default()).collect();
-        Self { stage, shapes, asked, stopwatch: Stopwatch::new(), memories }
+        let meets = vec![None; stage.len()];
+        Self { stage, shapes, asked, stopwatch: Stopwatch::new(), memories, meets }
     }
 
     fn frame(&mut self, frame: usize) -> io::Result<f64> {
-        let Self { stage, shapes, asked, stopwatch, memories } = self;
+        let Self { stage, shapes, asked, stopwatch, memories, meets } = self;
         let near = &stage.near[frame];
         let poses: Vec<NarrowPose> =
             near.iter().map(|&pair| narrow(&stage.a_from_b(frame, pair))).collect();
@@ -60,38 +63,41 @@ impl<'a> Parry<'a> {
             Asked::Regions => (stage.motion.region_margin as f32).max(PREDICTION),
             _ => stage.motion.contact_margin as f32,
         };
-        let (seconds, supported) = stopwatch.seconds(|| {
-            near.iter().zip(&poses).all(|(&pair, pose)| {
+        let (seconds, answers) = stopwatch.seconds(|| {
+            let answers = near.iter().zip(&poses).map(|(&pair, pose)| {
                 let shapes = stage.mesh_indices(pair).map(|mesh| &*shapes.0[mesh]);
                 answer(*asked, pose, shapes, margin, &mut memories[pair])
-            })
+            });
+            answers.collect::<Result<Vec<bool>, _>>()
         });
-        if supported { Ok(seconds) } else { Err(io::Error::other("not supported by parry")) }
+        let answers = answers.map_err(|_| io::Error::other("not supported by parry"))?;
+        if *asked == Asked::Verdict {
+            meets[frame] = Some(answers);
+        }
+        Ok(seconds)
     }
 }
 
-/// Returns whether parry supports the query.
+/// Returns whether the shapes meet, as far as the query says.
 fn answer(
     asked: Asked,
     a_from_b: &NarrowPose,
-    [a, b]: [&dyn parry3d::shape::Shape; 2],
+    [a, b]: [&dyn Shape; 2],
     margin: f32,
     memory: &mut Memory,
-) -> bool {
+) -> Result<bool, Unsupported> {
     let dispatcher = DefaultQueryDispatcher;
     match asked {
-        Asked::Verdict => dispatcher.intersection_test(a_from_b, a, b).is_ok_and(kept),
-        Asked::Distance => dispatcher.distance(a_from_b, a, b).is_ok_and(kept),
+        Asked::Verdict => {
+            dispatcher.intersection_test(a_from_b, a, b).map(|found| found.intersecting)
+        }
+        Asked::Distance => dispatcher.distance(a_from_b, a, b).map(|found| found.distance <= 0.0),
         Asked::Contacts | Asked::Regions => {
             let Memory { manifolds, workspace } = memory;
-            dispatcher.contact_manifolds(a_from_b, a, b, margin, manifolds, workspace).is_ok()
+            dispatcher.contact_manifolds(a_from_b, a, b, margin, manifolds, workspace)?;
+            Ok(!manifolds.is_empty())
         }
     }
-}
-
-fn kept<T>(value: T) -> bool {
-    crate::stopwatch::keep(value);
-    true
 }
 
 impl Contestant for Parry<'_> {

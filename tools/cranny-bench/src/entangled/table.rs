@@ -13,6 +13,8 @@ pub(super) struct Row {
     pub(super) cold: Option<Times>,
     /// parry's meshes, its decompositions, Coal.
     pub(super) peers: [Option<Times>; 3],
+    /// Of a hundred of the decompositions' verdicts, those that are not the meshes'.
+    pub(super) otherwise: Option<f64>,
     /// Of memory, a pair.
     pub(super) bytes: usize,
     /// A frame, with memory.
@@ -49,6 +51,8 @@ impl Row {
             cells.push(cold.map_or(Cell::Absent, micros));
         }
         cells.extend(self.ratios().map(|ratio| ratio.map_or(Cell::Absent, Cell::Ratio)));
+        cells
+            .push(self.otherwise.map_or(Cell::Absent, |share| Cell::Text(format!("{share:.0} %"))));
         if !only_ratios {
             cells.push(Cell::Count(self.bytes / 1024));
             let counts = [self.node_tests, self.triangle_tests];
@@ -65,12 +69,15 @@ pub(super) fn report(rows: &[Row], mut notes: Vec<String>, only_ratios: bool) ->
     let mut columns = vec!["case", "asked"];
     columns.extend(if only_ratios { &["p99 / warm"][..] } else { &["warm", "p99", "cold"] });
     columns.extend(OTHERS);
+    columns.push("otherwise");
     if !only_ratios {
         columns.extend(["KiB", "nodes", "triangles", "answers", "poses"]);
     }
     let mut all = vec![
         "a frame, all pairs whose boxes overlap within the margin; thread CPU time, best of some turns, median over frames".into(),
         "warm: memory kept from frame to frame; cold: none; ratios of medians over the same frames: that column / warm".into(),
+        "otherwise: verdicts of the decompositions that are not the meshes', which bodies in each other's pockets may never part".into(),
+        "Coal: the call from Python is subtracted, so below a microsecond its ratio is vague".into(),
         "KiB of memory a pair; nodes, triangles: pairs compared a frame, warm; answers, poses: hashes".into(),
     ];
     all.append(&mut notes);
