@@ -85,7 +85,7 @@ fn moved(degrees: &[f64]) -> Vec<Case> {
     add("tori 10k linked deep", &[0.1], MANY, ALL, |d, n| tori(10, -0.05, d, n));
     add("tori 100k linked near", &[0.1], FEW, APART, |d, n| tori(100, 0.025, d, n));
     add("tori 100k linked in contact", &[0.1], FEW, ALL, |d, n| tori(100, -0.01, d, n));
-    add("golf 1k in light contact", &[0.1], MANY, ALL, |d, n| golf(1, -0.008, d, n));
+    add("golf 1k in light contact", &[0.1], MANY, ALL, |d, n| golf(1, -0.005, d, n));
     add("golf 10k in light contact", &[0.1], MANY, ALL, |d, n| golf(10, -0.002, d, n));
     add("golf 1k in contact", &[0.1], MANY, ALL, |d, n| golf(1, -0.02, d, n));
     add("golf 10k in contact", &[0.1], MANY, ALL, |d, n| golf(10, -0.02, d, n));

@@ -103,9 +103,9 @@ mod tests {
         let cube = Cuboid { size: [1.0; 3] }.build().unwrap();
         let poses = [1.0 + 1e-6, 1.01].map(|x| Pose::at(DVec3::X * x)).into();
         let stage = Stage::new(Motion::of_twins(cube, poses, 0.1)).unwrap();
-        let said = |asked, ours: &[Option<Outcome>], coal: serde_json::Value| {
-            let coal: Vec<_> = coal.as_array().unwrap().iter().map(|one| Some(vec![one.clone()]));
-            let coal: Vec<_> = coal.collect();
+        let said = |asked, ours: &[Option<Outcome>], coal: Value| {
+            let all = coal.as_array().unwrap().iter();
+            let coal: Vec<_> = all.map(|one| Some(vec![one.clone()])).collect();
             beside_coal(&stage, asked, ours, &coal)
         };
         let apart = [outcome(0, false, Some(1e-6)), outcome(0, false, Some(0.01))];
