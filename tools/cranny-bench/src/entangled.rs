@@ -1,8 +1,8 @@
 //! Pairs whose hulls overlap: ours warm and cold, parry's meshes and decompositions, and Coal.
 //!
-//! All answer about the same poses, in turns, in one run. A frame is a step of one of our simulations,
-//! or so many degrees of motion; its time is the thread's CPU time at the best of some turns, summed
-//! over its pairs. Ratios are of medians over the frames that both answered about.
+//! All contestants take turns on the same poses in one run. A frame is a step of one of our simulations
+//! or a number of degrees of motion. Its time is the thread's CPU time, summed over its pairs, at the
+//! best of some turns. A ratio divides medians over the frames of both contestants.
 
 mod catalog;
 mod check;
@@ -26,7 +26,7 @@ use cranny_rapier::Detector;
 
 use self::catalog::Case;
 use self::coal::{Coal, CoalTurns};
-use self::demand::Asked;
+use self::demand::DemandKind;
 use self::ours::{Ours, Outcome};
 use self::parry::{Parry, Shapes};
 use self::recorded::Recordings;
@@ -36,24 +36,24 @@ use self::turns::{Budget, Contestant, take_turns};
 use crate::progress;
 use crate::report::Report;
 
-/// What is measured.
+/// The cases to measure, and how.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct EntangledArgs {
     /// Only cases whose name contains one of these; `pile of 500 late` and the like are named in full
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
 
-    /// At most so many frames
+    /// Frames of each case, at most
     #[arg(long, value_name = "N")]
     frames: Option<usize>,
 
-    /// Degrees a frame of the bodies that no solver moves, in place of each case's own
+    /// Degrees a frame of the cases without a solver, in place of their own
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     degrees: Vec<f64>,
 
     /// Only these demands
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
-    demands: Vec<Asked>,
+    demands: Vec<DemandKind>,
 
     /// Ratios only: no microseconds, counts and hashes
     #[arg(long)]
@@ -63,11 +63,11 @@ pub(crate) struct EntangledArgs {
     #[arg(long)]
     list: bool,
 
-    /// Simulates anew what has been recorded
+    /// Simulates the recorded cases anew
     #[arg(long)]
     record: bool,
 
-    /// Folder of recorded poses, to be shared by revisions that are compared [default: beside the build]
+    /// Folder of recorded poses; revisions that are compared share one [default: target/entangled]
     #[arg(long, value_name = "DIR")]
     recordings: Option<PathBuf>,
 }
@@ -75,13 +75,13 @@ pub(crate) struct EntangledArgs {
 /// Frames of a quick look.
 const QUICK_FRAMES: usize = 40;
 
-/// A report, and where answers differ that must not.
+/// A report, and the answers that differ where they must not.
 pub(crate) struct Outcomes {
     pub(crate) report: Report,
     pub(crate) differences: Vec<String>,
 }
 
-/// Measures what the arguments name.
+/// Measures the named cases.
 ///
 /// # Errors
 ///
@@ -131,7 +131,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn measure(&mut self, case: &Case, frames: usize, demands: &[Asked]) {
+    fn measure(&mut self, case: &Case, frames: usize, demands: &[DemandKind]) {
         let stage = case.motion(frames, &self.recordings).and_then(Stage::new);
         let stage = match stage {
             Ok(stage) => stage,
@@ -140,9 +140,9 @@ impl Bench {
         let shapes = [Detector::RapierTrimesh, Detector::RapierDecomposition]
             .map(|detector| Shapes::new(&stage, detector));
         let mut coal = self.has_coal.then(|| Coal::start(&stage).ok()).flatten();
-        for &asked in case.asked {
-            if demands.is_empty() || demands.contains(&asked) {
-                self.row(case, &stage, asked, &shapes, coal.as_mut());
+        for &kind in case.demands {
+            if demands.is_empty() || demands.contains(&kind) {
+                self.row(case, &stage, kind, &shapes, coal.as_mut());
             }
         }
     }
@@ -151,19 +151,19 @@ impl Bench {
         &mut self,
         case: &Case,
         stage: &Stage,
-        asked: Asked,
+        kind: DemandKind,
         shapes: &[Option<Shapes>; 2],
         coal: Option<&mut Coal>,
     ) {
-        let demand = asked.of(&stage.motion);
+        let demand = kind.of(&stage.motion);
         let mut warm = Ours::new(stage, demand, true);
         let mut cold = Ours::new(stage, demand, false);
         let mut parry = shapes
             .each_ref()
-            .map(|shapes| shapes.as_ref().map(|shapes| Parry::new(stage, shapes, asked)));
+            .map(|shapes| shapes.as_ref().map(|shapes| Parry::new(stage, shapes, kind)));
         let mut coal = coal.map(|coal| CoalTurns {
             coal,
-            asked,
+            kind,
             margin: demand.margin().unwrap_or(0.0),
             answers: vec![None; stage.len()],
         });
@@ -178,10 +178,9 @@ impl Bench {
         let peers = present.map(|present| if present { times.next().flatten() } else { None });
         let failures = [
             check::warm_beside_cold(&warm.outcomes, &cold.outcomes),
-            coal.as_ref()
-                .and_then(|c| check::beside_coal(stage, asked, &warm.outcomes, &c.answers)),
+            coal.as_ref().and_then(|c| check::beside_coal(stage, kind, &warm.outcomes, &c.answers)),
         ];
-        let at = format!("{}, {}", case.name, asked.name());
+        let at = format!("{}, {}", case.name, kind.name());
         self.differences.extend(failures.into_iter().flatten().map(|what| format!("{at}: {what}")));
         let mut answers = digest::Digest::default();
         let mut tests = [0, 0];
@@ -193,7 +192,7 @@ impl Bench {
         let [node_tests, triangle_tests] = tests.map(|tests| tests / stage.len() as u64);
         self.rows.push(Row {
             case: case.name.clone(),
-            asked,
+            kind,
             warm: first,
             cold: second.flatten(),
             peers,

@@ -136,16 +136,16 @@ fn exit(outcome: io::Result<()>) -> ExitCode {
     }
 }
 
-/// Names what is measured next, where somebody waits for it.
+/// Writes the name of the next case if standard error is a terminal.
 fn progress(name: &str) {
     let mut err = io::stderr();
     if err.is_terminal() {
-        // A figure is no worse for a name that could not be shown.
+        // A missing name makes no figure worse.
         let _ = writeln!(err, "{name} ...");
     }
 }
 
-/// Prints the report, and fails where answers differ.
+/// Prints the report, then fails if answers differ.
 fn compare_entangled(cli: &Cli, args: &entangled::EntangledArgs) -> io::Result<()> {
     let outcomes = entangled::measure(cli.quick, args)?;
     print(&outcomes.report, cli.format)?;

@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::progress;
 use crate::report::{Cell, Report, Table, geometric_mean};
 
-/// Those of the scoreboard.
+/// The scenes of the scoreboard.
 const SCENES: [&str; 10] = [
     "ring_of_tori",
     "stack_of_cups",
@@ -27,14 +27,14 @@ const SCENES: [&str; 10] = [
     "ball_on_floor",
 ];
 
-/// Seconds that a scene lasts, and where a quick look is enough.
+/// Simulated seconds of a scene, without and with `--quick`.
 const SECONDS: f64 = 1.0;
 const QUICK_SECONDS: f64 = 0.25;
 
-/// Detectors that ours is held against.
+/// Detectors that ours is compared with.
 const PEERS: [&str; 2] = ["rapier-trimesh-fixed", "rapier-decomposition"];
 
-/// What is measured.
+/// The scenes to measure, and how.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ScenesArgs {
     /// Scenes of `assets/scenes`, without their ending [default: the scoreboard's ten]
@@ -101,12 +101,12 @@ struct Row {
     contacts: f64,
     deepest: [f64; 2],
     real_time: f64,
-    /// Of the time of a run, what its reports take.
+    /// Share of a run's time that its reports take.
     report: f64,
 }
 
 impl Row {
-    /// `None` where a figure is missing.
+    /// Returns `None` if a figure is missing.
     fn read(scene: &str, compared: &[Value], run: Option<&Value>) -> Option<Self> {
         let of = |name: &str| compared.iter().find(|row| row["detector"] == name);
         let step = |row: &Value| row["step_ms"]["mean"].as_f64();
@@ -137,7 +137,7 @@ impl Row {
     }
 }
 
-/// Rows that `cranny` prints about a scene.
+/// Returns the rows that `cranny` prints about a scene.
 fn cranny(command: &str, scene: &str, seconds: f64) -> io::Result<Vec<Value>> {
     let program = std::env::current_exe()?.with_file_name("cranny");
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -1,7 +1,7 @@
-//! Every case: its name, its motion, and what is asked.
+//! Every case: its name, its motion, and its demands.
 
 use super::corpus;
-use super::demand::Asked;
+use super::demand::DemandKind;
 use super::kinematic::{self, Way};
 use super::recorded::{Excerpt, Recordings};
 use super::stage::Motion;
@@ -9,26 +9,26 @@ use super::stage::Motion;
 /// A motion by name.
 pub(super) struct Case {
     pub(super) name: String,
-    pub(super) asked: &'static [Asked],
-    /// Frames, unless fewer are wanted.
+    pub(super) demands: &'static [DemandKind],
+    /// Number of frames, at most.
     pub(super) frames: usize,
-    /// It takes minutes, so it runs only where it is named in full.
+    /// The case takes minutes: it runs only when its full name is given.
     pub(super) on_request: bool,
     pub(super) source: Source,
 }
 
-/// Where a motion comes from.
+/// The source of a motion.
 pub(super) enum Source {
-    /// Bodies that are moved, given the number of frames; the error says why there are none.
+    /// A function of the number of frames. Its error says why there is no motion.
     Moved(Box<dyn Fn(usize) -> Result<Motion, String>>),
-    /// Bodies that move as a solver lets them.
+    /// Steps of a simulation.
     Recorded(Excerpt),
 }
 
 impl Case {
     /// # Errors
     ///
-    /// Why it cannot be run.
+    /// The reason why the case is skipped.
     pub(super) fn motion(&self, frames: usize, recordings: &Recordings) -> Result<Motion, String> {
         match &self.source {
             Source::Moved(moved) => moved(frames),
@@ -36,7 +36,8 @@ impl Case {
         }
     }
 
-    /// Whether it runs where these parts of names are given: without any, all but those on request.
+    /// Returns whether the case runs for these parts of names. An empty list selects every case that
+    /// is not on request.
     pub(super) fn is_wanted(&self, parts: &[String]) -> bool {
         let named = |part: &String| {
             if self.on_request { self.name == *part } else { self.name.contains(&**part) }
@@ -45,19 +46,20 @@ impl Case {
     }
 }
 
-use Asked::{Contacts, Distance, Regions, Verdict};
+use DemandKind::{Contacts, Distance, Regions, Verdict};
 
-/// Where nothing meets, there is no region.
-const APART: &[Asked] = &[Verdict, Distance];
-const ALL: &[Asked] = &Asked::ALL;
-/// Regions within the margin are what a summary of contacts asks for.
-const SOLVER: &[Asked] = &[Verdict, Contacts, Regions];
+/// Bodies apart have no regions and no contacts within the margin.
+const APART: &[DemandKind] = &[Verdict, Distance];
+const ALL: &[DemandKind] = &DemandKind::ALL;
+/// The demands of a solver and of a summary of contacts.
+const SOLVER: &[DemandKind] = &[Verdict, Contacts, Regions];
 
-/// Frames of a case whose queries take microseconds, and of one whose queries take longer.
+/// Frames of a case whose queries take microseconds, and of one whose queries take milliseconds.
 const MANY: usize = 200;
 const FEW: usize = 60;
 
-/// All cases in the order of the table; `degrees` in place of each moved case's own.
+/// Returns all cases in the order of the table. Nonempty `degrees` replace those of each kinematic
+/// case.
 pub(super) fn cases(degrees: &[f64]) -> Vec<Case> {
     let mut cases = moved(degrees);
     cases.extend(recorded());
@@ -66,11 +68,11 @@ pub(super) fn cases(degrees: &[f64]) -> Vec<Case> {
 
 fn moved(degrees: &[f64]) -> Vec<Case> {
     let mut cases = Vec::new();
-    let mut add = |name: &str, own: &[f64], frames, asked, make: fn(f64, usize) -> Made| {
+    let mut add = |name: &str, own: &[f64], frames, demands, make: fn(f64, usize) -> Made| {
         for &degrees in if degrees.is_empty() { own } else { degrees } {
             cases.push(Case {
                 name: format!("{name}, {degrees} degrees"),
-                asked,
+                demands,
                 frames,
                 on_request: false,
                 source: Source::Moved(Box::new(move |frames| make(degrees, frames))),
@@ -106,10 +108,10 @@ fn moved(degrees: &[f64]) -> Vec<Case> {
 
 fn recorded() -> Vec<Case> {
     let mut cases = Vec::new();
-    let mut add = |name: &str, scene, pairs, start, frames, asked| {
+    let mut add = |name: &str, scene, pairs, start, frames, demands| {
         cases.push(Case {
             name: name.into(),
-            asked,
+            demands,
             frames,
             on_request: name.starts_with("pile of 500"),
             source: Source::Recorded(Excerpt { scene, pairs, start }),

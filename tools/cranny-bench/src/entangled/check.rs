@@ -3,15 +3,15 @@
 use cranny_narrow_phase::{Demand, PairMemory, Query, query};
 use serde_json::Value;
 
-use super::demand::Asked;
+use super::demand::DemandKind;
 use super::ours::Outcome;
 use super::stage::Stage;
 
-/// Coal calls surfaces nearer than 1e-6 meeting, and its distances are measured between posed
-/// triangles, relative to their coordinates. Smaller: such a gap fails. Larger: less is checked.
+/// Largest difference of distances, and gap at which Coal may report a collision: it does so for gaps
+/// below 1e-6. Smaller: such gaps fail. Larger: errors of ours pass.
 const COAL_TOLERANCE: f64 = 4e-6;
 
-/// Frames whose answers differ.
+/// Returns the frames whose answers differ.
 pub(super) fn warm_beside_cold(
     warm: &[Option<Outcome>],
     cold: &[Option<Outcome>],
@@ -24,27 +24,29 @@ pub(super) fn warm_beside_cold(
     (!frames.is_empty()).then(|| format!("warm answers differ from cold ones in frames {frames:?}"))
 }
 
-/// What Coal says otherwise, beyond its tolerance.
+/// Returns the first answer of Coal that differs beyond its tolerance.
 pub(super) fn beside_coal(
     stage: &Stage,
-    asked: Asked,
+    kind: DemandKind,
     ours: &[Option<Outcome>],
     coal: &[Option<Vec<Value>>],
 ) -> Option<String> {
     for (frame, (ours, coal)) in ours.iter().zip(coal).enumerate() {
         let (Some(ours), Some(coal)) = (ours, coal) else { continue };
         for ((&pair, k), coal) in stage.near[frame].iter().zip(0..).zip(coal) {
-            let differs = match asked {
-                Asked::Verdict => coal
+            let differs = match kind {
+                DemandKind::Verdict => coal
                     .as_bool()
                     .filter(|&meets| meets != ours.meets[k])
                     .filter(|&meets| !meets || gap(stage, frame, pair) > COAL_TOLERANCE)
-                    .map(|meets| format!("Coal says that they meet: {meets}")),
-                Asked::Distance => ours.distances[k].zip(coal.as_f64()).and_then(|(own, coal)| {
-                    let far = (own - coal.max(0.0)).abs() > COAL_TOLERANCE;
-                    far.then(|| format!("distance {own}, Coal says {coal}"))
-                }),
-                Asked::Contacts | Asked::Regions => None,
+                    .map(|meets| format!("surfaces meet in Coal: {meets}")),
+                DemandKind::Distance => {
+                    ours.distances[k].zip(coal.as_f64()).and_then(|(own, coal)| {
+                        let far = (own - coal.max(0.0)).abs() > COAL_TOLERANCE;
+                        far.then(|| format!("distance {own}, in Coal {coal}"))
+                    })
+                }
+                DemandKind::Contacts | DemandKind::Regions => None,
             };
             if let Some(what) = differs {
                 return Some(format!("frame {frame}, pair {pair}: {what}"));
@@ -54,7 +56,7 @@ pub(super) fn beside_coal(
     None
 }
 
-/// Of a hundred verdicts of a peer, those that are not ours; `None` where it gave none.
+/// Returns the percentage of a peer's verdicts that differ from ours; `None` without verdicts.
 pub(super) fn otherwise(ours: &[Option<Outcome>], peer: &[Option<Vec<bool>>]) -> Option<f64> {
     let (mut all, mut others) = (0, 0);
     for (ours, peer) in ours.iter().zip(peer) {
@@ -65,7 +67,7 @@ pub(super) fn otherwise(ours: &[Option<Outcome>], peer: &[Option<Vec<bool>>]) ->
     (all > 0).then(|| 100.0 * others as f64 / all as f64)
 }
 
-/// The distance, found without memory.
+/// Returns the distance, computed without memory.
 fn gap(stage: &Stage, frame: usize, pair: usize) -> f64 {
     let [a, b] = stage.placed(frame, pair);
     let whole = Query::of(Demand::Distance { below: None });
@@ -99,23 +101,23 @@ mod tests {
     }
 
     #[test]
-    fn coal_is_believed_but_for_the_narrowest_gaps() {
+    fn only_the_narrowest_gaps_may_meet_in_coal() {
         let cube = Cuboid { size: [1.0; 3] }.build().unwrap();
         let poses = [1.0 + 1e-6, 1.01].map(|x| Pose::at(DVec3::X * x)).into();
         let stage = Stage::new(Motion::of_twins(cube, poses, 0.1)).unwrap();
-        let said = |asked, ours: &[Option<Outcome>], coal: Value| {
+        let difference = |kind, ours: &[Option<Outcome>], coal: Value| {
             let all = coal.as_array().unwrap().iter();
             let coal: Vec<_> = all.map(|one| Some(vec![one.clone()])).collect();
-            beside_coal(&stage, asked, ours, &coal)
+            beside_coal(&stage, kind, ours, &coal)
         };
         let apart = [outcome(0, false, Some(1e-6)), outcome(0, false, Some(0.01))];
-        assert_eq!(said(Asked::Verdict, &apart, json!([true, false])), None);
-        let told = said(Asked::Verdict, &apart, json!([true, true])).unwrap();
-        assert!(told.starts_with("frame 1"), "{told}");
-        assert_eq!(said(Asked::Distance, &apart, json!([-1.0, 0.01])), None);
-        assert!(said(Asked::Distance, &apart, json!([0.0, 0.011])).is_some());
+        assert_eq!(difference(DemandKind::Verdict, &apart, json!([true, false])), None);
+        let found = difference(DemandKind::Verdict, &apart, json!([true, true])).unwrap();
+        assert!(found.starts_with("frame 1"), "{found}");
+        assert_eq!(difference(DemandKind::Distance, &apart, json!([-1.0, 0.01])), None);
+        assert!(difference(DemandKind::Distance, &apart, json!([0.0, 0.011])).is_some());
         let meet = [outcome(0, true, Some(0.0)), None];
-        assert!(said(Asked::Verdict, &meet, json!([false, false])).is_some());
+        assert!(difference(DemandKind::Verdict, &meet, json!([false, false])).is_some());
         assert_eq!(otherwise(&apart, &[Some(vec![true]), Some(vec![false])]), Some(50.0));
     }
 }

@@ -71,8 +71,8 @@ def call_seconds(what, margin):
     triangle = bvh([[0, 0, 0], [1e-3, 0, 0], [0, 1e-3, 0]], [[0, 1, 2]])
     away = coal.Transform3s()
     away.setTranslation(numpy.array([1e3, 0.0, 0.0]))
-    ask = query(what, margin)
-    spent = [seconds_of(lambda: ask(triangle, triangle, away))[0] for _ in range(CALLS)]
+    call = query(what, margin)
+    spent = [seconds_of(lambda: call(triangle, triangle, away))[0] for _ in range(CALLS)]
     return sorted(spent)[CALLS // 2]
 
 
@@ -82,12 +82,12 @@ def main():
     frames = [[(*(meshes[m] for m in pair["meshes"]), placed(pair["pose"])) for pair in frame] for frame in given["frames"]]
     for line in sys.stdin:
         turn = json.loads(line)
-        ask = query(turn["what"], turn["margin"])
-        call = call_seconds(turn["what"], turn["margin"])
+        call = query(turn["what"], turn["margin"])
+        overhead = call_seconds(turn["what"], turn["margin"])
         seconds, answers = [], []
         for frame in turn["frames"]:
-            spent, made = seconds_of(lambda: [ask(*pair) for pair in frames[frame]])
-            seconds.append(max(spent - call * len(made), 1e-9))
+            spent, made = seconds_of(lambda: [call(*pair) for pair in frames[frame]])
+            seconds.append(max(spent - overhead * len(made), 1e-9))
             answers.append(made)
         print(json.dumps({"seconds": seconds, "answers": answers}), flush=True)
 

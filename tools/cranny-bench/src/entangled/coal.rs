@@ -1,6 +1,6 @@
 //! Coal as a contestant, where its Python wheel is found (`pip install coal`).
 //!
-//! It runs in a process of its own, which takes its turns one line each.
+//! It runs in a process of its own: a turn is a line of JSON each way.
 
 use std::io::{self, BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use cranny_geometry::Mesh;
 use serde_json::{Value, json};
 
-use super::demand::Asked;
+use super::demand::DemandKind;
 use super::stage::Stage;
 use super::turns::Contestant;
 
@@ -18,10 +18,10 @@ const SCRIPT: &str = include_str!("coal.py");
 /// Names the interpreter that has Coal; `python3` unless set.
 const PYTHON: &str = "CRANNY_PYTHON";
 
-/// A process that knows a stage.
+/// A process with the meshes and poses of a stage.
 pub(super) struct Coal {
     child: Child,
-    /// `None` once it is dropped to end the process.
+    /// Dropped first, which ends the process.
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
 }
@@ -66,7 +66,7 @@ impl Coal {
 impl Drop for Coal {
     fn drop(&mut self) {
         drop(self.input.take());
-        // Nothing is left to be done about a process that does not end.
+        // A process that cannot be waited for leaves nothing to do.
         let _ = self.child.wait();
     }
 }
@@ -78,18 +78,18 @@ fn python() -> std::ffi::OsString {
 /// Coal's turns with one demand.
 pub(super) struct CoalTurns<'a> {
     pub(super) coal: &'a mut Coal,
-    pub(super) asked: Asked,
+    pub(super) kind: DemandKind,
     pub(super) margin: f64,
-    /// Of each frame that was run: a truth value or a number for each pair.
+    /// One a frame that was run: a truth value or a number for each pair.
     pub(super) answers: Vec<Option<Vec<Value>>>,
 }
 
 impl Contestant for CoalTurns<'_> {
     fn run(&mut self, frames: &[usize]) -> io::Result<Vec<f64>> {
-        let what = match self.asked {
-            Asked::Verdict => "verdict",
-            Asked::Distance => "distance",
-            Asked::Contacts | Asked::Regions => "contacts",
+        let what = match self.kind {
+            DemandKind::Verdict => "verdict",
+            DemandKind::Distance => "distance",
+            DemandKind::Contacts | DemandKind::Regions => "contacts",
         };
         self.coal.send(&json!({ "what": what, "margin": self.margin, "frames": frames }))?;
         let mut reply = self.coal.receive()?;
@@ -102,7 +102,7 @@ impl Contestant for CoalTurns<'_> {
             reply["seconds"].as_array().map(|all| all.iter().filter_map(Value::as_f64).collect());
         seconds
             .filter(|seconds| seconds.len() == frames.len())
-            .ok_or_else(|| io::Error::other("Coal's process answers about other frames"))
+            .ok_or_else(|| io::Error::other("Coal's process returns another number of frames"))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pairs of other people's meshes, where `CRANNY_CORPUS` names the folder that holds them.
+//! Pairs of meshes of the corpus, whose folder `CRANNY_CORPUS` names.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::stage::Motion;
 /// Names the folder.
 const CORPUS: &str = "CRANNY_CORPUS";
 
-/// Files in metres become millimetres: peers compare lengths with constants.
+/// Scale of files in metres: peers compare lengths with constants.
 const MILLIMETRES: f64 = 1e3;
 
 /// Frames of a stroll from its middle to where it turns.
@@ -25,7 +25,7 @@ pub(super) fn m12_nut(way: Way, degrees: f64, frames: usize) -> Result<Motion, S
     let folder = folder()?;
     let bolt = mesh(&folder, "isaac_factory/factory_bolt_m12_loose.obj", MILLIMETRES)?;
     let nut = mesh(&folder, "isaac_factory/factory_nut_m12_loose_subdiv_3x.obj", MILLIMETRES)?;
-    // It fits from 5.05, where a gap of 0.03 is left, to 5.2.
+    // The nut fits between 5.05 and 5.2, where gaps of 0.03 are left.
     let thread = Thread { pitch: 1.75, radius: 6.0, start: 5.05, play: 0.1, middle: 0.075 };
     Ok(on_thread(bolt, nut, thread, way, degrees, frames))
 }

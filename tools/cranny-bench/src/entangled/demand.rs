@@ -1,13 +1,13 @@
-//! What is asked about a pair.
+//! The demands that are measured.
 
 use clap::ValueEnum;
 use cranny_narrow_phase::Demand;
 
 use super::stage::Motion;
 
-/// A demand, its margin that of the case.
+/// A demand without its margin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Asked {
+pub(crate) enum DemandKind {
     /// Do the bodies meet
     Verdict,
     /// The least distance
@@ -18,7 +18,7 @@ pub(crate) enum Asked {
     Regions,
 }
 
-impl Asked {
+impl DemandKind {
     pub(super) const ALL: [Self; 4] =
         [Self::Verdict, Self::Distance, Self::Contacts, Self::Regions];
 
@@ -31,6 +31,7 @@ impl Asked {
         }
     }
 
+    /// Returns the demand with the margins of a motion.
     pub(super) fn of(self, motion: &Motion) -> Demand {
         match self {
             Self::Verdict => Demand::Intersects,

@@ -1,4 +1,4 @@
-//! A hash of answers, the same on every machine: what two revisions are compared by.
+//! A hash of answers, by which two revisions are compared.
 
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Answer, Contact, Feature};
@@ -16,7 +16,7 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// What an answer says, without its cost and without names of regions, which are history.
+    /// Returns the hash of an answer without counters and without region ids, which are history.
     pub(super) fn of(answer: &Answer) -> u64 {
         let mut digest = Self::default();
         digest.word(answer.surface as u64);
@@ -42,13 +42,13 @@ impl Digest {
         digest.value()
     }
 
-    /// Takes a word in.
+    /// Adds a word.
     pub(super) fn word(&mut self, word: u64) {
-        // A rotation lets high bits reach low ones, which a product alone never does.
+        // A product alone never carries high bits to low ones.
         self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);
     }
 
-    /// The hash so far.
+    /// Returns the hash of all words so far.
     pub(super) fn value(self) -> u64 {
         self.0 ^ (self.0 >> 32)
     }

@@ -8,10 +8,10 @@ use cranny_shapes::{Cup, GolfBall, IsoBolt, IsoNut, ShapeError, Sphere, Torus};
 
 use super::stage::Motion;
 
-/// Contacts of tori and golf balls: 0.2 % of their size.
+/// Margin of contacts of bodies of size 1.
 const MARGIN: f64 = 0.002;
 
-/// Contacts on a thread: as far as the gap between its flanks.
+/// Margin of contacts on a thread: the gap between its flanks.
 const THREAD_MARGIN: f64 = 0.05;
 
 /// Two linked tori of tube radius 0.2 and ring radius 1, `gap` apart (overlapping where negative).
@@ -104,9 +104,9 @@ pub(super) struct Thread {
     pub(super) radius: f64,
     /// Height of the nut, along the thread in the first frame.
     pub(super) start: f64,
-    /// How far across the nut is taken, to either side of where it is nearest to no flank.
+    /// Amplitude across, to either side of the middle between the flanks.
     pub(super) play: f64,
-    /// The height of that place above `start`.
+    /// Height of that middle above `start`.
     pub(super) middle: f64,
 }
 

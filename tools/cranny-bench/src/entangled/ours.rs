@@ -1,4 +1,4 @@
-//! Cranny as a contestant, with memory or without, and what it answers.
+//! Cranny as a contestant, with memory or without.
 
 use std::io;
 
@@ -8,14 +8,14 @@ use super::digest::Digest;
 use super::stage::Stage;
 use super::turns::{Contestant, Stopwatch};
 
-/// What was answered about the pairs of a frame.
+/// The answers about the pairs of a frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
     /// Hash of all answers.
     pub(super) digest: u64,
     /// Whether the surfaces meet, pair by pair.
     pub(super) meets: Vec<bool>,
-    /// Distances, where they were asked for.
+    /// Distances, pair by pair, for a demand that includes them.
     pub(super) distances: Vec<Option<f64>>,
     pub(super) counters: Counters,
 }
@@ -27,12 +27,12 @@ pub(super) struct Ours<'a> {
     stopwatch: Stopwatch,
     /// One a pair.
     memories: Vec<PairMemory>,
-    /// Of each frame that was run.
+    /// One a frame that was run.
     pub(super) outcomes: Vec<Option<Outcome>>,
 }
 
 impl<'a> Ours<'a> {
-    /// `keeps`: with memory from frame to frame.
+    /// `keeps`: memory is kept from frame to frame.
     pub(super) fn new(stage: &'a Stage, demand: Demand, keeps: bool) -> Self {
         Self {
             stage,
@@ -44,7 +44,7 @@ impl<'a> Ours<'a> {
         }
     }
 
-    /// Bytes of memory that a pair keeps at the end, the mean.
+    /// Returns the mean bytes of memory of a pair after the last frame.
     pub(super) fn bytes(&self) -> usize {
         let kept: Vec<usize> =
             self.memories.iter().map(PairMemory::bytes).filter(|&bytes| bytes > 0).collect();
@@ -80,9 +80,8 @@ impl<'a> Ours<'a> {
 
 impl Contestant for Ours<'_> {
     fn run(&mut self, frames: &[usize]) -> io::Result<Vec<f64>> {
-        let pairs = self.stage.motion.pairs.len();
-        let fresh = || (0..pairs).map(|_| PairMemory::default()).collect();
-        self.memories = fresh();
+        let pairs = &self.stage.motion.pairs;
+        self.memories = pairs.iter().map(|_| PairMemory::default()).collect();
         let mut seconds = Vec::with_capacity(frames.len());
         let mut last: Option<usize> = None;
         for &frame in frames {

@@ -11,7 +11,7 @@ use parry3d::query::{
 };
 use parry3d::shape::{Shape, SharedShape};
 
-use super::demand::Asked;
+use super::demand::DemandKind;
 use super::stage::Stage;
 use super::turns::{Contestant, Stopwatch};
 
@@ -29,7 +29,7 @@ impl Shapes {
     }
 }
 
-/// What parry keeps of a pair from frame to frame.
+/// parry's state of a pair from frame to frame.
 #[derive(Default)]
 struct Memory {
     manifolds: Vec<ContactManifold<(), ()>>,
@@ -39,60 +39,62 @@ struct Memory {
 pub(super) struct Parry<'a> {
     stage: &'a Stage,
     shapes: &'a Shapes,
-    asked: Asked,
+    kind: DemandKind,
     stopwatch: Stopwatch,
     /// One a pair.
     memories: Vec<Memory>,
-    /// Of each frame whose verdict was asked for: whether the shapes meet, pair by pair.
+    /// One a frame that was run with `Verdict`: whether the shapes meet, pair by pair.
     pub(super) meets: Vec<Option<Vec<bool>>>,
 }
 
 impl<'a> Parry<'a> {
-    pub(super) fn new(stage: &'a Stage, shapes: &'a Shapes, asked: Asked) -> Self {
+    pub(super) fn new(stage: &'a Stage, shapes: &'a Shapes, kind: DemandKind) -> Self {
         let memories = stage.motion.pairs.iter().map(|_| Memory::default()).collect();
         let meets = vec![None; stage.len()];
-        Self { stage, shapes, asked, stopwatch: Stopwatch::new(), memories, meets }
+        Self { stage, shapes, kind, stopwatch: Stopwatch::new(), memories, meets }
     }
 
     fn frame(&mut self, frame: usize) -> io::Result<f64> {
-        let Self { stage, shapes, asked, stopwatch, memories, meets } = self;
+        let Self { stage, shapes, kind, stopwatch, memories, meets } = self;
         let near = &stage.near[frame];
         let poses: Vec<NarrowPose> =
             near.iter().map(|&pair| narrow(&stage.a_from_b(frame, pair))).collect();
-        let margin = match asked {
-            Asked::Regions => (stage.motion.region_margin as f32).max(PREDICTION),
+        let margin = match kind {
+            DemandKind::Regions => (stage.motion.region_margin as f32).max(PREDICTION),
             _ => stage.motion.contact_margin as f32,
         };
         let (seconds, answers) = stopwatch.seconds(|| {
             let answers = near.iter().zip(&poses).map(|(&pair, pose)| {
                 let shapes = stage.mesh_indices(pair).map(|mesh| &*shapes.0[mesh]);
-                answer(*asked, pose, shapes, margin, &mut memories[pair])
+                answer(*kind, pose, shapes, margin, &mut memories[pair])
             });
             answers.collect::<Result<Vec<bool>, _>>()
         });
         let answers = answers.map_err(|_| io::Error::other("not supported by parry"))?;
-        if *asked == Asked::Verdict {
+        if *kind == DemandKind::Verdict {
             meets[frame] = Some(answers);
         }
         Ok(seconds)
     }
 }
 
-/// Returns whether the shapes meet, as far as the query says.
+/// Returns whether the shapes meet, as far as the query finds out.
 fn answer(
-    asked: Asked,
+    kind: DemandKind,
     a_from_b: &NarrowPose,
     [a, b]: [&dyn Shape; 2],
     margin: f32,
     memory: &mut Memory,
 ) -> Result<bool, Unsupported> {
     let dispatcher = DefaultQueryDispatcher;
-    match asked {
-        Asked::Verdict => {
+    match kind {
+        DemandKind::Verdict => {
             dispatcher.intersection_test(a_from_b, a, b).map(|found| found.intersecting)
         }
-        Asked::Distance => dispatcher.distance(a_from_b, a, b).map(|found| found.distance <= 0.0),
-        Asked::Contacts | Asked::Regions => {
+        DemandKind::Distance => {
+            dispatcher.distance(a_from_b, a, b).map(|found| found.distance <= 0.0)
+        }
+        DemandKind::Contacts | DemandKind::Regions => {
             let Memory { manifolds, workspace } = memory;
             dispatcher.contact_manifolds(a_from_b, a, b, margin, manifolds, workspace)?;
             Ok(!manifolds.is_empty())
@@ -103,11 +105,11 @@ fn answer(
 impl Contestant for Parry<'_> {
     fn run(&mut self, frames: &[usize]) -> io::Result<Vec<f64>> {
         self.memories.iter_mut().for_each(|memory| *memory = Memory::default());
-        let keeps = matches!(self.asked, Asked::Contacts | Asked::Regions);
+        let keeps = matches!(self.kind, DemandKind::Contacts | DemandKind::Regions);
         let mut seconds = Vec::with_capacity(frames.len());
         let mut last = None;
         for &frame in frames {
-            // Its manifolds come from the frame before, as they do in a simulation.
+            // In a simulation, manifolds of the previous frame are there.
             if keeps && frame > 0 && last != Some(frame - 1) {
                 self.frame(frame - 1)?;
             }

@@ -1,7 +1,7 @@
-//! Poses that our own simulation led to, recorded step by step.
+//! Poses of our own simulations, recorded step by step.
 //!
-//! A revision that finds other contacts leads to other poses, so recordings are kept beside the build:
-//! revisions that share them (`--recordings`) are measured on the same poses.
+//! A revision with other contacts simulates other poses. Recordings are kept beside the build;
+//! revisions that share a folder (`--recordings`) are measured on the same poses.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -21,7 +21,7 @@ use super::stage::Motion;
 /// The scenes of the project.
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/scenes");
 
-/// Which steps of which scene.
+/// Steps of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Excerpt {
     /// Name of the scene's file, without its ending.
@@ -32,22 +32,23 @@ pub(super) struct Excerpt {
     pub(super) start: u64,
 }
 
-/// Where recordings are kept, and whether those that are there are read.
+/// A folder of recordings.
 #[derive(Clone, Debug)]
 pub(super) struct Recordings {
     pub(super) folder: PathBuf,
+    /// Whether recordings that exist are replaced.
     pub(super) anew: bool,
 }
 
 impl Recordings {
-    /// Beside the folder of the running program: `target/entangled`.
+    /// Returns `target/entangled`, beside the folder of the running program.
     pub(super) fn default_folder() -> PathBuf {
         let program = std::env::current_exe().ok();
         let target = program.as_deref().and_then(|path| path.parent()?.parent());
         target.unwrap_or(Path::new(".")).join("entangled")
     }
 
-    /// The motion of an excerpt, read or simulated.
+    /// Reads the motion of an excerpt, or simulates and writes it.
     ///
     /// # Errors
     ///
@@ -79,11 +80,11 @@ fn file_name(scene: &LoadedScene, excerpt: &Excerpt, frames: usize) -> String {
     format!("{scene}-{start}-{frames}-{:016x}.poses", digest.value())
 }
 
-/// Poses of all bodies after so many steps, and after each one that follows.
+/// Simulates a scene. Returns the poses of all bodies after each step from `start + 1` on.
 fn simulate(scene: &SceneDescription, start: u64, frames: usize) -> Result<Vec<Vec<Pose>>, String> {
     let mut scene = scene.clone();
-    // What only reports takes time and moves nothing.
-    scene.effects.retain(|effect| matches!(effect, Effect::Response { .. }));
+    // Effects that only report move nothing.
+    scene.effects.retain(|effect| matches!(effect, Effect::Response));
     scene.duration = scene.step * (start + frames as u64) as f64;
     let mut app =
         SceneApp::new(&scene, &RunOptions::default()).map_err(|error| error.to_string())?;
@@ -168,7 +169,7 @@ fn encode(frames: &[Vec<Pose>]) -> String {
     text
 }
 
-/// `None` where the text is no recording of so many bodies.
+/// Returns `None` if the text is no recording of this many bodies.
 fn decode(text: &str, bodies: usize) -> Option<Vec<Vec<Pose>>> {
     let frame = |line: &str| -> Option<Vec<Pose>> {
         let numbers: Vec<f64> = line

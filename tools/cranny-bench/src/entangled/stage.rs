@@ -1,4 +1,4 @@
-//! What is measured: bodies, their poses frame by frame, and the pairs that are queried in each frame.
+//! Bodies, their poses frame by frame, and the pairs that are queried in each frame.
 
 use cranny_exact::{Aabb, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
@@ -16,9 +16,9 @@ pub(super) struct Motion {
     pub(super) pairs: Vec<[usize; 2]>,
     /// Poses of all bodies, frame by frame.
     pub(super) frames: Vec<Vec<Pose>>,
-    /// Contacts for a solver are found up to this far apart.
+    /// Margin of contacts for a solver.
     pub(super) contact_margin: f64,
-    /// Regions are found up to this far apart.
+    /// Margin of regions.
     pub(super) region_margin: f64,
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Stage {
 impl Stage {
     /// # Errors
     ///
-    /// A mesh of which no model can be made.
+    /// A mesh that has no model.
     pub(super) fn new(motion: Motion) -> Result<Self, String> {
         let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
         let models = motion
@@ -82,7 +82,7 @@ impl Stage {
         })
     }
 
-    /// The pose of a pair's second body in the frame of the first.
+    /// Returns the pose of a pair's second body in the frame of the first.
     pub(super) fn a_from_b(&self, frame: usize, pair: usize) -> Pose {
         let [a, b] = self.motion.pairs[pair].map(|body| self.motion.frames[frame][body]);
         let back = a.rotation.conjugate();
@@ -97,7 +97,7 @@ impl Stage {
         self.motion.pairs[pair].map(|body| self.motion.mesh_of[body])
     }
 
-    /// A hash of all poses: answers compare only where it is the same.
+    /// Returns a hash of all poses. Answers of two revisions compare only if it is the same.
     pub(super) fn pose_hash(&self) -> u64 {
         let mut digest = Digest::default();
         for pose in self.motion.frames.iter().flatten() {

@@ -1,23 +1,23 @@
 //! Rows of the table, and what they come to by demand.
 
 use super::catalog::Case;
-use super::demand::Asked;
+use super::demand::DemandKind;
 use super::turns::Times;
 use crate::report::{Cell, Report, Table, geometric_mean, times};
 
 /// A case with a demand.
 pub(super) struct Row {
     pub(super) case: String,
-    pub(super) asked: Asked,
+    pub(super) kind: DemandKind,
     pub(super) warm: Times,
     pub(super) cold: Option<Times>,
     /// parry's meshes, its decompositions, Coal.
     pub(super) peers: [Option<Times>; 3],
-    /// Of a hundred of the decompositions' verdicts, those that are not the meshes'.
+    /// Percentage of the decompositions' verdicts that are wrong for the meshes.
     pub(super) otherwise: Option<f64>,
-    /// Of memory, a pair.
+    /// Bytes of memory a pair.
     pub(super) bytes: usize,
-    /// A frame, with memory.
+    /// Mean tests a frame, with memory.
     pub(super) node_tests: u64,
     pub(super) triangle_tests: u64,
     /// Hashes of all answers and of all poses.
@@ -25,11 +25,11 @@ pub(super) struct Row {
     pub(super) poses: u64,
 }
 
-/// Everybody else: without memory, and the peers.
+/// Ours without memory, and the peers.
 const OTHERS: [&str; 4] = ["cold", "parry mesh", "parry decomposition", "Coal"];
 
 impl Row {
-    /// How many times our warm median that of the [`OTHERS`] is.
+    /// Medians of the [`OTHERS`] in multiples of our warm one.
     fn ratios(&self) -> [Option<f64>; 4] {
         let [mesh, decomposition, coal] = &self.peers;
         [&self.cold, mesh, decomposition, coal]
@@ -42,7 +42,7 @@ impl Row {
 
     fn cells(&self, only_ratios: bool) -> Vec<Cell> {
         let micros = |seconds: f64| Cell::Micros(seconds * 1e6);
-        let mut cells = vec![Cell::Text(self.case.clone()), Cell::Text(self.asked.name().into())];
+        let mut cells = vec![Cell::Text(self.case.clone()), Cell::Text(self.kind.name().into())];
         if only_ratios {
             cells.push(Cell::Ratio(self.spread()));
         } else {
@@ -66,7 +66,7 @@ impl Row {
 
 /// The table of all rows, then geometric means and least ratios by demand.
 pub(super) fn report(rows: &[Row], mut notes: Vec<String>, only_ratios: bool) -> Report {
-    let mut columns = vec!["case", "asked"];
+    let mut columns = vec!["case", "demand"];
     columns.extend(if only_ratios { &["p99 / warm"][..] } else { &["warm", "p99", "cold"] });
     columns.extend(OTHERS);
     columns.push("otherwise");
@@ -76,12 +76,12 @@ pub(super) fn report(rows: &[Row], mut notes: Vec<String>, only_ratios: bool) ->
     let mut all = vec![
         "a frame, all pairs whose boxes overlap within the margin; thread CPU time, best of some turns, median over frames".into(),
         "warm: memory kept from frame to frame; cold: none; ratios of medians over the same frames: that column / warm".into(),
-        "otherwise: verdicts of the decompositions that are not the meshes', which bodies in each other's pockets may never part".into(),
-        "Coal: the call from Python is subtracted, so below a microsecond its ratio is vague".into(),
+        "otherwise: share of the decompositions' verdicts that differ from the meshes'; there its times are of another question".into(),
+        "Coal: in a process of its own, less the cost of the call from Python; below a microsecond its ratio is vague".into(),
         "KiB of memory a pair; nodes, triangles: pairs compared a frame, warm; answers, poses: hashes".into(),
     ];
     all.append(&mut notes);
-    let means = Asked::ALL.into_iter().filter_map(|asked| mean_row(rows, asked)).collect();
+    let means = DemandKind::ALL.into_iter().filter_map(|kind| mean_row(rows, kind)).collect();
     Report {
         title: "Entangled pairs",
         notes: all,
@@ -93,18 +93,18 @@ pub(super) fn report(rows: &[Row], mut notes: Vec<String>, only_ratios: bool) ->
             },
             Table {
                 title: "Geometric mean (least) of all cases",
-                columns: [&["asked", "cases", "p99 / warm, most"][..], &OTHERS].concat(),
+                columns: [&["demand", "cases", "p99 / warm, most"][..], &OTHERS].concat(),
                 rows: means,
             },
         ],
     }
 }
 
-fn mean_row(rows: &[Row], asked: Asked) -> Option<Vec<Cell>> {
-    let rows: Vec<&Row> = rows.iter().filter(|row| row.asked == asked).collect();
+fn mean_row(rows: &[Row], kind: DemandKind) -> Option<Vec<Cell>> {
+    let rows: Vec<&Row> = rows.iter().filter(|row| row.kind == kind).collect();
     let most = rows.iter().map(|row| row.spread()).max_by(f64::total_cmp)?;
     let mut cells =
-        vec![Cell::Text(asked.name().into()), Cell::Count(rows.len()), Cell::Ratio(most)];
+        vec![Cell::Text(kind.name().into()), Cell::Count(rows.len()), Cell::Ratio(most)];
     for other in 0..OTHERS.len() {
         let ratios: Vec<f64> = rows.iter().filter_map(|row| row.ratios()[other]).collect();
         let least = ratios.iter().copied().min_by(f64::total_cmp);
@@ -121,11 +121,11 @@ fn mean_row(rows: &[Row], asked: Asked) -> Option<Vec<Cell>> {
 /// Names of cases.
 pub(super) fn list(cases: &[Case]) -> Report {
     let row = |case: &Case| {
-        let asked: Vec<&str> = case.asked.iter().map(|asked| asked.name()).collect();
+        let demands: Vec<&str> = case.demands.iter().map(|demand| demand.name()).collect();
         let when = if case.on_request { "on request" } else { "" };
         vec![
             Cell::Text(case.name.clone()),
-            Cell::Text(asked.join(", ")),
+            Cell::Text(demands.join(", ")),
             Cell::Count(case.frames),
             Cell::Text(when.into()),
         ]
@@ -135,7 +135,7 @@ pub(super) fn list(cases: &[Case]) -> Report {
         notes: Vec::new(),
         tables: vec![Table {
             title: "Cases",
-            columns: vec!["case", "asked", "frames", "runs"],
+            columns: vec!["case", "demands", "frames", "runs"],
             rows: cases.iter().map(row).collect(),
         }],
     }

@@ -1,4 +1,4 @@
-//! Contestants take turns over the same frames; each frame counts at its best.
+//! Contestants take turns on the same frames. Each frame counts at its best.
 
 use std::io;
 
@@ -6,9 +6,9 @@ use cpu_time::ThreadTime;
 
 use crate::stopwatch::median;
 
-/// Somebody who answers about frames.
+/// A detector that answers about frames.
 pub(super) trait Contestant {
-    /// Seconds of each of these frames, in their order.
+    /// Returns the seconds of each of these frames, in their order.
     ///
     /// # Errors
     ///
@@ -16,20 +16,22 @@ pub(super) trait Contestant {
     fn run(&mut self, frames: &[usize]) -> io::Result<Vec<f64>>;
 }
 
-/// How long a row is measured.
+/// The effort of one row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     /// Turns of each contestant.
     pub(super) rounds: usize,
-    /// Seconds that a turn takes of a contestant who need not answer about every frame; the frames
-    /// it is given are evenly spread.
+    /// Seconds of a turn of every contestant but the first. A slow contestant gets fewer frames,
+    /// evenly spread.
     pub(super) turn: f64,
 }
 
-/// No median of fewer frames is taken where there are as many.
+/// Least number of frames of a contestant. Fewer: a median is a matter of luck. More: parry's
+/// distances of two large meshes take minutes.
 const FRAMES_LEAST: usize = 5;
 
-/// A turn of the first contestant that takes longer than this many budgets is its last.
+/// The first contestant's turn is its last if it takes longer than this many budgets. Smaller: rows
+/// of milliseconds are measured once and are noisy. Larger: nuts take minutes.
 const LONG_TURN: f64 = 8.0;
 
 /// Frames of a contestant and its best seconds of each.
@@ -44,22 +46,22 @@ impl Times {
         median(self.seconds.clone())
     }
 
-    /// The 99th percentile, the first frame left out: nothing is kept from before it.
+    /// Returns the 99th percentile without the first frame, which has no memory.
     pub(super) fn p99(&self) -> f64 {
         let mut rest = self.seconds.get(1..).unwrap_or_default().to_vec();
         rest.sort_unstable_by(f64::total_cmp);
         rest.get((rest.len() * 99 / 100).min(rest.len().saturating_sub(1))).copied().unwrap_or(0.0)
     }
 
-    /// How many times the other's median this one is, over the frames of both.
+    /// Returns the median in multiples of that of a contestant with all frames, over the same frames.
     pub(super) fn over(&self, whole: &Times) -> f64 {
         let same = self.frames.iter().map(|&frame| whole.seconds[frame]).collect();
         self.median() / median(same)
     }
 }
 
-/// Measures the first contestant on all frames and the others on as many as the budget allows. A
-/// contestant that fails is left out.
+/// Measures the first contestant on all frames, the others on as many as the budget affords. A
+/// contestant that fails has no times.
 pub(super) fn take_turns(
     budget: Budget,
     frames: usize,
@@ -97,7 +99,7 @@ pub(super) fn take_turns(
     times
 }
 
-/// How many frames a turn affords, judged by two of them.
+/// Returns how many frames a turn affords, estimated from two of them.
 fn affordable(turn: f64, contestant: &mut dyn Contestant, frames: usize) -> Option<usize> {
     let tried = contestant.run(&spread(frames, 2)).ok()?;
     let each = tried.iter().sum::<f64>() / tried.len().max(1) as f64;
@@ -105,7 +107,7 @@ fn affordable(turn: f64, contestant: &mut dyn Contestant, frames: usize) -> Opti
     Some(affordable.clamp(FRAMES_LEAST.min(frames), frames))
 }
 
-/// So many frames, evenly spread, none at the very beginning where that can be avoided.
+/// Returns evenly spread frames.
 fn spread(frames: usize, count: usize) -> Vec<usize> {
     (0..count).map(|i| (2 * i + 1) * frames / (2 * count)).collect()
 }
