@@ -105,6 +105,7 @@ pub(crate) fn measure(quick: bool, args: &EntangledArgs) -> io::Result<Outcomes>
         rows: Vec::new(),
         notes: Vec::new(),
         differences: Vec::new(),
+        compared: [0; 2],
     };
     if !bench.has_coal {
         bench.notes.push(
@@ -117,6 +118,11 @@ pub(crate) fn measure(quick: bool, args: &EntangledArgs) -> io::Result<Outcomes>
         progress(&case.name);
         bench.measure(case, case.frames.min(most).max(1), &args.demands);
     }
+    let [cold, coal] = bench.compared;
+    bench.notes.push(format!(
+        "answers compared: {cold} frames with cold ones, verdicts and distances of {coal} frames with Coal's; {} rows differ",
+        bench.differences.len()
+    ));
     let Bench { rows, notes, differences, .. } = bench;
     Ok(Outcomes { report: table::report(&rows, notes, args.ratios), differences })
 }
@@ -128,6 +134,8 @@ struct Bench {
     rows: Vec<Row>,
     notes: Vec<String>,
     differences: Vec<String>,
+    /// Frames whose warm answers were compared with cold ones, and with Coal's.
+    compared: [usize; 2],
 }
 
 impl Bench {
@@ -173,9 +181,13 @@ impl Bench {
         contestants.extend(coal.as_mut().map(|c| c as &mut dyn Contestant));
         let mut times = take_turns(self.budget, stage.len(), &mut contestants).into_iter();
         let (Some(Some(first)), second) = (times.next(), times.next()) else {
-            return self.notes.push(format!("{}: our query fails", case.name));
+            return self.differences.push(format!("{}: our query fails", case.name));
         };
         let peers = present.map(|present| if present { times.next().flatten() } else { None });
+        self.compared[0] += check::compared(&warm.outcomes, &cold.outcomes);
+        if let (Some(coal), DemandKind::Verdict | DemandKind::Distance) = (&coal, kind) {
+            self.compared[1] += check::compared(&warm.outcomes, &coal.answers);
+        }
         let failures = [
             check::warm_beside_cold(&warm.outcomes, &cold.outcomes),
             coal.as_ref().and_then(|c| check::beside_coal(stage, kind, &warm.outcomes, &c.answers)),

@@ -11,6 +11,11 @@ use super::stage::Stage;
 /// below 1e-6. Smaller: such gaps fail. Larger: errors of ours pass.
 const COAL_TOLERANCE: f64 = 4e-6;
 
+/// Returns the number of frames that both answered about.
+pub(super) fn compared<A, B>(ours: &[Option<A>], others: &[Option<B>]) -> usize {
+    ours.iter().zip(others).filter(|(a, b)| a.is_some() && b.is_some()).count()
+}
+
 /// Returns the frames whose answers differ.
 pub(super) fn warm_beside_cold(
     warm: &[Option<Outcome>],
@@ -98,6 +103,7 @@ mod tests {
         let cold = [None, outcome(2, true, None), outcome(4, true, None)];
         assert!(warm_beside_cold(&warm, &cold).unwrap().ends_with("[2]"));
         assert_eq!(warm_beside_cold(&warm, &warm), None);
+        assert_eq!(compared(&warm, &cold), 2);
     }
 
     #[test]
