@@ -34,6 +34,10 @@ const FRAMES_LEAST: usize = 5;
 /// of milliseconds are measured once and are noisy. Larger: nuts take minutes.
 const LONG_TURN: f64 = 8.0;
 
+/// Least time of a frame, where the clock's own cost is more than what was measured. Smaller, as 0: a
+/// ratio is not a number. Larger: a verdict of a parted pair counts as slower than it is.
+const SECONDS_LEAST: f64 = 1e-9;
+
 /// Frames of a contestant and its best seconds of each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Times {
@@ -103,7 +107,7 @@ pub(super) fn take_turns(
 fn affordable(turn: f64, contestant: &mut dyn Contestant, frames: usize) -> Option<usize> {
     let tried = contestant.run(&spread(frames, 2)).ok()?;
     let each = tried.iter().sum::<f64>() / tried.len().max(1) as f64;
-    let affordable = (turn / each.max(1e-9)) as usize;
+    let affordable = (turn / each.max(SECONDS_LEAST)) as usize;
     Some(affordable.clamp(FRAMES_LEAST.min(frames), frames))
 }
 
@@ -127,7 +131,7 @@ impl Stopwatch {
         let start = ThreadTime::now();
         let made = work();
         let elapsed = start.elapsed().as_secs_f64();
-        ((elapsed - self.overhead).max(1e-9), made)
+        ((elapsed - self.overhead).max(SECONDS_LEAST), made)
     }
 }
 
