@@ -12,18 +12,20 @@ mod broad;
 mod cloud;
 mod count;
 mod deform;
+mod entangled;
 mod export;
 mod hulls;
 mod pairs;
 mod prepare;
 mod report;
+mod scenes;
 mod solid;
 mod stopwatch;
 mod support;
 mod trees;
 mod walk;
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -60,24 +62,14 @@ enum Command {
     Support,
     /// Closest features of hull pairs in motion, against parry's GJK
     Walk,
-    /// Pairs of meshes in slow motion, with memory and without, against parry
-    Pairs {
-        /// Only scenes whose name contains this
-        #[arg(long, value_name = "PART", default_value = "")]
-        only: String,
-    },
-    /// Of these pairs the nut on its bolt alone
-    Nut,
-    /// The same pairs with memory, against Coal (`pip install coal`; CRANNY_PYTHON names the interpreter)
-    Coal {
-        /// Only scenes whose name contains this
-        #[arg(long, value_name = "PART", default_value = "")]
-        only: String,
-    },
     /// Boxes and envelopes, the two ways to the faces that meet, on bodies in each other's pockets
     Methods,
     /// Sorting boxes level by level, beside the kept front and a descent from the top
     Sorting,
+    /// Pairs whose hulls overlap, warm and cold, against parry's meshes and decompositions and Coal
+    Entangled(entangled::EntangledArgs),
+    /// Whole scenes under our detector and under rapier's own, by `cranny compare`
+    Scenes(scenes::ScenesArgs),
     /// Overlapping boxes in motion, against parry's `Bvh`
     Broad {
         /// Only scenes whose name contains this
@@ -118,11 +110,10 @@ fn main() -> ExitCode {
         Command::Hulls { only } => Ok(hulls::measure(cli.quick, only)),
         Command::Support => Ok(support::measure(cli.quick)),
         Command::Walk => Ok(walk::measure(cli.quick)),
-        Command::Pairs { only } => Ok(pairs::measure(cli.quick, only)),
-        Command::Nut => Ok(pairs::measure(cli.quick, "nut on bolt")),
-        Command::Coal { only } => pairs::coal::measure(cli.quick, only),
         Command::Sorting => Ok(pairs::sorting::measure(cli.quick)),
         Command::Methods => Ok(pairs::methods::measure(cli.quick)),
+        Command::Entangled(args) => return exit(compare_entangled(&cli, args)),
+        Command::Scenes(args) => scenes::measure(cli.quick, args),
         Command::Broad { only } => Ok(broad::measure(cli.quick, only)),
         Command::Count { name } => return exit(count::count(name.as_deref())),
         Command::Export { folder } => export::write(folder, cli.quick),
@@ -143,6 +134,25 @@ fn exit(outcome: io::Result<()>) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Writes the name of the next case if standard error is a terminal.
+fn progress(name: &str) {
+    let mut err = io::stderr();
+    if err.is_terminal() {
+        // A missing name makes no figure worse.
+        let _ = writeln!(err, "{name} ...");
+    }
+}
+
+/// Prints the report, then fails if answers differ.
+fn compare_entangled(cli: &Cli, args: &entangled::EntangledArgs) -> io::Result<()> {
+    let outcomes = entangled::measure(cli.quick, args)?;
+    print(&outcomes.report, cli.format)?;
+    if outcomes.differences.is_empty() {
+        return Ok(());
+    }
+    Err(io::Error::other(format!("answers differ:\n  {}", outcomes.differences.join("\n  "))))
 }
 
 fn print(report: &Report, format: Format) -> io::Result<()> {

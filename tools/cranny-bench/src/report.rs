@@ -60,7 +60,7 @@ impl fmt::Display for Cell {
             Self::Time(seconds) => format!("{:.3} ms", seconds * 1e3),
             Self::Nanos(nanos) => format!("{nanos:.0} ns"),
             Self::Micros(micros) => format!("{micros:.2} us"),
-            Self::Ratio(ratio) => format!("{ratio:.2}x"),
+            Self::Ratio(ratio) => times(ratio),
             Self::Slope(slope) => format!("{slope:.2}"),
             Self::Absent => "-".into(),
         };
@@ -82,6 +82,16 @@ impl Report {
         });
         json!({ "title": self.title, "notes": self.notes, "tables": tables.collect::<Vec<_>>() })
     }
+}
+
+/// A ratio with at least two digits that count.
+pub(crate) fn times(ratio: f64) -> String {
+    if ratio < 0.1 { format!("{ratio:.4}x") } else { format!("{ratio:.2}x") }
+}
+
+/// The geometric mean of positive numbers; NaN of none.
+pub(crate) fn geometric_mean(ratios: &[f64]) -> f64 {
+    (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp()
 }
 
 impl fmt::Display for Report {
@@ -140,6 +150,11 @@ mod tests {
             "  longer  1250.000 ms      -",
         ];
         assert_eq!(text, format!("Figures\n  a note\n\nTable\n{}\n", rows.join("\n")));
+    }
+
+    #[test]
+    fn a_half_and_a_double_come_to_one() {
+        assert!((geometric_mean(&[0.5, 2.0]) - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 
 use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::Model;
 use cranny_narrow_phase::{Counters, Demand, Method, PairMemory, Placed, Query, query};
 use cranny_shapes::{Cup, Cylinder, IsoNut, Sphere};
 
 use super::scenes::{Built, nut_on_bolt};
-use super::{Bodies, name_of};
+use super::{name_of, prepared};
 use crate::report::{Cell, Report, Table};
 use crate::stopwatch::{Patience, keep, race};
 
@@ -24,12 +25,12 @@ pub(crate) fn measure(quick: bool) -> Report {
     let demands = [Demand::Intersects, Demand::Regions { margin: 0.0 }];
     let mut rows = Vec::new();
     for (name, built) in scenes {
-        let Some((bodies, poses)) =
-            built.ok().and_then(|(meshes, poses)| Some((Bodies::of(&meshes)?, poses)))
+        let Some((models, poses)) =
+            built.ok().and_then(|(meshes, poses)| Some((prepared(&meshes)?, poses)))
         else {
             continue;
         };
-        rows.extend(demands.map(|demand| row(name, &bodies, &poses, demand, quick)));
+        rows.extend(demands.map(|demand| row(name, &models, &poses, demand, quick)));
     }
     Report {
         title: "Boxes and envelopes",
@@ -48,8 +49,8 @@ pub(crate) fn measure(quick: bool) -> Report {
     }
 }
 
-fn row(name: &str, bodies: &Bodies, poses: &[Pose], demand: Demand, quick: bool) -> Vec<Cell> {
-    let [a, b] = &bodies.models;
+fn row(name: &str, models: &[Model; 2], poses: &[Pose], demand: Demand, quick: bool) -> Vec<Cell> {
+    let [a, b] = models;
     let run = |method: Method| -> Counters {
         let (question, mut memory) = (Query::of(demand).by(method), PairMemory::default());
         let mut all = Counters::default();

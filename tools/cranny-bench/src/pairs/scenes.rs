@@ -4,70 +4,32 @@ use std::f64::consts::{PI, TAU};
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Mesh;
-use cranny_narrow_phase::Demand;
 use cranny_shapes::{GolfBall, IsoBolt, IsoNut, ShapeError, Torus};
 
-/// Two bodies, the first at rest at the origin, and the second's poses.
-pub(super) struct Scene {
-    pub(super) name: String,
-    pub(super) meshes: [Mesh; 2],
-    pub(super) poses: Vec<Pose>,
-    pub(super) demands: Vec<Demand>,
+/// Frames of a scene that is found by name.
+const FRAMES: usize = 200;
+
+/// Gaps relative to the size: near, and in contact.
+const NEAR: f64 = 0.03;
+const CONTACT: f64 = -0.02;
+
+/// The scene of that name.
+pub(super) fn scene(name: &str) -> Option<([Mesh; 2], Vec<Pose>)> {
+    let built = match name {
+        "golf 1k near" => golf_balls(1_000, NEAR, 0.1, FRAMES),
+        "golf 10k near" => golf_balls(10_000, NEAR, 0.1, FRAMES),
+        "golf 10k contact" => golf_balls(10_000, CONTACT, 0.1, FRAMES),
+        "torus 10k near" => tori(10_000, NEAR, 0.1, FRAMES),
+        "torus 10k contact" => tori(10_000, CONTACT, 0.1, FRAMES),
+        "nut on bolt, 1.5 degrees" => nut_on_bolt(1.5, FRAMES),
+        "nut on bolt, 2 degrees" => nut_on_bolt(2.0, FRAMES),
+        _ => return None,
+    };
+    built.ok()
 }
 
-const NEAR: &[Demand] = &[Demand::Intersects, Demand::Distance { below: None }];
-
-/// Contacts for a solver within 0.2 % of the size.
-const CONTACT: &[Demand] =
-    &[Demand::Intersects, Demand::Regions { margin: 0.0 }, Demand::contacts(0.002)];
-
-/// As far as the gap between the flanks.
-const THREAD: Demand = Demand::contacts(0.05);
-
-/// The scenes whose name contains `only`; what cannot be built is left out.
-pub(super) fn scenes(quick: bool, only: &str) -> Vec<Scene> {
-    let frames = if quick { 200 } else { 1_000 };
-    let sizes: &[u32] = if quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000] };
-    let mut out: Vec<(String, Builder, Vec<Demand>)> = Vec::new();
-    for &size in sizes {
-        for (what, gap, demands) in [("near", 0.03, NEAR), ("contact", -0.02, CONTACT)] {
-            let sized = |shape: &str| format!("{shape} {}k {what}", size / 1_000);
-            let balls = move || golf_balls(size, gap, 0.1, frames);
-            out.push((sized("golf"), Box::new(balls), demands.to_vec()));
-            let rings = move || tori(size, gap, 0.1, frames);
-            out.push((sized("torus"), Box::new(rings), demands.to_vec()));
-        }
-    }
-    for degrees in [0.01, 0.03, 0.3, 1.0, 3.0, 10.0] {
-        for (what, gap, demands) in [("near", 0.03, NEAR), ("contact", -0.02, CONTACT)] {
-            let name = format!("torus 10k {what}, {degrees} degrees");
-            let rings = move || tori(10_000, gap, degrees, frames);
-            out.push((name, Box::new(rings), demands.to_vec()));
-        }
-    }
-    for (degrees, demand) in [
-        (0.1, Demand::Intersects),
-        (0.5, Demand::Intersects),
-        (2.0, Demand::Intersects),
-        (1.5, THREAD),
-    ] {
-        let name = format!("nut on bolt, {degrees} degrees");
-        let thread = move || nut_on_bolt(degrees, frames.min(300));
-        out.push((name, Box::new(thread), vec![demand]));
-    }
-    out.into_iter()
-        .filter(|(name, ..)| name.contains(only))
-        .filter_map(|(name, built, demands)| {
-            let (meshes, poses) = built().ok()?;
-            Some(Scene { name, meshes, poses, demands })
-        })
-        .collect()
-}
-
+/// Two meshes, the first at rest at the origin, and the second's poses.
 pub(super) type Built = Result<([Mesh; 2], Vec<Pose>), ShapeError>;
-
-/// A scene, built when its turn comes.
-type Builder = Box<dyn Fn() -> Built>;
 
 /// Balls of diameter 1; the second spins about a slanted axis while its middle stays.
 pub(super) fn golf_balls(triangles: u32, gap: f64, degrees: f64, frames: usize) -> Built {

@@ -16,7 +16,7 @@ use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use self::descent::pairs_of_leaves;
 use self::level::{NodePair, Work};
 use self::levels::Levels;
-use super::Bodies;
+use super::prepared;
 use super::scenes::{Built, golf_balls, nut_on_bolt, tori};
 use crate::report::{Cell, Report, Table};
 use crate::stopwatch::{Patience, keep, race};
@@ -39,7 +39,7 @@ pub(crate) fn measure(quick: bool) -> Report {
     }
     let rows = scenes.into_iter().filter_map(|(name, built)| {
         let (meshes, poses) = built.ok()?;
-        Some(row(&name, &Bodies::of(&meshes)?, &poses, quick))
+        Some(row(&name, &prepared(&meshes)?, &poses, quick))
     });
     Report {
         title: "Sorting level by level",
@@ -60,8 +60,8 @@ pub(crate) fn measure(quick: bool) -> Report {
     }
 }
 
-fn row(name: &str, bodies: &Bodies, poses: &[Pose], quick: bool) -> Vec<Cell> {
-    let [a, b] = &bodies.models;
+fn row(name: &str, models: &[Model; 2], poses: &[Pose], quick: bool) -> Vec<Cell> {
+    let [a, b] = models;
     // Where nothing meets, that is the same search.
     let meets = name.contains("contact");
     let demand = if meets { Demand::Regions { margin: 0.0 } } else { Demand::Intersects };
