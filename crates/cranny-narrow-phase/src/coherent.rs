@@ -28,11 +28,14 @@ const KEPT_CROSSINGS: usize = 8;
 /// clusters are listed.
 const STEPS: f64 = 2.0;
 
+/// And no farther than this part of the smaller body: after a jump, the next step is none.
+const MOST_AHEAD: f64 = 1.0 / 64.0;
+
 /// A cut for distances reaches so many times the distance. Less: it is outgrown sooner; more: more clusters are listed.
 const GROWTH: f64 = 1.05;
 
 /// And is built anew where it reaches more than so many times the distance.
-const FARTHEST: f64 = 1.5;
+const FARTHEST: f64 = 6.0;
 
 /// A cut for contacts is built anew where it reaches more than so many times what is asked. Less: where margins change from query to
 /// query it does not last; more: more clusters are listed than are near.
@@ -114,7 +117,7 @@ impl Coherent {
         let ground = Ground::of(pair);
         let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
         // Far enough for the next step to be proved free of meetings.
-        let reach = Reach { least: 0.0, build: STEPS * step, most: f64::INFINITY };
+        let reach = Reach { least: 0.0, build: ahead(pair, step), most: f64::INFINITY };
         let cut = match keeps {
             true => self.cut.at(pair, &ground, reach, counters),
             false => None,
@@ -144,7 +147,7 @@ impl Coherent {
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
         let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
-        let build = (GROWTH * reach).max(STEPS * step);
+        let build = (GROWTH * reach).max(ahead(pair, step));
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
         let at = Reach { least: reach, build, most };
         self.listed.clear();
@@ -329,6 +332,12 @@ impl Coherent {
 fn step_since(last: &RigidMap, pair: &Pair) -> f64 {
     let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
     Motion::since(last, pair).map_or(0.0, |motion| motion.step(&balls))
+}
+
+/// How far a cut is to reach for the next step to be proved free of meetings.
+fn ahead(pair: &Pair, step: f64) -> f64 {
+    let radius = pair.model(Side::First).radius().min(pair.model(Side::Second).radius());
+    (STEPS * step).min(MOST_AHEAD * radius)
 }
 
 /// All faces that meet, and the verdict.

@@ -12,6 +12,10 @@ use crate::patience::Patience;
 /// saves time; smaller: motion that outruns it is followed in vain.
 const LEAST_AGE: u32 = 2;
 
+/// A cut that was outgrown by what is asked reaches so many times that. Less: margins that vary outgrow it again; more: more
+/// clusters are listed.
+const OUTGROWN: f64 = 2.0;
+
 /// How far a cut is to reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
@@ -66,6 +70,7 @@ impl KeptCut {
         reach: Reach,
         counters: &mut Counters,
     ) -> Option<&mut Cut> {
+        let mut build = reach.build;
         if let Some(cut) = &mut self.cut {
             let followed = if self.is_here {
                 true
@@ -81,10 +86,14 @@ impl KeptCut {
                 self.is_here = true;
                 return self.cut.as_mut();
             }
+            let is_outgrown = followed && cut.reach() < reach.least;
             self.cut = None;
             self.step = None;
             counters.front_rebuilt += 1;
-            if self.age < LEAST_AGE {
+            if is_outgrown {
+                // What is asked varies, and may go on to.
+                build = OUTGROWN * reach.build;
+            } else if !followed && self.age < LEAST_AGE {
                 counters.bypassed += 1;
                 self.patience.failed();
             }
@@ -95,7 +104,7 @@ impl KeptCut {
         }
         self.age = 0;
         self.is_here = true;
-        Some(self.cut.insert(Cut::build(pair, ground, reach.build, counters)))
+        Some(self.cut.insert(Cut::build(pair, ground, build, counters)))
     }
 
     /// How many blocks are kept.
