@@ -63,12 +63,6 @@ impl BoxTest {
         gap.max_element() > slack || self.along_second(offset, first, second).max_element() > slack
     }
 
-    /// A lower bound of the distance between what the boxes hold.
-    #[inline]
-    pub(crate) fn distance_lower(&self, first: &Aabb, second: &Aabb) -> f64 {
-        self.bound_and_guess(first, second).0
-    }
-
     /// A lower bound of the distance between what the boxes hold, and how far their centers are
     /// apart, doubled and squared: what to try first where the bounds say nothing.
     #[inline]

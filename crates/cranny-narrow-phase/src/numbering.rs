@@ -44,10 +44,6 @@ impl Numbering {
         (number != EMPTY).then_some(number)
     }
 
-    pub(crate) fn bytes(&self) -> usize {
-        self.slots.capacity() * size_of::<(u64, u32)>()
-    }
-
     /// The slot that holds a key, or the empty one where it belongs.
     fn slot_of(&self, key: u64) -> usize {
         let mask = self.slots.len() - 1;

@@ -59,6 +59,8 @@ impl MeshShape {
     /// [`ShapeError::TriMesh`].
     pub fn new(model: &Model, tag: u32) -> Result<Self, ShapeError> {
         let (vertices, faces) = buffers(model);
+        // Before the first step, which would make it otherwise.
+        model.clusters();
         Ok(Self {
             model: model.clone(),
             tag,

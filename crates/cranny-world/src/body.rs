@@ -45,6 +45,8 @@ impl BodySpec {
     /// A dynamic body at the origin, in the [default layer](Self::DEFAULT_LAYER), without effects.
     #[must_use]
     pub fn new(name: impl Into<String>, model: Model) -> Self {
+        // Before the first step, which would make it otherwise.
+        model.clusters();
         Self {
             name: name.into(),
             model,

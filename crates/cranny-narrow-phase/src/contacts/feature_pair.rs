@@ -140,24 +140,3 @@ pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option
     let separation = normal.dot(point_b - point_a);
     Some(Contact { id: (Feature::Edge(e), Feature::Edge(g)), point_a, point_b, normal, separation })
 }
-
-/// The contact of two features across a gap, named as an answer names them; `None` where they do not
-/// (or no longer) face each other.
-pub(crate) fn across_gap(pair: &Pair, id: (Feature, Feature), below: f64) -> Option<Contact> {
-    let before = |side: Side, v, f| {
-        let triangle = pair.triangle(side.other(), f);
-        match vertex_face(pair, side, (v, pair.position(side, v)), (f, &triangle), below) {
-            Stand::Over(contact) => contact,
-            Stand::Beside(_) => None,
-        }
-    };
-    let found = match id {
-        (Feature::Vertex(v), Feature::Face(g)) => before(Side::First, v, g),
-        (Feature::Face(f), Feature::Vertex(w)) => before(Side::Second, w, f),
-        (Feature::Vertex(v), rim) => vertex_rim(pair, Side::First, v, rim, below),
-        (rim, Feature::Vertex(w)) => vertex_rim(pair, Side::Second, w, rim, below),
-        (Feature::Edge(e), Feature::Edge(g)) => edge_edge(pair, e, g, below),
-        _ => None,
-    };
-    found.filter(|c| c.separation >= -pair.length_error() && c.separation <= below)
-}

@@ -8,16 +8,15 @@
 //! far side is nearer than the one it came in by, has no contact here.
 
 use cranny_exact::{DVec3, WeightedPoint};
-use cranny_geometry::clusters::may_be_ridge;
-use cranny_geometry::{Content, EdgeId, FaceId, VertexId};
+use cranny_geometry::{EdgeId, FaceId, VertexId};
 
 use super::facing::faces_towards;
 use super::feature_pair::edge_edge;
 use super::within::vertices_within;
 use crate::answer::{Contact, Counters, Feature};
 use crate::inside::{Location, locate};
-use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
+use crate::search::for_faces_near;
 use crate::surface::FacePair;
 use crate::triangle_distance::{Part, closest_on_triangle};
 
@@ -61,10 +60,10 @@ fn vertices_inside(
     contacts: &mut Vec<Contact>,
 ) {
     // Neighbours are nearest to neighbours.
-    let mut last = None;
+    let (mut last, mut stack) = (None, Vec::new());
     for vertex in vertices_within(pair, side, meeting, counters) {
         let p = pair.position(side, vertex);
-        contacts.extend(way_out(pair, side, vertex, p, &mut last, counters));
+        contacts.extend(way_out(pair, side, vertex, p, (&mut last, &mut stack), counters));
     }
 }
 
@@ -74,7 +73,7 @@ fn way_out(
     side: Side,
     vertex: VertexId,
     p: DVec3,
-    last: &mut Option<FaceId>,
+    last: (&mut Option<FaceId>, &mut Vec<(f64, u32)>),
     counters: &mut Counters,
 ) -> Option<Contact> {
     let nearest = nearest_on(pair, side.other(), p, last, counters);
@@ -103,21 +102,32 @@ fn edges_crossing(
     counters: &mut Counters,
     contacts: &mut Vec<Contact>,
 ) {
-    let mut ridges = Side::BOTH.map(Ridges::of);
     let mut crossing: Vec<(EdgeId, EdgeId)> = Vec::new();
     for p in meeting {
-        let others = ridges[1].of_face(pair, p.second);
-        for e in ridges[0].of_face(pair, p.first).into_iter().flatten() {
-            crossing.extend(others.into_iter().flatten().map(|g| (e, g)));
+        let faces = [p.first, p.second];
+        let bent =
+            Side::BOTH.map(|side| pair.model(side).clusters().owned(faces[side.index()]).bent);
+        if bent.contains(&0) {
+            continue;
+        }
+        let [a, b] = Side::BOTH.map(|side| pair.triangle(side, faces[side.index()]));
+        let sides = |bits: u8| (0..3).filter(move |i| bits >> i & 1 != 0);
+        for i in sides(bent[0]) {
+            for k in sides(bent[1]) {
+                if may_cross([a[i], a[(i + 1) % 3]], [b[k], b[(k + 1) % 3]]) {
+                    let edge = |side: Side, i| pair.edge(side, faces[side.index()], i);
+                    crossing.push((edge(Side::First, i), edge(Side::Second, k)));
+                }
+            }
         }
     }
     crossing.sort_unstable();
     crossing.dedup();
-    let mut last = [None; 2];
+    let (mut last, mut stack) = ([None; 2], Vec::new());
     for (e, g) in crossing {
         let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
         let mut dips = |side: Side, edge: EdgeId, p: DVec3, counters: &mut Counters| {
-            let last = &mut last[side.index()];
+            let last = (&mut last[side.index()], &mut stack);
             let nearest = nearest_on(pair, side, p, last, counters).distance;
             let around = pair.topology(side).half_edges(edge);
             around
@@ -134,32 +144,18 @@ fn edges_crossing(
     }
 }
 
-/// The edges of a body that may make contacts with others, each looked at once.
-struct Ridges {
-    side: Side,
-    edges: Numbering,
-    are: Vec<bool>,
-}
+/// By how much of its length two edges may miss each other, seen along their common normal, and still
+/// be looked at closely. Smaller: rounding of edges at small angles loses crossings at ends.
+const NEAR_MISS: f64 = 1e-3;
 
-impl Ridges {
-    fn of(side: Side) -> Self {
-        Self { side, edges: Numbering::default(), are: Vec::new() }
-    }
-
-    /// Those of a face.
-    fn of_face(&mut self, pair: &Pair, face: FaceId) -> [Option<EdgeId>; 3] {
-        [self.of_side(pair, face, 0), self.of_side(pair, face, 1), self.of_side(pair, face, 2)]
-    }
-
-    fn of_side(&mut self, pair: &Pair, face: FaceId, i: usize) -> Option<EdgeId> {
-        let edge = pair.edge(self.side, face, i);
-        let (number, is_new) = self.edges.number(u64::from(edge.0));
-        if is_new {
-            let around = pair.topology(self.side).half_edges(edge);
-            self.are.push(may_be_ridge(pair.mesh(self.side), around));
-        }
-        self.are[number as usize].then_some(edge)
-    }
+/// Whether two segments may cross when seen along their common normal: cheap, and true too often rather than too seldom.
+#[inline]
+fn may_cross([p0, p1]: [DVec3; 2], [q0, q1]: [DVec3; 2]) -> bool {
+    let (d1, d2, apart) = (p1 - p0, q1 - q0, q0 - p0);
+    let cross = d1.cross(d2);
+    let squared = cross.length_squared();
+    let within = |t: f64| t >= -NEAR_MISS * squared && t <= (1.0 + NEAR_MISS) * squared;
+    within(apart.cross(d2).dot(cross)) && within(apart.cross(d1).dot(cross))
 }
 
 /// The point of a body's surface nearest to a point of the pair's frame; ties go to the lowest face. Begins
@@ -168,46 +164,25 @@ fn nearest_on(
     pair: &Pair,
     side: Side,
     p: DVec3,
-    last: &mut Option<FaceId>,
+    (last, stack): (&mut Option<FaceId>, &mut Vec<(f64, u32)>),
     counters: &mut Counters,
 ) -> Nearest {
-    let tree = pair.model(side).tree();
+    // A mesh has faces, so there is a nearest one.
+    let begin = last.unwrap_or(FaceId(0));
+    let mut best = NearestFace::on(pair, side, p, begin);
     let local = match side {
         Side::First => p,
         Side::Second => pair.first_from_second.inverse().apply(p),
     };
-    let bound = |node: u32| {
-        let b = &tree.node(node).bounds;
-        let beside = (b.min - local).max(local - b.max).max(DVec3::ZERO);
-        (beside.length() - pair.culling_error()).max(0.0)
-    };
-    // A mesh has faces, so there is a nearest one.
-    let begin = last.unwrap_or(FaceId(0));
-    let mut best = NearestFace::on(pair, side, p, begin);
-    let mut stack = vec![(0.0, 0u32)];
-    while let Some((lower, node)) = stack.pop() {
-        if lower > best.distance {
-            continue;
+    let tree = pair.model(side).clusters();
+    let allowance = pair.culling_error();
+    for_faces_near(tree, local, (best.distance, allowance), stack, counters, |face| {
+        let found = NearestFace::on(pair, side, p, face);
+        if (found.distance, face) < (best.distance, best.face) {
+            best = found;
         }
-        counters.node_tests += 1;
-        if let Content::Inner { left, right } = tree.content(node) {
-            let (left, right) = ((bound(left), left), (bound(right), right));
-            let (near, far) = if left.0 < right.0 { (left, right) } else { (right, left) };
-            if far.0 <= best.distance {
-                stack.push(far);
-            }
-            if near.0 <= best.distance {
-                stack.push(near);
-            }
-            continue;
-        }
-        for &face in tree.leaf_faces(node) {
-            let found = NearestFace::on(pair, side, p, face);
-            if (found.distance, face) < (best.distance, best.face) {
-                best = found;
-            }
-        }
-    }
+        best.distance
+    });
     *last = Some(best.face);
     let feature = best.part.feature(pair.model(side), best.face);
     Nearest { distance: best.distance, foot: best.foot, feature, face: best.face }

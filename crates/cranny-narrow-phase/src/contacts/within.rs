@@ -86,6 +86,13 @@ fn edges_that_meet(pair: &Pair, side: Side, meeting: &[FacePair]) -> Numbering {
             Side::First => [p.first, p.second],
             Side::Second => [p.second, p.first],
         };
+        // Where faces cross in general position, the ends of what they share name the edges that pierce.
+        if let Some(crossing) = p.crossing {
+            for end in crossing.ends.iter().filter(|end| usize::from(end.owner) == side.index()) {
+                found.number(u64::from(pair.edge(side, own, usize::from(end.edge)).0));
+            }
+            continue;
+        }
         let (corners, other) = (pair.triangle(side, own), pair.triangle(side.other(), its));
         for i in 0..3 {
             let edge = pair.edge(side, own, i);

@@ -163,7 +163,7 @@ pub(crate) fn meetings_in(
             false => meetings.separation(leaf.pair, reach, counters),
         };
         spent.note(leaf, separation, posing);
-        if separation < WORTH * step {
+        if separation <= WORTH * step {
             leaf.hurry = HURRY;
         }
         clearance = clearance.min(separation.max(0.0));

@@ -15,6 +15,7 @@ mod lanes;
 mod meeting;
 mod nearest;
 mod parted;
+mod point;
 
 pub(crate) use self::descent::Pending;
 pub(crate) use self::features::{Candidate, Kind, Lasting, Turned, add_candidates};
@@ -24,6 +25,7 @@ pub(crate) use self::meeting::{
     first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
 };
 pub(crate) use self::nearest::{nearest_faces, nearest_in};
+pub(crate) use self::point::for_faces_near;
 
 #[cfg(test)]
 mod tests;

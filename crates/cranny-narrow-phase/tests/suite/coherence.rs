@@ -129,7 +129,7 @@ fn memory_never_changes_an_answer() {
         }
     }
     assert!(seen[Meeting::None as usize] > 400 && seen[Meeting::Cross as usize] > 250, "{seen:?}");
-    assert!(contained > 10 && rested > 250 && bypassed > 10, "{contained} {rested} {bypassed}");
+    assert!(contained > 10 && rested > 250 && bypassed > 4, "{contained} {rested} {bypassed}");
 }
 
 #[test]
