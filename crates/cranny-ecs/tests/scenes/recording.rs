@@ -45,6 +45,7 @@ fn frames_hold_the_poses_and_contacts_of_their_step_and_the_last_the_final_ones(
 
     let contacts = recording.contacts().unwrap();
     assert!(contacts[2].1.pairs.is_empty());
+    assert!(!contacts[3].1.pairs[0].regions.is_empty(), "touching");
     let pair = &contacts[5].1.pairs[0];
     assert_eq!((&*pair.a, &*pair.b), ("gate", "guest"));
     assert_eq!(pair.pose_b.0, last);
