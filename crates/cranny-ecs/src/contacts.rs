@@ -22,12 +22,13 @@ pub enum ContactsSystems {
     Report,
 }
 
-/// Contacts at the poses that the `Transform`s hold during a step.
+/// Contacts at the poses that the `Transform`s hold during a step: as much of them as somebody
+/// [reads](crate::ContactReaders), all unless the program says less.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct ContactReport {
     /// Steps completed when the report was made.
     pub step: u64,
-    /// One a pair with regions within its margin, sorted by body ids.
+    /// One a pair with regions or contacts within its margin, sorted by body ids.
     pub pairs: Vec<ContactPair>,
 }
 
@@ -44,7 +45,7 @@ pub struct ContactPair {
     pub answer: Answer,
 }
 
-/// A body's share of the [`ContactReport`].
+/// A body's share of the [`ContactReport`], which holds what is read.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyContacts {
     /// Bodies that it touches or nearly touches.

@@ -1,7 +1,6 @@
 //! Detection by the world: what `Trigger` and `Contacts` need of pairs that no solver detects.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -14,13 +13,15 @@ use bevy_transform::components::Transform;
 use cranny_exact::Pose;
 use cranny_geometry::Model;
 use cranny_world::description::SceneDescription;
-use cranny_world::{BodyId, BodySpec, StepReport, World as PairWorld};
+use cranny_world::{BodyId, BodySpec, ContactFields, StepReport, World as PairWorld};
 
 use crate::body::{Bodies, Body, pose_of, transform_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactsSystems;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
+use crate::plugins::PluginOptions;
+use crate::readers::ContactReaders;
 use crate::tally::Tally;
 use crate::trigger::TriggerSystems;
 
@@ -69,6 +70,8 @@ pub(crate) struct DetectionPlugin {
     /// Who needs it.
     trigger: bool,
     contacts: bool,
+    /// What of contacts the program reads.
+    program: ContactFields,
     /// Whether a solver detects too: its pairs and contacts are then the ones counted.
     beside_solver: bool,
 }
@@ -79,10 +82,10 @@ impl DetectionPlugin {
         scene: &SceneDescription,
         models: &[Model],
         effects: &EffectTable,
-        threads: NonZeroUsize,
+        options: &PluginOptions,
     ) -> Result<Self, SceneAppError> {
         let mut world = PairWorld::new();
-        world.set_threads(threads)?;
+        world.set_threads(options.thread_count())?;
         world.set_scene_effects(&scene.effects)?;
         for (body, model) in scene.bodies.iter().zip(models) {
             world.insert(BodySpec {
@@ -104,6 +107,7 @@ impl DetectionPlugin {
             world: Mutex::new(Some(world)),
             trigger: effects.names(EffectKind::Trigger),
             contacts: effects.names(EffectKind::Contacts),
+            program: options.contact_fields,
             beside_solver: effects.names(EffectKind::Response),
         })
     }
@@ -121,6 +125,12 @@ impl Plugin for DetectionPlugin {
         app.add_observer(forget_removed);
         if self.contacts {
             app.world_mut().resource_mut::<Tally>().depths_known = true;
+            let counted = !self.beside_solver;
+            let summary = ContactFields { depth: true, points: counted, regions: false };
+            let mut readers = ContactReaders::default();
+            readers.set(ContactReaders::PROGRAM, self.program);
+            readers.set(ContactReaders::SUMMARY, summary);
+            app.insert_resource(readers);
         }
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             app.configure_sets(
@@ -190,11 +200,15 @@ impl Detector {
 
 fn detect_pairs(
     mut detector: ResMut<Detector>,
+    readers: Option<Res<ContactReaders>>,
     mut detected: ResMut<Detected>,
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
 ) {
     let start = Instant::now();
+    if let Some(readers) = readers.filter(|readers| readers.is_changed()) {
+        detector.world().set_contact_fields(readers.fields());
+    }
     detected.report = failure.note(detector.world().step());
     let spent = 1e3 * start.elapsed().as_secs_f64();
     if detector.beside_solver {

@@ -10,9 +10,10 @@
 //! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the last
 //!   step [`CrannyEnd`] reports the final ones, newly detected.
 //! - A pair with `Response` is detected once, inside the solver's step, and everybody else is told
-//!   ([`DetectionSystems::Supply`]). What `Contacts` asks beyond what the solver needs (regions, a
-//!   wider margin) is asked there too, at the same pose, and moves no body. Where the solver's
-//!   detector gives no exact answer, kept an old one or did not look at a pair, the world asks.
+//!   ([`DetectionSystems::Supply`]). What somebody reads of `Contacts` ([`ContactReaders`]) and the
+//!   solver's answer does not hold (regions, a wider margin) is asked there too, at the same pose, and
+//!   moves no body. Where the solver's detector gives no exact answer, kept an old one or did not look
+//!   at a pair, the world asks.
 //! - Steps are driven by hand: no wall clock changes a result, and order is by stable [`BodyId`]s.
 //! - Removing a body is seen at once, by observers, in whatever schedule it happens.
 //!
@@ -46,6 +47,7 @@ mod outputs;
 mod painting;
 mod plan;
 mod plugins;
+mod readers;
 #[cfg(feature = "record")]
 mod recording;
 #[cfg(feature = "render")]
@@ -63,7 +65,7 @@ pub use app::{RunOptions, SceneApp};
 pub use body::{Bodies, Body, BodyRecord, Velocity, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
-pub use cranny_world::BodyId;
+pub use cranny_world::{BodyId, ContactFields};
 pub use detection::{Detected, DetectionSystems, Detector};
 pub use effects::{AskedBy, EffectKind, EffectTable};
 pub use error::{Failure, SceneAppError};
@@ -77,6 +79,7 @@ pub use outputs::check_outputs;
 pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
+pub use readers::ContactReaders;
 #[cfg(feature = "record")]
 pub use recording::{FrameRecorder, RecordingSystems};
 #[cfg(feature = "render")]

@@ -8,8 +8,8 @@ use bevy_ecs::schedule::graph::Direction;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, InternedSystemSet, NodeId, ScheduleLabel, Schedules, SystemKey,
 };
-use cranny_world::BodyId;
 use cranny_world::description::Normals;
+use cranny_world::{BodyId, ContactFields};
 use serde::Serialize;
 
 use crate::body::Bodies;
@@ -17,6 +17,7 @@ use crate::clock::{CoreSystems, CrannyEnd, CrannyStep};
 use crate::contacts::ContactsSystems;
 use crate::effects::{AskedBy, EffectKind, EffectTable};
 use crate::kinematics::KinematicsSystems;
+use crate::readers::ContactReaders;
 use crate::trigger::TriggerSystems;
 
 /// Names of a group of pairs that are told.
@@ -42,6 +43,8 @@ pub struct PlannedEffect {
     pub name: &'static str,
     /// Who asks: "the scene", "body 'nut'", "1 pair".
     pub asked_by: Vec<String>,
+    /// Of `Contacts`: who reads what of it, "the recording reads depth, points, regions". Empty for the others.
+    pub read_by: Vec<String>,
 }
 
 /// A schedule.
@@ -72,6 +75,8 @@ pub struct PlannedPairs {
     /// What is asked: effects with their parameters; empty where the pairs never meet or nothing is
     /// asked.
     pub effects: Vec<String>,
+    /// What is computed: the union of what is read, "solver contacts" for the solver.
+    pub fields: Vec<&'static str>,
     /// Who detects them: "solver", "world", "solver and world" or "nobody".
     pub detected_by: &'static str,
     /// Who asks, or why nobody does.
@@ -132,7 +137,7 @@ fn known_sets() -> Vec<KnownSet> {
     #[cfg(feature = "render")]
     {
         use crate::rendering::RenderingSystems;
-        sets.extend(known! { "Rendering": RenderingSystems::Picture; });
+        sets.extend(known! { "Rendering": RenderingSystems::Read, RenderingSystems::Picture; });
     }
     sets
 }
@@ -164,18 +169,25 @@ impl Plan {
         }
         let table = world.get_resource::<EffectTable>().cloned().unwrap_or_default();
         let bodies = world.get_resource::<Bodies>().cloned().unwrap_or_default();
+        let readers = world.get_resource::<ContactReaders>().cloned().unwrap_or_default();
         let runs = |effect: &str| {
             schedules.iter().flat_map(|s| &s.systems).any(|s| s.effects.contains(&effect))
         };
-        let effects = EFFECTS
-            .iter()
-            .filter(|(name, _)| runs(name))
-            .map(|&(name, _)| PlannedEffect { name, asked_by: asked_by(name, &table, &bodies) });
+        let effects =
+            EFFECTS.iter().filter(|(name, _)| runs(name)).map(|&(name, _)| PlannedEffect {
+                name,
+                asked_by: asked_by(name, &table, &bodies),
+                read_by: if name == EffectKind::Contacts.name() {
+                    read_by(&readers)
+                } else {
+                    vec![]
+                },
+            });
         let absent = EFFECTS.iter().filter(|(name, _)| !runs(name));
         Ok(Self {
             effects: effects.collect(),
             absent: absent.map(|&(name, why)| AbsentEffect { name, why }).collect(),
-            pairs: pairs(&table, &bodies, exact_solver(world)),
+            pairs: pairs(&table, &bodies, readers.fields(), exact_solver(world)),
             schedules,
         })
     }
@@ -259,15 +271,27 @@ fn asked_by(effect: &str, table: &EffectTable, bodies: &Bodies) -> Vec<String> {
     asked
 }
 
-/// What is asked about a pair, who detects it, and why.
-type Asked = (Vec<String>, &'static str, String);
+fn read_by(readers: &ContactReaders) -> Vec<String> {
+    let told = |(name, fields): (&str, ContactFields)| {
+        format!("{name} reads {}", fields.names().collect::<Vec<_>>().join(", "))
+    };
+    readers.iter().map(told).collect()
+}
+
+/// What is asked about a pair, what is computed for that, who detects it, and why.
+type Asked = (Vec<String>, Vec<&'static str>, &'static str, String);
 
 /// All pairs, grouped.
-fn pairs(table: &EffectTable, bodies: &Bodies, exact_solver: bool) -> Vec<PlannedPairs> {
+fn pairs(
+    table: &EffectTable,
+    bodies: &Bodies,
+    read: ContactFields,
+    exact_solver: bool,
+) -> Vec<PlannedPairs> {
     let mut groups: BTreeMap<Asked, (usize, Vec<[String; 2]>)> = BTreeMap::new();
     let count = table.body_count() as u32;
     for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (BodyId(a), BodyId(b)))) {
-        let key = group_of(table, bodies, a, b, exact_solver);
+        let key = group_of(table, bodies, [a, b], read, exact_solver);
         let (count, examples) = groups.entry(key).or_default();
         *count += 1;
         if examples.len() < EXAMPLES {
@@ -276,9 +300,10 @@ fn pairs(table: &EffectTable, bodies: &Bodies, exact_solver: bool) -> Vec<Planne
     }
     let mut pairs: Vec<PlannedPairs> = groups
         .into_iter()
-        .map(|((effects, detected_by, why), (count, examples))| PlannedPairs {
+        .map(|((effects, fields, detected_by, why), (count, examples))| PlannedPairs {
             count,
             effects,
+            fields,
             detected_by,
             why,
             examples,
@@ -297,14 +322,14 @@ fn is_smooth(bodies: &Bodies, pair: [BodyId; 2]) -> bool {
 fn group_of(
     table: &EffectTable,
     bodies: &Bodies,
-    a: BodyId,
-    b: BodyId,
+    [a, b]: [BodyId; 2],
+    read: ContactFields,
     exact_solver: bool,
 ) -> Asked {
     if !table.may_meet(a, b) {
-        return (Vec::new(), "nobody", table.why_apart(a, b).to_owned());
+        return (Vec::new(), Vec::new(), "nobody", table.why_apart(a, b).to_owned());
     }
-    let mut effects = Vec::new();
+    let (mut effects, mut fields) = (Vec::new(), Vec::new());
     let mut reasons: Vec<String> = Vec::new();
     for kind in EffectKind::ALL {
         let asked: Vec<AskedBy> = table
@@ -314,6 +339,11 @@ fn group_of(
             .collect();
         if asked.is_empty() {
             continue;
+        }
+        match kind {
+            EffectKind::Trigger => fields.push("verdict"),
+            EffectKind::Contacts => fields.extend(read.names()),
+            EffectKind::Response => fields.push("solver contacts"),
         }
         effects.push(match table.contact_margin(a, b) {
             Some(margin) if kind == EffectKind::Contacts => format!("Contacts(margin: {margin})"),
@@ -344,5 +374,5 @@ fn group_of(
     };
     let why =
         if reasons.is_empty() { "nobody asks for anything".to_owned() } else { reasons.join("; ") };
-    (effects, detected_by, why)
+    (effects, fields, detected_by, why)
 }

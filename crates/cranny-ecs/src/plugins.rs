@@ -10,8 +10,8 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_time::{Fixed, Time};
 use cranny_geometry::Model;
-use cranny_world::BodyId;
 use cranny_world::description::{BodyDescription, BodyKind, SceneDescription};
+use cranny_world::{BodyId, ContactFields};
 
 use crate::body::{Bodies, Body, BodyRecord, build_models, transform_of};
 use crate::clock::{ClockPlugin, CrannyStep, SimulatedTime};
@@ -45,6 +45,10 @@ pub struct PluginOptions {
     /// What the solver takes for a metre, in units of length; `None`: twice the volume per
     /// area of the thinnest moving body.
     pub length_unit: Option<f64>,
+    /// What the program itself reads of `Contacts` (in [`ContactReport`](crate::ContactReport) or
+    /// [`Detected`](crate::Detected)): all, unless it says less. What summary, recording and pictures read is added
+    /// to it, and nothing else is computed; [`ContactReaders`](crate::ContactReaders) changes it between steps.
+    pub contact_fields: ContactFields,
     /// Pairs whose screw motion is followed.
     pub helices: Vec<Helix>,
     /// Bodies of which those that are linked at the start are watched.
@@ -112,9 +116,8 @@ impl CrannyPlugins {
         if effects.names(EffectKind::Response) {
             return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
         }
-        let detection = detects
-            .then(|| DetectionPlugin::new(scene, &models, &effects, options.thread_count()))
-            .transpose()?;
+        let detection =
+            detects.then(|| DetectionPlugin::new(scene, &models, &effects, options)).transpose()?;
         Ok(Self {
             core: CorePlugin::new(scene, models, effects.clone()),
             detection,

@@ -10,7 +10,7 @@ use cranny_record::{
     Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
     Recorder, Summary,
 };
-use cranny_world::PairEvent;
+use cranny_world::{ContactFields, PairEvent};
 
 use crate::body::{Bodies, Body, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
@@ -18,6 +18,7 @@ use crate::contacts::ContactReport;
 use crate::detection::Detected;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
+use crate::readers::ContactReaders;
 
 /// The systems of `Recording`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -107,6 +108,10 @@ impl Plugin for RecordingPlugin {
         let told = tell_bodies(&mut recorder, app.world().resource::<Bodies>());
         app.world_mut().resource_mut::<Failure>().note(told);
         app.insert_resource(recorder);
+        // In every step, not only where a frame is due: names of regions and their events follow them.
+        if let Some(mut readers) = app.world_mut().get_resource_mut::<ContactReaders>() {
+            readers.set(ContactReaders::RECORDING, ContactFields::ALL);
+        }
         let frame = (StepSystems::Record, RecordingSystems::Frame);
         app.add_systems(CrannyStep, record_step.in_set(frame.0).in_set(frame.1));
         app.add_systems(CrannyEnd, record_end.in_set(frame.0).in_set(frame.1));

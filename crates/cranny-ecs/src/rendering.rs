@@ -14,6 +14,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_render::{Animation, DrawList, Image, ImageSize, Renderer};
+use cranny_world::ContactFields;
 use cranny_world::description::SceneDescription;
 
 use crate::body::{Body, pose_of};
@@ -21,6 +22,7 @@ use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems
 use crate::contacts::ContactReport;
 use crate::error::{Failure, SceneAppError};
 use crate::painting::{NamedCamera, Palette, prepare};
+use crate::readers::ContactReaders;
 
 /// Pictures a simulated second, with [`PictureOptions::frames`].
 pub const FRAMES_PER_SECOND: f64 = 30.0;
@@ -38,6 +40,8 @@ pub const FRAME_SIZE: [u32; 2] = [1280, 720];
 /// The systems of `Rendering`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RenderingSystems {
+    /// Says what the pictures of this step will read of `Contacts`; present where a scene names that.
+    Read,
     /// A picture of each camera, at the beginning of the step; in [`CrannyEnd`], of the final state.
     Picture,
 }
@@ -214,6 +218,11 @@ impl Plugin for RenderingPlugin {
         };
         let records = painter.options.record;
         app.insert_resource(painter);
+        if app.world().contains_resource::<ContactReaders>() {
+            let read = (StepSystems::Sync, RenderingSystems::Read);
+            app.add_systems(CrannyStep, read_for_step.in_set(read.0).in_set(read.1));
+            app.add_systems(CrannyEnd, read_for_end.in_set(read.0).in_set(read.1));
+        }
         let set = (StepSystems::Draw, RenderingSystems::Picture);
         app.add_systems(CrannyStep, draw_step.in_set(set.0).in_set(set.1));
         app.add_systems(CrannyEnd, draw_end.in_set(set.0).in_set(set.1));
@@ -228,6 +237,26 @@ impl Plugin for RenderingPlugin {
         #[cfg(not(feature = "record"))]
         let _ = records;
     }
+}
+
+/// What pictures mark.
+const MARKED: ContactFields = ContactFields { depth: false, points: true, regions: false };
+
+fn read_for_step(
+    painter: Res<Painter>,
+    time: Res<SimulatedTime>,
+    mut readers: ResMut<ContactReaders>,
+) {
+    let due = painter.moments.is_due(time.steps());
+    let fields = if due { MARKED } else { ContactFields::NONE };
+    // Looked at first: what is set counts as changed.
+    if readers.of(ContactReaders::PICTURES) != fields {
+        readers.set(ContactReaders::PICTURES, fields);
+    }
+}
+
+fn read_for_end(mut readers: ResMut<ContactReaders>) {
+    readers.set(ContactReaders::PICTURES, MARKED);
 }
 
 fn draw_step(

@@ -6,22 +6,23 @@
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::Remove;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
-use cranny_narrow_phase::{Answer, Demand};
+use cranny_narrow_phase::{Answer, Fields};
 use cranny_rapier::{BodyIndex, Detector as Detection, PairContacts, Simulation};
-use cranny_world::BodyId;
+use cranny_world::{BodyId, ContactFields};
 
 use crate::body::{Bodies, Body, Velocity, narrowed, pose_of, transform_of};
 use crate::clock::{CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::detection::{DetectionSystems, Detector};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
+use crate::readers::ContactReaders;
 use crate::simulation::RigidScene;
 use crate::tally::Tally;
 
@@ -59,6 +60,8 @@ pub struct RigidBodies {
     answers: Vec<PairContacts>,
     /// The `Transform`s from which a pair's latest answer was computed.
     answered_at: BTreeMap<(BodyIndex, BodyIndex), [Transform; 2]>,
+    /// What of contacts is read in this step.
+    read: Arc<Mutex<ContactFields>>,
     detection: Detection,
     energy: EnergyRange,
 }
@@ -214,12 +217,14 @@ impl Plugin for ResponsePlugin {
         };
         let RigidScene { simulation, ids, detection } = scene;
         let effects = app.world().resource::<EffectTable>().clone();
-        let body_of = ids.clone();
+        let (body_of, read) = (ids.clone(), Arc::new(Mutex::new(ContactFields::NONE)));
+        let read_now = read.clone();
         simulation.read_by(move |a, b| {
             // Bodies that were put into the solver's world by hand are nobody's of the scene.
             let of = |index: BodyIndex| body_of.get(index.0 as usize).copied();
             let margin = of(a).zip(of(b)).and_then(|(a, b)| effects.contact_margin(a, b));
-            margin.map_or(Demand::None, |margin| Demand::Regions { margin })
+            let read = *read_now.lock().unwrap_or_else(PoisonError::into_inner);
+            margin.map_or(Fields::NONE, |margin| read.within(margin))
         });
         let mut known = vec![Transform::IDENTITY; ids.len()];
         for (i, &id) in ids.iter().enumerate() {
@@ -241,6 +246,7 @@ impl Plugin for ResponsePlugin {
             known,
             answers: Vec::new(),
             answered_at: BTreeMap::new(),
+            read,
             detection,
             energy: EnergyRange::starting(energy.kinetic, energy.potential),
         });
@@ -290,11 +296,15 @@ fn push_transforms(
 
 fn step_solver(
     mut bodies: ResMut<RigidBodies>,
+    readers: Option<Res<ContactReaders>>,
     time: Res<SimulatedTime>,
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
 ) {
     let bodies = &mut *bodies;
+    if let Some(readers) = readers.filter(|readers| readers.is_changed()) {
+        *bodies.read.lock().unwrap_or_else(PoisonError::into_inner) = readers.fields();
+    }
     let start = Instant::now();
     if let Err(why) = stepped(bodies) {
         failure.set(SceneAppError::SolverPanicked { step: time.steps(), why });

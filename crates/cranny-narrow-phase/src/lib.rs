@@ -18,7 +18,7 @@
 //!
 //! # The story, file by file
 //!
-//! `query` asks; `evaluate` conducts. `pair` puts the two models in canonical order and poses
+//! `query` asks, for the `fields` that somebody reads; `evaluate` conducts. `pair` puts the two models in canonical order and poses
 //! vertices; `parting` looks for a plane between their hulls; where there is none, `descent` finds the faces that may meet; `surface` classifies them; `inside`,
 //! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
 //! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `pockets` is the second way to the
@@ -59,6 +59,7 @@ mod containment;
 mod depth;
 mod descent;
 mod evaluate;
+mod fields;
 mod footprints;
 mod foremost;
 mod gjk;
@@ -96,6 +97,7 @@ pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, RegionId, Surface, Witness,
 };
 pub use evaluate::{QueryError, query};
+pub use fields::Fields;
 pub use impact::{
     Hit, Impact, ImpactCounters, ImpactError, ImpactOptions, LinearImpact, LinearLimits, MAX_TURN,
     Motion, Moving, linear_edge_edge, linear_vertex_face, time_of_impact,

@@ -168,14 +168,14 @@ impl Dispatcher {
         rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
         let mut read = Duration::ZERO;
         if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
-            let wanted = log.demand(s1.tag(), s2.tag());
+            let fields = log.fields(s1.tag(), s2.tag());
             let told = match answer {
-                Some((answer, demand)) if demand.covers(wanted) => Some((answer, demand)),
+                Some((answer, demand)) if fields.told_by(demand) => Some((answer, demand)),
                 Some(_) => {
-                    let begin = Instant::now();
-                    let told = ask([s1.model(), s2.model()], pose, wanted, pair.memory());
+                    let (begin, demand) = (Instant::now(), fields.demand());
+                    let told = ask([s1.model(), s2.model()], pose, demand, pair.memory());
                     read = begin.elapsed();
-                    told.map(|answer| (answer, wanted))
+                    told.map(|answer| (answer, demand))
                 }
                 None => None,
             };

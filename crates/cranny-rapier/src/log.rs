@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use cranny_exact::Pose;
-use cranny_narrow_phase::{Answer, Demand};
+use cranny_narrow_phase::{Answer, Demand, Fields};
 
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
 pub struct LoggedAnswer {
-    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by) asks
-    /// for what that does not tell.
+    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by) reads
+    /// fields that it does not hold.
     pub answer: Arc<Answer>,
     /// The relative pose that it was computed from.
     pub first_from_second: Pose,
@@ -37,11 +37,11 @@ struct Entries {
     reading: Duration,
 }
 
-/// What somebody wants to read about pairs, by their tags.
-type DemandOf = dyn Fn(u32, u32) -> Demand + Send + Sync;
+/// What somebody reads about pairs, by their tags.
+type FieldsOf = dyn Fn(u32, u32) -> Fields + Send + Sync;
 
 #[derive(Clone, Default)]
-struct Reader(Option<Arc<DemandOf>>);
+struct Reader(Option<Arc<FieldsOf>>);
 
 impl fmt::Debug for Reader {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -98,17 +98,17 @@ impl AnswerLog {
         self.len() == 0
     }
 
-    /// Says what a reader of the log asks about a pair of tags, in either order, from now on. It is
-    /// answered in the same step, at the same pose, whenever what the solver asks does not
-    /// [cover](Demand::covers) it; the solver's contacts do not depend on it.
-    pub fn read_by(&self, demand: impl Fn(u32, u32) -> Demand + Send + Sync + 'static) {
-        self.entries().reader = Reader(Some(Arc::new(demand)));
+    /// Says which fields a reader of the log reads about a pair of tags, in either order, from now on. Where the
+    /// solver's answer does not [hold](Fields::told_by) them, a second question is asked in the same step, at the same
+    /// pose; the solver's contacts do not depend on it.
+    pub fn read_by(&self, fields: impl Fn(u32, u32) -> Fields + Send + Sync + 'static) {
+        self.entries().reader = Reader(Some(Arc::new(fields)));
     }
 
-    /// What the reader asks about a pair.
-    pub(crate) fn demand(&self, first: u32, second: u32) -> Demand {
+    /// What the reader reads about a pair.
+    pub(crate) fn fields(&self, first: u32, second: u32) -> Fields {
         let reader = self.entries().reader.clone();
-        reader.0.map_or(Demand::None, |demand| demand(first, second))
+        reader.0.map_or(Fields::NONE, |fields| fields(first, second))
     }
 
     /// Time spent in contact detection for the solver since this was last asked.

@@ -30,8 +30,9 @@ use crate::partners::{
 use crate::shape::MeshShape;
 
 /// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
-/// time is lost on what patches tell as well; smaller: a hook of 20 faces slips off an edge, since
-/// its patches are whole sides.
+/// time is lost on what patches tell as well; smaller: sides that overlap lose the contacts where an edge of one
+/// passes over an edge of the other, since patches then tell vertices inside only. A hook of 20 faces keeps the
+/// contacts at its tip, tips over and slips off (`a_hook_holds_at_an_edge`).
 const FINE: usize = 64;
 
 /// Our shape, where it is one.

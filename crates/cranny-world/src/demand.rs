@@ -1,18 +1,74 @@
-//! From effects to demands.
+//! From effects, and what somebody reads of them, to fields of answers.
 
-use cranny_narrow_phase::Demand;
+use cranny_narrow_phase::Fields;
 
 use crate::description::Effect;
 use crate::error::WorldError;
 
-/// What a list of effects asks of the narrow phase.
+/// What of the effect `Contacts` somebody reads; the effect says for which pairs, and how far apart.
+///
+/// Each field costs its own: a depth is read off contacts where bodies overlap, points are contacts up to the margin,
+/// and only regions bring curves and areas. The default is all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ContactFields {
+    /// How deep the bodies overlap: that of the deepest contact, or of regions where they are read too.
+    pub depth: bool,
+    /// Contact points with their normals, up to the margin.
+    pub points: bool,
+    /// Regions with curves, depths and areas, up to the margin.
+    pub regions: bool,
+}
+
+impl Default for ContactFields {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+impl ContactFields {
+    /// Everything.
+    pub const ALL: Self = Self { depth: true, points: true, regions: true };
+    /// Nothing.
+    pub const NONE: Self = Self { depth: false, points: false, regions: false };
+
+    /// What either reader reads.
+    #[must_use]
+    pub fn join(self, other: Self) -> Self {
+        Self {
+            depth: self.depth || other.depth,
+            points: self.points || other.points,
+            regions: self.regions || other.regions,
+        }
+    }
+
+    /// The fields of an answer that these are, up to a margin.
+    #[must_use]
+    pub fn within(self, margin: f64) -> Fields {
+        Fields {
+            depth: self.depth,
+            contacts: self.points.then_some(margin),
+            regions: self.regions.then_some(margin),
+            ..Fields::NONE
+        }
+    }
+
+    /// Their names: "depth", "points", "regions".
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        let named = [("depth", self.depth), ("points", self.points), ("regions", self.regions)];
+        named.into_iter().filter(|(_, read)| *read).map(|(name, _)| name)
+    }
+}
+
+/// What a list of effects asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wish {
-    pub(crate) demand: Demand,
+    verdict: bool,
+    /// The margin of `Contacts`.
+    contacts: Option<f64>,
 }
 
 impl Wish {
-    /// The join of what the effects ask. `owner` names whose effects they are, for errors.
+    /// What the effects ask for together. `owner` names whose effects they are, for errors.
     ///
     /// `Response` asks nothing here: the solver's step detects its pairs itself, once, and its
     /// answers come in by [`World::supply`](crate::World::supply).
@@ -20,44 +76,79 @@ impl Wish {
         effects: &[Effect],
         owner: impl FnOnce() -> String,
     ) -> Result<Self, WorldError> {
-        let mut demand = Demand::None;
+        let mut wish = Self::default();
         for effect in effects {
-            demand = demand.join(match *effect {
-                Effect::Trigger => Demand::Intersects,
+            wish = wish.join(match *effect {
+                Effect::Trigger => Self { verdict: true, contacts: None },
                 Effect::Contacts { margin } if margin.is_finite() && margin >= 0.0 => {
-                    Demand::Regions { margin }
+                    Self { verdict: false, contacts: Some(margin) }
                 }
                 Effect::Contacts { margin } => {
                     return Err(WorldError::Margin { owner: owner(), margin });
                 }
-                Effect::Response => Demand::None,
+                Effect::Response => Self::default(),
             });
         }
-        Ok(Self { demand })
+        Ok(wish)
+    }
+
+    /// What either asks for.
+    pub(crate) fn join(self, other: Self) -> Self {
+        let contacts = match (self.contacts, other.contacts) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        Self { verdict: self.verdict || other.verdict, contacts }
+    }
+
+    /// The fields that this takes, if so much of `Contacts` is read.
+    pub(crate) fn fields(self, read: ContactFields) -> Fields {
+        let verdict = Fields { verdict: self.verdict, ..Fields::NONE };
+        self.contacts.map_or(verdict, |margin| verdict.join(read.within(margin)))
     }
 
     /// The margin that the effects ask for; 0 where they ask for none.
     pub(crate) fn margin(&self) -> f64 {
-        self.demand.margin().unwrap_or(0.0)
+        self.contacts.unwrap_or(0.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use cranny_narrow_phase::Demand;
+
     use super::*;
 
-    fn demand(effects: &[Effect]) -> Demand {
-        Wish::of(effects, String::new).unwrap().demand
+    fn demand(effects: &[Effect], read: ContactFields) -> Demand {
+        Wish::of(effects, String::new).unwrap().fields(read).demand()
     }
 
     #[test]
     fn each_effect_asks_its_own() {
+        let demand = |effects: &[Effect]| demand(effects, ContactFields::default());
         assert_eq!(demand(&[]), Demand::None);
         assert_eq!(demand(&[Effect::Response]), Demand::None);
         assert_eq!(demand(&[Effect::Response, Effect::Trigger]), Demand::Intersects);
         let near = Effect::Contacts { margin: 0.25 };
         let far = Effect::Contacts { margin: 2.0 };
         assert_eq!(demand(&[Effect::Trigger, far, near]), Demand::Regions { margin: 2.0 });
+    }
+
+    #[test]
+    fn contacts_ask_for_what_is_read() {
+        let effects = [Effect::Contacts { margin: 0.25 }];
+        let [depth, points, regions] = [
+            ContactFields { depth: true, ..ContactFields::NONE },
+            ContactFields { points: true, ..ContactFields::NONE },
+            ContactFields { regions: true, ..ContactFields::NONE },
+        ];
+        assert_eq!(demand(&effects, ContactFields::NONE), Demand::None);
+        assert_eq!(demand(&effects, depth), Demand::contacts(0.0));
+        assert_eq!(demand(&effects, points.join(depth)), Demand::contacts(0.25));
+        assert_eq!(demand(&effects, regions.join(depth)), Demand::Regions { margin: 0.25 });
+        assert_eq!(demand(&[Effect::Trigger], ContactFields::NONE), Demand::Intersects);
+        assert_eq!(points.join(regions).names().collect::<Vec<_>>(), ["points", "regions"]);
+        assert_eq!(depth.join(points).join(regions), ContactFields::ALL);
     }
 
     #[test]

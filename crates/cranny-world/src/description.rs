@@ -99,7 +99,8 @@ impl Default for Material {
 pub enum Effect {
     /// Overlap began and ended: yes or no.
     Trigger,
-    /// Contact points, curves and regions up to `margin` apart.
+    /// Contact points, curves and regions up to `margin` apart: as much of it as somebody reads
+    /// ([`ContactFields`](crate::ContactFields)).
     Contacts {
         /// Separation up to which near contacts are reported, >= 0.
         margin: f64,

@@ -4,8 +4,9 @@
 //! # Promises
 //!
 //! - **Only what is asked is computed.** A pair's [`Demand`](cranny_narrow_phase::Demand) is the
-//!   join of the scene's, its two bodies' and its own [`Effect`](description::Effect)s; a pair whose
-//!   demand is `None` is never looked at. A pair that somebody else detects already (inside a
+//!   least that tells what is read of the scene's, its two bodies' and its own
+//!   [`Effect`](description::Effect)s: of `Contacts` all, unless [`World::set_contact_fields`] says
+//!   less. A pair whose demand is `None` is never looked at. A pair that somebody else detects already (inside a
 //!   solver's step) is handed in by [`World::supply`] and not detected twice.
 //! - **No meeting is missed**: the broad phase's boxes hold the posed bodies and every margin, all
 //!   rounding included.
@@ -62,6 +63,7 @@ mod supply;
 mod world;
 
 pub use body::{Body, BodyId, BodySpec};
+pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
 pub use report::{
     Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,

@@ -7,7 +7,9 @@ use cranny_narrow_phase::{
 };
 use cranny_shapes::{Cuboid, Torus};
 use cranny_world::description::{BodyKind, Effect};
-use cranny_world::{BodyId, BodySpec, PairEvent, PairEventKind, StepReport, World, WorldError};
+use cranny_world::{
+    BodyId, BodySpec, ContactFields, PairEvent, PairEventKind, StepReport, World, WorldError,
+};
 use proptest::prelude::*;
 
 fn model(mesh: Mesh) -> Model {
@@ -243,6 +245,33 @@ fn margins_reach_across_gaps_whoever_asks() {
         world.set_pose(ids[1], at(2.5)).unwrap();
         assert_eq!(step(&mut world).stats.candidate_pairs, 0);
     }
+}
+
+#[test]
+fn of_contacts_only_what_is_read_is_answered() {
+    let depth = ContactFields { depth: true, ..ContactFields::NONE };
+    let points = ContactFields { points: true, ..depth };
+    // The gap is within the margin; then a corner of one cube is in the other.
+    let (mut world, ids) = row(&[Effect::Contacts { margin: 0.5 }], &[0.0, 1.25]);
+    let found = |world: &mut World| {
+        let report = step(world);
+        let answers = report.answers.iter().map(|pair| &pair.answer);
+        let counts = answers.map(|a| (!a.contacts.is_empty(), !a.regions.is_empty()));
+        (counts.collect::<Vec<_>>(), report.stats.deepest.is_some(), report.events)
+    };
+    for (read, near) in
+        [(ContactFields::ALL, (true, true)), (points, (true, false)), (depth, (false, false))]
+    {
+        world.set_contact_fields(read);
+        assert_eq!(found(&mut world), (vec![near], false, vec![]), "{read:?}");
+    }
+    world.set_pose(ids[1], Pose::at(DVec3::new(0.9, 0.7, 0.8))).unwrap();
+    let overlapping = vec![(true, false)];
+    assert_eq!(found(&mut world), (overlapping, true, vec![began(ids[0], ids[1])]));
+    // Nothing is read, so nothing is asked about the pair any more.
+    world.set_contact_fields(ContactFields::NONE);
+    assert_eq!(world.demand_of(ids[0], ids[1]).unwrap(), Demand::None);
+    assert_eq!(found(&mut world), (vec![], false, vec![ended(ids[0], ids[1])]));
 }
 
 #[test]

@@ -10,7 +10,9 @@ mod figures;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use cranny_ecs::{PluginOptions, RunOptions, SceneAppError, check_outputs, helices, rings};
+use cranny_ecs::{
+    ContactFields, PluginOptions, RunOptions, SceneAppError, check_outputs, helices, rings,
+};
 use cranny_rapier::{Detector, SimulationOptions};
 use cranny_world::description::Effect;
 
@@ -69,6 +71,8 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
                 substeps,
                 helices: helices.clone(),
                 rings: rings.clone(),
+                // The judge reads depths of regions, which tell how deep a failed peer is.
+                contact_fields: ContactFields { depth: true, regions: true, points: false },
                 ..PluginOptions::default()
             },
             step: args.instead.dt,

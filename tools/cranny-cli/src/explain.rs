@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use cranny_ecs::{Plan, PlannedPairs, RunOptions, SceneApp};
+use cranny_ecs::{ContactFields, Plan, PlannedPairs, PluginOptions, RunOptions, SceneApp};
 use serde::Serialize;
 
 use crate::args::{ExplainArgs, Format};
@@ -28,7 +28,10 @@ struct Explanation<'a> {
 /// A scene that cannot be read, is wrong, or cannot be composed.
 pub(crate) fn explain(args: &ExplainArgs, format: Option<Format>) -> Result<(), Failure> {
     let scene = load(&args.scene, None)?;
-    let mut app = SceneApp::new(&scene.description, &RunOptions::default()).map_err(failure)?;
+    // As `cranny run` runs it.
+    let plugins = PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() };
+    let options = RunOptions { plugins, ..RunOptions::default() };
+    let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
     let plan = app.plan().map_err(Failure::run)?;
     let (name, bodies) = (&*scene.description.name, scene.description.bodies.len());
     let mut output = Output::new();
@@ -50,6 +53,7 @@ fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
     }
     for effect in &plan.effects {
         add(format!("  {}: asked for by {}", effect.name, effect.asked_by.join(", ")));
+        effect.read_by.iter().for_each(|reader| add(format!("      {reader}")));
     }
     for schedule in &plan.schedules {
         add(format!("\n{}, in this order", schedule.name));
@@ -73,6 +77,10 @@ fn pairs(group: &PlannedPairs) -> String {
         if group.effects.is_empty() { "nothing".to_owned() } else { group.effects.join(", ") };
     let mut line =
         format!("  {}: {asked}, detected by {} ({})", group.count, group.detected_by, group.why);
+    if !group.fields.is_empty() {
+        // Writing to a string cannot fail.
+        let _ = write!(line, "\n      computed: {}", group.fields.join(", "));
+    }
     let named: Vec<String> = group.examples.iter().map(|[a, b]| format!("{a} and {b}")).collect();
     let more = if group.count > named.len() { ", ..." } else { "" };
     // Writing to a string cannot fail.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, check_outputs,
-    helices, rings,
+    ContactFields, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError,
+    check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -39,6 +39,8 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
             helices: helices(&scene),
             rings: rings(&scene),
             threads: Some(args.threads),
+            // It prints the summary, and nothing of a single contact.
+            contact_fields: ContactFields::NONE,
             ..PluginOptions::default()
         },
         step: args.instead.dt,

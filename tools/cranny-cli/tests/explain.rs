@@ -88,3 +88,15 @@ fn the_text_tells_effects_systems_pairs_and_what_is_absent() {
         assert!(text.contains(word), "{word:?} is missing in\n{text}");
     }
 }
+
+#[test]
+fn what_is_read_of_contacts_is_told_and_no_regions_are() {
+    let effects = "Response(), Contacts(margin: 0.1)";
+    let text = String::from_utf8(explain(effects, &[]).stdout).unwrap();
+    for word in ["the summary reads depth", "computed: depth, solver contacts"] {
+        assert!(text.contains(word), "{word:?} is missing in\n{text}");
+    }
+    let plan = plan(effects);
+    assert_eq!(plan["effects"][0]["read_by"][0], "the summary reads depth");
+    assert_eq!(plan["pairs"][0]["fields"], serde_json::json!(["depth", "solver contacts"]));
+}

@@ -126,6 +126,29 @@ fn contacts_refer_to_the_poses_at_the_beginning_of_their_step() {
 }
 
 #[test]
+fn without_a_solver_the_summary_reads_points_too_and_no_regions() {
+    let plugins = PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() };
+    let options = RunOptions { plugins, ..RunOptions::default() };
+    let mut askew = gate(&[CONTACTS]);
+    // No faces flush.
+    askew.bodies[1].pose.translation += DVec3::new(0.1, 0.3, 0.2);
+    let mut app = SceneApp::new(&askew, &options).unwrap();
+    let plan = app.plan().unwrap();
+    assert_eq!(plan.effects[0].read_by, ["the summary reads depth, points"]);
+    assert_eq!(plan.pairs[0].fields, ["depth", "points"]);
+    while app.step().unwrap() {
+        let world = app.app().world();
+        let report = world.resource::<ContactReport>();
+        // Deep overlaps have no other contacts than those of regions.
+        let none = |pair: &ContactPair| pair.answer.solid || pair.answer.regions.is_empty();
+        assert!(report.pairs.iter().all(none));
+        assert_eq!(report.pairs.len(), usize::from((10..=21).contains(&report.step)));
+    }
+    let summary = app.finish().unwrap();
+    assert!(summary.contacts.max >= 4 && summary.deepest.unwrap().depth > 0.0);
+}
+
+#[test]
 fn whoever_moves_the_transform_moves_the_body() {
     let bodies = vec![
         cube("a", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO),

@@ -15,7 +15,10 @@ fn frames_hold_the_poses_and_contacts_of_their_step_and_the_last_the_final_ones(
     let path = folder.path().join("run.mcap");
     let mut scene = gate(&EFFECTS);
     scene.record.every = 4;
+    // A recording reads everything, though the program reads nothing.
+    let plugins = PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() };
     let options = RunOptions {
+        plugins,
         duration: Some(4.5),
         record: Some(path.clone()),
         source: Some("(text)".into()),
@@ -42,6 +45,7 @@ fn frames_hold_the_poses_and_contacts_of_their_step_and_the_last_the_final_ones(
 
     let contacts = recording.contacts().unwrap();
     assert!(contacts[2].1.pairs.is_empty());
+    assert!(!contacts[3].1.pairs[0].regions.is_empty(), "touching");
     let pair = &contacts[5].1.pairs[0];
     assert_eq!((&*pair.a, &*pair.b), ("gate", "guest"));
     assert_eq!(pair.pose_b.0, last);

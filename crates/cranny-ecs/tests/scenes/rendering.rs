@@ -44,6 +44,33 @@ fn pictures_are_written_or_said_to_be_skipped() {
 }
 
 #[test]
+fn pictures_read_points_in_the_steps_that_they_show_and_at_the_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = gate(&[Effect::Contacts { margin: 0.1 }]);
+    scene.step = 0.05;
+    let preview = Some(folder.path().join("preview.png"));
+    let options = RunOptions {
+        plugins: PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() },
+        pictures: PictureOptions { preview, ..PictureOptions::default() },
+        ..RunOptions::default()
+    };
+    let mut app = SceneApp::new(&scene, &options).unwrap();
+    let painted = |app: &SceneApp| app.app().world().get_resource::<Painter>().map(Painter::drawn);
+    let read = |app: &SceneApp| {
+        let readers = app.app().world().resource::<ContactReaders>();
+        readers.of(ContactReaders::PICTURES).points
+    };
+    let Some(mut before) = painted(&app) else { return };
+    for _ in 0..12 {
+        app.step().unwrap();
+        let now = painted(&app).unwrap();
+        assert_eq!(read(&app), now > before, "step {}", app.steps_done());
+        before = now;
+    }
+    assert!(before > 1 && before < 12, "{before} of 12 steps are shown");
+}
+
+#[test]
 fn an_unwritable_picture_is_refused_before_anything_runs() {
     let folder = tempfile::tempdir().unwrap();
     let preview = folder.path().join("missing/preview.png");

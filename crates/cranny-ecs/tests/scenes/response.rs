@@ -254,6 +254,60 @@ fn contacts_of_fine_meshes_are_regions_with_curves_too() {
     assert_eq!(app.finish().unwrap().deepest.unwrap().depth, depth);
 }
 
+/// Two tori, one falling onto the other, and a program that reads none of their contacts itself.
+fn tori(margin: f64) -> SceneApp {
+    let mut lying = cube("lying", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+    let mut falling = cube("falling", BodyKind::Dynamic, DVec3::new(0.3, 0.1, 0.399), DVec3::ZERO);
+    for body in [&mut lying, &mut falling] {
+        body.collision = Arc::new(Torus::default().build().unwrap());
+    }
+    let description = scene(vec![lying, falling], &[Effect::Response, Effect::Contacts { margin }]);
+    let plugins = PluginOptions { contact_fields: ContactFields::NONE, ..PluginOptions::default() };
+    let options = RunOptions { plugins, duration: Some(0.375), ..RunOptions::default() };
+    SceneApp::new(&description, &options).unwrap()
+}
+
+#[test]
+fn only_what_is_read_is_computed_and_the_summary_reads_the_solvers_contacts() {
+    let mut app = tori(0.02);
+    let plan = app.plan().unwrap();
+    assert_eq!(plan.effects[0].read_by, ["the summary reads depth"]);
+    assert_eq!(plan.pairs[0].fields, ["depth", "solver contacts"]);
+    let mut deepest = 0.0f64;
+    while app.step().unwrap() {
+        for pair in &app.app().world().resource::<ContactReport>().pairs {
+            assert!(pair.answer.regions.is_empty() && pair.answer.distance.is_none());
+            let depths = pair.answer.contacts.iter().map(|c| -c.separation);
+            deepest = depths.fold(deepest, f64::max);
+        }
+    }
+    assert!(deepest > 0.0);
+    assert_eq!(app.finish().unwrap().deepest.unwrap().depth, deepest);
+}
+
+#[test]
+fn who_reads_more_is_told_more_from_the_next_step_on() {
+    let mut app = tori(0.3);
+    let regions = ContactFields { regions: true, ..ContactFields::NONE };
+    let points = ContactFields { points: true, ..ContactFields::NONE };
+    let seen = [ContactFields::NONE, points, regions, ContactFields::NONE].map(|fields| {
+        let mut readers = app.app_mut().world_mut().resource_mut::<ContactReaders>();
+        readers.set("the test", fields);
+        app.step().unwrap();
+        let report = app.app().world().resource::<ContactReport>();
+        let answers = || report.pairs.iter().map(|pair| &pair.answer);
+        let farthest =
+            answers().flat_map(|a| &a.contacts).map(|c| c.separation).fold(0.0, f64::max);
+        (answers().map(|a| a.regions.len()).sum::<usize>() > 0, farthest > 0.1)
+    });
+    // The solver itself does not look a tenth of a unit ahead.
+    assert_eq!(seen, [(false, false), (false, true), (true, true), (false, false)]);
+    while app.step().unwrap() {}
+    let mut unread = tori(0.3);
+    while unread.step().unwrap() {}
+    assert_eq!(app.finish().unwrap().state_hash, unread.finish().unwrap().state_hash);
+}
+
 #[test]
 fn more_layers_than_bits_are_refused() {
     let mut description = drop(&[Effect::Response]);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cranny_exact::Pose;
-use cranny_narrow_phase::{Answer, Demand};
+use cranny_narrow_phase::{Answer, Fields};
 
 use super::{BodyIndex, Simulation};
 use crate::convert::wide;
@@ -47,7 +47,7 @@ pub struct Timings {
     pub broad: f64,
     /// Narrow phase, contact detection included.
     pub narrow: f64,
-    /// What [`Simulation::read_by`] cost besides: questions that the solver does not ask.
+    /// What [`Simulation::read_by`] cost besides: fields that the solver's answers do not hold.
     pub reading: f64,
     /// Constraints solver.
     pub solver: f64,
@@ -83,12 +83,12 @@ impl Simulation {
         energy
     }
 
-    /// Says what somebody wants to read, from now on, about a pair of bodies in
-    /// [`contact_pairs`](Self::contact_pairs): it is answered in the step, at the poses that the solver's
-    /// contacts come from, where what the solver asks does not [cover](Demand::covers) it. How bodies move
+    /// Says which fields somebody reads, from now on, of a pair of bodies in
+    /// [`contact_pairs`](Self::contact_pairs). Where the solver's answer does not [hold](Fields::told_by) them, a
+    /// second question is asked in the step, at the poses that the solver's contacts come from. How bodies move
     /// does not depend on it.
-    pub fn read_by(&self, demand: impl Fn(BodyIndex, BodyIndex) -> Demand + Send + Sync + 'static) {
-        self.log.read_by(move |first, second| demand(BodyIndex(first), BodyIndex(second)));
+    pub fn read_by(&self, fields: impl Fn(BodyIndex, BodyIndex) -> Fields + Send + Sync + 'static) {
+        self.log.read_by(move |first, second| fields(BodyIndex(first), BodyIndex(second)));
     }
 
     /// What the detector said of each pair that rapier asked about in the last step, or whose older

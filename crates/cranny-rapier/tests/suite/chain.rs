@@ -1,7 +1,7 @@
 //! Three rings that hold each other.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_narrow_phase::Demand;
+use cranny_narrow_phase::Fields;
 use cranny_rapier::{BodyIndex, BodyKind, BodySpec, Simulation, SimulationOptions};
 use cranny_shapes::Torus;
 
@@ -52,7 +52,7 @@ fn three_rings_stay_linked() {
         })
         .collect();
     // Depth of whole regions: a contact's is at most that.
-    simulation.read_by(|_, _| Demand::Regions { margin: 0.0 });
+    simulation.read_by(|_, _| Fields::regions(0.0));
     let linked = |simulation: &Simulation| {
         [0, 1].map(|k| linking(&simulation.pose(rings[k]), &simulation.pose(rings[k + 1])).abs())
     };

@@ -1,7 +1,7 @@
 //! What a simulation tells of its pairs.
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Demand, Fields, PairMemory, Placed, Query, query};
 use cranny_rapier::{BodyIndex, BodyKind, BodySpec, JointSpec, Simulation, SimulationOptions};
 use cranny_shapes::{Cup, LPrism, Torus};
 
@@ -51,7 +51,7 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
     let (mut simulation, models) = heap(options);
     let mut divided = 0;
     if read {
-        simulation.read_by(|_, _| Demand::Regions { margin: 0.0 });
+        simulation.read_by(|_, _| Fields::regions(0.0));
     }
     let (mut checked, mut overlapping, mut contacts) = (0, 0, 0);
     for step in 0..150 {
@@ -138,20 +138,23 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
 
 #[test]
 fn bodies_move_the_same_whoever_reads() {
-    let poses = |read: bool| {
+    let poses = |fields: Fields, costs: bool| {
         let (mut simulation, models) = heap(SimulationOptions::default());
-        if read {
-            simulation.read_by(|_, _| Demand::Regions { margin: 0.05 });
-        }
+        simulation.read_by(move |_, _| fields);
         let mut cost = 0.0;
         for _ in 0..90 {
             simulation.step();
             cost += simulation.timings_ms().reading;
         }
-        assert_eq!(cost > 0.0, read);
+        assert_eq!(cost > 0.0, costs, "{fields:?}");
         (0..models.len()).map(|k| simulation.pose(BodyIndex(k as u32))).collect::<Vec<_>>()
     };
-    assert_eq!(poses(false), poses(true));
+    let unread = poses(Fields::NONE, false);
+    // The solver's own answers tell how deep bodies overlap, and whether they meet.
+    let told = Fields { depth: true, verdict: true, ..Fields::contacts(0.0) };
+    assert_eq!(unread, poses(told, false));
+    assert_eq!(unread, poses(Fields::contacts(0.5), true));
+    assert_eq!(unread, poses(Fields::regions(0.05), true));
 }
 
 #[test]

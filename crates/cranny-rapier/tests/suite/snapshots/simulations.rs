@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Demand, Region, RegionId};
+use cranny_narrow_phase::{Fields, Region, RegionId};
 use cranny_rapier::{
     BodyIndex, BodyKind, BodySpec, Detector, JointSpec, Simulation, SimulationOptions,
     SnapshotError,
@@ -152,7 +152,7 @@ fn steps_in_parts() {
 #[test]
 fn readers_read_on() {
     let (_, models) = pile(Detector::Cranny);
-    let reader = |_, _| Demand::Regions { margin: 0.5 };
+    let reader = |_, _| Fields::regions(0.5);
     let make = || {
         let (simulation, _) = pile(Detector::Cranny);
         simulation.read_by(reader);

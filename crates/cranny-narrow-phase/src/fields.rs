@@ -1,0 +1,127 @@
+//! Which fields of an answer somebody reads, and the least demand that tells them.
+
+use crate::query::Demand;
+
+/// The fields of an [`Answer`](crate::Answer) that somebody reads.
+///
+/// What several readers read is their [`join`](Self::join). A reader does not care which question brought the
+/// answer: [`told_by`](Self::told_by) says whether an answer that is there already will do, as a solver's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fields {
+    /// How the surfaces meet, whether the solids do, containment.
+    pub verdict: bool,
+    /// Distance and witness points.
+    pub distance: bool,
+    /// How deep the bodies overlap: the depth of regions where there are any, otherwise minus the separation of the
+    /// deepest contact, which is at most that.
+    pub depth: bool,
+    /// Contacts up to this far apart, >= 0: those for a solver, or the points of regions where regions are read too.
+    pub contacts: Option<f64>,
+    /// Regions up to this far apart, >= 0: curves, depth, area, names.
+    pub regions: Option<f64>,
+}
+
+impl Fields {
+    /// Nobody reads anything.
+    pub const NONE: Self =
+        Self { verdict: false, distance: false, depth: false, contacts: None, regions: None };
+
+    /// Contacts up to this far apart.
+    #[must_use]
+    pub const fn contacts(margin: f64) -> Self {
+        Self { contacts: Some(margin), ..Self::NONE }
+    }
+
+    /// Regions up to this far apart.
+    #[must_use]
+    pub const fn regions(margin: f64) -> Self {
+        Self { regions: Some(margin), ..Self::NONE }
+    }
+
+    /// What either reader reads, at the larger margin.
+    #[must_use]
+    pub fn join(self, other: Self) -> Self {
+        let farther = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        };
+        Self {
+            verdict: self.verdict || other.verdict,
+            distance: self.distance || other.distance,
+            depth: self.depth || other.depth,
+            contacts: farther(self.contacts, other.contacts),
+            regions: farther(self.regions, other.regions),
+        }
+    }
+
+    /// The least demand whose answer holds these fields.
+    #[must_use]
+    pub fn demand(&self) -> Demand {
+        let of_flags = [
+            (self.verdict, Demand::Intersects),
+            (self.distance, Demand::Distance { below: None }),
+            (self.depth, Demand::contacts(0.0)),
+        ];
+        let of_flags = of_flags.into_iter().filter(|(read, _)| *read).map(|(_, demand)| demand);
+        let contacts = self.contacts.map(Demand::contacts);
+        let regions = self.regions.map(|margin| Demand::Regions { margin });
+        of_flags.chain(contacts).chain(regions).fold(Demand::None, Demand::join)
+    }
+
+    /// Whether an answer to this demand holds these fields. What lies beyond a margin is the reader's to leave out.
+    #[must_use]
+    pub fn told_by(&self, demand: Demand) -> bool {
+        let regions = match demand {
+            Demand::Regions { margin } => Some(margin),
+            _ => None,
+        };
+        let reaches = |have: Option<f64>, want: Option<f64>| {
+            want.is_none_or(|want| have.is_some_and(|have| have >= want))
+        };
+        (!self.verdict || demand.covers(Demand::Intersects))
+            && (!self.distance || demand.covers(Demand::Distance { below: None }))
+            && (!self.depth || demand.margin().is_some())
+            && reaches(demand.margin(), self.contacts)
+            && reaches(regions, self.regions)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DISTANCE: Fields = Fields { distance: true, ..Fields::NONE };
+    const DEPTH: Fields = Fields { depth: true, ..Fields::NONE };
+    const VERDICT: Fields = Fields { verdict: true, ..Fields::NONE };
+
+    #[test]
+    fn the_least_demand_tells_what_is_read_and_no_more() {
+        let regions = |margin| Demand::Regions { margin };
+        for (fields, demand) in [
+            (Fields::NONE, Demand::None),
+            (VERDICT, Demand::Intersects),
+            (DISTANCE.join(VERDICT), Demand::Distance { below: None }),
+            (DEPTH.join(VERDICT), Demand::contacts(0.0)),
+            (DEPTH.join(Fields::contacts(0.1)), Demand::contacts(0.1)),
+            (DEPTH.join(Fields::regions(0.1)), regions(0.1)),
+            (Fields::contacts(0.2).join(Fields::regions(0.1)), regions(0.2)),
+            (Fields::contacts(0.1).join(DISTANCE), regions(0.1)),
+        ] {
+            assert_eq!(fields.demand(), demand, "{fields:?}");
+            assert!(fields.told_by(demand));
+        }
+        assert_eq!(Fields::contacts(0.1).join(Fields::contacts(0.2)), Fields::contacts(0.2));
+    }
+
+    #[test]
+    fn a_solvers_contacts_tell_depth_and_contacts_as_far_as_they_reach() {
+        let of_solver = Demand::contacts(0.1);
+        let near = Fields::contacts(0.1).join(DEPTH).join(VERDICT);
+        assert!(near.told_by(of_solver) && Fields::NONE.told_by(of_solver));
+        assert!(near.told_by(Demand::Regions { margin: 0.1 }));
+        for beyond in [Fields::contacts(0.11), Fields::regions(0.0), DISTANCE] {
+            assert!(!beyond.told_by(of_solver), "{beyond:?}");
+        }
+        assert!(!DEPTH.told_by(Demand::Intersects) && !VERDICT.told_by(Demand::None));
+    }
+}

@@ -1,0 +1,126 @@
+//! What is asked about bodies and pairs: effects, margins, demands.
+
+use cranny_broad_phase::{BroadPhase, ProxyId};
+use cranny_narrow_phase::Demand;
+
+use super::{Pair, World};
+use crate::body::{Body, BodyId};
+use crate::bounds::world_box;
+use crate::demand::{ContactFields, Wish};
+use crate::description::Effect;
+use crate::error::WorldError;
+
+/// Effects and demands.
+impl World {
+    /// Says what is asked about all bodies, in place of what was asked before.
+    ///
+    /// # Errors
+    ///
+    /// A [margin](WorldError::Margin) that is no length.
+    pub fn set_scene_effects(&mut self, effects: &[Effect]) -> Result<(), WorldError> {
+        self.scene = Wish::of(effects, || "the scene".to_owned())?;
+        let ids: Vec<BodyId> = self.bodies.keys().copied().collect();
+        ids.into_iter().try_for_each(|id| self.refresh_box(id))
+    }
+
+    /// Says what is asked about one body, in place of what was asked before.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], or a [margin](WorldError::Margin) that is no length.
+    pub fn set_effects(&mut self, body: BodyId, effects: &[Effect]) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        known.wish = Wish::of(effects, || format!("body '{}'", known.name))?;
+        known.effects = effects.to_vec();
+        self.refresh_box(body)
+    }
+
+    /// Says what is asked about one pair, in place of what was asked before.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`], or a [margin](WorldError::Margin) that
+    /// is no length.
+    pub fn set_pair_effects(
+        &mut self,
+        a: BodyId,
+        b: BodyId,
+        effects: &[Effect],
+    ) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        let names = (self.known(a)?.name(), self.known(b)?.name());
+        let wish = Wish::of(effects, || format!("the pair '{}' and '{}'", names.0, names.1))?;
+        self.pair_wishes.insert(pair, wish);
+        self.refresh_box(a)?;
+        self.refresh_box(b)
+    }
+
+    /// Says that a pair never meets, whatever is asked: links joined by a joint overlap by design.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn exclude_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        self.excluded.insert(pair);
+        Ok(())
+    }
+
+    /// Whether a pair may meet at all: its bodies share a layer, are not both fixed, and it is not
+    /// [excluded](Self::exclude_pair).
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn may_meet(&self, a: BodyId, b: BodyId) -> Result<bool, WorldError> {
+        let pair = self.known_pair(a, b)?;
+        Ok(!self.excluded.contains(&pair) && self.known(a)?.may_meet(self.known(b)?))
+    }
+
+    /// Says what somebody reads of the effect `Contacts` from now on: no more is computed for it. Until then, all.
+    /// Where nobody reads anything, the effect asks nothing. An answer may hold more than is read.
+    ///
+    /// Boxes keep the margins of the effects, so candidate pairs do not depend on it.
+    pub fn set_contact_fields(&mut self, read: ContactFields) {
+        self.read = read;
+    }
+
+    /// What is asked of the narrow phase about a pair: the least that tells the fields which are read, joined over
+    /// the scene's, both bodies' and the pair's effects; [`Demand::None`] where the pair
+    /// [may not meet](Self::may_meet).
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn demand_of(&self, a: BodyId, b: BodyId) -> Result<Demand, WorldError> {
+        let pair = self.known_pair(a, b)?;
+        Ok(self.demand(pair, self.known(pair.0)?, self.known(pair.1)?))
+    }
+
+    pub(super) fn demand(&self, pair: Pair, a: &Body, b: &Body) -> Demand {
+        if self.excluded.contains(&pair) || !a.may_meet(b) {
+            return Demand::None;
+        }
+        let of_pair = self.pair_wishes.get(&pair).copied().unwrap_or_default();
+        self.scene.join(a.wish).join(b.wish).join(of_pair).fields(self.read).demand()
+    }
+
+    /// By how much a body's box is grown, so that boxes overlap wherever surfaces are no farther
+    /// apart than the pair's margin. What both bodies know of (the scene's margin, the pair's) they
+    /// share half and half; the body's own margin its partner does not know.
+    pub(super) fn growth(&self, id: BodyId, body: &Body) -> f64 {
+        let of_pairs = self.pair_wishes.iter().filter(|((a, b), _)| *a == id || *b == id);
+        let shared = of_pairs.fold(self.scene.margin(), |m, (_, wish)| m.max(wish.margin()));
+        body.wish.margin().max(0.5 * shared)
+    }
+
+    pub(super) fn refresh_box(&mut self, id: BodyId) -> Result<(), WorldError> {
+        let body = self.known(id)?;
+        let around = world_box(&body.model, &body.pose, self.growth(id, body));
+        let refused = self.broad_phase.set_box(ProxyId(id.0), around).err();
+        refused.map_or(Ok(()), |source| {
+            let name = self.name(id).unwrap_or_default().to_owned();
+            Err(WorldError::BroadPhase { name, source })
+        })
+    }
+}
