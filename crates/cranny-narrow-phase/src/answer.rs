@@ -212,7 +212,7 @@ pub struct Counters {
     pub planes_tried: u64,
     /// Queries for which a plane was found that parts the hulls as far as was asked.
     pub planes_parted: u64,
-    /// Pairs of tree nodes compared.
+    /// Pairs of tree nodes compared, of the search tree each of eight side by side.
     pub node_tests: u64,
     /// Pairs of triangles classified exactly or measured: the sum of the next two, and of those of which only the
     /// distance was asked.
@@ -226,15 +226,15 @@ pub struct Counters {
     pub inside_tests: u64,
     /// Pairs of hull features that a walk looked at; only levels below `Exact` walk.
     pub hull_steps: u64,
-    /// Pairs of nodes kept from the last query that had to be looked at again.
+    /// Boxes at which the last search had ended, and which had to be tested again: motion had spent their slack.
     pub front_tested: u64,
-    /// Pairs of nodes that were added to what is kept, since others had come too near.
+    /// Of these, boxes that had come within reach.
     pub front_split: u64,
-    /// Blocks of kept pairs that were found anew.
+    /// Cuts that were given up: outrun by motion, outgrown by what was asked, or grown too fine.
     pub front_rebuilt: u64,
-    /// Pairs of nodes fewer than before, after what had grown too fine was found anew.
+    /// Blocks of eight boxes fewer than before, where a cut was built anew.
     pub front_merged: u64,
-    /// Pairs of nodes kept for the next query.
+    /// Blocks of eight boxes kept for the next query.
     pub front_held: u64,
     /// Times that a search from the top was cheaper than what memory had to offer.
     pub bypassed: u64,

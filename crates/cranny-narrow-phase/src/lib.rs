@@ -18,16 +18,29 @@
 //!
 //! # The story, file by file
 //!
-//! `query` asks, for the `fields` that somebody reads; `evaluate` conducts. `pair` puts the two models in canonical order and poses
-//! vertices; `parting` looks for a plane between their hulls; where there is none, `descent` finds the faces that may meet; `surface` classifies them; `inside`,
-//! `wedge` and `containment` decide about solids, seeing planes by `projection`; `closest` measures
-//! gaps with `triangle_distance`, among the faces that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `front` keeps from frame to frame what these searches leave, as long as they pay (`patience`). `pockets` is the second way to the
-//! faces that meet, by the envelopes of concavities; [`Method`] chooses. `intersection` chains the segments of
-//! crossing faces, `pieces` cuts the surfaces along them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and
-//! `near` describe contact without overlap, `regions` puts it together, `reduce` keeps what
-//! matters and `tracks` names regions after those of the last query; `contacts` finds the few points that a solver needs, patch by patch, and `smooth` tells them with
-//! the normals of curved surfaces, for whoever asks. `impact` finds when
-//! two moving bodies first meet. `brute_force` is the slow, obviously right version of the verdict and the distance.
+//! `query` asks, for the `fields` that somebody reads; `evaluate` conducts.
+//!
+//! **Separate.** `pair` puts the two models in canonical order and poses vertices; `parting` looks for a
+//! plane between their hulls, beyond which nothing is searched.
+//!
+//! **Search.** One descent of the models' two trees of clusters serves every question (`search`, which
+//! has a story of its own). `coherent` keeps what the next query of the pair begins with, as long as
+//! that pays (`patience`), by bounds of `motion`.
+//!
+//! **Decide.** `surface` classifies faces that may meet; `inside`, `wedge` and `containment` decide
+//! about solids, seeing planes by `projection`; `closest` measures faces with `triangle_distance`, among
+//! those that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `contacts`
+//! evaluates features that face each other.
+//!
+//! **Describe.** `intersection` chains the segments of crossing faces, `pieces` cuts the surfaces along
+//! them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and `near`
+//! describe contact without overlap, `regions` puts it together, `reduce` keeps what matters and
+//! `tracks` names regions after those of the last query; `smooth` gives contacts the normals of curved
+//! surfaces.
+//!
+//! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of concavities
+//! ([`Method`] chooses); `impact` finds when two moving bodies first meet; `brute_force` is the slow,
+//! obviously right version of the verdict and the distance.
 //! [`walk`] follows the closest features of two convex hulls from frame to frame. `revolved` measures against cylinders, cones and the like. `levels` tells what is
 //! certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
 //! memory holds, for drawing. `verify` asks everything twice, with memory

@@ -11,10 +11,9 @@ use crate::tracks::RegionTracks;
 
 /// Memory of one pair. Dropping it costs time, never a different answer.
 ///
-/// It holds a plane between the hulls, the front of the last descent (16 bytes for each pair of boxes that was found apart,
-/// and half as much again for the blocks that these rest in), the faces that crossed or were nearest,
-/// and of contacts within a margin the last ones' features, those that can make contacts soon, two bytes for each face of both
-/// models, and the planes and edges of those faces that were near, let go of when most are near no longer.
+/// It holds a plane between the hulls; where the last descent of the search trees ended (about 50 bytes for
+/// each block of eight boxes, as many for each pair of clusters within reach); the faces that crossed or were nearest;
+/// and of contacts within a margin the candidates, 24 bytes each.
 /// Where smooth normals were asked for, those of both models: whoever has many pairs of few models makes them once, and
 /// tells contacts itself ([`smooth_normal`](crate::smooth_normal)).
 /// Of regions, the last ones and their faces, by which the next are named.

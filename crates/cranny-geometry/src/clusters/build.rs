@@ -15,6 +15,10 @@ use crate::ids::FaceId;
 /// Larger: building takes longer; smaller: flanks are parted later.
 const FEW: usize = 256;
 
+/// Sets of more than this are cut in the middle, along whatever cuts best. Larger: building takes longer, for nodes that are
+/// hardly better.
+const FEWER: usize = 24;
+
 /// What the tree is made of.
 pub(super) struct Built {
     pub(super) root: OrientedBox,
@@ -169,7 +173,11 @@ impl Builder {
         let mut best = (f64::INFINITY, 0, count / 2);
         for key in 0..6 {
             self.sort(set, key);
-            for middle in [count / 2, count / 3, 2 * count / 3] {
+            let tries: &[usize] = match count > FEWER {
+                true => &[count / 2],
+                false => &[count / 2, count / 3, 2 * count / 3],
+            };
+            for &middle in tries {
                 if middle == 0 || middle == count {
                     continue;
                 }

@@ -70,7 +70,7 @@ impl KeptCut {
         reach: Reach,
         counters: &mut Counters,
     ) -> Option<&mut Cut> {
-        let mut build = reach.build;
+        let (mut build, mut held) = (reach.build, 0);
         if let Some(cut) = &mut self.cut {
             let followed = if self.is_here {
                 true
@@ -87,6 +87,7 @@ impl KeptCut {
                 return self.cut.as_mut();
             }
             let is_outgrown = followed && cut.reach() < reach.least;
+            held = cut.held();
             self.cut = None;
             self.step = None;
             counters.front_rebuilt += 1;
@@ -104,7 +105,9 @@ impl KeptCut {
         }
         self.age = 0;
         self.is_here = true;
-        Some(self.cut.insert(Cut::build(pair, ground, build, counters)))
+        let cut = self.cut.insert(Cut::build(pair, ground, build, counters));
+        counters.front_merged += held.saturating_sub(cut.held());
+        Some(cut)
     }
 
     /// How many blocks are kept.
