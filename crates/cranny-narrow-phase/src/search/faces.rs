@@ -1,7 +1,7 @@
 //! Which faces of two clusters may be near each other.
 //!
-//! The planes of the faces tell, and boxes along a direction that the caller knows to part most: for each face of the first
-//! cluster all of the second's at once. What is left is for double precision to measure.
+//! The planes of the faces part them, and boxes along one frame: for each face of the first cluster all of the second's at
+//! once. What is left is for double precision to decide.
 
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
@@ -38,6 +38,13 @@ impl Sight {
     }
 }
 
+/// How far a face and the eight are apart, seen along three directions at right angles.
+#[inline(always)]
+fn seen_apart(sights: &[Sight; 3], face: &[Wide3; 3]) -> f32x8 {
+    let squares = sights.each_ref().map(|sight| sight.gap_squared(face));
+    (squares[0] + squares[1] + squares[2]).sqrt()
+}
+
 /// A unit direction and two at right angles to it, to rounding.
 fn frame(toward: [f32; 3]) -> [[f32; 3]; 3] {
     let direction = DVec3::from_array(toward.map(f64::from)).normalize_or(DVec3::Z);
@@ -45,25 +52,28 @@ fn frame(toward: [f32; 3]) -> [[f32; 3]; 3] {
     [direction, u, v].map(|axis| axis.to_array().map(|x| x as f32))
 }
 
-/// Calls `visit` with every pair of faces of two clusters that may be within `reach`, a length of the pair. `toward`: a unit direction
-/// from first to second, in the first's frame, along which faces are compared too. `visit` returns the reach from there on.
+/// Calls `visit` with every pair of faces of two clusters that may be within `reach`, a length of the pair, and a certain lower
+/// bound of their distance, 0 or less where they may meet. `toward`: a unit direction from first to second, in the first's frame,
+/// along which the surfaces are known to be nearest.
+/// `visit` returns the reach from there on.
 pub(crate) fn for_near_faces(
     ground: &Ground,
     [a, b]: [u32; 2],
     reach: f64,
     toward: Option<[f32; 3]>,
-    mut visit: impl FnMut([FaceId; 2]) -> f64,
+    mut visit: impl FnMut([FaceId; 2], f64) -> f64,
 ) {
     let (first, second) = (ground.tree(Side::First), ground.tree(Side::Second));
     let (a, b) = (&first.clusters()[a as usize], &second.clusters()[b as usize]);
     // In the first's frame and lengths, about its own cluster's centre.
     let placing = ground.into(Side::First);
     let offset = ground.between(Side::First, a, b);
-    let ratio = placing.ratio();
+    let (ratio, unit) = (placing.ratio(), first.unit());
     let scale =
         a.bounds.radius + b.bounds.radius * ratio + offset.iter().map(|x| x.abs()).sum::<f32>();
-    let error = ROUNDING * scale + (ground.posing() / first.unit()) as f32;
-    let limit = |reach: f64| ((reach / first.unit()) as f32).next_up() + error;
+    let error = ROUNDING * scale + (ground.posing() / unit) as f32;
+    let limit = |reach: f64| ((reach / unit) as f32).next_up() + error;
+    let certain = |gap: f32| f64::from(gap - error).next_down() * unit;
     let shift = Wide3::all(offset);
     let faces = &b.faces;
     let corners = faces.corners.each_ref().map(|corner| {
@@ -76,7 +86,8 @@ pub(crate) fn for_near_faces(
     let mut bound = limit(reach);
     let own = a.faces.corners.each_ref().map(|corner| Wide3::of(corner).to_arrays());
     let own_normal = Wide3::of(&a.faces.normal).to_arrays();
-    let sights = toward.map(|toward| frame(toward).map(|axis| Sight::of(axis, &corners)));
+    let along_box = a.bounds.axes.map(|axis| Sight::of(axis, &corners));
+    let along_way = toward.map(|toward| frame(toward).map(|axis| Sight::of(axis, &corners)));
     for lane in 0..a.faces.count as usize {
         let [p, q, r] = own.each_ref().map(|corner| lane_of(corner, lane));
         // Along the normals of the second's faces.
@@ -84,23 +95,29 @@ pub(crate) fn for_near_faces(
         let least = heights[0].fast_min(heights[1]).fast_min(heights[2]);
         let most = heights[0].fast_max(heights[1]).fast_max(heights[2]);
         let mut gap = (least - top).fast_max(bottom - most);
-        if let Some(sights) = &sights {
-            let squares = sights.each_ref().map(|sight| sight.gap_squared(&[p, q, r]));
-            gap = gap.fast_max((squares[0] + squares[1] + squares[2]).sqrt());
-        }
-        let mut near = within(gap, f32x8::splat(bound)) & faces.mask();
-        if near == 0 {
+        if within(gap, f32x8::splat(bound)) & faces.mask() == 0 {
             continue;
         }
         // Along that of the first's face.
         let n = lane_of(&own_normal, lane);
         let (own_top, own_bottom) = (a.faces.top.0[lane], a.faces.bottom.0[lane]);
         let [x, y, z] = corners.map(|corner| n.dot(&corner));
-        let gap = (x.fast_min(y).fast_min(z) - f32x8::splat(own_top))
+        gap = gap
+            .fast_max(x.fast_min(y).fast_min(z) - f32x8::splat(own_top))
             .fast_max(f32x8::splat(own_bottom) - x.fast_max(y).fast_max(z));
-        near &= within(gap, f32x8::splat(bound));
+        if within(gap, f32x8::splat(bound)) & faces.mask() == 0 {
+            continue;
+        }
+        let face = [p, q, r];
+        gap = gap.fast_max(seen_apart(&along_box, &face));
+        if let Some(along_way) = &along_way {
+            gap = gap.fast_max(seen_apart(along_way, &face));
+        }
+        let near = within(gap, f32x8::splat(bound)) & faces.mask();
+        let gaps = gap.to_array();
         for other in lanes_of(near) {
-            bound = limit(visit([a.faces.ids[lane], faces.ids[other]]));
+            let reach = visit([a.faces.ids[lane], faces.ids[other]], certain(gaps[other]));
+            bound = limit(reach);
         }
     }
 }

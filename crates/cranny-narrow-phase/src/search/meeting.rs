@@ -10,16 +10,8 @@ use super::descent::{Pending, Visitor, descend};
 use super::faces::for_near_faces;
 use super::ground::Ground;
 use crate::answer::{Counters, Surface};
-use crate::pair::{Pair, Side};
+use crate::pair::Pair;
 use crate::surface::{FacePair, looked_at};
-use crate::triangle_distance::triangle_distance;
-
-/// A separation is worth measuring where it lasts for so many steps. Fewer: it is measured again and again; more: clusters are
-/// looked at in every query that could rest.
-const WORTH: f64 = 2.0;
-
-/// Queries in which it is not measured after it was not worth it.
-const HURRY: u8 = 24;
 
 struct Meetings<'g, 'p, 'm> {
     ground: &'g Ground<'m>,
@@ -35,31 +27,22 @@ impl Meetings<'_, '_, '_> {
         self.ends_at_crossing && self.surface == Meeting::Cross
     }
 
-    /// Whether two faces meet.
-    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> bool {
+    /// Takes note of two faces that meet.
+    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) {
         let found = looked_at(self.pair, f, g, counters);
         self.surface = found.map_or(self.surface, |found| self.surface.max(found.meeting));
         self.found.extend(found);
-        found.is_some()
     }
 
-    /// Looks at two clusters, and measures how far apart they are, up to `reach`; 0 where they meet.
+    /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`.
     fn separation(&mut self, clusters: [u32; 2], reach: f64, counters: &mut Counters) -> f64 {
         let mut least = reach;
-        for_near_faces(self.ground, clusters, reach, None, |[f, g]| {
-            if self.is_done() {
-                return 0.0;
+        for_near_faces(self.ground, clusters, reach, None, |[f, g], gap| {
+            if gap <= 0.0 && !self.is_done() {
+                self.look(f, g, counters);
             }
-            if self.look(f, g, counters) {
-                least = 0.0;
-            } else if least > 0.0 {
-                counters.triangle_tests += 1;
-                let [a, b] = [(Side::First, f), (Side::Second, g)]
-                    .map(|(side, face)| self.pair.triangle(side, face));
-                let apart = triangle_distance(&a, &b).squared.sqrt() - self.pair.length_error();
-                least = least.min(apart.max(0.0));
-            }
-            // What is farther than what was measured does not matter any more.
+            least = least.min(gap.max(0.0));
+            // What is farther than what was seen does not matter any more.
             least
         });
         least
@@ -72,12 +55,7 @@ impl Visitor for Meetings<'_, '_, '_> {
     }
 
     fn clusters(&mut self, clusters: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
-        for_near_faces(self.ground, clusters, 0.0, None, |[f, g]| {
-            if !self.is_done() {
-                self.look(f, g, counters);
-            }
-            0.0
-        });
+        self.separation(clusters, 0.0, counters);
         if self.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
@@ -128,13 +106,12 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clearance(pub(crate) f64);
 
-/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the clusters that a cut lists. `step` is how far anything
-/// has moved since the last query, at most.
+/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the clusters that a cut lists.
 pub(crate) fn meetings_in(
     cut: &mut Cut,
     pair: &Pair,
     ground: &Ground,
-    (ends_at_crossing, step): (bool, f64),
+    ends_at_crossing: bool,
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>, Clearance) {
     let (surface, found) = (Meeting::None, Vec::new());
@@ -154,19 +131,9 @@ pub(crate) fn meetings_in(
             clearance = clearance.min(gap);
             continue;
         }
-        let separation = match leaf.hurry > 0 {
-            true => {
-                leaf.hurry -= 1;
-                let _ = meetings.clusters(leaf.pair, 0.0, counters);
-                0.0
-            }
-            false => meetings.separation(leaf.pair, reach, counters),
-        };
+        let separation = meetings.separation(leaf.pair, reach, counters);
         spent.note(leaf, separation, posing);
-        if separation <= WORTH * step {
-            leaf.hurry = HURRY;
-        }
-        clearance = clearance.min(separation.max(0.0));
+        clearance = clearance.min(separation);
         if meetings.is_done() {
             break;
         }

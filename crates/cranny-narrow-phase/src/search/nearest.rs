@@ -22,7 +22,7 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
     fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
         let toward = self.faces.toward().map(|d| d.to_array().map(|x| x as f32));
         let reach = self.faces.limit();
-        for_near_faces(self.ground, pair, reach, toward, |[f, g]| {
+        for_near_faces(self.ground, pair, reach, toward, |[f, g], _| {
             self.faces.offer(f, g, counters);
             self.faces.limit()
         });

@@ -122,12 +122,11 @@ fn a_cut_lists_all_that_is_within_reach() {
             let ground = Ground::of(&pair);
             let mut counters = Counters::default();
             let last = cut.take().and_then(|mut cut| {
-                let step = cut.follow(&pair, &ground, &mut counters)?;
+                cut.follow(&pair, &ground, &mut counters)?;
                 followed += 1;
-                Some((cut, step))
+                Some(cut)
             });
-            let (mut now, step) =
-                last.unwrap_or_else(|| (Cut::build(&pair, &ground, reach, &mut counters), 0.0));
+            let mut now = last.unwrap_or_else(|| Cut::build(&pair, &ground, reach, &mut counters));
             let what = format!("round {round}, frame {frame}");
             let (leaves, spent) = now.leaves();
             let mut listed: Vec<[u32; 2]> = leaves.iter().map(|leaf| leaf.pair).collect();
@@ -148,7 +147,7 @@ fn a_cut_lists_all_that_is_within_reach() {
             }
             near += listed.len();
             let (surface, found, clearance) =
-                meetings_in(&mut now, &pair, &ground, (false, step), &mut counters);
+                meetings_in(&mut now, &pair, &ground, false, &mut counters);
             assert_eq!(found, all_that_meet(&pair), "{what}");
             assert_eq!(surface, strongest(&found), "{what}");
             met += usize::from(surface.meets());

@@ -234,8 +234,8 @@ fn faces_that_crossed_are_asked_again_only_where_that_pays() {
         (warm, cold)
     };
     let (warm, cold) = work(37.0);
-    // One trial in 64 is in vain, and costs ten searches.
-    assert!(16 * warm < 17 * cold, "fast: {warm} of {cold}");
+    // One trial in 64 is in vain: it costs what a few searches do, and no more.
+    assert!(warm < cold + 60, "fast: {warm} of {cold}");
     let (warm, cold) = work(0.01);
     assert!(7 * warm < 4 * cold, "slow: {warm} of {cold}");
 }
