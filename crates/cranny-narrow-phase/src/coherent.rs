@@ -137,15 +137,16 @@ impl Coherent {
         }
     }
 
-    /// All faces that meet, where asked for; lists the pairs of clusters that are within `reach`.
+    /// Finds all faces that meet, where `meets`; lists the pairs of clusters that are as near as `lists`.
     pub(crate) fn near(
         &mut self,
         pair: &Pair,
         ground: &Ground,
-        reach: f64,
+        lists: Option<f64>,
         meets: bool,
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
+        let reach = lists.unwrap_or(0.0);
         let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
         let build = (GROWTH * reach).max(ahead(pair, step));
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
@@ -159,7 +160,7 @@ impl Coherent {
                     self.clearance = clearance.0;
                     found = (surface, all);
                 }
-                if reach > 0.0 {
+                if let Some(reach) = lists {
                     list_near(cut, ground, reach, &mut self.listed);
                 }
                 found
@@ -167,7 +168,7 @@ impl Coherent {
             None => {
                 self.clearance = 0.0;
                 let listed = &mut self.listed;
-                near_clusters(pair, ground, (reach, meets), &mut self.stack, listed, counters)
+                near_clusters(pair, ground, (lists, meets), &mut self.stack, listed, counters)
             }
         }
     }

@@ -122,6 +122,8 @@ fn hull() -> Option<Work> {
 /// So many frames of a pair of meshes after its first.
 fn warm(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
     let ([a, b], poses) = pairs::models(scene)?;
+    // Preparation is counted by itself.
+    (a.clusters(), b.clusters());
     let mut memory = PairMemory::default();
     let mut ask = move |frame: usize| {
         let b = Placed { model: &b, pose: poses[frame] };
@@ -134,6 +136,8 @@ fn warm(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
 /// So many frames without memory.
 fn cold(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
     let ([a, b], poses) = pairs::models(scene)?;
+    // Preparation is counted by itself.
+    (a.clusters(), b.clusters());
     Some(Box::new(move || {
         for &pose in &poses[..frames] {
             let b = Placed { model: &b, pose };

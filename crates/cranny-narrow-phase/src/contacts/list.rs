@@ -99,8 +99,8 @@ impl ContactMemory {
     ) -> (Surface, Vec<FacePair>) {
         let ground = Ground::of(pair);
         let lasting = self.prepare(pair, margin);
-        let reach = lasting.map_or(0.0, |lasting| lasting.margin + lasting.skin);
-        let found = coherent.near(pair, &ground, reach, true, counters);
+        let lists = lasting.map(|lasting| lasting.margin + lasting.skin);
+        let found = coherent.near(pair, &ground, lists, true, counters);
         if let Some(lasting) = lasting {
             self.make(pair, &ground, lasting, coherent.listed());
         }
@@ -117,8 +117,8 @@ impl ContactMemory {
     ) {
         let ground = Ground::of(pair);
         if let Some(lasting) = self.prepare(pair, margin) {
-            let reach = lasting.margin + lasting.skin;
-            coherent.near(pair, &ground, reach, false, counters);
+            let lists = Some(lasting.margin + lasting.skin);
+            coherent.near(pair, &ground, lists, false, counters);
             self.make(pair, &ground, lasting, coherent.listed());
         }
     }

@@ -146,14 +146,14 @@ pub(crate) fn meetings_in(
 /// Lists pairs of clusters within reach, and finds all faces that meet where asked for.
 struct Listing<'s, 'g, 'p, 'm> {
     meetings: Meetings<'g, 'p, 'm>,
-    reach: f64,
+    lists: Option<f64>,
     meets: bool,
     listed: &'s mut Vec<[u32; 2]>,
 }
 
 impl Visitor for Listing<'_, '_, '_, '_> {
     fn reach(&self) -> f64 {
-        self.reach
+        self.lists.unwrap_or(0.0)
     }
 
     fn clusters(
@@ -162,7 +162,7 @@ impl Visitor for Listing<'_, '_, '_, '_> {
         gap: f64,
         counters: &mut Counters,
     ) -> ControlFlow<()> {
-        if self.reach > 0.0 {
+        if self.lists.is_some() {
             self.listed.push(clusters);
         }
         if self.meets && gap <= 0.0 {
@@ -172,18 +172,18 @@ impl Visitor for Listing<'_, '_, '_, '_> {
     }
 }
 
-/// Lists the pairs of clusters within `reach`, from the top; finds all faces that meet, where asked for.
+/// Lists the pairs of clusters that are as near as `lists`, from the top; finds all faces that meet, where `meets`.
 pub(crate) fn near_clusters(
     pair: &Pair,
     ground: &Ground,
-    (reach, meets): (f64, bool),
+    (lists, meets): (Option<f64>, bool),
     stack: &mut Vec<Pending>,
     listed: &mut Vec<[u32; 2]>,
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>) {
     let (surface, found) = (Meeting::None, Vec::new());
     let meetings = Meetings { ground, pair, ends_at_crossing: false, surface, found };
-    let mut listing = Listing { meetings, reach, meets, listed };
+    let mut listing = Listing { meetings, lists, meets, listed };
     // Nothing ends it.
     let _ = descend(ground, stack, &mut listing, counters);
     let Meetings { surface, mut found, .. } = listing.meetings;
