@@ -125,7 +125,7 @@ impl Coherent {
         match cut {
             Some(cut) => {
                 let (surface, found, clearance) =
-                    meetings_in(cut, pair, &ground, ends_at_crossing, counters);
+                    meetings_in(cut, pair, &ground, (ends_at_crossing, step), counters);
                 self.clearance = clearance.0;
                 (surface, found)
             }
@@ -156,7 +156,8 @@ impl Coherent {
             Some(cut) => {
                 let mut found = (Meeting::None, Vec::new());
                 if meets {
-                    let (surface, all, clearance) = meetings_in(cut, pair, ground, false, counters);
+                    let (surface, all, clearance) =
+                        meetings_in(cut, pair, ground, (false, step), counters);
                     self.clearance = clearance.0;
                     found = (surface, all);
                 }

@@ -10,8 +10,16 @@ use super::descent::{Pending, Visitor, descend};
 use super::faces::for_near_faces;
 use super::ground::Ground;
 use crate::answer::{Counters, Surface};
-use crate::pair::Pair;
+use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
+use crate::triangle_distance::triangle_distance;
+
+/// Faces are worth measuring where they are apart by more than so many steps. Fewer: they are measured again and again; more:
+/// clusters are looked at in every query that could rest.
+const WORTH: f64 = 4.0;
+
+/// Queries in which they are not measured after it was not worth it.
+const HURRY: u8 = 24;
 
 struct Meetings<'g, 'p, 'm> {
     ground: &'g Ground<'m>,
@@ -27,21 +35,39 @@ impl Meetings<'_, '_, '_> {
         self.ends_at_crossing && self.surface == Meeting::Cross
     }
 
-    /// Takes note of two faces that meet.
-    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) {
+    /// Takes note of two faces that meet; whether they do.
+    fn look(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> bool {
         let found = looked_at(self.pair, f, g, counters);
         self.surface = found.map_or(self.surface, |found| self.surface.max(found.meeting));
         self.found.extend(found);
+        found.is_some()
     }
 
-    /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`.
-    fn separation(&mut self, clusters: [u32; 2], reach: f64, counters: &mut Counters) -> f64 {
+    /// A lower bound of how far two faces that do not meet are apart.
+    fn measured(&self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
+        counters.triangle_tests += 1;
+        let (a, b) = (self.pair.triangle(Side::First, f), self.pair.triangle(Side::Second, g));
+        let apart = triangle_distance(&a, &b).squared.sqrt() - self.pair.length_error();
+        apart.max(0.0)
+    }
+
+    /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`. Faces that planes do not part are
+    /// measured for it where `measures`, and count as meeting where not.
+    fn separation(
+        &mut self,
+        clusters: [u32; 2],
+        (reach, measures): (f64, bool),
+        counters: &mut Counters,
+    ) -> f64 {
         let mut least = reach;
         for_near_faces(self.ground, clusters, reach, None, |[f, g], gap| {
-            if gap <= 0.0 && !self.is_done() {
-                self.look(f, g, counters);
+            if gap > 0.0 {
+                least = least.min(gap);
+            } else if !self.is_done() {
+                let meet = self.look(f, g, counters);
+                let measures = measures && !meet && least > 0.0;
+                least = if measures { least.min(self.measured(f, g, counters)) } else { 0.0 };
             }
-            least = least.min(gap.max(0.0));
             // What is farther than what was seen does not matter any more.
             least
         });
@@ -55,7 +81,7 @@ impl Visitor for Meetings<'_, '_, '_> {
     }
 
     fn clusters(&mut self, clusters: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
-        self.separation(clusters, 0.0, counters);
+        self.separation(clusters, (0.0, false), counters);
         if self.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
@@ -106,12 +132,13 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clearance(pub(crate) f64);
 
-/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the clusters that a cut lists.
+/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the clusters that a cut lists. `step` is how far anything has
+/// moved since the last query, at most.
 pub(crate) fn meetings_in(
     cut: &mut Cut,
     pair: &Pair,
     ground: &Ground,
-    ends_at_crossing: bool,
+    (ends_at_crossing, step): (bool, f64),
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>, Clearance) {
     let (surface, found) = (Meeting::None, Vec::new());
@@ -131,8 +158,13 @@ pub(crate) fn meetings_in(
             clearance = clearance.min(gap);
             continue;
         }
-        let separation = meetings.separation(leaf.pair, reach, counters);
+        let measures = leaf.hurry == 0;
+        leaf.hurry = leaf.hurry.saturating_sub(1);
+        let separation = meetings.separation(leaf.pair, (reach, measures), counters);
         spent.note(leaf, separation, posing);
+        if measures && separation <= WORTH * step {
+            leaf.hurry = HURRY;
+        }
         clearance = clearance.min(separation);
         if meetings.is_done() {
             break;

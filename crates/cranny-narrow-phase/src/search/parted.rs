@@ -20,6 +20,8 @@ pub(crate) struct Leaf {
     /// That parted them last: unit, from first to second, in the first's frame.
     direction: [f32; 3],
     rest: u8,
+    /// Queries in which faces that planes do not part are not measured, since what they were apart was spent too soon.
+    pub(super) hurry: u8,
     /// What motion must spend before they can be nearer than a reach.
     pub(super) due: Due,
 }
@@ -27,7 +29,7 @@ pub(crate) struct Leaf {
 impl Leaf {
     pub(crate) fn new(pair: [u32; 2], radius: f64) -> Self {
         let due = Due { radius, limit: f64::NEG_INFINITY };
-        Self { pair, direction: [0.0; 3], rest: 0, due }
+        Self { pair, direction: [0.0; 3], rest: 0, hurry: 0, due }
     }
 }
 

@@ -147,7 +147,7 @@ fn a_cut_lists_all_that_is_within_reach() {
             }
             near += listed.len();
             let (surface, found, clearance) =
-                meetings_in(&mut now, &pair, &ground, false, &mut counters);
+                meetings_in(&mut now, &pair, &ground, (false, pace), &mut counters);
             assert_eq!(found, all_that_meet(&pair), "{what}");
             assert_eq!(surface, strongest(&found), "{what}");
             met += usize::from(surface.meets());
