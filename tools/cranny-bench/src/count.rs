@@ -123,7 +123,8 @@ fn hull() -> Option<Work> {
 fn warm(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
     let ([a, b], poses) = pairs::models(scene)?;
     // Preparation is counted by itself.
-    (a.clusters(), b.clusters());
+    a.clusters();
+    b.clusters();
     let mut memory = PairMemory::default();
     let mut ask = move |frame: usize| {
         let b = Placed { model: &b, pose: poses[frame] };
@@ -137,7 +138,8 @@ fn warm(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
 fn cold(scene: &str, demand: Demand, frames: usize) -> Option<Work> {
     let ([a, b], poses) = pairs::models(scene)?;
     // Preparation is counted by itself.
-    (a.clusters(), b.clusters());
+    a.clusters();
+    b.clusters();
     Some(Box::new(move || {
         for &pose in &poses[..frames] {
             let b = Placed { model: &b, pose };

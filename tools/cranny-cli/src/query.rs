@@ -33,7 +33,8 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
     let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
     // Preparation is no part of a query's time.
-    (a.clusters(), b.clusters());
+    a.clusters();
+    b.clusters();
     let question = Query::of(demand_of(args.demand)).by(method_of(args.method));
 
     let format = format.unwrap_or(Format::Json);

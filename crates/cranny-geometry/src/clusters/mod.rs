@@ -2,8 +2,8 @@
 //!
 //! One structure, made once with the model, serves every question about a pair: which faces meet, which are
 //! nearest, which features make contacts. A *cluster* holds at most eight neighbouring faces of nearly one normal
-//! ([`grow`]), with what the narrow phase compares eight at a time: planes and corners of its faces, vertices and
-//! ridges. A *node* holds up to eight boxes side by side ([`build`]), each around a node or a cluster.
+//! (`grow`), with what the narrow phase compares eight at a time: planes and corners of its faces, vertices and
+//! ridges. A *node* holds up to eight boxes side by side (`build`), each around a node or a cluster.
 //!
 //! Everything here serves to leave things out, so it is in single precision: coordinates are relative to
 //! [`ClusterTree::origin`] and divided by [`ClusterTree::unit`], a power of two, so that no magnitude overflows and

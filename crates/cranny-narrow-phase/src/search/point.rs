@@ -66,8 +66,8 @@ fn box_gaps(node: &WideNode, at: [f32; 3]) -> f32x8 {
     let half = [wide(&node.half.x), wide(&node.half.y), wide(&node.half.z)];
     let zero = f32x8::splat(0.0);
     let mut squares = zero;
-    for i in 0..3 {
-        let gap = (from.dot(&Wide3::of(&node.axes[i])).abs() - half[i]).fast_max(zero);
+    for (axis, half) in node.axes.iter().zip(half) {
+        let gap = (from.dot(&Wide3::of(axis)).abs() - half).fast_max(zero);
         squares += gap * gap;
     }
     squares.sqrt()
