@@ -57,6 +57,8 @@ pub(crate) struct Coherent {
     apart: Option<(Solidity, f64)>,
     /// How far apart they are known to be at this one.
     clearance: f64,
+    /// `apart` is of this query's pose.
+    is_judged: bool,
     /// Scratch: pairs of clusters within reach among it.
     stack: Vec<Pending>,
     listed: Vec<[u32; 2]>,
@@ -69,6 +71,7 @@ impl Coherent {
             *self = Self { whose: Whose::of(pair), ..Self::default() };
         }
         self.cut.begin();
+        self.is_judged = false;
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -79,6 +82,10 @@ impl Coherent {
     /// Ends a query.
     pub(crate) fn end(&mut self, pair: &Pair) {
         self.cut.end(pair);
+        // The cut may have been followed for a distance alone: the next step counts from here.
+        if !self.is_judged {
+            self.apart = None;
+        }
     }
 
     /// Lets go of what is of use only while surfaces are near each other.
@@ -204,6 +211,7 @@ impl Coherent {
         touching: &[FacePair],
         counters: &mut Counters,
     ) -> Solidity {
+        self.is_judged = true;
         if surface != Meeting::None {
             self.apart = None;
             return solidity(pair, surface, touching, counters);
