@@ -264,7 +264,9 @@ fn test(ground: &Ground, at: [At; 2], side: Side, reach: f64, mask: u32) -> Test
                 .map(|lane| distance(node.center.get(lane)) + node.radius.0[lane])
                 .fold(0.0, f32::max);
             let b = ground.placed(Side::Second, at[0]);
-            let its = f64::from(distance(b.center) + b.radius) * unit * SPARE;
+            // Where it is placed is off by as much as the bounds are.
+            let off = f64::from(ground.reach(Side::Second, 0.0)) * unit;
+            let its = f64::from(distance(b.center) + b.radius) * unit * SPARE + off;
             (f64::from(farthest) * unit * SPARE).min(its + ground.posing() + slack)
         }
     };
