@@ -302,7 +302,7 @@ impl Group<'_, '_, '_> {
 }
 
 /// The contact of a candidate, no farther than `below`, and not behind by more than rounding.
-fn contact(pair: &Pair, candidate: &Candidate, below: f64) -> Option<Contact> {
+pub(super) fn contact(pair: &Pair, candidate: &Candidate, below: f64) -> Option<Contact> {
     let [first, second] = candidate.ids;
     let found = match candidate.kind {
         Kind::CornerFace => corner(pair, Side::First, VertexId(first), FaceId(second), below),

@@ -13,6 +13,8 @@
 //! The answer is a function of models, poses and margin: memory holds what cannot be left out, and where to begin.
 
 mod coarse;
+#[cfg(test)]
+mod every_pair;
 pub(crate) mod facing;
 mod feature_pair;
 mod list;

@@ -5,10 +5,9 @@
 
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
-use cranny_geometry::clusters::ROUNDING;
 use wide::f32x8;
 
-use super::ground::Ground;
+use super::ground::{Ground, rounding};
 use super::lanes::{Wide3, lane_of, lanes_of, wide, within};
 use crate::pair::Side;
 
@@ -71,9 +70,10 @@ pub(crate) fn for_near_faces(
     let (ratio, unit) = (placing.ratio(), first.unit());
     let scale =
         a.bounds.radius + b.bounds.radius * ratio + offset.iter().map(|x| x.abs()).sum::<f32>();
-    let error = ROUNDING * scale + (ground.posing() / unit) as f32;
+    let error = rounding(scale) + (ground.posing() / unit) as f32;
     let limit = |reach: f64| ((reach / unit) as f32).next_up() + error;
-    let certain = |gap: f32| f64::from(gap - error).next_down() * unit;
+    // Of what overflowed nothing is certain.
+    let certain = |gap: f32| (f64::from(gap - error).next_down() * unit).max(f64::NEG_INFINITY);
     let shift = Wide3::all(offset);
     let faces = &b.faces;
     let corners = faces.corners.each_ref().map(|corner| {

@@ -8,10 +8,10 @@
 //! Candidates can be made to last: all that may make a contact once anything has come nearer by `skin` and turned by `turn`.
 
 use cranny_geometry::PatchId;
-use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, ROUNDING, RidgeLanes};
+use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, RidgeLanes};
 use wide::f32x8;
 
-use super::ground::{Ground, Placing};
+use super::ground::{Ground, Placing, rounding};
 use super::lanes::{Wide3, lane_of, lanes_of, wide, within};
 use crate::pair::Side;
 
@@ -58,6 +58,18 @@ const ERRORS: f32 = 64.0;
 
 /// Squared sine below which two edges are parallel for certain: half of what decides, since their inner products lose as much.
 const PARALLEL: f32 = 0.5e-6;
+
+/// Squares of lengths, and products of two, between this and one over it lose no digits in what is
+/// made of them. Smaller, and short edges pass for parallel by underflow; larger, and more edges are
+/// looked at closely.
+const SMALLEST: f32 = 1.0 / (1u128 << 100) as f32;
+
+/// The lanes of squares that are neither so small nor so large that digits are lost.
+#[inline(always)]
+fn in_range(squares: f32x8) -> u32 {
+    let (least, most) = (f32x8::splat(SMALLEST), f32x8::splat(1.0 / SMALLEST));
+    (squares.simd_ge(least) & squares.simd_le(most)).to_bitmask()
+}
 
 /// A cluster of the first body, turned and scaled into the second's frame, about its own centre.
 #[derive(Clone, Debug, Default)]
@@ -238,7 +250,7 @@ pub(crate) fn add_candidates(
         + b.bounds.radius
         + offset.iter().map(|x| x.abs()).sum::<f32>();
     let posing = (ground.posing() / unit) as f32;
-    let error = ROUNDING * scale + posing;
+    let error = rounding(scale) + posing;
     let skin = (lasting.skin / unit) as f32 + error;
     let reach = ((lasting.margin / unit) as f32).next_up() + skin;
     let limits = Limits { reach, skin, error, turn: lasting.turn as f32, posing };
@@ -305,6 +317,12 @@ pub(crate) fn add_candidates(
     }
 }
 
+/// A bound less what it may be off by; of what overflowed nothing is certain.
+#[inline(always)]
+fn at_least(bound: f32, error: f32) -> f32 {
+    (bound - error).max(f32::NEG_INFINITY)
+}
+
 /// Faces that vertices stand before.
 struct Before<'a> {
     lanes: &'a FaceLanes,
@@ -352,7 +370,7 @@ impl Before<'_> {
             let apart = (above * above + beside * beside).sqrt().to_array();
             for face in lanes_of(near) {
                 if apart[face] <= reach || apart[face].is_nan() {
-                    found(lane, face, apart[face] - error);
+                    found(lane, face, at_least(apart[face], error));
                 }
             }
         }
@@ -439,8 +457,9 @@ impl OneEdge {
         let whole = a * e;
         let raw = whole - b * b;
         let is_now = limits.turn == 0.0;
+        let known = in_range(a) & in_range(e) & in_range(whole);
         if is_now {
-            near &= !within(raw, f32x8::splat(PARALLEL) * whole);
+            near &= !(within(raw, f32x8::splat(PARALLEL) * whole) & known);
         }
         let across = raw.fast_max(f32x8::splat(PARALLEL) * whole);
         let bend = whole / across;
@@ -450,7 +469,9 @@ impl OneEdge {
             let blur = f32x8::splat(2.0 * error) * bend + f32x8::splat(error);
             let t = (b * s + f) / e;
             let (over_s, over_t) = (blur / a.sqrt(), blur / e.sqrt());
-            near &= within((s - one).fast_max(-s), over_s) & within((t - one).fast_max(-t), over_t);
+            let inside =
+                within((s - one).fast_max(-s), over_s) & within((t - one).fast_max(-t), over_t);
+            near &= inside | !known;
             if near == 0 {
                 return;
             }
@@ -463,13 +484,14 @@ impl OneEdge {
         // Where they are nearly parallel, the parameters lose digits.
         let fuzz = f32x8::splat(error) * bend.sqrt();
         let bound = apart - fuzz;
-        near &= within(bound, f32x8::splat(reach));
+        near &= within(bound, f32x8::splat(reach)) | !known;
         if near == 0 {
             return;
         }
         let bound = bound.to_array();
         for lane in lanes_of(near) {
-            found(lane, bound[lane] - error);
+            let bound = if known >> lane & 1 != 0 { bound[lane] } else { f32::NEG_INFINITY };
+            found(lane, at_least(bound, error));
         }
     }
 }

@@ -8,6 +8,16 @@ use wide::f32x8;
 use super::lanes::{Wide3, wide};
 use crate::pair::{Pair, Side};
 
+/// Lengths from here on, in units of a tree, are not compared in single precision: squares overflow.
+const LARGEST: f32 = (1u64 << 60) as f32;
+
+/// What sums of single-precision coordinates up to `scale` may be off by; infinite where their
+/// squares may overflow, so that everything is kept.
+#[inline(always)]
+pub(crate) fn rounding(scale: f32) -> f32 {
+    if scale < LARGEST { ROUNDING * scale } else { f32::INFINITY }
+}
+
 /// Where a descent stands in one tree: at the root, or at a lane of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct At(u32);
@@ -95,7 +105,7 @@ impl<'a> Ground<'a> {
             let DMat3 { x_axis, y_axis, z_axis } = maps[i].linear.transpose();
             let shift = single(shift);
             let reach = 1.0 + ratio + shift.iter().map(|x| x.abs()).sum::<f32>();
-            error[i] = ROUNDING * reach + (posing / own.unit()) as f32;
+            error[i] = rounding(reach) + (posing / own.unit()) as f32;
             Placing { rows: [x_axis, y_axis, z_axis].map(single), shift, ratio }
         });
         Self { trees, into, maps, error, posing }
@@ -122,7 +132,9 @@ impl<'a> Ground<'a> {
     #[inline(always)]
     pub(crate) fn certain(&self, side: Side, bound: f32) -> f64 {
         let i = side.index();
-        f64::from(bound - self.error[i]).next_down() * self.trees[i].unit()
+        let certain = f64::from(bound - self.error[i]).next_down() * self.trees[i].unit();
+        // Of what overflowed nothing is certain.
+        certain.max(f64::NEG_INFINITY)
     }
 
     /// What posing rounds.

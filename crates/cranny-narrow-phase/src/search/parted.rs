@@ -1,10 +1,10 @@
 //! How far two clusters are apart along a direction, and which direction parts them most.
 
 use cranny_geometry::ClusterTree;
-use cranny_geometry::clusters::{Cluster, LANES, ROUNDING};
+use cranny_geometry::clusters::{Cluster, LANES};
 
 use super::cut::Due;
-use super::ground::Ground;
+use super::ground::{Ground, rounding};
 use super::lanes::Wide3;
 use crate::pair::Side;
 
@@ -77,7 +77,7 @@ impl<'a> Ground<'a> {
         let scale = a.bounds.radius
             + b.bounds.radius * self.into(Side::First).ratio()
             + between.iter().map(|x| x.abs()).sum::<f32>();
-        let error = ROUNDING * scale + (self.posing() / trees[0].unit()) as f32;
+        let error = rounding(scale) + (self.posing() / trees[0].unit()) as f32;
         Two { trees, clusters, between, error }
     }
 
@@ -87,7 +87,9 @@ impl<'a> Ground<'a> {
         let ([first, second], [a, b]) = (two.trees, two.clusters);
         let back = minus(self.into(Side::Second).turned(direction));
         let its = support(second, b, back) * self.into(Side::First).ratio();
-        dot(direction, two.between) - support(first, a, direction) - its - two.error
+        let gap = dot(direction, two.between) - support(first, a, direction) - its - two.error;
+        // Of what overflowed nothing is certain.
+        gap.max(f32::NEG_INFINITY)
     }
 
     /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along the direction that parted them

@@ -1,10 +1,11 @@
 //! The faces of a body that may be nearest to a point.
 
 use cranny_exact::DVec3;
-use cranny_geometry::clusters::{Child, Cluster, ROUNDING, WideNode};
+use cranny_geometry::clusters::{Child, Cluster, WideNode};
 use cranny_geometry::{ClusterTree, FaceId};
 use wide::f32x8;
 
+use super::ground::rounding;
 use super::lanes::{Wide3, lanes_of, wide, within};
 use crate::answer::Counters;
 
@@ -22,7 +23,7 @@ pub(crate) fn for_faces_near(
     let single = |v: DVec3| v.to_array().map(|x| x as f32);
     let at = single((p - tree.origin()) / unit);
     let scale = 1.0 + at.iter().map(|x| x.abs()).sum::<f32>();
-    let error = f64::from(ROUNDING * scale) * unit + allowance;
+    let error = f64::from(rounding(scale)) * unit + allowance;
     stack.clear();
     stack.push((0.0, 0));
     while let Some((gap, index)) = stack.pop() {
@@ -42,7 +43,7 @@ pub(crate) fn for_faces_near(
                 // Coordinates about its centre are as large as the point is far from it.
                 let from = single((p - cluster.center) / unit);
                 let scale = cluster.bounds.radius + from.iter().map(|x| x.abs()).sum::<f32>();
-                let error = f64::from(ROUNDING * scale) * unit + allowance;
+                let error = f64::from(rounding(scale)) * unit + allowance;
                 let bound = (((reach + error) / unit) as f32).next_up();
                 for face in lanes_of(faces_near(cluster, from, bound)) {
                     reach = visit(cluster.faces.ids[face]);

@@ -1,13 +1,13 @@
 //! Warm = cold = brute force on every frame, whatever the motion and whatever is done to the memory.
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
-use cranny_geometry::Model;
+use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
 use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, NestedShells, Sphere, Torus};
 use cranny_testkit::Rng;
 
-use crate::solids::{ask, shape};
+use crate::solids::{ask, model, shape};
 
 pub(crate) fn bodies() -> Vec<(&'static str, Model)> {
     vec![
@@ -333,6 +333,73 @@ fn what_is_inside_stays_inside_until_it_crosses() {
         for _ in 0..3 {
             let warm = query(a, b, &Query::of(Demand::Distance { below: None }), &mut memory);
             assert_eq!(told(&warm.unwrap()), told(&ask(a, b, Demand::Distance { below: None })));
+        }
+    }
+}
+
+/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little lower,
+/// in the hole. That it was inside in the tube means nothing there, however short the last step was.
+#[test]
+fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
+    let ring =
+        Torus { major_radius: 1.0, minor_radius: 0.3, major_segments: 12, minor_segments: 6 };
+    let (ring, speck) = (shape(ring), shape(Cuboid { size: [0.02, 0.02, 0.02] }));
+    let top = ring.bounds().max.z;
+    let mut rng = Rng::new(4);
+    let (mut inside, mut parted) = (0, 0);
+    for _ in 0..600 {
+        let mut memory = PairMemory::default();
+        let mut tell = |x: f64, z: f64, demand: Demand| {
+            let rotation = DQuat::from_axis_angle(DVec3::new(0.3, 0.5, 0.8).normalize(), 0.7);
+            let pose = Pose { rotation, translation: DVec3::new(x, 0.0, z) };
+            let placed =
+                [Placed { model: &ring, pose: Pose::IDENTITY }, Placed { model: &speck, pose }];
+            let warm = query(placed[0], placed[1], &Query::of(demand), &mut memory).unwrap();
+            assert_eq!(told(&warm), told(&ask(placed[0], placed[1], demand)), "{x} {z}");
+            warm
+        };
+        let distance = Demand::Distance { below: None };
+        for demand in [distance, distance, Demand::Intersects] {
+            let told = tell(0.9 + 0.001 * rng.unit(), 0.001 * rng.unit(), demand);
+            inside += u32::from(told.contained.is_some());
+        }
+        let (x, z) = (0.8 * rng.unit(), top + 0.02 + 0.1 * rng.unit().abs());
+        parted += u32::from(tell(x, z, distance).counters.planes_parted > 0);
+        tell(x, z - 0.2 * rng.unit().abs(), Demand::Intersects);
+    }
+    assert!(inside > 100 && parted > 50, "{inside} {parted}");
+}
+
+/// What is 2^64 units of a body away has a square beyond single precision.
+#[test]
+fn sizes_may_differ_beyond_single_precision() {
+    let large = shape(Cup { segments: 7, ..Cup::default() });
+    let cube = shape(Cuboid::default());
+    let small = [-70, -130].map(|power| {
+        let vertices = cube.mesh().vertices().iter().map(|p| *p * 2f64.powi(power)).collect();
+        model(Mesh::new(vertices, cube.mesh().faces().to_vec()).unwrap())
+    });
+    let mut rng = Rng::new(8);
+    for round in 0..40 {
+        let mut memory = PairMemory::default();
+        let mut pose = Pose {
+            rotation: DQuat::from_axis_angle(rng.direction(), 1.0),
+            translation: 0.3 * large.radius() * rng.direction(),
+        };
+        for frame in 0..6 {
+            pose.translation += 0.01 * large.radius() * rng.direction();
+            let a = Placed { model: &large, pose: Pose::IDENTITY };
+            let b = Placed { model: &small[round % 2], pose };
+            let (what, slow) =
+                (format!("round {round}, frame {frame}"), brute_force(a, b).unwrap());
+            for demand in [Demand::contacts(0.5), Demand::Regions { margin: 0.5 }] {
+                let cold = ask(a, b, demand);
+                let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
+                assert_eq!(told(&warm), told(&cold), "{what}");
+                assert_eq!(told(&ask(b, a, demand).swapped()), told(&cold), "{what}");
+                assert_eq!(cold.surface, slow.surface, "{what}");
+                assert!(cold.distance.is_none_or(|d| d == slow.distance), "{what}");
+            }
         }
     }
 }

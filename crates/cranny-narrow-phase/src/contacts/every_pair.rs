@@ -1,0 +1,97 @@
+//! The list of candidates holds every pair of features that makes a contact: all pairs are tried.
+
+use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_testkit::Rng;
+
+use super::*;
+use crate::pair::PosedVertices;
+use crate::query::Placed;
+use crate::search::{Candidate, Kind};
+
+/// A contact by its features and the bits of its separation.
+type Made = ((Feature, Feature), u64);
+
+fn made(contacts: &[Contact]) -> Vec<Made> {
+    let mut all: Vec<Made> = contacts.iter().map(|c| (c.id, c.separation.to_bits())).collect();
+    all.sort_unstable();
+    all
+}
+
+/// By every vertex and face, and every two edges.
+fn by_all_pairs(pair: &Pair, margin: f64) -> Vec<Made> {
+    let [first, second] = Side::BOTH.map(|side| {
+        let (mesh, edges) = (pair.mesh(side), pair.topology(side).edges());
+        [mesh.vertices().len(), mesh.faces().len(), edges.len()].map(|n| n as u32)
+    });
+    let kinds = [
+        (Kind::CornerFace, first[0], second[1]),
+        (Kind::FaceCorner, first[1], second[0]),
+        (Kind::Edges, first[2], second[2]),
+    ];
+    let mut found = Vec::new();
+    for (kind, own, its) in kinds {
+        for ids in (0..own).flat_map(|i| (0..its).map(move |k| [i, k])) {
+            let candidate = Candidate { patches: [PatchId(0); 2], ids, bound: 0.0, kind };
+            found.extend(list::contact(pair, &candidate, margin));
+        }
+    }
+    made(&found)
+}
+
+/// By the list, without memory.
+fn by_list(pair: &Pair, margin: f64) -> Vec<Made> {
+    let (mut coherent, mut memory) = (Coherent::default(), ContactMemory::default());
+    coherent.begin(pair);
+    made(&across_gaps(pair, margin, (&mut coherent, &mut memory), &mut Counters::default()))
+}
+
+/// A blade: its edge, of length `2 size` along x about the origin, is uppermost. Another one, of
+/// length 2, lies far below.
+fn blades(size: f64) -> Model {
+    let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.1, 0.3, -0.5], [-0.2, -0.4, -0.4]];
+    let corners = corners.map(DVec3::from_array);
+    let below = corners.map(|p| p - 9.0 * DVec3::Z);
+    let vertices = corners.iter().map(|p| *p * size).chain(below).collect();
+    let faces = [[0, 1, 2], [1, 0, 3], [0, 2, 3], [2, 1, 3]];
+    let faces = faces.iter().copied().chain(faces.map(|f| f.map(|v| v + 4))).collect();
+    Model::build(Mesh::new(vertices, faces).unwrap(), &BuildOptions::default()).unwrap().0
+}
+
+/// Edges that cross at a small angle, and edges so short that their squares underflow in single
+/// precision.
+#[test]
+fn edges_that_are_all_but_parallel_or_all_but_points_are_listed() {
+    let mut rng = Rng::new(3);
+    let kinds = [(1.0, 1e-3), (0.01, 1e-3), (1e-10, 0.3), (1e-12, 0.3)];
+    let bodies = kinds.map(|(size, _)| blades(size));
+    let mut crossed = [0; 4];
+    for round in 0..8_000 {
+        let kind = round % 4;
+        let ((size, sine), body) = (kinds[kind], &bodies[kind]);
+        let sine = sine * (1.0 + 0.02 * rng.unit().abs());
+        let upside_down = DQuat::from_rotation_z(sine.asin()) * DQuat::from_rotation_x(3.1);
+        let (across, height) = (0.1 * sine * rng.unit(), 0.05 * rng.unit().abs());
+        let turned = Pose {
+            rotation: upside_down.normalize(),
+            translation: size * DVec3::new(rng.unit(), across, height),
+        };
+        // What is small is in its place.
+        let at = match size < 1e-9 {
+            true => Pose { rotation: rng.rotation(), translation: DVec3::ZERO },
+            false => Pose { rotation: rng.rotation(), translation: rng.direction() },
+        };
+        let mut posed = PosedVertices::default();
+        let pair = Pair::new(
+            Placed { model: body, pose: at.accepted().unwrap() },
+            Placed { model: body, pose: at.compose(&turned).accepted().unwrap() },
+            &mut posed,
+        );
+        let margin = 0.1 * size;
+        let truth = by_all_pairs(&pair, margin);
+        assert_eq!(by_list(&pair, margin), truth, "round {round}, size {size}, sine {sine}");
+        let of_edges = |m: &&Made| matches!(m.0, (Feature::Edge(_), Feature::Edge(_)));
+        crossed[kind] += truth.iter().filter(of_edges).count();
+    }
+    assert!(crossed.iter().all(|&n| n > 300), "{crossed:?}");
+}
