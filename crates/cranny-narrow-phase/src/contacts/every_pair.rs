@@ -95,3 +95,75 @@ fn edges_that_are_all_but_parallel_or_all_but_points_are_listed() {
     }
     assert!(crossed.iter().all(|&n| n > 300), "{crossed:?}");
 }
+
+/// A triangle: its edges have no second face that says along which directions they are touched.
+#[test]
+fn edges_of_open_surfaces_are_listed() {
+    let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.1, 0.3, -2.0]].map(DVec3::from_array);
+    let sheet = Mesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let sheet = Model::build(sheet, &BuildOptions::default()).unwrap().0;
+    let (mut rng, mut crossed) = (Rng::new(5), 0);
+    for round in 0..300 {
+        let rotation = (rng.rotation() * DQuat::from_rotation_x(3.1)).normalize();
+        let pose = Pose { rotation, translation: 0.4 * rng.direction() };
+        let mut posed = PosedVertices::default();
+        let [a, b] =
+            [Pose::IDENTITY, pose.accepted().unwrap()].map(|pose| Placed { model: &sheet, pose });
+        let pair = Pair::new(a, b, &mut posed);
+        let truth = by_all_pairs(&pair, 0.3);
+        assert_eq!(by_list(&pair, 0.3), truth, "round {round}");
+        crossed += truth.iter().filter(|m| matches!(m.0, (Feature::Edge(_), _))).count();
+    }
+    assert!(crossed > 10, "{crossed}");
+}
+
+/// A speck rests, then spins in its place: no point of it spends a wide margin's skin, but other
+/// edges come to face each other.
+#[test]
+fn a_list_does_not_outlast_its_turn() {
+    let (large, small) = (blades(1.0), blades(1.0));
+    let shrunk = small.mesh().vertices().iter().map(|p| *p * 0.01).collect();
+    let small = Mesh::new(shrunk, small.mesh().faces().to_vec()).unwrap();
+    let small = Model::build(small, &BuildOptions::default()).unwrap().0;
+    let mut rng = Rng::new(6);
+    for round in 0..60 {
+        let (mut coherent, mut memory) = (Coherent::default(), ContactMemory::default());
+        let (axis, mut rotation) = (rng.direction(), rng.rotation());
+        let translation = DVec3::new(0.5 * rng.unit(), 0.1 * rng.unit(), 0.3);
+        for frame in 0..30 {
+            if frame > 6 {
+                rotation = (DQuat::from_axis_angle(axis, 0.15) * rotation).normalize();
+            }
+            let pose = Pose { rotation, translation }.accepted().unwrap();
+            let mut posed = PosedVertices::default();
+            let a = Placed { model: &large, pose: Pose::IDENTITY };
+            let pair = Pair::new(a, Placed { model: &small, pose }, &mut posed);
+            coherent.begin(&pair);
+            let kept = (&mut coherent, &mut memory);
+            let warm = made(&across_gaps(&pair, 1.0, kept, &mut Counters::default()));
+            coherent.end(&pair);
+            assert_eq!(warm, by_all_pairs(&pair, 1.0), "round {round}, frame {frame}");
+        }
+    }
+}
+
+/// A box turned on a box: the common normal of crossing edges is that of their faces, where the
+/// arcs of directions end.
+#[test]
+fn edges_of_faces_that_are_parallel_are_listed() {
+    let cube = cranny_shapes::Shape::from(cranny_shapes::Cuboid::default()).build().unwrap();
+    let cube = Model::build(cube, &BuildOptions::default()).unwrap().0;
+    let (mut rng, mut crossed) = (Rng::new(7), 0);
+    for round in 0..100 {
+        let rotation = DQuat::from_rotation_z(0.5 + 0.2 * rng.unit());
+        let translation = DVec3::new(0.6 * rng.unit(), 0.6 * rng.unit(), 1.01);
+        let pose = Pose { rotation, translation }.accepted().unwrap();
+        let mut posed = PosedVertices::default();
+        let [a, b] = [Pose::IDENTITY, pose].map(|pose| Placed { model: &cube, pose });
+        let pair = Pair::new(a, b, &mut posed);
+        let truth = by_all_pairs(&pair, 0.05);
+        assert_eq!(by_list(&pair, 0.05), truth, "round {round}");
+        crossed += truth.iter().filter(|m| matches!(m.0, (Feature::Edge(_), _))).count();
+    }
+    assert!(crossed > 50, "{crossed}");
+}
