@@ -1,8 +1,8 @@
 //! What a pair remembers of its last query, and how the next one uses it.
 //!
-//! The faces that crossed last are looked at first where a verdict is enough; the distance of those that were nearest last bounds
-//! the next one; a cut of the trees is followed. And while surfaces part, on a way on which the cut proves that they do not meet,
-//! what lies inside what stays.
+//! The faces that crossed last are looked at first where a verdict is enough; the distance of those
+//! that were nearest last bounds the next one; a cut of the trees is followed. And while surfaces
+//! part, on a way on which the cut proves that they do not meet, what lies inside what stays.
 
 use cranny_exact::{DVec3, Meeting, RigidMap, judge_triangles};
 use cranny_geometry::FaceId;
@@ -24,21 +24,23 @@ use crate::surface::{FacePair, strongest};
 /// whenever the last of them have parted.
 const KEPT_CROSSINGS: usize = 8;
 
-/// A cut for verdicts reaches so many steps of the motion. Fewer: solids are asked anew which lies inside which; more: more
-/// clusters are listed.
+/// A cut for verdicts reaches so many steps of the motion. Fewer: solids are asked anew which lies
+/// inside which; more: more clusters are listed.
 const STEPS: f64 = 2.0;
 
 /// And no farther than this part of the smaller body: after a jump, the next step is none.
 const MOST_AHEAD: f64 = 1.0 / 64.0;
 
-/// A cut for distances reaches so many times the distance. Less: it is outgrown sooner; more: more clusters are listed.
+/// A cut for distances reaches so many times the distance. Less: it is outgrown sooner; more: more
+/// clusters are listed.
 const GROWTH: f64 = 1.05;
 
 /// And is built anew where it reaches more than so many times the distance.
 const FARTHEST: f64 = 6.0;
 
-/// A cut for contacts is built anew where it reaches more than so many times what is asked. Less: where margins change from query to
-/// query it does not last; more: more clusters are listed than are near.
+/// A cut for contacts is built anew where it reaches more than so many times what is asked. Less:
+/// where margins change from query to query it does not last; more: more clusters are listed than
+/// are near.
 const WIDEST: f64 = 6.0;
 
 /// What is kept of a pair.
@@ -46,7 +48,8 @@ const WIDEST: f64 = 6.0;
 pub(crate) struct Coherent {
     whose: Whose,
     crossing: Vec<[FaceId; 2]>,
-    /// Whether to look at them: in vain, where motion is so fast that none crosses for a second time.
+    /// Whether to look at them: in vain, where motion is so fast that none crosses for a second
+    /// time.
     following: Patience,
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
@@ -144,7 +147,8 @@ impl Coherent {
         }
     }
 
-    /// Finds all faces that meet, where `meets`; lists the pairs of clusters that are as near as `lists`.
+    /// Finds all faces that meet, where `meets`; lists the pairs of clusters that are as near as
+    /// `lists`.
     pub(crate) fn near(
         &mut self,
         pair: &Pair,
@@ -186,7 +190,8 @@ impl Coherent {
         &mut self.listed
     }
 
-    /// Two faces that meet, of surfaces that cross: the first that a search comes across, whatever is remembered.
+    /// Two faces that meet, of surfaces that cross: the first that a search comes across, whatever
+    /// is remembered.
     pub(crate) fn first_crossing(
         &mut self,
         pair: &Pair,
@@ -227,8 +232,8 @@ impl Coherent {
         found
     }
 
-    /// The nearest points of surfaces that do not meet, if they are less than `below` apart. `parting`: along which the
-    /// hulls are apart, of no length if that is not known.
+    /// The nearest points of surfaces that do not meet, if they are less than `below` apart.
+    /// `parting`: along which the hulls are apart, of no length if that is not known.
     pub(crate) fn closest(
         &mut self,
         pair: &Pair,
@@ -258,8 +263,8 @@ impl Coherent {
         found
     }
 
-    /// Whether faces that crossed before still do, or some beside them: a curve in which surfaces cross
-    /// leaves a face for one that shares a corner with it, mostly while the other face stays.
+    /// Whether faces that crossed before still do, or some beside them: a curve in which surfaces
+    /// cross leaves a face for one that shares a corner with it, mostly while the other face stays.
     fn still_cross(&mut self, pair: &Pair, counters: &mut Counters) -> bool {
         if self.crossing.is_empty() {
             return false;

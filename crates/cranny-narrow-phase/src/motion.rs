@@ -16,7 +16,7 @@ use crate::pair::{Pair, Side};
 /// By how much the Frobenius norm of a difference of two accepted rotation matrices may exceed that of
 /// the rotations which they round. Smaller, and a step could be underestimated; larger, and bodies
 /// that move by less than that spend slack for nothing.
-const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
+pub(crate) const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
 
 /// What lies within a distance of a point of a body's frame.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,9 @@
 //! The tree over clusters: eight boxes a node, divided from the top.
 //!
-//! A set is cut in two until there are eight parts, the largest first; where it is cut is what leaves the least area of
-//! boxes, each weighed by the clusters in it (the surface area heuristic of MacDonald and Booth, 1990): by places, or by normals, which
-//! part the flanks of a thread. Cost: O(n log n) sorting, and a few boxes over all points for each level.
+//! A set is cut in two until there are eight parts, the largest first; where it is cut is what
+//! leaves the least area of boxes, each weighed by the clusters in it (the surface area heuristic
+//! of MacDonald and Booth, 1990): by places, or by normals, which part the flanks of a thread.
+//! Cost: O(n log n) sorting, and a few boxes over all points for each level.
 
 use cranny_exact::DVec3;
 
@@ -11,12 +12,12 @@ use super::oriented::{Frame, OrientedBox, best_frame, frame_across, frame_along,
 use super::{Child, Surface, WideNode, grow};
 use crate::ids::FaceId;
 
-/// Sets of more clusters than this are cut in the middle of their longest extent: there, boxes along normals say nothing.
-/// Larger: building takes longer; smaller: flanks are parted later.
+/// Sets of more clusters than this are cut in the middle of their longest extent: there, boxes
+/// along normals say nothing. Larger: building takes longer; smaller: flanks are parted later.
 const FEW: usize = 256;
 
-/// Sets of more than this are cut in the middle, along whatever cuts best. Larger: building takes longer, for nodes that are
-/// hardly better.
+/// Sets of more than this are cut in the middle, along whatever cuts best. Larger: building takes
+/// longer, for nodes that are hardly better.
 const FEWER: usize = 24;
 
 /// What the tree is made of.

@@ -1,8 +1,9 @@
-//! What contacts can be made of: the vertices and ridges of a mesh, and from where each is looked at.
+//! What contacts can be made of: the vertices and ridges of a mesh, and from where each is looked
+//! at.
 //!
-//! A vertex or an edge *counts to* the first face of the lowest patch at it ([`Owned`]): of several faces that say the same of a
-//! rim, that one speaks. It is *looked at* from the cluster with the largest area among those at it, whose box it does not make
-//! larger.
+//! A vertex or an edge *counts to* the first face of the lowest patch at it ([`Owned`]): of several
+//! faces that say the same of a rim, that one speaks. It is *looked at* from the cluster with the
+//! largest area among those at it, whose box it does not make larger.
 
 use cranny_exact::DVec3;
 
@@ -12,19 +13,22 @@ use crate::ids::{EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
 use crate::mesh::Mesh;
 use crate::patches::Patches;
 
-/// By how far, as a sine, an edge must be bent to be no line drawn on a plane. Zero would find ridges by rounding.
+/// By how far, as a sine, an edge must be bent to be no line drawn on a plane. Zero would find
+/// ridges by rounding.
 pub(super) const LEAST_BEND: f64 = 1e-9;
 
-/// Sine of the angle by which an edge must be bent inwards to make no contacts for certain: what leads out of the
-/// solid there runs into one of its faces. Smaller than [`LEAST_BEND`], and contacts that it lets pass are lost; larger, and
-/// edges of finely divided hollows are looked at in vain.
+/// Sine of the angle by which an edge must be bent inwards to make no contacts for certain: what
+/// leads out of the solid there runs into one of its faces. Smaller than [`LEAST_BEND`], and
+/// contacts that it lets pass are lost; larger, and edges of finely divided hollows are looked at
+/// in vain.
 const REFLEX: f64 = 1e3 * LEAST_BEND;
 
-/// How far, as a sine, edges at a vertex may rise towards a direction along which it touches rims. Smaller: tips are lost by
-/// rounding; larger: vertices of flat places are compared with every rim.
+/// How far, as a sine, edges at a vertex may rise towards a direction along which it touches rims.
+/// Smaller: tips are lost by rounding; larger: vertices of flat places are compared with every rim.
 const TIP_SLACK: f64 = 1e-6;
 
-/// Which corners and sides count to a face, a bit each; of sides, that from corner `i` to the next is bit `i`.
+/// Which corners and sides count to a face, a bit each; of sides, that from corner `i` to the next
+/// is bit `i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Owned {
     /// Its corners.
@@ -284,7 +288,8 @@ fn is_tip(surface: &Surface, vertex: VertexId) -> bool {
     })
 }
 
-/// The directions along which an edge between two faces is touched: an arc of the sphere of directions.
+/// The directions along which an edge between two faces is touched: an arc of the sphere of
+/// directions.
 struct Arc {
     start: DVec3,
     span: DVec3,

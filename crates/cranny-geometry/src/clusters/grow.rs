@@ -1,8 +1,9 @@
 //! Clusters: neighbouring faces of nearly one normal, paired again and again.
 //!
-//! In each round groups that share an edge are paired, those first whose common box is flattest and smallest for what it
-//! holds, each group once; so single faces become twos, fours and eights. No source: this crate's own; a tree is right
-//! whatever is paired. Cost: O(n log n) for each of a few rounds.
+//! In each round groups that share an edge are paired, those first whose common box is flattest and
+//! smallest for what it holds, each group once; so single faces become twos, fours and eights. No
+//! source: this crate's own; a tree is right whatever is paired. Cost: O(n log n) for each of a few
+//! rounds.
 
 use cranny_exact::DVec3;
 
@@ -11,12 +12,13 @@ use super::lanes::LANES;
 use super::oriented::{frame_along, half_area};
 use crate::ids::FaceId;
 
-/// Cosine of the angle between a face's normal and that of its group at most: 14 degrees. Smaller angles: curved surfaces
-/// fall into single faces; larger: groups are thicker, and more pairs of them come near.
+/// Cosine of the angle between a face's normal and that of its group at most: 14 degrees. Smaller
+/// angles: curved surfaces fall into single faces; larger: groups are thicker, and more pairs of
+/// them come near.
 const LEAST_COSINE: f64 = 0.97;
 
-/// The common box of two groups has at most so many times the area of both. Larger: groups of a thread mix what lies apart;
-/// smaller: fewer are joined, and there are more nodes.
+/// The common box of two groups has at most so many times the area of both. Larger: groups of a
+/// thread mix what lies apart; smaller: fewer are joined, and there are more nodes.
 const MOST_GROWTH: f64 = 2.5;
 
 /// Rounds at most: three make eight of one, the others join what was left over.

@@ -70,7 +70,8 @@ pub struct FaceLanes {
     pub patches: [PatchId; LANES],
     /// How many there are, at least 1.
     pub count: u32,
-    /// A bit for each face of which a corner or side can be touched by a vertex: what counts to the face.
+    /// A bit for each face of which a corner or side can be touched by a vertex: what counts to the
+    /// face.
     pub rims: u32,
     /// Unit, or zero without area.
     pub normal: Lanes3,
@@ -104,7 +105,8 @@ pub struct CornerLanes {
     pub patches: [PatchId; LANES],
     /// How many there are, at least 1.
     pub count: u32,
-    /// A bit for each vertex that all edges at it fall away from along some direction: it can touch a rim.
+    /// A bit for each vertex that all edges at it fall away from along some direction: it can touch
+    /// a rim.
     pub tips: u32,
     /// Where they are.
     pub points: Lanes3,
@@ -127,7 +129,8 @@ pub struct RidgeLanes {
     pub squares: Lanes,
     /// Unit along the spans. Zero, as the next two, where the faces say nothing.
     pub along: Lanes3,
-    /// For one face, from the edge into it, crossed with `along`: unit, against the face's normal or along it.
+    /// For one face, from the edge into it, crossed with `along`: unit, against the face's normal
+    /// or along it.
     pub left: Lanes3,
     /// The same for the other face.
     pub right: Lanes3,

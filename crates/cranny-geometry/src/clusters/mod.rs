@@ -1,18 +1,21 @@
 //! The search tree of a model: clusters of a few faces under nodes of eight oriented boxes.
 //!
-//! One structure, made once with the model, serves every question about a pair: which faces meet, which are
-//! nearest, which features make contacts. A *cluster* holds at most eight neighbouring faces of nearly one normal
-//! (`grow`), with what the narrow phase compares eight at a time: planes and corners of its faces, vertices and
-//! ridges. A *node* holds up to eight boxes side by side (`build`), each around a node or a cluster.
+//! One structure, made once with the model, serves every question about a pair: which faces meet,
+//! which are nearest, which features make contacts. A *cluster* holds at most eight neighbouring
+//! faces of nearly one normal (`grow`), with what the narrow phase compares eight at a time: planes
+//! and corners of its faces, vertices and ridges. A *node* holds up to eight boxes side by side
+//! (`build`), each around a node or a cluster.
 //!
-//! Everything here serves to leave things out, so it is in single precision: coordinates are relative to
-//! [`ClusterTree::origin`] and divided by [`ClusterTree::unit`], a power of two, so that no magnitude overflows and
-//! scaling a model by a power of two changes no bit. Boxes are rounded outward. The clusters' own coordinates are
-//! rounded to nearest and relative to the cluster's centre; [`ROUNDING`] bounds what that may be off by.
+//! Everything here serves to leave things out, so it is in single precision: coordinates are
+//! relative to [`ClusterTree::origin`] and divided by [`ClusterTree::unit`], a power of two, so
+//! that no magnitude overflows and scaling a model by a power of two changes no bit. Boxes are
+//! rounded outward. The clusters' own coordinates are rounded to nearest and relative to the
+//! cluster's centre; [`ROUNDING`] bounds what that may be off by.
 //!
-//! Sources: oriented boxes, Gottschalk, Lin and Manocha (1996); wide nodes, Wald, Benthin and Boulos (2008, "Getting
-//! rid of packets"). Clusters grown along the surface are this crate's own: cut along a tree, those of a thread mix flank and
-//! crest, and twice as many pairs of them come near.
+//! Sources: oriented boxes, Gottschalk, Lin and Manocha (1996); wide nodes, Wald, Benthin and
+//! Boulos (2008, "Getting rid of packets"). Clusters grown along the surface are this crate's own:
+//! cut along a tree, those of a thread mix flank and crest, and twice as many pairs of them come
+//! near.
 
 mod build;
 mod features;
@@ -31,12 +34,13 @@ use crate::mesh::Mesh;
 use crate::patches::Patches;
 use crate::topology::Topology;
 
-/// By how much, as a share of the lengths that take part, a sum of a few products of single-precision coordinates may be
-/// off: 2^-19, or 32 units in the last place.
+/// By how much, as a share of the lengths that take part, a sum of a few products of
+/// single-precision coordinates may be off: 2^-19, or 32 units in the last place.
 ///
-/// A stored coordinate is off by half a unit; turning and moving it rounds six times more, an inner product with a stored
-/// unit vector, itself off by half a unit each way, again as often. Twenty in all; 32 leave room. Smaller, and something
-/// near is left out; larger, and more is looked at in vain.
+/// A stored coordinate is off by half a unit; turning and moving it rounds six times more, an inner
+/// product with a stored unit vector, itself off by half a unit each way, again as often. Twenty in
+/// all; 32 leave room. Smaller, and something near is left out; larger, and more is looked at in
+/// vain.
 pub const ROUNDING: f32 = 1.0 / (1 << 19) as f32;
 
 /// What a lane of a node leads to.
@@ -208,8 +212,8 @@ impl ClusterTree {
         self.origin
     }
 
-    /// The length that single-precision coordinates are multiples of: a power of two, no point is farther than that from
-    /// the [`origin`](Self::origin).
+    /// The length that single-precision coordinates are multiples of: a power of two, no point is
+    /// farther than that from the [`origin`](Self::origin).
     #[must_use]
     #[inline]
     pub fn unit(&self) -> f64 {
@@ -245,7 +249,8 @@ impl ClusterTree {
         &self.points[start as usize..end as usize]
     }
 
-    /// The vertices that are looked at from a cluster. Each vertex of the mesh is looked at from one.
+    /// The vertices that are looked at from a cluster. Each vertex of the mesh is looked at from
+    /// one.
     #[must_use]
     #[inline]
     pub fn corners(&self, cluster: &Cluster) -> &[CornerLanes] {
@@ -253,7 +258,8 @@ impl ClusterTree {
         &self.corners[start as usize..end as usize]
     }
 
-    /// The ridges that are looked at from a cluster: each edge that may make a contact is looked at from one.
+    /// The ridges that are looked at from a cluster: each edge that may make a contact is looked at
+    /// from one.
     #[must_use]
     #[inline]
     pub fn ridges(&self, cluster: &Cluster) -> &[RidgeLanes] {

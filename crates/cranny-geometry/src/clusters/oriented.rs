@@ -2,8 +2,8 @@
 
 use cranny_exact::DVec3;
 
-/// A box with axes of its own, in the coordinates of its tree. What it holds lies within it, rounding of its own numbers
-/// taken into account.
+/// A box with axes of its own, in the coordinates of its tree. What it holds lies within it,
+/// rounding of its own numbers taken into account.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// Its middle.
@@ -19,15 +19,18 @@ pub struct OrientedBox {
 /// Three directions at right angles, the last along a normal where there is one.
 pub(super) type Frame = [DVec3; 3];
 
-/// Squared sine of the angle to the normal above which a direction can be laid across it. Smaller, and axes are no right
-/// angles by more than rounding; larger, and directions are left out that would do.
+/// Squared sine of the angle to the normal above which a direction can be laid across it. Smaller,
+/// and axes are no right angles by more than rounding; larger, and directions are left out that
+/// would do.
 const LEAST_SINE_SQUARED: f64 = 0.01;
 
-/// Rounded sums of what a box holds may be off by so many parts of its size: extents are computed in double precision from axes
-/// and centres as they are stored, so only axes that are no right angles count.
+/// Rounded sums of what a box holds may be off by so many parts of its size: extents are computed
+/// in double precision from axes and centres as they are stored, so only axes that are no right
+/// angles count.
 const SPARE: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
-/// The frame along a normal (unit, or zero: that of the body) that lies along the points' greatest spread across it.
+/// The frame along a normal (unit, or zero: that of the body) that lies along the points' greatest
+/// spread across it.
 pub(super) fn frame_along(points: &[DVec3], normal: DVec3) -> Frame {
     if normal == DVec3::ZERO {
         return DVec3::AXES;
@@ -47,7 +50,8 @@ pub(super) fn frame_along(points: &[DVec3], normal: DVec3) -> Frame {
     [along, normal.cross(along), normal]
 }
 
-/// The frame along a normal that has an axis along a direction; `None` where that leads along the normal.
+/// The frame along a normal that has an axis along a direction; `None` where that leads along the
+/// normal.
 pub(super) fn frame_across(normal: DVec3, direction: DVec3) -> Option<Frame> {
     let across = direction - normal * normal.dot(direction);
     if across.length_squared() <= LEAST_SINE_SQUARED * direction.length_squared() {

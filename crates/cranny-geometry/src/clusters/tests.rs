@@ -31,7 +31,8 @@ fn holds(bounds: &OrientedBox, p: DVec3, spare: f64) -> bool {
         && (0..3).all(|i| v(bounds.axes[i]).dot(from).abs() <= f64::from(bounds.half[i]) + spare)
 }
 
-/// Every face is in one cluster, below boxes that hold it; every vertex and ridge is looked at once.
+/// Every face is in one cluster, below boxes that hold it; every vertex and ridge is looked at
+/// once.
 fn check(model: &Model) {
     let (mesh, topology, tree) = (model.mesh(), model.topology(), model.clusters());
     let place = |v: VertexId| (mesh.position(v) - tree.origin()) / tree.unit();

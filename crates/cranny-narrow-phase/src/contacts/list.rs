@@ -1,8 +1,9 @@
 //! Candidates by pairs of patches, and how long they last.
 //!
-//! A list is made with a *skin*: it holds every pair of features that may make a contact once bodies have come nearer by that, and
-//! turned by a little. Until they have, the list is evaluated again and nothing is searched (as neighbour lists in molecular
-//! dynamics: Verlet, 1967). A list that does not last is made without a skin, which is cheaper.
+//! A list is made with a *skin*: it holds every pair of features that may make a contact once
+//! bodies have come nearer by that, and turned by a little. Until they have, the list is evaluated
+//! again and nothing is searched (as neighbour lists in molecular dynamics: Verlet, 1967). A list
+//! that does not last is made without a skin, which is cheaper.
 
 use cranny_exact::RigidMap;
 use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
@@ -18,24 +19,29 @@ use crate::search::{Candidate, Ground, Kind, Lasting, Turned, add_candidates};
 use crate::surface::FacePair;
 use crate::triangle_distance::Part;
 
-/// A skin is meant to last for so many steps like the last. Fewer: lists are made again and again; more: they are long.
+/// A skin is meant to last for so many steps like the last. Fewer: lists are made again and again;
+/// more: they are long.
 const STEPS: f64 = 8.0;
 
-/// It is no less than this part of the margin, so that bodies at rest keep it, and no more than the next but for long faces.
+/// It is no less than this part of the margin, so that bodies at rest keep it, and no more than the
+/// next but for long faces.
 const LEAST: f64 = 0.125;
 const MOST: f64 = 0.5;
 
-/// It is no more than this part of a face's length, or the margin's above. Larger: lists hold what never comes near.
+/// It is no more than this part of a face's length, or the margin's above. Larger: lists hold what
+/// never comes near.
 const OF_FACE: f64 = 0.15;
 
 /// A skin that lasts for fewer steps than this is not worth its list.
 const WORTH: f64 = 3.0;
 
-/// Turns for which a list lasts at most: the sine by which what faces what may change. Larger: more edges are listed.
+/// Turns for which a list lasts at most: the sine by which what faces what may change. Larger: more
+/// edges are listed.
 const MOST_TURN: f64 = 0.1;
 const LEAST_TURN: f64 = 1e-4;
 
-/// Lists of more candidates than this are not kept. Larger: memory of wide margins grows without a bound.
+/// Lists of more candidates than this are not kept. Larger: memory of wide margins grows without a
+/// bound.
 const MOST_KEPT: usize = 1 << 14;
 
 /// Candidates of one pair of patches.

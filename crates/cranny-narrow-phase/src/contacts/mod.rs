@@ -1,16 +1,18 @@
 //! Contacts for a solver: for each pair of patches that come near, their nearest points.
 //!
-//! A solver needs few contacts, each with the normal of its own point, spread over what touches, and
-//! the same ones in the next step. So a pair of patches (`cranny_geometry::Patches`, pieces of nearly one normal)
-//! yields the contact of least separation. A patch too large to be a place yields
-//! as many as span it (`coarse`). Features make contacts only along directions that they face in the full
-//! mesh (`facing`), and their normals are exact there (`feature_pair`). Where the solids overlap,
-//! depths take the place of gaps (`overlap`, of the vertices `within`).
+//! A solver needs few contacts, each with the normal of its own point, spread over what touches,
+//! and the same ones in the next step. So a pair of patches (`cranny_geometry::Patches`, pieces of
+//! nearly one normal) yields the contact of least separation. A patch too large to be a place
+//! yields as many as span it (`coarse`). Features make contacts only along directions that they
+//! face in the full mesh (`facing`), and their normals are exact there (`feature_pair`). Where the
+//! solids overlap, depths take the place of gaps (`overlap`, of the vertices `within`).
 //!
-//! The search hands over candidates, pairs of features with a lower bound of their distance; they are listed by pairs of patches, and
-//! evaluated by ascending bounds until no other can win (`list`). While bodies move little, the list lasts.
+//! The search hands over candidates, pairs of features with a lower bound of their distance; they
+//! are listed by pairs of patches, and evaluated by ascending bounds until no other can win
+//! (`list`). While bodies move little, the list lasts.
 //!
-//! The answer is a function of models, poses and margin: memory holds what cannot be left out, and where to begin.
+//! The answer is a function of models, poses and margin: memory holds what cannot be left out, and
+//! where to begin.
 
 mod coarse;
 #[cfg(test)]
@@ -102,8 +104,8 @@ pub(crate) fn near_patches(
     Near { surface, meeting, contacts }
 }
 
-/// All contacts of two surfaces across a gap of at most `margin`, in the pair's frame; in no order. Where surfaces touch, gaps may be
-/// negative by rounding.
+/// All contacts of two surfaces across a gap of at most `margin`, in the pair's frame; in no order.
+/// Where surfaces touch, gaps may be negative by rounding.
 ///
 /// Cost: as of [`near_patches`], but near-linear in the features within the margin.
 pub(crate) fn across_gaps(

@@ -1,13 +1,16 @@
 //! A cut: where the last descent ended, kept from query to query.
 //!
-//! A descent tests a place of one tree against the boxes of a node of the other, and ends at those that are farther than its
-//! reach. How much farther the nearest of these is, is the *slack* of that block of eight; motion spends it, and until it is spent
-//! the block need not be looked at. What of a block comes within reach is descended into, and adds blocks of its own; where
-//! there have come to be many more than a new descent would leave, one is made. Pairs of clusters within reach are listed.
+//! A descent tests a place of one tree against the boxes of a node of the other, and ends at those
+//! that are farther than its reach. How much farther the nearest of these is, is the *slack* of
+//! that block of eight; motion spends it, and until it is spent the block need not be looked at.
+//! What of a block comes within reach is descended into, and adds blocks of its own; where there
+//! have come to be many more than a new descent would leave, one is made. Pairs of clusters within
+//! reach are listed.
 //!
-//! Motion is counted once for all blocks: by how much the second body has turned, and its centre moved, as seen from the first.
-//! No point at a distance r from that centre has then moved by more than `turn · r + shift`. (Li and Chen, 'Incremental 3D
-//! collision detection with hierarchical data structures', 1998, keep such a front of a traversal.)
+//! Motion is counted once for all blocks: by how much the second body has turned, and its centre
+//! moved, as seen from the first. No point at a distance r from that centre has then moved by more
+//! than `turn · r + shift`. (Li and Chen, 'Incremental 3D collision detection with hierarchical
+//! data structures', 1998, keep such a front of a traversal.)
 //!
 //! A cut holds no answers: it lists no less than all pairs of clusters within reach.
 
@@ -18,11 +21,8 @@ use super::ground::{At, Ground};
 use super::lanes::{lanes_of, within};
 use super::parted::Leaf;
 use crate::answer::Counters;
+use crate::motion::MATRIX_ERROR;
 use crate::pair::{Pair, Side};
-
-/// By how much the stretch of a difference of two accepted rotation matrices may exceed that of the rotations which they
-/// round. Smaller, and motion could be underestimated; larger, and bodies that move by less spend slack for nothing.
-const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
 
 /// Rounded sums of motions are made larger by this part.
 const ROUND_UP: f64 = 1.0 + 1e-12;
@@ -30,8 +30,9 @@ const ROUND_UP: f64 = 1.0 + 1e-12;
 /// Single-precision lengths are made larger by this part.
 const SPARE: f64 = 1.0 + 1e-6;
 
-/// A cut with more blocks, or pairs of clusters, than this times what it was built with, and a few more, is built anew.
-/// Larger: more is looked at in each query; smaller: cuts are built more often.
+/// A cut with more blocks, or pairs of clusters, than this times what it was built with, and a few
+/// more, is built anew. Larger: more is looked at in each query; smaller: cuts are built more
+/// often.
 const WORN: f64 = 1.25;
 
 /// A place of one tree, tested against a node of the other.
@@ -114,13 +115,14 @@ impl Cut {
         self.reach
     }
 
-    /// All pairs of clusters within reach, and perhaps some others; and the motion that there has been.
+    /// All pairs of clusters within reach, and perhaps some others; and the motion that there has
+    /// been.
     pub(crate) fn leaves(&mut self) -> (&mut [Leaf], Spent) {
         (&mut self.leaves, self.spent)
     }
 
-    /// Follows the bodies to the pair's pose; `None` where that costs more than a new descent. Returns how far any point of the
-    /// second body has moved at most since the last pose.
+    /// Follows the bodies to the pair's pose; `None` where that costs more than a new descent.
+    /// Returns how far any point of the second body has moved at most since the last pose.
     pub(crate) fn follow(
         &mut self,
         pair: &Pair,
@@ -258,7 +260,8 @@ fn test(ground: &Ground, at: [At; 2], side: Side, reach: f64, mask: u32) -> Test
             let b = ground.boxed(Side::Second, at[1]);
             f64::from(distance(b.center) + b.radius) * unit * SPARE
         }
-        // That, or what of the first one is, as seen from the second's centre: it may go as far as the slack lets it.
+        // That, or what of the first one is, as seen from the second's centre: it may go as far as
+        // the slack lets it.
         Side::Second => {
             let farthest = lanes_of(ended)
                 .map(|lane| distance(node.center.get(lane)) + node.radius.0[lane])

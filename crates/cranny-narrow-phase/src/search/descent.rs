@@ -13,7 +13,8 @@ pub(crate) trait Visitor {
     /// What is farther apart than this, in lengths of the pair, does not matter. It may shrink.
     fn reach(&self) -> f64;
 
-    /// Looks at two clusters whose boxes are within reach, no nearer than `gap`; may end the descent.
+    /// Looks at two clusters whose boxes are within reach, no nearer than `gap`; may end the
+    /// descent.
     fn clusters(&mut self, pair: [u32; 2], gap: f64, counters: &mut Counters) -> ControlFlow<()>;
 }
 

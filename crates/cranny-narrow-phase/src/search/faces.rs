@@ -1,7 +1,7 @@
 //! Which faces of two clusters may be near each other.
 //!
-//! The planes of the faces part them, and boxes along one frame: for each face of the first cluster all of the second's at
-//! once. What is left is for double precision to decide.
+//! The planes of the faces part them, and boxes along one frame: for each face of the first cluster
+//! all of the second's at once. What is left is for double precision to decide.
 
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
@@ -51,10 +51,10 @@ fn frame(toward: [f32; 3]) -> [[f32; 3]; 3] {
     [direction, u, v].map(|axis| axis.to_array().map(|x| x as f32))
 }
 
-/// Calls `visit` with every pair of faces of two clusters that may be within `reach`, a length of the pair, and a certain lower
-/// bound of their distance, 0 or less where they may meet. `toward`: a unit direction from first to second, in the first's frame,
-/// along which the surfaces are known to be nearest.
-/// `visit` returns the reach from there on.
+/// Calls `visit` with every pair of faces of two clusters that may be within `reach`, a length of
+/// the pair, and a certain lower bound of their distance, 0 or less where they may meet. `toward`:
+/// a unit direction from first to second, in the first's frame, along which the surfaces are known
+/// to be nearest. `visit` returns the reach from there on.
 pub(crate) fn for_near_faces(
     ground: &Ground,
     [a, b]: [u32; 2],

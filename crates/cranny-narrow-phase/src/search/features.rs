@@ -1,11 +1,13 @@
 //! Which features of two clusters may make a contact.
 //!
-//! A vertex before a face, or before its rim; two ridges that cross as seen along their common normal. The vertices of one cluster
-//! are held against the planes of the other's faces, eight at once; of ridges the Gauss map tells first whether they can touch as they
-//! are turned (Gregorius, 2013, GDC, "The separating axis test between convex polyhedra"), then how far apart they are. What is left
-//! is a *candidate*, with a lower bound of its distance: double precision decides.
+//! A vertex before a face, or before its rim; two ridges that cross as seen along their common
+//! normal. The vertices of one cluster are held against the planes of the other's faces, eight at
+//! once; of ridges the Gauss map tells first whether they can touch as they are turned (Gregorius,
+//! 2013, GDC, "The separating axis test between convex polyhedra"), then how far apart they are.
+//! What is left is a *candidate*, with a lower bound of its distance: double precision decides.
 //!
-//! Candidates can be made to last: all that may make a contact once anything has come nearer by `skin` and turned by `turn`.
+//! Candidates can be made to last: all that may make a contact once anything has come nearer by
+//! `skin` and turned by `turn`.
 
 use cranny_geometry::PatchId;
 use cranny_geometry::clusters::{ClusterTree, CornerLanes, FaceLanes, LANES, RidgeLanes};
@@ -45,23 +47,26 @@ pub(crate) struct Lasting {
     pub(crate) turn: f64,
 }
 
-/// By how much a vertex may lie beside a face, as a part of its distance, and still be straight before its rim. Smaller: contacts
-/// over rims are lost; larger: vertices beside faces are looked at in vain.
+/// By how much a vertex may lie beside a face, as a part of its distance, and still be straight
+/// before its rim. Smaller: contacts over rims are lost; larger: vertices beside faces are looked
+/// at in vain.
 const STRAIGHT: f32 = 1.0 / (1 << 13) as f32;
 
-/// Single-precision inner products of unit vectors are off by no more than this; so are those whose signs say that ridges touch.
-/// Smaller: contacts of edges are lost by rounding; larger: more of them are compared.
+/// Single-precision inner products of unit vectors are off by no more than this; so are those whose
+/// signs say that ridges touch. Smaller: contacts of edges are lost by rounding; larger: more of
+/// them are compared.
 const SLACK: f32 = 1e-5;
 
 /// As `SLACK`, per blur of an edge's faces and rounding of its points.
 const ERRORS: f32 = 64.0;
 
-/// Squared sine below which two edges are parallel for certain: half of what decides, since their inner products lose as much.
+/// Squared sine below which two edges are parallel for certain: half of what decides, since their
+/// inner products lose as much.
 const PARALLEL: f32 = 0.5e-6;
 
 /// Squares of lengths, and products of two, between this and one over it lose no digits in what is
-/// made of them. Smaller, and short edges pass for parallel by underflow; larger, and more edges are
-/// looked at closely.
+/// made of them. Smaller, and short edges pass for parallel by underflow; larger, and more edges
+/// are looked at closely.
 const SMALLEST: f32 = 1.0 / (1u128 << 100) as f32;
 
 /// The lanes of squares that are neither so small nor so large that digits are lost.
@@ -101,7 +106,8 @@ impl Room {
         if near == 0 { 0 } else { near & beside(0) & beside(1) }
     }
 
-    /// The lanes of segments, of which the middles and halves are given, that are within reach of it.
+    /// The lanes of segments, of which the middles and halves are given, that are within reach of
+    /// it.
     #[inline(always)]
     fn near_segments(&self, middles: &Wide3, halves: &Wide3, reach: f32) -> u32 {
         let beside = |i: usize| {
@@ -331,7 +337,8 @@ struct Before<'a> {
 }
 
 impl Before<'_> {
-    /// Calls `found` with the lane of each vertex and of each face before which it may make a contact, and a lower bound.
+    /// Calls `found` with the lane of each vertex and of each face before which it may make a
+    /// contact, and a lower bound.
     #[inline(always)]
     fn corners(
         &self,
@@ -427,7 +434,8 @@ struct OneEdge {
 }
 
 impl OneEdge {
-    /// Calls `found` with the lane of each ridge that it may touch, and a lower bound of their distance.
+    /// Calls `found` with the lane of each ridge that it may touch, and a lower bound of their
+    /// distance.
     #[inline(always)]
     fn before(&self, others: &RidgeLanes, limits: Limits, mut found: impl FnMut(usize, f32)) {
         let Limits { reach, error, turn, posing, .. } = limits;

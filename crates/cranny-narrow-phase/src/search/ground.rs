@@ -8,7 +8,8 @@ use wide::f32x8;
 use super::lanes::{Wide3, wide};
 use crate::pair::{Pair, Side};
 
-/// Lengths from here on, in units of a tree, are not compared in single precision: squares overflow.
+/// Lengths from here on, in units of a tree, are not compared in single precision: squares
+/// overflow.
 const LARGEST: f32 = (1u64 << 60) as f32;
 
 /// What sums of single-precision coordinates up to `scale` may be off by; infinite where their
@@ -37,7 +38,8 @@ impl At {
     }
 }
 
-/// From one body's coordinates into the other's, in single precision: turned, scaled to its unit, moved.
+/// From one body's coordinates into the other's, in single precision: turned, scaled to its unit,
+/// moved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placing {
     rows: [[f32; 3]; 3],
@@ -166,7 +168,8 @@ impl<'a> Ground<'a> {
         self.into(side).placed(&self.boxed(side.other(), other))
     }
 
-    /// Where the centre of a cluster of the other side lies from one of this side's, in this side's lengths.
+    /// Where the centre of a cluster of the other side lies from one of this side's, in this side's
+    /// lengths.
     #[inline(always)]
     pub(crate) fn between(&self, side: Side, own: &Cluster, its: &Cluster) -> [f32; 3] {
         let i = side.index();
@@ -190,16 +193,16 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// Lower bounds, in the side's lengths and but for [`reach`](Self::reach)'s allowance, of how far what is at a place of the
-    /// other side lies from each of the boxes of a node of this side.
+    /// Lower bounds, in the side's lengths and but for [`reach`](Self::reach)'s allowance, of how
+    /// far what is at a place of the other side lies from each of the boxes of a node of this side.
     #[inline(always)]
     pub(crate) fn gaps(&self, side: Side, node: &WideNode, other: At) -> f32x8 {
         gaps(node, &self.placed(side, other))
     }
 }
 
-/// Seen along the three axes of either box, at right angles to each other: the greater of the two lengths of what is between. The
-/// nine cross products of axes rarely pay.
+/// Seen along the three axes of either box, at right angles to each other: the greater of the two
+/// lengths of what is between. The nine cross products of axes rarely pay.
 #[inline]
 pub(crate) fn gaps(node: &WideNode, b: &OrientedBox) -> f32x8 {
     let between = Wide3::of(&node.center).minus(&Wide3::all(b.center));

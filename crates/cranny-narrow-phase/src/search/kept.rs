@@ -8,12 +8,12 @@ use crate::answer::Counters;
 use crate::pair::Pair;
 use crate::patience::Patience;
 
-/// A cut that is built anew sooner than after so many queries has not paid for itself. Larger: it is given up where it still
-/// saves time; smaller: motion that outruns it is followed in vain.
+/// A cut that is built anew sooner than after so many queries has not paid for itself. Larger: it
+/// is given up where it still saves time; smaller: motion that outruns it is followed in vain.
 const LEAST_AGE: u32 = 2;
 
-/// A cut that was outgrown by what is asked reaches so many times that. Less: margins that vary outgrow it again; more: more
-/// clusters are listed.
+/// A cut that was outgrown by what is asked reaches so many times that. Less: margins that vary
+/// outgrow it again; more: more clusters are listed.
 const OUTGROWN: f64 = 2.0;
 
 /// How far a cut is to reach.

@@ -17,7 +17,8 @@ pub(crate) fn wide(lanes: &Lanes) -> f32x8 {
     f32x8::from(lanes.0)
 }
 
-/// The bits of the lanes that are not greater than a bound: those too that are no number, since nothing is known of them.
+/// The bits of the lanes that are not greater than a bound: those too that are no number, since
+/// nothing is known of them.
 #[inline(always)]
 pub(crate) fn within(numbers: f32x8, bound: f32x8) -> u32 {
     !numbers.simd_gt(bound).to_bitmask() & ((1 << LANES) - 1)

@@ -14,8 +14,8 @@ use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
 use crate::triangle_distance::triangle_distance;
 
-/// Faces are worth measuring where they are apart by more than so many steps. Fewer: they are measured again and again; more:
-/// clusters are looked at in every query that could rest.
+/// Faces are worth measuring where they are apart by more than so many steps. Fewer: they are
+/// measured again and again; more: clusters are looked at in every query that could rest.
 const WORTH: f64 = 4.0;
 
 /// Queries in which they are not measured after it was not worth it.
@@ -51,8 +51,9 @@ impl Meetings<'_, '_, '_> {
         apart.max(0.0)
     }
 
-    /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`. Faces that planes do not part are
-    /// measured for it where `measures`, and count as meeting where not.
+    /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`. Faces
+    /// that planes do not part are measured for it where `measures`, and count as meeting where
+    /// not.
     fn separation(
         &mut self,
         clusters: [u32; 2],
@@ -112,8 +113,8 @@ pub(crate) fn meeting_faces(
     search(pair, ground, false, stack, counters).1
 }
 
-/// The verdict on the surfaces, and the pairs that meet which the verdict on the solids needs: all that touch, or some up to
-/// the first that crosses; by ascending ids.
+/// The verdict on the surfaces, and the pairs that meet which the verdict on the solids needs: all
+/// that touch, or some up to the first that crosses; by ascending ids.
 pub(crate) fn first_meeting(
     pair: &Pair,
     ground: &Ground,
@@ -128,12 +129,13 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
     meeting_faces(pair, &Ground::of(pair), &mut Vec::new(), counters)
 }
 
-/// How far apart surfaces are that do not meet, but for what lies beyond a cut's reach; 0 where that is not known.
+/// How far apart surfaces are that do not meet, but for what lies beyond a cut's reach; 0 where
+/// that is not known.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clearance(pub(crate) f64);
 
-/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the clusters that a cut lists. `step` is how far anything has
-/// moved since the last query, at most.
+/// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the
+/// clusters that a cut lists. `step` is how far anything has moved since the last query, at most.
 pub(crate) fn meetings_in(
     cut: &mut Cut,
     pair: &Pair,
@@ -204,7 +206,8 @@ impl Visitor for Listing<'_, '_, '_, '_> {
     }
 }
 
-/// Lists the pairs of clusters that are as near as `lists`, from the top; finds all faces that meet, where `meets`.
+/// Lists the pairs of clusters that are as near as `lists`, from the top; finds all faces that
+/// meet, where `meets`.
 pub(crate) fn near_clusters(
     pair: &Pair,
     ground: &Ground,

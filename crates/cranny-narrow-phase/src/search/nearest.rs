@@ -30,7 +30,8 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
     }
 }
 
-/// Offers all faces that may be nearest; the fewer, the nearer those are that have been offered before.
+/// Offers all faces that may be nearest; the fewer, the nearer those are that have been offered
+/// before.
 pub(crate) fn nearest_faces<'p, 'm>(
     ground: &Ground<'m>,
     stack: &mut Vec<Pending>,
@@ -41,7 +42,8 @@ pub(crate) fn nearest_faces<'p, 'm>(
     let _ = descend(ground, stack, &mut Nearest { ground, faces }, counters);
 }
 
-/// The same among the clusters that a cut lists, which reaches at least as far as those that have been offered.
+/// The same among the clusters that a cut lists, which reaches at least as far as those that have
+/// been offered.
 pub(crate) fn nearest_in<'p, 'm>(
     cut: &mut Cut,
     ground: &Ground<'m>,

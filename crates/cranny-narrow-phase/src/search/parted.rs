@@ -8,8 +8,9 @@ use super::ground::{Ground, rounding};
 use super::lanes::Wide3;
 use crate::pair::Side;
 
-/// In so many queries a pair of clusters that nothing parted is not tried again: the longer for those with greater numbers, so
-/// that not all come up at once. Fewer: what cannot be parted is tried in vain; more: what has come apart is looked at.
+/// In so many queries a pair of clusters that nothing parted is not tried again: the longer for
+/// those with greater numbers, so that not all come up at once. Fewer: what cannot be parted is
+/// tried in vain; more: what has come apart is looked at.
 const REST: u8 = 6;
 const SPREAD: u32 = 5;
 
@@ -20,7 +21,8 @@ pub(crate) struct Leaf {
     /// That parted them last: unit, from first to second, in the first's frame.
     direction: [f32; 3],
     rest: u8,
-    /// Queries in which faces that planes do not part are not measured, since what they were apart was spent too soon.
+    /// Queries in which faces that planes do not part are not measured, since what they were apart
+    /// was spent too soon.
     pub(super) hurry: u8,
     /// What motion must spend before they can be nearer than a reach.
     pub(super) due: Due,
@@ -92,8 +94,9 @@ impl<'a> Ground<'a> {
         gap.max(f32::NEG_INFINITY)
     }
 
-    /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along the direction that parted them
-    /// last, and where that is not more than `reach`, along the one that parts them most of some.
+    /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along
+    /// the direction that parted them last, and where that is not more than `reach`, along the one
+    /// that parts them most of some.
     pub(crate) fn cluster_gap(&self, leaf: &mut Leaf, reach: f64) -> f64 {
         let two = self.two(leaf.pair);
         let unit_length = two.trees[0].unit();

@@ -9,8 +9,9 @@ use super::ground::rounding;
 use super::lanes::{Wide3, lanes_of, wide, within};
 use crate::answer::Counters;
 
-/// Calls `visit` with every face that may be within `reach` of a point of the body's frame; `visit` returns the reach from there on.
-/// `allowance` is what the point and its distances may be off by. `stack` is scratch.
+/// Calls `visit` with every face that may be within `reach` of a point of the body's frame; `visit`
+/// returns the reach from there on. `allowance` is what the point and its distances may be off by.
+/// `stack` is scratch.
 pub(crate) fn for_faces_near(
     tree: &ClusterTree,
     p: DVec3,

@@ -94,8 +94,9 @@ fn faces_that_meet_are_found_among_all() {
     assert!(met.iter().all(|&n| n > 10), "{met:?}");
 }
 
-/// A body wanders about another, by small steps and large ones, with rests: a cut lists all clusters within its reach, what it
-/// says that is left between clusters is there, and what is found in it is what is found without.
+/// A body wanders about another, by small steps and large ones, with rests: a cut lists all
+/// clusters within its reach, what it says that is left between clusters is there, and what is
+/// found in it is what is found without.
 #[test]
 fn a_cut_lists_all_that_is_within_reach() {
     let bodies = bodies();
