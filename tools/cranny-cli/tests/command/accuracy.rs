@@ -182,7 +182,7 @@ fn what_a_budget_leaves_open_is_narrowed_at_rest() {
 fn an_impatient_user_is_told_of_fewer_poses() {
     let scene = Scene::new();
     let options = ["--levels", "exact", "--budgets", "none", "--deadlines", "none", "--no-peers"];
-    let hurried = [&options[..], &["--patience", "0.001", "--runs", "1"]].concat();
+    let hurried = [&options[..], &["--patience", "0.00001", "--runs", "1"]].concat();
     assert_eq!(scene.accuracy(&hurried).code, Some(0));
     for row in scene.rows() {
         assert!(number(&row, "poses") >= 1.0 && number(&row, "poses") < FRAMES as f64, "{row:?}");
