@@ -86,9 +86,12 @@ fn runs(text: &str) -> Result<NonZeroU32, String> {
     text.parse().map_err(|_| "a number of runs is 1 or more, such as 3".to_owned())
 }
 
+/// Seconds. Smaller: nothing is quick enough to be asked twice, whatever the machine.
+const LEAST_PATIENCE: f64 = 1e-5;
+
 fn patience(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds| (1e-3..=3600.0).contains(seconds));
-    seconds.ok_or_else(|| "a patience is a number of seconds from 0.001 to 3600".to_owned())
+    let seconds = text.parse().ok().filter(|seconds| (LEAST_PATIENCE..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| "a patience is a number of seconds from 0.00001 to 3600".to_owned())
 }
 
 const NOTES: &str = "\
