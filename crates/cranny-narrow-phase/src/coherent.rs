@@ -56,10 +56,10 @@ pub(crate) struct Coherent {
     nearest: Option<[FaceId; 2]>,
     foremost: Foremost,
     cut: KeptCut,
-    /// What lies inside what, and how far apart the surfaces were known to be, at the last pose.
-    apart: Option<(Solidity, f64)>,
-    /// How far apart they are known to be at this one.
-    clearance: f64,
+    /// What lies inside what, of surfaces that were apart at the last pose.
+    apart: Option<Solidity>,
+    /// They have not met since the pose that the cut was at before.
+    stayed_apart: bool,
     /// `apart` is of this query's pose.
     is_judged: bool,
     /// Scratch: pairs of clusters within reach among it.
@@ -75,6 +75,7 @@ impl Coherent {
         }
         self.cut.begin();
         self.is_judged = false;
+        self.stayed_apart = false;
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -134,13 +135,12 @@ impl Coherent {
         };
         match cut {
             Some(cut) => {
-                let (surface, found, clearance) =
+                let (surface, found, stayed_apart) =
                     meetings_in(cut, pair, &ground, (ends_at_crossing, step), counters);
-                self.clearance = clearance.0;
+                self.stayed_apart = stayed_apart.0;
                 (surface, found)
             }
             None => {
-                self.clearance = 0.0;
                 let search = if ends_at_crossing { first_meeting } else { all_meetings };
                 search(pair, &ground, &mut self.stack, counters)
             }
@@ -167,9 +167,9 @@ impl Coherent {
             Some(cut) => {
                 let mut found = (Meeting::None, Vec::new());
                 if meets {
-                    let (surface, all, clearance) =
+                    let (surface, all, stayed_apart) =
                         meetings_in(cut, pair, ground, (false, step), counters);
-                    self.clearance = clearance.0;
+                    self.stayed_apart = stayed_apart.0;
                     found = (surface, all);
                 }
                 if let Some(reach) = lists {
@@ -178,7 +178,6 @@ impl Coherent {
                 found
             }
             None => {
-                self.clearance = 0.0;
                 let listed = &mut self.listed;
                 near_clusters(pair, ground, (lists, meets), &mut self.stack, listed, counters)
             }
@@ -221,14 +220,11 @@ impl Coherent {
             self.apart = None;
             return solidity(pair, surface, touching, counters);
         }
-        let stays = |&(_, clearance): &(Solidity, f64)| {
-            self.cut.step().is_some_and(|step| step < clearance)
-        };
-        let found = match self.apart.filter(stays) {
-            Some((known, _)) => known,
+        let found = match self.apart.filter(|_| self.stayed_apart && self.cut.was_here()) {
+            Some(known) => known,
             None => solidity(pair, surface, touching, counters),
         };
-        self.apart = Some((found, self.clearance));
+        self.apart = Some(found);
         found
     }
 

@@ -91,6 +91,10 @@ fn verdict(pair: &Pair, [first, second]: [Parts; 2], flush: Flush) -> Solidity {
 
 fn whole_components(pair: &Pair, side: Side, counters: &mut Counters) -> Parts {
     let mut parts = Parts::default();
+    if !pair.topology(side.other()).components().iter().any(|c| c.closed) {
+        parts.add(Location::Outside);
+        return parts;
+    }
     for component in pair.topology(side).components() {
         let p = pair.position(side, pair.corner(side, component.first_face, 0));
         parts.add(locate(pair, side.other(), &WeightedPoint::at(p), counters));

@@ -7,9 +7,10 @@
 //! have come to be many more than a new descent would leave, one is made. Pairs of clusters within
 //! reach are listed.
 //!
-//! Motion is counted once for all blocks: by how much the second body has turned, and its centre
-//! moved, as seen from the first. No point at a distance r from that centre has then moved by more
-//! than `turn · r + shift`. (Li and Chen, 'Incremental 3D collision detection with hierarchical
+//! Motion is counted once for all blocks: by how much the second body has turned, and one point of
+//! it moved, the *pivot*, as seen from the first. No point at a distance r from the pivot has then
+//! moved by more than `turn · r + shift`. The pivot lies where the bodies were near each other.
+//! (Li and Chen, 'Incremental 3D collision detection with hierarchical
 //! data structures', 1998, keep such a front of a traversal.)
 //!
 //! A cut holds no answers: it lists no less than all pairs of clusters within reach.
@@ -52,7 +53,7 @@ pub(super) struct Due {
     pub(super) limit: f64,
 }
 
-/// How much motion there has been: by how far the second body has turned, and its centre moved.
+/// How much motion there has been: by how far the second body has turned, and the pivot moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spent {
     turn: f64,
@@ -60,7 +61,7 @@ pub(crate) struct Spent {
 }
 
 impl Spent {
-    /// Of a slack, by what lies within a radius of the second body's centre.
+    /// Of a slack, by what lies within a radius of the pivot.
     #[inline(always)]
     fn of(&self, radius: f64) -> f64 {
         self.turn * radius + self.shift
@@ -72,23 +73,64 @@ impl Spent {
         (leaf.due.limit - self.of(leaf.due.radius) * ROUND_UP).next_down()
     }
 
-    /// Notes how far two clusters are apart at least now; `posing` is what posing rounds.
+    /// Notes how far two clusters are apart at least now, as their faces tell; `posing` is what
+    /// posing rounds.
     #[inline(always)]
     pub(crate) fn note(&self, leaf: &mut Leaf, separation: f64, posing: f64) {
         let known = separation - 2.0 * posing + self.of(leaf.due.radius);
         leaf.due.limit = leaf.due.limit.max(known.next_down());
+        leaf.is_parted = false;
+    }
+
+    /// The same as seen along the leaf's direction.
+    #[inline(always)]
+    pub(crate) fn note_along(&self, leaf: &mut Leaf, gap: f64, posing: f64) {
+        let before = leaf.due.limit;
+        self.note(leaf, gap, posing);
+        leaf.is_parted = gap > 0.0 && leaf.due.limit > before;
+    }
+}
+
+/// A point of the second body.
+#[derive(Clone, Copy, Debug)]
+struct Pivot {
+    /// In the lengths of its tree.
+    at: [f32; 3],
+    /// In its frame.
+    point: DVec3,
+    /// No point of the second body is farther from it.
+    farthest: f64,
+}
+
+impl Pivot {
+    /// In the middle of where the boxes of two bodies overlap, or of what is between.
+    fn of(pair: &Pair, ground: &Ground) -> Self {
+        let own = pair.model(Side::Second).bounds();
+        let its = pair.first_from_second.inverse().bounds(&pair.model(Side::First).bounds());
+        let middle = 0.5 * (own.min.max(its.min) + own.max.min(its.max));
+        let tree = ground.tree(Side::Second);
+        // Beyond the body it would be no better.
+        let at = ((middle.clamp(own.min, own.max) - tree.origin()) / tree.unit()).to_array();
+        let at = at.map(|x| x as f32);
+        let point = tree.origin() + tree.unit() * DVec3::from_array(at.map(f64::from));
+        let root = tree.root();
+        let farthest = f64::from(length(minus(root.center, at)) + root.radius);
+        Self { at, point, farthest: farthest * tree.unit() * SPARE }
     }
 }
 
 /// Where a descent ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Cut {
+    pivot: Pivot,
     map: RigidMap,
     reach: f64,
     spent: Spent,
     blocks: Vec<Block>,
     due: Vec<Due>,
     leaves: Vec<Leaf>,
+    /// How many leaves were listed at the last pose already, if nothing else can have met since.
+    held_leaves: Option<usize>,
     built: [usize; 2],
 }
 
@@ -96,12 +138,14 @@ impl Cut {
     /// Descends from the top, for what is within `reach`.
     pub(crate) fn build(pair: &Pair, ground: &Ground, reach: f64, counters: &mut Counters) -> Self {
         let mut cut = Self {
+            pivot: Pivot::of(pair, ground),
             map: pair.first_from_second,
             reach,
             spent: Spent::default(),
             blocks: Vec::new(),
             due: Vec::new(),
             leaves: Vec::new(),
+            held_leaves: None,
             built: [0; 2],
         };
         let mut stack = vec![[At::ROOT; 2]];
@@ -121,26 +165,34 @@ impl Cut {
         (&mut self.leaves, self.spent)
     }
 
-    /// Follows the bodies to the pair's pose; `None` where that costs more than a new descent.
-    /// Returns how far any point of the second body has moved at most since the last pose.
+    /// How many of the leaves, the first ones, were listed at the last pose already; `None` unless
+    /// all other clusters are certain to have been apart all the way from there.
+    pub(crate) fn held_leaves(&self) -> Option<usize> {
+        self.held_leaves
+    }
+
+    /// Follows the bodies to the pair's pose; whether that costs less than a new descent.
     pub(crate) fn follow(
         &mut self,
         pair: &Pair,
         ground: &Ground,
         counters: &mut Counters,
-    ) -> Option<f64> {
-        let step = self.advance(pair, ground);
+    ) -> bool {
+        let step = self.advance(pair);
+        let is_short = step + 2.0 * ground.posing() < self.reach;
         let limits = self.built.map(|built| (WORN * built as f64) as usize + 64);
         if self.blocks.len() > limits[0] || self.leaves.len() > limits[1] {
-            return None;
+            return false;
         }
         let spent = self.spent;
         let is_due = |due: &Due| spent.of(due.radius) >= due.limit;
         let mut count = self.due.iter().filter(|due| is_due(due)).count();
         // A block that is due costs about what a step of a descent does.
         if 2 * count > self.blocks.len() + 8 {
-            return None;
+            return false;
         }
+        // What has slack left has stayed apart, and what had come no nearer than the reach.
+        self.held_leaves = (count == 0 || is_short).then_some(self.leaves.len());
         let mut stack = Vec::new();
         let mut index = 0;
         while count > 0 {
@@ -151,11 +203,11 @@ impl Cut {
             index += 1;
         }
         self.descend(ground, &mut stack, counters);
-        Some(step)
+        true
     }
 
     /// Counts the motion since the last pose; returns a bound for all points of the second body.
-    fn advance(&mut self, pair: &Pair, ground: &Ground) -> f64 {
+    fn advance(&mut self, pair: &Pair) -> f64 {
         let (before, now) = (self.map, pair.first_from_second);
         if before == now {
             return 0.0;
@@ -169,13 +221,13 @@ impl Cut {
         // Of a difference of rotations two singular values are equal and the third is nothing.
         let turned =
             (0.5 * (squares[0] + squares[1] + squares[2])).sqrt() * ROUND_UP + MATRIX_ERROR;
-        let center = ground.tree(Side::Second).origin();
+        let point = self.pivot.point;
         let shifted =
-            (now.apply(center) - before.apply(center)).length() * ROUND_UP + pair.culling_error();
+            (now.apply(point) - before.apply(point)).length() * ROUND_UP + pair.culling_error();
         self.spent.turn = (self.spent.turn + turned) * ROUND_UP;
         self.spent.shift = (self.spent.shift + shifted) * ROUND_UP;
         self.map = now;
-        turned * ground.tree(Side::Second).unit() + shifted
+        (turned * self.pivot.farthest + shifted) * ROUND_UP
     }
 
     /// Tests a block again; what has come within reach goes to the stack.
@@ -188,7 +240,8 @@ impl Cut {
     ) {
         let block = &mut self.blocks[index];
         counters.front_tested += u64::from(block.ended.count_ones());
-        let tested = test(ground, block.at, block.side, self.reach, u32::from(block.ended));
+        let what = (self.pivot.at, self.reach);
+        let tested = test(ground, block.at, block.side, what, u32::from(block.ended));
         block.ended = tested.ended;
         counters.front_split += tested.near.count_ones() as u64;
         self.due[index] = tested.due(&self.spent);
@@ -201,13 +254,13 @@ impl Cut {
             let Some(side) = ground.opened(at) else {
                 let pair =
                     Side::BOTH.map(|side| ground.child(side, at[side.index()]).index() as u32);
-                self.leaves.push(Leaf::new(pair, cluster_radius(ground, pair[1])));
+                self.leaves.push(Leaf::new(pair, cluster_radius(ground, &self.pivot, pair[1])));
                 continue;
             };
             let node = ground.child(side, at[side.index()]).index();
             let node = &ground.tree(side).nodes()[node];
             counters.node_tests += u64::from(node.count);
-            let tested = test(ground, at, side, self.reach, node.mask());
+            let tested = test(ground, at, side, (self.pivot.at, self.reach), node.mask());
             if tested.ended != 0 {
                 self.due.push(tested.due(&self.spent));
                 self.blocks.push(Block { at, side, ended: tested.ended });
@@ -243,7 +296,13 @@ impl Tested {
 }
 
 /// Tests the lanes of `mask` of the node at a place of `side` against the other place.
-fn test(ground: &Ground, at: [At; 2], side: Side, reach: f64, mask: u32) -> Tested {
+fn test(
+    ground: &Ground,
+    at: [At; 2],
+    side: Side,
+    (pivot, reach): ([f32; 3], f64),
+    mask: u32,
+) -> Tested {
     let i = side.index();
     let node = &ground.tree(side).nodes()[ground.child(side, at[i]).index()];
     let gaps = ground.gaps(side, node, at[1 - i]);
@@ -253,15 +312,15 @@ fn test(ground: &Ground, at: [At; 2], side: Side, reach: f64, mask: u32) -> Test
     let nearest = lanes_of(ended).map(|lane| gaps[lane]).fold(f32::INFINITY, f32::min);
     let slack = (ground.certain(side, nearest) - reach - 2.0 * ground.posing()).max(0.0);
     let unit = ground.tree(Side::Second).unit();
-    let distance = |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt();
+    let distance = |center: [f32; 3]| length(minus(center, pivot));
     let radius = match side {
         // What of the second body is there.
         Side::First => {
             let b = ground.boxed(Side::Second, at[1]);
             f64::from(distance(b.center) + b.radius) * unit * SPARE
         }
-        // That, or what of the first one is, as seen from the second's centre: it may go as far as
-        // the slack lets it.
+        // That, or what of the first one is, as seen from the pivot: it may go as far as the slack
+        // lets it.
         Side::Second => {
             let farthest = lanes_of(ended)
                 .map(|lane| distance(node.center.get(lane)) + node.radius.0[lane])
@@ -276,12 +335,20 @@ fn test(ground: &Ground, at: [At; 2], side: Side, reach: f64, mask: u32) -> Test
     Tested { ended: ended as u8, near, slack, radius }
 }
 
-/// How far a cluster of the second body reaches from that body's centre at most.
-fn cluster_radius(ground: &Ground, cluster: u32) -> f64 {
+/// How far a cluster of the second body reaches from the pivot at most.
+fn cluster_radius(ground: &Ground, pivot: &Pivot, cluster: u32) -> f64 {
     let tree = ground.tree(Side::Second);
     let cluster = &tree.clusters()[cluster as usize];
-    (cluster.center - tree.origin()).length()
+    (cluster.center - pivot.point).length()
         + f64::from(cluster.bounds.radius) * tree.unit() * SPARE
+}
+
+fn minus([x, y, z]: [f32; 3], [u, v, w]: [f32; 3]) -> [f32; 3] {
+    [x - u, y - v, z - w]
+}
+
+fn length([x, y, z]: [f32; 3]) -> f32 {
+    (x * x + y * y + z * z).sqrt()
 }
 
 fn push(ground: &Ground, at: [At; 2], side: Side, near: u32, stack: &mut Vec<[At; 2]>) {

@@ -37,14 +37,14 @@ pub(crate) struct KeptCut {
     last: Option<RigidMap>,
     /// Whether the cut is at the pair's pose.
     is_here: bool,
-    step: Option<f64>,
+    /// Whether it was at the last query's.
+    was_here: bool,
 }
 
 impl KeptCut {
     /// Begins a query.
     pub(crate) fn begin(&mut self) {
-        self.is_here = false;
-        self.step = None;
+        self.was_here = std::mem::take(&mut self.is_here);
     }
 
     /// Ends a query.
@@ -57,9 +57,9 @@ impl KeptCut {
         self.last.as_ref()
     }
 
-    /// How far any point has moved since the last query, where the cut that is kept was there then.
-    pub(crate) fn step(&self) -> Option<f64> {
-        self.step
+    /// Whether what the cut tells of the last pose it tells of the last query's.
+    pub(crate) fn was_here(&self) -> bool {
+        self.was_here
     }
 
     /// The cut at the pair's pose; `None` where none is worth its while.
@@ -75,8 +75,7 @@ impl KeptCut {
             let followed = if self.is_here {
                 true
             } else {
-                self.step = cut.follow(pair, ground, counters);
-                self.step.is_some()
+                cut.follow(pair, ground, counters)
             };
             if followed && cut.reach() >= reach.least && cut.reach() <= reach.most {
                 if !self.is_here {
@@ -89,7 +88,6 @@ impl KeptCut {
             let is_outgrown = followed && cut.reach() < reach.least;
             held = cut.held();
             self.cut = None;
-            self.step = None;
             counters.front_rebuilt += 1;
             if is_outgrown {
                 // What is asked varies, and may go on to.

@@ -129,10 +129,10 @@ pub(crate) fn meeting_pairs(pair: &Pair, counters: &mut Counters) -> Vec<FacePai
     meeting_faces(pair, &Ground::of(pair), &mut Vec::new(), counters)
 }
 
-/// How far apart surfaces are that do not meet, but for what lies beyond a cut's reach; 0 where
-/// that is not known.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Clearance(pub(crate) f64);
+/// Whether surfaces are certain not to have met on a way from the last pose to this one, each
+/// vertex moving straight: what lies inside what is then as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct StayedApart(pub(crate) bool);
 
 /// The same as [`meeting_faces`], or with `ends_at_crossing` as [`first_meeting`], among the
 /// clusters that a cut lists. `step` is how far anything has moved since the last query, at most.
@@ -142,24 +142,25 @@ pub(crate) fn meetings_in(
     ground: &Ground,
     (ends_at_crossing, step): (bool, f64),
     counters: &mut Counters,
-) -> (Surface, Vec<FacePair>, Clearance) {
+) -> (Surface, Vec<FacePair>, StayedApart) {
     let (surface, found) = (Meeting::None, Vec::new());
     let mut meetings = Meetings { ground, pair, ends_at_crossing, surface, found };
-    let (reach, mut clearance) = (cut.reach(), cut.reach());
-    let posing = ground.posing();
+    let (reach, posing) = (cut.reach(), ground.posing());
+    let (mut stayed_apart, held) = (cut.held_leaves().is_some(), cut.held_leaves().unwrap_or(0));
     let (leaves, spent) = cut.leaves();
-    for leaf in leaves {
-        let left = spent.left(leaf);
-        if left > 0.0 {
-            clearance = clearance.min(left);
+    for (i, leaf) in leaves.iter_mut().enumerate() {
+        if spent.left(leaf) > 0.0 {
             continue;
         }
+        let (direction, was_parted) = (leaf.direction, leaf.is_parted);
         let gap = ground.cluster_gap(leaf, 0.0);
         if gap > 0.0 {
-            spent.note(leaf, gap, posing);
-            clearance = clearance.min(gap);
+            spent.note_along(leaf, gap, posing);
+            // Parted along one direction at both ends of the way is parted along it all the way.
+            stayed_apart &= i >= held || was_parted && leaf.direction == direction;
             continue;
         }
+        stayed_apart &= i >= held;
         let measures = leaf.hurry == 0;
         leaf.hurry = leaf.hurry.saturating_sub(1);
         let separation = meetings.separation(leaf.pair, (reach, measures), counters);
@@ -167,14 +168,13 @@ pub(crate) fn meetings_in(
         if measures && separation <= WORTH * step {
             leaf.hurry = HURRY;
         }
-        clearance = clearance.min(separation);
         if meetings.is_done() {
             break;
         }
     }
     let Meetings { surface, mut found, .. } = meetings;
     found.sort_unstable();
-    (surface, found, Clearance(clearance))
+    (surface, found, StayedApart(stayed_apart))
 }
 
 /// Lists pairs of clusters within reach, and finds all faces that meet where asked for.
@@ -235,7 +235,7 @@ pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, reach: f64, listed: &mut
             continue;
         }
         let gap = ground.cluster_gap(leaf, reach);
-        spent.note(leaf, gap, posing);
+        spent.note_along(leaf, gap, posing);
         if gap <= reach {
             listed.push(leaf.pair);
         }

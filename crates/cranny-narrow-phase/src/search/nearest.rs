@@ -59,7 +59,7 @@ pub(crate) fn nearest_in<'p, 'm>(
             continue;
         }
         let gap = ground.cluster_gap(leaf, limit);
-        spent.note(leaf, gap, posing);
+        spent.note_along(leaf, gap, posing);
         if gap <= limit {
             // Nothing ends it.
             let _ = nearest.clusters(leaf.pair, 0.0, counters);

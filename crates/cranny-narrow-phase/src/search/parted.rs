@@ -19,11 +19,13 @@ const SPREAD: u32 = 5;
 pub(crate) struct Leaf {
     pub(crate) pair: [u32; 2],
     /// That parted them last: unit, from first to second, in the first's frame.
-    direction: [f32; 3],
+    pub(super) direction: [f32; 3],
     rest: u8,
     /// Queries in which faces that planes do not part are not measured, since what they were apart
     /// was spent too soon.
     pub(super) hurry: u8,
+    /// While slack is left, `direction` parts them.
+    pub(super) is_parted: bool,
     /// What motion must spend before they can be nearer than a reach.
     pub(super) due: Due,
 }
@@ -31,7 +33,7 @@ pub(crate) struct Leaf {
 impl Leaf {
     pub(crate) fn new(pair: [u32; 2], radius: f64) -> Self {
         let due = Due { radius, limit: f64::NEG_INFINITY };
-        Self { pair, direction: [0.0; 3], rest: 0, hurry: 0, due }
+        Self { pair, direction: [0.0; 3], rest: 0, hurry: 0, is_parted: false, due }
     }
 }
 

@@ -10,6 +10,7 @@ use super::*;
 use crate::answer::Counters;
 use crate::brute_force::brute_force;
 use crate::closest::NearestFaces;
+use crate::containment::solidity;
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::query::Placed;
 use crate::surface::{FacePair, looked_at, strongest};
@@ -95,13 +96,15 @@ fn faces_that_meet_are_found_among_all() {
 }
 
 /// A body wanders about another, by small steps and large ones, with rests: a cut lists all
-/// clusters within its reach, what it says that is left between clusters is there, and what is
-/// found in it is what is found without.
+/// clusters within its reach, what it says that is left between clusters is there, what is found in
+/// it is what is found without, and where it says that surfaces stayed apart, what lies inside what
+/// is as it was.
 #[test]
 fn a_cut_lists_all_that_is_within_reach() {
     let bodies = bodies();
     let mut rng = Rng::new(23);
     let (mut followed, mut rested, mut near, mut met) = (0, 0, 0, 0);
+    let (mut stayed, mut changed) = (0, 0);
     for round in 0..60 {
         let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
         let size = a.radius() + b.radius();
@@ -111,10 +114,14 @@ fn a_cut_lists_all_that_is_within_reach() {
         };
         let reach = [0.0, 0.02, 0.1, 0.3][rng.below(4)] * size;
         let mut cut: Option<Cut> = None;
+        let mut before = None;
         for frame in 0..40 {
             let pace =
                 if frame % 7 == 0 { 0.0 } else { size * 0.1f64.powi(1 + rng.below(4) as i32) };
             pose.translation += pace * (rng.direction() - 0.2 * pose.translation / size);
+            if frame % 13 == 12 {
+                pose.translation = 0.4 * rng.unit() * size * rng.direction();
+            }
             let turn = DQuat::from_axis_angle(rng.direction(), pace / size);
             pose.rotation = (turn * pose.rotation).normalize();
             let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
@@ -123,9 +130,9 @@ fn a_cut_lists_all_that_is_within_reach() {
             let ground = Ground::of(&pair);
             let mut counters = Counters::default();
             let last = cut.take().and_then(|mut cut| {
-                cut.follow(&pair, &ground, &mut counters)?;
-                followed += 1;
-                Some(cut)
+                let follows = cut.follow(&pair, &ground, &mut counters);
+                followed += u32::from(follows);
+                follows.then_some(cut)
             });
             let mut now = last.unwrap_or_else(|| Cut::build(&pair, &ground, reach, &mut counters));
             let what = format!("round {round}, frame {frame}");
@@ -147,13 +154,20 @@ fn a_cut_lists_all_that_is_within_reach() {
                 }
             }
             near += listed.len();
-            let (surface, found, clearance) =
+            let (surface, found, stayed_apart) =
                 meetings_in(&mut now, &pair, &ground, (false, pace), &mut counters);
             assert_eq!(found, all_that_meet(&pair), "{what}");
             assert_eq!(surface, strongest(&found), "{what}");
             met += usize::from(surface.meets());
             let slow = brute_force(a, b).unwrap();
-            assert!(clearance.0 <= slow.distance, "{what}");
+            let inside = (!surface.meets())
+                .then(|| solidity(&pair, surface, &found, &mut Counters::default()));
+            if inside.is_some() && before.is_some() {
+                assert!(inside == before || !stayed_apart.0, "{what}");
+                stayed += u32::from(stayed_apart.0);
+                changed += u32::from(inside != before);
+            }
+            before = inside;
             if !surface.meets() && slow.distance <= reach {
                 let mut nearest = NearestFaces::less_than(&pair, f64::INFINITY);
                 nearest.offer(FaceId(0), FaceId(0), &mut counters);
@@ -167,4 +181,5 @@ fn a_cut_lists_all_that_is_within_reach() {
         followed > 1_000 && rested > 1_000 && near > 1_000 && met > 200,
         "{followed} {rested} {near} {met}"
     );
+    assert!(stayed > 500 && changed > 5, "{stayed} {changed}");
 }
