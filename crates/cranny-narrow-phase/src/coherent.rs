@@ -338,10 +338,10 @@ impl Coherent {
     }
 }
 
-/// How far any point of either body has moved at most, seen from the other.
+/// How far any point of the second body has moved at most, seen from the first: as a cut counts.
 fn step_since(last: &RigidMap, pair: &Pair) -> f64 {
-    let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
-    Motion::since(last, pair).map_or(0.0, |motion| motion.step(&balls))
+    let ball = Ball::around(&pair.model(Side::Second).bounds());
+    Motion::since(last, pair).map_or(0.0, |motion| motion.step_of(Side::Second, &ball))
 }
 
 /// How far a cut is to reach for the next step to be proved free of meetings.
