@@ -1,14 +1,16 @@
 //! Which faces of two clusters may be near each other.
 //!
 //! The planes of the faces part them, and boxes along one frame: for each face of the first cluster
-//! all of the second's at once. What is left is for double precision to decide.
+//! all of the second's at once. What is left is for [`apart`](super::apart) or double precision to
+//! decide.
 
 use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
+use cranny_geometry::clusters::{Cluster, LANES, Lanes3};
 use wide::f32x8;
 
 use super::ground::{Ground, rounding};
-use super::lanes::{Wide3, lane_of, lanes_of, wide, within};
+use super::lanes::{Wide3, lanes_of, wide, within};
 use crate::pair::Side;
 
 /// How far eight faces reach along a direction.
@@ -18,20 +20,29 @@ struct Sight {
     most: f32x8,
 }
 
+/// The least and the most of three.
+#[inline(always)]
+fn extremes(x: f32x8, y: f32x8, z: f32x8) -> (f32x8, f32x8) {
+    (x.fast_min(y).fast_min(z), x.fast_max(y).fast_max(z))
+}
+
 impl Sight {
     #[inline(always)]
-    fn of(axis: [f32; 3], corners: &[Wide3; 3]) -> Self {
+    fn of(axis: [f32; 3], [p, q, r]: &[Wide3; 3]) -> Self {
         let axis = Wide3::all(axis);
-        let [x, y, z] = corners.each_ref().map(|corner| axis.dot(corner));
-        let (least, most) = (x.fast_min(y).fast_min(z), x.fast_max(y).fast_max(z));
+        let (least, most) = extremes(axis.dot(p), axis.dot(q), axis.dot(r));
         Self { axis, least, most }
+    }
+
+    #[inline(always)]
+    fn of_frame([u, v, w]: [[f32; 3]; 3], corners: &[Wide3; 3]) -> [Self; 3] {
+        [Self::of(u, corners), Self::of(v, corners), Self::of(w, corners)]
     }
 
     /// Squares of the gaps between a face and the eight.
     #[inline(always)]
-    fn gap_squared(&self, face: &[Wide3; 3]) -> f32x8 {
-        let [x, y, z] = face.each_ref().map(|corner| self.axis.dot(corner));
-        let (least, most) = (x.fast_min(y).fast_min(z), x.fast_max(y).fast_max(z));
+    fn gap_squared(&self, [p, q, r]: &[Wide3; 3]) -> f32x8 {
+        let (least, most) = extremes(self.axis.dot(p), self.axis.dot(q), self.axis.dot(r));
         let gap = (self.least - most).fast_max(least - self.most).fast_max(f32x8::splat(0.0));
         gap * gap
     }
@@ -39,85 +50,176 @@ impl Sight {
 
 /// How far a face and the eight are apart, seen along three directions at right angles.
 #[inline(always)]
-fn seen_apart(sights: &[Sight; 3], face: &[Wide3; 3]) -> f32x8 {
-    let squares = sights.each_ref().map(|sight| sight.gap_squared(face));
-    (squares[0] + squares[1] + squares[2]).sqrt()
+fn seen_apart([u, v, w]: &[Sight; 3], face: &[Wide3; 3]) -> f32x8 {
+    (u.gap_squared(face) + v.gap_squared(face) + w.gap_squared(face)).sqrt()
 }
 
 /// A unit direction and two at right angles to it, to rounding.
-fn frame(toward: [f32; 3]) -> [[f32; 3]; 3] {
-    let direction = DVec3::from_array(toward.map(f64::from)).normalize_or(DVec3::Z);
-    let (u, v) = direction.any_orthonormal_pair();
-    [direction, u, v].map(|axis| axis.to_array().map(|x| x as f32))
+pub(crate) fn frame(toward: DVec3) -> [[f32; 3]; 3] {
+    let (u, v) = toward.any_orthonormal_pair();
+    [single(toward), single(u), single(v)]
+}
+
+fn single(v: DVec3) -> [f32; 3] {
+    v.to_array().map(|x| x as f32)
+}
+
+/// One of eight, eight times.
+#[inline(always)]
+fn lane_of(lanes: &Lanes3, lane: usize) -> Wide3 {
+    Wide3::all(lanes.get(lane))
+}
+
+/// The faces of two clusters, in the first's frame and lengths, about its own cluster's centre.
+pub(crate) struct Faced<'a> {
+    a: &'a Cluster,
+    b: &'a Cluster,
+    /// Of the second's faces.
+    corners: [Wide3; 3],
+    normal: Wide3,
+    top: f32x8,
+    bottom: f32x8,
+    along_box: [Sight; 3],
+    along_way: Option<[Sight; 3]>,
+    /// What bounds may be off by.
+    error: f32,
+    unit: f64,
+}
+
+impl<'a> Faced<'a> {
+    /// `way`: directions at right angles, unit, in the first's frame, along the first of which the
+    /// surfaces are known to be nearest.
+    #[inline(always)]
+    pub(crate) fn of(ground: &Ground<'a>, [a, b]: [u32; 2], way: Option<[[f32; 3]; 3]>) -> Self {
+        let (first, second) = (ground.tree(Side::First), ground.tree(Side::Second));
+        let (a, b) = (&first.clusters()[a as usize], &second.clusters()[b as usize]);
+        let placing = ground.into(Side::First);
+        let offset = ground.between(Side::First, a, b);
+        let (ratio, unit) = (placing.ratio(), first.unit());
+        let scale =
+            a.bounds.radius + b.bounds.radius * ratio + offset.iter().map(|x| x.abs()).sum::<f32>();
+        let shift = Wide3::all(offset);
+        let ratio = f32x8::splat(ratio);
+        let place =
+            |corner: &Lanes3| placing.turned_all(&Wide3::of(corner).times(ratio)).plus(&shift);
+        let [p, q, r] = &b.faces.corners;
+        let corners = [place(p), place(q), place(r)];
+        let normal = placing.turned_all(&Wide3::of(&b.faces.normal));
+        let level = normal.dot(&shift);
+        Self {
+            a,
+            b,
+            normal,
+            top: wide(&b.faces.top) * ratio + level,
+            bottom: wide(&b.faces.bottom) * ratio + level,
+            along_box: Sight::of_frame(a.bounds.axes, &corners),
+            along_way: way.map(|way| Sight::of_frame(way, &corners)),
+            corners,
+            error: rounding(scale) + (ground.posing() / unit) as f32,
+            unit,
+        }
+    }
+
+    /// How many faces the first has.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        self.a.faces.count as usize
+    }
+
+    /// The faces of two lanes.
+    #[inline(always)]
+    pub(crate) fn ids(&self, lane: usize, other: usize) -> [FaceId; 2] {
+        [self.a.faces.ids[lane], self.b.faces.ids[other]]
+    }
+
+    /// What bounds may be off by, in the first's lengths.
+    #[inline(always)]
+    pub(crate) fn error(&self) -> f32 {
+        self.error
+    }
+
+    /// The corners of a face of the first cluster.
+    #[inline(always)]
+    pub(crate) fn own(&self, lane: usize) -> [[f32; 3]; 3] {
+        let [p, q, r] = &self.a.faces.corners;
+        [p.get(lane), q.get(lane), r.get(lane)]
+    }
+
+    /// The corners of all faces of the second.
+    #[inline(always)]
+    pub(crate) fn its(&self) -> [[[f32; LANES]; 3]; 3] {
+        let [p, q, r] = self.corners;
+        [p.to_arrays(), q.to_arrays(), r.to_arrays()]
+    }
+
+    /// A reach as a bound for [`near`](Self::near).
+    #[inline(always)]
+    fn bound(&self, reach: f64) -> f32 {
+        ((reach / self.unit) as f32).next_up() + self.error
+    }
+
+    /// A certain lower bound in lengths of the pair.
+    #[inline(always)]
+    fn certain(&self, gap: f32) -> f64 {
+        // Of what overflowed nothing is certain.
+        (f64::from(gap - self.error).next_down() * self.unit).max(f64::NEG_INFINITY)
+    }
+
+    /// The lanes of the second's faces that may be within `reach` of a face of the first, and lower
+    /// bounds in the first's lengths, but for the error.
+    #[inline(always)]
+    pub(crate) fn near(&self, lane: usize, reach: f64) -> (u32, f32x8) {
+        let (own, mask) = (&self.a.faces, self.b.faces.mask());
+        let bound = f32x8::splat(self.bound(reach));
+        let face = [
+            lane_of(&own.corners[0], lane),
+            lane_of(&own.corners[1], lane),
+            lane_of(&own.corners[2], lane),
+        ];
+        let [p, q, r] = &face;
+        // Along the normals of the second's faces.
+        let normal = &self.normal;
+        let (least, most) = extremes(normal.dot(p), normal.dot(q), normal.dot(r));
+        let mut gap = (least - self.top).fast_max(self.bottom - most);
+        if within(gap, bound) & mask == 0 {
+            return (0, gap);
+        }
+        // Along that of the first's face.
+        let normal = lane_of(&own.normal, lane);
+        let [p, q, r] = &self.corners;
+        let (least, most) = extremes(normal.dot(p), normal.dot(q), normal.dot(r));
+        gap = gap
+            .fast_max(least - f32x8::splat(own.top.0[lane]))
+            .fast_max(f32x8::splat(own.bottom.0[lane]) - most);
+        if within(gap, bound) & mask == 0 {
+            return (0, gap);
+        }
+        gap = gap.fast_max(seen_apart(&self.along_box, &face));
+        if let Some(along_way) = &self.along_way {
+            gap = gap.fast_max(seen_apart(along_way, &face));
+        }
+        (within(gap, bound) & mask, gap)
+    }
 }
 
 /// Calls `visit` with every pair of faces of two clusters that may be within `reach`, a length of
-/// the pair, and a certain lower bound of their distance, 0 or less where they may meet. `toward`:
-/// a unit direction from first to second, in the first's frame, along which the surfaces are known
-/// to be nearest. `visit` returns the reach from there on.
+/// the pair, and a certain lower bound of their distance, 0 or less where they may meet. `visit`
+/// returns the reach from there on.
 pub(crate) fn for_near_faces(
     ground: &Ground,
-    [a, b]: [u32; 2],
-    reach: f64,
-    toward: Option<[f32; 3]>,
+    clusters: [u32; 2],
+    mut reach: f64,
     mut visit: impl FnMut([FaceId; 2], f64) -> f64,
 ) {
-    let (first, second) = (ground.tree(Side::First), ground.tree(Side::Second));
-    let (a, b) = (&first.clusters()[a as usize], &second.clusters()[b as usize]);
-    // In the first's frame and lengths, about its own cluster's centre.
-    let placing = ground.into(Side::First);
-    let offset = ground.between(Side::First, a, b);
-    let (ratio, unit) = (placing.ratio(), first.unit());
-    let scale =
-        a.bounds.radius + b.bounds.radius * ratio + offset.iter().map(|x| x.abs()).sum::<f32>();
-    let error = rounding(scale) + (ground.posing() / unit) as f32;
-    let limit = |reach: f64| ((reach / unit) as f32).next_up() + error;
-    // Of what overflowed nothing is certain.
-    let certain = |gap: f32| (f64::from(gap - error).next_down() * unit).max(f64::NEG_INFINITY);
-    let shift = Wide3::all(offset);
-    let faces = &b.faces;
-    let corners = faces.corners.each_ref().map(|corner| {
-        placing.turned_all(&Wide3::of(corner).times(f32x8::splat(ratio))).plus(&shift)
-    });
-    let normal = placing.turned_all(&Wide3::of(&faces.normal));
-    let level = normal.dot(&shift);
-    let top = wide(&faces.top) * f32x8::splat(ratio) + level;
-    let bottom = wide(&faces.bottom) * f32x8::splat(ratio) + level;
-    let mut bound = limit(reach);
-    let own = a.faces.corners.each_ref().map(|corner| Wide3::of(corner).to_arrays());
-    let own_normal = Wide3::of(&a.faces.normal).to_arrays();
-    let along_box = a.bounds.axes.map(|axis| Sight::of(axis, &corners));
-    let along_way = toward.map(|toward| frame(toward).map(|axis| Sight::of(axis, &corners)));
-    for lane in 0..a.faces.count as usize {
-        let [p, q, r] = own.each_ref().map(|corner| lane_of(corner, lane));
-        // Along the normals of the second's faces.
-        let heights = [normal.dot(&p), normal.dot(&q), normal.dot(&r)];
-        let least = heights[0].fast_min(heights[1]).fast_min(heights[2]);
-        let most = heights[0].fast_max(heights[1]).fast_max(heights[2]);
-        let mut gap = (least - top).fast_max(bottom - most);
-        if within(gap, f32x8::splat(bound)) & faces.mask() == 0 {
+    let faced = Faced::of(ground, clusters, None);
+    for lane in 0..faced.count() {
+        let (near, gaps) = faced.near(lane, reach);
+        if near == 0 {
             continue;
         }
-        // Along that of the first's face.
-        let n = lane_of(&own_normal, lane);
-        let (own_top, own_bottom) = (a.faces.top.0[lane], a.faces.bottom.0[lane]);
-        let [x, y, z] = corners.map(|corner| n.dot(&corner));
-        gap = gap
-            .fast_max(x.fast_min(y).fast_min(z) - f32x8::splat(own_top))
-            .fast_max(f32x8::splat(own_bottom) - x.fast_max(y).fast_max(z));
-        if within(gap, f32x8::splat(bound)) & faces.mask() == 0 {
-            continue;
-        }
-        let face = [p, q, r];
-        gap = gap.fast_max(seen_apart(&along_box, &face));
-        if let Some(along_way) = &along_way {
-            gap = gap.fast_max(seen_apart(along_way, &face));
-        }
-        let near = within(gap, f32x8::splat(bound)) & faces.mask();
-        let gaps = gap.to_array();
+        let gaps = gaps.to_array();
         for other in lanes_of(near) {
-            let reach = visit([a.faces.ids[lane], faces.ids[other]], certain(gaps[other]));
-            bound = limit(reach);
+            reach = visit(faced.ids(lane, other), faced.certain(gaps[other]));
         }
     }
 }

@@ -61,7 +61,7 @@ impl Meetings<'_, '_, '_> {
         counters: &mut Counters,
     ) -> f64 {
         let mut least = reach;
-        for_near_faces(self.ground, clusters, reach, None, |[f, g], gap| {
+        for_near_faces(self.ground, clusters, reach, |[f, g], gap| {
             if gap > 0.0 {
                 least = least.min(gap);
             } else if !self.is_done() {

@@ -7,6 +7,7 @@
 //! query where that pays. All of this is in single precision and keeps too much, never too little:
 //! double precision or exact arithmetic decides.
 
+mod apart;
 mod cut;
 mod descent;
 mod faces;

@@ -2,16 +2,71 @@
 
 use std::ops::ControlFlow;
 
+use super::apart::FacePairs;
 use super::cut::Cut;
 use super::descent::{Pending, Visitor, descend};
-use super::faces::for_near_faces;
+use super::faces::{Faced, frame};
 use super::ground::Ground;
+use super::lanes::lanes_of;
 use crate::answer::Counters;
 use crate::closest::NearestFaces;
+use crate::pair::Side;
 
 struct Nearest<'s, 'g, 'p, 'm> {
     ground: &'g Ground<'m>,
     faces: &'s mut NearestFaces<'p, 'm>,
+    /// That are to be measured.
+    pairs: FacePairs,
+}
+
+impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
+    fn new(ground: &'g Ground<'m>, faces: &'s mut NearestFaces<'p, 'm>) -> Self {
+        Self { ground, faces, pairs: FacePairs::new() }
+    }
+
+    /// Notes the faces of two clusters that may be nearest.
+    fn look(&mut self, clusters: [u32; 2], counters: &mut Counters) {
+        let faced = Faced::of(self.ground, clusters, self.faces.toward().map(frame));
+        let mut its = None;
+        for lane in 0..faced.count() {
+            let (near, gaps) = faced.near(lane, self.faces.limit());
+            if near == 0 {
+                continue;
+            }
+            let (own, gaps) = (faced.own(lane), gaps.to_array());
+            let its = its.get_or_insert_with(|| faced.its());
+            for other in lanes_of(near) {
+                self.pairs.push(&faced, (lane, &own), (other, its), gaps[other]);
+                if self.pairs.is_full() {
+                    self.measure(counters);
+                }
+            }
+        }
+    }
+
+    /// Offers what was noted, the nearest first as far as single precision tells.
+    fn measure(&mut self, counters: &mut Counters) {
+        let unit = self.ground.tree(Side::First).unit();
+        let limit = |faces: &NearestFaces| ((faces.limit() / unit) as f32).next_up();
+        let mut bound = limit(self.faces);
+        let mut near = [(f32::INFINITY, [cranny_geometry::FaceId(0); 2]); 8];
+        let mut count = 0;
+        for (faces, gap) in self.pairs.take() {
+            // What is no number says nothing.
+            if !(gap > bound) {
+                near[count] = (gap, faces);
+                count += 1;
+            }
+        }
+        let near = &mut near[..count];
+        near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
+        for &(gap, [f, g]) in near.iter() {
+            if !(gap > bound) {
+                self.faces.offer(f, g, counters);
+                bound = limit(self.faces);
+            }
+        }
+    }
 }
 
 impl Visitor for Nearest<'_, '_, '_, '_> {
@@ -20,12 +75,11 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
     }
 
     fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
-        let toward = self.faces.toward().map(|d| d.to_array().map(|x| x as f32));
-        let reach = self.faces.limit();
-        for_near_faces(self.ground, pair, reach, toward, |[f, g], _| {
-            self.faces.offer(f, g, counters);
-            self.faces.limit()
-        });
+        self.look(pair, counters);
+        // At once: the nearer they are, the less is left to descend into.
+        if !self.pairs.is_empty() {
+            self.measure(counters);
+        }
         ControlFlow::Continue(())
     }
 }
@@ -39,7 +93,7 @@ pub(crate) fn nearest_faces<'p, 'm>(
     counters: &mut Counters,
 ) {
     // Nothing ends it.
-    let _ = descend(ground, stack, &mut Nearest { ground, faces }, counters);
+    let _ = descend(ground, stack, &mut Nearest::new(ground, faces), counters);
 }
 
 /// The same among the clusters that a cut lists, which reaches at least as far as those that have
@@ -52,7 +106,7 @@ pub(crate) fn nearest_in<'p, 'm>(
 ) {
     let posing = ground.posing();
     let (leaves, spent) = cut.leaves();
-    let mut nearest = Nearest { ground, faces };
+    let mut nearest = Nearest::new(ground, faces);
     for leaf in leaves {
         let limit = nearest.faces.limit();
         if spent.left(leaf) > limit {
@@ -61,8 +115,8 @@ pub(crate) fn nearest_in<'p, 'm>(
         let gap = ground.cluster_gap(leaf, limit);
         spent.note_along(leaf, gap, posing);
         if gap <= limit {
-            // Nothing ends it.
-            let _ = nearest.clusters(leaf.pair, 0.0, counters);
+            nearest.look(leaf.pair, counters);
         }
     }
+    nearest.measure(counters);
 }
