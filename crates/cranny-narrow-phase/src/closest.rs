@@ -46,6 +46,10 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         }
     }
 
+    pub(crate) fn pair(&self) -> &'p Pair<'m> {
+        self.pair
+    }
+
     pub(crate) fn limit(&self) -> f64 {
         self.limit
     }

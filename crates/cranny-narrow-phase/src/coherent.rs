@@ -16,7 +16,7 @@ use crate::pair::{Pair, Side, Whose};
 use crate::patience::Patience;
 use crate::search::{
     Ground, KeptCut, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
-    near_clusters, nearest_faces, nearest_in,
+    near_clusters, nearest_faces, nearest_in, nearest_or_meeting,
 };
 use crate::surface::{FacePair, strongest};
 
@@ -54,6 +54,8 @@ pub(crate) struct Coherent {
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
+    /// The nearest points at this query's pose, where the verdict came across them.
+    measured: Option<Option<Closest>>,
     foremost: Foremost,
     cut: KeptCut,
     /// What lies inside what, of surfaces that were apart at the last pose.
@@ -76,6 +78,7 @@ impl Coherent {
         self.cut.begin();
         self.is_judged = false;
         self.stayed_apart = false;
+        self.measured = None;
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -100,16 +103,18 @@ impl Coherent {
     }
 
     /// The verdict on the surfaces, and what the verdict on the solids needs of the touching pairs.
+    /// `below`: the distance is asked for as well, if it is less than that.
     pub(crate) fn verdict(
         &mut self,
         pair: &Pair,
+        below: Option<f64>,
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
         let crossed = !self.crossing.is_empty();
         if self.still_cross(pair, counters) {
             return (Meeting::Cross, Vec::new());
         }
-        let (surface, touching) = self.meet(pair, true, !crossed, counters);
+        let (surface, touching) = self.meet(pair, (true, below), !crossed, counters);
         self.searched = crossed;
         if surface == Meeting::Cross {
             self.remember_crossings(&touching);
@@ -121,7 +126,7 @@ impl Coherent {
     fn meet(
         &mut self,
         pair: &Pair,
-        ends_at_crossing: bool,
+        (ends_at_crossing, below): (bool, Option<f64>),
         keeps: bool,
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
@@ -141,10 +146,50 @@ impl Coherent {
                 (surface, found)
             }
             None => {
+                // Without a distance to begin with, a crossing is come across late.
+                if let Some(below) = below
+                    && self.nearest.is_some()
+                    && let Some(verdict) = self.nearest_or_crossing(pair, &ground, below, counters)
+                {
+                    return verdict;
+                }
                 let search = if ends_at_crossing { first_meeting } else { all_meetings };
                 search(pair, &ground, &mut self.stack, counters)
             }
         }
+    }
+
+    /// From the top, the nearest points of surfaces that do not meet, or a crossing; `None` where
+    /// some faces touch, and the verdict needs all of them.
+    fn nearest_or_crossing(
+        &mut self,
+        pair: &Pair,
+        ground: &Ground,
+        below: f64,
+        counters: &mut Counters,
+    ) -> Option<(Surface, Vec<FacePair>)> {
+        let mut nearest = self.seeded(pair, below, counters);
+        let met = nearest_or_meeting(ground, &mut self.stack, &mut nearest, counters);
+        match met {
+            None => self.measured = Some(nearest.found()),
+            Some(found) if found.meeting == Meeting::Cross => {}
+            Some(_) => return None,
+        }
+        Some((met.map_or(Meeting::None, |found| found.meeting), met.into_iter().collect()))
+    }
+
+    /// The nearest faces, those of the last query among them.
+    fn seeded<'p, 'm>(
+        &self,
+        pair: &'p Pair<'m>,
+        below: f64,
+        counters: &mut Counters,
+    ) -> NearestFaces<'p, 'm> {
+        let mut nearest = NearestFaces::less_than(pair, below);
+        if let Some([f, g]) = self.nearest {
+            nearest.offer(f, g, counters);
+        }
+        nearest
     }
 
     /// Finds all faces that meet, where `meets`; lists the pairs of clusters that are as near as
@@ -202,7 +247,7 @@ impl Coherent {
 
     /// All pairs of faces that meet, by ascending ids.
     pub(crate) fn meetings(&mut self, pair: &Pair, counters: &mut Counters) -> Vec<FacePair> {
-        let (_, found) = self.meet(pair, false, true, counters);
+        let (_, found) = self.meet(pair, (false, None), true, counters);
         self.remember_crossings(&found);
         found
     }
@@ -237,10 +282,11 @@ impl Coherent {
         parting: DVec3,
         counters: &mut Counters,
     ) -> Option<Closest> {
-        let mut nearest = NearestFaces::less_than(pair, below);
-        if let Some([f, g]) = self.nearest {
-            nearest.offer(f, g, counters);
+        if let Some(found) = self.measured {
+            self.nearest = found.map(|f| f.faces).or(self.nearest);
+            return found;
         }
+        let mut nearest = self.seeded(pair, below, counters);
         if !self.foremost.offer(pair, parting, &mut nearest, counters) {
             let ground = Ground::of(pair);
             let limit = nearest.limit();

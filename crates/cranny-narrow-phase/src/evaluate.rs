@@ -154,7 +154,11 @@ fn answer(
         out.surface = strongest(&pairs);
         pairs
     } else {
-        let (surface, touching) = coherent.verdict(pair, &mut counters);
+        let below = match *demand {
+            Demand::Distance { below } => Some(below.unwrap_or(f64::INFINITY)),
+            _ => None,
+        };
+        let (surface, touching) = coherent.verdict(pair, below, &mut counters);
         out.surface = surface;
         touching
     };

@@ -11,17 +11,21 @@ use super::lanes::lanes_of;
 use crate::answer::Counters;
 use crate::closest::NearestFaces;
 use crate::pair::Side;
+use crate::surface::{FacePair, looked_at};
 
 struct Nearest<'s, 'g, 'p, 'm> {
     ground: &'g Ground<'m>,
     faces: &'s mut NearestFaces<'p, 'm>,
     /// That are to be measured.
     pairs: FacePairs,
+    /// Whether faces are looked for that meet: the first ends the search.
+    judges: bool,
+    met: Option<FacePair>,
 }
 
 impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
     fn new(ground: &'g Ground<'m>, faces: &'s mut NearestFaces<'p, 'm>) -> Self {
-        Self { ground, faces, pairs: FacePairs::new() }
+        Self { ground, faces, pairs: FacePairs::new(), judges: false, met: None }
     }
 
     /// Notes the faces of two clusters that may be nearest.
@@ -61,6 +65,9 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
         let near = &mut near[..count];
         near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
         for &(gap, [f, g]) in near.iter() {
+            if self.judges && !(gap > 0.0) {
+                self.met = self.met.or_else(|| looked_at(self.faces.pair(), f, g, counters));
+            }
             if !(gap > bound) {
                 self.faces.offer(f, g, counters);
                 bound = limit(self.faces);
@@ -75,12 +82,18 @@ impl Visitor for Nearest<'_, '_, '_, '_> {
     }
 
     fn clusters(&mut self, pair: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
+        if let Some(toward) = self.faces.toward() {
+            let gap = self.ground.cluster_gap_along(pair, toward.to_array().map(|x| x as f32));
+            if gap > self.faces.limit() {
+                return ControlFlow::Continue(());
+            }
+        }
         self.look(pair, counters);
         // At once: the nearer they are, the less is left to descend into.
         if !self.pairs.is_empty() {
             self.measure(counters);
         }
-        ControlFlow::Continue(())
+        if self.met.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -96,7 +109,20 @@ pub(crate) fn nearest_faces<'p, 'm>(
     let _ = descend(ground, stack, &mut Nearest::new(ground, faces), counters);
 }
 
-/// The same among the clusters that a cut lists, which reaches at least as far as those that have
+/// The same, or two faces that meet.
+pub(crate) fn nearest_or_meeting<'p, 'm>(
+    ground: &Ground<'m>,
+    stack: &mut Vec<Pending>,
+    faces: &mut NearestFaces<'p, 'm>,
+    counters: &mut Counters,
+) -> Option<FacePair> {
+    let mut nearest = Nearest { judges: true, ..Nearest::new(ground, faces) };
+    // Who ends it knows.
+    let _ = descend(ground, stack, &mut nearest, counters);
+    nearest.met
+}
+
+/// The same as [`nearest_faces`] among the clusters that a cut lists, which reaches at least as far as those that have
 /// been offered.
 pub(crate) fn nearest_in<'p, 'm>(
     cut: &mut Cut,

@@ -96,6 +96,13 @@ impl<'a> Ground<'a> {
         gap.max(f32::NEG_INFINITY)
     }
 
+    /// A lower bound of how far two clusters are apart along a direction, in lengths of the pair and
+    /// certain.
+    pub(crate) fn cluster_gap_along(&self, pair: [u32; 2], direction: [f32; 3]) -> f64 {
+        let two = self.two(pair);
+        f64::from(self.gap_along(&two, direction)) * two.trees[0].unit()
+    }
+
     /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along
     /// the direction that parted them last, and where that is not more than `reach`, along the one
     /// that parts them most of some.
