@@ -28,6 +28,10 @@ const KEPT_CROSSINGS: usize = 8;
 /// inside which; more: more clusters are listed.
 const STEPS: f64 = 2.0;
 
+/// And looks so many steps farther. Fewer: what is just beyond its reach is tested in every query;
+/// more: more clusters are listed.
+const SPARE_STEPS: f64 = 2.0;
+
 /// And no farther than this part of the smaller body: after a jump, the next step is none.
 const MOST_AHEAD: f64 = 1.0 / 64.0;
 
@@ -133,7 +137,8 @@ impl Coherent {
         let ground = Ground::of(pair);
         let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
         // Far enough for the next step to be proved free of meetings.
-        let reach = Reach { least: 0.0, build: ahead(pair, step), most: f64::INFINITY };
+        let (build, spare) = ahead(pair, step);
+        let reach = Reach { least: 0.0, build, spare, most: f64::INFINITY };
         let cut = match keeps {
             true => self.cut.at(pair, &ground, reach, counters),
             false => None,
@@ -204,9 +209,10 @@ impl Coherent {
     ) -> (Surface, Vec<FacePair>) {
         let reach = lists.unwrap_or(0.0);
         let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
-        let build = (GROWTH * reach).max(ahead(pair, step));
+        let (ahead, spare) = ahead(pair, step);
+        let build = (GROWTH * reach).max(ahead);
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
-        let at = Reach { least: reach, build, most };
+        let at = Reach { least: reach, build, spare, most };
         self.listed.clear();
         match self.cut.at(pair, ground, at, counters) {
             Some(cut) => {
@@ -290,7 +296,9 @@ impl Coherent {
         if !self.foremost.offer(pair, parting, &mut nearest, counters) {
             let ground = Ground::of(pair);
             let limit = nearest.limit();
-            let reach = Reach { least: limit, build: GROWTH * limit, most: FARTHEST * limit };
+            let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
+            let (build, spare) = (GROWTH * limit, ahead(pair, step).1);
+            let reach = Reach { least: limit, build, spare, most: FARTHEST * limit };
             let cut = match limit < f64::INFINITY {
                 true => self.cut.at(pair, &ground, reach, counters),
                 false => None,
@@ -390,10 +398,13 @@ fn step_since(last: &RigidMap, pair: &Pair) -> f64 {
     Motion::since(last, pair).map_or(0.0, |motion| motion.step_of(Side::Second, &ball))
 }
 
-/// How far a cut is to reach for the next step to be proved free of meetings.
-fn ahead(pair: &Pair, step: f64) -> f64 {
+/// How far a cut is to reach for the next step to be proved free of meetings, and how much farther
+/// it is to look where it tests again.
+fn ahead(pair: &Pair, step: f64) -> (f64, f64) {
     let radius = pair.model(Side::First).radius().min(pair.model(Side::Second).radius());
-    (STEPS * step).min(MOST_AHEAD * radius)
+    let most = MOST_AHEAD * radius;
+    let reach = (STEPS * step).min(most);
+    (reach, (SPARE_STEPS * step).min(most - reach))
 }
 
 /// All faces that meet, and the verdict.

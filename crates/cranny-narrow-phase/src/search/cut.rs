@@ -125,6 +125,9 @@ pub(crate) struct Cut {
     pivot: Pivot,
     map: RigidMap,
     reach: f64,
+    /// How much farther is looked where something is tested again: what is within the reach by a
+    /// little, or beyond it, would be tested in every query.
+    spare: f64,
     spent: Spent,
     blocks: Vec<Block>,
     due: Vec<Due>,
@@ -135,12 +138,19 @@ pub(crate) struct Cut {
 }
 
 impl Cut {
-    /// Descends from the top, for what is within `reach`.
-    pub(crate) fn build(pair: &Pair, ground: &Ground, reach: f64, counters: &mut Counters) -> Self {
+    /// Descends from the top, for what is within `reach`, and what comes near it in a motion of
+    /// `spare`.
+    pub(crate) fn build(
+        pair: &Pair,
+        ground: &Ground,
+        (reach, spare): (f64, f64),
+        counters: &mut Counters,
+    ) -> Self {
         let mut cut = Self {
             pivot: Pivot::of(pair, ground),
             map: pair.first_from_second,
             reach,
+            spare,
             spent: Spent::default(),
             blocks: Vec::new(),
             due: Vec::new(),
@@ -240,7 +250,7 @@ impl Cut {
     ) {
         let block = &mut self.blocks[index];
         counters.front_tested += u64::from(block.ended.count_ones());
-        let what = (self.pivot.at, self.reach);
+        let what = (self.pivot.at, self.reach, self.spare);
         let tested = test(ground, block.at, block.side, what, u32::from(block.ended));
         block.ended = tested.ended;
         counters.front_split += tested.near.count_ones() as u64;
@@ -260,7 +270,7 @@ impl Cut {
             let node = ground.child(side, at[side.index()]).index();
             let node = &ground.tree(side).nodes()[node];
             counters.node_tests += u64::from(node.count);
-            let tested = test(ground, at, side, (self.pivot.at, self.reach), node.mask());
+            let tested = test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
             if tested.ended != 0 {
                 self.due.push(tested.due(&self.spent));
                 self.blocks.push(Block { at, side, ended: tested.ended });
@@ -300,13 +310,13 @@ fn test(
     ground: &Ground,
     at: [At; 2],
     side: Side,
-    (pivot, reach): ([f32; 3], f64),
+    (pivot, reach, spare): ([f32; 3], f64, f64),
     mask: u32,
 ) -> Tested {
     let i = side.index();
     let node = &ground.tree(side).nodes()[ground.child(side, at[i]).index()];
     let gaps = ground.gaps(side, node, at[1 - i]);
-    let near = within(gaps, f32x8::splat(ground.reach(side, reach))) & mask;
+    let near = within(gaps, f32x8::splat(ground.reach(side, reach + spare))) & mask;
     let ended = mask & !near;
     let gaps = gaps.to_array();
     let nearest = lanes_of(ended).map(|lane| gaps[lane]).fold(f32::INFINITY, f32::min);

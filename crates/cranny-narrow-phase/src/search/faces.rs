@@ -4,7 +4,6 @@
 //! all of the second's at once. What is left is for [`apart`](super::apart) or double precision to
 //! decide.
 
-use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
 use cranny_geometry::clusters::{Cluster, LANES, Lanes3};
 use wide::f32x8;
@@ -35,7 +34,7 @@ impl Sight {
     }
 
     #[inline(always)]
-    fn of_frame([u, v, w]: [[f32; 3]; 3], corners: &[Wide3; 3]) -> [Self; 3] {
+    fn along_box([u, v, w]: [[f32; 3]; 3], corners: &[Wide3; 3]) -> [Self; 3] {
         [Self::of(u, corners), Self::of(v, corners), Self::of(w, corners)]
     }
 
@@ -54,16 +53,6 @@ fn seen_apart([u, v, w]: &[Sight; 3], face: &[Wide3; 3]) -> f32x8 {
     (u.gap_squared(face) + v.gap_squared(face) + w.gap_squared(face)).sqrt()
 }
 
-/// A unit direction and two at right angles to it, to rounding.
-pub(crate) fn frame(toward: DVec3) -> [[f32; 3]; 3] {
-    let (u, v) = toward.any_orthonormal_pair();
-    [single(toward), single(u), single(v)]
-}
-
-fn single(v: DVec3) -> [f32; 3] {
-    v.to_array().map(|x| x as f32)
-}
-
 /// One of eight, eight times.
 #[inline(always)]
 fn lane_of(lanes: &Lanes3, lane: usize) -> Wide3 {
@@ -80,17 +69,14 @@ pub(crate) struct Faced<'a> {
     top: f32x8,
     bottom: f32x8,
     along_box: [Sight; 3],
-    along_way: Option<[Sight; 3]>,
     /// What bounds may be off by.
     error: f32,
     unit: f64,
 }
 
 impl<'a> Faced<'a> {
-    /// `way`: directions at right angles, unit, in the first's frame, along the first of which the
-    /// surfaces are known to be nearest.
     #[inline(always)]
-    pub(crate) fn of(ground: &Ground<'a>, [a, b]: [u32; 2], way: Option<[[f32; 3]; 3]>) -> Self {
+    pub(crate) fn of(ground: &Ground<'a>, [a, b]: [u32; 2]) -> Self {
         let (first, second) = (ground.tree(Side::First), ground.tree(Side::Second));
         let (a, b) = (&first.clusters()[a as usize], &second.clusters()[b as usize]);
         let placing = ground.into(Side::First);
@@ -112,8 +98,7 @@ impl<'a> Faced<'a> {
             normal,
             top: wide(&b.faces.top) * ratio + level,
             bottom: wide(&b.faces.bottom) * ratio + level,
-            along_box: Sight::of_frame(a.bounds.axes, &corners),
-            along_way: way.map(|way| Sight::of_frame(way, &corners)),
+            along_box: Sight::along_box(a.bounds.axes, &corners),
             corners,
             error: rounding(scale) + (ground.posing() / unit) as f32,
             unit,
@@ -195,9 +180,6 @@ impl<'a> Faced<'a> {
             return (0, gap);
         }
         gap = gap.fast_max(seen_apart(&self.along_box, &face));
-        if let Some(along_way) = &self.along_way {
-            gap = gap.fast_max(seen_apart(along_way, &face));
-        }
         (within(gap, bound) & mask, gap)
     }
 }
@@ -211,7 +193,7 @@ pub(crate) fn for_near_faces(
     mut reach: f64,
     mut visit: impl FnMut([FaceId; 2], f64) -> f64,
 ) {
-    let faced = Faced::of(ground, clusters, None);
+    let faced = Faced::of(ground, clusters);
     for lane in 0..faced.count() {
         let (near, gaps) = faced.near(lane, reach);
         if near == 0 {

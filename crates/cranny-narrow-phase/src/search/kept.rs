@@ -23,6 +23,8 @@ pub(crate) struct Reach {
     pub(crate) least: f64,
     /// So far where it is built.
     pub(crate) build: f64,
+    /// And so much farther where it is tested.
+    pub(crate) spare: f64,
     /// No farther than this, or it is built anew.
     pub(crate) most: f64,
 }
@@ -103,7 +105,7 @@ impl KeptCut {
         }
         self.age = 0;
         self.is_here = true;
-        let cut = self.cut.insert(Cut::build(pair, ground, build, counters));
+        let cut = self.cut.insert(Cut::build(pair, ground, (build, reach.spare), counters));
         counters.front_merged += held.saturating_sub(cut.held());
         Some(cut)
     }

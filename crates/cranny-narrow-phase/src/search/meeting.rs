@@ -82,6 +82,9 @@ impl Visitor for Meetings<'_, '_, '_> {
     }
 
     fn clusters(&mut self, clusters: [u32; 2], _: f64, counters: &mut Counters) -> ControlFlow<()> {
+        if self.ground.are_parted_by_normals(clusters) {
+            return ControlFlow::Continue(());
+        }
         self.separation(clusters, (0.0, false), counters);
         if self.is_done() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::apart::FacePairs;
 use super::cut::Cut;
 use super::descent::{Pending, Visitor, descend};
-use super::faces::{Faced, frame};
+use super::faces::Faced;
 use super::ground::Ground;
 use super::lanes::lanes_of;
 use crate::answer::Counters;
@@ -30,7 +30,7 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
 
     /// Notes the faces of two clusters that may be nearest.
     fn look(&mut self, clusters: [u32; 2], counters: &mut Counters) {
-        let faced = Faced::of(self.ground, clusters, self.faces.toward().map(frame));
+        let faced = Faced::of(self.ground, clusters);
         let mut its = None;
         for lane in 0..faced.count() {
             let (near, gaps) = faced.near(lane, self.faces.limit());

@@ -103,6 +103,14 @@ impl<'a> Ground<'a> {
         f64::from(self.gap_along(&two, direction)) * two.trees[0].unit()
     }
 
+    /// Whether two clusters are certain to be apart, as seen along the normal of either.
+    pub(crate) fn are_parted_by_normals(&self, pair: [u32; 2]) -> bool {
+        let two = self.two(pair);
+        let [a, b] = two.clusters;
+        let facing = minus(self.into(Side::First).turned(b.normal));
+        self.gap_along(&two, a.normal) > 0.0 || self.gap_along(&two, facing) > 0.0
+    }
+
     /// A lower bound of how far two clusters are apart, in lengths of the pair and certain: along
     /// the direction that parted them last, and where that is not more than `reach`, along the one
     /// that parts them most of some.

@@ -113,6 +113,7 @@ fn a_cut_lists_all_that_is_within_reach() {
             translation: [0.3, 0.6, 0.8][round % 3] * size * rng.direction(),
         };
         let reach = [0.0, 0.02, 0.1, 0.3][rng.below(4)] * size;
+        let spare = [0.0, 0.5][rng.below(2)] * reach;
         let mut cut: Option<Cut> = None;
         let mut before = None;
         for frame in 0..40 {
@@ -134,7 +135,7 @@ fn a_cut_lists_all_that_is_within_reach() {
                 followed += u32::from(follows);
                 follows.then_some(cut)
             });
-            let mut now = last.unwrap_or_else(|| Cut::build(&pair, &ground, reach, &mut counters));
+            let mut now = last.unwrap_or_else(|| Cut::build(&pair, &ground, (reach, spare), &mut counters));
             let what = format!("round {round}, frame {frame}");
             let (leaves, spent) = now.leaves();
             let mut listed: Vec<[u32; 2]> = leaves.iter().map(|leaf| leaf.pair).collect();
