@@ -19,7 +19,7 @@ use cranny_exact::{DMat3, DVec3, RigidMap};
 use wide::f32x8;
 
 use super::ground::{At, Ground};
-use super::lanes::{lanes_of, within};
+use super::lanes::{Wide3, greatest, lanes_of, masked, wide, within};
 use super::parted::Leaf;
 use crate::answer::Counters;
 use crate::motion::MATRIX_ERROR;
@@ -318,8 +318,7 @@ fn test(
     let gaps = ground.gaps(side, node, at[1 - i]);
     let near = within(gaps, f32x8::splat(ground.reach(side, reach + spare))) & mask;
     let ended = mask & !near;
-    let gaps = gaps.to_array();
-    let nearest = lanes_of(ended).map(|lane| gaps[lane]).fold(f32::INFINITY, f32::min);
+    let nearest = -greatest(masked(-gaps, ended, f32::NEG_INFINITY));
     let slack = (ground.certain(side, nearest) - reach - 2.0 * ground.posing()).max(0.0);
     let unit = ground.tree(Side::Second).unit();
     let distance = |center: [f32; 3]| length(minus(center, pivot));
@@ -332,9 +331,9 @@ fn test(
         // That, or what of the first one is, as seen from the pivot: it may go as far as the slack
         // lets it.
         Side::Second => {
-            let farthest = lanes_of(ended)
-                .map(|lane| distance(node.center.get(lane)) + node.radius.0[lane])
-                .fold(0.0, f32::max);
+            let from = Wide3::of(&node.center).minus(&Wide3::all(pivot));
+            let farthest = from.dot(&from).sqrt() + wide(&node.radius);
+            let farthest = greatest(masked(farthest, ended, 0.0));
             let b = ground.placed(Side::Second, at[0]);
             // Where it is placed is off by as much as the bounds are.
             let off = f64::from(ground.reach(Side::Second, 0.0)) * unit;

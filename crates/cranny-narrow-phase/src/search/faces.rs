@@ -100,7 +100,7 @@ impl<'a> Faced<'a> {
             bottom: wide(&b.faces.bottom) * ratio + level,
             along_box: Sight::along_box(a.bounds.axes, &corners),
             corners,
-            error: rounding(scale) + (ground.posing() / unit) as f32,
+            error: rounding(scale) + ground.posing_in(Side::First),
             unit,
         }
     }

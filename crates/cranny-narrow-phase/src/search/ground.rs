@@ -91,6 +91,10 @@ pub(crate) struct Ground<'a> {
     error: [f32; 2],
     /// What posing rounds, in lengths of the pair.
     posing: f64,
+    /// The same in each side's lengths.
+    posing_in: [f32; 2],
+    /// One over the unit of each: powers of two, so that this is exact.
+    per_unit: [f64; 2],
 }
 
 impl<'a> Ground<'a> {
@@ -98,6 +102,8 @@ impl<'a> Ground<'a> {
         let trees = Side::BOTH.map(|side| pair.model(side).clusters());
         let maps = [pair.first_from_second, pair.first_from_second.inverse()];
         let posing = pair.culling_error();
+        let per_unit = trees.map(|tree| 1.0 / tree.unit());
+        let posing_in = per_unit.map(|per_unit| (posing * per_unit) as f32);
         let mut error = [0.0; 2];
         let into = [0, 1].map(|i| {
             let (own, its) = (trees[i], trees[1 - i]);
@@ -107,10 +113,10 @@ impl<'a> Ground<'a> {
             let DMat3 { x_axis, y_axis, z_axis } = maps[i].linear.transpose();
             let shift = single(shift);
             let reach = 1.0 + ratio + shift.iter().map(|x| x.abs()).sum::<f32>();
-            error[i] = rounding(reach) + (posing / own.unit()) as f32;
+            error[i] = rounding(reach) + posing_in[i];
             Placing { rows: [x_axis, y_axis, z_axis].map(single), shift, ratio }
         });
-        Self { trees, into, maps, error, posing }
+        Self { trees, into, maps, error, posing, posing_in, per_unit }
     }
 
     #[inline(always)]
@@ -127,7 +133,7 @@ impl<'a> Ground<'a> {
     #[inline(always)]
     pub(crate) fn reach(&self, side: Side, length: f64) -> f32 {
         let i = side.index();
-        ((length / self.trees[i].unit()) as f32).next_up() + self.error[i]
+        ((length * self.per_unit[i]) as f32).next_up() + self.error[i]
     }
 
     /// A bound in a side's lengths as a length of the pair that is certain, or negative.
@@ -137,6 +143,12 @@ impl<'a> Ground<'a> {
         let certain = f64::from(bound - self.error[i]).next_down() * self.trees[i].unit();
         // Of what overflowed nothing is certain.
         certain.max(f64::NEG_INFINITY)
+    }
+
+    /// What posing rounds, in a side's lengths.
+    #[inline(always)]
+    pub(crate) fn posing_in(&self, side: Side) -> f32 {
+        self.posing_in[side.index()]
     }
 
     /// What posing rounds.
@@ -174,7 +186,7 @@ impl<'a> Ground<'a> {
     pub(crate) fn between(&self, side: Side, own: &Cluster, its: &Cluster) -> [f32; 3] {
         let i = side.index();
         let from = self.maps[i].apply(its.center) - own.center;
-        (from / self.trees[i].unit()).to_array().map(|x| x as f32)
+        (from * self.per_unit[i]).to_array().map(|x| x as f32)
     }
 
     /// Which of two places is opened next, and how; `None` where both are clusters.

@@ -24,6 +24,25 @@ pub(crate) fn within(numbers: f32x8, bound: f32x8) -> u32 {
     !numbers.simd_gt(bound).to_bitmask() & ((1 << LANES) - 1)
 }
 
+/// The greatest of eight; what is no number does not count.
+#[inline(always)]
+pub(crate) fn greatest(numbers: f32x8) -> f32 {
+    let greater = |x: f32, y: f32| if x > y { x } else { y };
+    let [a, b, c, d, e, f, g, h] = numbers.to_array();
+    let [a, b, c, d] = [greater(e, a), greater(f, b), greater(g, c), greater(h, d)];
+    greater(greater(greater(c, a), greater(d, b)), f32::NEG_INFINITY)
+}
+
+/// Numbers of the lanes of a mask, and another in the others.
+#[inline(always)]
+pub(crate) fn masked(numbers: f32x8, mask: u32, rest: f32) -> f32x8 {
+    let mut lanes = numbers.to_array();
+    for (lane, x) in lanes.iter_mut().enumerate() {
+        *x = if mask >> lane & 1 == 0 { rest } else { *x };
+    }
+    f32x8::from(lanes)
+}
+
 /// The numbers of the bits that are set, ascending.
 #[inline(always)]
 pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {

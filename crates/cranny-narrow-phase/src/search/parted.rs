@@ -1,11 +1,12 @@
 //! How far two clusters are apart along a direction, and which direction parts them most.
 
 use cranny_geometry::ClusterTree;
-use cranny_geometry::clusters::{Cluster, LANES};
+use cranny_geometry::clusters::Cluster;
+use wide::f32x8;
 
 use super::cut::Due;
 use super::ground::{Ground, rounding};
-use super::lanes::Wide3;
+use super::lanes::{Wide3, greatest};
 use crate::pair::Side;
 
 /// In so many queries a pair of clusters that nothing parted is not tried again: the longer for
@@ -62,14 +63,11 @@ fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
 #[inline]
 fn support(tree: &ClusterTree, cluster: &Cluster, direction: [f32; 3]) -> f32 {
     let direction = Wide3::all(direction);
-    let mut most = [f32::NEG_INFINITY; LANES];
+    let mut most = f32x8::splat(f32::NEG_INFINITY);
     for block in tree.points(cluster) {
-        let along = direction.dot(&Wide3::of(block)).to_array();
-        for (most, x) in most.iter_mut().zip(along) {
-            *most = if x > *most { x } else { *most };
-        }
+        most = direction.dot(&Wide3::of(block)).fast_max(most);
     }
-    most.into_iter().fold(f32::NEG_INFINITY, |x, y| if y > x { y } else { x })
+    greatest(most)
 }
 
 impl<'a> Ground<'a> {
@@ -81,7 +79,7 @@ impl<'a> Ground<'a> {
         let scale = a.bounds.radius
             + b.bounds.radius * self.into(Side::First).ratio()
             + between.iter().map(|x| x.abs()).sum::<f32>();
-        let error = rounding(scale) + (self.posing() / trees[0].unit()) as f32;
+        let error = rounding(scale) + self.posing_in(Side::First);
         Two { trees, clusters, between, error }
     }
 
