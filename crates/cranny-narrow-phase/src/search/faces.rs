@@ -139,7 +139,7 @@ impl<'a> Faced<'a> {
 
     /// A reach as a bound for [`near`](Self::near).
     #[inline(always)]
-    fn bound(&self, reach: f64) -> f32 {
+    pub(crate) fn bound(&self, reach: f64) -> f32 {
         ((reach / self.unit) as f32).next_up() + self.error
     }
 
@@ -150,12 +150,12 @@ impl<'a> Faced<'a> {
         (f64::from(gap - self.error).next_down() * self.unit).max(f64::NEG_INFINITY)
     }
 
-    /// The lanes of the second's faces that may be within `reach` of a face of the first, and lower
+    /// The lanes of the second's faces that may be within a bound of a face of the first, and lower
     /// bounds in the first's lengths, but for the error.
     #[inline(always)]
-    pub(crate) fn near(&self, lane: usize, reach: f64) -> (u32, f32x8) {
+    pub(crate) fn near(&self, lane: usize, bound: f32) -> (u32, f32x8) {
         let (own, mask) = (&self.a.faces, self.b.faces.mask());
-        let bound = f32x8::splat(self.bound(reach));
+        let bound = f32x8::splat(bound);
         let face = [
             lane_of(&own.corners[0], lane),
             lane_of(&own.corners[1], lane),
@@ -190,18 +190,20 @@ impl<'a> Faced<'a> {
 pub(crate) fn for_near_faces(
     ground: &Ground,
     clusters: [u32; 2],
-    mut reach: f64,
+    reach: f64,
     mut visit: impl FnMut([FaceId; 2], f64) -> f64,
 ) {
     let faced = Faced::of(ground, clusters);
+    let mut bound = faced.bound(reach);
     for lane in 0..faced.count() {
-        let (near, gaps) = faced.near(lane, reach);
+        let (near, gaps) = faced.near(lane, bound);
         if near == 0 {
             continue;
         }
         let gaps = gaps.to_array();
         for other in lanes_of(near) {
-            reach = visit(faced.ids(lane, other), faced.certain(gaps[other]));
+            let reach = visit(faced.ids(lane, other), faced.certain(gaps[other]));
+            bound = faced.bound(reach);
         }
     }
 }

@@ -240,3 +240,10 @@ pub(crate) fn gaps(node: &WideNode, b: &OrientedBox) -> f32x8 {
     }
     along_its.fast_max(along_own).sqrt()
 }
+
+/// How far the centres of a node's boxes are from that of another box.
+#[inline(always)]
+pub(crate) fn distances(node: &WideNode, b: &OrientedBox) -> f32x8 {
+    let between = Wide3::of(&node.center).minus(&Wide3::all(b.center));
+    between.dot(&between).sqrt()
+}

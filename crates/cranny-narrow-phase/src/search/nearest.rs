@@ -31,9 +31,9 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
     /// Notes the faces of two clusters that may be nearest.
     fn look(&mut self, clusters: [u32; 2], counters: &mut Counters) {
         let faced = Faced::of(self.ground, clusters);
-        let mut its = None;
+        let (bound, mut its) = (faced.bound(self.faces.limit()), None);
         for lane in 0..faced.count() {
-            let (near, gaps) = faced.near(lane, self.faces.limit());
+            let (near, gaps) = faced.near(lane, bound);
             if near == 0 {
                 continue;
             }
