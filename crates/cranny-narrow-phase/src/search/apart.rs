@@ -74,19 +74,18 @@ impl FacePairs {
     }
 
     /// Takes all pairs out, with certain lower bounds of their distances in the first's lengths:
-    /// negative or no number where nothing is known.
+    /// negative where nothing is known.
     pub(crate) fn take(&mut self) -> impl Iterator<Item = ([FaceId; 2], f32)> {
         let corner = |i: usize| {
             let [x, y, z] = self.corners[i];
             Wide3 { x: f32x8::from(x), y: f32x8::from(y), z: f32x8::from(z) }
         };
-        let gap = apart(
-            &[corner(0), corner(1), corner(2)],
-            &[corner(3), corner(4), corner(5)],
-        );
+        let gap = apart(&[corner(0), corner(1), corner(2)], &[corner(3), corner(4), corner(5)]);
         let gap = gap.fast_max(f32x8::from(self.known)) - f32x8::from(self.error);
         let count = std::mem::take(&mut self.count);
-        self.ids.into_iter().zip(gap.to_array()).take(count)
+        // Of what overflowed nothing is certain.
+        let certain = gap.to_array().map(|gap| gap.max(f32::NEG_INFINITY));
+        self.ids.into_iter().zip(certain).take(count)
     }
 }
 
@@ -104,7 +103,8 @@ impl Edges {
         let along = [q.minus(p), r.minus(q), p.minus(r)];
         let [a, b, c] = &along;
         let least = f32x8::splat(NO_LENGTH);
-        let squared = [a.dot(a).fast_max(least), b.dot(b).fast_max(least), c.dot(c).fast_max(least)];
+        let squared =
+            [a.dot(a).fast_max(least), b.dot(b).fast_max(least), c.dot(c).fast_max(least)];
         let one = f32x8::splat(1.0);
         let over_squared = [one / squared[0], one / squared[1], one / squared[2]];
         Self { start: [*p, *q, *r], along, squared, over_squared }

@@ -182,12 +182,7 @@ impl Cut {
     }
 
     /// Follows the bodies to the pair's pose; whether that costs less than a new descent.
-    pub(crate) fn follow(
-        &mut self,
-        pair: &Pair,
-        ground: &Ground,
-        counters: &mut Counters,
-    ) -> bool {
+    pub(crate) fn follow(&mut self, pair: &Pair, ground: &Ground, counters: &mut Counters) -> bool {
         let step = self.advance(pair);
         let is_short = step + 2.0 * ground.posing() < self.reach;
         let limits = self.built.map(|built| (WORN * built as f64) as usize + 64);
@@ -270,7 +265,8 @@ impl Cut {
             let node = ground.child(side, at[side.index()]).index();
             let node = &ground.tree(side).nodes()[node];
             counters.node_tests += u64::from(node.count);
-            let tested = test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
+            let tested =
+                test(ground, at, side, (self.pivot.at, self.reach, self.spare), node.mask());
             if tested.ended != 0 {
                 self.due.push(tested.due(&self.spent));
                 self.blocks.push(Block { at, side, ended: tested.ended });
@@ -348,8 +344,7 @@ fn test(
 fn cluster_radius(ground: &Ground, pivot: &Pivot, cluster: u32) -> f64 {
     let tree = ground.tree(Side::Second);
     let cluster = &tree.clusters()[cluster as usize];
-    (cluster.center - pivot.point).length()
-        + f64::from(cluster.bounds.radius) * tree.unit() * SPARE
+    (cluster.center - pivot.point).length() + f64::from(cluster.bounds.radius) * tree.unit() * SPARE
 }
 
 fn minus([x, y, z]: [f32; 3], [u, v, w]: [f32; 3]) -> [f32; 3] {

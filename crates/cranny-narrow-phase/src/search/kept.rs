@@ -74,11 +74,7 @@ impl KeptCut {
     ) -> Option<&mut Cut> {
         let (mut build, mut held) = (reach.build, 0);
         if let Some(cut) = &mut self.cut {
-            let followed = if self.is_here {
-                true
-            } else {
-                cut.follow(pair, ground, counters)
-            };
+            let followed = if self.is_here { true } else { cut.follow(pair, ground, counters) };
             if followed && cut.reach() >= reach.least && cut.reach() <= reach.most {
                 if !self.is_here {
                     self.age += 1;

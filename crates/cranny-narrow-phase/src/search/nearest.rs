@@ -2,6 +2,9 @@
 
 use std::ops::ControlFlow;
 
+use cranny_geometry::FaceId;
+use cranny_geometry::clusters::LANES;
+
 use super::apart::FacePairs;
 use super::cut::Cut;
 use super::descent::{Pending, Visitor, descend};
@@ -53,11 +56,10 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
         let unit = self.ground.tree(Side::First).unit();
         let limit = |faces: &NearestFaces| ((faces.limit() / unit) as f32).next_up();
         let mut bound = limit(self.faces);
-        let mut near = [(f32::INFINITY, [cranny_geometry::FaceId(0); 2]); 8];
+        let mut near = [(f32::INFINITY, [FaceId(0); 2]); LANES];
         let mut count = 0;
         for (faces, gap) in self.pairs.take() {
-            // What is no number says nothing.
-            if !(gap > bound) {
+            if gap <= bound {
                 near[count] = (gap, faces);
                 count += 1;
             }
@@ -65,10 +67,10 @@ impl<'s, 'g, 'p, 'm> Nearest<'s, 'g, 'p, 'm> {
         let near = &mut near[..count];
         near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
         for &(gap, [f, g]) in near.iter() {
-            if self.judges && !(gap > 0.0) {
+            if self.judges && gap <= 0.0 {
                 self.met = self.met.or_else(|| looked_at(self.faces.pair(), f, g, counters));
             }
-            if !(gap > bound) {
+            if gap <= bound {
                 self.faces.offer(f, g, counters);
                 bound = limit(self.faces);
             }

@@ -5,7 +5,10 @@ use cranny_geometry::{BuildOptions, FaceId, Model};
 use cranny_shapes::{Comb, Cuboid, Cup, Shape, Torus};
 use cranny_testkit::Rng;
 
+use super::apart::FacePairs;
 use super::cut::Cut;
+use super::faces::Faced;
+use super::lanes::lanes_of;
 use super::*;
 use crate::answer::Counters;
 use crate::brute_force::brute_force;
@@ -95,6 +98,49 @@ fn faces_that_meet_are_found_among_all() {
     assert!(met.iter().all(|&n| n > 10), "{met:?}");
 }
 
+/// Eight at a time, bounds of distances are certain, and nearly always as good as distances.
+#[test]
+fn bounds_of_faces_are_certain_and_close() {
+    let bodies = bodies();
+    let mut rng = Rng::new(31);
+    let (mut all, mut close, mut met) = (0, 0, 0);
+    for round in 0..400 {
+        let (a, b) = (&bodies[rng.below(5)], &bodies[rng.below(5)]);
+        let size = a.radius() + b.radius();
+        let turn = DQuat::from_axis_angle(rng.direction(), f64::from(round % 3));
+        let translation = 0.6 * rng.unit() * size * rng.direction();
+        let (a, b) = (
+            Placed { model: a, pose: Pose::IDENTITY },
+            Placed { model: b, pose: Pose { rotation: turn, translation } },
+        );
+        let mut posed = PosedVertices::default();
+        let pair = Pair::new(a, b, &mut posed);
+        let ground = Ground::of(&pair);
+        let unit = ground.tree(Side::First).unit();
+        let count = |side: Side| ground.tree(side).clusters().len();
+        let clusters = [rng.below(count(Side::First)), rng.below(count(Side::Second))];
+        let faced = Faced::of(&ground, clusters.map(|i| i as u32));
+        let (its, mut pairs) = (faced.its(), FacePairs::new());
+        for lane in 0..faced.count() {
+            let (near, gaps) = faced.near(lane, f32::INFINITY);
+            for other in lanes_of(near) {
+                let known = gaps.to_array()[other];
+                pairs.push(&faced, (lane, &faced.own(lane)), (other, &its), known);
+            }
+            for ([f, g], bound) in pairs.take() {
+                let [x, y] = [pair.triangle(Side::First, f), pair.triangle(Side::Second, g)];
+                let meets = looked_at(&pair, f, g, &mut Counters::default()).is_some();
+                let far = if meets { 0.0 } else { triangle_distance(&x, &y).squared.sqrt() };
+                let bound = f64::from(bound) * unit;
+                assert!(bound <= far, "round {round}: {bound} of {far}");
+                (all, met) = (all + 1, met + u32::from(meets));
+                close += u32::from(bound >= far - 1e-5 * size);
+            }
+        }
+    }
+    assert!(all > 1_000 && met > 0 && close * 10 > all * 9, "{close} of {all}, {met}");
+}
+
 /// A body wanders about another, by small steps and large ones, with rests: a cut lists all
 /// clusters within its reach, what it says that is left between clusters is there, what is found in
 /// it is what is found without, and where it says that surfaces stayed apart, what lies inside what
@@ -135,7 +181,8 @@ fn a_cut_lists_all_that_is_within_reach() {
                 followed += u32::from(follows);
                 follows.then_some(cut)
             });
-            let mut now = last.unwrap_or_else(|| Cut::build(&pair, &ground, (reach, spare), &mut counters));
+            let mut now =
+                last.unwrap_or_else(|| Cut::build(&pair, &ground, (reach, spare), &mut counters));
             let what = format!("round {round}, frame {frame}");
             let (leaves, spent) = now.leaves();
             let mut listed: Vec<[u32; 2]> = leaves.iter().map(|leaf| leaf.pair).collect();

@@ -339,6 +339,53 @@ fn what_is_inside_stays_inside_until_it_crosses() {
 
 /// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little lower,
 /// in the hole. That it was inside in the tube means nothing there, however short the last step was.
+/// A box without a lid, and a block within it that it does not touch: of these only the block holds
+/// anything.
+fn block_in_an_open_box() -> Model {
+    let part = |size: [f64; 3]| Cuboid { size }.build().unwrap();
+    let (shell, block) = (part([2.0, 2.0, 2.0]), part([0.8, 0.8, 0.8]));
+    let is_lid = |f: &[u32; 3]| f.iter().all(|&v| shell.vertices()[v as usize].z > 0.9);
+    let count = shell.vertices().len() as u32;
+    let faces = shell.faces().iter().filter(|f| !is_lid(f)).copied();
+    let inner = block.faces().iter().map(|f| f.map(|v| v + count));
+    let mesh = Mesh::new(
+        shell.vertices().iter().chain(block.vertices()).copied().collect(),
+        faces.chain(inner).collect(),
+    );
+    model(mesh.unwrap())
+}
+
+/// What lies inside what is carried from pose to pose: not into a block by a jump, nor out of it; and
+/// not into an open box, which a body enters without crossing any face.
+#[test]
+fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
+    let (open, speck) = (block_in_an_open_box(), shape(Cuboid { size: [0.06, 0.05, 0.04] }));
+    // Through the opening, to and fro between wall and block, into the block and there to and fro.
+    let mut way: Vec<DVec3> =
+        (0..60).map(|i| DVec3::new(0.7, 0.1, 1.5 - 0.025 * f64::from(i))).collect();
+    let wander = |i: i32, x: f64| DVec3::new(x, 0.01 * f64::from(i % 10 - 5), 0.0);
+    for visit in 0..4 {
+        way.extend((0..20).map(|i| wander(i, 0.7)));
+        way.extend((0..20).map(|i| wander(i, 0.3 + 0.01 * f64::from(visit))));
+    }
+    let turned = DQuat::from_axis_angle(DVec3::new(0.2, 1.0, 0.3).normalize(), 0.4);
+    for demand in [Demand::Intersects, Demand::Distance { below: None }, Demand::contacts(0.05)] {
+        let mut memory = PairMemory::default();
+        let (mut inside, mut carried) = (0, 0);
+        for (frame, &translation) in way.iter().enumerate() {
+            let what = format!("frame {frame}, {demand:?}");
+            let a = Placed { model: &open, pose: Pose::IDENTITY };
+            let b = Placed { model: &speck, pose: Pose { rotation: turned, translation } };
+            let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
+            assert_eq!(told(&warm), told(&ask(a, b, demand)), "{what}");
+            assert_eq!((warm.surface, warm.solid), (Meeting::None, translation.x < 0.4), "{what}");
+            inside += u32::from(warm.solid);
+            carried += u32::from(warm.counters.inside_tests == 0);
+        }
+        assert!(inside == 80 && carried > 60, "{inside} {carried}, {demand:?}");
+    }
+}
+
 #[test]
 fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
     let ring =
