@@ -3,7 +3,7 @@
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Answer, Counters, Demand, PairMemory, Placed, Query, query};
 use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, NestedShells, Sphere, Torus};
 use cranny_testkit::Rng;
 
@@ -228,8 +228,9 @@ fn faces_that_crossed_are_asked_again_only_where_that_pays() {
                 (Placed { model: &shape, pose: Pose::IDENTITY }, Placed { model: &shape, pose });
             let answer = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
             assert_eq!(answer.surface, Meeting::Cross, "frame {frame}");
-            warm += answer.counters.triangle_tests;
-            cold += ask(a, b, Demand::Intersects).counters.triangle_tests;
+            let work = |counters: &Counters| counters.triangle_tests + counters.node_tests;
+            warm += work(&answer.counters);
+            cold += work(&ask(a, b, Demand::Intersects).counters);
         }
         (warm, cold)
     };
