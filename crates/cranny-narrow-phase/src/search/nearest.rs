@@ -124,8 +124,8 @@ pub(crate) fn nearest_or_meeting<'p, 'm>(
     nearest.met
 }
 
-/// The same as [`nearest_faces`] among the clusters that a cut lists, which reaches at least as far as those that have
-/// been offered.
+/// The same as [`nearest_faces`] among the clusters that a cut lists, which reaches at least as far
+/// as those that have been offered.
 pub(crate) fn nearest_in<'p, 'm>(
     cut: &mut Cut,
     ground: &Ground<'m>,

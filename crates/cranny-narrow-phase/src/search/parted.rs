@@ -94,8 +94,8 @@ impl<'a> Ground<'a> {
         gap.max(f32::NEG_INFINITY)
     }
 
-    /// A lower bound of how far two clusters are apart along a direction, in lengths of the pair and
-    /// certain.
+    /// A certain lower bound of how far two clusters are apart along a direction, in lengths of the
+    /// pair.
     pub(crate) fn cluster_gap_along(&self, pair: [u32; 2], direction: [f32; 3]) -> f64 {
         let two = self.two(pair);
         f64::from(self.gap_along(&two, direction)) * two.trees[0].unit()
