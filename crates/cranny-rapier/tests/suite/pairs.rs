@@ -47,9 +47,10 @@ fn compare_with_direct_queries(read: bool) {
 }
 
 fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
-    let options = SimulationOptions { most_parts, ..SimulationOptions::default() };
+    let recycling = Some(read);
+    let options = SimulationOptions { most_parts, recycling, ..SimulationOptions::default() };
     let (mut simulation, models) = heap(options);
-    let mut divided = 0;
+    let (mut divided, mut searched) = (0, 0);
     if read {
         simulation.read_by(|_, _| Fields::regions(0.0));
     }
@@ -71,6 +72,7 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
             assert!(pair.a < pair.b);
             let both_asleep = [pair.a, pair.b].iter().all(|b| asleep[b.0 as usize]);
             assert!(pair.fresh || both_asleep, "step {step}: recycled though nobody asked for it");
+            searched += usize::from(pair.fresh);
             for (body, pose) in [(pair.a, pair.poses[0]), (pair.b, pair.poses[1])] {
                 // Of a step in parts nobody but the simulation knows where its last part began.
                 if !is_whole {
