@@ -176,16 +176,15 @@ enum MadeBy {
 }
 
 impl CarriedList {
-    /// Of contacts in the first body's frame, known by these ids.
-    pub(crate) fn of(
+    /// Of contacts in the first body's frame, and what they are known by.
+    pub(crate) fn of<'a>(
         models: [&Model; 2],
         search: (Pose, f64),
-        contacts: &[Contact],
-        ids: impl Fn(&Contact) -> (PackedFeatureId, PackedFeatureId),
+        contacts: impl Iterator<Item = (&'a Contact, (PackedFeatureId, PackedFeatureId))>,
     ) -> Self {
         let map = search.0.world_from_body();
-        let carried = |contact| Carried::of(models, &map, contact, ids(contact));
-        Self { search, contacts: contacts.iter().map(carried).collect() }
+        let carried = |(contact, ids)| Carried::of(models, &map, contact, ids);
+        Self { search, contacts: contacts.map(carried).collect() }
     }
 
     /// Whether it is what this search found.
@@ -282,9 +281,106 @@ fn crossing(e: [DVec3; 2], g: [DVec3; 2], within: f64) -> Option<([DVec3; 2], DV
     (!is_off).then(|| ([e[0] + d * s, g[0] + f * t], cross / squared.sqrt()))
 }
 
-pub(crate) fn within() -> f64 {
-    static W: std::sync::OnceLock<f64> = std::sync::OnceLock::new();
-    *W.get_or_init(|| {
-        std::env::var("WITHIN").ok().and_then(|s| s.parse().ok()).unwrap_or(CARRIED_WITHIN)
-    })
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pair::PairWorkspace;
+    use crate::shape::MeshShape;
+    use cranny_exact::DQuat;
+    use cranny_geometry::BuildOptions;
+    use cranny_narrow_phase::drift;
+    use cranny_shapes::{Cuboid, Cup, LPrism, Shape};
+
+    const REACH: f64 = 0.02;
+
+    fn built(shape: impl Into<Shape>) -> Model {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
+    }
+
+    fn deepest(contacts: &[crate::manifolds::SolverContact]) -> f64 {
+        contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min)
+    }
+
+    /// One body slides and rocks on another: as long as it is carried on, a new search finds the same
+    /// depth but for the drift; and it is carried on until the drift is spent.
+    #[test]
+    fn a_carried_list_is_a_new_search_but_for_the_drift() {
+        let (slab, cup) = (built(Cuboid { size: [4.0, 4.0, 1.0] }), built(Cup::default()));
+        let l = built(LPrism::default());
+        let shape = |model: &Model| MeshShape::new(model, 0).unwrap();
+        for (lower, upper, at) in [
+            (&slab, &cup, DVec3::new(0.1, 0.2, 0.5)),
+            (&slab, &l, DVec3::new(0.1, 0.2, 0.5)),
+            (&cup, &cup, DVec3::new(0.0, 0.0, cup.bounds().max.z)),
+        ] {
+            let bottom = DVec3::Z * (upper.bounds().min.z + 1e-3);
+            let pose = |k: f64| Pose {
+                rotation: DQuat::from_scaled_axis(DVec3::new(2e-4, 3e-4, 5e-4) * k.sin()),
+                translation: at - bottom + DVec3::new(2e-4, 1e-4, -5e-5) * k,
+            };
+            let (g1, g2) = (shape(lower), shape(upper));
+            let mut pair = PairWorkspace::for_solver(&g1, &g2);
+            let search = Search { pose: pose(0.0), reach: REACH, step: 0 };
+            let found = pair.found(&search.pose, &g1, &g2, REACH).unwrap();
+            assert!(pair.keep(&found, (search.pose, REACH)) && !found.contacts.is_empty());
+            let (mut carried_on, mut spent) = (0, 0);
+            for k in 0..60 {
+                let now = pose(0.3 * f64::from(k));
+                let moved =
+                    drift([lower, upper], &search.pose.world_from_body(), &now.world_from_body());
+                let within = CARRIED_WITHIN * REACH;
+                let Some(carried) = pair.carried(&search, &now, within) else {
+                    assert!(moved > within, "step {k}: given up after {moved}");
+                    spent += 1;
+                    continue;
+                };
+                assert!(moved <= within, "step {k}: carried on over {moved}");
+                carried_on += 1;
+                let anew = PairWorkspace::for_solver(&g1, &g2);
+                let anew = { anew }.found(&now, &g1, &g2, REACH).unwrap().contacts;
+                let off = deepest(&carried) - deepest(&anew);
+                assert!(off.abs() <= 2.0 * moved + 1e-9, "step {k}: off by {off}, moved {moved}");
+                for contact in &carried {
+                    let gap = contact.normal.dot(contact.on_second - contact.on_first);
+                    assert!((gap - contact.separation).abs() < 1e-12);
+                    assert!((contact.normal.length() - 1.0).abs() < 1e-12);
+                }
+            }
+            assert!(carried_on > 10 && spent > 10, "{carried_on} carried on, {spent} not");
+        }
+    }
+
+    /// A crossing of edges is told where they cross now, with the normal that they have now.
+    #[test]
+    fn edges_are_told_where_they_cross() {
+        let e = [DVec3::new(-1.0, 0.0, 0.0), DVec3::X];
+        let g = |x: f64, turn: f64| [-1.0, 1.0].map(|y| DVec3::new(x - turn * y, y, 0.25));
+        let ([p, q], cross) = crossing(e, g(0.5, 0.0), 0.0).unwrap();
+        assert_eq!((p, q), (DVec3::X * 0.5, DVec3::new(0.5, 0.0, 0.25)));
+        assert_eq!(cross, DVec3::Z);
+        let ([p, _], _) = crossing(e, g(0.6, 0.1), 0.0).unwrap();
+        assert!((p.x - 0.6).abs() < 1e-12, "{p}");
+        assert!(crossing(e, g(1.1, 0.0), 0.05).is_none(), "beyond its end");
+        assert!(crossing(e, g(1.1, 0.0), 0.11).is_some(), "by no more than it may");
+        assert!(crossing(e, e.map(|p| p + DVec3::Z), 1.0).is_none(), "parallel");
+    }
+
+    /// Only what the solver got in the step before goes on.
+    #[test]
+    fn a_step_without_a_pair_ends_its_search() {
+        let searches = Searches::default();
+        searches.begin_step();
+        searches.note((1, 2), Some((Pose::IDENTITY, REACH)));
+        searches.begin_step();
+        assert!(searches.of_step_before((1, 2)).is_some());
+        searches.carry((1, 2));
+        searches.begin_step();
+        assert!(searches.of_step_before((1, 2)).is_some());
+        searches.begin_step();
+        assert!(searches.of_step_before((1, 2)).is_none(), "it slept, or was elsewhere");
+        assert_eq!(searches.take_counts(), PairCounts { carried: 1, searched: 1 });
+        assert_eq!(searches.take_counts(), PairCounts::default());
+        searches.note((1, 2), None);
+        assert_eq!(searches.len(), 0);
+    }
 }

@@ -194,7 +194,7 @@ impl Dispatcher {
     ) -> Option<Vec<SolverContact>> {
         let (searches, tags) = (self.searches.as_ref()?, asked.tags()?);
         let search = searches.of_step_before(tags).filter(|search| asked.reach <= search.reach)?;
-        let within = crate::carried::within() * f64::from(ahead.base());
+        let within = CARRIED_WITHIN * f64::from(ahead.base());
         let mut contacts = pair.carried(&search, &asked.pose, within)?;
         contacts.retain(|contact| contact.separation <= asked.reach);
         searches.carry(tags);
