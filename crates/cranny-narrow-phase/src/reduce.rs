@@ -41,21 +41,14 @@ const BEGINS_WITH_Y: f64 = 0.8;
 /// Reduces contacts to the deepest of each direction and those that span its extent, 17 at most; the deepest of all
 /// comes first. Any frame; ties go to the lowest ids.
 #[must_use]
-pub fn reduce(contacts: Vec<Contact>) -> Vec<Contact> {
-    reduce_within(contacts, SAME_DIRECTION)
-}
-
-/// The same with directions as fine as asked: contacts count as of one whose normals have this
-/// cosine at least. Finer directions keep more contacts of what is curved.
-#[must_use]
-pub fn reduce_within(mut contacts: Vec<Contact>, same_direction: f64) -> Vec<Contact> {
+pub fn reduce(mut contacts: Vec<Contact>) -> Vec<Contact> {
     let order =
         |x: &Contact, y: &Contact| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id));
     contacts.sort_by(order);
     let mut directions: Vec<Vec<Contact>> = Vec::new();
     for contact in contacts {
         let home =
-            directions.iter_mut().find(|d| d[0].normal.dot(contact.normal) >= same_direction);
+            directions.iter_mut().find(|d| d[0].normal.dot(contact.normal) >= SAME_DIRECTION);
         match home {
             Some(group) => group.push(contact),
             None => directions.push(vec![contact]),

@@ -9,9 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{
-    Answer, Contact, Demand, PairMemory, Placed, drift, reduce_contacts_within, smooth_normal,
-};
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, drift, smooth_normal};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -37,12 +35,6 @@ use crate::shape::MeshShape;
 /// passes over an edge of the other, since patches then tell vertices inside only. A hook of 20 faces keeps the
 /// contacts at its tip, tips over and slips off (`a_hook_holds_at_an_edge`).
 const FINE: usize = 64;
-
-/// Cosine of the angle (3 degrees) within which contacts of a pair count as of one direction for a
-/// solver, which gets of each the deepest and those that span it. Larger: what is curved loses
-/// normals of its own, and a pile of 50 bodies was 0.023 deep with 15 degrees; smaller: facets of a
-/// finely cut ring fall apart, and the solver goes through each in vain.
-const SAME_DIRECTION: f64 = 0.998_629_534_754_573_9;
 
 /// Our shape, where it is one.
 pub(crate) fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
@@ -119,8 +111,8 @@ pub(crate) struct Found {
     pub(crate) contacts: Vec<SolverContact>,
     /// The whole answer and what it was asked, where the pair was asked about as two models.
     pub(crate) answer: Option<(Answer, Demand)>,
-    /// What the contacts were told from; `None` where they are one way out, or of no models.
-    listed: Option<Vec<Contact>>,
+    /// Whether the contacts are one way out, and not the answer's.
+    led: bool,
 }
 
 impl Found {
@@ -130,7 +122,7 @@ impl Found {
     }
 
     fn without_answer(contacts: Vec<SolverContact>) -> Self {
-        Self { contacts, listed: None, answer: None }
+        Self { contacts, answer: None, led: false }
     }
 }
 
@@ -225,28 +217,22 @@ impl PairWorkspace {
             true => way_out(models, thickness, pose, &answer, self.memory()),
             false => None,
         };
-        let is_led = led.is_some();
-        let listed = match led {
-            Some(led) => led,
-            None if self.leads_out => {
-                reduce_contacts_within(answer.contacts.clone(), SAME_DIRECTION)
-            }
-            None => answer.contacts.clone(),
-        };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
-        let is_smooth = self.leads_out && !is_led;
-        let told = |c: &Contact| told(c, ids_of(c, models, demand), &cores, pose, is_smooth);
-        let contacts = listed.iter().map(told).collect();
-        Found { contacts, listed: (!is_led).then_some(listed), answer: Some((answer, demand)) }
+        let is_smooth = self.leads_out && led.is_none();
+        let contacts =
+            led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
+                told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth)
+            });
+        Found { contacts: contacts.collect(), led: led.is_some(), answer: Some((answer, demand)) }
     }
 
     /// Keeps what a search found, if it can be carried on.
     pub(crate) fn keep(&mut self, found: &Found, search: (ExactPose, f64)) -> bool {
-        let listed = found.listed.as_ref().zip(self.cores.as_ref());
-        self.carried = listed.map(|(listed, cores)| {
+        let answer = found.answer.as_ref().filter(|_| !found.led);
+        self.carried = answer.zip(self.cores.as_ref()).map(|((answer, _), cores)| {
             let models = cores.each_ref().map(|core| &core.model);
             let ids = found.contacts.iter().map(|contact| contact.ids);
-            CarriedList::of(models, search, listed.iter().zip(ids))
+            CarriedList::of(models, search, answer.contacts.iter().zip(ids))
         });
         self.carried.is_some()
     }
