@@ -55,8 +55,10 @@ const SAME_PLACE: f64 = 1.0;
 pub struct Dispatcher {
     log: Option<AnswerLog>,
     motions: Motions,
-    /// What may be carried on; `None` where every pair is searched in each step.
+    /// What was searched last, of pairs that `motions` knows.
     searches: Option<Searches>,
+    /// Whether contacts are carried on.
+    carries: bool,
 }
 
 /// A dispatcher without an answer log to share.
@@ -77,9 +79,9 @@ impl Dispatcher {
         Self { motions, ..self }
     }
 
-    /// The same, carrying on the contacts of pairs that [`looking_ahead`](Self::looking_ahead) knows.
-    pub(crate) fn carrying(self, searches: Option<Searches>) -> Self {
-        Self { searches, ..self }
+    /// The same, counting searches, and carrying contacts on if asked.
+    pub(crate) fn carrying(self, searches: Searches, carries: bool) -> Self {
+        Self { searches: Some(searches), carries, ..self }
     }
 }
 
@@ -192,7 +194,8 @@ impl Dispatcher {
         ahead: &PairAhead,
         pair: &mut PairWorkspace,
     ) -> Option<Vec<SolverContact>> {
-        let (searches, tags) = (self.searches.as_ref()?, asked.tags()?);
+        let searches = self.searches.as_ref().filter(|_| self.carries)?;
+        let tags = asked.tags()?;
         let search = searches.of_step_before(tags).filter(|search| asked.reach <= search.reach)?;
         let within = CARRIED_WITHIN * f64::from(ahead.base());
         let mut contacts = pair.carried(&search, &asked.pose, within)?;
@@ -211,7 +214,8 @@ impl Dispatcher {
         let found = pair.found(&pose, g1, g2, reach)?;
         if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
             let search = (pose, reach);
-            searches.note(tags, pair.keep(&found, search).then_some(search));
+            let kept = self.carries && pair.keep(&found, search);
+            searches.note(tags, kept.then_some(search));
         }
         Some((found.contacts, found.answer))
     }

@@ -100,8 +100,8 @@ fn dispatcher_of(
     motions: &Motions,
     searches: &Searches,
 ) -> Dispatcher {
-    let carried = options.carries().then(|| searches.clone());
-    Dispatcher::with_log(log.clone()).looking_ahead(motions.clone()).carrying(carried)
+    let dispatcher = Dispatcher::with_log(log.clone()).looking_ahead(motions.clone());
+    dispatcher.carrying(searches.clone(), options.carries())
 }
 
 impl Simulation {
