@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 use cranny_exact::{Pose as ExactPose, RigidMap};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, PairMemory};
+use cranny_narrow_phase::{Demand, PairMemory};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::{
@@ -42,7 +42,7 @@ use crate::casts::{AtOnce, Cast};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, SolverContact, rebuild};
-use crate::pair::{PairWorkspace, for_parry, involves_ours, ours};
+use crate::pair::{Answered, PairWorkspace, for_parry, involves_ours, ours};
 use crate::partners::{holds, polyhedron, revolved, rounded_polyhedron};
 use crate::shape::MeshShape;
 
@@ -209,7 +209,7 @@ impl Dispatcher {
         &self,
         asked: &Asked,
         pair: &mut PairWorkspace,
-    ) -> Option<(Vec<SolverContact>, Option<(Answer, Demand)>)> {
+    ) -> Option<(Vec<SolverContact>, Option<Answered>)> {
         let Asked { pose, shapes: [g1, g2], reach } = *asked;
         let found = pair.found(&pose, g1, g2, reach)?;
         if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
@@ -225,7 +225,7 @@ impl Dispatcher {
     fn told_to_reader(
         &self,
         asked: &Asked,
-        answer: Option<(Answer, Demand)>,
+        answer: Option<Answered>,
         pair: &mut PairWorkspace,
     ) -> Duration {
         let (Some(log), Some(tags), Some(models)) = (&self.log, asked.tags(), asked.models())

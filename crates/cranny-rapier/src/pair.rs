@@ -105,12 +105,15 @@ impl WorkspaceData for PairWorkspace {
     }
 }
 
+/// An answer and what was asked.
+pub(crate) type Answered = (Answer, Demand);
+
 /// What a pair's contacts are.
 pub(crate) struct Found {
     /// Within reach, in the first shape's frame, from first to second.
     pub(crate) contacts: Vec<SolverContact>,
     /// The whole answer and what it was asked, where the pair was asked about as two models.
-    pub(crate) answer: Option<(Answer, Demand)>,
+    pub(crate) answer: Option<Answered>,
     /// Whether the contacts are one way out, and not the answer's.
     led: bool,
 }
