@@ -31,8 +31,8 @@ pub struct PluginOptions {
     /// Who detects contacts for the solver.
     #[cfg(feature = "rapier")]
     pub detector: cranny_rapier::Detector,
-    /// Whether rapier may keep contacts while a pair drifts a little; `None`: off with our detector, on
-    /// (rapier's default) with its own.
+    /// Whether contacts are carried on while a pair drifts a little; `None`: they are. Our detector tells
+    /// them anew at each pose, rapier keeps its own as they are.
     #[cfg(feature = "rapier")]
     pub recycling: Option<bool>,
     /// Solver substeps a step; `None`: enough for our detector, rapier's default with its own.

@@ -12,7 +12,7 @@ use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PartedSummary, RunSummary, Skipped, TimeSummary,
+    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped, TimeSummary,
 };
 use crate::tally::{Series, Tally};
 
@@ -102,6 +102,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
             render: times.render,
         },
         pairs: count(&tally.pairs),
+        pairs_found: pairs_found(world, &tally),
         contacts: count(&tally.contacts),
         deepest,
         contained,
@@ -119,6 +120,18 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
 
 fn count(series: &Series) -> CountSummary {
     CountSummary { mean: series.mean(), max: series.max() }
+}
+
+#[cfg(feature = "rapier")]
+fn pairs_found(world: &World, tally: &Tally) -> Option<PairsFound> {
+    let bodies = world.get_resource::<crate::response::RigidBodies>()?;
+    let found = PairsFound { carried: count(&tally.carried), searched: count(&tally.searched) };
+    bodies.is_exact().then_some(found)
+}
+
+#[cfg(not(feature = "rapier"))]
+fn pairs_found(_: &World, _: &Tally) -> Option<PairsFound> {
+    None
 }
 
 #[cfg(feature = "rapier")]

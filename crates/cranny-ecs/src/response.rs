@@ -368,6 +368,9 @@ fn tally_solver(
     mut tally: ResMut<Tally>,
 ) {
     tally.pairs.push(bodies.simulation.pair_count());
+    let counts = bodies.simulation.pair_counts();
+    tally.carried.push(counts.carried);
+    tally.searched.push(counts.searched);
     tally.contacts.push(bodies.simulation.solver_contacts());
     for (a, b, pair) in bodies.answers() {
         tally.note_depth(a, b, &pair.answer, time.steps());

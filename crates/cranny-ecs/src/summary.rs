@@ -33,6 +33,9 @@ pub struct RunSummary {
     pub time_ms: TimeSummary,
     /// Pairs examined in a step.
     pub pairs: CountSummary,
+    /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None` without it or
+    /// a solver.
+    pub pairs_found: Option<PairsFound>,
     /// Contact points of a step: those that the solver got, or those reported where there is none.
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
@@ -88,6 +91,15 @@ pub struct CountSummary {
     pub mean: f64,
     /// Maximum.
     pub max: u64,
+}
+
+/// How our detector found the solver's contacts: pairs a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PairsFound {
+    /// Told anew from the features of an earlier search.
+    pub carried: CountSummary,
+    /// Searched.
+    pub searched: CountSummary,
 }
 
 /// The deepest overlap of a run.

@@ -67,6 +67,10 @@ pub struct Contained {
 pub struct Tally {
     /// Pairs examined in a step: by the solver where there is one, else by the world.
     pub pairs: Series,
+    /// Pairs of a step whose contacts our detector carried on for the solver.
+    pub carried: Series,
+    /// Those that it searched for the solver.
+    pub searched: Series,
     /// Contact points of a step: those that the solver got where there is one, else those reported.
     pub contacts: Series,
     /// Among exact answers.

@@ -117,6 +117,7 @@ pub use impact::{
 };
 pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
+pub use motion::drift;
 pub use observe::{KeptNodes, MetParts, PairObserver, PartsCase};
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::reduce as reduce_contacts;

@@ -10,8 +10,9 @@
 //! nearer to the axis, holds.
 
 use cranny_exact::{Aabb, DMat3, DVec3, RigidMap};
+use cranny_geometry::Model;
 
-use crate::pair::{Pair, Side};
+use crate::pair::{Pair, Side, length_error};
 
 /// By how much the Frobenius norm of a difference of two accepted rotation matrices may exceed that of
 /// the rotations which they round. Smaller, and a step could be underestimated; larger, and bodies
@@ -46,21 +47,23 @@ impl Motion {
     /// From the relative pose `before` to that of the pair; `None` where they are the same.
     pub(crate) fn since(before: &RigidMap, pair: &Pair) -> Option<Self> {
         let now = pair.first_from_second;
-        if *before == now {
-            return None;
-        }
+        (*before != now).then(|| Self::between(before, &now, pair.culling_error()))
+    }
+
+    /// From one relative pose to another, `posing` being by how much posed points round.
+    fn between(before: &RigidMap, now: &RigidMap, posing: f64) -> Self {
         let turn = now.linear - before.linear;
         let columns = [turn.x_axis, turn.y_axis, turn.z_axis];
         let frobenius = columns.map(DVec3::length_squared).iter().sum::<f64>().sqrt();
         let reach = before.translation.length() + now.translation.length();
-        Some(Self {
+        Self {
             turn,
             shift: now.translation - before.translation,
             stretch: frobenius * 0.5f64.sqrt() + MATRIX_ERROR,
             second_from_first: now.inverse(),
             // Both poses round; so do matrices, which then are no more than nearly rigid.
-            error: 2.0 * pair.culling_error() + MATRIX_ERROR * reach,
-        })
+            error: 2.0 * posing + MATRIX_ERROR * reach,
+        }
     }
 
     /// By how much a unit direction of one body has turned at most, seen from the other.
@@ -90,5 +93,63 @@ impl Motion {
     /// by more than this.
     pub(crate) fn step(&self, balls: &[Ball; 2]) -> f64 {
         self.step_of(Side::First, &balls[0]).min(self.step_of(Side::Second, &balls[1]))
+    }
+}
+
+/// A bound of how much the distance of any point of the first model from any point of the second
+/// can have changed between two poses of the second in the first's frame; 0 where they are the same.
+///
+/// Both poses are [accepted](cranny_exact::Pose::accepted). The bound is taken from the pair of
+/// poses, so it does not grow with the number of steps between them.
+#[must_use]
+pub fn drift(models: [&Model; 2], before: &RigidMap, now: &RigidMap) -> f64 {
+    if before == now {
+        return 0.0;
+    }
+    let posing = 2.0 * length_error(models, before).max(length_error(models, now));
+    let balls = models.map(|model| Ball::around(&model.bounds()));
+    Motion::between(before, now, posing).step(&balls)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cranny_exact::{DQuat, Pose};
+    use cranny_geometry::BuildOptions;
+    use cranny_shapes::{Cuboid, LPrism, Shape};
+    use cranny_testkit::Rng;
+
+    fn built(shape: impl Into<Shape>) -> Model {
+        Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
+    }
+
+    /// Distances of vertices change by no more than the bound, and by a good part of it.
+    #[test]
+    fn no_distance_changes_by_more_than_the_drift() {
+        let (long, bent) = (built(Cuboid { size: [3.0, 0.5, 0.5] }), built(LPrism::default()));
+        let mut rng = Rng::new(5);
+        let mut vector = || DVec3::new(rng.unit(), rng.unit(), rng.unit());
+        let mut nearest = 0.0f64;
+        for round in 0..300 {
+            let (way, turn) = [(1e-3, 0.0), (0.0, 1e-3), (1e-3, 1e-3)][round % 3];
+            let before =
+                Pose { rotation: DQuat::from_scaled_axis(vector()), translation: vector() };
+            let now = Pose {
+                rotation: DQuat::from_scaled_axis(turn * vector()) * before.rotation,
+                translation: before.translation + way * vector(),
+            };
+            let (before, now) = (before.world_from_body(), now.world_from_body());
+            let bound = drift([&long, &bent], &before, &now);
+            let vertices = bent.mesh().vertices().iter();
+            let pairs = vertices.flat_map(|q| long.mesh().vertices().iter().map(move |p| (p, q)));
+            let changed = |(p, q): (&DVec3, &DVec3)| {
+                ((now.apply(*q) - *p).length() - (before.apply(*q) - *p).length()).abs()
+            };
+            let most = pairs.map(changed).fold(0.0, f64::max);
+            assert!(most <= bound, "round {round}: {most} beyond {bound}");
+            nearest = nearest.max(most / bound);
+        }
+        assert!(nearest > 0.5, "{nearest}");
+        assert_eq!(drift([&long, &bent], &RigidMap::IDENTITY, &RigidMap::IDENTITY), 0.0);
     }
 }

@@ -306,6 +306,6 @@ fn scale(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
     models[0].radius() + models[1].radius() + first_from_second.translation.length()
 }
 
-fn length_error(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
+pub(crate) fn length_error(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
     64.0 * f64::EPSILON * scale(models, first_from_second)
 }

@@ -102,6 +102,11 @@ impl PairAhead {
         self.base.max(longest(&self.may()))
     }
 
+    /// The shortest reach: rapier's prediction distance for what is slow.
+    pub(crate) fn base(&self) -> Real {
+        self.base
+    }
+
     /// How far a contact may have moved since the step before.
     pub(crate) fn drift(&self) -> Real {
         let [a, b] = &self.motions;
@@ -193,12 +198,6 @@ impl Motions {
         let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
         let of = |tag: u32| known.bodies.get(tag as usize).copied();
         Some(PairAhead { motions: [of(first)?, of(second)?], base: known.base })
-    }
-
-    /// Whether a body may move so far in the next step that its pairs are looked at farther than by the shortest reach.
-    pub(crate) fn is_hasty(&self, tag: usize) -> bool {
-        let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
-        known.bodies.get(tag).is_none_or(|motion| motion.is_fast(known.base))
     }
 
     /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the prediction

@@ -43,7 +43,7 @@ pub(crate) fn thickness(model: &Model) -> f64 {
 
 /// Contacts in place of an answer's own (first body's frame), where those do not lead out; `None` where they do.
 pub(crate) fn way_out(
-    models: &[Model; 2],
+    models: [&Model; 2],
     thickness: f64,
     pose: &Pose,
     answer: &Answer,
@@ -62,7 +62,7 @@ pub(crate) fn way_out(
     }
     let asked;
     let regions = if answer.regions.is_empty() {
-        asked = ask(models.each_ref(), *pose, Demand::Regions { margin: 0.0 }, memory)?.regions;
+        asked = ask(models, *pose, Demand::Regions { margin: 0.0 }, memory)?.regions;
         &asked
     } else {
         &answer.regions
@@ -83,9 +83,9 @@ pub(crate) fn way_out(
 }
 
 /// The lesser body, along the region's normal.
-fn out_of_a_region(models: &[Model; 2], pose: &Pose, region: &Region, told: f64) -> [Contact; 3] {
+fn out_of_a_region(models: [&Model; 2], pose: &Pose, region: &Region, told: f64) -> [Contact; 3] {
     let volume = |model: &Model| model.mass_properties().map_or(0.0, |mass| mass.volume);
-    let first = volume(&models[0]) <= volume(&models[1]);
+    let first = volume(models[0]) <= volume(models[1]);
     let deepest = &region.deepest;
     let depth = -deepest.separation;
     led(models, pose, first, region.normal, deepest.point_a, depth.min(told))
@@ -95,7 +95,7 @@ fn out_of_a_region(models: &[Model; 2], pose: &Pose, region: &Region, told: f64)
 /// Contacts so deep that lead the first body, or else the second, along a normal (from first to second); through a
 /// point. Told as of the first faces.
 fn led(
-    models: &[Model; 2],
+    models: [&Model; 2],
     pose: &Pose,
     first: bool,
     normal: DVec3,
@@ -103,10 +103,10 @@ fn led(
     depth: f64,
 ) -> [Contact; 3] {
     let places = if first {
-        places(&models[0], normal)
+        places(models[0], normal)
     } else {
         let map = pose.world_from_body();
-        places(&models[1], map.inverse().apply_vector(normal)).map(|p| map.apply(p))
+        places(models[1], map.inverse().apply_vector(normal)).map(|p| map.apply(p))
     };
     places.map(|place| {
         let point_a = place + normal * normal.dot(through - place);
@@ -122,13 +122,13 @@ fn led(
 
 /// A body wholly inside another: out through the nearest point of that one's surface.
 fn out_of_a_solid(
-    models: &[Model; 2],
+    models: [&Model; 2],
     pose: &Pose,
     contained: Containment,
     told: f64,
     memory: &mut PairMemory,
 ) -> Option<Vec<Contact>> {
-    let answer = ask(models.each_ref(), *pose, Demand::Distance { below: None }, memory)?;
+    let answer = ask(models, *pose, Demand::Distance { below: None }, memory)?;
     let [first, second] = answer.witnesses?;
     let (inner, outer) = match contained {
         Containment::AInB => (first, second),
@@ -149,10 +149,10 @@ fn out_of_a_solid(
     let inner_first = contained == Containment::AInB;
     let second_from_first = pose.world_from_body().inverse();
     let (model, way, through) = match inner_first {
-        true => (&models[0], outward, outer.point),
+        true => (models[0], outward, outer.point),
         false => {
             let way = second_from_first.apply_vector(outward);
-            (&models[1], way, second_from_first.apply(outer.point))
+            (models[1], way, second_from_first.apply(outer.point))
         }
     };
     let heights = model.mesh().vertices().iter().map(|&p| way.dot(through - p));

@@ -19,7 +19,7 @@
 
 use std::time::{Duration, Instant};
 
-use cranny_exact::RigidMap;
+use cranny_exact::{Pose as ExactPose, RigidMap};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Demand, PairMemory};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
@@ -37,12 +37,14 @@ use rapier3d::parry::shape::{Compound, Shape};
 use crate::ahead::{Motions, PairAhead};
 use crate::apart::{Apart, apart};
 use crate::ask::ask;
+use crate::carried::{CARRIED_WITHIN, Searches};
 use crate::casts::{AtOnce, Cast};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::log::AnswerLog;
-use crate::manifolds::{Manifold, rebuild};
-use crate::pair::{Found, PairWorkspace, for_parry, involves_ours, ours};
+use crate::manifolds::{Manifold, SolverContact, rebuild};
+use crate::pair::{Answered, PairWorkspace, for_parry, involves_ours, ours};
 use crate::partners::{holds, polyhedron, revolved, rounded_polyhedron};
+use crate::shape::MeshShape;
 
 /// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact may have moved
 /// and still be the same: beyond, its impulse belongs to another place.
@@ -53,6 +55,10 @@ const SAME_PLACE: f64 = 1.0;
 pub struct Dispatcher {
     log: Option<AnswerLog>,
     motions: Motions,
+    /// What was searched last, of pairs that `motions` knows.
+    searches: Option<Searches>,
+    /// Whether contacts are carried on.
+    carries: bool,
 }
 
 /// A dispatcher without an answer log to share.
@@ -71,6 +77,11 @@ impl Dispatcher {
     /// The same, looking no farther ahead than bodies come nearer.
     pub(crate) fn looking_ahead(self, motions: Motions) -> Self {
         Self { motions, ..self }
+    }
+
+    /// The same, counting searches, and carrying contacts on if asked.
+    pub(crate) fn carrying(self, searches: Searches, carries: bool) -> Self {
+        Self { searches: Some(searches), carries, ..self }
     }
 }
 
@@ -160,31 +171,104 @@ impl Dispatcher {
             return Some(Duration::ZERO);
         }
         let mut pair = taken(workspace, g1, g2);
-        let Found { mut contacts, answer } = pair.found(&pose, g1, g2, reach.into())?;
+        let asked = Asked { pose, shapes: [g1, g2], reach: reach.into() };
+        let carried = ahead.and_then(|ahead| self.carried(&asked, &ahead, &mut pair));
+        let (mut contacts, answer) = match carried {
+            Some(contacts) => (contacts, None),
+            None => self.searched(&asked, &mut pair)?,
+        };
         if let Some(ahead) = &ahead {
             contacts.retain(|contact| ahead.may_close(contact));
         }
         let drift = ahead.as_ref().map_or(prediction, PairAhead::drift);
         rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
-        let mut read = Duration::ZERO;
-        if let (Some(log), Some(s1), Some(s2)) = (&self.log, ours(g1), ours(g2)) {
-            let fields = log.fields(s1.tag(), s2.tag());
-            let told = match answer {
-                Some((answer, demand)) if fields.told_by(demand) => Some((answer, demand)),
-                Some(_) => {
-                    let (begin, demand) = (Instant::now(), fields.demand());
-                    let told = ask([s1.model(), s2.model()], pose, demand, pair.memory());
-                    read = begin.elapsed();
-                    told.map(|answer| (answer, demand))
-                }
-                None => None,
-            };
-            if let Some(told) = told {
-                log.put((s1.tag(), s2.tag()), told, pose);
-            }
-        }
+        let read = self.told_to_reader(&asked, answer, &mut pair);
         *workspace = Some(ContactManifoldsWorkspace::from(*pair));
         Some(read)
+    }
+
+    /// The contacts of the pair's last search at its present pose, where they may be carried on.
+    fn carried(
+        &self,
+        asked: &Asked,
+        ahead: &PairAhead,
+        pair: &mut PairWorkspace,
+    ) -> Option<Vec<SolverContact>> {
+        let searches = self.searches.as_ref().filter(|_| self.carries)?;
+        let tags = asked.tags()?;
+        let search = searches.of_step_before(tags).filter(|search| asked.reach <= search.reach)?;
+        let within = CARRIED_WITHIN * f64::from(ahead.base());
+        let mut contacts = pair.carried(&search, &asked.pose, within)?;
+        contacts.retain(|contact| contact.separation <= asked.reach);
+        searches.carry(tags);
+        Some(contacts)
+    }
+
+    /// The contacts of the pair at its present pose, searched; `None` where parry must tell them.
+    fn searched(
+        &self,
+        asked: &Asked,
+        pair: &mut PairWorkspace,
+    ) -> Option<(Vec<SolverContact>, Option<Answered>)> {
+        let Asked { pose, shapes: [g1, g2], reach } = *asked;
+        let found = pair.found(&pose, g1, g2, reach)?;
+        if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
+            let search = (pose, reach);
+            let kept = self.carries && pair.keep(&found, search);
+            searches.note(tags, kept.then_some(search));
+        }
+        Some((found.contacts, found.answer))
+    }
+
+    /// Logs an answer at the present pose that holds what the log's reader reads, and returns the time of
+    /// asking for it. A solver's answer is logged whoever reads; none is made for nobody.
+    fn told_to_reader(
+        &self,
+        asked: &Asked,
+        answer: Option<Answered>,
+        pair: &mut PairWorkspace,
+    ) -> Duration {
+        let (Some(log), Some(tags), Some(models)) = (&self.log, asked.tags(), asked.models())
+        else {
+            return Duration::ZERO;
+        };
+        let fields = log.fields(tags.0, tags.1);
+        let have = answer.as_ref().map_or(Demand::None, |(_, demand)| *demand);
+        let (begin, demand) = (Instant::now(), fields.demand());
+        let (told, read) = if fields.told_by(have) {
+            (answer, Duration::ZERO)
+        } else {
+            let told = ask(models, asked.pose, demand, pair.memory());
+            (told.map(|answer| (answer, demand)), begin.elapsed())
+        };
+        if let Some(told) = told {
+            log.put(tags, told, asked.pose);
+        }
+        read
+    }
+}
+
+/// A question of rapier's about a pair.
+struct Asked<'a> {
+    /// Of the second shape in the first one's frame.
+    pose: ExactPose,
+    shapes: [&'a dyn Shape; 2],
+    reach: f64,
+}
+
+impl<'a> Asked<'a> {
+    /// Of two shapes of ours.
+    fn ours(&self) -> Option<[&'a MeshShape; 2]> {
+        let [g1, g2] = self.shapes;
+        Some([ours(g1)?, ours(g2)?])
+    }
+
+    fn tags(&self) -> Option<(u32, u32)> {
+        self.ours().map(|[s1, s2]| (s1.tag(), s2.tag()))
+    }
+
+    fn models(&self) -> Option<[&'a Model; 2]> {
+        self.ours().map(|shapes| shapes.map(MeshShape::model))
     }
 }
 

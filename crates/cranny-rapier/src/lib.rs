@@ -60,6 +60,7 @@
 mod ahead;
 mod apart;
 mod ask;
+mod carried;
 mod casts;
 mod convert;
 mod deep;
@@ -77,6 +78,7 @@ pub mod simulation;
 #[cfg(feature = "snapshot")]
 pub mod snapshot;
 
+pub use carried::{CARRIED_WITHIN, PairCounts};
 pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 pub use cranny_narrow_phase::Normals;
 pub use detector::{Detector, UnknownDetector};
@@ -86,7 +88,7 @@ pub use log::{AnswerLog, LoggedAnswer};
 pub use mass::{MassError, mass_properties};
 pub use shape::{MeshShape, ShapeError};
 pub use simulation::{
-    BodyIndex, BodyKind, BodySpec, Energy, KEPT_WITHIN, PairContacts, Simulation, SimulationError,
+    BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Simulation, SimulationError,
     SimulationOptions, Timings,
 };
 #[cfg(feature = "snapshot")]

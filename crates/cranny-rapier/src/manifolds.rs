@@ -79,9 +79,6 @@ pub(crate) fn rebuild(
     reach: f64,
     manifolds: &mut Vec<Manifold>,
 ) {
-    let mut memory = Impulses::of(manifolds);
-    let map = first_from_second.world_from_body();
-    let inverse = map.inverse();
     let mut groups: Vec<(DVec3, Vec<&SolverContact>)> = Vec::new();
     for contact in contacts {
         let home = groups.iter_mut().find(|(normal, members)| {
@@ -92,23 +89,26 @@ pub(crate) fn rebuild(
             None => groups.push((contact.normal, vec![contact])),
         }
     }
+    let inverse = first_from_second.world_from_body().inverse();
+    // What rests has the same contacts as in the step before: they keep their impulses where they stand.
+    if groups.len() == manifolds.len()
+        && groups.iter().zip(&*manifolds).all(|((_, members), manifold)| is_of(manifold, members))
+    {
+        for ((normal, members), manifold) in groups.iter().zip(manifolds) {
+            turn(manifold, *normal, &inverse);
+            for (contact, point) in members.iter().zip(&mut manifold.points) {
+                *point = TrackedContact { data: point.data, ..tracked(contact, &inverse) };
+            }
+        }
+        return;
+    }
+    let mut memory = Impulses::of(manifolds);
     manifolds.clear();
     for (index, (normal, members)) in groups.into_iter().enumerate() {
         let mut manifold =
             Manifold::with_data(index as u32, index as u32, ContactManifoldData::default());
-        manifold.local_n1 = narrow(normal);
-        manifold.local_n2 = narrow(inverse.apply_vector(-normal));
-        for contact in members {
-            let (first, second) = contact.ids;
-            let point = TrackedContact::new(
-                narrow(contact.on_first),
-                narrow(inverse.apply(contact.on_second)),
-                first,
-                second,
-                contact.separation as Real,
-            );
-            manifold.points.push(point);
-        }
+        turn(&mut manifold, normal, &inverse);
+        manifold.points.extend(members.into_iter().map(|contact| tracked(contact, &inverse)));
         manifolds.push(manifold);
     }
     // Ids first, for all: what stands at a place may belong to a contact that comes later.
@@ -125,6 +125,34 @@ pub(crate) fn rebuild(
     for (point, normal) in strangers {
         point.data = memory.by_place(point, normal, reach);
     }
+}
+
+/// Whether these contacts are a manifold's, in its order.
+fn is_of(manifold: &Manifold, members: &[&SolverContact]) -> bool {
+    manifold.points.len() == members.len()
+        && manifold
+            .points
+            .iter()
+            .zip(members)
+            .all(|(point, contact)| (point.fid1, point.fid2) == contact.ids)
+}
+
+/// Gives a manifold its normal.
+fn turn(manifold: &mut Manifold, normal: DVec3, second_from_first: &RigidMap) {
+    manifold.local_n1 = narrow(normal);
+    manifold.local_n2 = narrow(second_from_first.apply_vector(-normal));
+}
+
+/// A contact as rapier has it, without an impulse.
+fn tracked(contact: &SolverContact, second_from_first: &RigidMap) -> TrackedContact<ContactData> {
+    let (first, second) = contact.ids;
+    TrackedContact::new(
+        narrow(contact.on_first),
+        narrow(second_from_first.apply(contact.on_second)),
+        first,
+        second,
+        contact.separation as Real,
+    )
 }
 
 /// Two bits of rapier's ids say what kind a feature is; meshes of more than 2^30 features do not exist.

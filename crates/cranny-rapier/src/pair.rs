@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, smooth_normal};
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, drift, smooth_normal};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -20,6 +20,7 @@ use rapier3d::parry::query::{
 use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
 
 use crate::ask::ask;
+use crate::carried::{CarriedList, Search};
 use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
 use crate::deep::way_out;
 use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
@@ -57,6 +58,8 @@ pub(crate) fn for_parry(shape: &dyn Shape) -> &dyn Shape {
 /// What a pair keeps between steps, inside rapier's own workspace of the pair.
 pub(crate) struct PairWorkspace {
     memory: Mutex<PairMemory>,
+    /// What the pair's last search found, if its contacts may be carried on.
+    carried: Option<CarriedList>,
     /// What is asked about of each side: a model, where both have one.
     cores: Option<[Core; 2]>,
     /// Whether deep overlaps are told as a solver is led out of them, not as they are.
@@ -74,6 +77,7 @@ impl Clone for PairWorkspace {
     fn clone(&self) -> Self {
         Self {
             memory: Mutex::new(self.memory.lock().unwrap_or_else(PoisonError::into_inner).clone()),
+            carried: self.carried.clone(),
             cores: self.cores.clone(),
             leads_out: self.leads_out,
             parts: self.parts.clone(),
@@ -101,18 +105,27 @@ impl WorkspaceData for PairWorkspace {
     }
 }
 
+/// An answer and what was asked.
+pub(crate) type Answered = (Answer, Demand);
+
 /// What a pair's contacts are.
 pub(crate) struct Found {
     /// Within reach, in the first shape's frame, from first to second.
     pub(crate) contacts: Vec<SolverContact>,
     /// The whole answer and what it was asked, where the pair was asked about as two models.
-    pub(crate) answer: Option<(Answer, Demand)>,
+    pub(crate) answer: Option<Answered>,
+    /// Whether the contacts are one way out, and not the answer's.
+    led: bool,
 }
 
 impl Found {
     fn of_contacts(contacts: Vec<Contact>) -> Self {
         let contacts = contacts.iter().map(|c| SolverContact::of(c, features_of(c)));
-        Self { contacts: contacts.collect(), answer: None }
+        Self::without_answer(contacts.collect())
+    }
+
+    fn without_answer(contacts: Vec<SolverContact>) -> Self {
+        Self { contacts, answer: None, led: false }
     }
 }
 
@@ -144,6 +157,7 @@ impl PairWorkspace {
     fn of_cores(cores: Option<[Core; 2]>, leads_out: bool) -> Self {
         Self {
             memory: Mutex::default(),
+            carried: None,
             cores,
             leads_out,
             parts: BTreeMap::new(),
@@ -180,7 +194,7 @@ impl PairWorkspace {
         if g1.as_compound().is_some() || g2.as_compound().is_some() {
             let involved = involves_ours(g1) || involves_ours(g2);
             let contacts = involved.then(|| self.of_parts(pose, g1, g2, reach))?;
-            return Some(Found { contacts, answer: None });
+            return Some(Found::without_answer(contacts));
         }
         match &self.cores {
             Some(cores) => {
@@ -192,40 +206,61 @@ impl PairWorkspace {
     }
 
     fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: f64) -> Found {
-        let radii = cores.each_ref().map(|core| core.radius);
         let thickness = cores[0].thickness.min(cores[1].thickness);
-        let [first, second] = cores;
-        let (models, smooth) = ([first.model, second.model], [first.smooth, second.smooth]);
-        let margin = reach + radii[0] + radii[1];
+        let models = cores.each_ref().map(|core| &core.model);
+        let margin = reach + cores[0].radius + cores[1].radius;
         let demand = match self.leads_out {
-            true => solver_demand(models.each_ref(), margin),
+            true => solver_demand(models, margin),
             false => Demand::contacts(margin),
         };
-        let Some(answer) = ask(models.each_ref(), *pose, demand, self.memory()) else {
-            return Found { contacts: Vec::new(), answer: None };
+        let Some(answer) = ask(models, *pose, demand, self.memory()) else {
+            return Found::without_answer(Vec::new());
         };
         let led = match self.leads_out {
-            true => way_out(&models, thickness, pose, &answer, self.memory()),
+            true => way_out(models, thickness, pose, &answer, self.memory()),
             false => None,
         };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
-        let is_smooth = self.leads_out && led.is_none() && smooth.iter().any(Option::is_some);
-        let bodies = [
-            Placed { model: &models[0], pose: ExactPose::IDENTITY },
-            Placed { model: &models[1], pose: *pose },
-        ];
-        let contacts = led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
-            let ids = ids_of(contact, models.each_ref(), demand);
-            let told = SolverContact::of(contact, ids).rounded(radii);
-            if is_smooth {
-                let normal =
-                    smooth_normal(contact, bodies, smooth.each_ref().map(Option::as_deref));
-                SolverContact { normal, ..told }
-            } else {
-                told
-            }
+        let is_smooth = self.leads_out && led.is_none();
+        let contacts =
+            led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
+                told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth)
+            });
+        Found { contacts: contacts.collect(), led: led.is_some(), answer: Some((answer, demand)) }
+    }
+
+    /// Keeps what a search found, if it can be carried on.
+    pub(crate) fn keep(&mut self, found: &Found, search: (ExactPose, f64)) -> bool {
+        let answer = found.answer.as_ref().filter(|_| !found.led);
+        self.carried = answer.zip(self.cores.as_ref()).map(|((answer, _), cores)| {
+            let models = cores.each_ref().map(|core| &core.model);
+            let ids = found.contacts.iter().map(|contact| contact.ids);
+            CarriedList::of(models, search, answer.contacts.iter().zip(ids))
         });
-        Found { contacts: contacts.collect(), answer: Some((answer, demand)) }
+        self.carried.is_some()
+    }
+
+    /// The contacts of a search at a pose that differs from its own by a drift of `within` at most;
+    /// `None` where it differs by more, or a contact has left its features.
+    pub(crate) fn carried(
+        &mut self,
+        search: &Search,
+        pose: &ExactPose,
+        within: f64,
+    ) -> Option<Vec<SolverContact>> {
+        let map = pose.world_from_body();
+        let models = self.cores.as_ref()?.each_ref().map(|core| &core.model);
+        if drift(models, &search.pose.world_from_body(), &map) > within {
+            return None;
+        }
+        // After a snapshot only the search is known, and what it found follows from it.
+        if !self.carried.as_ref().is_some_and(|list| list.is_of(search)) {
+            let found = self.of_models(&search.pose, self.cores.clone()?, search.reach);
+            self.keep(&found, (search.pose, search.reach));
+        }
+        let (cores, list) = (self.cores.as_ref()?, self.carried.as_ref()?);
+        let contacts = list.refreshed(&map, within)?;
+        Some(contacts.iter().map(|(contact, ids)| told(contact, *ids, cores, pose, true)).collect())
     }
 
     fn of_parts(
@@ -261,6 +296,26 @@ impl PairWorkspace {
         }
         contacts
     }
+}
+
+/// A contact of two cores as a solver gets it: of what they are rounded to, and by their smooth normals if wanted.
+fn told(
+    contact: &Contact,
+    ids: (PackedFeatureId, PackedFeatureId),
+    cores: &[Core; 2],
+    pose: &ExactPose,
+    is_smooth: bool,
+) -> SolverContact {
+    let told = SolverContact::of(contact, ids).rounded(cores.each_ref().map(|core| core.radius));
+    let smooth = cores.each_ref().map(|core| core.smooth.as_deref());
+    if !is_smooth || smooth.iter().all(Option::is_none) {
+        return told;
+    }
+    let bodies = [
+        Placed { model: &cores[0].model, pose: ExactPose::IDENTITY },
+        Placed { model: &cores[1].model, pose: *pose },
+    ];
+    SolverContact { normal: smooth_normal(contact, bodies, smooth), ..told }
 }
 
 /// The parts of a compound, each with its pose; any other shape is its own only part.

@@ -4,7 +4,7 @@
 //! | rapier setting | here | why |
 //! |---|---|---|
 //! | `contact_clustering` | off with [`Detector::Cranny`] | it merges normals within 5 degrees and keeps the first; ours are few and exact at their own points |
-//! | `contact_recycling` | off with [`Detector::Cranny`] unless asked for, and then only of pairs at rest that drift by [`KEPT_WITHIN`] at most | by rapier's default contacts are kept while a pair drifts by several prediction distances; thin gaps do not forgive that |
+//! | `contact_recycling` | off with [`Detector::Cranny`] | rapier keeps contacts as they are while a pair drifts by several prediction distances; thin gaps do not forgive that. Ours are carried on, each told anew ([`CARRIED_WITHIN`](crate::CARRIED_WITHIN)) |
 //! | `friction_model` | Coulomb with [`Detector::Cranny`] | the simplified model rubs at a manifold's middle; most of ours have one point |
 //! | `num_solver_iterations` | enough for [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] unless asked for | they are rapier's substeps: at 1/60 s its default of 4 lets a falling chain sink in by half a link before it is stopped |
 //! | `normalized_prediction_distance` | with [`Detector::Cranny`] at each step at least as far as any two bodies near each other can come nearer in it; each pair is looked at as far as *its* bodies can | fast bodies are stopped before they overlap, also where one of two that fall together is stopped by a third |
@@ -33,9 +33,10 @@ use rapier3d::prelude::{
 
 use self::body::check_numbers;
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
-pub use self::options::{KEPT_WITHIN, SOLVER_SUBSTEP, SimulationOptions};
+pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
 pub use self::told::{Energy, PairContacts, Timings};
 use crate::ahead::{Motions, Tagged};
+use crate::carried::{PairCounts, Searches};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 use crate::detector::Detector;
 use crate::dispatcher::Dispatcher;
@@ -70,6 +71,9 @@ pub struct Simulation {
     pub(crate) poses_before: Vec<Pose>,
     pub(crate) exclusions: Exclusions,
     pub(crate) log: AnswerLog,
+    pub(crate) searches: Searches,
+    /// How the contacts of the last step were found.
+    pair_counts: PairCounts,
     /// Whether joints were inserted that no step has seen: rapier's serde would lose that.
     #[cfg_attr(not(feature = "snapshot"), allow(dead_code, reason = "a snapshot asks"))]
     pub(crate) joined: bool,
@@ -90,8 +94,14 @@ impl PhysicsHooks for Exclusions {
     }
 }
 
-fn dispatcher_of(log: &AnswerLog, motions: &Motions) -> Dispatcher {
-    Dispatcher::with_log(log.clone()).looking_ahead(motions.clone())
+fn dispatcher_of(
+    options: &SimulationOptions,
+    log: &AnswerLog,
+    motions: &Motions,
+    searches: &Searches,
+) -> Dispatcher {
+    let dispatcher = Dispatcher::with_log(log.clone()).looking_ahead(motions.clone());
+    dispatcher.carrying(searches.clone(), options.carries())
 }
 
 impl Simulation {
@@ -109,12 +119,10 @@ impl Simulation {
             parameters.friction_model = FrictionModel::Coulomb;
         }
         parameters.num_solver_iterations = options.substeps();
-        parameters.contact_recycling = options.recycling.unwrap_or(!ours);
-        if options.keeps_resting() {
-            parameters.normalized_contact_recycle_distance = KEPT_WITHIN as Real;
-        }
+        parameters.contact_recycling = options.rapier_recycles();
         let (log, motions) = (AnswerLog::default(), Motions::default());
-        let dispatcher = dispatcher_of(&log, &motions);
+        let searches = Searches::default();
+        let dispatcher = dispatcher_of(&options, &log, &motions, &searches);
         let mut pipeline = PhysicsPipeline::new();
         pipeline.counters.enable();
         Self {
@@ -140,6 +148,8 @@ impl Simulation {
             poses_before: Vec::new(),
             exclusions: Exclusions::default(),
             log,
+            searches,
+            pair_counts: PairCounts::default(),
             joined: false,
         }
     }
@@ -147,7 +157,7 @@ impl Simulation {
     /// What puts the detector into rapier, and tells this simulation.
     #[cfg(feature = "snapshot")]
     pub(crate) fn dispatcher(&self) -> Dispatcher {
-        dispatcher_of(&self.log, &self.motions)
+        dispatcher_of(&self.options, &self.log, &self.motions, &self.searches)
     }
 
     /// rapier's parameters, for what the options do not say.

@@ -62,7 +62,8 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         SubstepsArg::Own => None,
     };
     let mut contestants = Vec::new();
-    for (kind, recycling) in asked.iter().flat_map(|kind| ways(*kind, args.recycling)) {
+    let ways = ways(args.recycling);
+    for (kind, recycling) in asked.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way))) {
         let spinner = progress::spinner(format!("preparing {kind}"));
         let options = RunOptions {
             plugins: PluginOptions {
@@ -132,16 +133,13 @@ fn each_once(named: impl Iterator<Item = Detector>) -> Vec<Detector> {
     detectors
 }
 
-/// With which recycling of contacts a detector runs.
-fn ways(detector: Detector, asked: RecyclingArg) -> Vec<(Detector, bool)> {
-    let usual = detector != Detector::Cranny;
-    let ways = match asked {
-        RecyclingArg::Usual => &[usual][..],
+/// With which recycling of contacts each detector runs.
+fn ways(asked: RecyclingArg) -> &'static [bool] {
+    match asked {
         RecyclingArg::On => &[true],
         RecyclingArg::Off => &[false],
-        RecyclingArg::Both => &[usual, !usual],
-    };
-    ways.iter().map(|&way| (detector, way)).collect()
+        RecyclingArg::Both => &[true, false],
+    }
 }
 
 fn tell(rows: &[Figures], format: Format) -> Result<(), Failure> {
@@ -160,15 +158,5 @@ mod tests {
     fn who_is_named_twice_runs_once() {
         let named = [Detector::RapierTrimesh, Detector::Cranny, Detector::RapierTrimesh];
         assert_eq!(each_once(named.into_iter()), named[..2]);
-    }
-
-    #[test]
-    fn both_ways_begin_with_the_usual_one() {
-        let told = |detector, asked| ways(detector, asked).into_iter().map(|(_, way)| way);
-        assert!(told(Detector::Cranny, RecyclingArg::Usual).eq([false]));
-        assert!(told(Detector::RapierTrimesh, RecyclingArg::Usual).eq([true]));
-        assert!(told(Detector::Cranny, RecyclingArg::Both).eq([false, true]));
-        assert!(told(Detector::RapierTrimesh, RecyclingArg::Both).eq([true, false]));
-        assert!(told(Detector::Cranny, RecyclingArg::On).eq([true]));
     }
 }

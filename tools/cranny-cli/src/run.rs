@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    ContactFields, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError,
-    check_outputs, helices, rings,
+    ContactFields, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp,
+    SceneAppError, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -158,6 +158,10 @@ fn text(summary: &RunSummary) -> String {
     let spent: Vec<String> = spent.map(|(phase, ms)| format!("{phase} {ms:.1}")).collect();
     lines.add("time, ms", spent.join(", "));
     lines.add("pairs", format!("{:.1} a step, at most {}", summary.pairs.mean, summary.pairs.max));
+    if let Some(PairsFound { carried, searched }) = &summary.pairs_found {
+        let told = format!("{:.1} carried on a step, {:.1} searched", carried.mean, searched.mean);
+        lines.add("- contacts", told);
+    }
     let contacts = &summary.contacts;
     lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
     lines.add("deepest", deepest(summary));

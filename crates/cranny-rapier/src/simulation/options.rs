@@ -9,11 +9,6 @@ use crate::detector::Detector;
 /// 240 Hz. Longer: a chain of twelve links tears at 60 Hz; shorter: solving takes longer for nothing.
 pub const SOLVER_SUBSTEP: f64 = 1.0 / 960.0;
 
-/// How far, as a multiple of the length unit, a pair of slow bodies may drift and keep the contacts of an earlier step: a tenth of
-/// rapier's own allowance for overlaps. A contact rides with its bodies meanwhile, its separation with it. Larger: what comes near while a
-/// pair drifts is seen later by as much; smaller: what rests is asked about in each step.
-pub const KEPT_WITHIN: f64 = 0.0005;
-
 /// How a simulation runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationOptions {
@@ -26,9 +21,9 @@ pub struct SimulationOptions {
     /// How many units of length make what rapier takes for a metre; scales its prediction distance
     /// (0.02 of it) and tolerances.
     pub length_unit: f64,
-    /// Whether rapier may reuse contacts while a pair moves little. `None`: its default for its own
-    /// detectors, never for ours. With ours, where asked for, within [`KEPT_WITHIN`], and never of what is about to move by
-    /// more than half the prediction distance.
+    /// Whether contacts of a pair that drifts by little are carried on instead of searched in each step: with our detector
+    /// told anew at each pose, within [`CARRIED_WITHIN`](crate::CARRIED_WITHIN), with rapier's own by its
+    /// `contact_recycling`. `None`: they are.
     pub recycling: Option<bool>,
     /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough for
     /// [`SOLVER_SUBSTEP`] for ours.
@@ -60,9 +55,14 @@ impl SimulationOptions {
         enough.max(IntegrationParameters::default().num_solver_iterations)
     }
 
-    /// Whether only what rests may keep its contacts.
-    pub(super) fn keeps_resting(&self) -> bool {
-        self.detector == Detector::Cranny && self.recycling == Some(true)
+    /// Whether our detector carries contacts on.
+    pub(super) fn carries(&self) -> bool {
+        self.detector == Detector::Cranny && self.recycling.unwrap_or(true)
+    }
+
+    /// Whether rapier reuses contacts as they were.
+    pub(super) fn rapier_recycles(&self) -> bool {
+        self.detector != Detector::Cranny && self.recycling.unwrap_or(true)
     }
 }
 

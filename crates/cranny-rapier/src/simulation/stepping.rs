@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use rapier3d::math::Real;
-use rapier3d::prelude::{ActiveHooks, IntegrationParameters};
+use rapier3d::prelude::IntegrationParameters;
 
 use super::{BodyIndex, Simulation, Timings};
 use crate::ahead::World;
@@ -26,6 +26,7 @@ impl Simulation {
         self.parameters.dt = whole.dt;
         self.parameters.num_solver_iterations = whole.num_solver_iterations;
         self.joined = false;
+        self.pair_counts = self.searches.take_counts();
         self.forget_parted();
     }
 
@@ -45,6 +46,7 @@ impl Simulation {
     /// A step of rapier's.
     fn advance(&mut self) {
         self.log.begin_step();
+        self.searches.begin_step();
         for index in 0..self.handles.len() {
             self.poses_before[index] = self.pose(BodyIndex(index as u32));
         }
@@ -85,27 +87,8 @@ impl Simulation {
         let broad_phase = &mut self.broad_phase;
         let ahead = self.motions.look(&world, broad_phase, &parameters, self.settled);
         self.settled = true;
-        if self.options.keeps_resting() {
-            self.refresh_hasty();
-        }
         parameters.normalized_prediction_distance = ahead / parameters.length_unit;
         parameters
-    }
-
-    /// Has rapier ask anew about pairs of whatever may move far in this step: kept contacts are those of a shorter reach. It keeps none of
-    /// a collider with hooks; ours does nothing.
-    fn refresh_hasty(&mut self) {
-        for (tag, tagged) in self.tagged.iter().enumerate() {
-            let Some(collider) = self.colliders.get(tagged.collider) else { continue };
-            let (hasty, hooks) = (self.motions.is_hasty(tag), collider.active_hooks());
-            let mut wanted = hooks;
-            wanted.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, hasty);
-            if wanted != hooks
-                && let Some(collider) = self.colliders.get_mut(tagged.collider)
-            {
-                collider.set_active_hooks(wanted);
-            }
-        }
     }
 
     /// How far ahead bodies were looked at in the last step, at most: rapier's prediction distance, as long as nothing
@@ -115,13 +98,14 @@ impl Simulation {
         self.looked_ahead.into()
     }
 
-    /// Drops answers about pairs that rapier no longer considers, whenever they are the greater part.
+    /// Drops answers and searches of pairs that rapier no longer considers, whenever they are the greater part.
     fn forget_parted(&self) {
-        if self.log.len() <= 2 * self.pair_count() {
+        if self.log.len().max(self.searches.len()) <= 2 * self.pair_count() {
             return;
         }
         let present: HashSet<(u32, u32)> =
             self.narrow_phase.contact_pairs().filter_map(|pair| self.tags(pair)).collect();
         self.log.retain(|first, second| present.contains(&(first, second)));
+        self.searches.retain(|first, second| present.contains(&(first, second)));
     }
 }

@@ -6,6 +6,7 @@ use cranny_exact::Pose;
 use cranny_narrow_phase::{Answer, Fields};
 
 use super::{BodyIndex, Simulation};
+use crate::carried::PairCounts;
 use crate::convert::wide;
 
 /// What the detector said of a pair in rapier's last step.
@@ -138,6 +139,13 @@ impl Simulation {
     #[must_use]
     pub fn pair_count(&self) -> usize {
         self.narrow_phase.contact_pairs().count()
+    }
+
+    /// How the contacts of the last step were found, with our detector; a pair counts once in each
+    /// [part](Self::parts) of the step.
+    #[must_use]
+    pub fn pair_counts(&self) -> PairCounts {
+        self.pair_counts
     }
 
     /// Seconds spent in contact detection, any detector, since this was last asked.

@@ -39,6 +39,8 @@ struct Kept {
     /// The log's step.
     log_step: u64,
     answers: Vec<WrittenAnswer>,
+    /// The searches whose contacts the next step may carry on: tags, pose, reach.
+    searches: Vec<((u32, u32), WrittenPose, f64)>,
 }
 
 /// Rotation and translation.
@@ -128,6 +130,7 @@ impl Simulation {
             step: logged.step,
             demand: WrittenDemand::of(logged.demand),
         });
+        let searches = self.searches.lasting().into_iter();
         let tagged = self.tagged.iter();
         let kept = Kept {
             detector: detector.name().to_owned(),
@@ -147,6 +150,9 @@ impl Simulation {
             exclusions,
             log_step: self.log.step(),
             answers: answers.collect(),
+            searches: searches
+                .map(|(tags, search)| (tags, WrittenPose::of(&search.pose), search.reach))
+                .collect(),
         };
         let sets = Sets {
             gravity: Vector::ZERO, // the options' is in double precision
@@ -207,6 +213,9 @@ impl Simulation {
         simulation.log.continue_at(kept.log_step);
         for answer in kept.answers {
             simulation.ask_again(&answer)?;
+        }
+        for (tags, pose, reach) in kept.searches {
+            simulation.searches.put_back(tags, pose.pose(), reach);
         }
         Ok(simulation)
     }

@@ -1,5 +1,6 @@
 //! The detector inside rapier, judged by what bodies do and by answers that it did not give itself.
 
+mod carrying;
 mod casts;
 mod chain;
 mod character;

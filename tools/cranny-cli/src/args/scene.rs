@@ -105,8 +105,8 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_enum, value_name = "DETECTOR", value_delimiter = ',')]
     pub(crate) detector: Vec<DetectorArg>,
 
-    /// Whether rapier may keep a pair's contacts while the pair drifts a little
-    #[arg(long, value_enum, value_name = "WHICH", default_value = "usual")]
+    /// Whether a pair's contacts are carried on while the pair drifts a little
+    #[arg(long, value_enum, value_name = "WHICH", default_value = "on")]
     pub(crate) recycling: RecyclingArg,
 
     /// How many substeps the solver makes of a step
@@ -133,6 +133,7 @@ milliseconds: on a busy machine trust medians, not means):
   ready          seconds until the first step; exact models for judging are part of it for each
   step           broad phase, narrow phase and solver; narrow and solver of it, on average
   contacts       points that the solver got
+  carried        of the pairs that our detector was asked about, those whose contacts were carried on
   deepest        overlap of the exact shapes, at any step, along the normal of a contact region; where
                  shapes interlock, another way out may be shorter
   inside         steps in which a body lay wholly within another's material, whose depth is not known
@@ -150,8 +151,6 @@ Examples:
 /// Which recycling of contacts is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum RecyclingArg {
-    /// As each detector has it: off for cranny, on for rapier's own
-    Usual,
     /// On for all
     On,
     /// Off for all

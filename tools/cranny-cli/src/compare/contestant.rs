@@ -51,7 +51,7 @@ impl Contestant {
         );
         Ok(Self {
             detector,
-            recycling: recycling.unwrap_or(detector != Detector::Cranny),
+            recycling: recycling.unwrap_or(true),
             substeps: solver.substeps(),
             prepared_s: start.elapsed().as_secs_f64(),
             state,

@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use cranny_ecs::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    PartedSummary, RunSummary,
+    PairsFound, PartedSummary, RunSummary,
 };
-use cranny_rapier::Detector;
 use serde::Serialize;
 
 use crate::csv::{cell, quoted};
@@ -51,6 +50,8 @@ pub(super) struct Figures {
     pub(super) narrow_ms: Option<f64>,
     pub(super) solver_ms: Option<f64>,
     pub(super) contacts: Option<CountSummary>,
+    /// Of the pairs that our detector was asked about, the part whose contacts were carried on.
+    pub(super) carried_share: Option<f64>,
     pub(super) deepest: Option<DeepestSummary>,
     /// Bodies wholly within others, whose depth nothing tells.
     pub(super) contained: Option<ContainedSummary>,
@@ -93,6 +94,11 @@ impl Spread {
     }
 }
 
+fn share_carried(found: PairsFound) -> Option<f64> {
+    let all = found.carried.mean + found.searched.mean;
+    (all > 0.0).then(|| found.carried.mean / all)
+}
+
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
@@ -114,6 +120,7 @@ impl Figures {
             narrow_ms: mean(&of(|t| t.narrow)),
             solver_ms: mean(&of(|t| t.solver)),
             contacts: None,
+            carried_share: None,
             deepest: None,
             contained: None,
             energy: None,
@@ -128,6 +135,7 @@ impl Figures {
         if let Some(summary) = summary {
             row.dt = Some(summary.dt);
             row.contacts = Some(summary.contacts);
+            row.carried_share = summary.pairs_found.and_then(share_carried);
             row.deepest = summary.deepest;
             row.contained = summary.contained;
             row.energy = summary.energy;
@@ -140,14 +148,10 @@ impl Figures {
         row
     }
 
-    /// Its name, and whether it recycles where that is not what it usually does.
+    /// Its name, and whether it recycles, which it usually does.
     pub(super) fn name(&self) -> String {
         let Setting { detector, recycling, .. } = self.setting;
-        match (recycling, detector != Detector::Cranny.name()) {
-            (true, false) => format!("{detector}, recycled"),
-            (false, true) => format!("{detector}, not recycled"),
-            _ => detector.to_owned(),
-        }
+        if recycling { detector.to_owned() } else { format!("{detector}, not recycled") }
     }
 
     /// The rings that parted first.
@@ -180,6 +184,7 @@ impl Figures {
             told(self.narrow_ms, 3),
             told(self.solver_ms, 3),
             told(self.contacts.map(|c| c.mean), 0),
+            told(self.carried_share.map(|share| 100.0 * share), 0),
             told(self.deepest.as_ref().map(|d| d.depth), 5),
             self.contained.as_ref().map_or(String::new(), |c| c.steps.to_string()),
             told(gained, 2),
@@ -192,7 +197,7 @@ impl Figures {
 }
 
 /// Headings of the columns, in two lines; the first column is a name, the others are numbers.
-const HEADINGS: [[&str; 2]; 17] = [
+const HEADINGS: [[&str; 2]; 18] = [
     ["", "detector"],
     ["ready", "s"],
     ["", "steps"],
@@ -203,6 +208,7 @@ const HEADINGS: [[&str; 2]; 17] = [
     ["narrow", "mean"],
     ["solver", "mean"],
     ["contacts", "a step"],
+    ["carried", "% pairs"],
     ["deepest", "overlap"],
     ["inside", "steps"],
     ["energy %", "gained"],
@@ -277,7 +283,7 @@ fn notes(rows: &[Figures]) -> Vec<String> {
 pub(super) fn csv(rows: &[Figures]) -> String {
     let mut text = String::from(
         "detector,recycling,substeps,prepared_s,dt,steps,step_ms_mean,step_ms_median,step_ms_p99,\
-         step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,deepest,contained_steps,\
+         step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,carried_share,deepest,contained_steps,\
          energy_drift,energy_loss,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
     );
     for row in rows {
@@ -299,6 +305,7 @@ pub(super) fn csv(rows: &[Figures]) -> String {
             cell(row.solver_ms),
             cell(row.contacts.map(|c| c.mean)),
             cell(row.contacts.map(|c| c.max)),
+            cell(row.carried_share),
             cell(row.deepest.as_ref().map(|d| d.depth)),
             cell(row.contained.as_ref().map(|c| c.steps)),
             cell(row.energy_drift),
@@ -332,6 +339,7 @@ pub(super) fn steps_csv(rows: &[Figures]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cranny_rapier::Detector;
 
     fn row(detector: Detector, recycling: bool, ms: &[f64]) -> Figures {
         let times = ms.iter().map(|&narrow| StepTimes { narrow, ..StepTimes::default() });
@@ -354,7 +362,7 @@ mod tests {
     #[test]
     fn what_nobody_knows_has_no_column_and_what_failed_no_time() {
         let mut rows = vec![
-            row(Detector::Cranny, false, &[1.0, 3.0]),
+            row(Detector::Cranny, true, &[1.0, 3.0]),
             row(Detector::RapierTrimesh, false, &[]),
         ];
         rows[1].failure = Some("before its first step: \"no\"".to_owned());

@@ -123,6 +123,23 @@ fn a_pile_a_hinge_and_a_pair_that_is_left_out() {
     }
 }
 
+/// Written while contacts are carried on: they go on being carried on, from the same search.
+#[test]
+fn what_is_carried_on_goes_on_being_so() {
+    let (_, models) = pile(Detector::Cranny);
+    for before in 20..24 {
+        let counts = std::cell::Cell::new(0);
+        let count = |simulation: &mut Simulation| {
+            counts.set(counts.get() + simulation.pair_counts().carried);
+        };
+        let mut unread = pile(Detector::Cranny).0;
+        (0..before).for_each(|_| unread.step());
+        count(&mut unread);
+        assert!(counts.get() > 0, "nothing was carried on in step {before}");
+        goes_on(|| pile(Detector::Cranny).0, &models, [before, 30], |_| ());
+    }
+}
+
 /// In as many parts as before: the setting and the thicknesses are written.
 #[test]
 fn steps_in_parts() {
