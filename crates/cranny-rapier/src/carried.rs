@@ -32,11 +32,10 @@ use cranny_geometry::{EdgeId, Model};
 use cranny_narrow_phase::{Contact, Feature};
 use rapier3d::parry::shape::PackedFeatureId;
 
-/// The drift within which a pair's contacts are carried on, as a part of the prediction distance; a
-/// twenty-fifth of what rapier lets bodies overlap by anyway. Larger: features that are not listed are
-/// met later by as much, and a peg in a hole rests deeper than a fifth of its clearance of 0.05 mm (with
-/// ten times this 0.0114 mm); smaller: what swings and comes to rest is searched again.
-pub const CARRIED_WITHIN: f64 = 0.01;
+/// The drift within which a pair's contacts are carried on, as a part of the prediction distance.
+/// Larger: features that are not listed are met later by as much; smaller: what swings and comes to
+/// rest is searched again (with a tenth of this a hook on its ring takes four times as long).
+pub const CARRIED_WITHIN: f64 = 0.1;
 
 /// Squared sine of the angle below which two edges count as parallel, as in the search that finds
 /// them. Larger: pairs are searched for nothing; smaller: a small turn moves the contact far.
