@@ -24,6 +24,7 @@ use rapier3d::prelude::{
     ColliderHandle, ColliderSet, IntegrationParameters, QueryFilter, RigidBody, RigidBodySet,
 };
 
+use crate::carried::CARRIED_WITHIN;
 use crate::convert::narrow;
 use crate::deep::thickness;
 use crate::dispatcher::Dispatcher;
@@ -32,6 +33,11 @@ use crate::manifolds::SolverContact;
 /// Through how many bodies a motion is handed on within a step. More: everything in a pile that one body falls on
 /// looks ahead; fewer: what stands close behind a body that is hit is not seen by it.
 const HOPS: usize = 2;
+
+/// By how much more than their motions say two bodies may come nearer in a step, as a part of the
+/// prediction distance, apart from what gravity adds. More: the solver goes through contacts that
+/// nothing comes to; less: a body that is pushed goes in until the next step.
+const UNFORESEEN: Real = 0.25;
 
 /// The longest of a box of motions.
 fn longest(may: &Aabb) -> Real {
@@ -88,6 +94,7 @@ impl Motion {
 pub(crate) struct PairAhead {
     motions: [Motion; 2],
     base: Real,
+    reserve: Real,
 }
 
 impl PairAhead {
@@ -97,9 +104,11 @@ impl PairAhead {
         Aabb::new(a.may.mins - b.may.maxs, a.may.maxs - b.may.mins)
     }
 
-    /// Contacts that are farther away do not matter in this step.
+    /// Contacts that are farther away do not matter in this step, and in the next ones that carry a
+    /// list on.
     pub(crate) fn reach(&self) -> Real {
-        self.base.max(longest(&self.may()))
+        let lasting = self.reserve + 2.0 * CARRIED_WITHIN as Real * self.base;
+        lasting.min(self.base).max(longest(&self.may()))
     }
 
     /// The shortest reach: rapier's prediction distance for what is slow.
@@ -128,7 +137,7 @@ impl PairAhead {
         let normal = a.pose.rotation * narrow(contact.normal);
         let linear = (may.mins * normal).max(may.maxs * normal).element_sum();
         let turning = (a.turning(point) - b.turning(point)).dot(normal);
-        contact.separation <= f64::from(self.base.max(linear + turning.max(0.0)))
+        contact.separation <= f64::from(self.reserve.max(linear + turning.max(0.0)))
     }
 }
 
@@ -141,6 +150,8 @@ struct Known {
     bodies: Vec<Motion>,
     /// The shortest reach.
     base: Real,
+    /// Contacts as near as this count, whatever motions say.
+    reserve: Real,
 }
 
 /// Bodies as a simulation keeps them.
@@ -197,7 +208,8 @@ impl Motions {
     pub(crate) fn between(&self, first: u32, second: u32) -> Option<PairAhead> {
         let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
         let of = |tag: u32| known.bodies.get(tag as usize).copied();
-        Some(PairAhead { motions: [of(first)?, of(second)?], base: known.base })
+        let Known { base, reserve, .. } = *known;
+        Some(PairAhead { motions: [of(first)?, of(second)?], base, reserve })
     }
 
     /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the prediction
@@ -209,9 +221,12 @@ impl Motions {
         world: &World,
         broad_phase: &mut BroadPhaseBvh,
         parameters: &IntegrationParameters,
+        gravity: Vector,
         settled: bool,
     ) -> Real {
         let base = parameters.prediction_distance();
+        let fall = gravity.length() * parameters.dt * parameters.dt;
+        let reserve = base.min(UNFORESEEN * base + fall);
         let tags = 0..world.tagged.len();
         let mut bodies: Vec<Motion> =
             tags.filter_map(|tag| world.motion(tag, parameters.dt)).collect();
@@ -225,7 +240,7 @@ impl Motions {
             // rapier loosens boxes by half of it, but not those of what has long been there.
             2.0 * all.extents().length()
         };
-        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Known { bodies, base };
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Known { bodies, base, reserve };
         reach.max(base)
     }
 }
@@ -285,7 +300,11 @@ impl Neighbours<'_> {
     }
 
     fn between(&self, motions: &[Motion], pair: [u32; 2]) -> PairAhead {
-        PairAhead { motions: pair.map(|i| motions[i as usize]), base: self.base }
+        PairAhead {
+            motions: pair.map(|i| motions[i as usize]),
+            base: self.base,
+            reserve: self.base,
+        }
     }
 
     /// How much of another's motion a body may take over: all where that is slower, since others may hold it,

@@ -87,7 +87,8 @@ impl Passes<'_> {
     fn between(&self, i: usize, j: usize) -> Option<Pass> {
         let motions = [i, j].map(|k| self.known.bodies[k]);
         let turning = self.spin(i) + self.spin(j);
-        let pair = PairAhead { motions, base: self.known.base + turning };
+        let base = self.known.base + turning;
+        let pair = PairAhead { motions, base, reserve: base };
         let thickness = [i, j].map(|k| self.world.tagged[k].thickness);
         let travel = longest(&pair.may()) + turning;
         (!pair.stay_apart()).then_some(Pass { travel, thickness: thickness[0].min(thickness[1]) })

@@ -85,7 +85,8 @@ impl Simulation {
         let world =
             World { bodies: &self.bodies, colliders: &self.colliders, tagged: &self.tagged };
         let broad_phase = &mut self.broad_phase;
-        let ahead = self.motions.look(&world, broad_phase, &parameters, self.settled);
+        let gravity = narrow(self.options.gravity);
+        let ahead = self.motions.look(&world, broad_phase, &parameters, gravity, self.settled);
         self.settled = true;
         parameters.normalized_prediction_distance = ahead / parameters.length_unit;
         parameters
