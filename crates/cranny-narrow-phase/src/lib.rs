@@ -120,7 +120,7 @@ pub use memory::PairMemory;
 pub use motion::drift;
 pub use observe::{KeptNodes, MetParts, PairObserver, PartsCase};
 pub use query::{Demand, Method, Normals, Placed, Query};
-pub use reduce::reduce as reduce_contacts;
+pub use reduce::{reduce as reduce_contacts, reduce_level as reduce_level_contacts};
 pub use smooth::smooth_normal;
 pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 pub use verify::{Mismatch, query_verified};

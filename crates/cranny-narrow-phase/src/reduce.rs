@@ -38,23 +38,47 @@ const LEAST: usize = 4;
 /// common angle has this cosine, so rounding does not turn them.
 const BEGINS_WITH_Y: f64 = 0.8;
 
+/// Cosine of the angle (0.03 degrees) within which contacts bear alike. Larger: a turning nut loses
+/// motion to normals that are not its own; smaller: flat contacts fall apart by rounding.
+const SAME_NORMAL: f64 = 0.999_999_9;
+
 /// Reduces contacts to the deepest of each direction and those that span its extent, 17 at most; the deepest of all
 /// comes first. Any frame; ties go to the lowest ids.
 #[must_use]
-pub fn reduce(mut contacts: Vec<Contact>) -> Vec<Contact> {
-    let order =
-        |x: &Contact, y: &Contact| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id));
+pub fn reduce(contacts: Vec<Contact>) -> Vec<Contact> {
+    of_directions(contacts, SAME_DIRECTION)
+}
+
+/// Reduces contacts of one normal each, within 0.03 degrees, as [`reduce`] does those of a direction:
+/// a flat ring on a floor keeps what it stands on, and of a curved flank every normal stays. The
+/// deepest of all comes first.
+#[must_use]
+pub fn reduce_level(contacts: Vec<Contact>) -> Vec<Contact> {
+    of_directions(contacts, SAME_NORMAL)
+}
+
+/// The deepest first, and the lowest ids.
+fn order(x: &Contact, y: &Contact) -> std::cmp::Ordering {
+    x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id))
+}
+
+fn of_directions(mut contacts: Vec<Contact>, cosine: f64) -> Vec<Contact> {
     contacts.sort_by(order);
     let mut directions: Vec<Vec<Contact>> = Vec::new();
     for contact in contacts {
-        let home =
-            directions.iter_mut().find(|d| d[0].normal.dot(contact.normal) >= SAME_DIRECTION);
+        let home = directions.iter_mut().find(|d| d[0].normal.dot(contact.normal) >= cosine);
         match home {
             Some(group) => group.push(contact),
             None => directions.push(vec![contact]),
         }
     }
-    let mut kept: Vec<Contact> = directions.iter().flat_map(|group| spanning(group)).collect();
+    let mut kept: Vec<Contact> = Vec::new();
+    for group in directions {
+        match group.len() {
+            0..=LEAST => kept.extend(group),
+            _ => kept.extend(spanning(&group)),
+        }
+    }
     kept.sort_by(order);
     kept
 }
@@ -273,5 +297,26 @@ mod tests {
         ]);
         assert_eq!(kept.iter().map(|c| c.normal).collect::<Vec<_>>(), [DVec3::Y, DVec3::X]);
         assert_eq!(kept[0].separation, 0.05);
+    }
+
+    /// A fine ring stands on a few of its contacts; a slightly curved flank keeps each of its normals.
+    #[test]
+    fn what_is_level_keeps_what_it_stands_on() {
+        let at = |i: u32| f64::from(i).to_radians().sin_cos();
+        let ring = |i: u32| contact(i, at(i).0, at(i).1, 0.0, DVec3::Z);
+        let all: Vec<Contact> = (0..360).map(ring).collect();
+        let kept = reduce_level(all.clone());
+        assert!((4..=17).contains(&kept.len()), "{}", kept.len());
+        for k in 0..72 {
+            let (s, c) = f64::from(5 * k).to_radians().sin_cos();
+            let torque = DVec3::new(c, s, 0.0);
+            let [most, held] = [&all, &kept].map(|of| support(of, DVec3::ZERO, torque));
+            assert!(held > 0.9 * most, "{held} of {most} along {torque}");
+        }
+        let curved = |i: u32| {
+            let normal = DVec3::new(1e-3 * f64::from(i), 0.0, 1.0).normalize();
+            contact(i, f64::from(i), 0.0, 0.0, normal)
+        };
+        assert_eq!(reduce_level((0..50).map(curved).collect()).len(), 50);
     }
 }

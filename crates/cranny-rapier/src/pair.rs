@@ -9,7 +9,9 @@ use std::sync::{Mutex, PoisonError};
 
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, drift, smooth_normal};
+use cranny_narrow_phase::{
+    Answer, Contact, Demand, PairMemory, Placed, drift, reduce_level_contacts, smooth_normal,
+};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -114,8 +116,8 @@ pub(crate) struct Found {
     pub(crate) contacts: Vec<SolverContact>,
     /// The whole answer and what it was asked, where the pair was asked about as two models.
     pub(crate) answer: Option<Answered>,
-    /// Whether the contacts are one way out, and not the answer's.
-    led: bool,
+    /// What the contacts were made of, where a list of it can be carried on: not of one way out.
+    searched: Option<Vec<Contact>>,
 }
 
 impl Found {
@@ -125,7 +127,7 @@ impl Found {
     }
 
     fn without_answer(contacts: Vec<SolverContact>) -> Self {
-        Self { contacts, answer: None, led: false }
+        Self { contacts, answer: None, searched: None }
     }
 }
 
@@ -222,20 +224,21 @@ impl PairWorkspace {
         };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
         let is_smooth = self.leads_out && led.is_none();
-        let contacts =
-            led.as_ref().unwrap_or(&answer.contacts).iter().map(|contact| {
-                told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth)
-            });
-        Found { contacts: contacts.collect(), led: led.is_some(), answer: Some((answer, demand)) }
+        let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
+        let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
+        let contacts = listed
+            .iter()
+            .map(|contact| told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth));
+        Found { contacts: contacts.collect(), searched, answer: Some((answer, demand)) }
     }
 
     /// Keeps what a search found, if it can be carried on.
     pub(crate) fn keep(&mut self, found: &Found, search: (ExactPose, f64)) -> bool {
-        let answer = found.answer.as_ref().filter(|_| !found.led);
-        self.carried = answer.zip(self.cores.as_ref()).map(|((answer, _), cores)| {
+        let searched = found.searched.as_ref();
+        self.carried = searched.zip(self.cores.as_ref()).map(|(searched, cores)| {
             let models = cores.each_ref().map(|core| &core.model);
             let ids = found.contacts.iter().map(|contact| contact.ids);
-            CarriedList::of(models, search, answer.contacts.iter().zip(ids))
+            CarriedList::of(models, search, searched.iter().zip(ids))
         });
         self.carried.is_some()
     }
