@@ -104,3 +104,8 @@ pub mod prelude {
         TouchingBodies, Velocity,
     };
 }
+
+// The example of the README must compile and run as well.
+#[cfg(all(doctest, feature = "scene"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

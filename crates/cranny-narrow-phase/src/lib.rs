@@ -124,3 +124,8 @@ pub use reduce::reduce as reduce_contacts;
 pub use smooth::smooth_normal;
 pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 pub use verify::{Mismatch, query_verified};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -160,7 +160,8 @@ mod tests {
 
     #[test]
     fn links_are_found_outside_of_code() {
-        let text = "See [a](b.md) and [`c`](d.md#e).\n```\n[no](no.md)\n```\n`[no](no.md)` ![p](q.png)";
+        let text =
+            "See [a](b.md) and [`c`](d.md#e).\n```\n[no](no.md)\n```\n`[no](no.md)` ![p](q.png)";
         let found: Vec<String> = links(text).into_iter().map(|(_, link)| link).collect();
         assert_eq!(found, ["b.md", "d.md#e", "q.png"]);
         assert_eq!(links("\n[a](b)")[0].0, 2);

@@ -21,7 +21,8 @@ use report::Violation;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo run -p xtask -- check-deps | check-docs | instructions [--update]";
+const USAGE: &str =
+    "usage: cargo run -p xtask -- check-deps | check-docs | instructions [--update]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
