@@ -8,7 +8,8 @@
 //!   are told as they are).
 //! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
 //!   largest length of the pair.
-//! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer.
+//! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer. (Names of
+//!   regions and counters are history, and no part of an answer.)
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises
