@@ -5,21 +5,13 @@
 //! and no epsilon decides what meets what.
 //!
 //! This crate is the façade: it re-exports the workspace's crates under one roof and adds nothing but
-//! a [`prelude`].
+//! a [`prelude`]. What follows is a tour in five stops; each crate's own page has its promises.
 //!
-//! # A tour
+//! # 1. A body: mesh to model
 //!
-//! 1. A [`geometry::Mesh`] is what a file or a generator gives; [`geometry::Model::build`] prepares it
-//!    once (weld, adjacency, hull, tree, mass) and reports what is unusual about it.
-//! 2. [`narrow_phase::query`] asks about one pair of placed models. The
-//!    [`Demand`](narrow_phase::Demand) says how much is asked, and no more than that is computed.
-//! 3. [`world::World`] keeps bodies and the pairs whose boxes meet from step to step
-//!    ([`broad_phase`]), asks each pair what its effects need, and tells what began and what ended.
-//! 4. `cranny::rapier` makes it the narrow phase of a rapier world, `cranny::record` writes what
-//!    happened, `cranny::render` draws it, `cranny::scene` reads scenes, meshes and robots from files,
-//!    and `cranny::ecs` composes all this, one plugin an effect. Each is behind a feature.
-//!
-//! Two links of a chain, first loosely interlinked, then pulled taut:
+//! A [`geometry::Mesh`] comes from a file or a generator. [`geometry::Model::build`] prepares it once
+//! (weld, adjacency, hull, trees, mass) and reports what is unusual. A model is immutable, cheap to
+//! clone, and can be saved and loaded.
 //!
 //! ```
 //! # #[cfg(feature = "shapes")] {
@@ -28,7 +20,28 @@
 //!
 //! let (link, report) = Model::build(ChainLink::default().build()?, &BuildOptions::default())?;
 //! assert!(report.closed && report.is_sound());
+//! assert!(link.mass_properties().is_some_and(|mass| mass.volume > 0.0));
+//! let loaded = Model::decode(&link.encode())?;
+//! assert_eq!(loaded.digest(), link.digest());
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
+//! # 2. A pair: the query
+//!
+//! [`narrow_phase::query`] answers about two placed models. The [`Demand`](narrow_phase::Demand) limits
+//! the work: a verdict, a distance, contacts for a solver, or regions. A
+//! [`PairMemory`](narrow_phase::PairMemory) belongs to the caller and makes the next query of a pair
+//! that moved little cheap; it changes no answer.
+//!
+//! Two links of a chain, first loosely interlinked, then pulled taut:
+//!
+//! ```
+//! # #[cfg(feature = "shapes")] {
+//! use cranny::prelude::*;
+//! use cranny::shapes::ChainLink;
+//!
+//! let (link, _) = Model::build(ChainLink::default().build()?, &BuildOptions::default())?;
 //! // The long axis of a link is x; its neighbour along the chain is turned about it by 90 degrees.
 //! let quarter_turn = DQuat::from_xyzw(0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt());
 //! let first = Placed { model: &link, pose: Pose::IDENTITY };
@@ -55,13 +68,58 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! Beside it: [`narrow_phase::estimate`] answers for less work, certified all the same;
+//! [`narrow_phase::time_of_impact`] finds when two moving bodies first meet.
+//!
+//! # 3. Many bodies: the world
+//!
+//! [`world::World`] keeps bodies, and from step to step the pairs with boxes that meet
+//! ([`broad_phase`]). Effects set each pair's demand; events say what began and what ended.
+//!
+//! ```
+//! # #[cfg(feature = "shapes")] {
+//! use cranny::prelude::*;
+//! use cranny::shapes::{Sphere, Torus};
+//! use cranny::world::description::{BodyKind, Effect};
+//! use cranny::world::{BodySpec, PairEventKind};
+//!
+//! let model = |mesh| Model::build(mesh, &BuildOptions::default()).map(|(model, _)| model);
+//! let ring = model(Torus { major_radius: 1.0, minor_radius: 0.2, ..Torus::default() }.build()?)?;
+//! let ball = model(Sphere { radius: 0.5, ..Sphere::default() }.build()?)?;
+//!
+//! let mut world = World::new();
+//! world.set_scene_effects(&[Effect::Trigger])?;
+//! world.insert(BodySpec { kind: BodyKind::Fixed, ..BodySpec::new("ring", ring) })?;
+//! let ball = world.insert(BodySpec::new("ball", ball))?; // in the hole, where nothing touches
+//! assert!(world.step()?.events.is_empty());
+//!
+//! world.set_pose(ball, Pose::at(DVec3::new(0.5, 0.0, 0.0)))?; // into the tube
+//! assert_eq!(world.step()?.events[0].kind, PairEventKind::Began);
+//! # }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # 4. Bodies that push: rapier
+//!
+//! With the feature `rapier`, `cranny::rapier::dispatcher()` and `MeshShape` put the detector into a
+//! rapier world, and `cranny::rapier::Simulation` is such a world with the settings that exact contacts
+//! need. `examples/rapier_chain.rs` drops three links of a chain into each other.
+//!
+//! # 5. Scenes, files, pictures
+//!
+//! `cranny::scene` reads scenes, meshes and robots from files; `cranny::record` writes MCAP;
+//! `cranny::render` draws without a window; `cranny::ecs` composes all this in a bevy app, one plugin for
+//! each effect. `examples/bevy_app.rs` is an app with systems of its own. The command `cranny`
+//! (`tools/cranny-cli`) runs, compares, inspects and explains scenes and meshes.
+//!
 //! # Features
 //!
 //! | feature | brings | default |
 //! |---|---|---|
 //! | `shapes` | `cranny::shapes`: generators of closed solids | yes |
-//! | `scene` | `cranny::scene`: scene files, seven mesh formats, URDF robots (and `shapes`) | |
+//! | `scene` | `cranny::scene`: scene files, mesh files, URDF robots (and `shapes`) | |
 //! | `rapier` | `cranny::rapier`: the detector inside rapier3d | |
+//! | `snapshot` | rapier's worlds to bytes and back (and `rapier`) | |
 //! | `record` | `cranny::record`: MCAP recordings | |
 //! | `render` | `cranny::render`: pictures without a window | |
 //! | `ecs` | `cranny::ecs`: bevy plugins; composes those of the above that are turned on | |
@@ -71,10 +129,10 @@
 //!
 //! # What exact means, and what it does not
 //!
-//! Verdicts (do the surfaces touch or cross, do the solids meet, is one inside the other) are exact
-//! for the vertices as stored and the poses as given. Lengths, points, areas and depths are `f64` with
-//! rounding. Meshes that are not closed are answered as surfaces. Queries are cold so far: what a
-//! pair's memory will save between frames is yet to come.
+//! Verdicts (whether the surfaces touch or cross, whether the solids meet, whether one is inside the
+//! other) are exact for the vertices as stored and the poses as given. Lengths, points, areas and depths
+//! are `f64` with rounding. Meshes that are not closed are answered as surfaces. What a pair's memory
+//! holds changes no answer, and neither does the order of A and B.
 
 pub use cranny_broad_phase as broad_phase;
 pub use cranny_exact as exact;

@@ -195,3 +195,8 @@ pub trait BroadPhase {
     /// The first invariant that is broken. It would be a bug of this crate.
     fn validate(&self) -> Result<(), InvariantError>;
 }
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -9,18 +9,18 @@
 //!   through [`pose_of`]; the solver, which is f32 as well, is kept in step with it both ways.
 //! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the last
 //!   step [`CrannyEnd`] reports the final ones, newly detected.
-//! - A pair with `Response` is detected once, inside the solver's step, and everybody else is told
-//!   ([`DetectionSystems::Supply`]). What somebody reads of `Contacts` ([`ContactReaders`]) and the
-//!   solver's answer does not hold (regions, a wider margin) is asked there too, at the same pose, and
-//!   moves no body. Where the solver's detector gives no exact answer, kept an old one or did not look
-//!   at a pair, the world asks.
+//! - A pair with `Response` is searched inside the solver's step, and all other readers get that
+//!   answer ([`DetectionSystems::Supply`]). Fields of `Contacts` that [`ContactReaders`] read and that
+//!   answer lacks (regions, a wider margin) are a second query there, at the same pose, and move no
+//!   body. Where the solver's detector gives no exact answer, kept an old one or did not look at a
+//!   pair, the world queries it.
 //! - Steps are driven by hand: no wall clock changes a result, and order is by stable [`BodyId`]s.
 //! - Removing a body is seen at once, by observers, in whatever schedule it happens.
 //!
 //! # Non-promises
 //!
-//! Bodies are those of the scene: none can be added later. A removed body stays in rapier's world,
-//! where it meets nothing. Dynamic bodies without `Response` stand still.
+//! Bodies are those of the scene: an app adds others to the solver itself, and effects do not see
+//! them. A removed body stays in rapier's world, where it meets nothing. Dynamic bodies without `Response` stand still.
 //!
 //! # Features
 //!
@@ -104,3 +104,8 @@ pub mod prelude {
         TouchingBodies, Velocity,
     };
 }
+
+// The example of the README must compile and run as well.
+#[cfg(all(doctest, feature = "scene"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

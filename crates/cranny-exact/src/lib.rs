@@ -45,3 +45,8 @@ pub use triangle::{
     locate_piercing,
 };
 pub use weighted::WeightedPoint;
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -112,3 +112,8 @@ pub use smooth_normals::{
 };
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
 pub use tree::{Content, FaceForest, FaceTree, Node, NodeChanges};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -8,7 +8,8 @@
 //!   are told as they are).
 //! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
 //!   largest length of the pair.
-//! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer.
+//! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer. (Names of
+//!   regions and counters are history, and no part of an answer.)
 //! - No input or output, no clock, no globals, no graphics.
 //!
 //! # Non-promises
@@ -124,3 +125,8 @@ pub use reduce::{reduce as reduce_contacts, reduce_level as reduce_level_contact
 pub use smooth::smooth_normal;
 pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 pub use verify::{Mismatch, query_verified};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

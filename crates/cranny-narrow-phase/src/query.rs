@@ -142,7 +142,7 @@ pub enum Method {
     #[default]
     Boxes,
     /// The parts of the hulls that meet; concavities that the other hull may reach, by the layers of their envelopes.
-    /// Slower on nearly all that was measured (README), so never chosen unless asked for.
+    /// Slower on nearly all that was measured (`docs/notebook`), so off by default.
     Envelopes,
 }
 

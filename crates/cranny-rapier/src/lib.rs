@@ -93,3 +93,8 @@ pub use simulation::{
 };
 #[cfg(feature = "snapshot")]
 pub use snapshot::{RestoreError, Sets, SnapshotError, restore, snapshot};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -40,3 +40,8 @@ pub use robot::{Robot, RobotError, read_robot};
 pub use scene_file::{
     LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
 };
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -54,3 +54,8 @@ pub use profiles::{CPrism, Comb, LPrism, UPrism};
 pub use round::{ChainLink, Sphere, Torus};
 pub use shape::Shape;
 pub use vessels::{Cup, NestedShells, PyramidInCavity};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -44,3 +44,8 @@ pub use families::FAMILIES;
 pub use family::{Family, Settings};
 pub use hull_truth::HullTruth;
 pub use peer::{Peer, PeerAnswer};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -49,3 +49,8 @@ pub use rational::{Q, Q3};
 pub use solid::{Contained, OracleVerdict, rational_verdict};
 pub use surface::{brute_force_surface, rational_surface};
 pub use triangle::{rational_contact, rational_meeting, rational_piercing};
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -69,3 +69,8 @@ pub use report::{
     Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,
 };
 pub use world::World;
+
+// The example of the README must compile and run as well.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

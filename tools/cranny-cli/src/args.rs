@@ -143,7 +143,7 @@ pub(crate) struct QueryArgs {
     #[arg(long)]
     pub(crate) cold: bool,
 
-    /// Print a certificate with each answer.
+    /// Reserved for certificates, which come with a later version; refused until then
     #[arg(long, hide = true)]
     pub(crate) certificate: bool,
 }

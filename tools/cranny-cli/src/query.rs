@@ -70,7 +70,6 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     Ok(())
 }
 
-/// Contacts are wanted where the surfaces meet, so the margin is 0.
 fn method_of(method: MethodArg) -> Method {
     match method {
         MethodArg::Boxes => Method::Boxes,
@@ -78,6 +77,7 @@ fn method_of(method: MethodArg) -> Method {
     }
 }
 
+/// Contacts are wanted where the surfaces meet, so the margin is 0.
 fn demand_of(demand: DemandArg) -> Demand {
     match demand {
         DemandArg::Intersects => Demand::Intersects,

@@ -1,13 +1,15 @@
 //! Chores of the repository.
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
-//! which, and that the crates which compute do nothing but compute. `instructions` counts what fixed pieces of
-//! work take, and compares that with what they took.
+//! which, and that the crates which compute do nothing but compute. `check-docs` checks that links of
+//! Markdown files resolve and that pages keep their bounds. `instructions` counts the instructions of
+//! fixed pieces of work, and compares them with those on file.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 
 mod bans;
 mod directions;
+mod documents;
 mod instructions;
 mod literals;
 mod report;
@@ -19,13 +21,15 @@ use report::Violation;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const USAGE: &str = "usage: cargo run -p xtask -- check-deps | instructions [--update]";
+const USAGE: &str =
+    "usage: cargo run -p xtask -- check-deps | check-docs | instructions [--update]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
         ["check-deps"] => tell_deps(),
+        ["check-docs"] => tell_docs(),
         ["instructions"] => tell_instructions(false),
         ["instructions", "--update"] => tell_instructions(true),
         _ => {
@@ -36,8 +40,7 @@ fn main() -> ExitCode {
 }
 
 fn tell_instructions(update: bool) -> ExitCode {
-    let root = cargo_metadata().and_then(|metadata| directions::Graph::from_metadata(&metadata));
-    match root.and_then(|graph| instructions::run(Path::new(graph.workspace_root()), update)) {
+    match root().and_then(|root| instructions::run(&root, update)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(message) => {
@@ -48,23 +51,39 @@ fn tell_instructions(update: bool) -> ExitCode {
 }
 
 fn tell_deps() -> ExitCode {
-    match check_deps() {
+    tell("check-deps", "crate directions hold, source files are clean", check_deps())
+}
+
+fn tell_docs() -> ExitCode {
+    let checked = root().and_then(|root| documents::check(&root));
+    tell("check-docs", "links resolve, pages keep their bounds", checked)
+}
+
+/// Prints what a check found in so many files.
+fn tell(name: &str, good: &str, checked: Result<(usize, Vec<Violation>), String>) -> ExitCode {
+    match checked {
         Ok((files, violations)) if violations.is_empty() => {
-            println!("check-deps: crate directions hold, {files} source files are clean");
+            println!("{name}: {good} ({files} files)");
             ExitCode::SUCCESS
         }
         Ok((_, violations)) => {
             for violation in &violations {
                 println!("{violation}");
             }
-            println!("check-deps: {} violations", violations.len());
+            println!("{name}: {} violations", violations.len());
             ExitCode::FAILURE
         }
         Err(message) => {
-            eprintln!("check-deps: {message}");
+            eprintln!("{name}: {message}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// The folder of the workspace.
+fn root() -> Result<PathBuf, String> {
+    let graph = directions::Graph::from_metadata(&cargo_metadata()?)?;
+    Ok(PathBuf::from(graph.workspace_root()))
 }
 
 /// Returns the number of source files read, and everything that is wrong.

@@ -1,5 +1,5 @@
 //! Blanks out of a source text what is not code of the product: comments, the contents of strings
-//! and characters, and items under `#[cfg(test)]`. Line numbers stay.
+//! and characters, and items under `#[cfg(test)]` or `#[cfg(doctest)]`. Line numbers stay.
 
 /// A source text of which only product code is left.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -117,8 +117,8 @@ fn blank_comments_and_strings(source: &str) -> Vec<char> {
     b.out
 }
 
-/// Blanks items under `#[cfg(test)]` and `#[cfg(all(test, ...))]`, and names the modules among them
-/// that live in files of their own.
+/// Blanks items under `#[cfg(test)]` and `#[cfg(all(test, ...))]`, and `doctest` likewise, and names
+/// the modules among them that live in files of their own.
 fn blank_test_items(text: &mut [char]) -> Vec<String> {
     let mut modules = Vec::new();
     let mut at = 0;
@@ -155,8 +155,9 @@ fn test_attribute(text: &[char], at: usize) -> Option<usize> {
     }
     let end = group_end(text, at + 1);
     let inside: String = text[at..end].iter().filter(|c| !c.is_whitespace()).collect();
-    let is_test = inside == "#[cfg(test)]"
-        || (inside.starts_with("#[cfg(all(") && inside.split(['(', ',', ')']).any(|w| w == "test"));
+    let is_test = ["#[cfg(test)]", "#[cfg(doctest)]"].contains(&&*inside)
+        || (inside.starts_with("#[cfg(all(")
+            && inside.split(['(', ',', ')']).any(|w| ["test", "doctest"].contains(&w)));
     is_test.then_some(end)
 }
 
@@ -233,6 +234,8 @@ mod tests {
         assert_eq!(words(source), ["a", "b"]);
         assert_eq!(words("#[cfg(test)] use std::fs;\nb"), ["b"]);
         assert_eq!(words("#[cfg(all(test, unix))] fn f(a: [u8; 3]) { g() }\nb"), ["b"]);
+        assert_eq!(words("#[cfg(doctest)] #[doc = include_str!(\"a\")] struct S;\nb"), ["b"]);
+        assert_eq!(words("#[cfg(all(doctest, feature = \"x\"))] struct S;\nb"), ["b"]);
         assert_eq!(words("#[cfg(not(test))] fn f() {}").len(), 4);
         assert_eq!(strip("#[cfg(test)]\npub(crate) mod oracle;").test_modules, ["oracle"]);
         assert!(strip("#[cfg(test)] mod here { use std::fs; }").test_modules.is_empty());

@@ -57,7 +57,7 @@ pub struct EnvelopeOptions {
 
 impl EnvelopeOptions {
     /// Fewer make a smaller core, so that things offend more; more are looked at in vain: in a cup and on
-    /// a thread 8, 16 and 32 differ by less than a third (README).
+    /// a thread 8, 16 and 32 differ by less than a third (`docs/notebook`).
     pub const DEFAULT_WIDTH: usize = 16;
     /// Fewer make more facets than faces; more hand faces over that are far away.
     pub const DEFAULT_LEAF_FACES: usize = 4;

@@ -338,8 +338,6 @@ fn what_is_inside_stays_inside_until_it_crosses() {
     }
 }
 
-/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little lower,
-/// in the hole. That it was inside in the tube means nothing there, however short the last step was.
 /// A box without a lid, and a block within it that it does not touch: of these only the block holds
 /// anything.
 fn block_in_an_open_box() -> Model {
@@ -387,6 +385,8 @@ fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
     }
 }
 
+/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little lower,
+/// in the hole. That it was inside in the tube means nothing there, however short the last step was.
 #[test]
 fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
     let ring =

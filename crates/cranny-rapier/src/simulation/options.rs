@@ -30,7 +30,7 @@ pub struct SimulationOptions {
     pub solver_iterations: Option<usize>,
     /// Into how many parts a step is divided at most in which two bodies near each other move farther than the thinner
     /// one is thick; contacts are found at the beginning of each. 1: never, as rapier's own pipeline.
-    /// More than 2: fast chains overlap less, and large piles take longer to fall (figures in the README).
+    /// More than 2: fast chains overlap less, and large piles take longer to fall (`docs/notebook`).
     /// Our detector only.
     pub most_parts: usize,
 }
