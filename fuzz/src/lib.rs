@@ -8,6 +8,9 @@ use cranny_narrow_phase::{Demand, Method, PairMemory, Placed, Query, query};
 #[path = "../../crates/cranny-geometry/tests/from_bytes/asked.rs"]
 mod asked;
 #[allow(dead_code, reason = "the tests use all of it")]
+#[path = "../../crates/cranny-geometry/tests/body/mod.rs"]
+mod body;
+#[allow(dead_code, reason = "the tests use all of it")]
 #[path = "../../crates/cranny-geometry/tests/concavities/check.rs"]
 mod check;
 #[allow(dead_code, reason = "the tests use all of it")]

@@ -8,7 +8,6 @@
 //!
 //! Cost: O(n log n) for n edges, which are sorted by where they begin.
 
-use crate::codec::{Flaw, Reader, Writer, check, check_below, check_rows};
 use crate::ids::VertexId;
 
 /// The simple loops of a chain, in compressed rows.
@@ -31,24 +30,6 @@ impl Loops {
 
     pub(crate) fn row(&self, i: usize) -> std::ops::Range<usize> {
         self.starts[i] as usize..self.starts[i + 1] as usize
-    }
-
-    pub(crate) fn encode(&self, out: &mut Writer) {
-        let Self { starts, vertices, touches } = self;
-        out.list(starts);
-        out.list(vertices);
-        out.codes(touches);
-    }
-
-    /// Reads loops over `count` vertices.
-    pub(crate) fn decode(input: &mut Reader, count: usize) -> Result<Self, Flaw> {
-        let (starts, vertices): (Vec<u32>, Vec<VertexId>) = (input.list()?, input.list()?);
-        let touches: Vec<bool> = input.codes()?;
-        check_rows(&starts, starts.len().saturating_sub(1), vertices.len())?;
-        check(starts.is_sorted_by(|a, b| a < b), "a loop is empty")?;
-        check_below(vertices.iter().map(|v| v.0), count, "a loop's vertex is not there")?;
-        check(touches.len() == vertices.len(), "a loop has a vertex too many or too few")?;
-        Ok(Self { starts, vertices, touches })
     }
 
     /// Appends some loops of others; returns where their vertices stand there.

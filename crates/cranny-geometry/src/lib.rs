@@ -25,15 +25,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What of a body is not convex, and what becomes of it when the body is dented and when it is saved:
+//! What of a body is not convex is made when somebody asks for it, and is no part of the model:
 //!
 //! ```
 //! use cranny_geometry::concavity::ConcavityKind;
-//! use cranny_geometry::{BuildOptions, Model, VertexId};
+//! use cranny_geometry::{BuildOptions, Concavities, Model, VertexId};
 //! use cranny_shapes::Cup;
 //!
 //! let (mut model, _) = Model::build(Cup::default().build()?, &BuildOptions::default())?;
-//! let well = model.concavities().iter().next().ok_or("a cup has a well")?;
+//! let concavities = Concavities::of(&model);
+//! let well = concavities.iter().next().ok_or("a cup has a well")?;
 //! assert_eq!((well.kind, well.lids().len()), (ConcavityKind::Pocket, 1));
 //! assert!(well.measures.pocket_volume > 0.0 && !well.faces.is_empty() && !well.caps.is_empty());
 //!
@@ -41,7 +42,7 @@
 //! let vertex: VertexId = model.mesh().corners(well.faces[0])[0];
 //! let place = model.mesh().position(vertex);
 //! let change = model.deform(&[(vertex, place + 0.001 * (model.bounds().center() - place))])?;
-//! assert_eq!(change.vertices, [vertex]);
+//! assert_eq!((change.vertices, change.hull), (vec![vertex], false));
 //!
 //! let loaded = Model::decode(&model.encode())?;
 //! assert_eq!(loaded.digest(), model.digest());
@@ -87,7 +88,7 @@ pub use cranny_exact::{Aabb, DVec3, Tolerance};
 
 pub use angle::between as radians_between;
 pub use clusters::ClusterTree;
-pub use concavity::Concavities;
+pub use concavity::{Concavities, FollowedConcavities};
 pub use deform::{ChangeSet, DeformError, Work};
 pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
 pub use features::Features;

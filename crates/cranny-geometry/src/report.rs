@@ -76,8 +76,9 @@ impl Report {
         (self.findings, self.meetings, self.area) = (findings, meetings, area);
     }
 
-    /// Adds findings: what limits answers stays first, kind by kind.
-    pub(crate) fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
+    /// Adds findings, those about [concavities](crate::Concavities::findings) say. What limits answers stays first,
+    /// kind by kind.
+    pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         self.findings.extend(findings);
         self.findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));
     }

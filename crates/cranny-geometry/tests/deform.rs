@@ -2,6 +2,7 @@
 
 #[path = "deform/any_solid.rs"]
 mod any_solid;
+mod body;
 #[path = "deform/equal.rs"]
 mod equal;
 #[path = "deform/folded.rs"]
@@ -14,22 +15,22 @@ mod surface;
 #[path = "deform/without_area.rs"]
 mod without_area;
 
+use crate::body::{Body, Change};
 use cranny_exact::DVec3;
-use cranny_geometry::{
-    BuildOptions, ChangeSet, DeformError, FaceId, Flatness, Mesh, Model, VertexId,
-};
+use cranny_geometry::concavity::ConcavityWork;
+use cranny_geometry::{BuildOptions, DeformError, FaceId, Flatness, Mesh, VertexId};
 use cranny_shapes::{Cuboid, Cup, GolfBall, NestedShells, Shape, Sphere, Torus, UPrism};
 use cranny_testkit::Rng;
 use equal::{assert_equals_rebuild, options};
 use meshes::turned;
 use moves::{bell, random_moves};
 
-fn model(mesh: Mesh) -> Model {
-    Model::build(mesh, &options()).unwrap().0
+fn model(mesh: Mesh) -> Body {
+    Body::build(mesh, &options()).unwrap().0
 }
 
 /// Deforms, and checks the result and the change set.
-fn deformed(model: &mut Model, moves: &[(VertexId, DVec3)], what: &str) -> ChangeSet {
+fn deformed(model: &mut Body, moves: &[(VertexId, DVec3)], what: &str) -> Change {
     let before = model.clone();
     let change = model.deform(moves).unwrap_or_else(|e| panic!("{what}: {e}"));
     assert_equals_rebuild(model, what);
@@ -80,8 +81,8 @@ fn a_cup_dented_from_within_keeps_its_hull() {
     for step in 0..4 {
         let to = model.mesh().position(inner) + DVec3::new(0.01, 0.02, 0.015);
         let change = deformed(&mut model, &[(inner, to)], &format!("cup {step}"));
-        assert!(!change.hull && change.reclassified.is_empty());
-        assert_eq!(change.reshaped.len(), 1);
+        assert!(!change.hull && change.beneath.reclassified.is_empty());
+        assert_eq!(change.beneath.reshaped.len(), 1);
         assert_eq!(*model.hull(), hull);
     }
 }
@@ -104,11 +105,11 @@ fn a_dent_in_a_flat_side_opens_a_concavity_and_closes_it_again() {
         .unwrap();
     let home = model.mesh().position(middle);
     let change = deformed(&mut model, &[(middle, home - 0.1 * DVec3::X)], "in");
-    assert!(!change.hull && !change.reclassified.is_empty());
+    assert!(!change.hull && !change.beneath.reclassified.is_empty());
     assert_eq!(model.concavities().len(), 1);
     assert_eq!(*model.hull(), hull);
     let change = deformed(&mut model, &[(middle, home)], "out");
-    assert_eq!((model.concavities().len(), change.concavities), (0, vec![None]));
+    assert_eq!((model.concavities().len(), change.beneath.concavities), (0, vec![None]));
     // Beyond the side: the hull grows by a vertex, and the block's side is under a tent.
     let change = deformed(&mut model, &[(middle, home + 0.1 * DVec3::X)], "beyond");
     assert!(change.hull);
@@ -157,8 +158,11 @@ fn nothing_moved_is_nothing_changed() {
     let (same, digest) = (model.clone(), model.digest());
     let v = VertexId(7);
     let change = model.deform(&[(v, model.mesh().position(v))]).unwrap();
-    assert!(change.is_empty() && change.concavities == [Some(cranny_geometry::ConcavityId(0))]);
+    assert!(
+        change.is_empty() && change.beneath.concavities == [Some(cranny_geometry::ConcavityId(0))]
+    );
     assert_eq!(change.work, cranny_geometry::Work::default());
+    assert_eq!(change.beneath.work, ConcavityWork::default());
     assert!(model.is_same(&same) && model.digest() == digest);
     assert!(model.deform(&[]).unwrap().is_empty());
 }
@@ -179,7 +183,7 @@ fn a_model_from_a_file_is_deformed_like_the_one_it_was_saved_from() {
     let mut model = model(turned(&Cup::default().build().unwrap()));
     let mut rng = Rng::new(5);
     for step in 0..4 {
-        let mut loaded = Model::decode(&model.encode()).unwrap();
+        let mut loaded = Body::decode(&model.encode()).unwrap();
         let moves = random_moves(model.mesh(), &mut rng);
         let done = model.deform(&moves);
         let read = loaded.clone();
@@ -199,7 +203,7 @@ fn bad_moves_are_refused_and_change_nothing() {
     let mut model = model(Cuboid::default().build().unwrap());
     let before = model.clone();
     let (v, p) = (VertexId(0), DVec3::ONE);
-    let refused = |model: &mut Model, moves: &[(VertexId, DVec3)]| {
+    let refused = |model: &mut Body, moves: &[(VertexId, DVec3)]| {
         let error = model.deform(moves).unwrap_err();
         assert!(model.is_same(&before));
         error
@@ -294,18 +298,19 @@ fn work_follows_the_dent_not_the_mesh() {
         assert!(moves.iter().all(|m| model.hull().vertex_of_source(m.0).is_none()));
         let change = deformed(&mut model, &moves, "dimple");
         assert!(!change.hull);
-        (moves.len(), change.work)
+        (moves.len(), change.work, change.beneath.work)
     };
-    let (few, small) = pressed(5_000, 2.5);
-    let (same, large) = pressed(20_000, 2.5);
+    let (few, small, few_beneath) = pressed(5_000, 2.5);
+    let (same, large, beneath) = pressed(20_000, 2.5);
     assert!(few >= 3 && same <= 2 * few, "{few}, {same}");
-    assert!(large.faces <= 2 * small.faces, "{small:?}, {large:?}");
-    assert!(large.facets <= 2 * small.facets.max(8), "{small:?}, {large:?}");
+    assert!(beneath.faces <= 2 * few_beneath.faces, "{few_beneath:?}, {beneath:?}");
+    assert!(beneath.facets <= 2 * few_beneath.facets.max(8), "{few_beneath:?}, {beneath:?}");
     assert!(large.nodes <= 2 * small.nodes, "{small:?}, {large:?}");
+    assert!(beneath.nodes <= 2 * few_beneath.nodes, "{few_beneath:?}, {beneath:?}");
     assert!(large.summed <= 2 * small.summed, "{small:?}, {large:?}");
     assert!(large.located <= 2 * small.located, "{small:?}, {large:?}");
-    let (more, wide) = pressed(20_000, 5.0);
-    assert!(more > 2 * same && wide.faces > 2 * large.faces, "{large:?}, {wide:?}");
+    let (more, _, wide) = pressed(20_000, 5.0);
+    assert!(more > 2 * same && wide.faces > 2 * beneath.faces, "{beneath:?}, {wide:?}");
 }
 
 /// Vertices of a smooth body pushed in and pulled out: what is measured follows these.
@@ -326,7 +331,8 @@ fn a_hull_is_repaired_where_it_was_dented() {
         for factor in [0.99, 1.001, 0.9, 1.0] {
             let change = deformed(&mut model, &[(v, factor * mesh.position(v))], "sphere");
             assert!(change.hull && change.work.hull_triangles > 0);
-            most = most.max(change.work.hull_triangles + change.work.facets + change.work.faces);
+            let beneath = change.beneath.work;
+            most = most.max(change.work.hull_triangles + beneath.facets + beneath.faces);
         }
         (most, model.hull().triangle_count())
     };
@@ -339,13 +345,13 @@ fn a_model_of_single_precision_keeps_its_flatness() {
     let mesh = turned(&Torus::default().build().unwrap());
     let stored: Vec<DVec3> = mesh.vertices().iter().map(|p| p.as_vec3().as_dvec3()).collect();
     let mesh = Mesh::new(stored, mesh.faces().to_vec()).unwrap();
-    let (mut model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
+    let (mut model, report) = Body::build(mesh, &BuildOptions::default()).unwrap();
     assert_eq!(report.flatness, Flatness::SINGLE);
     let v = VertexId(5);
     // No number of single precision.
     let to = model.mesh().position(v) + DVec3::splat(1e-3 / 3.0);
     model.deform(&[(v, to)]).unwrap();
     let single = BuildOptions { flatness: Flatness::Single, ..options() };
-    let (rebuilt, _) = Model::build(model.mesh().clone(), &single).unwrap();
+    let (rebuilt, _) = Body::build(model.mesh().clone(), &single).unwrap();
     equal::assert_equal(&model, &rebuilt, "torus");
 }

@@ -2,6 +2,7 @@
 
 #[path = "from_bytes/asked.rs"]
 mod asked;
+mod body;
 #[allow(dead_code, reason = "other tests use the rest")]
 #[path = "concavities/check.rs"]
 mod check;

@@ -1,16 +1,21 @@
 //! How many faces leaves hold is a matter of speed: answers are the same, and models keep it.
 
+mod body;
+
+use std::num::NonZeroUsize;
+
+use crate::body::Body;
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::envelope::{Pocket, Thing};
 use cranny_geometry::{
-    BuildError, BuildOptions, Content, FaceForest, FaceId, Mesh, Model, VertexId,
+    BuildError, BuildOptions, Content, FaceForest, FaceId, FaceTree, Mesh, Model, VertexId,
 };
 use cranny_shapes::{Cup, Gear, GolfBall, Shape, Torus};
 use cranny_testkit::Rng;
 
-fn built(mesh: &Mesh, concavity_leaf_size: usize) -> Model {
-    let options = BuildOptions { concavity_leaf_size, ..BuildOptions::default() };
-    Model::build(mesh.clone(), &options).unwrap().0
+fn built(mesh: &Mesh, leaf_size: usize) -> Body {
+    let (model, _) = Model::build(mesh.clone(), &BuildOptions::default()).unwrap();
+    Body::with_leaf_size(model, NonZeroUsize::new(leaf_size).unwrap())
 }
 
 /// The most faces that a leaf of the trees over concavities holds.
@@ -23,7 +28,7 @@ fn largest_leaf(trees: &FaceForest) -> usize {
     (0..arena.nodes().len() as u32).map(leaf).max().unwrap_or(0)
 }
 
-fn validate(model: &Model) {
+fn validate(model: &Body) {
     let (mesh, all) = (model.mesh(), model.concavities());
     model.concavity_trees().validate(mesh, all.iter().map(|c| c.faces)).unwrap();
     let openings: Vec<Vec<DVec3>> =
@@ -34,7 +39,7 @@ fn validate(model: &Model) {
 }
 
 /// Faces of a concavity whose boxes a window meets: by its tree, and by its envelope.
-fn met(model: &Model, concavity: usize, window: &Aabb) -> [Vec<FaceId>; 2] {
+fn met(model: &Body, concavity: usize, window: &Aabb) -> [Vec<FaceId>; 2] {
     let mesh = model.mesh();
     let is_met = |f: &FaceId| Aabb::of_points(mesh.triangle(*f)).overlaps(window);
     let (mut by_tree, mut by_envelope) = (Vec::new(), Vec::new());
@@ -75,7 +80,7 @@ fn what_is_found_does_not_depend_on_leaves() {
         let [usual, others @ ..] = &models;
         let bounds = usual.bounds();
         for other in others {
-            assert_eq!(other.concavities(), usual.concavities());
+            assert_eq!(other.concavities().set(), usual.concavities().set());
             assert_eq!(other.digest(), usual.digest());
             for _ in 0..20 {
                 let mut part = || DVec3::new(rng.unit(), rng.unit(), rng.unit());
@@ -100,20 +105,29 @@ fn what_is_found_does_not_depend_on_leaves() {
     }
 }
 
-fn mesh_of(model: &Model, face: FaceId) -> [DVec3; 3] {
+fn mesh_of(model: &Body, face: FaceId) -> [DVec3; 3] {
     model.mesh().triangle(face)
+}
+
+/// The most faces that a leaf of a tree holds.
+fn largest_of_tree(tree: &FaceTree) -> usize {
+    (0..tree.nodes().len() as u32).map(|n| tree.leaf_faces(n).len()).max().unwrap_or(0)
 }
 
 #[test]
 fn a_saved_model_keeps_its_leaves() {
     let mesh = Torus::default().build().unwrap();
-    for leaf_size in [1, FaceForest::DEFAULT_LEAF_SIZE, 7, usize::MAX] {
-        let model = built(&mesh, leaf_size);
+    for leaf_size in [1, 2, 7, usize::MAX] {
+        let options = BuildOptions { leaf_size, ..BuildOptions::default() };
+        let (model, _) = Model::build(mesh.clone(), &options).unwrap();
         let bytes = model.encode();
-        let back = Model::decode(&bytes).unwrap();
+        let mut back = Model::decode(&bytes).unwrap();
         assert!(back.encode() == bytes);
-        let shown = |model: &Model| format!("{:?}", (model.concavity_trees(), model.envelopes()));
-        assert!(shown(&back) == shown(&model));
+        assert!(format!("{:?}", back.tree()) == format!("{:?}", model.tree()));
+        let v = VertexId(3);
+        back.deform(&[(v, 1.01 * back.mesh().position(v))]).unwrap();
+        assert!(largest_of_tree(back.tree()) <= leaf_size);
+        assert_eq!(largest_of_tree(back.tree()), largest_of_tree(model.tree()));
     }
 }
 
@@ -126,7 +140,8 @@ fn a_deformation_keeps_the_size_of_leaves() {
         }
         for leaf_size in [1, 8] {
             let built = built(&mesh, leaf_size);
-            let read = Model::decode(&built.encode()).unwrap();
+            let leaves = NonZeroUsize::new(leaf_size).unwrap();
+            let read = Body::with_leaf_size(Model::decode(&built.encode()).unwrap(), leaves);
             for mut model in [built, read] {
                 for v in [0, 1, 3].map(VertexId) {
                     let inward = 0.3 * (model.bounds().center() - model.mesh().position(v));
@@ -142,9 +157,7 @@ fn a_deformation_keeps_the_size_of_leaves() {
 #[test]
 fn leaves_without_faces_are_refused() {
     let mesh = Cup::default().build().unwrap();
-    for (leaf_size, concavity_leaf_size, trees) in [(0, 1, "all faces"), (1, 0, "concavities")] {
-        let options = BuildOptions { leaf_size, concavity_leaf_size, ..BuildOptions::default() };
-        let refused = Model::build(mesh.clone(), &options).err();
-        assert_eq!(refused, Some(BuildError::LeafSize { trees }));
-    }
+    let options = BuildOptions { leaf_size: 0, ..BuildOptions::default() };
+    let refused = Model::build(mesh, &options).err();
+    assert_eq!(refused, Some(BuildError::LeafSize));
 }

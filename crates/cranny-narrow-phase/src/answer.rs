@@ -246,6 +246,9 @@ pub struct Counters {
     pub pockets_passed: u64,
     /// Facets of envelopes that a box was held against.
     pub facets_compared: u64,
+    /// Models whose concavities were made: by the first query of a pair that needs them and [has none
+    /// given](crate::PairMemory::hold_concavities), of two bodies of one model once.
+    pub concavities_made: u64,
 }
 
 impl Counters {
@@ -277,6 +280,7 @@ impl AddAssign for Counters {
         self.pockets_opened += other.pockets_opened;
         self.pockets_passed += other.pockets_passed;
         self.facets_compared += other.facets_compared;
+        self.concavities_made += other.concavities_made;
     }
 }
 

@@ -13,16 +13,7 @@ use crate::pair::{Pair, Side};
 pub(crate) struct NodeSet(Vec<u64>);
 
 impl NodeSet {
-    /// Of both bodies of a pair the nodes that hold a face of the kind; once for two bodies of one model.
-    pub(crate) fn of_pair(pair: &Pair, is_one: impl Fn(&Model, FaceId) -> bool) -> [Arc<Self>; 2] {
-        let [a, b] = Side::BOTH.map(|side| pair.model(side));
-        let of = |m: &Model| Arc::new(Self::of(m.tree(), |face| is_one(m, face)));
-        let first = of(a);
-        let second = if a.is_same(b) { Arc::clone(&first) } else { of(b) };
-        [first, second]
-    }
-
-    fn of(tree: &FaceTree, is_one: impl Fn(FaceId) -> bool) -> Self {
+    pub(crate) fn of(tree: &FaceTree, is_one: impl Fn(FaceId) -> bool) -> Self {
         let mut nodes = Self(vec![0; tree.nodes().len().div_ceil(64)]);
         // Children stand behind their parents.
         for node in (0..tree.nodes().len() as u32).rev() {
@@ -39,17 +30,29 @@ impl NodeSet {
         self.0[node as usize / 64] >> (node % 64) & 1 != 0
     }
 
-    /// Heap bytes of those of a pair, which may be the same.
-    pub(crate) fn bytes_of_pair([a, b]: &[Arc<Self>; 2]) -> usize {
-        let of = |set: &Self| size_of_val(set.0.as_slice());
-        of(a) + if Arc::ptr_eq(a, b) { 0 } else { of(b) }
+    /// Heap bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(self.0.as_slice())
     }
+}
+
+/// Something of the model of each body of a pair, by side; made once for two bodies of one model.
+pub(crate) fn of_models<T>(pair: &Pair, make: impl Fn(&Model) -> T) -> [Arc<T>; 2] {
+    let [a, b] = Side::BOTH.map(|side| pair.model(side));
+    let first = Arc::new(make(a));
+    let second = if a.is_same(b) { Arc::clone(&first) } else { Arc::new(make(b)) };
+    [first, second]
+}
+
+/// Heap bytes of those of a pair, which may be the same.
+pub(crate) fn bytes_of_pair<T>([a, b]: &[Arc<T>; 2], bytes: impl Fn(&T) -> usize) -> usize {
+    bytes(a) + if Arc::ptr_eq(a, b) { 0 } else { bytes(b) }
 }
 
 #[cfg(test)]
 mod tests {
     use cranny_exact::DVec3;
-    use cranny_geometry::{BuildOptions, Mesh};
+    use cranny_geometry::{BuildOptions, Features, Mesh};
 
     use super::*;
 
@@ -62,7 +65,7 @@ mod tests {
         let inner = faces.map(|face| face.map(|v| v + 4));
         let mesh = Mesh::new([corners, small].concat(), [faces, inner].concat()).unwrap();
         let (model, _) = Model::build(mesh, &BuildOptions::default()).unwrap();
-        let (tree, features) = (model.tree(), model.features());
+        let (tree, features) = (model.tree(), Features::of(&model));
         let nodes = NodeSet::of(tree, |face| features.is_convex(face));
         for node in 0..tree.nodes().len() as u32 {
             let mut holds = false;

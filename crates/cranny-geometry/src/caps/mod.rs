@@ -18,7 +18,6 @@
 //! that of Hertel and Mehlhorn (1983); to define caps as a difference of chains is this crate's own.
 
 mod chain;
-mod codec;
 mod findings;
 mod interface;
 mod share;

@@ -10,7 +10,7 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::components::{Components, edge_between};
 use super::nesting::{self, Surface};
-use super::{Border, Concavities, ConcavityKind, LidRecord, MIXED, Measures, Record, SOLID, Skin};
+use super::{Border, ConcavityKind, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, Skin};
 use crate::boundary::Loops;
 use crate::caps::{CapSurface, outlines};
 use crate::features::{Features, NONE};
@@ -55,7 +55,7 @@ pub(super) struct Input<'a> {
     pub(super) center: DVec3,
 }
 
-impl Concavities {
+impl ConcavitySet {
     /// Joins off-hull faces and caps.
     pub(crate) fn of(
         mesh: &Mesh,
@@ -88,7 +88,7 @@ impl Input<'_> {
 
     /// Numbers components by their least faces, those without by [the first](first_of_caps) of their caps, and lids by
     /// their least caps. What has no faces and covers nothing is skin and gets no number.
-    fn number(&self, mut components: Components, caps: CapSurface) -> Concavities {
+    fn number(&self, mut components: Components, caps: CapSurface) -> ConcavitySet {
         let (faces, count) = (self.mesh.faces().len(), caps.triangles.len());
         let mut is_skin = vec![false; count];
         let bare = (0..count).map(|cap| (cap, components.of_cap(cap)));
@@ -147,7 +147,7 @@ impl Input<'_> {
             area: 0.0,
             opening: DVec3::ZERO,
         };
-        Concavities {
+        ConcavitySet {
             records,
             lids: roots.iter().map(lid).collect(),
             faces: Vec::new(),
@@ -165,7 +165,7 @@ impl Input<'_> {
         }
     }
 
-    fn gather_faces(&self, all: &mut Concavities) {
+    fn gather_faces(&self, all: &mut ConcavitySet) {
         let (starts, faces) = rows(&all.concavity_of_face, all.records.len());
         for (record, &start) in all.records.iter_mut().zip(&starts) {
             record.first_face = start;
@@ -174,7 +174,7 @@ impl Input<'_> {
     }
 
     /// The boundary of each concavity's faces, split into simple loops.
-    fn find_loops(&self, all: &mut Concavities) {
+    fn find_loops(&self, all: &mut ConcavitySet) {
         let mut rims: Vec<(u32, [u32; 2])> = Vec::new();
         let of_face = &all.concavity_of_face;
         let edges = (0..self.topology.edges().len() as u32).map(EdgeId);
@@ -258,7 +258,7 @@ impl Input<'_> {
     }
 
     /// Orders caps by concavity and lid, and traces the lids' outlines.
-    fn gather_caps(&self, all: &mut Concavities) {
+    fn gather_caps(&self, all: &mut ConcavitySet) {
         let (starts, order) = rows(&all.lid_of_cap, all.lids.len());
         for (i, record) in all.records.iter_mut().enumerate() {
             record.first_lid = all.lids.partition_point(|l| l.concavity.index() < i) as u32;
@@ -295,7 +295,7 @@ impl Input<'_> {
     }
 
     /// What covers a facet, together with those that it shares its caps with.
-    pub(super) fn cover(&self, all: &Concavities, facet: FacetId, bears_faces: &[bool]) -> u32 {
+    pub(super) fn cover(&self, all: &ConcavitySet, facet: FacetId, bears_faces: &[bool]) -> u32 {
         let mut owners = all.caps_over(facet).map(|cap| all.concavity_of_cap[cap.index()]);
         let Some(first) = owners.next() else { return SOLID };
         let bears_faces =
@@ -307,7 +307,7 @@ impl Input<'_> {
     }
 
     /// Sums areas, volumes and area vectors, of concavities, lids and skin.
-    fn measure(&self, all: &mut Concavities) {
+    fn measure(&self, all: &mut ConcavitySet) {
         let mut skin = Skin::default();
         for t in 0..self.hull.triangle_count() {
             let corners = self.hull.triangle(t).map(|v| self.hull.position(v));
@@ -369,7 +369,7 @@ impl Input<'_> {
         a.dot(b.cross(c)) / 6.0
     }
 
-    pub(super) fn name(&self, all: &mut Concavities) {
+    pub(super) fn name(&self, all: &mut ConcavitySet) {
         for i in 0..all.records.len() {
             let concavity = all.get(ConcavityId(i as u32));
             let closed = concavity.loops().len() == 0;
@@ -388,7 +388,7 @@ impl Input<'_> {
     }
 
     /// Finds what surrounds concavities without lids.
-    pub(super) fn nest(&self, all: &mut Concavities) {
+    pub(super) fn nest(&self, all: &mut ConcavitySet) {
         if all.len() < 2 || all.iter().all(|c| c.lids().len() > 0) {
             return;
         }

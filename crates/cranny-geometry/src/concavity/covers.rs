@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Concavities, Cover};
+use super::{ConcavitySet, Cover};
 use crate::features::{Features, NONE};
 use crate::hull::{ConvexHull, FacetId, HullVertexId};
 use crate::ids::{CapId, ConcavityId, FaceId, HalfEdgeId, VertexId};
@@ -83,7 +83,7 @@ impl HullCovers {
         topology: &Topology,
         hull: &ConvexHull,
         features: &Features,
-        concavities: &Concavities,
+        concavities: &ConcavitySet,
     ) -> Self {
         let (first_faces, faces) = rows(features.facets_of_faces(), hull.facet_count());
         let input = Input { mesh, topology, hull, features, concavities, first_faces, faces };
@@ -95,7 +95,7 @@ impl HullCovers {
         Self { facets, edges, vertices, mixed: filing.mixed }
     }
 
-    /// What covers a facet, or the facets that it is [covered together](Concavities::shared_facets) with. O(1).
+    /// What covers a facet, or the facets that it is [covered together](ConcavitySet::shared_facets) with. O(1).
     ///
     /// # Panics
     ///
@@ -167,7 +167,7 @@ struct Input<'a> {
     topology: &'a Topology,
     hull: &'a ConvexHull,
     features: &'a Features,
-    concavities: &'a Concavities,
+    concavities: &'a ConcavitySet,
     /// The faces on each facet, in rows.
     first_faces: Vec<u32>,
     faces: Vec<u32>,

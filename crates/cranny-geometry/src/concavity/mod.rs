@@ -16,9 +16,9 @@
 //! 1984, sections 5 and 6): caps and faces off the hull have the same boundary, see `caps`.
 
 mod build;
-mod codec;
 mod components;
 mod covers;
+mod followed;
 mod nesting;
 mod region;
 mod skin;
@@ -26,6 +26,7 @@ mod splice;
 mod sums;
 mod update;
 mod validate;
+mod whole;
 
 use cranny_exact::DVec3;
 
@@ -35,8 +36,10 @@ use crate::features::NONE;
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, ConcavityId, FaceId, LidId, VertexId};
 pub use covers::{FeatureCover, HullCovers};
-pub(crate) use splice::Disturbance;
-pub(crate) use sums::SurfaceSums;
+pub use followed::{ConcavityChange, ConcavityWork, FollowedConcavities};
+use splice::Disturbance;
+use sums::SurfaceSums;
+pub use whole::Concavities;
 
 /// What a concavity is, by its lids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -83,7 +86,7 @@ pub enum Cover {
     /// A lid of this concavity, everywhere.
     Lid(ConcavityId),
     /// Faces of the mesh, but for cap triangles, each of which names its concavity: these, and where the
-    /// facet is covered together with others theirs as well ([`Concavities::caps_over`]).
+    /// facet is covered together with others theirs as well ([`ConcavitySet::caps_over`]).
     Mixed(std::ops::Range<u32>),
 }
 
@@ -98,9 +101,24 @@ pub enum Border {
     Open,
 }
 
+/// A stage in making [`Concavities`], shown to whoever measures times (this crate reads no clock).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Features: convex, concavity, boundary.
+    Classify,
+    /// Caps, concavities, boundary loops.
+    Caps,
+    /// A box tree for each concavity.
+    Trees,
+    /// Envelopes of concavities.
+    Envelopes,
+    /// All done.
+    Done,
+}
+
 /// All concavities of a body, and the cap surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Concavities {
+pub struct ConcavitySet {
     records: Vec<Record>,
     faces: Vec<FaceId>,
     concavity_of_face: Vec<u32>,
@@ -168,7 +186,7 @@ struct LidRecord {
 /// A concavity: faces off the hull and the cap that closes them.
 #[derive(Clone, Copy, Debug)]
 pub struct Concavity<'a> {
-    all: &'a Concavities,
+    all: &'a ConcavitySet,
     id: ConcavityId,
     /// What it is.
     pub kind: ConcavityKind,
@@ -215,7 +233,7 @@ impl<'a> Concavity<'a> {
 /// A connected piece of a concavity's cap.
 #[derive(Clone, Copy, Debug)]
 pub struct Lid<'a> {
-    all: &'a Concavities,
+    all: &'a ConcavitySet,
     id: LidId,
     /// Whose lid it is.
     pub concavity: ConcavityId,
@@ -270,7 +288,7 @@ pub struct CapTriangle {
     pub lid: Option<LidId>,
 }
 
-impl Concavities {
+impl ConcavitySet {
     /// Number of concavities, openings and voids included.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -314,11 +332,6 @@ impl Concavities {
     pub fn of_face(&self, face: FaceId) -> Option<ConcavityId> {
         let concavity = self.concavity_of_face[face.index()];
         (concavity != NONE).then_some(ConcavityId(concavity))
-    }
-
-    /// Of each face its concavity, or [`NONE`].
-    pub(crate) fn owners(&self) -> &[u32] {
-        &self.concavity_of_face
     }
 
     /// All caps, by facet.
@@ -378,7 +391,7 @@ impl Concavities {
     }
 
     /// What covers a facet of the hull. O(1). For edges and vertices see
-    /// [`Model::hull_covers`](crate::Model::hull_covers).
+    /// [`Concavities::hull_covers`].
     #[must_use]
     pub fn cover(&self, facet: FacetId) -> Cover {
         match self.cover[facet.index()] {
@@ -432,8 +445,8 @@ impl Concavities {
     }
 }
 
-/// In [`Concavities::cover`]: no cap triangle.
+/// In [`ConcavitySet::cover`]: no cap triangle.
 const SOLID: u32 = u32::MAX;
 
-/// In [`Concavities::cover`]: some cap triangles, not all of one concavity, or faces as well.
+/// In [`ConcavitySet::cover`]: some cap triangles, not all of one concavity, or faces as well.
 const MIXED: u32 = u32::MAX - 1;

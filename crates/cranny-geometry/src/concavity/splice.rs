@@ -14,7 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::build::{BLANK, CANCELLED, Input, first_of_caps, twice_area_vector};
 use super::region::{Group, Part};
-use super::{Concavities, Concavity, LidRecord, MIXED, Measures, Record, SOLID, Skin, SurfaceSums};
+use super::{
+    Concavity, ConcavitySet, LidRecord, MIXED, Measures, Record, SOLID, Skin, SurfaceSums,
+};
 use crate::boundary::Loops;
 use crate::caps::{CapSurface, outlines};
 use crate::features::{Features, NONE};
@@ -47,7 +49,7 @@ enum Origin {
     Made(usize),
 }
 
-impl Concavities {
+impl ConcavitySet {
     /// The concavities of other caps, and how many faces and caps were looked at for which hang together; `None` where
     /// all have to be found anew.
     pub(crate) fn followed(
@@ -197,7 +199,7 @@ impl Concavities {
         });
         let mut order: Vec<(Key, Origin)> = kept.chain(made).collect();
         order.sort_unstable_by_key(|&(key, _)| key);
-        let mut all = Concavities {
+        let mut all = ConcavitySet {
             records: Vec::with_capacity(order.len()),
             faces: Vec::with_capacity(self.faces.len()),
             concavity_of_face: self.concavity_of_face.clone(),
@@ -304,7 +306,7 @@ impl Input<'_> {
     /// Appends a concavity, whose boundary consists of the edges of `rim`.
     fn append(
         &self,
-        all: &mut Concavities,
+        all: &mut ConcavitySet,
         id: ConcavityId,
         group: &Group,
         mut rim: Vec<[u32; 2]>,
@@ -359,8 +361,8 @@ impl Input<'_> {
     /// Tells what covers each facet: where nothing has changed, what it did.
     fn cover_again(
         &self,
-        all: &mut Concavities,
-        before: &Concavities,
+        all: &mut ConcavitySet,
+        before: &ConcavitySet,
         disturbed: &[bool],
         changed: &Disturbance<'_>,
         facets: usize,

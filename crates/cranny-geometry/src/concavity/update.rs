@@ -4,7 +4,7 @@
 //! function.
 
 use super::build::{Input, twice_area_vector};
-use super::{Concavities, Measures};
+use super::{ConcavitySet, Measures};
 use crate::caps::CapSurface;
 use crate::features::Features;
 use crate::hull::ConvexHull;
@@ -12,7 +12,7 @@ use crate::ids::ConcavityId;
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 
-impl Concavities {
+impl ConcavitySet {
     /// The caps of all facets.
     pub(crate) fn cap_surface(&self) -> &CapSurface {
         &self.caps

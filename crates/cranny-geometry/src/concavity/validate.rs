@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Concavities, Cover};
+use super::{ConcavitySet, Cover};
 use crate::features::Features;
 use crate::hull::{ConvexHull, FacetId};
 use crate::ids::{CapId, FaceId, VertexId};
@@ -29,7 +29,7 @@ impl Rim {
     }
 }
 
-impl Concavities {
+impl ConcavitySet {
     /// Checks the invariants; for tests and debugging. O(n log n).
     ///
     /// - Every face is convex or of one concavity, every cap triangle skin or of one lid.

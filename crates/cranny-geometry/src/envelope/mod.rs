@@ -31,7 +31,6 @@
 
 mod build;
 mod cluster;
-mod codec;
 mod crumbs;
 mod moments;
 mod thing;

@@ -14,7 +14,6 @@
 //! No source: the classes are this crate's own definitions, and each follows from what lies on which facet.
 
 mod assign;
-mod codec;
 mod corners;
 mod slabs;
 mod update;
@@ -27,6 +26,7 @@ pub(crate) use update::Judged;
 use crate::hull::FacetId;
 use crate::ids::{ConvexSetId, EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
+use crate::model::Model;
 use crate::topology::{DisjointSets, Topology};
 
 /// Where a vertex or an edge of the mesh lies.
@@ -70,8 +70,18 @@ pub(crate) struct RidgeOnFacet {
 }
 
 impl Features {
+    /// Classifies the features of a model.
+    ///
+    /// Cost: O(n log n), as a rule less than the hull itself.
+    #[must_use]
+    pub fn of(model: &Model) -> Self {
+        let (mesh, topology) = (model.mesh(), model.topology());
+        let assignment = Assignment::of(mesh, topology, model.hull(), model.tree());
+        Self::classified(mesh, topology, &assignment).0
+    }
+
     /// Classifies by an assignment of faces to facets; the second part lists ridges by facet.
-    pub(crate) fn of(
+    pub(crate) fn classified(
         mesh: &Mesh,
         topology: &Topology,
         assignment: &Assignment,

@@ -32,7 +32,7 @@ pub(crate) struct Followed {
 
 /// Which facets are others. All those that are named in neither list are the same triangles in the same plane, and
 /// have their number.
-#[derive(Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct FacetChange {
     /// Facets before whose number means no facet, or another one; ascending.
     pub(crate) gone: Vec<u32>,

@@ -19,7 +19,7 @@ mod refit;
 use cranny_exact::Aabb;
 
 pub(crate) use self::build::{Grower, partition};
-pub(crate) use self::codec::{FoldedForest, FoldedTree, Unfolded, box_around, check_shape};
+pub(crate) use self::codec::{FoldedForest, FoldedTree, Unfolded, check_shape};
 pub use self::forest::FaceForest;
 pub(crate) use self::mates::Mates;
 pub use self::refit::NodeChanges;

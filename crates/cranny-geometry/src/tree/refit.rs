@@ -22,7 +22,7 @@ use crate::mesh::Mesh;
 const SPREAD: f64 = 3.0;
 
 /// A face that has moved, and the box that it had before.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MovedFace {
     pub(crate) face: FaceId,
     pub(crate) old: Aabb,

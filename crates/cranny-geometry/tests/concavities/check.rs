@@ -1,35 +1,36 @@
 //! The invariants that hold for every body.
 
+use crate::body::Body;
 use cranny_exact::{DVec2, DVec3};
 use cranny_geometry::concavity::ConcavityKind;
 use cranny_geometry::hull::FacetId;
-use cranny_geometry::{BuildOptions, FaceId, Finding, Mesh, Model};
+use cranny_geometry::{BuildOptions, FaceId, Finding, Mesh};
 
 /// Pairs of points and triangles up to which hulls are validated here, every pair of which is looked at.
 const LARGEST_HULL: usize = 4_000_000;
 
 /// Builds and validates.
-pub(crate) fn checked(mesh: &Mesh) -> Model {
+pub(crate) fn checked(mesh: &Mesh) -> Body {
     checked_with(mesh, &BuildOptions::default())
 }
 
 /// [`checked`], with other options.
-pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
+pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Body {
     let (model, _) = built_with(mesh, options);
     covered_once(&model);
     model
 }
 
 /// [`closed_checked`], and what is told of the mesh; but whether each facet is covered once is not asked.
-pub(crate) fn checked_told(mesh: &Mesh) -> (Model, Vec<Finding>) {
+pub(crate) fn checked_told(mesh: &Mesh) -> (Body, Vec<Finding>) {
     let (model, findings) = built_with(mesh, &BuildOptions::default());
     check_sums(&model);
     (model, findings)
 }
 
 /// Builds and validates, but whether each facet is covered once is not asked.
-pub(crate) fn built_with(mesh: &Mesh, options: &BuildOptions) -> (Model, Vec<Finding>) {
-    let (model, report) = Model::build(mesh.clone(), options).unwrap();
+pub(crate) fn built_with(mesh: &Mesh, options: &BuildOptions) -> (Body, Vec<Finding>) {
+    let (model, report) = Body::build(mesh.clone(), options).unwrap();
     model.features().validate(model.mesh(), model.topology()).unwrap();
     let (topology, hull) = (model.topology(), model.hull());
     let points = model.mesh().vertices();
@@ -41,12 +42,12 @@ pub(crate) fn built_with(mesh: &Mesh, options: &BuildOptions) -> (Model, Vec<Fin
 }
 
 /// As [`checked`]; and what only a closed mesh promises: volumes and areas add up, no opening.
-pub(crate) fn closed_checked(mesh: &Mesh) -> Model {
+pub(crate) fn closed_checked(mesh: &Mesh) -> Body {
     closed_checked_with(mesh, &BuildOptions::default())
 }
 
 /// [`closed_checked`], with other options.
-pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Model {
+pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Body {
     let model = checked_with(mesh, options);
     check_sums(&model);
     model
@@ -54,7 +55,7 @@ pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Model 
 
 /// Volumes and areas of a closed body add up; what is left over is skin, and a pocket's volume is not negative
 /// but for skin. The sums alone would add up whatever caps were.
-pub(crate) fn check_sums(model: &Model) {
+pub(crate) fn check_sums(model: &Body) {
     assert!(model.is_closed());
     let all = model.concavities();
     let is_flaw = |kind| matches!(kind, ConcavityKind::Opening | ConcavityKind::Overlay);
@@ -101,7 +102,7 @@ struct Rounding {
 }
 
 impl Rounding {
-    fn of(model: &Model) -> Self {
+    fn of(model: &Body) -> Self {
         let (hull, mesh, all) = (model.hull(), model.mesh(), model.concavities());
         let center = hull.bounds().center();
         let mut sums = (0.0, 0.0);
@@ -132,7 +133,7 @@ impl Rounding {
 
 /// In the projection along its dominant axis every facet, or every group that is covered together, has the
 /// area of its faces and caps; or it and neighbours, between which straddling pieces were dropped, have together.
-fn covered_once(model: &Model) {
+fn covered_once(model: &Body) {
     let (hull, all) = (model.hull(), model.concavities());
     let facets = || (0..hull.facet_count() as u32).map(FacetId);
     let mut home: Vec<FacetId> = facets().collect();

@@ -1,10 +1,11 @@
 //! Concavities, lids and loops, counted by hand.
 
+use crate::body::Body;
 use cranny_exact::DVec3;
 use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::features::Feature;
 use cranny_geometry::hull::FacetId;
-use cranny_geometry::{BuildOptions, CapId, ConcavityId, FindingKind, Mesh, Model};
+use cranny_geometry::{BuildOptions, CapId, ConcavityId, FindingKind, Mesh};
 use cranny_shapes::{
     Comb, Cuboid, Cup, Gear, GolfBall, IsoBolt, IsoNut, NestedShells, PyramidInCavity, UPrism,
 };
@@ -201,7 +202,7 @@ fn shells_inside_shells_know_what_surrounds_them() {
 fn a_solid_in_the_matter_of_another_is_an_island_without_a_parent() {
     let shell = |size: f64| Cuboid { size: [size; 3] }.build().unwrap();
     let (model, report) =
-        Model::build(shell(4.0).joined(&shell(1.0)), &BuildOptions::default()).unwrap();
+        Body::build(shell(4.0).joined(&shell(1.0)), &BuildOptions::default()).unwrap();
     let all: Vec<_> = model.concavities().iter().map(|c| (c.kind, c.parent)).collect();
     assert_eq!(all, [(ConcavityKind::Island, None)]);
     assert!(report.findings.iter().any(|f| f.kind == FindingKind::NestedSolid));
@@ -259,7 +260,7 @@ fn faces_that_cover_a_side_twice_count_negative() {
     assert!(all.crossed_facets().is_empty());
     assert!((all.iter().map(|c| c.measures.cap_area).sum::<f64>() + 0.125).abs() < 1e-15);
 
-    let (_, report) = Model::build(model.mesh().clone(), &BuildOptions::default()).unwrap();
+    let (_, report) = Body::build(model.mesh().clone(), &BuildOptions::default()).unwrap();
     let found = report.findings.iter().find(|f| f.kind == FindingKind::NegativeCap).unwrap();
     let corners: Vec<u32> = (8..11).collect();
     assert_eq!((&found.ids, found.measure), (&corners, 0.125));

@@ -2,12 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::body::Body;
 use cranny_exact::DVec3;
 use cranny_geometry::concavity::FeatureCover;
 use cranny_geometry::hull::{FacetId, HullVertexId};
-use cranny_geometry::{
-    BuildOptions, ConcavityId, FaceId, Flatness, HalfEdgeId, Mesh, Model, VertexId,
-};
+use cranny_geometry::{BuildOptions, ConcavityId, FaceId, Flatness, HalfEdgeId, Mesh, VertexId};
 use cranny_shapes::{Comb, Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, Torus, UPrism};
 use cranny_testkit::Rng;
 
@@ -24,14 +23,14 @@ fn owners(cover: FeatureCover<'_>) -> BTreeSet<Owner> {
 
 /// Every face on the hull and every cap, measured against every edge and vertex of the hull near it.
 struct Judge<'a> {
-    model: &'a Model,
+    model: &'a Body,
     /// By facet, those of the facets that it is covered together with among them.
     pieces: Vec<Vec<([DVec3; 3], Owner)>>,
     group: Vec<FacetId>,
 }
 
 impl<'a> Judge<'a> {
-    fn of(model: &'a Model) -> Self {
+    fn of(model: &'a Body) -> Self {
         let all = model.concavities();
         let facets = || (0..model.hull().facet_count() as u32).map(FacetId);
         let mut group: Vec<FacetId> = facets().collect();
@@ -108,26 +107,26 @@ impl<'a> Judge<'a> {
     }
 }
 
-fn edges(model: &Model) -> impl Iterator<Item = HalfEdgeId> + '_ {
+fn edges(model: &Body) -> impl Iterator<Item = HalfEdgeId> + '_ {
     let all = (0..3 * model.hull().triangle_count() as u32).map(HalfEdgeId);
     all.filter(|&h| h < model.hull().twin(h))
 }
 
 /// Edges between facets, not those within one.
-fn creases(model: &Model) -> impl Iterator<Item = HalfEdgeId> + '_ {
+fn creases(model: &Body) -> impl Iterator<Item = HalfEdgeId> + '_ {
     let facet = |h: HalfEdgeId| model.hull().facet_of_triangle(h.index() / 3);
     edges(model).filter(move |&h| facet(h) != facet(model.hull().twin(h)))
 }
 
-fn vertices(model: &Model) -> impl Iterator<Item = HullVertexId> {
+fn vertices(model: &Body) -> impl Iterator<Item = HullVertexId> {
     (0..model.hull().vertex_count() as u32).map(HullVertexId)
 }
 
-fn facets(model: &Model) -> impl Iterator<Item = FacetId> {
+fn facets(model: &Body) -> impl Iterator<Item = FacetId> {
     (0..model.hull().facet_count() as u32).map(FacetId)
 }
 
-fn assert_judged_alike(model: &Model, what: &str) {
+fn assert_judged_alike(model: &Body, what: &str) {
     let (judge, covers) = (Judge::of(model), model.hull_covers());
     for f in facets(model) {
         assert_eq!(owners(covers.facet(f)), judge.on_facet(f), "{what}: facet {}", f.0);
@@ -141,8 +140,8 @@ fn assert_judged_alike(model: &Model, what: &str) {
     }
 }
 
-fn built(mesh: &Mesh) -> Model {
-    Model::build(mesh.clone(), &BuildOptions::default()).unwrap().0
+fn built(mesh: &Mesh) -> Body {
+    Body::build(mesh.clone(), &BuildOptions::default()).unwrap().0
 }
 
 /// How many of some features are covered in which way.
@@ -154,11 +153,11 @@ fn counted<'a>(covers: impl Iterator<Item = FeatureCover<'a>>) -> BTreeMap<(bool
     counts
 }
 
-fn of_creases(model: &Model) -> BTreeMap<(bool, usize), usize> {
+fn of_creases(model: &Body) -> BTreeMap<(bool, usize), usize> {
     counted(creases(model).map(|h| model.hull_covers().edge(h)))
 }
 
-fn of_vertices(model: &Model) -> BTreeMap<(bool, usize), usize> {
+fn of_vertices(model: &Body) -> BTreeMap<(bool, usize), usize> {
     counted(vertices(model).map(|v| model.hull_covers().vertex(v)))
 }
 
@@ -252,7 +251,7 @@ fn facets_that_share_their_caps_leave_nothing_out() {
     for round in 0..200 {
         let depth = |rng: &mut Rng| 1e-5 * f64::from(rng.between(0, 300));
         let mesh = prism_cut_anyhow(4 + round % 9, &mut rng, depth);
-        let (model, _) = Model::build(mesh, &options).unwrap();
+        let (model, _) = Body::build(mesh, &options).unwrap();
         let covers = model.hull_covers();
         let judge = Judge::of(&model);
         for [facet, _] in model.concavities().shared_facets() {

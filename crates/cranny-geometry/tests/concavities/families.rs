@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::body::Body;
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::concavity::ConcavityKind::{self, Island, Passage, Pocket, Void};
 use cranny_geometry::features::Feature;
-use cranny_geometry::{BuildOptions, FaceId, Mesh, Model, Repair, VertexId};
+use cranny_geometry::{BuildOptions, FaceId, Mesh, Repair, VertexId};
 use cranny_shapes::Cuboid;
 use cranny_testkit::Rng;
 
@@ -15,12 +16,12 @@ use crate::rounding::classification;
 use crate::ways::{census, moved, rounded_to_single, turned};
 
 /// Kinds and lids, sorted: what no way of writing a body may change.
-fn kinds(model: &Model) -> Vec<(ConcavityKind, usize)> {
+fn kinds(model: &Body) -> Vec<(ConcavityKind, usize)> {
     census(model).into_iter().map(|(kind, lids, _)| (kind, lids)).collect()
 }
 
 /// Each concavity's faces and caps have the same boundary, and its loops are that boundary, each of them simple.
-fn assert_closes(model: &Model, what: &str) {
+fn assert_closes(model: &Body, what: &str) {
     for concavity in model.concavities().iter() {
         let mut chain: BTreeMap<[u32; 2], i32> = BTreeMap::new();
         let mut add = |corners: [u32; 3], sign: i32| {

@@ -1,6 +1,8 @@
 //! Features, caps, concavities and boundary loops: counted by hand, and their invariants.
 
 mod bodies;
+#[path = "../body/mod.rs"]
+mod body;
 mod check;
 mod counts;
 mod covers;

@@ -1,8 +1,9 @@
 //! Random bodies, hulls and soups keep the invariants.
 
+use crate::body::Body;
 use cranny_exact::DVec3;
 use cranny_geometry::hull::HullKind;
-use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
+use cranny_geometry::{BuildOptions, ConvexHull, Mesh};
 use cranny_testkit::Rng;
 
 use crate::bodies;
@@ -58,7 +59,7 @@ fn soups_of_triangles_keep_the_invariants_up_to_their_edges() {
         let vertices: Vec<DVec3> = (0..points).map(|_| point()).collect();
         let faces = (0..faces).map(|_| [0; 3].map(|_| rng.below(points) as u32)).collect();
         let soup = Mesh::new(vertices, faces).unwrap();
-        if Model::build(soup.clone(), &BuildOptions::default()).is_ok() {
+        if Body::build(soup.clone(), &BuildOptions::default()).is_ok() {
             checked(&soup);
             if round % 2 == 0 {
                 checked(&turned(&soup));

@@ -1,7 +1,8 @@
 //! Sides rough by about as little as rounding: volumes and areas are right to within slabs.
 
+use crate::body::Body;
 use cranny_exact::DVec3;
-use cranny_geometry::{Finding, FindingKind, Mesh, Model};
+use cranny_geometry::{Finding, FindingKind, Mesh};
 use cranny_testkit::Rng;
 
 use crate::bodies;
@@ -20,7 +21,7 @@ fn rough_cube(seed: u64) -> (Mesh, f64) {
 }
 
 /// The area of the strip, as wide as slabs are deep, along every edge.
-fn strip(model: &Model) -> f64 {
+fn strip(model: &Body) -> f64 {
     let at = |v: cranny_geometry::VertexId| model.mesh().position(v);
     let edges = model.topology().edges().iter();
     model.features().slab_depth() * edges.map(|e| at(e.from).distance(at(e.to))).sum::<f64>()

@@ -1,9 +1,10 @@
 //! Rounding, scale, numbering and the choice of diagonals change no class.
 
+use crate::body::Body;
 use cranny_exact::DVec3;
 use cranny_geometry::concavity::{Border, ConcavityKind, Cover};
 use cranny_geometry::hull::FacetId;
-use cranny_geometry::{BuildOptions, FaceId, Finding, FindingKind, Flatness, Mesh, Model};
+use cranny_geometry::{BuildOptions, FaceId, Finding, FindingKind, Flatness, Mesh};
 use cranny_shapes::{Cuboid, Cylinder, Gear, Shape, Sphere, Torus};
 use cranny_testkit::Rng;
 
@@ -62,7 +63,7 @@ fn drawn_sides_are_flat_at_any_flatness() {
         for flatness in [0.0, f64::NAN, f64::EPSILON, 1e-15] {
             let options =
                 BuildOptions { flatness: Flatness::Relative(flatness), ..BuildOptions::default() };
-            let model = Model::build(cup_of_fans(segments), &options).unwrap().0;
+            let model = Body::build(cup_of_fans(segments), &options).unwrap().0;
             assert_eq!(census(&model), [(ConcavityKind::Pocket, 1, 1)], "{segments}, {flatness}");
             assert_eq!(model.concavities().negative_caps().len(), 0, "{segments}, {flatness}");
         }
@@ -132,7 +133,7 @@ fn a_quadrilateral_divided_the_other_way_is_no_dent() {
         faces.extend(sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]));
         let options =
             BuildOptions { flatness: Flatness::Relative(1e-3), ..BuildOptions::default() };
-        let model = Model::build(Mesh::new(vertices, faces).unwrap(), &options).unwrap().0;
+        let model = Body::build(Mesh::new(vertices, faces).unwrap(), &options).unwrap().0;
         let (features, all) = (model.features(), model.concavities());
         all.validate(model.mesh(), model.topology(), model.hull(), features).unwrap();
         (model.hull().facet_count(), census(&model), all.negative_caps().len())
@@ -160,7 +161,7 @@ fn a_face_on_two_facets_leaves_a_cap_that_both_share() {
     let mesh = Mesh::new(top.chain(bottom).collect(), faces).unwrap();
     let options =
         BuildOptions { flatness: Flatness::Relative(FLATNESS), ..BuildOptions::default() };
-    let (model, report) = Model::build(mesh, &options).unwrap();
+    let (model, report) = Body::build(mesh, &options).unwrap();
     let (hull, all) = (model.hull(), model.concavities());
     all.validate(model.mesh(), model.topology(), hull, model.features()).unwrap();
     assert_eq!(census(&model), [(ConcavityKind::Pocket, 1, 1)]);
@@ -246,7 +247,7 @@ fn sides_divided_otherwise_than_the_hull_divides_them_are_covered_once() {
         let depth = |rng: &mut Rng| 0.01 * FLATNESS * f64::from(rng.between(0, 300));
         let corners = 4 + round % 9;
         let mesh = prism_cut_anyhow(corners, &mut rng, depth);
-        let (model, report) = Model::build(mesh, &options).unwrap();
+        let (model, report) = Body::build(mesh, &options).unwrap();
         let all = model.concavities();
         all.validate(model.mesh(), model.topology(), model.hull(), model.features()).unwrap();
         shared += usize::from(all.shared_facets().next().is_some());
@@ -275,7 +276,7 @@ fn flatness_is_chosen_by_the_coordinates() {
     let single = rounded_to_single(&mesh);
     let flatness = |mesh: &Mesh, flatness: Flatness| {
         let options = BuildOptions { flatness, ..BuildOptions::default() };
-        Model::build(mesh.clone(), &options).unwrap().1.flatness
+        Body::build(mesh.clone(), &options).unwrap().1.flatness
     };
     assert_eq!(flatness(&mesh, Flatness::Auto), cranny_geometry::hull::FLATNESS);
     assert_eq!(flatness(&single, Flatness::Auto), Flatness::SINGLE);
@@ -294,7 +295,7 @@ fn flatness_is_chosen_by_the_coordinates() {
 
 /// Everything that must not depend on scale and numbering: per face its class, and per concavity its
 /// kind, lids, loops and the faces in it, by the names that `name` gives them.
-pub(crate) fn classification(model: &Model, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
+pub(crate) fn classification(model: &Body, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
     let mut classes = Vec::new();
     for concavity in model.concavities().iter() {
         let mut class: Vec<usize> = concavity.faces.iter().map(|&f| name(f)).collect();

@@ -1,8 +1,9 @@
 //! One body in several ways: turned, moved, rounded; and what its concavities are.
 
+use crate::body::Body;
 use cranny_exact::{DMat3, DQuat, DVec3};
+use cranny_geometry::Mesh;
 use cranny_geometry::concavity::ConcavityKind;
-use cranny_geometry::{Mesh, Model};
 
 /// An arbitrary rotation; applying it rounds.
 pub(crate) fn turned(mesh: &Mesh) -> Mesh {
@@ -37,7 +38,7 @@ pub(crate) fn rounded_to_digits(mesh: &Mesh, digits: usize) -> Mesh {
 }
 
 /// Of each concavity: kind, lids, loops; sorted.
-pub(crate) fn census(model: &Model) -> Vec<(ConcavityKind, usize, usize)> {
+pub(crate) fn census(model: &Body) -> Vec<(ConcavityKind, usize, usize)> {
     let mut all: Vec<_> =
         model.concavities().iter().map(|c| (c.kind, c.lids().len(), c.loops().len())).collect();
     all.sort_unstable();

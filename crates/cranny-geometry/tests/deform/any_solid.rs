@@ -5,8 +5,9 @@
 
 use std::ops::Range;
 
+use crate::body::Body;
 use cranny_exact::DVec3;
-use cranny_geometry::{DeformError, Mesh, Model, VertexId};
+use cranny_geometry::{DeformError, Mesh, VertexId};
 use cranny_shapes::{
     ChainLink, Comb, Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, PyramidInCavity, Shape,
     Sphere, Torus, UPrism,
@@ -57,7 +58,7 @@ fn solid(kind: usize, rng: &mut Rng) -> Mesh {
 const KINDS: usize = 12;
 
 /// Where a vertex goes: nowhere much, in, out, into a plane of the hull or of the box, onto a lattice, into a face.
-fn place(model: &Model, v: VertexId, coincides: bool, rng: &mut Rng) -> DVec3 {
+fn place(model: &Body, v: VertexId, coincides: bool, rng: &mut Rng) -> DVec3 {
     let (mesh, hull) = (model.mesh(), model.hull());
     let (p, bounds) = (mesh.position(v), model.bounds());
     let size = bounds.diagonal();
@@ -90,7 +91,7 @@ fn place(model: &Model, v: VertexId, coincides: bool, rng: &mut Rng) -> DVec3 {
 }
 
 /// Moves of up to twenty vertices: neighbours, corners of the hull, or any; home again at times.
-fn moves(model: &Model, home: &Mesh, coincides: bool, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
+fn moves(model: &Body, home: &Mesh, coincides: bool, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
     let most = if rng.below(3) == 0 { 20 } else { 3 };
     let (is_local, is_on_hull, goes_home) =
         (rng.below(2) == 0, rng.below(2) == 0, rng.below(4) == 0);
@@ -130,11 +131,11 @@ fn solids_of_many_kinds_follow_any_moves() {
         let mut rng = Rng::new(seed);
         let mesh = solid(seed as usize % KINDS, &mut rng);
         let mesh = if rng.below(2) == 0 { turned(&mesh) } else { mesh };
-        let (mut model, _) = Model::build(mesh, &options()).unwrap();
+        let (mut model, _) = Body::build(mesh, &options()).unwrap();
         let home = model.mesh().clone();
         for step in 0..STEPS {
             if rng.below(12) == 0 {
-                model = Model::decode(&model.encode()).unwrap();
+                model = Body::decode(&model.encode()).unwrap();
             }
             let moves = moves(&model, &home, coincides, &mut rng);
             let before = model.clone();

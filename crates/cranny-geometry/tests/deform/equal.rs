@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::body::{Body, Change};
 use cranny_exact::DVec3;
 use cranny_geometry::concavity::{Concavity, Lid};
 use cranny_geometry::envelope::{EnvelopeOptions, Pocket};
 use cranny_geometry::hull::{FacetId, HullKind, HullVertexId};
 use cranny_geometry::{
-    BuildOptions, ChangeSet, ConcavityId, ConvexSetId, EdgeId, Envelopes, FaceId, Flatness,
-    HalfEdgeId, Model, PatchId, VertexId,
+    BuildOptions, ConcavityId, ConvexSetId, EdgeId, Envelopes, FaceId, Flatness, HalfEdgeId,
+    PatchId, VertexId,
 };
 
 /// With a flatness that does not depend on which numbers the coordinates happen to be.
@@ -21,14 +22,14 @@ pub(crate) fn options() -> BuildOptions {
 }
 
 /// Compares with the model built of the moved mesh, unless that would weld vertices.
-pub(crate) fn assert_equals_rebuild(model: &Model, what: &str) {
+pub(crate) fn assert_equals_rebuild(model: &Body, what: &str) {
     validate(model, what);
     let places: BTreeSet<[u64; 3]> =
         model.mesh().vertices().iter().map(|p| p.to_array().map(|x| (x + 0.0).to_bits())).collect();
     if places.len() < model.mesh().vertices().len() {
         return;
     }
-    let (rebuilt, _) = Model::build(model.mesh().clone(), &options()).unwrap();
+    let (rebuilt, _) = Body::build(model.mesh().clone(), &options()).unwrap();
     assert_equal(model, &rebuilt, what);
 }
 
@@ -36,12 +37,12 @@ pub(crate) fn assert_equals_rebuild(model: &Model, what: &str) {
 /// largest mesh of this crate's tests of deformation.
 const LARGEST_HULL: usize = 400_000_000;
 
-fn all_faces(model: &Model) -> impl Iterator<Item = FaceId> + use<> {
+fn all_faces(model: &Body) -> impl Iterator<Item = FaceId> + use<> {
     (0..model.mesh().faces().len() as u32).map(FaceId)
 }
 
 /// Everything that a structure promises by itself.
-pub(crate) fn validate(model: &Model, what: &str) {
+pub(crate) fn validate(model: &Body, what: &str) {
     let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
     topology.validate(mesh).unwrap();
     if mesh.vertices().len() * hull.triangle_count() <= LARGEST_HULL {
@@ -73,7 +74,7 @@ pub(crate) fn validate(model: &Model, what: &str) {
 }
 
 /// See `Model::deform`.
-pub(crate) fn assert_equal(model: &Model, rebuilt: &Model, what: &str) {
+pub(crate) fn assert_equal(model: &Body, rebuilt: &Body, what: &str) {
     assert_eq!(model.mesh(), rebuilt.mesh(), "{what}");
     assert_eq!(model.digest(), rebuilt.digest(), "{what}");
     assert_eq!((model.bounds(), model.radius()), (rebuilt.bounds(), rebuilt.radius()), "{what}");
@@ -109,7 +110,7 @@ pub(crate) fn assert_equal(model: &Model, rebuilt: &Model, what: &str) {
     }
 }
 
-fn hulls(model: &Model, rebuilt: &Model, what: &str) {
+fn hulls(model: &Body, rebuilt: &Body, what: &str) {
     let (a, b) = (model.hull(), rebuilt.hull());
     assert_eq!((a.kind(), a.sources()), (b.kind(), b.sources()), "{what}");
     assert_eq!(a.flatness(), b.flatness(), "{what}");
@@ -122,7 +123,7 @@ fn hulls(model: &Model, rebuilt: &Model, what: &str) {
 /// left out, which say nothing.
 type ToldFacet = (Vec<[VertexId; 3]>, [u64; 5]);
 
-fn facet(model: &Model, id: FacetId) -> ToldFacet {
+fn facet(model: &Body, id: FacetId) -> ToldFacet {
     let hull = model.hull();
     let facet = hull.facet(id);
     let corners = |&t: &u32| hull.triangle(t as usize).map(|v| hull.source(v));
@@ -132,14 +133,14 @@ fn facet(model: &Model, id: FacetId) -> ToldFacet {
     (triangles, [x, y, z, facet.offset, facet.thickness].map(f64::to_bits))
 }
 
-fn facets(model: &Model) -> BTreeSet<ToldFacet> {
+fn facets(model: &Body) -> BTreeSet<ToldFacet> {
     (0..model.hull().facet_count() as u32).map(|f| facet(model, FacetId(f))).collect()
 }
 
 /// Of each vertex of the hull, and of each edge between two facets, what covers it.
-fn covers(model: &Model, rebuilt: &Model, what: &str) {
+fn covers(model: &Body, rebuilt: &Body, what: &str) {
     type Told = BTreeMap<Vec<VertexId>, (bool, Vec<ConcavityId>)>;
-    let told = |model: &Model| -> Told {
+    let told = |model: &Body| -> Told {
         let (hull, covers) = (model.hull(), model.hull_covers());
         let facet = |h: HalfEdgeId| hull.facet_of_triangle(h.index() / 3);
         let edges = (0..3 * hull.triangle_count() as u32).map(HalfEdgeId);
@@ -163,13 +164,13 @@ fn covers(model: &Model, rebuilt: &Model, what: &str) {
     }
 }
 
-fn classes(model: &Model, rebuilt: &Model, what: &str) {
+fn classes(model: &Body, rebuilt: &Body, what: &str) {
     let (a, b) = (model.features(), rebuilt.features());
     for f in all_faces(model) {
         assert_eq!(a.is_convex(f), b.is_convex(f), "{what}: face {}", f.0);
         let sets: [Option<ConvexSetId>; 2] = [a.convex_set_of(f), b.convex_set_of(f)];
         assert_eq!(sets[0], sets[1], "{what}: face {}", f.0);
-        let on = |model: &Model| model.features().facet_of(f).map(|id| facet(model, id));
+        let on = |model: &Body| model.features().facet_of(f).map(|id| facet(model, id));
         assert_eq!(on(model), on(rebuilt), "{what}: face {}", f.0);
     }
     for v in (0..model.mesh().vertices().len() as u32).map(VertexId) {
@@ -221,7 +222,7 @@ fn lowest_first(mut corners: [VertexId; 3]) -> [VertexId; 3] {
 }
 
 /// Whether the change set says what has changed.
-pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &ChangeSet, what: &str) {
+pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change, what: &str) {
     for v in (0..before.mesh().vertices().len() as u32).map(VertexId) {
         let moved = before.mesh().position(v) != after.mesh().position(v);
         assert_eq!(moved, change.vertices.binary_search(&v).is_ok(), "{what}");
@@ -230,16 +231,16 @@ pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &Chang
         let moved = before.mesh().triangle(f) != after.mesh().triangle(f);
         assert!(!moved || change.faces.binary_search(&f).is_ok(), "{what}");
         let turned = before.features().is_convex(f) != after.features().is_convex(f);
-        assert_eq!(turned, change.reclassified.binary_search(&f).is_ok(), "{what}");
+        assert_eq!(turned, change.beneath.reclassified.binary_search(&f).is_ok(), "{what}");
     }
     if !change.hull {
         assert_eq!(before.hull(), after.hull(), "{what}");
     }
-    assert_eq!(change.concavities.len(), before.concavities().len(), "{what}");
-    for (old, new) in (0..).map(ConcavityId).zip(&change.concavities) {
+    assert_eq!(change.beneath.concavities.len(), before.concavities().len(), "{what}");
+    for (old, new) in (0..).map(ConcavityId).zip(&change.beneath.concavities) {
         let old = before.concavities().get(old);
         // Those without faces are told by their caps.
-        let caps = |model: &Model, c: &Concavity<'_>| -> BTreeSet<[VertexId; 3]> {
+        let caps = |model: &Body, c: &Concavity<'_>| -> BTreeSet<[VertexId; 3]> {
             let caps = c.caps.iter().map(|&cap| model.concavities().cap(cap).corners);
             caps.map(lowest_first).collect()
         };
@@ -250,10 +251,10 @@ pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &Chang
         assert_eq!(*new, same.map(|c| c.id()), "{what}");
     }
     for new in after.concavities().iter() {
-        let old = change.concavities.iter().position(|c| *c == Some(new.id()));
+        let old = change.beneath.concavities.iter().position(|c| *c == Some(new.id()));
         let old = old.map(|i| before.concavities().get(ConcavityId(i as u32)));
         let is_same = old.is_some_and(|old| {
-            let places = |model: &Model, c: &Concavity<'_>| {
+            let places = |model: &Body, c: &Concavity<'_>| {
                 let faces = c.faces.iter().map(|&f| model.mesh().triangle(f));
                 // Caps of other corners are others, even in the same places: where a vertex comes to lie on a corner of
                 // the hull, the lesser number stands for both.
@@ -265,12 +266,12 @@ pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &Chang
             };
             places(before, &old) == places(after, &new)
         });
-        let told = change.reshaped.binary_search(&new.id()).is_ok();
+        let told = change.beneath.reshaped.binary_search(&new.id()).is_ok();
         assert_eq!(!is_same, told, "{what}: concavity {}", new.id().0);
     }
     for (old, new) in (0..).map(PatchId).zip(&change.patches) {
         if let Some(new) = new {
-            let sorted = |model: &Model, p| {
+            let sorted = |model: &Body, p| {
                 let mut faces = model.patches().faces(p).to_vec();
                 faces.sort_unstable();
                 faces
@@ -280,11 +281,7 @@ pub(crate) fn assert_tells_changes(before: &Model, after: &Model, change: &Chang
     }
     for (nodes, old, new) in [
         (&change.tree, before.tree(), after.tree()),
-        (
-            &change.concavity_trees,
-            before.concavity_trees().arena(),
-            after.concavity_trees().arena(),
-        ),
+        (&change.beneath.trees, before.concavity_trees().arena(), after.concavity_trees().arena()),
         (&change.patch_trees, before.patches().trees().arena(), after.patches().trees().arena()),
     ] {
         for n in 0..new.nodes().len() as u32 {

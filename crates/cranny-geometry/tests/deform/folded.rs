@@ -1,6 +1,7 @@
 //! A vertex is pushed within a flat side, so that a face folds over, while the hull changes elsewhere.
+use crate::body::Body;
 use cranny_exact::DVec3;
-use cranny_geometry::{Model, VertexId};
+use cranny_geometry::VertexId;
 use cranny_shapes::{Cuboid, Shape};
 
 use super::equal::assert_equals_rebuild;
@@ -9,8 +10,8 @@ use super::{model, split_edges};
 #[test]
 fn a_face_that_folds_over_within_its_side_is_judged_again() {
     let cube = Shape::from(Cuboid::default()).build().unwrap();
-    let mut model: Model = model(split_edges(&split_edges(&split_edges(&cube))));
-    let find = |model: &Model, p: DVec3| {
+    let mut model: Body = model(split_edges(&split_edges(&split_edges(&cube))));
+    let find = |model: &Body, p: DVec3| {
         let all = (0..model.mesh().vertices().len() as u32).map(VertexId);
         all.min_by(|&v, &w| {
             let d = |v| (model.mesh().position(v) - p).length();

@@ -1,8 +1,9 @@
 //! Moves that change the hull, one after the other: what follows equals a rebuild, and what there is to do does not
 //! depend on how large the mesh is.
 
+use crate::body::{Body, Change};
 use cranny_exact::DVec3;
-use cranny_geometry::{DeformError, Mesh, Model, VertexId, Work};
+use cranny_geometry::{DeformError, Mesh, VertexId};
 use cranny_shapes::{Cup, Gear, GolfBall, NestedShells, Sphere, Torus};
 use cranny_testkit::Rng;
 
@@ -11,7 +12,7 @@ use super::meshes::turned;
 use super::{deformed, model, split_edges};
 
 /// A vertex of the hull away from the sides of its box, which decide how flat is flat.
-fn corner(model: &Model, rng: &mut Rng) -> Option<VertexId> {
+fn corner(model: &Body, rng: &mut Rng) -> Option<VertexId> {
     let bounds = model.bounds();
     let all = model.hull().sources();
     let first = rng.below(all.len());
@@ -22,7 +23,7 @@ fn corner(model: &Model, rng: &mut Rng) -> Option<VertexId> {
     (0..all.len()).map(|i| all[(first + i) % all.len()]).find(is_within)
 }
 
-fn neighbours(model: &Model, v: VertexId) -> Vec<VertexId> {
+fn neighbours(model: &Body, v: VertexId) -> Vec<VertexId> {
     let faces = model.topology().faces_at(v);
     let mut all: Vec<_> = faces.iter().flat_map(|&f| model.mesh().corners(f)).collect();
     all.sort_unstable();
@@ -33,7 +34,7 @@ fn neighbours(model: &Model, v: VertexId) -> Vec<VertexId> {
 
 /// Where a vertex of the hull may go: in, out, into the plane of a face beside it, onto another vertex, through the
 /// body, or a hair.
-fn place(model: &Model, v: VertexId, kind: usize, rng: &mut Rng) -> DVec3 {
+fn place(model: &Body, v: VertexId, kind: usize, rng: &mut Rng) -> DVec3 {
     let mesh = model.mesh();
     let (p, middle) = (mesh.position(v), model.bounds().center());
     let others = neighbours(model, v);
@@ -78,13 +79,13 @@ fn solids() -> Vec<(&'static str, Mesh)> {
 }
 
 /// Deforms; a body turned inside out is refused.
-fn tried(model: &mut Model, moves: &[(VertexId, DVec3)], what: &str) -> Option<Work> {
+fn tried(model: &mut Body, moves: &[(VertexId, DVec3)], what: &str) -> Option<Change> {
     let before = model.clone();
     match model.deform(moves) {
         Ok(change) => {
             assert_equals_rebuild(model, what);
             assert_tells_changes(&before, model, &change, what);
-            Some(change.work)
+            Some(change)
         }
         Err(DeformError::InsideOut { .. }) => None,
         Err(error) => panic!("{what}: {error}"),
@@ -132,7 +133,7 @@ fn moves_here_and_there_at_once_and_one_upon_the_other_equal_a_rebuild() {
                 }
             }
             match tried(&mut model, &moves, &format!("{name}, step {step}")) {
-                Some(Work { is_anew: true, .. }) => anew += 1,
+                Some(change) if change.work.is_anew => anew += 1,
                 Some(_) => followed += 1,
                 None => {}
             }
@@ -144,7 +145,7 @@ fn moves_here_and_there_at_once_and_one_upon_the_other_equal_a_rebuild() {
 /// One vertex of the hull, out and in again as far as the surface bends over an edge, on balls of very different sizes.
 #[test]
 fn work_on_the_hull_does_not_grow_with_the_mesh() {
-    let moved = |triangles: u32| -> [Work; 3] {
+    let moved = |triangles: u32| -> [Change; 3] {
         // As many faces a dimple on each.
         let dimples = triangles / 50;
         let ball = GolfBall { triangles, dimples, ..GolfBall::default() }.build().unwrap();
@@ -164,15 +165,16 @@ fn work_on_the_hull_does_not_grow_with_the_mesh() {
         [home, share(-0.5), share(0.5)].map(|to| {
             let change = model.deform(&[(v, to)]).unwrap();
             assert!(change.hull && !change.work.is_anew);
-            change.work
+            change
         })
     };
     // Vertices lie nearer to a dimple or farther from it; the largest ball has hundreds of times as
     // many of each.
-    for work in [1_000, 10_000, 100_000].into_iter().flat_map(moved) {
-        assert!(work.faces > 0 && work.hull_triangles > 0, "{work:?}");
-        assert!(work.faces <= 400 && work.facets <= 500, "{work:?}");
-        assert!(work.hull_triangles <= 120 && work.grouped <= 1_000, "{work:?}");
+    for change in [1_000, 10_000, 100_000].into_iter().flat_map(moved) {
+        let (work, beneath) = (change.work, change.beneath.work);
+        assert!(beneath.faces > 0 && work.hull_triangles > 0, "{work:?}, {beneath:?}");
+        assert!(beneath.faces <= 400 && beneath.facets <= 500, "{beneath:?}");
+        assert!(work.hull_triangles <= 120 && beneath.grouped <= 1_000, "{work:?}, {beneath:?}");
     }
 }
 
@@ -216,7 +218,8 @@ fn what_moves_as_a_whole_is_built_anew_and_followed_again_after() {
         .collect();
     let change = deformed(&mut model, &stretched, "stretched");
     assert!(change.work.is_anew && change.hull);
-    assert_eq!(change.work.faces, model.mesh().faces().len());
+    assert!(change.beneath.work.is_anew);
+    assert_eq!(change.beneath.work.faces, model.mesh().faces().len());
     let v = corner(&model, &mut Rng::new(53)).unwrap();
     let to = 1.01 * model.mesh().position(v);
     let change = deformed(&mut model, &[(v, to)], "one of it");

@@ -1,6 +1,7 @@
 //! What is asked of bytes: run by fuzz targets, and by tests on bytes of seeds.
 
-use cranny_geometry::{BuildOptions, DeformError, FindingKind, Model, hull};
+use crate::body::Body;
+use cranny_geometry::{BuildOptions, DeformError, FindingKind, hull};
 use cranny_testkit::{Bytes, few_moves, nearly_flat_solid};
 
 use crate::check::{built_with, check_sums};
@@ -8,7 +9,7 @@ use crate::equal::{assert_equals_rebuild, assert_tells_changes, options, validat
 
 /// Volumes and areas are only asked of bodies thicker than skin: of others either side lies on the facets of both, and
 /// what caps cover is not always what is open. What bounds what adds up for every body.
-fn is_thick(model: &Model) -> bool {
+fn is_thick(model: &Body) -> bool {
     let hull = model.hull();
     hull.volume() > model.features().slab_depth() * hull.area()
 }
@@ -17,7 +18,7 @@ fn is_thick(model: &Model) -> bool {
 pub(crate) fn nearly_flat(data: &[u8]) {
     let mesh = nearly_flat_solid(&mut Bytes(data));
     let (model, report) =
-        Model::build(mesh.clone(), &BuildOptions::default()).expect("it has faces");
+        Body::build(mesh.clone(), &BuildOptions::default()).expect("it has faces");
     let is_told = report.findings.iter().any(|f| f.kind == FindingKind::ThinBody);
     assert_eq!(is_told, !is_thick(&model) && model.hull().kind() == hull::HullKind::Volume);
     validate(&model, "a solid");
@@ -26,7 +27,7 @@ pub(crate) fn nearly_flat(data: &[u8]) {
         check_sums(&built);
     }
     let file = model.encode();
-    let back = Model::decode(&file).expect("a model that was just saved");
+    let back = Body::decode(&file).expect("a model that was just saved");
     assert!(back.encode() == file && back.digest() == model.digest());
 }
 
@@ -35,12 +36,12 @@ pub(crate) fn deform(data: &[u8]) {
     let mut bytes = Bytes(data);
     let steps = 1 + bytes.byte() % 4;
     let mesh = nearly_flat_solid(&mut bytes);
-    let Ok((model, _)) = Model::build(mesh, &options()) else { return };
+    let Ok((model, _)) = Body::build(mesh, &options()) else { return };
     // A mesh that was turned right side out is numbered anew when it is built again.
-    let (mut model, _) = Model::build(model.mesh().clone(), &options()).expect("it was just built");
+    let (mut model, _) = Body::build(model.mesh().clone(), &options()).expect("it was just built");
     for step in 0..steps {
         if bytes.byte() & 7 == 7 {
-            model = Model::decode(&model.encode()).expect("a model that was just saved");
+            model = Body::decode(&model.encode()).expect("a model that was just saved");
         }
         let moves = few_moves(model.mesh(), &mut bytes);
         let before = model.clone();

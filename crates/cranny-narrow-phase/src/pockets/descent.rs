@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::envelope::Thing;
 use cranny_geometry::{
-    ConcavityId, Content, Envelope, EnvelopeFacetId, Envelopes, FaceId, FaceTree, LayerId, Model,
+    Concavities, ConcavityId, Content, EnvelopeFacetId, Envelopes, FaceId, FaceTree, LayerId, Model,
 };
 
 use crate::answer::Counters;
@@ -20,7 +20,7 @@ use crate::pair::{Pair, Side};
 /// A part of a body's surface: the faces of a concavity, or those of none, in a tree.
 pub(super) struct Part<'a> {
     pub(super) concavity: Option<ConcavityId>,
-    model: &'a Model,
+    all: &'a Concavities,
     tree: &'a FaceTree,
     root: u32,
     /// The nodes that hold faces of the part; all, if there is none.
@@ -29,16 +29,16 @@ pub(super) struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// The faces of a concavity, which has some.
-    pub(super) fn pocket(model: &'a Model, id: ConcavityId) -> Option<Self> {
-        let trees = model.concavity_trees();
+    pub(super) fn pocket(all: &'a Concavities, id: ConcavityId) -> Option<Self> {
+        let trees = all.trees();
         let root = trees.root(id.index())?;
-        Some(Self { concavity: Some(id), model, tree: trees.arena(), root, nodes: None })
+        Some(Self { concavity: Some(id), all, tree: trees.arena(), root, nodes: None })
     }
 
     /// The faces in no concavity, if there are any.
-    pub(super) fn rest(model: &'a Model, nodes: &'a NodeSet) -> Option<Self> {
-        let all = Self { concavity: None, model, tree: model.tree(), root: 0, nodes: Some(nodes) };
-        nodes.has(0).then_some(all)
+    pub(super) fn rest(model: &'a Model, all: &'a Concavities, nodes: &'a NodeSet) -> Option<Self> {
+        let rest = Self { concavity: None, all, tree: model.tree(), root: 0, nodes: Some(nodes) };
+        nodes.has(0).then_some(rest)
     }
 
     fn bounds(&self, node: u32) -> &'a Aabb {
@@ -50,9 +50,7 @@ impl<'a> Part<'a> {
     }
 
     fn faces(&self, leaf: u32) -> impl Iterator<Item = FaceId> {
-        let is_ours = |face: &FaceId| {
-            self.nodes.is_none() || self.model.concavities().of_face(*face).is_none()
-        };
+        let is_ours = |face: &FaceId| self.nodes.is_none() || self.all.of_face(*face).is_none();
         self.tree.leaf_faces(leaf).iter().copied().filter(is_ours)
     }
 }
@@ -62,12 +60,12 @@ impl<'a> Part<'a> {
 pub(super) fn for_each_pair_in_pocket(
     pair: &Pair,
     host: Side,
-    envelope: &Envelope,
+    (envelopes, pocket): (&Envelopes, ConcavityId),
     guest: &Part,
     counters: &mut Counters,
     mut visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let envelopes = pair.model(host).envelopes();
+    let envelope = envelopes.envelope(pocket.index());
     let posed = PosedBoxes { map: pair.map_to(host), error: pair.culling_error() };
     let Some(first) = envelope.first_layer() else { return ControlFlow::Continue(()) };
     let mut stack = vec![(Beneath::Layer(first), guest.root)];
@@ -157,7 +155,7 @@ pub(super) fn for_each_pair_of_rests(
 ) -> ControlFlow<()> {
     let part = |side| if side == Side::First { first } else { second };
     let holds = |side, node| part(side).holds(node);
-    let is_ours = |part: &Part, face| part.model.concavities().of_face(face).is_none();
+    let is_ours = |part: &Part, face| part.all.of_face(face).is_none();
     for_each_near_pair_beneath(pair, 0.0, holds, counters, |f, g, counters| {
         if is_ours(first, f) && is_ours(second, g) {
             return visit(f, g, counters);

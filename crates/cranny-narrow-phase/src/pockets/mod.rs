@@ -28,13 +28,13 @@ use std::sync::Arc;
 
 use cranny_exact::{DVec3, Meeting, RigidMap};
 use cranny_geometry::envelope::{Cell, Passage, Thing};
-use cranny_geometry::{ConcavityId, Envelope, FaceId, LayerId};
+use cranny_geometry::{Concavities, ConcavityId, Envelope, FaceId, LayerId, Model};
 
 use self::descent::{Part, for_each_pair_in_pocket, for_each_pair_of_rests};
 use self::hull_extent::HullExtent;
 use crate::answer::Counters;
 use crate::motion::{Ball, Motion};
-use crate::node_set::NodeSet;
+use crate::node_set::{NodeSet, bytes_of_pair, of_models};
 use crate::observe::{MetParts, PairObserver};
 use crate::pair::{Pair, Side, Whose};
 use crate::surface::{FacePair, looked_at};
@@ -57,11 +57,35 @@ pub(crate) struct Pockets {
     /// By side, ascending: those of them whose faces were looked for, and those of the query before.
     open: [Vec<ConcavityId>; 2],
     open_before: [Vec<ConcavityId>; 2],
-    /// The nodes that hold a face in no concavity.
-    rests: Option<[Arc<NodeSet>; 2]>,
+    bodies: Option<[Arc<Body>; 2]>,
+}
+
+/// What a model does not hold.
+#[derive(Debug)]
+struct Body {
+    concavities: Arc<Concavities>,
+    /// The nodes of the tree that hold a face in no concavity.
+    rest: NodeSet,
+}
+
+impl Body {
+    fn of(model: &Model, concavities: Arc<Concavities>) -> Self {
+        let rest = NodeSet::of(model.tree(), |face| concavities.of_face(face).is_none());
+        Self { concavities, rest }
+    }
 }
 
 impl Pockets {
+    /// Takes concavities of the models that somebody has made.
+    pub(crate) fn hold(&mut self, pair: &Pair, of: [&Arc<Concavities>; 2]) {
+        let models = Side::BOTH.map(|side| pair.model(side));
+        let body = |i: usize| Arc::new(Body::of(models[i], Arc::clone(of[i])));
+        let first = body(0);
+        let second = if models[0].is_same(models[1]) { Arc::clone(&first) } else { body(1) };
+        let bodies = [first, second];
+        *self = Self { whose: Whose::of(pair), bodies: Some(bodies), ..Self::default() };
+    }
+
     /// The pairs of faces that meet, by ascending ids. `only_verdict`: ends at the first that cross, which is then
     /// among them.
     pub(crate) fn meetings(
@@ -73,15 +97,15 @@ impl Pockets {
         if !self.whose.are_of(pair) {
             *self = Self { whose: Whose::of(pair), ..Self::default() };
         }
-        let open = self.opened(pair, counters);
-        let rests = self.rests.get_or_insert_with(|| {
-            NodeSet::of_pair(pair, |m, face| m.concavities().of_face(face).is_none())
-        });
+        let bodies = self.bodies(pair, counters);
+        let open = self.opened(pair, &bodies, counters);
         let parts = Side::BOTH.map(|side| {
-            let model = pair.model(side);
-            let pockets = open[side.index()].iter().filter_map(|&id| Part::pocket(model, id));
-            Part::rest(model, &rests[side.index()]).into_iter().chain(pockets).collect::<Vec<_>>()
+            let Body { concavities, rest } = &*bodies[side.index()];
+            let pockets = open[side.index()].iter().filter_map(|&id| Part::pocket(concavities, id));
+            let rest = Part::rest(pair.model(side), concavities, rest);
+            rest.into_iter().chain(pockets).collect::<Vec<_>>()
         });
+        let envelopes = [0, 1].map(|i| bodies[i].concavities.envelopes());
         let mut found = Vec::new();
         let mut look = |f: FaceId, g: FaceId, counters: &mut Counters| {
             let meeting = looked_at(pair, f, g, counters);
@@ -91,26 +115,13 @@ impl Pockets {
         };
         let mut meet = |first: &Part, second: &Part| match (first.concavity, second.concavity) {
             (Some(id), _) => {
-                let envelope = pair.model(Side::First).envelopes().envelope(id.index());
-                for_each_pair_in_pocket(
-                    pair,
-                    Side::First,
-                    &envelope,
-                    second,
-                    counters,
-                    |f, g, c| look(f, g, c),
-                )
+                let pocket = (envelopes[0], id);
+                for_each_pair_in_pocket(pair, Side::First, pocket, second, counters, &mut look)
             }
             (None, Some(id)) => {
-                let envelope = pair.model(Side::Second).envelopes().envelope(id.index());
-                for_each_pair_in_pocket(
-                    pair,
-                    Side::Second,
-                    &envelope,
-                    first,
-                    counters,
-                    |f, g, c| look(g, f, c),
-                )
+                let pocket = (envelopes[1], id);
+                let look = |f, g, c: &mut Counters| look(g, f, c);
+                for_each_pair_in_pocket(pair, Side::Second, pocket, first, counters, look)
             }
             (None, None) => for_each_pair_of_rests(pair, [first, second], counters, &mut look),
         };
@@ -123,7 +134,12 @@ impl Pockets {
     }
 
     /// By side, the concavities whose faces the other body may reach.
-    fn opened(&mut self, pair: &Pair, counters: &mut Counters) -> [Vec<ConcavityId>; 2] {
+    fn opened(
+        &mut self,
+        pair: &Pair,
+        bodies: &[Arc<Body>; 2],
+        counters: &mut Counters,
+    ) -> [Vec<ConcavityId>; 2] {
         let before = self.map.replace(pair.first_from_second);
         let motion = before.map(|before| Motion::since(&before, pair));
         let open = Side::BOTH.map(|side| {
@@ -131,12 +147,23 @@ impl Pockets {
             let step_of = |motion: &Motion| motion.step_of(side.other(), &guest);
             let step = motion.as_ref().map(|motion| motion.as_ref().map_or(0.0, step_of));
             let before = std::mem::take(&mut self.met[side.index()]);
-            let (met, open) = opened_on(pair, side, &before, step, counters);
+            let concavities = &bodies[side.index()].concavities;
+            let (met, open) = opened_on(pair, side, concavities, (&before, step), counters);
             self.met[side.index()] = met;
             open
         });
         self.open_before = std::mem::replace(&mut self.open, open.clone());
         open
+    }
+
+    /// What the models do not hold; made now, where nobody has.
+    fn bodies(&mut self, pair: &Pair, counters: &mut Counters) -> [Arc<Body>; 2] {
+        let bodies = self.bodies.get_or_insert_with(|| {
+            let bodies = of_models(pair, |model| Body::of(model, Arc::new(Concavities::of(model))));
+            counters.concavities_made += if Arc::ptr_eq(&bodies[0], &bodies[1]) { 1 } else { 2 };
+            bodies
+        });
+        bodies.clone()
     }
 
     /// Whether the last query was about these models at this pose.
@@ -147,14 +174,11 @@ impl Pockets {
     /// Shows what the last query, if it was this one, has opened and closed, and which parts it asked against each other.
     pub(crate) fn show(&self, pair: &Pair, observer: &mut impl PairObserver) {
         let [ours, theirs] = Side::BOTH.map(|side| pair.bounds(side));
-        if !self.is_at(pair) || !ours.overlaps(&theirs) {
+        let Some(bodies) = self.bodies.as_ref().filter(|_| self.is_at(pair)) else { return };
+        if !ours.overlaps(&theirs) {
             return;
         }
-        let rests = Side::BOTH.map(|side| {
-            let concavities = pair.model(side).concavities();
-            let faces = 0..pair.mesh(side).faces().len() as u32;
-            { faces }.any(|face| concavities.of_face(FaceId(face)).is_none())
-        });
+        let rests = [0, 1].map(|i| bodies[i].rest.has(0));
         let parts = Side::BOTH.map(|side| {
             let index = side.index();
             let rest = rests[index].then_some(None);
@@ -183,7 +207,7 @@ impl Pockets {
         let met = self.met.iter().map(|met| met.capacity() * size_of::<Met>()).sum::<usize>();
         let open = self.open.iter().chain(&self.open_before).map(Vec::capacity).sum::<usize>();
         met + open * size_of::<ConcavityId>()
-            + self.rests.as_ref().map_or(0, NodeSet::bytes_of_pair)
+            + self.bodies.as_ref().map_or(0, |pair| bytes_of_pair(pair, |body| body.rest.bytes()))
     }
 }
 
@@ -200,19 +224,18 @@ fn offends<F: Fn(DVec3) -> f64>(envelope: &Envelope, layer: LayerId, thing: &Thi
 fn opened_on(
     pair: &Pair,
     side: Side,
-    before: &[Met],
-    step: Option<f64>,
+    concavities: &Concavities,
+    (before, step): (&[Met], Option<f64>),
     counters: &mut Counters,
 ) -> (Vec<Met>, Vec<ConcavityId>) {
-    let model = pair.model(side);
     let (mut met, mut open) = (Vec::new(), Vec::new());
-    if model.concavities().is_empty() {
+    if concavities.is_empty() {
         return (met, open);
     }
     let hull = HullExtent::of(pair, side.other());
     let thing = hull.thing();
-    for (index, concavity) in model.concavities().iter().enumerate() {
-        let envelope = model.envelopes().envelope(index);
+    for (index, concavity) in concavities.iter().enumerate() {
+        let envelope = concavities.envelopes().envelope(index);
         if !thing.bounds().overlaps(envelope.bounds()) {
             continue;
         }
