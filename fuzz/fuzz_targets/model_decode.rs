@@ -7,7 +7,8 @@ use std::sync::LazyLock;
 
 use cranny_exact::DVec3;
 use cranny_fuzz::{Bytes, ask};
-use cranny_geometry::{BuildOptions, Concavities, Mesh, Model, VertexId};
+use cranny_concavity::Concavities;
+use cranny_geometry::{BuildOptions, Mesh, Model, VertexId};
 use cranny_shapes::{Cuboid, Cup, NestedShells, PyramidInCavity, Torus};
 use libfuzzer_sys::fuzz_target;
 

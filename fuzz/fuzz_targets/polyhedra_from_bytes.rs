@@ -4,7 +4,8 @@
 #![no_main]
 
 use cranny_fuzz::{Bytes, ask, mesh};
-use cranny_geometry::{BuildOptions, Concavities, FaceId, Model, Repair};
+use cranny_concavity::Concavities;
+use cranny_geometry::{BuildOptions, FaceId, Model, Repair};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

@@ -25,41 +25,32 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What of a body is not convex is made when somebody asks for it, and is no part of the model:
+//! A body changes its shape, and is saved:
 //!
 //! ```
-//! use cranny_geometry::concavity::ConcavityKind;
-//! use cranny_geometry::{BuildOptions, Concavities, Model, VertexId};
+//! use cranny_geometry::{BuildOptions, Model, VertexId};
 //! use cranny_shapes::Cup;
 //!
 //! let (mut model, _) = Model::build(Cup::default().build()?, &BuildOptions::default())?;
-//! let concavities = Concavities::of(&model);
-//! let well = concavities.iter().next().ok_or("a cup has a well")?;
-//! assert_eq!((well.kind, well.lids().len()), (ConcavityKind::Pocket, 1));
-//! assert!(well.measures.pocket_volume > 0.0 && !well.faces.is_empty() && !well.caps.is_empty());
-//!
-//! // A vertex of the well goes a little inward: nothing of the hull follows.
-//! let vertex: VertexId = model.mesh().corners(well.faces[0])[0];
+//! // A vertex goes a little inward.
+//! let (vertex, center) = (VertexId(0), model.bounds().center());
 //! let place = model.mesh().position(vertex);
-//! let change = model.deform(&[(vertex, place + 0.001 * (model.bounds().center() - place))])?;
-//! assert_eq!((change.vertices, change.hull), (vec![vertex], false));
+//! let change = model.deform(&[(vertex, place + 0.001 * (center - place))])?;
+//! assert_eq!(change.vertices, [vertex]);
 //!
 //! let loaded = Model::decode(&model.encode())?;
 //! assert_eq!(loaded.digest(), model.digest());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! What of a body is not convex is no part of its model: the crate `cranny-concavity` makes it for whoever asks.
 
 mod angle;
-mod boundary;
-mod caps;
 mod chunks;
 pub mod clusters;
 mod codec;
-pub mod concavity;
 mod deform;
 mod digest;
-pub mod envelope;
-pub mod features;
 mod flatness;
 mod grid;
 pub mod hull;
@@ -75,11 +66,12 @@ mod reach;
 mod repair;
 mod report;
 mod resolution;
-mod rows;
+pub mod rows;
 mod scan;
 mod smooth_normals;
 mod topology;
 mod tree;
+pub mod triangulate;
 mod weld;
 mod winding;
 
@@ -88,16 +80,10 @@ pub use cranny_exact::{Aabb, DVec3, Tolerance};
 
 pub use angle::between as radians_between;
 pub use clusters::ClusterTree;
-pub use concavity::{Concavities, FollowedConcavities};
-pub use deform::{ChangeSet, DeformError, Work};
-pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
-pub use features::Features;
+pub use deform::{ChangeSet, DeformError, Trail, Work};
 pub use flatness::Flatness;
 pub use hull::ConvexHull;
-pub use ids::{
-    CapId, ComponentId, ConcavityId, ConvexSetId, EdgeId, EnvelopeFacetId, FaceId, HalfEdgeId,
-    LayerId, LidId, PatchId, VertexId,
-};
+pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, DecodeError, Model, ModelTag, Stage};
@@ -112,4 +98,6 @@ pub use smooth_normals::{
     Crease, CreaseAngleError, SmoothNormals, SurfaceNormal, check_crease_angle,
 };
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
-pub use tree::{Content, FaceForest, FaceTree, Node, NodeChanges};
+pub use tree::{
+    Content, FaceForest, FaceTree, GrownAreas, MovedFace, Node, NodeChanges, partition,
+};

@@ -9,8 +9,8 @@
 //!    over all faces ([`tree`](Model::tree)), 5. patches ([`patches`](Model::patches)),
 //!    6. hull ([`hull`](Model::hull)).
 //!
-//! What lies between the body and its hull is no part of a model. Whoever wants it makes it:
-//! [`Concavities::of`](crate::Concavities::of).
+//! What lies between the body and its hull is no part of a model. Whoever wants it makes it
+//! (`cranny_concavity::Concavities::of`).
 
 mod file;
 mod options;

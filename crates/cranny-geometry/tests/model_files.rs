@@ -1,16 +1,18 @@
 //! Saved models come back to the bit; whatever else is read is refused, or harmless.
 
+#[path = "../../cranny-concavity/tests/body/mod.rs"]
 mod body;
 mod meshes;
 
 use crate::body::Body;
+use cranny_concavity::Cover;
+use cranny_concavity::envelope::Thing;
+use cranny_concavity::{CapId, Concavities};
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::concavity::Cover;
-use cranny_geometry::envelope::Thing;
 use cranny_geometry::hull::{FacetId, HullVertexId};
 use cranny_geometry::{
-    BuildOptions, CapId, Concavities, DecodeError, EdgeId, FaceId, Flatness, HalfEdgeId, Mesh,
-    Model, PatchId, Repair, VertexId,
+    BuildOptions, DecodeError, EdgeId, FaceId, Flatness, HalfEdgeId, Mesh, Model, PatchId, Repair,
+    VertexId,
 };
 use cranny_shapes::{
     Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, PyramidInCavity, Shape, Torus,

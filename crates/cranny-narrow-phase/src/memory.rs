@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use cranny_concavity::Concavities;
 use cranny_exact::Pose;
-use cranny_geometry::{Concavities, Model};
+use cranny_geometry::Model;
 
 use crate::coherent::Coherent;
 use crate::contacts::ContactMemory;

@@ -51,8 +51,9 @@ pub(crate) fn bytes_of_pair<T>([a, b]: &[Arc<T>; 2], bytes: impl Fn(&T) -> usize
 
 #[cfg(test)]
 mod tests {
+    use cranny_concavity::Features;
     use cranny_exact::DVec3;
-    use cranny_geometry::{BuildOptions, Features, Mesh};
+    use cranny_geometry::{BuildOptions, Mesh};
 
     use super::*;
 

@@ -1,6 +1,7 @@
 //! What a pair's memory holds, shown for drawing: nothing of it is kept for that.
 
-use cranny_geometry::{ConcavityId, FaceId};
+use cranny_concavity::ConcavityId;
+use cranny_geometry::FaceId;
 
 use crate::evaluate::{QueryError, accepted};
 use crate::levels::Ground;

@@ -9,9 +9,10 @@ mod meeting;
 use std::path::Path;
 
 use corpus_files::{corpus, files_under, mesh_files};
+use cranny_concavity::Concavities;
+use cranny_concavity::ConcavityKind;
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::concavity::ConcavityKind;
-use cranny_geometry::{BuildOptions, Concavities, Mesh, Model};
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_scene::{Robot, RobotError, read_mesh, read_robot};
 use cranny_world::description::JointPositions;
 use serde_json::Value;

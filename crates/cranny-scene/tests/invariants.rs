@@ -2,12 +2,12 @@
 //! folder: as stored, scaled, renumbered, turned.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
-#[path = "../../cranny-geometry/tests/concavities/bodies.rs"]
+#[path = "../../cranny-concavity/tests/concavities/bodies.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod bodies;
-#[path = "../../cranny-geometry/tests/body/mod.rs"]
+#[path = "../../cranny-concavity/tests/body/mod.rs"]
 mod body;
-#[path = "../../cranny-geometry/tests/concavities/check.rs"]
+#[path = "../../cranny-concavity/tests/concavities/check.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod check;
 #[path = "assets/corpus_files.rs"]
@@ -57,7 +57,7 @@ fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
 /// The faces of each concavity with its kind and its number of lids, by the names that `name` gives to
 /// faces; sorted. (Into how many loops a boundary that touches itself is split is a matter of numbers.)
 fn classes(model: &Body, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
-    let class = |c: cranny_geometry::concavity::Concavity<'_>| {
+    let class = |c: cranny_concavity::Concavity<'_>| {
         let mut class: Vec<usize> = c.faces.iter().map(|&f| name(f)).collect();
         class.sort_unstable();
         class.extend([c.lids().len(), c.kind as usize]);

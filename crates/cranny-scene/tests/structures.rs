@@ -2,15 +2,15 @@
 //! folder: all formats, each mesh with its own concavities.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
-#[path = "../../cranny-geometry/tests/body/mod.rs"]
+#[path = "../../cranny-concavity/tests/body/mod.rs"]
 mod body;
 #[path = "assets/corpus_files.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod corpus_files;
-#[path = "../../cranny-geometry/tests/deform/equal.rs"]
+#[path = "../../cranny-concavity/tests/deform/equal.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod equal;
-#[path = "../../cranny-geometry/tests/deform/moves.rs"]
+#[path = "../../cranny-concavity/tests/deform/moves.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod moves;
 
@@ -20,9 +20,9 @@ use std::sync::OnceLock;
 
 use crate::body::Body;
 use corpus_files::mesh_files;
+use cranny_concavity::envelope::Thing;
 use cranny_exact::{DVec3, Meeting, classify_triangles};
 use cranny_geometry::FaceId;
-use cranny_geometry::envelope::Thing;
 use cranny_scene::read_mesh;
 use cranny_testkit::Rng;
 

@@ -6,8 +6,9 @@
 use std::hint::black_box;
 use std::io::{self, Write};
 
+use cranny_concavity::Concavities;
 use cranny_exact::Pose;
-use cranny_geometry::{BuildOptions, Concavities, ConvexHull, Mesh, Model};
+use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
 use crate::deform::{self, Place};

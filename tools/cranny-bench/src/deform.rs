@@ -2,13 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use cranny_concavity::ConcavityWork;
+use cranny_concavity::features::Feature;
+use cranny_concavity::{Concavities, Features, FollowedConcavities};
 use cranny_exact::DVec3;
-use cranny_geometry::concavity::ConcavityWork;
-use cranny_geometry::features::Feature;
-use cranny_geometry::{
-    BuildOptions, ChangeSet, Concavities, DeformError, Features, FollowedConcavities, Mesh, Model,
-    VertexId, Work,
-};
+use cranny_geometry::{BuildOptions, ChangeSet, DeformError, Mesh, Model, VertexId, Work};
 
 use crate::report::{Cell, Report, Table};
 use crate::solid;

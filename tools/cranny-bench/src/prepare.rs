@@ -1,7 +1,8 @@
 //! Whole preparation of meshes: against parry's, stage by stage, and how it grows.
 
 use cpu_time::ThreadTime;
-use cranny_geometry::{BuildOptions, Concavities, ConvexHull, Mesh, Model};
+use cranny_concavity::Concavities;
+use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
 use cranny_shapes::ShapeError;
 use parry3d::math::Vector;
 use parry3d::transformation::try_convex_hull;

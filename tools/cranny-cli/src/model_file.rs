@@ -5,9 +5,10 @@ mod saved;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use cranny_concavity::Concavities;
+use cranny_concavity::Stage as ConcavityStage;
 use cranny_exact::DVec3;
-use cranny_geometry::concavity::Stage as ConcavityStage;
-use cranny_geometry::{BuildError, BuildOptions, Concavities, Flatness, Model, Report, Stage};
+use cranny_geometry::{BuildError, BuildOptions, Flatness, Model, Report, Stage};
 use cranny_scene::{MeshFile, MeshFileError, read_mesh};
 
 use crate::failure::Failure;

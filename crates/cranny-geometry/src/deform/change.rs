@@ -72,20 +72,21 @@ pub struct ChangeSet {
     /// What was done.
     pub work: Work,
     /// How to follow it; `None` where nothing has changed, or everything was made anew.
-    pub(crate) trail: Option<Trail>,
+    pub trail: Option<Trail>,
 }
 
-/// What a deformation leaves for [`FollowedConcavities`](crate::FollowedConcavities).
+/// What a deformation leaves for whoever keeps something about hull and faces up to date, and needs more than
+/// their numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Trail {
+pub struct Trail {
     /// The digest of the model before.
-    pub(crate) from: [u8; 32],
+    pub from: [u8; 32],
     /// The faces that have moved.
-    pub(crate) moved: Vec<MovedFace>,
+    pub moved: Vec<MovedFace>,
     /// Facets of the hull that are others.
-    pub(crate) facets: FacetChange,
+    pub facets: FacetChange,
     /// Triangles of the hull that are new or have another number.
-    pub(crate) triangles: Vec<u32>,
+    pub triangles: Vec<u32>,
 }
 
 impl ChangeSet {

@@ -10,7 +10,6 @@ use super::totals::Totals;
 use super::{ChangeSet, Trail, Work, Workshop};
 use crate::hull::{ConvexHull, FacetChange, Followed, HullKind, Location};
 use crate::ids::{FaceId, VertexId};
-use crate::mesh::Mesh;
 use crate::model::Parts;
 use crate::patches::Patches;
 use crate::tree::{FaceTree, GrownAreas, MovedFace, NodeChanges};
@@ -166,7 +165,7 @@ impl<'a> Deformation<'a> {
     fn follow_hull(&mut self) -> (FacetChange, Vec<u32>) {
         let Parts { mesh, hull, flatness, .. } = &mut *self.parts;
         let tree = &self.tree;
-        let near = |bounds: &Aabb| vertices_within(mesh, tree, bounds).0;
+        let near = |bounds: &Aabb| tree.vertices_within(mesh, bounds).0;
         let (vertices, inside) = (&self.change.vertices, self.workshop.inside);
         let old = std::mem::replace(hull, ConvexHull::of_points(&[]));
         let Followed { hull: new, facets, triangles, measured, inside } =
@@ -177,17 +176,4 @@ impl<'a> Deformation<'a> {
         self.change.work.hull_triangles = measured;
         (facets, triangles)
     }
-}
-
-/// The vertices in a box, and the faces that reach into it.
-pub(crate) fn vertices_within(
-    mesh: &Mesh,
-    tree: &FaceTree,
-    bounds: &Aabb,
-) -> (Vec<VertexId>, Vec<FaceId>) {
-    let mut faces = Vec::new();
-    tree.visit(|b| b.overlaps(bounds), |f| faces.push(f));
-    let corners = faces.iter().flat_map(|&f| mesh.corners(f));
-    let inside = corners.filter(|&v| bounds.contains_point(mesh.position(v)));
-    (inside.collect(), faces)
 }

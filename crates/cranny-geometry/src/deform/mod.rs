@@ -4,7 +4,7 @@
 //! trees that have become bad are grown again. Patches with a moved face are measured, and divided where
 //! they have become too bent. The hull stays if no vertex of it has moved and none has left it, by exact
 //! signs; otherwise its surface is repaired around the vertices that moved in or out. Concavities follow by
-//! themselves, where somebody has them ([`FollowedConcavities`](crate::FollowedConcavities)).
+//! themselves, where somebody has them (`cranny_concavity::FollowedConcavities`), by the [`Trail`].
 //!
 //! The adjacency of faces knows no positions and never changes.
 //!
@@ -19,10 +19,8 @@ mod totals;
 
 use cranny_exact::{DVec3, check_point};
 
-pub(crate) use self::change::Trail;
-pub use self::change::{ChangeSet, DeformError, Work};
+pub use self::change::{ChangeSet, DeformError, Trail, Work};
 use self::follow::Deformation;
-pub(crate) use self::follow::vertices_within;
 use self::renew::Renewal;
 use self::totals::Totals;
 use crate::ids::{FaceId, PatchId, VertexId};

@@ -66,7 +66,7 @@ impl FaceForest {
     }
 
     /// The same, given the tree over all faces: where a group has most of them, that tree is pruned.
-    pub(crate) fn within<'g>(
+    pub fn within<'g>(
         tree: &FaceTree,
         mesh: &Mesh,
         groups: impl IntoIterator<Item = &'g [FaceId]>,
@@ -100,7 +100,7 @@ impl FaceForest {
     /// forest, where there is one, moved; the others are built.
     ///
     /// Cost: copying, and O(n log m) for the faces of the groups that are built.
-    pub(crate) fn updated<'g>(
+    pub fn updated<'g>(
         &self,
         mesh: &Mesh,
         groups: impl IntoIterator<Item = &'g [FaceId]>,
@@ -130,7 +130,7 @@ impl FaceForest {
     }
 
     /// [`FaceTree::refit`] of one tree.
-    pub(crate) fn refit(
+    pub fn refit(
         &mut self,
         tree: usize,
         mesh: &Mesh,
@@ -144,7 +144,7 @@ impl FaceForest {
     }
 
     /// The range of nodes of tree `tree < len()`.
-    pub(crate) fn node_range(&self, tree: usize) -> std::ops::Range<usize> {
+    pub fn node_range(&self, tree: usize) -> std::ops::Range<usize> {
         self.starts[tree][0] as usize..self.starts[tree + 1][0] as usize
     }
 

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use cranny_concavity::Features;
 use cranny_exact::{Interval, RigidMap};
-use cranny_geometry::{FaceId, Features, Model};
+use cranny_geometry::{FaceId, Model};
 
 use super::effort::Accuracy;
 use super::ground::{Ground, Nodes};

@@ -6,11 +6,10 @@
 
 use std::ops::ControlFlow;
 
+use cranny_concavity::envelope::Thing;
+use cranny_concavity::{Concavities, ConcavityId, EnvelopeFacetId, Envelopes, LayerId};
 use cranny_exact::{Aabb, DVec3, RigidMap};
-use cranny_geometry::envelope::Thing;
-use cranny_geometry::{
-    Concavities, ConcavityId, Content, EnvelopeFacetId, Envelopes, FaceId, FaceTree, LayerId, Model,
-};
+use cranny_geometry::{Content, FaceId, FaceTree, Model};
 
 use crate::answer::Counters;
 use crate::descent::for_each_near_pair_beneath;

@@ -5,8 +5,8 @@
 
 use std::cell::Cell;
 
+use cranny_concavity::envelope::Thing;
 use cranny_exact::{DVec3, RigidMap};
-use cranny_geometry::envelope::Thing;
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
 
 use crate::pair::{Pair, Side};

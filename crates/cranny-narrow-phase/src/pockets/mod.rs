@@ -14,7 +14,7 @@
 //!
 //! Source: opening concavities under the features of hulls that meet, and envelopes with pseudo-Voronoi cells, are after
 //! Ponamgi, Manocha and Lin (1997, "Incremental algorithms for collision detection between polygonal models"); see
-//! [`Envelopes`](cranny_geometry::Envelopes).
+//! [`Envelopes`](cranny_concavity::Envelopes).
 //!
 //! Cost of a query: for each body the extent of the other's hull (six support points, climbed to) and a comparison of
 //! boxes with each of its concavities; two support points for each lid of those that remain, and one more where the cell
@@ -26,9 +26,10 @@ mod hull_extent;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use cranny_concavity::envelope::{Cell, Passage, Thing};
+use cranny_concavity::{Concavities, ConcavityId, Envelope, LayerId};
 use cranny_exact::{DVec3, Meeting, RigidMap};
-use cranny_geometry::envelope::{Cell, Passage, Thing};
-use cranny_geometry::{Concavities, ConcavityId, Envelope, FaceId, LayerId, Model};
+use cranny_geometry::{FaceId, Model};
 
 use self::descent::{Part, for_each_pair_in_pocket, for_each_pair_of_rests};
 use self::hull_extent::HullExtent;

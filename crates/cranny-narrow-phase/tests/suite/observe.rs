@@ -3,9 +3,10 @@
 
 use std::collections::BTreeSet;
 
+use cranny_concavity::ConcavityId;
 use cranny_exact::{DQuat, DVec3, Meeting, Pose, RigidMap};
 use cranny_geometry::hull::HullVertexId;
-use cranny_geometry::{ConcavityId, Content, FaceId, FaceTree, Model};
+use cranny_geometry::{Content, FaceId, FaceTree, Model};
 use cranny_narrow_phase::walk::{
     HullFeature, Relation, WalkCounters, WalkObserver, WalkState, walk_hulls, walk_hulls_observed,
 };

@@ -1,8 +1,9 @@
 //! The second method gives the answers of the first, on every motion, with memory and without; and in a pocket it
 //! opens nothing as long as the other body keeps off the walls.
 
+use cranny_concavity::Concavities;
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
-use cranny_geometry::{Concavities, Mesh, Model};
+use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
 use cranny_narrow_phase::{Counters, Demand, Method, PairMemory, Placed, Query, query};
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Sphere};

@@ -10,7 +10,8 @@ mod findings;
 use std::fmt::Display;
 use std::path::Path;
 
-use cranny_geometry::{Concavities, Finding, Model};
+use cranny_concavity::Concavities;
+use cranny_geometry::{Finding, Model};
 use cranny_render::{
     Camera, DrawList, DrawMeshError, ImageSize, Preset, RenderError, Renderer, RendererOptions,
 };

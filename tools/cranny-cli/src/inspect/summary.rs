@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::time::Duration;
 
-use cranny_geometry::concavity::Concavity;
-use cranny_geometry::{
-    Concavities, Envelope, Envelopes, Finding, MeetingScan, Model, RepairRecord,
-};
+use cranny_concavity::Concavity;
+use cranny_concavity::{Concavities, Envelope, Envelopes};
+use cranny_geometry::{Finding, MeetingScan, Model, RepairRecord};
 use serde::Serialize;
 
 use crate::failure::Failure;

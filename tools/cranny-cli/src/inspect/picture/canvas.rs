@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use cranny_concavity::Concavities;
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::{Concavities, EdgeKind, FaceId, Model};
+use cranny_geometry::{EdgeKind, FaceId, Model};
 use cranny_render::{Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette};
 
 use super::coloring;

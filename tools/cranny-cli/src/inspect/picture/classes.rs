@@ -1,7 +1,8 @@
 //! What lies on the hull and what does not: classes, patches, boxes.
 
+use cranny_concavity::Concavities;
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::{Concavities, Content, EdgeId};
+use cranny_geometry::{Content, EdgeId};
 use cranny_render::{Color, Point, palette};
 
 use super::canvas::{Canvas, INK, LINE_WIDTH, lightened};

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use cranny_geometry::ConcavityId;
-use cranny_geometry::concavity::{Concavity, ConcavityKind};
+use cranny_concavity::ConcavityId;
+use cranny_concavity::{Concavity, ConcavityKind};
 
 use super::canvas::Canvas;
 

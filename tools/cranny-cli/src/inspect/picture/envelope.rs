@@ -1,8 +1,9 @@
 //! Layers of envelopes: the convex cores that they enclose, and what lies beneath each facet.
 
+use cranny_concavity::envelope::{EnvelopeFacet, HalfSpace};
+use cranny_concavity::{Concavities, EnvelopeFacetId, Envelopes, LayerId};
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::envelope::{EnvelopeFacet, HalfSpace};
-use cranny_geometry::{Concavities, EnvelopeFacetId, Envelopes, FaceId, LayerId};
+use cranny_geometry::FaceId;
 use cranny_render::palette;
 
 use super::canvas::Canvas;

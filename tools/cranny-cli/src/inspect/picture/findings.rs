@@ -58,7 +58,8 @@ fn paint_faces(canvas: &mut Canvas<'_>, finding: &Finding, color: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cranny_geometry::{BuildOptions, Concavities, Mesh, Model};
+    use cranny_concavity::Concavities;
+    use cranny_geometry::{BuildOptions, Mesh, Model};
     use cranny_shapes::Cuboid;
 
     #[test]

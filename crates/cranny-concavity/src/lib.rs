@@ -1,0 +1,49 @@
+//! What lies between a body and its hull, and the run-time method that goes with it.
+//!
+//! # Promises
+//!
+//! - Caps close: faces off the hull and the caps above them have the same boundary, whatever rounding did, and volumes
+//!   add up: what the hull has and the body lacks is the pockets and the skin.
+//! - Nothing here is made unless somebody asks: [`Concavities::of`] a model is a value of whoever asked for it.
+//! - After a deformation, what [follows](FollowedConcavities) equals what is made anew.
+//! - No input or output, no clock, no globals, no graphics.
+//!
+//! # Non-promises
+//!
+//! Concavities of a body that is not closed, or passes through itself, are those of its faces as they are; the
+//! [findings](Concavities::findings) say where caps cover the hull twice.
+//!
+//! # The story, file by file
+//!
+//! `features` tell which faces lie on the hull. `caps` close what they leave open, along closed chains of edges
+//! (`boundary`). `concavity` joins faces off the hull and caps to concavities with lids, loops, sizes, and trees, and
+//! `envelope` wraps each in convex layers.
+//!
+//! ```
+//! use cranny_concavity::{Concavities, ConcavityKind};
+//! use cranny_geometry::{BuildOptions, Model};
+//! use cranny_shapes::Cup;
+//!
+//! let (model, _) = Model::build(Cup::default().build()?, &BuildOptions::default())?;
+//! let concavities = Concavities::of(&model);
+//! let well = concavities.iter().next().ok_or("a cup has a well")?;
+//! assert_eq!((well.kind, well.lids().len()), (ConcavityKind::Pocket, 1));
+//! assert!(well.measures.pocket_volume > 0.0 && !well.faces.is_empty() && !well.caps.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod boundary;
+mod caps;
+mod concavity;
+pub mod envelope;
+pub mod features;
+mod ids;
+
+pub use concavity::{
+    Border, BoundaryLoop, CapTriangle, Concavities, Concavity, ConcavityChange, ConcavityKind,
+    ConcavitySet, ConcavityWork, Cover, FeatureCover, FollowedConcavities, HullCovers, Lid,
+    Measures, Skin, Stage,
+};
+pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
+pub use features::Features;
+pub use ids::{CapId, ConcavityId, ConvexSetId, EnvelopeFacetId, LayerId, LidId};
