@@ -2,11 +2,12 @@
 //!
 //! # Promises
 //!
-//! - Any triangle mesh is accepted whose coordinates lie in the [`domain`](cranny_exact::domain) and of which one face at
-//!   least has an area, open and non-manifold ones included; the [`Report`] names every defect that limits answers.
+//! - Any triangle mesh is accepted whose coordinates lie in the [`domain`](cranny_exact::domain)
+//!   and of which one face at least has an area, open and non-manifold ones included; the
+//!   [`Report`] names every defect that limits answers.
 //! - Preparation moves nothing unless asked to [`Repair`]: vertices in the same place are welded,
-//!   unreferenced ones dropped, and a closed body that is inside out is turned round, which the report says. A repaired
-//!   surface is proved to be the filed one within the weld distance.
+//!   unreferenced ones dropped, and a closed body that is inside out is turned round, which the
+//!   report says. A repaired surface is proved to be the filed one within the weld distance.
 //! - The hull is exactly convex, and the tree's boxes hold their faces exactly.
 //! - No input or output, no clock, no globals, no graphics.
 //!
@@ -43,7 +44,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What of a body is not convex is no part of its model: the crate `cranny-concavity` makes it for whoever asks.
+//! What of a body is not convex is no part of its model: the crate `cranny-concavity` makes it for
+//! whoever asks.
 
 mod angle;
 mod chunks;
@@ -71,6 +73,7 @@ mod scan;
 mod smooth_normals;
 mod topology;
 mod tree;
+pub mod triangle_distance;
 pub mod triangulate;
 mod weld;
 mod winding;

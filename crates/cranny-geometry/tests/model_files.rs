@@ -11,8 +11,8 @@ use cranny_concavity::{CapId, Concavities};
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::hull::{FacetId, HullVertexId};
 use cranny_geometry::{
-    BuildOptions, DecodeError, EdgeId, FaceId, Flatness, HalfEdgeId, Mesh, Model, PatchId, Repair,
-    VertexId,
+    BuildOptions, DecodeError, DeformError, EdgeId, FaceId, Flatness, HalfEdgeId, Mesh, Model,
+    PatchId, Repair, VertexId,
 };
 use cranny_shapes::{
     Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, PyramidInCavity, Shape, Torus,
@@ -405,6 +405,34 @@ fn whoever_writes_a_right_checksum_does_no_harm() {
     }
     // Some change is always harmless: the last digit of a coordinate, say.
     assert!(accepted > 100 && deformed > 100, "{accepted}, {deformed}");
+}
+
+/// Found by forging: what a file said of the volume was believed, and the deformed body could not be saved.
+#[test]
+fn a_body_whose_volume_was_forged_is_inside_out_when_it_deforms() {
+    let corners = [DVec3::ZERO, 8.0 * DVec3::X, 8.0 * DVec3::Y, 8.0 * DVec3::Z];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let cube = Cuboid { size: [0.5; 3] }.build().unwrap();
+    let inward = cube.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let void = cube.vertices().iter().map(|&p| p - cube.bounds().center() + DVec3::ONE);
+    let void = Mesh::new(void.collect(), inward).unwrap();
+    let model = built(&Mesh::new(corners.to_vec(), faces).unwrap().joined(&void));
+    // In the file the void is larger than what is around it.
+    let mut bytes = model.encode();
+    let first = sections(&bytes)[0].start + 32 + 8 + 8;
+    for (v, &p) in (0..).map(VertexId).zip(model.mesh().vertices()) {
+        if model.hull().vertex_of_source(v).is_none() {
+            let place = DVec3::splat(4.0) + 12.0 * (p - DVec3::ONE);
+            let at = first + 24 * v.index();
+            let numbers = place.to_array().map(f64::to_le_bytes).concat();
+            bytes[at..at + 24].copy_from_slice(&numbers);
+        }
+    }
+    let mut forged = Model::decode(&sealed(bytes)).unwrap();
+    let corner = forged.hull().sources()[0];
+    let place = 1.25 * forged.mesh().position(corner) - DVec3::splat(0.25);
+    let refused = forged.deform(&[(corner, place)]).unwrap_err();
+    assert!(matches!(refused, DeformError::InsideOut { .. }), "{refused}");
 }
 
 #[test]

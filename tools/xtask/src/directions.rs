@@ -53,6 +53,7 @@ const TABLE: &[(&str, &[&str])] = &[
         &[
             "cranny-exact",
             "cranny-geometry",
+            "cranny-concavity",
             "cranny-narrow-phase",
             "cranny-shapes",
             "cranny-testkit",

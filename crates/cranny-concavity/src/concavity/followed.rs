@@ -1,12 +1,12 @@
 //! Concavities that follow deformations of their model.
 //!
-//! Faces are classified again that have moved or lay on facets that are gone, or may lie on new ones; caps are made
-//! again on the facets of these and beside them; trees and envelopes of untouched concavities are kept, and the other
-//! envelopes are built when somebody asks for them. If all that moved lies beneath caps, concavities are only
-//! measured.
+//! Faces are classified again that have moved or lay on facets that are gone, or may lie on new
+//! ones; caps are made again on the facets of these and beside them; trees and envelopes of
+//! untouched concavities are kept, and the other envelopes are built when somebody asks for them.
+//! If all that moved lies beneath caps, concavities are only measured.
 //!
-//! No source: that everything follows local changes and equals what is made anew is this crate's own. Cost: with
-//! [`FollowedConcavities::follow`].
+//! No source: that everything follows local changes and equals what is made anew is this crate's
+//! own. Cost: with [`FollowedConcavities::follow`].
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
@@ -30,11 +30,11 @@ use cranny_geometry::{GrownAreas, MovedFace, NodeChanges};
 /// Compared with [`Concavities::of`] the moved model, as long as no two vertices coincide:
 ///
 /// - vertices, edges and faces are classified the same, and each face lies on the same facet;
-/// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
-///   have the same boundary; lids and cap triangles may be numbered otherwise;
+/// - convex sets, concavities, their faces and boundary loops are the same and have the same ids.
+///   Lids have the same boundary; lids and cap triangles may be numbered otherwise;
 /// - all sizes agree to rounding;
-/// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes are those that
-///   are made from these trees.
+/// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes are those
+///   that are made from these trees.
 ///
 /// ```
 /// use cranny_concavity::FollowedConcavities;
@@ -56,7 +56,8 @@ use cranny_geometry::{GrownAreas, MovedFace, NodeChanges};
 #[derive(Clone, Debug)]
 pub struct FollowedConcavities {
     concavities: Concavities,
-    /// For each concavity the envelope that it has among those there are, if any; none where all are as they should be.
+    /// For each concavity the envelope that it has among those there are, if any; none where all
+    /// are as they should be.
     kept: Option<Vec<Option<usize>>>,
     /// The digest of the model that they are of.
     of: [u8; 32],
@@ -77,11 +78,11 @@ struct Workshop {
 pub struct ConcavityChange {
     /// Faces that came onto the hull or left it; ascending.
     pub reclassified: Vec<FaceId>,
-    /// For each concavity before, by its id, the id of the one that has the same faces, or where it has none the same
-    /// caps; `None` where there is no such.
+    /// For each concavity before, by its id, the id of the one that has the same faces, or where it
+    /// has none the same caps; `None` where there is no such.
     pub concavities: Vec<Option<ConcavityId>>,
-    /// Concavities, by their ids afterwards, that have another shape than before: faces or caps of them
-    /// have moved, or are others. Ascending.
+    /// Concavities, by their ids afterwards, that have another shape than before: faces or caps of
+    /// them have moved, or are others. Ascending.
     pub reshaped: Vec<ConcavityId>,
     /// Nodes of the arena of [`Concavities::trees`].
     pub trees: NodeChanges,
@@ -89,7 +90,8 @@ pub struct ConcavityChange {
     pub work: ConcavityWork,
 }
 
-/// How much geometry was looked at to follow a deformation: figures that do not depend on the machine.
+/// How much geometry was looked at to follow a deformation: figures that do not depend on the
+/// machine.
 ///
 /// Passes that only number things (a few nanoseconds a face) are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -130,8 +132,8 @@ impl FollowedConcavities {
 
     /// The concavities of the model, which is the one that was followed last.
     ///
-    /// Cost: that of the envelopes of concavities that deformations have touched since the last call, and of copying
-    /// the others.
+    /// Cost: that of the envelopes of concavities that deformations have touched since the last
+    /// call, and of copying the others.
     pub fn concavities(&mut self, model: &Model) -> &Concavities {
         let Self { concavities, kept, .. } = self;
         if let Some(kept) = kept.take() {
@@ -143,23 +145,25 @@ impl FollowedConcavities {
         concavities
     }
 
-    /// Follows a deformation of the model: `change` is what [`Model::deform`] returned, `model` what it left.
+    /// Follows a deformation of the model: `change` is what [`Model::deform`] returned, `model`
+    /// what it left.
     ///
-    /// Where `change` is of another model than the one followed so far, or says that the model was made anew, all is
-    /// made anew ([`ConcavityWork::is_anew`]).
+    /// Where `change` is of another model than the one followed so far, or says that the model was
+    /// made anew, all is made anew ([`ConcavityWork::is_anew`]).
     ///
     /// # Cost
     ///
-    /// What [`ConcavityWork`] counts: the moved faces, the facets and concavities that these belong to, and what these
-    /// border on. Beside that
+    /// What [`ConcavityWork`] counts: the moved faces, the facets and concavities that these belong
+    /// to, and what these border on. Beside that
     ///
     /// - each lid is glanced at, and a concavity with a moved face is measured as a whole;
-    /// - where the hull changes, only concavities that share a vertex with something that has changed are divided anew;
-    ///   but there is a look at which facet each face is on and at which corners each cap has, and copying of rows;
+    /// - where the hull changes, only concavities that share a vertex with something that has
+    ///   changed are divided anew; but there is a look at which facet each face is on and at which
+    ///   corners each cap has, and copying of rows;
     /// - where a face comes onto the hull or leaves it, a pass over all faces counts convex sets.
     ///
-    /// Where the box of the hull changes, everything is classified. Where caps are shared, count negative or hang on
-    /// isolated vertices, concavities are found anew, all of them.
+    /// Where the box of the hull changes, everything is classified. Where caps are shared, count
+    /// negative or hang on isolated vertices, concavities are found anew, all of them.
     pub fn follow(&mut self, model: &Model, change: &ChangeSet) -> ConcavityChange {
         let old = self.concavities.set.len() as u32;
         if change.is_empty() && self.of == model.digest() {
@@ -356,8 +360,8 @@ impl Step<'_> {
         }
     }
 
-    /// Which envelopes stay; the others are built when somebody asks for them next. `before`: how the lids of each
-    /// concavity before opened.
+    /// Which envelopes stay; the others are built when somebody asks for them next. `before`: how
+    /// the lids of each concavity before opened.
     fn follow_with_envelopes(&mut self, same: &[Option<usize>], before: &[Vec<DVec3>]) {
         let FollowedConcavities { concavities, kept, .. } = &mut *self.all;
         let set = &concavities.set;
@@ -380,8 +384,8 @@ impl Step<'_> {
     }
 }
 
-/// Notes what has become of concavities. Returns for each of the new ones the old one that has the same faces; of
-/// those without faces, the same caps.
+/// Notes what has become of concavities. Returns for each of the new ones the old one that has the
+/// same faces; of those without faces, the same caps.
 fn tell_concavities(
     change: &mut ConcavityChange,
     moved: &ChangeSet,

@@ -17,9 +17,10 @@ use cranny_geometry::Model;
 
 /// The concavities of a model with what they are made from, their box trees and their envelopes.
 ///
-/// A value of its own: a model neither holds it nor makes it. It is that of one model, and means nothing to
-/// another; whoever deforms the model keeps it up to date by [`FollowedConcavities`](super::FollowedConcavities).
-/// It dereferences to the [set](ConcavitySet) of concavities and caps.
+/// A value of its own: a model neither holds it nor makes it. It is that of one model, and means
+/// nothing to another; whoever deforms the model keeps it up to date by
+/// [`FollowedConcavities`](super::FollowedConcavities). It dereferences to the [set](ConcavitySet)
+/// of concavities and caps.
 ///
 /// ```
 /// use cranny_concavity::Concavities;
@@ -49,8 +50,8 @@ impl Deref for Concavities {
 }
 
 impl Concavities {
-    /// Faces a leaf of the trees, unless [stated](Self::observed): [`FaceForest::DEFAULT_LEAF_SIZE`], as measured
-    /// there.
+    /// Faces a leaf of the trees, unless [stated](Self::observed):
+    /// [`FaceForest::DEFAULT_LEAF_SIZE`], as measured there.
     pub const DEFAULT_LEAF_SIZE: NonZeroUsize =
         NonZeroUsize::new(FaceForest::DEFAULT_LEAF_SIZE).expect("it is not 0");
 
@@ -62,10 +63,12 @@ impl Concavities {
         Self::observed(model, Self::DEFAULT_LEAF_SIZE, &mut |_| {})
     }
 
-    /// [`of`](Self::of) with leaves of at most so many faces, observed at the beginning of each [`Stage`].
+    /// [`of`](Self::of) with leaves of at most so many faces, observed at the beginning of each
+    /// [`Stage`].
     ///
     /// Envelopes are made of parts of the trees: leaves of more faces than
-    /// [`leaf_faces`](EnvelopeOptions::leaf_faces) give envelopes of single faces, which take longer to build.
+    /// [`leaf_faces`](EnvelopeOptions::leaf_faces) give envelopes of single faces, which take
+    /// longer to build.
     #[must_use]
     pub fn observed(
         model: &Model,
@@ -123,8 +126,8 @@ impl Concavities {
         &self.envelopes
     }
 
-    /// What covers facets, edges and vertices of the model's hull: faces of the mesh, or lids of which concavities.
-    /// See [`HullCovers`] for the cost.
+    /// What covers facets, edges and vertices of the model's hull: faces of the mesh, or lids of
+    /// which concavities. See [`HullCovers`] for the cost.
     #[must_use]
     pub fn hull_covers(&self, model: &Model) -> HullCovers {
         HullCovers::of(model.mesh(), model.topology(), model.hull(), &self.features, &self.set)

@@ -59,11 +59,11 @@ pub struct ChangeSet {
     pub vertices: Vec<VertexId>,
     /// Faces with such a vertex; ascending.
     pub faces: Vec<FaceId>,
-    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers. Triangles and facets
-    /// away from the change keep theirs, unless everything was built anew.
+    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers.
+    /// Triangles and facets away from the change keep theirs, unless everything was built anew.
     pub hull: bool,
-    /// For each patch before, by its id, the id of the one that has the same faces; `None` where there is
-    /// no such.
+    /// For each patch before, by its id, the id of the one that has the same faces; `None` where
+    /// there is no such.
     pub patches: Vec<Option<PatchId>>,
     /// Nodes of [`Model::tree`](crate::Model::tree).
     pub tree: NodeChanges,
@@ -75,8 +75,8 @@ pub struct ChangeSet {
     pub trail: Option<Trail>,
 }
 
-/// What a deformation leaves for whoever keeps something about hull and faces up to date, and needs more than
-/// their numbers.
+/// What a deformation leaves for whoever keeps something about hull and faces up to date, and needs
+/// more than their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
     /// The digest of the model before.
@@ -99,14 +99,15 @@ impl ChangeSet {
 
 /// How much geometry a deformation has looked at: figures that do not depend on the machine.
 ///
-/// Passes that only number things (a few nanoseconds a face) are not counted; where they happen stands
-/// with [`Model::deform`](crate::Model::deform).
+/// Passes that only number things (a few nanoseconds a face) are not counted; where they happen
+/// stands with [`Model::deform`](crate::Model::deform).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Whether everything was built anew, a large part having moved: then the figures below are of all there is.
+    /// Whether everything was built anew, a large part having moved: then the figures below are of
+    /// all there is.
     pub is_anew: bool,
-    /// Triangles of the hull that were passed in finding where moved vertices lie, as long as the hull was known to
-    /// stay.
+    /// Triangles of the hull that were passed in finding where moved vertices lie, as long as the
+    /// hull was known to stay.
     pub located: usize,
     /// Triangles of the hull whose planes were measured.
     pub hull_triangles: usize,
@@ -114,6 +115,7 @@ pub struct Work {
     pub nodes: usize,
     /// Faces of patches that were measured.
     pub patched: usize,
-    /// Faces and vertices that were added up, or compared, for sizes of the whole body: volume, centre, inertia, radius.
+    /// Faces and vertices that were added up, or compared, for sizes of the whole body: volume,
+    /// centre, inertia, radius.
     pub summed: usize,
 }

@@ -14,8 +14,9 @@ use crate::model::Parts;
 use crate::patches::Patches;
 use crate::tree::{FaceTree, GrownAreas, MovedFace, NodeChanges};
 
-/// Where the hull changes and one face in so many has moved, or more, everything is built anew: to follow what moved
-/// costs more. Smaller, and it costs more than building; larger, and what would be cheaper is built.
+/// Where the hull changes and one face in so many has moved, or more, everything is built anew: to
+/// follow what moved costs more. Smaller, and it costs more than building; larger, and what would
+/// be cheaper is built.
 const WIDE: usize = 12;
 
 pub(super) struct Deformation<'a> {
@@ -54,7 +55,8 @@ impl<'a> Deformation<'a> {
         }
     }
 
-    /// What has changed, and whether what the workshop holds has followed. `from`: the digest of the model before.
+    /// What has changed, and whether what the workshop holds has followed. `from`: the digest of
+    /// the model before.
     pub(super) fn run(mut self, from: [u8; 32]) -> (ChangeSet, bool) {
         let keeps_hull = self.keeps_hull();
         if !keeps_hull && WIDE * self.change.faces.len() > self.parts.mesh.faces().len() {
@@ -120,8 +122,8 @@ impl<'a> Deformation<'a> {
         self.change.patch_trees = update.nodes;
     }
 
-    /// Whether the hull is that of the moved mesh too; the lowest of the vertices in one place stands
-    /// for all.
+    /// Whether the hull is that of the moved mesh too; the lowest of the vertices in one place
+    /// stands for all.
     fn keeps_hull(&mut self) -> bool {
         let Parts { mesh, hull, .. } = &*self.parts;
         let is_extreme = |v: &VertexId| hull.vertex_of_source(*v).is_some();
@@ -130,8 +132,8 @@ impl<'a> Deformation<'a> {
         }
         let Some(&first) = self.change.vertices.first() else { return true };
         let Workshop { above, inside, .. } = &mut *self.workshop;
-        // Moved vertices lie side by side, as a rule: each walk begins where the last one ended. After the hull has
-        // changed, a triangle of that number may be any, or none.
+        // Moved vertices lie side by side, as a rule: each walk begins where the last one ended.
+        // After the hull has changed, a triangle of that number may be any, or none.
         let mut at = above[first.index()].min(hull.triangle_count() as u32 - 1);
         let mut passed = 0;
         let keeps = self.change.vertices.iter().all(|&v| {

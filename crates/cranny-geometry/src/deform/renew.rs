@@ -1,10 +1,11 @@
 //! The first deformation of a model that was read from bytes: all but its mesh is made again.
 //!
-//! Reading checks what queries need. A deformation needs more: that stages of preparation agree with each
-//! other, down to which facet each face lies on. Whoever forges a file can break that in ways that
-//! are as costly to find as to make good, so everything is made from the mesh. What
-//! [`Model::encode`](crate::Model::encode) wrote of a model as it was built comes out the same; a model
-//! that was deformed before it was saved may have other numbers afterwards, and the change set says so.
+//! Reading checks what queries need. A deformation needs more: that stages of preparation agree
+//! with each other, down to which facet each face lies on. Whoever forges a file can break that in
+//! ways that are as costly to find as to make good, so everything is made from the mesh. What
+//! [`Model::encode`](crate::Model::encode) wrote of a model as it was built comes out the same; a
+//! model that was deformed before it was saved may have other numbers afterwards, and the change
+//! set says so.
 //!
 //! No source: it is preparation, once more. Cost: that of preparing a model, but for the scan.
 
@@ -47,8 +48,8 @@ impl Renewal {
         })
     }
 
-    /// Makes everything but the adjacency again of a mesh of which a large part has moved, where that is cheaper than to
-    /// follow it; so nothing is compared either.
+    /// Makes everything but the adjacency again of a mesh of which a large part has moved, where
+    /// that is cheaper than to follow it; so nothing is compared either.
     pub(super) fn of_moved(parts: &mut Parts) -> Self {
         let Former { patches, .. } = replace(parts);
         Self {

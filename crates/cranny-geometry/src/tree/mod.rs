@@ -4,9 +4,10 @@
 //! and no face is ever cut. Nodes lie in depth-first order, the left child right behind its parent.
 //! [`FaceTree`] is one tree, [`FaceForest`] many in one array (one a concavity, one a patch).
 //!
-//! Source: trees of axis-aligned boxes over faces are van den Bergen's (1997, "Efficient collision detection of
-//! complex deformable models using AABB trees"); how they are grown stands in `build`. Cost: O(n log n) to grow, as
-//! a rule; a question costs the nodes whose boxes it opens and their children.
+//! Source: trees of axis-aligned boxes over faces are van den Bergen's (1997, "Efficient collision
+//! detection of complex deformable models using AABB trees"); how they are grown stands in `build`.
+//! Cost: O(n log n) to grow, as a rule; a question costs the nodes whose boxes it opens and their
+//! children.
 
 mod build;
 mod codec;
@@ -159,7 +160,8 @@ impl FaceTree {
         }
     }
 
-    /// The vertices in a box, in no order and some more than once, and the faces whose boxes overlap it.
+    /// The vertices in a box, in no order and some more than once, and the faces whose boxes
+    /// overlap it.
     #[must_use]
     pub fn vertices_within(&self, mesh: &Mesh, bounds: &Aabb) -> (Vec<VertexId>, Vec<FaceId>) {
         let mut faces = Vec::new();

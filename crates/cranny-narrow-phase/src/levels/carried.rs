@@ -12,9 +12,10 @@ use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
 use crate::motion::{Ball, Motion};
-use crate::node_set::{NodeSet, bytes_of_pair, of_models};
 use crate::pair::{Pair, Side, Whose};
-use crate::walk::HullFeature;
+use crate::pair::{bytes_of_pair, of_models};
+use cranny_concavity::NodeSet;
+use cranny_concavity::walk::HullFeature;
 
 /// Memory of a pair, as far as estimates are concerned. Bounds that were certain stay so: motion widens
 /// them by as much as it may have changed.

@@ -17,8 +17,8 @@ use super::graph::{HalfEdge, HullEdgeId, HullFeature};
 use super::nearest::witnesses;
 use super::observer::{Trail, WalkObserver};
 use super::sides::Sides;
-use crate::triangle_distance::closest_on_segments;
 use HullFeature::{Edge, Facet, Vertex};
+use cranny_geometry::triangle_distance::closest_on_segments;
 
 /// What one state says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,15 +1,15 @@
 //! The closest-feature walk: hand-computed pairs, every start, every relation, frames in a row.
 
+use cranny_concavity::walk::{
+    HullFeature, Relation, WalkCounters, WalkError, WalkState, walk_hulls,
+};
 use cranny_exact::{DQuat, DVec3, Pose, RigidMap};
 use cranny_geometry::Mesh;
 use cranny_geometry::hull::HullVertexId;
-use cranny_narrow_phase::walk::{
-    HullFeature, Relation, WalkCounters, WalkError, WalkState, walk_hulls,
-};
 use cranny_shapes::Shape;
 use cranny_testkit::Rng;
 
-use crate::walk_judge::{
+use crate::judge::{
     Body, ask, ask_cold, at, brute_force_depth, cuboid, disk, judge, platonic_solids, random_map,
     rounding, sphere,
 };

@@ -1,11 +1,11 @@
 //! The closest-feature walk where rounding rules: touching, gaps of an ulp, near-parallel faces, needles,
 //! sizes from tiny to huge.
 
+use cranny_concavity::walk::{Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_exact::{DQuat, DVec3, Pose, RigidMap};
-use cranny_narrow_phase::walk::{Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_testkit::Rng;
 
-use crate::walk_judge::{
+use crate::judge::{
     Body, ask, ask_cold, at, brute_force, cuboid, disk, judge, platonic_solids, random_map,
     rounding, sphere,
 };

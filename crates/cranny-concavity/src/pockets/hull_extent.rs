@@ -1,15 +1,15 @@
 //! How far one body's hull comes in the directions of the other's frame.
 //!
-//! Source: support points by hill climbing; see [`ConvexHull::support`](cranny_geometry::hull::ConvexHull::support), which
-//! tells their cost.
+//! Source: support points by hill climbing; see
+//! [`ConvexHull::support`](cranny_geometry::hull::ConvexHull::support), which tells their cost.
 
 use std::cell::Cell;
 
-use cranny_concavity::envelope::Thing;
 use cranny_exact::{DVec3, RigidMap};
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
 
-use crate::pair::{Pair, Side};
+use super::PosedModels;
+use crate::envelope::Thing;
 
 /// The hull of one body, seen from the other.
 pub(super) struct HullExtent<'a> {
@@ -21,11 +21,12 @@ pub(super) struct HullExtent<'a> {
 }
 
 impl<'a> HullExtent<'a> {
-    pub(super) fn of(pair: &Pair<'a>, guest: Side) -> Self {
+    /// `guest`: the body, 0 or 1.
+    pub(super) fn of(pair: &PosedModels<'a>, guest: usize) -> Self {
         Self {
-            hull: pair.model(guest).hull(),
-            host_from_guest: pair.map_to(guest.other()),
-            error: pair.culling_error(),
+            hull: pair.models[guest].hull(),
+            host_from_guest: pair.map_to(1 - guest),
+            error: pair.error,
             top: Cell::default(),
         }
     }
@@ -50,8 +51,6 @@ impl<'a> HullExtent<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::PairMemory;
-    use crate::query::Placed;
     use cranny_exact::{DQuat, Pose};
     use cranny_geometry::{BuildOptions, Model, VertexId};
     use cranny_shapes::Torus;
@@ -65,20 +64,23 @@ mod tests {
             let axis = DVec3::new(t.sin(), t.cos(), 0.3 * t).normalize();
             let rotation = DQuat::from_axis_angle(axis, 0.7 * t);
             let pose = Pose { rotation, translation: DVec3::new(t, -3.0, 0.1 * t) };
-            let mut memory = PairMemory::default();
-            let a = Placed { model: &model, pose: Pose::IDENTITY };
-            let pair = Pair::new(a, Placed { model: &model, pose }, &mut memory.posed);
-            for guest in Side::BOTH {
-                let (hull, host) = (HullExtent::of(&pair, guest), pair.map_to(guest.other()));
+            let size = pose.translation.length() + 2.0 * model.radius();
+            let pair = PosedModels {
+                models: [&model; 2],
+                first_from_second: pose.world_from_body(),
+                error: 128.0 * f64::EPSILON * size,
+            };
+            for guest in [0, 1] {
+                let (hull, host) = (HullExtent::of(&pair, guest), pair.map_to(1 - guest));
                 for direction in [DVec3::X, -DVec3::Y, axis, DVec3::new(0.6, 0.0, -0.8)] {
                     let count = model.mesh().vertices().len() as u32;
                     let height = |v| direction.dot(host.apply(model.mesh().position(VertexId(v))));
                     let least = (0..count).map(height).fold(f64::INFINITY, f64::min);
                     let told = hull.least(direction);
                     // With room for what rounds differently elsewhere.
-                    let room = 0.5 * pair.culling_error();
-                    assert!(told <= least - room, "{k} {guest:?}: {told} of {least}");
-                    assert!(told >= least - 3.0 * pair.culling_error(), "{k} {guest:?}: {told}");
+                    let room = 0.5 * pair.error;
+                    assert!(told <= least - room, "{k} {guest}: {told} of {least}");
+                    assert!(told >= least - 3.0 * pair.error, "{k} {guest}: {told}");
                 }
             }
         }

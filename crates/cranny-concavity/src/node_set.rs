@@ -2,18 +2,16 @@
 //!
 //! No source. Cost: O(n) for n faces, a bit a node.
 
-use std::sync::Arc;
-
-use cranny_geometry::{Content, FaceId, FaceTree, Model};
-
-use crate::pair::{Pair, Side};
+use cranny_geometry::{Content, FaceId, FaceTree};
 
 /// A bit for each node of a tree.
 #[derive(Clone, Debug)]
-pub(crate) struct NodeSet(Vec<u64>);
+pub struct NodeSet(Vec<u64>);
 
 impl NodeSet {
-    pub(crate) fn of(tree: &FaceTree, is_one: impl Fn(FaceId) -> bool) -> Self {
+    /// The nodes that hold a face of the kind.
+    #[must_use]
+    pub fn of(tree: &FaceTree, is_one: impl Fn(FaceId) -> bool) -> Self {
         let mut nodes = Self(vec![0; tree.nodes().len().div_ceil(64)]);
         // Children stand behind their parents.
         for node in (0..tree.nodes().len() as u32).rev() {
@@ -26,36 +24,27 @@ impl NodeSet {
         nodes
     }
 
-    pub(crate) fn has(&self, node: u32) -> bool {
+    /// Whether a node of the tree is one.
+    #[must_use]
+    #[inline]
+    pub fn has(&self, node: u32) -> bool {
         self.0[node as usize / 64] >> (node % 64) & 1 != 0
     }
 
     /// Heap bytes.
-    pub(crate) fn bytes(&self) -> usize {
+    #[must_use]
+    pub fn bytes(&self) -> usize {
         size_of_val(self.0.as_slice())
     }
 }
 
-/// Something of the model of each body of a pair, by side; made once for two bodies of one model.
-pub(crate) fn of_models<T>(pair: &Pair, make: impl Fn(&Model) -> T) -> [Arc<T>; 2] {
-    let [a, b] = Side::BOTH.map(|side| pair.model(side));
-    let first = Arc::new(make(a));
-    let second = if a.is_same(b) { Arc::clone(&first) } else { Arc::new(make(b)) };
-    [first, second]
-}
-
-/// Heap bytes of those of a pair, which may be the same.
-pub(crate) fn bytes_of_pair<T>([a, b]: &[Arc<T>; 2], bytes: impl Fn(&T) -> usize) -> usize {
-    bytes(a) + if Arc::ptr_eq(a, b) { 0 } else { bytes(b) }
-}
-
 #[cfg(test)]
 mod tests {
-    use cranny_concavity::Features;
     use cranny_exact::DVec3;
-    use cranny_geometry::{BuildOptions, Mesh};
+    use cranny_geometry::{BuildOptions, Mesh, Model};
 
     use super::*;
+    use crate::Features;
 
     #[test]
     fn a_node_holds_a_face_on_the_hull_if_one_beneath_it_does() {

@@ -1,7 +1,7 @@
 //! The judge of `cranny_stability` as assertions.
 
+use cranny_concavity::walk::{HullAnswer, WalkCounters, WalkState, walk_hulls};
 use cranny_exact::RigidMap;
-use cranny_narrow_phase::walk::{HullAnswer, WalkCounters, WalkState, walk_hulls};
 pub(crate) use cranny_stability::hull_judge::{
     Body, at, brute_force, brute_force_depth, cuboid, disk, faults, platonic_solids, random_map,
     rounding, sphere,

@@ -30,7 +30,7 @@
 //! ```
 //! use cranny_exact::{DVec3, RigidMap};
 //! use cranny_geometry::ConvexHull;
-//! use cranny_narrow_phase::walk::{FeatureGraph, Relation, WalkCounters, WalkHull, WalkState, walk_hulls};
+//! use cranny_concavity::walk::{FeatureGraph, Relation, WalkCounters, WalkHull, WalkState, walk_hulls};
 //!
 //! let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
 //! let hull = ConvexHull::of_points(&(0..8).map(corner).collect::<Vec<_>>());

@@ -1,25 +1,23 @@
 //! Descent of the layers of an envelope against the boxes of the other body's part.
 //!
-//! A box of the other body is a [`Thing`] in the pocket's frame. Where it offends a facet, either the box is opened or
-//! what lies beneath the facet, whichever is larger; until a few faces are left on both sides. What is not offended
-//! is certainly not met (see [`Envelope::offended`]). Source and cost: see the module.
+//! A box of the other body is a [`Thing`] in the pocket's frame. Where it offends a facet, either
+//! the box is opened or what lies beneath the facet, whichever is larger; until a few faces are
+//! left on both sides. What is not offended is certainly not met (see [`Envelope::offended`]).
+//! Source and cost: see the module.
 
 use std::ops::ControlFlow;
 
-use cranny_concavity::envelope::Thing;
-use cranny_concavity::{Concavities, ConcavityId, EnvelopeFacetId, Envelopes, LayerId};
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{Content, FaceId, FaceTree, Model};
 
-use crate::answer::Counters;
-use crate::descent::for_each_near_pair_beneath;
-use crate::node_set::NodeSet;
-use crate::pair::{Pair, Side};
+use super::{PocketBody, PocketCounters, PosedModels};
+use crate::envelope::Thing;
+use crate::{ConcavityId, EnvelopeFacetId, Envelopes, LayerId, NodeSet};
 
 /// A part of a body's surface: the faces of a concavity, or those of none, in a tree.
 pub(super) struct Part<'a> {
     pub(super) concavity: Option<ConcavityId>,
-    all: &'a Concavities,
+    body: &'a PocketBody,
     tree: &'a FaceTree,
     root: u32,
     /// The nodes that hold faces of the part; all, if there is none.
@@ -28,16 +26,17 @@ pub(super) struct Part<'a> {
 
 impl<'a> Part<'a> {
     /// The faces of a concavity, which has some.
-    pub(super) fn pocket(all: &'a Concavities, id: ConcavityId) -> Option<Self> {
-        let trees = all.trees();
+    pub(super) fn pocket(body: &'a PocketBody, id: ConcavityId) -> Option<Self> {
+        let trees = body.concavities().trees();
         let root = trees.root(id.index())?;
-        Some(Self { concavity: Some(id), all, tree: trees.arena(), root, nodes: None })
+        Some(Self { concavity: Some(id), body, tree: trees.arena(), root, nodes: None })
     }
 
     /// The faces in no concavity, if there are any.
-    pub(super) fn rest(model: &'a Model, all: &'a Concavities, nodes: &'a NodeSet) -> Option<Self> {
-        let rest = Self { concavity: None, all, tree: model.tree(), root: 0, nodes: Some(nodes) };
-        nodes.has(0).then_some(rest)
+    pub(super) fn rest(model: &'a Model, body: &'a PocketBody) -> Option<Self> {
+        let nodes = Some(body.rest());
+        let rest = Self { concavity: None, body, tree: model.tree(), root: 0, nodes };
+        body.rest().has(0).then_some(rest)
     }
 
     fn bounds(&self, node: u32) -> &'a Aabb {
@@ -49,23 +48,23 @@ impl<'a> Part<'a> {
     }
 
     fn faces(&self, leaf: u32) -> impl Iterator<Item = FaceId> {
-        let is_ours = |face: &FaceId| self.nodes.is_none() || self.all.of_face(*face).is_none();
+        let is_ours = |face: &FaceId| self.nodes.is_none() || self.body.is_on_hull(*face);
         self.tree.leaf_faces(leaf).iter().copied().filter(is_ours)
     }
 }
 
-/// Calls `visit` with pairs of a face of a pocket and one of the other body's part: all that meet are among them. `host`:
-/// whose pocket it is.
+/// Calls `visit` with pairs of a face of a pocket and one of the other body's part: all that meet
+/// are among them. `host`: whose pocket it is.
 pub(super) fn for_each_pair_in_pocket(
-    pair: &Pair,
-    host: Side,
+    pair: &PosedModels<'_>,
+    host: usize,
     (envelopes, pocket): (&Envelopes, ConcavityId),
-    guest: &Part,
-    counters: &mut Counters,
-    mut visit: impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
+    guest: &Part<'_>,
+    counters: &mut PocketCounters,
+    mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let envelope = envelopes.envelope(pocket.index());
-    let posed = PosedBoxes { map: pair.map_to(host), error: pair.culling_error() };
+    let posed = PosedBoxes { map: pair.map_to(host), error: pair.error };
     let Some(first) = envelope.first_layer() else { return ControlFlow::Continue(()) };
     let mut stack = vec![(Beneath::Layer(first), guest.root)];
     let mut offended = Vec::new();
@@ -91,7 +90,7 @@ pub(super) fn for_each_pair_in_pocket(
                 Next::Layer(layer) => stack.push((Beneath::Layer(layer), node)),
                 Next::Faces => {
                     for &f in envelopes.faces_beneath(facet) {
-                        guest.faces(node).try_for_each(|g| visit(f, g, counters))?;
+                        guest.faces(node).try_for_each(|g| visit(f, g))?;
                     }
                 }
             }
@@ -143,22 +142,4 @@ impl PosedBoxes {
         };
         Thing::new(least, 0.0)
     }
-}
-
-/// Calls `visit` with pairs of faces on the two hulls: all that meet are among them.
-pub(super) fn for_each_pair_of_rests(
-    pair: &Pair,
-    [first, second]: [&Part; 2],
-    counters: &mut Counters,
-    visit: &mut impl FnMut(FaceId, FaceId, &mut Counters) -> ControlFlow<()>,
-) -> ControlFlow<()> {
-    let part = |side| if side == Side::First { first } else { second };
-    let holds = |side, node| part(side).holds(node);
-    let is_ours = |part: &Part, face| part.all.of_face(face).is_none();
-    for_each_near_pair_beneath(pair, 0.0, holds, counters, |f, g, counters| {
-        if is_ours(first, f) && is_ours(second, g) {
-            return visit(f, g, counters);
-        }
-        ControlFlow::Continue(())
-    })
 }

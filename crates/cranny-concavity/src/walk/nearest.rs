@@ -9,7 +9,7 @@ use cranny_geometry::hull::{FacetId, HullVertexId};
 
 use super::graph::{HullEdgeId, HullFeature};
 use super::sides::Sides;
-use crate::triangle_distance::closest_on_segments;
+use cranny_geometry::triangle_distance::closest_on_segments;
 
 /// Squared sine of the angle between two edges below which their cross product does not tell the
 /// direction between them better than their points do. Smaller, and needle-thin angles give crooked

@@ -12,7 +12,7 @@ use cranny_geometry::hull::{FacetId, HullKind, HullVertexId, Location};
 
 use super::graph::{FeatureGraph, HullFeature};
 use super::sides::Sides;
-use crate::triangle_distance::{Part, triangle_distance};
+use cranny_geometry::triangle_distance::{Part, triangle_distance};
 
 /// An exact triangle in the first's frame.
 struct Piece {

@@ -15,10 +15,6 @@
 //! 2 ε times the largest coordinate (`tests/suite/distances.rs`).
 
 use cranny_exact::DVec3;
-use cranny_geometry::{FaceId, HalfEdgeId, Model};
-
-use crate::answer::Feature;
-
 /// A part of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
@@ -30,32 +26,20 @@ pub enum Part {
     Inside,
 }
 
-impl Part {
-    /// The model's name for this part of a face.
-    #[must_use]
-    pub fn feature(self, model: &Model, face: FaceId) -> Feature {
-        match self {
-            Self::Corner(i) => Feature::Vertex(model.mesh().corners(face)[usize::from(i)]),
-            Self::Edge(i) => {
-                let side = HalfEdgeId::of(face, usize::from(i));
-                Feature::Edge(model.topology().edge_of(side))
-            }
-            Self::Inside => Feature::Face(face),
-        }
-    }
-}
-
 /// Two nearest points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest {
-    pub(crate) squared: f64,
-    pub(crate) points: [DVec3; 2],
-    pub(crate) parts: [Part; 2],
+pub struct Nearest {
+    /// Their distance, squared.
+    pub squared: f64,
+    /// Where they are.
+    pub points: [DVec3; 2],
+    /// Which parts of the triangles they are on.
+    pub parts: [Part; 2],
 }
 
 /// A triangle, ready to be measured from many points.
 #[derive(Clone, Debug)]
-pub(crate) struct Prepared {
+pub struct Prepared {
     corners: [DVec3; 3],
     /// Side `i` runs from corner `i` to corner `(i + 1) % 3`.
     sides: [Side; 3],
@@ -67,7 +51,10 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    pub(crate) fn of(corners: &[DVec3; 3]) -> Self {
+    /// Prepares a triangle.
+    #[must_use]
+    #[inline]
+    pub fn of(corners: &[DVec3; 3]) -> Self {
         Self::with(*corners, sides(corners))
     }
 
@@ -89,7 +76,8 @@ impl Prepared {
     ///
     /// Found along the longest side first, then across. Where rounding has it outside by either
     /// figure, the nearest point of the rim is as good.
-    pub(crate) fn foot(&self, p: DVec3) -> Option<DVec3> {
+    #[inline]
+    pub fn foot(&self, p: DVec3) -> Option<DVec3> {
         let depth = |i: usize| self.inward[i].dot(p - self.corners[i]);
         if !(depth(0) > 0.0 && depth(1) > 0.0 && depth(2) > 0.0) {
             return None;
@@ -193,6 +181,7 @@ fn part_of_side(i: usize, t: f64) -> Part {
 /// play, needles and triangles without area included; in a needle, the part may be a neighbour of
 /// the true one.
 #[must_use]
+#[inline]
 pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
     let sides = sides(triangle);
     let products = [0, 1, 2].map(|i| sides[i].along.dot(p - triangle[i]));
@@ -220,7 +209,8 @@ pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
 }
 
 /// The point of a segment nearest to another point.
-pub(crate) fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
+#[inline]
+pub fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
     let side = Side::of(ends[0], ends[1]);
     side.at(side.parameter(side.along.dot(p - ends[0])))
 }
@@ -236,7 +226,8 @@ pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
 }
 
 /// The nearest points of two triangles. They must not intersect, or the answer is too large.
-pub(crate) fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
+#[inline]
+pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
     Prepared::of(a).nearest(ALL_CORNERS, &Prepared::of(b), ALL_CORNERS)
 }
 
@@ -246,7 +237,8 @@ const ALL_CORNERS: u8 = 0b111;
 impl Prepared {
     /// The nearest points of two triangles that do not intersect, if these lie at some of their corners, a bit each, or on
     /// sides that end there, or inside.
-    pub(crate) fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
+    #[inline]
+    pub fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
         let mut best = Nearest {
             squared: f64::INFINITY,
             points: [self.corners[0], other.corners[0]],
