@@ -5,8 +5,8 @@
 //! - Caps close: faces off the hull and the caps above them have the same boundary, whatever
 //!   rounding did, and volumes add up: what the hull has and the body lacks is the pockets and the
 //!   skin.
-//! - Nothing here is made unless somebody asks: [`Concavities::of`] a model is a value of whoever
-//!   asked for it.
+//! - Nothing here is made unless it is called for: [`Concavities::of`] returns a value that its
+//!   caller holds.
 //! - After a deformation, what [follows](FollowedConcavities) equals what is made anew.
 //! - No input or output, no clock, no globals, no graphics.
 //!
@@ -22,10 +22,10 @@
 //! (`boundary`). `concavity` joins faces off the hull and caps to concavities with lids, loops,
 //! sizes, and trees, and `envelope` wraps each in convex layers.
 //!
-//! **Each time a pair is asked about**, [`walk`] follows the closest features of the two hulls from
+//! **At each query of a pair**, [`walk`] follows the closest features of the two hulls from
 //! the last ones, over exterior Voronoi regions, and on through pseudo-internal ones where the
 //! hulls overlap (estimates do; an exact query parts hulls by a plane, which costs less). Where
-//! hulls meet, [`pockets`] tells the three cases apart: what lies on the hulls, a thing in a
+//! hulls meet, [`pockets`] keeps the three cases apart: what lies on the hulls, a thing in a
 //! pocket, a pocket in a pocket. It opens the concavities that the other hull may reach, goes down
 //! the layers of their envelopes, and closes a pocket whose guest has left through the cap. It
 //! hands over pairs of faces, on the hulls by `node_set`; who decides which of them meet is the

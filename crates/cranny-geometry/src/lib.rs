@@ -44,8 +44,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What of a body is not convex is no part of its model: the crate `cranny-concavity` makes it for
-//! whoever asks.
+//! What of a body is not convex is no part of its model: the crate `cranny-concavity` makes it on
+//! demand.
 
 mod angle;
 mod chunks;

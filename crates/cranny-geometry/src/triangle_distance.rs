@@ -53,7 +53,6 @@ pub struct Prepared {
 impl Prepared {
     /// Prepares a triangle.
     #[must_use]
-    #[inline]
     pub fn of(corners: &[DVec3; 3]) -> Self {
         Self::with(*corners, sides(corners))
     }
@@ -76,7 +75,6 @@ impl Prepared {
     ///
     /// Found along the longest side first, then across. Where rounding has it outside by either
     /// figure, the nearest point of the rim is as good.
-    #[inline]
     pub fn foot(&self, p: DVec3) -> Option<DVec3> {
         let depth = |i: usize| self.inward[i].dot(p - self.corners[i]);
         if !(depth(0) > 0.0 && depth(1) > 0.0 && depth(2) > 0.0) {
@@ -105,6 +103,7 @@ struct Side {
 }
 
 impl Side {
+    #[inline]
     fn of(start: DVec3, end: DVec3) -> Self {
         let along = end - start;
         let squared = along.length_squared();
@@ -114,6 +113,7 @@ impl Side {
 
     /// The parameter of the point nearest to the one whose offset from the start has this inner
     /// product with the segment. Ends are told without dividing.
+    #[inline]
     fn parameter(&self, product: f64) -> f64 {
         if product <= 0.0 {
             0.0
@@ -124,6 +124,7 @@ impl Side {
         }
     }
 
+    #[inline]
     fn at(&self, t: f64) -> DVec3 {
         if t <= 0.0 {
             self.start
@@ -135,6 +136,7 @@ impl Side {
     }
 
     /// Parameters of the nearest points of two segments.
+    #[inline]
     fn nearest(&self, other: &Self) -> (f64, f64) {
         let apart = self.start - other.start;
         let (b, f) = (self.along.dot(other.along), other.along.dot(apart));
@@ -181,7 +183,6 @@ fn part_of_side(i: usize, t: f64) -> Part {
 /// play, needles and triangles without area included; in a needle, the part may be a neighbour of
 /// the true one.
 #[must_use]
-#[inline]
 pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
     let sides = sides(triangle);
     let products = [0, 1, 2].map(|i| sides[i].along.dot(p - triangle[i]));
@@ -226,7 +227,6 @@ pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
 }
 
 /// The nearest points of two triangles. They must not intersect, or the answer is too large.
-#[inline]
 pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
     Prepared::of(a).nearest(ALL_CORNERS, &Prepared::of(b), ALL_CORNERS)
 }
@@ -237,7 +237,6 @@ const ALL_CORNERS: u8 = 0b111;
 impl Prepared {
     /// The nearest points of two triangles that do not intersect, if these lie at some of their corners, a bit each, or on
     /// sides that end there, or inside.
-    #[inline]
     pub fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
         let mut best = Nearest {
             squared: f64::INFINITY,

@@ -1,8 +1,8 @@
 //! From components to numbered concavities with lids, loops, outlines and sizes.
 //!
-//! No source: this crate's own; volumes are sums of cones, as in Mirtich (1996). Cost: passes over hull, faces and
-//! caps, O(m log m) for m cap triangles and edges of rims, and k² for k facets that are covered together, each of
-//! which asks for the others. What lies in what stands in `nesting`.
+//! No source: this crate's own; volumes are sums of cones, as in Mirtich (1996). Cost: passes over
+//! hull, faces and caps, O(m log m) for m cap triangles and edges of rims, and k² for k facets that
+//! are covered together, each of which asks for the others. What lies in what stands in `nesting`.
 
 use std::collections::BTreeMap;
 
@@ -22,9 +22,9 @@ use cranny_geometry::triangulate::outlines;
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
 use cranny_geometry::{EdgeKind, Topology};
 
-/// A lid opens nowhere whose opening is this share of its area or less: it goes around, as the whole hull does,
-/// and what is left of a sum is rounding. Smaller, and the rounding of some thousand caps is taken for a direction;
-/// larger, and so are lids that bend back but for a sliver
+/// A lid opens nowhere whose opening is this share of its area or less: it goes around, as the
+/// whole hull does, and what is left of a sum is rounding. Smaller, and the rounding of some
+/// thousand caps is taken for a direction; larger, and so are lids that bend back but for a sliver
 /// (`a_lid_all_around_opens_nowhere`).
 pub(super) const CANCELLED: f64 = 1e-12;
 
@@ -39,7 +39,8 @@ pub(super) const BLANK: Record = Record {
     measures: Measures { cap_area: 0.0, face_area: 0.0, pocket_volume: 0.0, opening: DVec3::ZERO },
 };
 
-/// The first of some caps in the order of their vertices, which is the same however facets are numbered.
+/// The first of some caps in the order of their vertices, which is the same however facets are
+/// numbered.
 pub(super) fn first_of_caps(
     caps: &CapSurface,
     some: impl Iterator<Item = usize>,
@@ -88,8 +89,9 @@ impl Input<'_> {
         caps.triangles[cap].map(|v| self.position(v))
     }
 
-    /// Numbers components by their least faces, those without by [the first](first_of_caps) of their caps, and lids by
-    /// their least caps. What has no faces and covers nothing is skin and gets no number.
+    /// Numbers components by their least faces, those without by [the first](first_of_caps) of
+    /// their caps, and lids by their least caps. What has no faces and covers nothing is skin and
+    /// gets no number.
     fn number(&self, mut components: Components, caps: CapSurface) -> ConcavitySet {
         let (faces, count) = (self.mesh.faces().len(), caps.triangles.len());
         let mut is_skin = vec![false; count];

@@ -1,13 +1,13 @@
 //! Which faces off the hull and which cap triangles belong together.
 //!
-//! They hang together over the edges that they share, except over a *ridge*, an edge on the hull that
-//! only off-hull faces meet at: there each face goes with the cap triangle that runs the edge the same
-//! way. (Cap and faces of a pocket run its rim in the same direction, since both continue, in reverse,
-//! the convex faces around. So at every edge the caps of a concavity, taken once, and its faces, taken
-//! negatively, cancel, with or without ridges.)
+//! They hang together over the edges that they share, except over a *ridge*, an edge on the hull
+//! that only off-hull faces meet at: there each face goes with the cap triangle that runs the edge
+//! the same way. (Cap and faces of a pocket run its rim in the same direction, since both continue,
+//! in reverse, the convex faces around. So at every edge the caps of a concavity, taken once, and
+//! its faces, taken negatively, cancel, with or without ridges.)
 //!
-//! No source: this crate's own, proved in brackets above; sets are joined by union-find (`DisjointSets`). Cost:
-//! O(m log m) for m cap triangles, near-linear in the faces.
+//! No source: this crate's own, proved in brackets above; sets are joined by union-find
+//! (`DisjointSets`). Cost: O(m log m) for m cap triangles, near-linear in the faces.
 
 use crate::caps::CapSurface;
 use crate::features::Features;
@@ -82,8 +82,8 @@ impl Components {
         joined
     }
 
-    /// A surface that shares no edge with a cap but has a vertex on the hull goes with the caps around
-    /// that vertex: a star touches its hull with its tips alone.
+    /// A surface that shares no edge with a cap but has a vertex on the hull goes with the caps
+    /// around that vertex: a star touches its hull with its tips alone.
     fn join_at_tips(&mut self, topology: &Topology, features: &Features, caps: &CapSurface) {
         let mut has_cap = vec![false; self.faces];
         for cap in 0..caps.triangles.len() {
@@ -110,8 +110,9 @@ impl Components {
         }
     }
 
-    /// The same for some of the faces off the hull and some of the caps, both ascending, which are numbered anew; what
-    /// meets at an edge of `ends`, which ascend, must be among them. Nothing is joined at tips.
+    /// The same for some of the faces off the hull and some of the caps, both ascending, which are
+    /// numbered anew; what meets at an edge of `ends`, which ascend, must be among them. Nothing is
+    /// joined at tips.
     pub(super) fn among(
         mesh: &Mesh,
         topology: &Topology,

@@ -1,18 +1,20 @@
 //! What covers the features of a hull: facets, edges and vertices.
 //!
-//! The faces on a facet and its caps divide it, and where the pieces beside each other end their directed edges
-//! cancel. What is left runs along the facet's rim, from corner to corner: so an edge of the hull has beside it
-//! the pieces whose edges lead from its one end to the other, however many there are. (Munkres 1984, sections
-//! 5 and 6, for chains that cancel.) A vertex of the hull has about it the pieces that have a corner there.
-//! Needles are left out, that is, pieces no wider than slabs are deep: which facet or lid one is counted to is a
-//! matter of rounding, and it would hide what lies behind it.
+//! The faces on a facet and its caps divide it, and where the pieces beside each other end their
+//! directed edges cancel. What is left runs along the facet's rim, from corner to corner: so an
+//! edge of the hull has beside it the pieces whose edges lead from its one end to the other,
+//! however many there are. (Munkres 1984, sections 5 and 6, for chains that cancel.) A vertex of
+//! the hull has about it the pieces that have a corner there. Needles are left out, that is, pieces
+//! no wider than slabs are deep: which facet or lid one is counted to is a matter of rounding, and
+//! it would hide what lies behind it.
 //!
-//! Where that fails, because rounding has faces reach over the rim, an edge or a vertex answers as its facets do:
-//! with all that lies on them, never with less than lies there. So does an edge within a facet, or between
-//! facets that are covered together: it is no edge of the body, but for rounding.
+//! Where that fails, because rounding has faces reach over the rim, an edge or a vertex answers as
+//! its facets do: with all that lies on them, never with less than lies there. So does an edge
+//! within a facet, or between facets that are covered together: it is no edge of the body, but for
+//! rounding.
 //!
-//! Cost: O(n log n) in the faces and caps of facets that have both, linear in the hull; 4 bytes for each half-edge,
-//! vertex and facet of the hull. Answers are O(1).
+//! Cost: O(n log n) in the faces and caps of facets that have both, linear in the hull; 4 bytes for
+//! each half-edge, vertex and facet of the hull. Answers are O(1).
 
 use std::collections::BTreeMap;
 
@@ -61,8 +63,8 @@ impl<'a> FeatureCover<'a> {
 
 /// What covers each facet, edge and vertex of a hull.
 ///
-/// The question is what lies *beside* an edge and *around* a vertex: a vertex of the hull is one of the mesh, and
-/// so is many an edge between two lids (a [ridge](Features::ridges)).
+/// The question is what lies *beside* an edge and *around* a vertex: a vertex of the hull is one of
+/// the mesh, and so is many an edge between two lids (a [ridge](Features::ridges)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct HullCovers {
     facets: Vec<Code>,
@@ -96,7 +98,8 @@ impl HullCovers {
         Self { facets, edges, vertices, mixed: filing.mixed }
     }
 
-    /// What covers a facet, or the facets that it is [covered together](ConcavitySet::shared_facets) with. O(1).
+    /// What covers a facet, or the facets that it is [covered
+    /// together](ConcavitySet::shared_facets) with. O(1).
     ///
     /// # Panics
     ///
@@ -106,15 +109,15 @@ impl HullCovers {
         self.told(self.facets[facet.index()])
     }
 
-    /// What covers the hull beside an edge, on both sides and all along; the same for both half-edges. An edge
-    /// within a facet answers as the facet. O(1).
+    /// What covers the hull beside an edge, on both sides and all along; the same for both
+    /// half-edges. An edge within a facet answers as the facet. O(1).
     #[must_use]
     pub fn edge(&self, half_edge: HalfEdgeId) -> FeatureCover<'_> {
         self.told(self.edges[half_edge.index()])
     }
 
-    /// What covers the hull around a vertex. A vertex at which nothing but needles has a corner, which a lid may
-    /// cover by rounding, answers as its facets. O(1).
+    /// What covers the hull around a vertex. A vertex at which nothing but needles has a corner,
+    /// which a lid may cover by rounding, answers as its facets. O(1).
     #[must_use]
     pub fn vertex(&self, vertex: HullVertexId) -> FeatureCover<'_> {
         self.told(self.vertices[vertex.index()])
@@ -337,7 +340,8 @@ fn left_over(pieces: &[([u32; 3], u32)]) -> Vec<([u32; 2], u32)> {
     left
 }
 
-/// Whose the edges are that lead from one vertex to another; `None` where no way leads there, or several.
+/// Whose the edges are that lead from one vertex to another; `None` where no way leads there, or
+/// several.
 fn owners_along(rim: &[([u32; 2], u32)], [mut at, end]: [u32; 2]) -> Option<Owners> {
     let mut owners = Vec::new();
     for _ in 0..rim.len() {
@@ -363,7 +367,8 @@ mod tests {
 
     #[test]
     fn a_rim_is_followed_from_corner_to_corner() {
-        // A square of four corners; 4 divides the first edge. A lid over its one end, faces elsewhere.
+        // A square of four corners; 4 divides the first edge. A lid over its one end, faces
+        // elsewhere.
         let lid = 5;
         let pieces = [([0, 4, 3], lid), ([4, 1, 2], NONE), ([4, 2, 3], NONE)];
         let rim = left_over(&pieces);

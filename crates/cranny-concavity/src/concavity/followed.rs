@@ -2,7 +2,7 @@
 //!
 //! Faces are classified again that have moved or lay on facets that are gone, or may lie on new
 //! ones; caps are made again on the facets of these and beside them; trees and envelopes of
-//! untouched concavities are kept, and the other envelopes are built when somebody asks for them.
+//! untouched concavities are kept, and the other envelopes are built when they are read.
 //! If all that moved lies beneath caps, concavities are only measured.
 //!
 //! No source: that everything follows local changes and equals what is made anew is this crate's
@@ -106,7 +106,8 @@ pub struct ConcavityWork {
     pub grouped: usize,
     /// Nodes of trees whose boxes were computed.
     pub nodes: usize,
-    /// Faces of concavities whose envelopes are built when somebody asks for them next.
+    /// Faces of concavities whose envelopes the next call of [`FollowedConcavities::concavities`]
+    /// builds.
     pub enveloped: usize,
 }
 
@@ -360,7 +361,7 @@ impl Step<'_> {
         }
     }
 
-    /// Which envelopes stay; the others are built when somebody asks for them next. `before`: how
+    /// Which envelopes stay; the others are built when they are read. `before`: how
     /// the lids of each concavity before opened.
     fn follow_with_envelopes(&mut self, same: &[Option<usize>], before: &[Vec<DVec3>]) {
         let FollowedConcavities { concavities, kept, .. } = &mut *self.all;

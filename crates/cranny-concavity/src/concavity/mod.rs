@@ -1,19 +1,21 @@
 //! Concavities: what the hull covers and the mesh does not fill.
 //!
-//! A *concavity* is a set of off-hull faces that hang together, over shared edges and over the cap that
-//! closes them. Its *cap* is the part of the hull above it, and falls into *lids*, connected pieces: a
-//! dent has one, a through-hole two, a void inside the body none. Several shells share a concavity when
-//! they share a cap. Cap and faces, the faces turned around, bound the *pocket*; it has no boundary as
-//! far as the mesh has none.
+//! A *concavity* is a set of off-hull faces that hang together, over shared edges and over the cap
+//! that closes them. Its *cap* is the part of the hull above it, and falls into *lids*, connected
+//! pieces: a dent has one, a through-hole two, a void inside the body none. Several shells share a
+//! concavity when they share a cap. Cap and faces, the faces turned around, bound the *pocket*; it
+//! has no boundary as far as the mesh has none.
 //!
-//! Volumes and areas add up: what the hull has and the body lacks is the pockets and the *skin*, which
-//! is what lies between the hull and faces that are on it but for rounding. Where a whole body is no thicker than skin,
-//! either side lies on the facets of both, and they need not ([`FindingKind::ThinBody`](cranny_geometry::FindingKind::ThinBody)).
+//! Volumes and areas add up: what the hull has and the body lacks is the pockets and the *skin*,
+//! which is what lies between the hull and faces that are on it but for rounding. Where a whole
+//! body is no thicker than skin, either side lies on the facets of both, and they need not
+//! ([`FindingKind::ThinBody`](cranny_geometry::FindingKind::ThinBody)).
 //!
 //! Cost: O(n log n), near linear where most faces are far from any rim.
 //!
-//! No source: these definitions are this crate's own. That pockets close follows from the algebra of chains (Munkres
-//! 1984, sections 5 and 6): caps and faces off the hull have the same boundary, see `caps`.
+//! No source: these definitions are this crate's own. That pockets close follows from the algebra
+//! of chains (Munkres 1984, sections 5 and 6): caps and faces off the hull have the same boundary,
+//! see `caps`.
 
 mod build;
 mod components;
@@ -47,20 +49,22 @@ pub use whole::Concavities;
 pub enum ConcavityKind {
     /// One lid: a dent, a groove, a well.
     Pocket,
-    /// Several lids: a through-hole, say. Also where two notches have nothing in common but an edge of the mesh, which
-    /// four faces share: faces hang together over it, though nothing passes through (two cubes that touch along an edge).
+    /// Several lids: a through-hole, say. Also where two notches have nothing in common but an edge
+    /// of the mesh, which four faces share: faces hang together over it, though nothing passes
+    /// through (two cubes that touch along an edge).
     Passage,
-    /// No lid, and air within: a bubble inside a body. The shell around it is a finding, too, by itself
-    /// ([`Cavity`](cranny_geometry::FindingKind::Cavity)).
+    /// No lid, and air within: a bubble inside a body. The shell around it is a finding, too, by
+    /// itself ([`Cavity`](cranny_geometry::FindingKind::Cavity)).
     Void,
     /// No lid, and matter within, or a surface that bounds nothing: a separate piece inside a
-    /// concavity, or anywhere off the hull. A solid inside the matter of another is one too, without a parent, as no air
-    /// is around it; reports tell it as [`NestedSolid`](cranny_geometry::FindingKind::NestedSolid).
+    /// concavity, or anywhere off the hull. A solid inside the matter of another is one too,
+    /// without a parent, as no air is around it; reports tell it as
+    /// [`NestedSolid`](cranny_geometry::FindingKind::NestedSolid).
     Island,
     /// A lid without faces beneath: the mesh is open there, and only faces on the hull border it.
     Opening,
-    /// No faces of its own, where the hull is covered more than once (a face filed twice, coplanar faces that overlap): what
-    /// would be a lid has negative area.
+    /// No faces of its own, where the hull is covered more than once (a face filed twice, coplanar
+    /// faces that overlap): what would be a lid has negative area.
     Overlay,
 }
 
@@ -86,8 +90,9 @@ pub enum Cover {
     Solid,
     /// A lid of this concavity, everywhere.
     Lid(ConcavityId),
-    /// Faces of the mesh, but for cap triangles, each of which names its concavity: these, and where the
-    /// facet is covered together with others theirs as well ([`ConcavitySet::caps_over`]).
+    /// Faces of the mesh, but for cap triangles, each of which names its concavity: these, and
+    /// where the facet is covered together with others theirs as well
+    /// ([`ConcavitySet::caps_over`]).
     Mixed(std::ops::Range<u32>),
 }
 
@@ -102,7 +107,7 @@ pub enum Border {
     Open,
 }
 
-/// A stage in making [`Concavities`], shown to whoever measures times (this crate reads no clock).
+/// A stage in making [`Concavities`]. Callers measure times; this crate reads no clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Features: convex, concavity, boundary.
@@ -167,11 +172,12 @@ pub struct Measures {
     /// Area of the faces.
     pub face_area: f64,
     /// Volume between cap and faces: negative for a piece of matter. It means nothing where
-    /// [`Report::volumes_unknown`](cranny_geometry::Report::volumes_unknown) says why. Unit: length^3.
+    /// [`Report::volumes_unknown`](cranny_geometry::Report::volumes_unknown) says why. Unit:
+    /// length^3.
     pub pocket_volume: f64,
     /// Sum of the area vectors of the cap, outward: the direction in which the concavity opens, its
-    /// length the area of the opening seen from there. Zero, to rounding, for a through-hole between
-    /// parallel sides.
+    /// length the area of the opening seen from there. Zero, to rounding, for a through-hole
+    /// between parallel sides.
     pub opening: DVec3,
 }
 
@@ -191,7 +197,8 @@ pub struct Concavity<'a> {
     id: ConcavityId,
     /// What it is.
     pub kind: ConcavityKind,
-    /// Of a concavity without a lid, the one whose pocket (or matter) surrounds it most closely, if any.
+    /// Of a concavity without a lid, the one whose pocket (or matter) surrounds it most closely, if
+    /// any.
     pub parent: Option<ConcavityId>,
     /// Its faces, ascending.
     pub faces: &'a [FaceId],
@@ -215,8 +222,8 @@ impl<'a> Concavity<'a> {
         (all.records[self.id.index()].first_lid..next).map(|lid| all.lid(LidId(lid)))
     }
 
-    /// Its boundary loops, by their lowest vertices: the edges of its faces that border on something
-    /// else, run as these faces run them. All are simple.
+    /// Its boundary loops, by their lowest vertices: the edges of its faces that border on
+    /// something else, run as these faces run them. All are simple.
     pub fn loops(&self) -> impl ExactSizeIterator<Item = BoundaryLoop<'a>> + use<'a> {
         let all = self.all;
         let next = all.record_end(self.id, |r| r.first_loop, all.loops.len());
@@ -253,8 +260,8 @@ impl<'a> Lid<'a> {
         self.id
     }
 
-    /// Its polygons, facet by facet: loops counter-clockwise around the lid seen from outside, clockwise
-    /// around its holes.
+    /// Its polygons, facet by facet: loops counter-clockwise around the lid seen from outside,
+    /// clockwise around its holes.
     pub fn outlines(&self) -> impl ExactSizeIterator<Item = (FacetId, &'a [VertexId])> + use<'a> {
         let all = self.all;
         let next = all.lids.get(self.id.index() + 1).map(|l| l.first_outline as usize);
@@ -402,16 +409,18 @@ impl ConcavitySet {
         }
     }
 
-    /// The cap triangles that may lie over a facet: its own, and those of the facets that it is covered
-    /// together with. A triangle of the mesh may lie on two facets where these meet at an angle that is
-    /// rounding; such facets are covered together, exactly once, but not each by itself.
+    /// The cap triangles that may lie over a facet: its own, and those of the facets that it is
+    /// covered together with. A triangle of the mesh may lie on two facets where these meet at an
+    /// angle that is rounding; such facets are covered together, exactly once, but not each by
+    /// itself.
     pub fn caps_over(&self, facet: FacetId) -> impl Iterator<Item = CapId> + '_ {
         let others = self.caps.sharing(facet).filter(move |&f| f != facet);
         let theirs = others.flat_map(|f| self.caps.of_facet(f));
         self.caps.of_facet(facet).chain(theirs).map(CapId)
     }
 
-    /// The facets that are covered together with others: each with the first of its group, ascending.
+    /// The facets that are covered together with others: each with the first of its group,
+    /// ascending.
     pub fn shared_facets(&self) -> impl Iterator<Item = [FacetId; 2]> + '_ {
         self.caps.shared.iter().map(|entry| entry.map(FacetId))
     }
@@ -434,8 +443,8 @@ impl ConcavitySet {
         &self.caps.negative
     }
 
-    /// Facets whose cap may cover some points twice and others not, because its outline crosses itself:
-    /// faces overlap there, or rounding did it.
+    /// Facets whose cap may cover some points twice and others not, because its outline crosses
+    /// itself: faces overlap there, or rounding did it.
     #[must_use]
     pub fn crossed_facets(&self) -> &[FacetId] {
         &self.caps.crossed

@@ -1,17 +1,17 @@
 //! In which concavity a concavity without a lid lies.
 //!
-//! A surface inside another is found by the crossings of a ray with the surfaces that bound pockets:
-//! caps, and faces negatively. The ray runs along +x from a vertex and is moved aside by an
-//! infinitesimal amount in y and a still smaller one in z (Edelsbrunner and Mücke 1990), so that it
-//! meets no edge: every sign is exact, none is zero.
+//! A surface inside another is found by the crossings of a ray with the surfaces that bound
+//! pockets: caps, and faces negatively. The ray runs along +x from a vertex and is moved aside by
+//! an infinitesimal amount in y and a still smaller one in z (Edelsbrunner and Mücke 1990), so that
+//! it meets no edge: every sign is exact, none is zero.
 //!
-//! Cost: the elements of all concavities whose boxes enclose the one in question, for each without a
-//! lid; bodies have few of these.
+//! Cost: the elements of all concavities whose boxes enclose the one in question, for each without
+//! a lid; bodies have few of these.
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d, orient3d};
 
-/// Whether a point lies inside the surface of the triangles, each counted once; `None` where the point
-/// lies on one of those that the ray meets.
+/// Whether a point lies inside the surface of the triangles, each counted once; `None` where the
+/// point lies on one of those that the ray meets.
 fn winding(point: DVec3, triangles: impl Iterator<Item = [DVec3; 3]>) -> Option<i32> {
     let mut winding = 0;
     for [a, b, c] in triangles {

@@ -1,7 +1,7 @@
 //! Concavities of a part of the surface: faces and caps that hang together there.
 //!
-//! No source: what belongs together, and what is skin, are decided as for the whole (`components`, `build`). Cost:
-//! O(m log m) in the faces and caps of the part, and a glance at all caps.
+//! No source: what belongs together, and what is skin, are decided as for the whole (`components`,
+//! `build`). Cost: O(m log m) in the faces and caps of the part, and a glance at all caps.
 
 use super::build::Input;
 use super::components::Components;
@@ -25,7 +25,8 @@ pub(super) struct Group {
 }
 
 impl Part {
-    /// The groups in this part, skin left out; `None` where something of it hangs together with what is no part of it.
+    /// The groups in this part, skin left out; `None` where something of it hangs together with
+    /// what is no part of it.
     pub(super) fn groups(&self, input: &Input<'_>, caps: &CapSurface) -> Option<Vec<Group>> {
         let Input { mesh, topology, features, .. } = input;
         let corners = |cap: u32| caps.triangles[cap as usize];

@@ -1,6 +1,7 @@
 //! Which caps without faces beneath are skin, and which an opening.
 //!
-//! No source: this crate's own; volumes are sums of cones, as in Mirtich (1996). Cost: O(m log m) in these caps.
+//! No source: this crate's own; volumes are sums of cones, as in Mirtich (1996). Cost: O(m log m)
+//! in these caps.
 
 use cranny_exact::DVec3;
 
@@ -8,9 +9,9 @@ use super::build::{Input, twice_area_vector};
 use crate::caps::CapSurface;
 use crate::ids::CapId;
 
-/// A volume beneath a triangle is a sixth of a product of three lengths, at the most, and is rounded nine times by half an
-/// epsilon. Smaller, and layers that enclose nothing may seem to hold something; larger, and layers that hold more than
-/// rounding are skin.
+/// A volume beneath a triangle is a sixth of a product of three lengths, at the most, and is
+/// rounded nine times by half an epsilon. Smaller, and layers that enclose nothing may seem to hold
+/// something; larger, and layers that hold more than rounding are skin.
 const VOLUME_ROUNDING: f64 = f64::EPSILON;
 
 /// Caps without faces that hang together.
@@ -21,11 +22,13 @@ struct Layer {
     area: f64,
     /// Their lengths.
     edges: f64,
-    /// Between the caps and a corner of the first. Measured from far away, what rounding leaves of layers as slim as
-    /// slabs are deep is more than they hold (`two_caps_back_to_back_are_no_opening`).
+    /// Between the caps and a corner of the first. Measured from far away, what rounding leaves of
+    /// layers as slim as slabs are deep is more than they hold
+    /// (`two_caps_back_to_back_are_no_opening`).
     volume: f64,
     corner: Option<DVec3>,
-    /// Lengths along edges, multiplied as they are in volumes: these are off by roundings of such products.
+    /// Lengths along edges, multiplied as they are in volumes: these are off by roundings of such
+    /// products.
     products: f64,
     /// It has a boundary.
     is_open: bool,
@@ -40,10 +43,11 @@ impl Layer {
 }
 
 impl Input<'_> {
-    /// For each component of caps without faces, whether it is skin; `caps` are these and which component each belongs
-    /// to. It is, where it covers no more than a strip along its edges as wide as slabs are deep: needles, and what
-    /// faces that straddle facets cover too often here and too little there. And where it is closed in itself and no
-    /// deeper than slabs: the two sides of a flange about as thin as these, whose faces lie on either side's facets.
+    /// For each component of caps without faces, whether it is skin; `caps` are these and which
+    /// component each belongs to. It is, where it covers no more than a strip along its edges as
+    /// wide as slabs are deep: needles, and what faces that straddle facets cover too often here
+    /// and too little there. And where it is closed in itself and no deeper than slabs: the two
+    /// sides of a flange about as thin as these, whose faces lie on either side's facets.
     pub(super) fn skin(
         &self,
         caps: &CapSurface,

@@ -1,14 +1,14 @@
 //! Concavities after facets of the hull, caps, or faces on it have changed here and there.
 //!
-//! Whatever shares a vertex with a cap that is new or gone, with a face that came onto the hull or left it, or has
-//! moved, is *disturbed*, and so are the concavities that it belongs to. What hangs together depends on what meets at
-//! edges; so the other concavities are what they were, and these are divided anew by themselves. Then all are put in
-//! order, and the rows of the others copied.
+//! Whatever shares a vertex with a cap that is new or gone, with a face that came onto the hull or
+//! left it, or has moved, is *disturbed*, and so are the concavities that it belongs to. What hangs
+//! together depends on what meets at edges; so the other concavities are what they were, and these
+//! are divided anew by themselves. Then all are put in order, and the rows of the others copied.
 //!
-//! No source: this crate's own, for the reason above; that nothing else hangs together with a part that is divided anew
-//! is checked, and if something does everything is. Cost: O(m log m) in the faces and caps of disturbed concavities, a
-//! glance at all caps, faces and facets, and copying. Everything where voids or islands may lie in others, for these are
-//! nested anew.
+//! No source: this crate's own, for the reason above; that nothing else hangs together with a part
+//! that is divided anew is checked, and if something does everything is. Cost: O(m log m) in the
+//! faces and caps of disturbed concavities, a glance at all caps, faces and facets, and copying.
+//! Everything where voids or islands may lie in others, for these are nested anew.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -52,8 +52,8 @@ enum Origin {
 }
 
 impl ConcavitySet {
-    /// The concavities of other caps, and how many faces and caps were looked at for which hang together; `None` where
-    /// all have to be found anew.
+    /// The concavities of other caps, and how many faces and caps were looked at for which hang
+    /// together; `None` where all have to be found anew.
     pub(crate) fn followed(
         &self,
         mesh: &Mesh,
@@ -177,7 +177,8 @@ impl ConcavitySet {
         Part { faces, caps }
     }
 
-    /// Numbers all concavities, lids and caps, given which of those before are divided anew, into what.
+    /// Numbers all concavities, lids and caps, given which of those before are divided anew, into
+    /// what.
     fn put_in_order(
         &self,
         input: &Input<'_>,

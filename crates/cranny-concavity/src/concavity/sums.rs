@@ -1,8 +1,9 @@
-//! Areas and volumes of a hull and of all faces, kept in sums over chunks: what is left of them once concavities are
-//! taken off is the skin.
+//! Areas and volumes of a hull and of all faces, kept in sums over chunks: what is left of them
+//! once concavities are taken off is the skin.
 //!
-//! Sums over chunks in which something is other are made again when they are asked for, so that errors of rounding do
-//! not gather. No source. Cost: those chunks, and a pass over the sums; everything where the box of the hull is another.
+//! Sums over chunks in which something is other are made again when they are asked for, so that
+//! errors of rounding do not gather. No source. Cost: those chunks, and a pass over the sums;
+//! everything where the box of the hull is another.
 
 use std::collections::BTreeSet;
 
@@ -14,8 +15,8 @@ use cranny_geometry::FaceId;
 use cranny_geometry::Mesh;
 use cranny_geometry::hull::ConvexHull;
 
-/// Triangles in a chunk. Fewer, and there are more sums to add up; more, and more triangles are looked at again for
-/// each one that has changed.
+/// Triangles in a chunk. Fewer, and there are more sums to add up; more, and more triangles are
+/// looked at again for each one that has changed.
 const CHUNK: usize = 64;
 
 /// An area, and a volume beneath it.
@@ -46,7 +47,8 @@ impl SurfaceSums {
             .extend([self.hull.len().saturating_sub(1), count.saturating_sub(1) / CHUNK]);
     }
 
-    /// What lies between the hull and the faces on it; `caps` is how many caps belong to no concavity.
+    /// What lies between the hull and the faces on it; `caps` is how many caps belong to no
+    /// concavity.
     pub(super) fn skin(
         &mut self,
         mesh: &Mesh,

@@ -1,7 +1,7 @@
 //! Concavities whose faces have moved, and nothing else about them has changed.
 //!
-//! No source: the sums are those of building, in the same order, over the concavities named. Cost: with the
-//! function.
+//! No source: the sums are those of building, in the same order, over the concavities named. Cost:
+//! with the function.
 
 use super::build::{Input, twice_area_vector};
 use super::{ConcavitySet, Measures};
@@ -18,8 +18,8 @@ impl ConcavitySet {
         &self.caps
     }
 
-    /// Measures concavities again of which faces off the hull have moved, no face on it, and no corner
-    /// of a cap; and looks anew at what lies in what, where there is anything without a lid.
+    /// Measures concavities again of which faces off the hull have moved, no face on it, and no
+    /// corner of a cap; and looks anew at what lies in what, where there is anything without a lid.
     ///
     /// Cost: the faces and caps of these concavities; with voids or islands, those of all.
     pub(crate) fn remeasure(

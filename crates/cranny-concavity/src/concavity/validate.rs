@@ -34,8 +34,8 @@ impl ConcavitySet {
     /// Checks the invariants; for tests and debugging. O(n log n).
     ///
     /// - Every face is convex or of one concavity, every cap triangle skin or of one lid.
-    /// - Caps and faces of a concavity, the faces turned around, have no boundary but along edges at
-    ///   which the mesh itself is open, contradictory or tangled.
+    /// - Caps and faces of a concavity, the faces turned around, have no boundary but along edges
+    ///   at which the mesh itself is open, contradictory or tangled.
     /// - On every facet, hull and faces and caps add up: what is left has no boundary, together.
     /// - Loops are simple, follow edges of the concavity's faces, and are all of their boundary.
     ///

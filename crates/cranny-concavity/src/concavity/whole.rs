@@ -1,4 +1,4 @@
-//! All that lies between a body and its hull, made when somebody asks for it.
+//! All that lies between a body and its hull, made on demand.
 //!
 //! No source: it puts together what the other files make. Cost: with the functions.
 
@@ -18,7 +18,7 @@ use cranny_geometry::Model;
 /// The concavities of a model with what they are made from, their box trees and their envelopes.
 ///
 /// A value of its own: a model neither holds it nor makes it. It is that of one model, and means
-/// nothing to another; whoever deforms the model keeps it up to date by
+/// nothing to another. After deformations of the model it is kept up to date by
 /// [`FollowedConcavities`](super::FollowedConcavities). It dereferences to the [set](ConcavitySet)
 /// of concavities and caps.
 ///

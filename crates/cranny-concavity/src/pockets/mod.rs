@@ -2,7 +2,7 @@
 //! that meet.
 //!
 //! The faces of a body are those in its concavities and the rest, which lies on the hull. Where two
-//! hulls meet, each part of one body is asked against each part of the other, in three
+//! hulls meet, each part of one body is compared with each part of the other, in three
 //! [cases](PartsCase): rest against rest is contact on the hulls, rest against concavity is a thing
 //! in a pocket, concavity against concavity is one pocket in another. A concavity is opened only
 //! where the other body's hull may reach its faces, whether or not that crosses a lid: not where
@@ -11,7 +11,7 @@
 //! beyond all planes of the layer, one plane says so, kept from the last time.
 //!
 //! What is open is descended by the layers of its envelope, against the boxes of the other's part
-//! ([`descent`]): only facets that a box offends are opened. The pairs of faces that are handed
+//! (`descent`): only facets that a box offends are opened. The pairs of faces that are handed
 //! over hold all that meet; who gets them decides which do.
 //!
 //! Source: opening concavities under the features of hulls that meet, and envelopes with
@@ -88,7 +88,7 @@ impl PosedModels<'_> {
     }
 }
 
-/// The concavities of a model, ready to be asked.
+/// The concavities of a model, prepared for queries.
 #[derive(Debug)]
 pub struct PocketBody {
     concavities: Arc<Concavities>,
@@ -219,7 +219,7 @@ impl Pockets {
         ControlFlow::Continue(())
     }
 
-    /// The parts of the two bodies that are asked against each other; `None` is what lies in no
+    /// The parts of the two bodies that are compared with each other; `None` is what lies in no
     /// concavity.
     pub fn parts(
         &self,

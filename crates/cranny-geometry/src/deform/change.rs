@@ -75,8 +75,7 @@ pub struct ChangeSet {
     pub trail: Option<Trail>,
 }
 
-/// What a deformation leaves for whoever keeps something about hull and faces up to date, and needs
-/// more than their numbers.
+/// What a deformation leaves for structures that follow hull and faces, and need more than numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
     /// The digest of the model before.

@@ -135,7 +135,7 @@ impl OnHull {
     }
 }
 
-/// What of the two models lies on their hulls, which is made for whoever asks: models do not hold it.
+/// What of the two models lies on their hulls. Models do not hold it.
 pub(super) fn on_hull(pair: &Pair) -> [Arc<OnHull>; 2] {
     of_models(pair, OnHull::of)
 }
