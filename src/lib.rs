@@ -124,7 +124,7 @@
 //! | `render` | `cranny::render`: pictures without a window | |
 //! | `ecs` | `cranny::ecs`: bevy plugins; composes those of the above that are turned on | |
 //!
-//! Exact, geometry, the two phases and the world are always there. They open no files, read no clock,
+//! Exact, geometry, concavity, the two phases and the world are always there. They open no files, read no clock,
 //! hold no globals and touch no GPU.
 //!
 //! # What exact means, and what it does not
@@ -135,6 +135,7 @@
 //! holds changes no answer, and neither does the order of A and B.
 
 pub use cranny_broad_phase as broad_phase;
+pub use cranny_concavity as concavity;
 pub use cranny_exact as exact;
 pub use cranny_geometry as geometry;
 pub use cranny_narrow_phase as narrow_phase;

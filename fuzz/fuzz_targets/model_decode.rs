@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 
 use cranny_exact::DVec3;
 use cranny_fuzz::{Bytes, ask};
+use cranny_concavity::Concavities;
 use cranny_geometry::{BuildOptions, Mesh, Model, VertexId};
 use cranny_shapes::{Cuboid, Cup, NestedShells, PyramidInCavity, Torus};
 use libfuzzer_sys::fuzz_target;
@@ -29,7 +30,6 @@ static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     ];
     let build = |mesh| Model::build(mesh, &BuildOptions::default()).expect("a sound mesh").0;
     let mut models: Vec<Model> = meshes.into_iter().map(build).collect();
-    // Of a deformed model more is written.
     let mut moved = models[1].clone();
     let place = moved.mesh().position(VertexId(0)) + DVec3::splat(1e-3);
     moved.deform(&[(VertexId(0), place)]).expect("a small move");
@@ -100,8 +100,9 @@ fuzz_target!(|data: &[u8]| {
         assert!(model.encode() == file, "a file that is read is the one that would be written");
         // What is made late is made of what was read.
         model.prepare_all();
-        let groups = model.concavities().iter().map(|concavity| concavity.faces);
-        let trees = model.concavity_trees().validate(model.mesh(), groups);
+        let concavities = Concavities::of(&model);
+        let groups = concavities.iter().map(|concavity| concavity.faces);
+        let trees = concavities.trees().validate(model.mesh(), groups);
         assert_eq!(trees, Ok(()), "a tree for each concavity");
         // Queries take a hundred times as long as reading: they are made of some.
         if data.first().is_none_or(|byte| byte / 8 % 8 == 0) {

@@ -4,6 +4,7 @@
 #![no_main]
 
 use cranny_fuzz::{Bytes, ask, mesh};
+use cranny_concavity::Concavities;
 use cranny_geometry::{BuildOptions, FaceId, Model, Repair};
 use libfuzzer_sys::fuzz_target;
 
@@ -27,10 +28,11 @@ fn validate(model: &Model) -> Result<(), String> {
     if !violations.is_empty() {
         return Err(format!("{violations:?}"));
     }
-    model.features().validate(mesh, topology)?;
-    model.concavities().validate(mesh, topology, hull, model.features())?;
+    let concavities = Concavities::of(model);
+    concavities.features().validate(mesh, topology)?;
+    concavities.validate(mesh, topology, hull, concavities.features())?;
     let all: Vec<FaceId> = (0..mesh.faces().len() as u32).map(FaceId).collect();
     model.tree().validate(mesh, &all)?;
-    model.concavity_trees().validate(mesh, model.concavities().iter().map(|c| c.faces))?;
+    concavities.trees().validate(mesh, concavities.iter().map(|c| c.faces))?;
     model.patches().validate(mesh, topology)
 }

@@ -5,13 +5,16 @@ use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{Demand, Method, PairMemory, Placed, Query, query};
 
 // The tests of cranny-geometry ask the same of bytes from seeds; what they ask is written once.
-#[path = "../../crates/cranny-geometry/tests/from_bytes/asked.rs"]
+#[path = "../../crates/cranny-concavity/tests/from_bytes/asked.rs"]
 mod asked;
 #[allow(dead_code, reason = "the tests use all of it")]
-#[path = "../../crates/cranny-geometry/tests/concavities/check.rs"]
+#[path = "../../crates/cranny-concavity/tests/body/mod.rs"]
+mod body;
+#[allow(dead_code, reason = "the tests use all of it")]
+#[path = "../../crates/cranny-concavity/tests/concavities/check.rs"]
 mod check;
 #[allow(dead_code, reason = "the tests use all of it")]
-#[path = "../../crates/cranny-geometry/tests/deform/equal.rs"]
+#[path = "../../crates/cranny-concavity/tests/deform/equal.rs"]
 mod equal;
 
 pub use cranny_testkit::Bytes;

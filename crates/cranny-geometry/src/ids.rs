@@ -44,27 +44,3 @@ id! {
     /// A patch: connected faces of nearly one normal.
     PatchId
 }
-id! {
-    /// A layer of an envelope, counted through all envelopes of a model.
-    LayerId
-}
-id! {
-    /// A facet of an envelope, counted through all envelopes of a model.
-    EnvelopeFacetId
-}
-id! {
-    /// A set of faces on the hull that hang together.
-    ConvexSetId
-}
-id! {
-    /// A concavity, an opening or a void.
-    ConcavityId
-}
-id! {
-    /// A triangle of the cap surface: of the hull, where no face of the mesh covers it.
-    CapId
-}
-id! {
-    /// A lid: cap triangles of one concavity that hang together.
-    LidId
-}

@@ -34,11 +34,6 @@ impl<T> Late<T> {
         self.0.get()
     }
 
-    /// Takes it out, if it is there.
-    pub(crate) fn if_taken(self) -> Option<T> {
-        self.0.into_inner()
-    }
-
     /// Takes it out; made now, if it is not there.
     pub(crate) fn into_made(self, make: impl FnOnce() -> T) -> T {
         self.0.into_inner().unwrap_or_else(make)

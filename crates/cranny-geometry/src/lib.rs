@@ -2,11 +2,12 @@
 //!
 //! # Promises
 //!
-//! - Any triangle mesh is accepted whose coordinates lie in the [`domain`](cranny_exact::domain) and of which one face at
-//!   least has an area, open and non-manifold ones included; the [`Report`] names every defect that limits answers.
+//! - Any triangle mesh is accepted whose coordinates lie in the [`domain`](cranny_exact::domain)
+//!   and of which one face at least has an area, open and non-manifold ones included; the
+//!   [`Report`] names every defect that limits answers.
 //! - Preparation moves nothing unless asked to [`Repair`]: vertices in the same place are welded,
-//!   unreferenced ones dropped, and a closed body that is inside out is turned round, which the report says. A repaired
-//!   surface is proved to be the filed one within the weld distance.
+//!   unreferenced ones dropped, and a closed body that is inside out is turned round, which the
+//!   report says. A repaired surface is proved to be the filed one within the weld distance.
 //! - The hull is exactly convex, and the tree's boxes hold their faces exactly.
 //! - No input or output, no clock, no globals, no graphics.
 //!
@@ -25,40 +26,33 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! What of a body is not convex, and what becomes of it when the body is dented and when it is saved:
+//! A body changes its shape, and is saved:
 //!
 //! ```
-//! use cranny_geometry::concavity::ConcavityKind;
 //! use cranny_geometry::{BuildOptions, Model, VertexId};
 //! use cranny_shapes::Cup;
 //!
 //! let (mut model, _) = Model::build(Cup::default().build()?, &BuildOptions::default())?;
-//! let well = model.concavities().iter().next().ok_or("a cup has a well")?;
-//! assert_eq!((well.kind, well.lids().len()), (ConcavityKind::Pocket, 1));
-//! assert!(well.measures.pocket_volume > 0.0 && !well.faces.is_empty() && !well.caps.is_empty());
-//!
-//! // A vertex of the well goes a little inward: nothing of the hull follows.
-//! let vertex: VertexId = model.mesh().corners(well.faces[0])[0];
+//! // A vertex goes a little inward.
+//! let (vertex, center) = (VertexId(0), model.bounds().center());
 //! let place = model.mesh().position(vertex);
-//! let change = model.deform(&[(vertex, place + 0.001 * (model.bounds().center() - place))])?;
+//! let change = model.deform(&[(vertex, place + 0.001 * (center - place))])?;
 //! assert_eq!(change.vertices, [vertex]);
 //!
 //! let loaded = Model::decode(&model.encode())?;
 //! assert_eq!(loaded.digest(), model.digest());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! What of a body is not convex is no part of its model: the crate `cranny-concavity` makes it on
+//! demand.
 
 mod angle;
-mod boundary;
-mod caps;
 mod chunks;
 pub mod clusters;
 mod codec;
-pub mod concavity;
 mod deform;
 mod digest;
-pub mod envelope;
-pub mod features;
 mod flatness;
 mod grid;
 pub mod hull;
@@ -74,11 +68,13 @@ mod reach;
 mod repair;
 mod report;
 mod resolution;
-mod rows;
+pub mod rows;
 mod scan;
 mod smooth_normals;
 mod topology;
 mod tree;
+pub mod triangle_distance;
+pub mod triangulate;
 mod weld;
 mod winding;
 
@@ -87,16 +83,10 @@ pub use cranny_exact::{Aabb, DVec3, Tolerance};
 
 pub use angle::between as radians_between;
 pub use clusters::ClusterTree;
-pub use concavity::Concavities;
-pub use deform::{ChangeSet, DeformError, Work};
-pub use envelope::{Envelope, EnvelopeOptions, Envelopes};
-pub use features::Features;
+pub use deform::{ChangeSet, DeformError, Trail, Work};
 pub use flatness::Flatness;
 pub use hull::ConvexHull;
-pub use ids::{
-    CapId, ComponentId, ConcavityId, ConvexSetId, EdgeId, EnvelopeFacetId, FaceId, HalfEdgeId,
-    LayerId, LidId, PatchId, VertexId,
-};
+pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, DecodeError, Model, ModelTag, Stage};
@@ -111,7 +101,9 @@ pub use smooth_normals::{
     Crease, CreaseAngleError, SmoothNormals, SurfaceNormal, check_crease_angle,
 };
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
-pub use tree::{Content, FaceForest, FaceTree, Node, NodeChanges};
+pub use tree::{
+    Content, FaceForest, FaceTree, GrownAreas, MovedFace, Node, NodeChanges, partition,
+};
 
 // The example of the README must compile and run as well.
 #[cfg(doctest)]

@@ -5,11 +5,12 @@
 //! sees where the next belongs:
 //!
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
-//!    ([`topology`](Model::topology)), 3. hull ([`hull`](Model::hull)), 4. features: convex, concavity,
-//!    boundary ([`features`](Model::features)), 5. caps, concavities and their boundary loops
-//!    ([`concavities`](Model::concavities)), 6. trees ([`tree`](Model::tree) over all faces,
-//!    [`concavity_trees`](Model::concavity_trees)), 7. envelopes ([`envelopes`](Model::envelopes)),
-//!    8. patches ([`patches`](Model::patches)), 9. mass ([`mass_properties`](Model::mass_properties)).
+//!    ([`topology`](Model::topology)), 3. mass ([`mass_properties`](Model::mass_properties)), 4. tree
+//!    over all faces ([`tree`](Model::tree)), 5. patches ([`patches`](Model::patches)),
+//!    6. hull ([`hull`](Model::hull)).
+//!
+//! What lies between the body and its hull is no part of a model. Whoever wants it makes it
+//! (`cranny_concavity::Concavities::of`).
 
 mod file;
 mod options;
@@ -21,10 +22,7 @@ use std::sync::Arc;
 use cranny_exact::{Aabb, Tolerance};
 
 use crate::clusters::ClusterTree;
-use crate::concavity::{Concavities, HullCovers};
 use crate::digest::digest;
-use crate::envelope::Envelopes;
-use crate::features::Features;
 use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
@@ -38,14 +36,14 @@ use crate::report::{Provenance, RepairKind, RepairRecord, Report};
 use crate::scan::faces::has_no_area;
 use crate::scan::scan;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FaceTree, Mates};
+use crate::tree::{FaceTree, Mates};
 use crate::weld::weld;
 
 pub use file::DecodeError;
 pub(crate) use options::no_area;
 use options::weld_distance;
 pub use options::{BuildError, BuildOptions, Stage};
-pub(crate) use parts::{Covered, FormerEnvelopes, Parts, openings};
+pub(crate) use parts::Parts;
 pub use tag::ModelTag;
 
 /// A prepared body. Cheap to clone; `Send` and `Sync`.
@@ -72,7 +70,9 @@ impl Model {
         options: &BuildOptions,
         observe: &mut dyn FnMut(Stage),
     ) -> Result<(Self, Report), BuildError> {
-        options.check_leaves()?;
+        if options.leaf_size == 0 {
+            return Err(BuildError::LeafSize);
+        }
         observe(Stage::Repair);
         let weld_distance = weld_distance(options.tolerance, options.flatness, &mesh)?;
         let mut report = Report { weld_distance, ..Report::default() };
@@ -105,28 +105,13 @@ impl Model {
         observe(Stage::Hull);
         report.flatness = options.flatness.resolve(&mesh);
         let hull = ConvexHull::with_flatness(mesh.vertices(), report.flatness);
-        let Covered { features, concavities, concavity_trees, envelopes } =
-            Covered::of(&mesh, &topology, &hull, &tree, options.concavity_leaf_size, observe);
-        report.add(concavities.surface().findings(
-            &mesh,
-            &hull,
-            features.slab_depth(),
-            topology.is_closed(),
-        ));
         let (radius, digest) = (radius(farthest(mesh.vertices())), digest(&mesh));
         observe(Stage::Done);
         let parts = Parts {
             mesh,
             topology,
             hull,
-            features,
-            concavities,
-            hull_covers: Late::default(),
             tree: Unfolding::made(tree),
-            concavity_trees: Late::made(concavity_trees),
-            envelopes: Late::made(envelopes),
-            former_envelopes: None,
-            is_as_made: true,
             patches: Unfolding::made(patches),
             clusters: Late::default(),
             mass,
@@ -135,7 +120,6 @@ impl Model {
             filed_faces,
             flatness: report.flatness,
             leaf_size: options.leaf_size,
-            concavity_leaf_size: options.concavity_leaf_size,
             only_read: false,
             workshop: None,
         };
@@ -156,7 +140,7 @@ impl Model {
         tolerance: Option<Tolerance>,
         self_intersections: bool,
     ) -> Result<Report, BuildError> {
-        let Parts { mesh, topology, hull, features, concavities, mass, flatness, .. } = &*self.0;
+        let Parts { mesh, topology, mass, flatness, .. } = &*self.0;
         let mut report = Report {
             weld_distance: weld_distance(tolerance, Flatness::Auto, mesh)?,
             flatness: *flatness,
@@ -165,12 +149,6 @@ impl Model {
         describe(mesh, topology, mass.as_ref(), &mut report);
         let (mass, distance) = (mass.as_ref(), report.weld_distance);
         report.take(scan(mesh, topology, self.tree(), mass, distance, self_intersections));
-        report.add(concavities.surface().findings(
-            mesh,
-            hull,
-            features.slab_depth(),
-            topology.is_closed(),
-        ));
         Ok(report)
     }
 
@@ -200,28 +178,6 @@ impl Model {
         &self.0.hull
     }
 
-    /// Which features lie on the hull.
-    #[must_use]
-    pub fn features(&self) -> &Features {
-        &self.0.features
-    }
-
-    /// What the hull covers and the body does not fill: concavities, their caps and boundary loops.
-    #[must_use]
-    pub fn concavities(&self) -> &Concavities {
-        &self.0.concavities
-    }
-
-    /// What covers facets, edges and vertices of the [`hull`](Self::hull): faces of the mesh, or lids of which
-    /// [`concavities`](Self::concavities).
-    ///
-    /// Made at the first call, also of a model that was built: few ask. See [`HullCovers`] for the cost.
-    #[must_use]
-    pub fn hull_covers(&self) -> &HullCovers {
-        let Parts { mesh, topology, hull, features, concavities, hull_covers, .. } = &*self.0;
-        hull_covers.get(|| HullCovers::of(mesh, topology, hull, features, concavities))
-    }
-
     /// Box tree over all faces.
     ///
     /// A model that was [loaded](Self::decode) makes its boxes at the first call, in linear time.
@@ -231,36 +187,13 @@ impl Model {
         self.0.tree()
     }
 
-    /// A box tree for each of the [`concavities`](Self::concavities), by their ids.
-    ///
-    /// A model that was [loaded](Self::decode) makes them at the first call, which then costs what that stage
-    /// of building does (README); see [`prepare_all`](Self::prepare_all).
-    #[must_use]
-    pub fn concavity_trees(&self) -> &FaceForest {
-        self.0.concavity_trees()
-    }
-
-    /// An envelope for each of the [`concavities`](Self::concavities), by their ids.
-    ///
-    /// A model that was [loaded](Self::decode) makes them, and the trees that they are made from, at the first
-    /// call, which then costs what these stages of building do (README); see
-    /// [`prepare_all`](Self::prepare_all). After a [deformation](Self::deform) those of concavities that it
-    /// touched are made at the first call.
-    #[must_use]
-    pub fn envelopes(&self) -> &Envelopes {
-        self.0.envelopes()
-    }
-
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
-    /// [`tree`](Self::tree) and [`patches`](Self::patches), [`concavity_trees`](Self::concavity_trees) and
-    /// [`envelopes`](Self::envelopes), the graph over the vertices of the [`hull`](Self::hull), and the faces at
-    /// vertices. For whoever wants no late cost; nothing to do for a model that was built and not deformed. Not
-    /// [`hull_covers`](Self::hull_covers), which building leaves for later too.
+    /// [`tree`](Self::tree) and [`patches`](Self::patches), the [search tree](Self::clusters), the graph over the
+    /// vertices of the [`hull`](Self::hull), and the faces at vertices. For whoever wants no late cost.
     pub fn prepare_all(&self) {
         self.0.tree();
         self.0.patches();
         self.0.clusters();
-        self.0.envelopes();
         self.0.hull.prepare_all();
         self.0.topology.prepare_all();
     }

@@ -12,7 +12,7 @@ use std::cmp::Ordering;
 
 use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
-use crate::caps::triangulate;
+use crate::triangulate::triangulate;
 
 /// Newell's sum shows the plane where it is more than this share of the sum of its terms. Smaller, and the
 /// plane of lobes that cancel is read off rounding; larger is only a plane chosen by lobes one by one.

@@ -7,14 +7,14 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// In a list of owners: nobody.
-pub(crate) const NOBODY: u32 = u32::MAX;
+pub const NOBODY: u32 = u32::MAX;
 
 /// Where the row of each of `count` owners begins, and one more, where the last ends; and the members,
 /// ascending within each row. `owners` names the owner of each member; those of [`NOBODY`] are left out.
 ///
 /// While the owner stays the same, as it often does, its count and place stay in registers: from one member to
 /// the next they would have to come back from memory. O(n).
-pub(crate) fn rows(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
+pub fn rows(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0u32; count + 1];
     for run in owners.chunk_by(|a, b| a == b).filter(|run| run[0] != NOBODY) {
         starts[run[0] as usize + 1] += run.len() as u32;
@@ -76,7 +76,7 @@ pub(crate) fn joined<'a, T: Copy + 'a>(
 }
 
 /// The first `count` rows, those in `changed` being others; rows beyond those before must be among them.
-pub(crate) fn replaced<T: Copy>(
+pub fn replaced<T: Copy>(
     starts: &[u32],
     members: &[T],
     count: usize,

@@ -93,7 +93,8 @@ impl Topology {
     }
 
     /// The two half-edges of each edge, where every edge is a manifold one between two vertices.
-    pub(crate) fn pairs(&self) -> Option<&[[HalfEdgeId; 2]]> {
+    #[must_use]
+    pub fn pairs(&self) -> Option<&[[HalfEdgeId; 2]]> {
         self.is_paired.then(|| self.around.as_chunks().0)
     }
 

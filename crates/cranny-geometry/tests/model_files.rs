@@ -1,14 +1,18 @@
 //! Saved models come back to the bit; whatever else is read is refused, or harmless.
 
+#[path = "../../cranny-concavity/tests/body/mod.rs"]
+mod body;
 mod meshes;
 
+use crate::body::Body;
+use cranny_concavity::Cover;
+use cranny_concavity::envelope::Thing;
+use cranny_concavity::{CapId, Concavities};
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::concavity::Cover;
-use cranny_geometry::envelope::Thing;
 use cranny_geometry::hull::{FacetId, HullVertexId};
 use cranny_geometry::{
-    BuildOptions, CapId, DecodeError, EdgeId, FaceId, Flatness, HalfEdgeId, Mesh, Model, PatchId,
-    Repair, VertexId,
+    BuildOptions, DecodeError, DeformError, EdgeId, FaceId, Flatness, HalfEdgeId, Mesh, Model,
+    PatchId, Repair, VertexId,
 };
 use cranny_shapes::{
     Cuboid, Cup, Gear, GolfBall, IsoNut, NestedShells, PyramidInCavity, Shape, Torus,
@@ -19,8 +23,8 @@ use meshes::{soup, turned};
 /// Head of a file: magic, version, 0, length, checksum.
 const HEAD: usize = 32;
 
-fn built(mesh: &Mesh) -> Model {
-    Model::build(mesh.clone(), &BuildOptions::default()).unwrap().0
+fn built(mesh: &Mesh) -> Body {
+    Body::build(mesh.clone(), &BuildOptions::default()).unwrap().0
 }
 
 /// A cube in a cube, turned inside out: a void.
@@ -60,19 +64,20 @@ fn bodies() -> Vec<Mesh> {
     for faces in [6, 20, 60] {
         bodies.extend((0..4).map(|_| soup(&mut rng, faces)));
     }
-    bodies.retain(|mesh| Model::build(mesh.clone(), &BuildOptions::default()).is_ok());
+    bodies.retain(|mesh| Body::build(mesh.clone(), &BuildOptions::default()).is_ok());
     bodies
 }
 
-/// Everything in a model, coordinates to the last digit and zeros with their signs, and what is made late.
+/// Everything in a model, coordinates to the last digit and zeros with their signs, and what is made late or by itself.
 fn shown(model: &Model) -> String {
     model.prepare_all();
+    let concavities = Concavities::of(model);
     format!(
         "{:?}",
         (
-            (model.mesh(), model.topology(), model.hull(), model.features(), model.concavities()),
-            (model.tree(), model.concavity_trees(), model.envelopes(), model.patches()),
-            (model.mass_properties(), model.radius(), model.digest(), model.hull_covers()),
+            (model.mesh(), model.topology(), model.hull(), model.tree(), model.patches()),
+            (model.mass_properties(), model.radius(), model.digest()),
+            (&concavities, concavities.hull_covers(model)),
         )
     )
 }
@@ -82,7 +87,7 @@ fn a_model_comes_back_to_the_bit() {
     for mesh in bodies() {
         let model = built(&mesh);
         let bytes = model.encode();
-        let back = Model::decode(&bytes).unwrap_or_else(|error| panic!("{error}"));
+        let back = Body::decode(&bytes).unwrap_or_else(|error| panic!("{error}"));
         assert!(shown(&back) == shown(&model));
         assert!(back.encode() == bytes);
         assert!(Model::is_encoded(&bytes) && back.digest() == model.digest());
@@ -93,7 +98,7 @@ fn a_model_comes_back_to_the_bit() {
 fn every_generator_comes_back_to_the_bit() {
     for shape in Shape::defaults() {
         let model = built(&shape.build().unwrap());
-        let back = Model::decode(&model.encode()).unwrap();
+        let back = Body::decode(&model.encode()).unwrap();
         assert!(shown(&back) == shown(&model), "{}", shape.name());
     }
 }
@@ -101,8 +106,8 @@ fn every_generator_comes_back_to_the_bit() {
 #[test]
 fn a_loaded_model_is_surveyed_as_it_was_when_built() {
     for mesh in bodies() {
-        let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
-        let back = Model::decode(&model.encode()).unwrap();
+        let (model, report) = Body::build(mesh, &BuildOptions::default()).unwrap();
+        let back = Body::decode(&model.encode()).unwrap();
         let mut survey = back.survey(None, true).unwrap();
         assert_eq!(survey.provenance, None, "what was filed and mended is not saved");
         survey.provenance = report.provenance.clone();
@@ -115,9 +120,9 @@ fn repaired_and_coarse_models_come_back() {
     let mut mesh = Cup::default().build().unwrap();
     mesh = mesh.clone().joined(&mesh); // every face twice: one of each goes
     let options = BuildOptions { repair: Repair::Full, leaf_size: 300, ..BuildOptions::default() };
-    let (model, report) = Model::build(mesh, &options).unwrap();
+    let (model, report) = Body::build(mesh, &options).unwrap();
     assert!(report.faces < report.provenance.unwrap().faces);
-    let back = Model::decode(&model.encode()).unwrap();
+    let back = Body::decode(&model.encode()).unwrap();
     assert!(shown(&back) == shown(&model));
     let last = FaceId(report.faces as u32 - 1);
     assert_eq!(back.filed_face(last), model.filed_face(last));
@@ -129,9 +134,9 @@ fn models_for_which_everything_is_flat_come_back() {
         let flatness = Flatness::Relative(flatness);
         for mesh in [Cup::default().build().unwrap(), flat_square()] {
             let options = BuildOptions { flatness, ..BuildOptions::default() };
-            let (model, _) = Model::build(mesh, &options).unwrap();
+            let (model, _) = Body::build(mesh, &options).unwrap();
             let back =
-                Model::decode(&model.encode()).unwrap_or_else(|e| panic!("{flatness:?}: {e}"));
+                Body::decode(&model.encode()).unwrap_or_else(|e| panic!("{flatness:?}: {e}"));
             assert!(shown(&back) == shown(&model), "{flatness:?}");
         }
     }
@@ -143,14 +148,14 @@ fn deformed_models_come_back() {
         let mut rng = Rng::new(8);
         for _ in 0..4 {
             let Ok(_) = model.deform(&a_few_moves(&model, &mut rng)) else { continue };
-            let back = Model::decode(&model.encode()).unwrap_or_else(|e| panic!("{e}"));
+            let back = Body::decode(&model.encode()).unwrap_or_else(|e| panic!("{e}"));
             assert!(shown(&back) == shown(&model));
         }
     }
 }
 
 /// Moves a few vertices by a tenth of the body's size, some of them onto a plane through the origin.
-fn a_few_moves(model: &Model, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
+fn a_few_moves(model: &Body, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
     let size = 0.1 * model.radius();
     let first = rng.below(model.mesh().vertices().len());
     let some = model.mesh().vertices().iter().enumerate().skip(first).take(3);
@@ -164,21 +169,24 @@ fn a_few_moves(model: &Model, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
 #[test]
 fn what_is_made_late_is_made_once_and_as_it_was_built() {
     for model in bodies().iter().map(built) {
-        let rows = |model: &Model| -> Vec<Vec<HullVertexId>> {
+        let rows = |model: &Body| -> Vec<Vec<HullVertexId>> {
             let vertices = 0..model.hull().vertex_count() as u32;
             vertices.map(|v| model.hull().neighbours(HullVertexId(v)).to_vec()).collect()
         };
-        let late = |model: &Model| {
+        let late = |model: &Body| {
             let surface = (model.tree(), model.patches());
-            format!("{:?}", (surface, model.concavity_trees(), model.envelopes(), rows(model)))
+            format!("{:?}", (surface, rows(model)))
         };
-        let back = Model::decode(&model.encode()).unwrap();
+        let back = Body::decode(&model.encode()).unwrap();
         // Whoever comes first, all get the same.
         let places: Vec<_> = std::thread::scope(|scope| {
             let ask = || {
                 let surface = (std::ptr::from_ref(back.tree()), std::ptr::from_ref(back.patches()));
-                let trees = std::ptr::from_ref(back.concavity_trees());
-                (surface.0 as usize, surface.1 as usize, trees as usize, back.envelopes().len())
+                (
+                    surface.0 as usize,
+                    surface.1 as usize,
+                    std::ptr::from_ref(back.clusters()) as usize,
+                )
             };
             let asking: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
             asking.into_iter().map(|asked| asked.join().unwrap()).collect()
@@ -187,49 +195,18 @@ fn what_is_made_late_is_made_once_and_as_it_was_built() {
         // Known before any tree is.
         assert_eq!(back.bounds(), back.tree().node(0).bounds);
         assert_eq!(late(&back), late(&model));
-        let forced = Model::decode(&model.encode()).unwrap();
+        let forced = Body::decode(&model.encode()).unwrap();
         forced.prepare_all();
         assert_eq!(late(&forced), late(&model));
-        forced.concavity_trees().validate(back.mesh(), groups(&back).iter().copied()).unwrap();
         // Made or not, the same is written.
         assert!(back.encode() == model.encode() && forced.encode() == model.encode());
     }
 }
 
 /// Moves a vertex a little.
-fn nudge(model: &mut Model) {
+fn nudge(model: &mut Body) {
     let place = model.mesh().position(VertexId(0)) + 1e-3 * model.radius() * DVec3::ONE;
     model.deform(&[(VertexId(0), place)]).unwrap();
-}
-
-fn groups(model: &Model) -> Vec<&[FaceId]> {
-    model.concavities().iter().map(|concavity| concavity.faces).collect()
-}
-
-#[test]
-fn trees_and_envelopes_are_written_where_they_cannot_be_made_again() {
-    let mut model = built(&Cup::default().build().unwrap());
-    let written = |model: &Model| -> Vec<bool> {
-        let bytes = model.encode();
-        let tags = [*b"CTRE", *b"ENVE"];
-        let holds =
-            |at: &std::ops::Range<usize>| tags.iter().any(|t| bytes[..at.start - 8].ends_with(t));
-        sections(&bytes).iter().filter(|at| holds(at)).map(|at| !at.is_empty()).collect()
-    };
-    assert_eq!(written(&model), [false, false]);
-    let bytes = model.encode();
-    nudge(&mut model);
-    assert_eq!(written(&model), [true, true]);
-    let back = Model::decode(&model.encode()).unwrap();
-    assert!(shown(&back) == shown(&model));
-    // One without the other is no file of ours.
-    let mut one = bytes.clone();
-    let at =
-        sections(&bytes).into_iter().find(|at| bytes[..at.start - 8].ends_with(b"ENVE")).unwrap();
-    one[at.start - 8..at.start].copy_from_slice(&8u64.to_le_bytes());
-    one.splice(at.start..at.start, [0; 8]);
-    let error = Model::decode(&sealed(one)).unwrap_err();
-    assert!(error.to_string().contains("envelopes, there are no trees"), "{error}");
 }
 
 #[test]
@@ -239,7 +216,7 @@ fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
         let bytes = model.encode();
         let moves = a_few_moves(&model, &mut rng);
         let [asked, fresh] = [true, false].map(|ask| {
-            let mut back = Model::decode(&bytes).unwrap();
+            let mut back = Body::decode(&bytes).unwrap();
             if ask {
                 back.prepare_all();
             }
@@ -257,9 +234,9 @@ fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
 #[test]
 fn the_largest_leaves_come_back_and_deform() {
     let options = BuildOptions { leaf_size: usize::MAX, ..BuildOptions::default() };
-    let (model, _) = Model::build(Cup::default().build().unwrap(), &options).unwrap();
+    let (model, _) = Body::build(Cup::default().build().unwrap(), &options).unwrap();
     assert_eq!(model.tree().nodes().len(), 1);
-    let mut back = Model::decode(&model.encode()).unwrap();
+    let mut back = Body::decode(&model.encode()).unwrap();
     assert!(shown(&back) == shown(&model));
     nudge(&mut back);
     use_all(&back);
@@ -268,19 +245,19 @@ fn the_largest_leaves_come_back_and_deform() {
 #[test]
 fn what_is_no_model_is_told_from_what_was_damaged() {
     let bytes = built(&Cuboid::default().build().unwrap()).encode();
-    assert_eq!(Model::decode(b"").unwrap_err(), DecodeError::NotAModel);
-    assert_eq!(Model::decode(b"v 0 0 0\nv 1 0 0\n").unwrap_err(), DecodeError::NotAModel);
+    assert_eq!(Body::decode(b"").unwrap_err(), DecodeError::NotAModel);
+    assert_eq!(Body::decode(b"v 0 0 0\nv 1 0 0\n").unwrap_err(), DecodeError::NotAModel);
     let with = |at: usize, byte: u8| {
         let mut other = bytes.clone();
         other[at] = byte;
-        Model::decode(&other).unwrap_err()
+        Body::decode(&other).unwrap_err()
     };
     // A whole file of another version is told from a damaged one: its sections are others.
-    assert_eq!(with(8, 9), DecodeError::Head { field: "version" });
+    assert_eq!(with(8, 10), DecodeError::Head { field: "version" });
     let mut foreign = bytes.clone();
-    (foreign[8], foreign[HEAD]) = (9, b'X');
-    let expected = DecodeError::Version { found: 9, supported: 8 };
-    assert_eq!(Model::decode(&sealed(foreign)).unwrap_err(), expected);
+    (foreign[8], foreign[HEAD]) = (10, b'X');
+    let expected = DecodeError::Version { found: 10, supported: 9 };
+    assert_eq!(Body::decode(&sealed(foreign)).unwrap_err(), expected);
     let told = with(17, !bytes[17]).to_string();
     assert!(told.contains("damaged") && told.contains("length in its head"), "{told}");
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
@@ -288,7 +265,7 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
     let stated = bytes.len() as u64;
     let longer = [bytes.as_slice(), &[0]].concat();
     assert_eq!(
-        Model::decode(&longer).unwrap_err(),
+        Body::decode(&longer).unwrap_err(),
         DecodeError::Length { found: longer.len(), stated }
     );
 }
@@ -299,7 +276,7 @@ fn no_flipped_bit_goes_unnoticed() {
     for bit in 0..8 * bytes.len() {
         let mut other = bytes.clone();
         other[bit / 8] ^= 1 << (bit % 8);
-        let error = Model::decode(&other).unwrap_err();
+        let error = Body::decode(&other).unwrap_err();
         let expected = match bit / 8 {
             0..8 => error == DecodeError::Head { field: "beginning" },
             8..12 => error == DecodeError::Head { field: "version" },
@@ -315,7 +292,7 @@ fn no_flipped_bit_goes_unnoticed() {
 fn a_file_cut_off_anywhere_is_refused_checksum_or_not() {
     let bytes = built(&PyramidInCavity::default().build().unwrap()).encode();
     for length in (0..HEAD + 40).chain((HEAD..bytes.len()).step_by(7)) {
-        let error = Model::decode(&bytes[..length]).unwrap_err();
+        let error = Body::decode(&bytes[..length]).unwrap_err();
         let expected = match length {
             0..8 => DecodeError::NotAModel,
             8..HEAD => DecodeError::Length { found: length, stated: HEAD as u64 },
@@ -323,7 +300,7 @@ fn a_file_cut_off_anywhere_is_refused_checksum_or_not() {
         };
         assert_eq!(error, expected);
         if length >= HEAD {
-            let error = Model::decode(&sealed(bytes[..length].to_vec())).unwrap_err();
+            let error = Body::decode(&sealed(bytes[..length].to_vec())).unwrap_err();
             assert!(matches!(error, DecodeError::Section { .. }), "{length}: {error}");
         }
     }
@@ -395,9 +372,9 @@ fn harmed(bytes: &[u8], rng: &mut Rng) -> Vec<u8> {
 fn whoever_writes_a_right_checksum_does_no_harm() {
     let mut rng = Rng::new(11);
     let (mut accepted, mut deformed) = (0, 0);
-    let small: Vec<Model> =
+    let small: Vec<Body> =
         bodies().iter().filter(|mesh| mesh.faces().len() < 700).map(built).collect();
-    // Of deformed ones more is written.
+    // Deformed ones as well.
     let moved = small.iter().cloned().filter_map(|mut model| {
         let moves = a_few_moves(&model, &mut Rng::new(8));
         model.deform(&moves).is_ok().then_some(model)
@@ -408,7 +385,7 @@ fn whoever_writes_a_right_checksum_does_no_harm() {
     for bytes in files {
         for _ in 0..400 {
             let other = harmed(&bytes, &mut rng);
-            match Model::decode(&other) {
+            match Body::decode(&other) {
                 Err(DecodeError::Section { .. }) => {}
                 Err(error) => panic!("{error}"),
                 Ok(mut model) => {
@@ -420,7 +397,7 @@ fn whoever_writes_a_right_checksum_does_no_harm() {
                         deformed += 1;
                         use_all(&model);
                         let saved = model.encode();
-                        assert!(Model::decode(&saved).is_ok_and(|m| m.encode() == saved));
+                        assert!(Body::decode(&saved).is_ok_and(|m| m.encode() == saved));
                     }
                 }
             }
@@ -430,6 +407,34 @@ fn whoever_writes_a_right_checksum_does_no_harm() {
     assert!(accepted > 100 && deformed > 100, "{accepted}, {deformed}");
 }
 
+/// Found by forging: what a file said of the volume was believed, and the deformed body could not be saved.
+#[test]
+fn a_body_whose_volume_was_forged_is_inside_out_when_it_deforms() {
+    let corners = [DVec3::ZERO, 8.0 * DVec3::X, 8.0 * DVec3::Y, 8.0 * DVec3::Z];
+    let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let cube = Cuboid { size: [0.5; 3] }.build().unwrap();
+    let inward = cube.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let void = cube.vertices().iter().map(|&p| p - cube.bounds().center() + DVec3::ONE);
+    let void = Mesh::new(void.collect(), inward).unwrap();
+    let model = built(&Mesh::new(corners.to_vec(), faces).unwrap().joined(&void));
+    // In the file the void is larger than what is around it.
+    let mut bytes = model.encode();
+    let first = sections(&bytes)[0].start + 32 + 8 + 8;
+    for (v, &p) in (0..).map(VertexId).zip(model.mesh().vertices()) {
+        if model.hull().vertex_of_source(v).is_none() {
+            let place = DVec3::splat(4.0) + 12.0 * (p - DVec3::ONE);
+            let at = first + 24 * v.index();
+            let numbers = place.to_array().map(f64::to_le_bytes).concat();
+            bytes[at..at + 24].copy_from_slice(&numbers);
+        }
+    }
+    let mut forged = Model::decode(&sealed(bytes)).unwrap();
+    let corner = forged.hull().sources()[0];
+    let place = 1.25 * forged.mesh().position(corner) - DVec3::splat(0.25);
+    let refused = forged.deform(&[(corner, place)]).unwrap_err();
+    assert!(matches!(refused, DeformError::InsideOut { .. }), "{refused}");
+}
+
 #[test]
 fn random_bytes_are_no_model() {
     let mut rng = Rng::new(3);
@@ -437,12 +442,12 @@ fn random_bytes_are_no_model() {
     for length in 0..2_000 {
         let mut bytes = head.clone();
         bytes.extend((0..length).map(|_| rng.bits() as u8));
-        assert!(matches!(Model::decode(&sealed(bytes)), Err(DecodeError::Section { .. })));
+        assert!(matches!(Body::decode(&sealed(bytes)), Err(DecodeError::Section { .. })));
     }
 }
 
 /// Asks a model everything: nothing panics, nothing runs for ever.
-fn use_all(model: &Model) {
+fn use_all(model: &Body) {
     let mesh = model.mesh();
     let bounds = model.bounds();
     let everywhere = |_: &Aabb| true;
@@ -480,7 +485,7 @@ fn use_all(model: &Model) {
     let _ = (patches.top().len(), model.mass_properties(), model.radius());
 }
 
-fn use_hull(model: &Model, center: DVec3) {
+fn use_hull(model: &Body, center: DVec3) {
     let hull = model.hull();
     for (i, &p) in hull.positions().iter().enumerate() {
         let direction = p - center;
@@ -499,7 +504,7 @@ fn use_hull(model: &Model, center: DVec3) {
     let _ = (hull.volume(), hull.area(), hull.centroid());
 }
 
-fn use_concavities(model: &Model) {
+fn use_concavities(model: &Body) {
     let concavities = model.concavities();
     for concavity in concavities.iter() {
         let mut ancestor = concavity.parent;

@@ -3,7 +3,8 @@
 use std::ops::AddAssign;
 
 use cranny_exact::{Arithmetic, DVec3, Interval, Meeting, RigidMap};
-use cranny_geometry::{EdgeId, FaceId, VertexId};
+use cranny_geometry::triangle_distance::Part;
+use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
 
 /// How the two triangle surfaces meet: exact.
 ///
@@ -86,6 +87,21 @@ pub enum Feature {
     Edge(EdgeId),
     /// A face, its edges left out.
     Face(FaceId),
+}
+
+impl Feature {
+    /// The model's name for a part of a face.
+    #[must_use]
+    pub fn of_part(part: Part, model: &Model, face: FaceId) -> Self {
+        match part {
+            Part::Corner(i) => Self::Vertex(model.mesh().corners(face)[usize::from(i)]),
+            Part::Edge(i) => {
+                let side = HalfEdgeId::of(face, usize::from(i));
+                Self::Edge(model.topology().edge_of(side))
+            }
+            Part::Inside => Self::Face(face),
+        }
+    }
 }
 
 /// A pair of points where the bodies meet or nearly do.
@@ -246,6 +262,9 @@ pub struct Counters {
     pub pockets_passed: u64,
     /// Facets of envelopes that a box was held against.
     pub facets_compared: u64,
+    /// Models whose concavities were made: by the first query of a pair that needs them and [has none
+    /// given](crate::PairMemory::hold_concavities), of two bodies of one model once.
+    pub concavities_made: u64,
 }
 
 impl Counters {
@@ -277,6 +296,7 @@ impl AddAssign for Counters {
         self.pockets_opened += other.pockets_opened;
         self.pockets_passed += other.pockets_passed;
         self.facets_compared += other.facets_compared;
+        self.concavities_made += other.concavities_made;
     }
 }
 

@@ -6,7 +6,7 @@ use cranny_geometry::FaceId;
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
 use crate::pieces::Cut;
-use crate::triangle_distance::closest_on_segment;
+use cranny_geometry::triangle_distance::closest_on_segment;
 
 /// Where the curves run through each face, so that a point of the face can be told on or off the
 /// piece: it is on the side of the nearest curve segment that the piece lies on. By ascending face.

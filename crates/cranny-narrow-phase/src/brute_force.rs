@@ -11,7 +11,7 @@ use crate::evaluate::{QueryError, accepted};
 use crate::memory::PairMemory;
 use crate::pair::{Pair, Side};
 use crate::query::Placed;
-use crate::triangle_distance::triangle_distance;
+use cranny_geometry::triangle_distance::triangle_distance;
 
 /// What brute force answers.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use cranny_geometry::FaceId;
 
 use crate::answer::{Counters, Feature};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::{Nearest, triangle_distance};
+use cranny_geometry::triangle_distance::{Nearest, triangle_distance};
 
 /// The nearest points of two surfaces that do not meet.
 #[derive(Clone, Copy, Debug)]
@@ -108,7 +108,7 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         let (faces, nearest) = self.best?;
         let feature = |side: Side| {
             let i = side.index();
-            nearest.parts[i].feature(self.pair.model(side), faces[i])
+            Feature::of_part(nearest.parts[i], self.pair.model(side), faces[i])
         };
         Some(Closest {
             distance: nearest.squared.sqrt(),

@@ -12,12 +12,12 @@ use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
 use crate::pair::{Pair, Side};
 use crate::parting::Parting;
-use crate::pockets::Pockets;
+use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::meeting_regions;
 use crate::surface::{FacePair, strongest};
-use crate::triangle_distance::triangle_distance;
+use cranny_geometry::triangle_distance::triangle_distance;
 
 /// A question that cannot be answered.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -126,7 +126,7 @@ fn answer(
     demand: &Demand,
     parting: &mut Parting,
     coherent: &mut Coherent,
-    mut pockets: Option<&mut Pockets>,
+    mut pockets: Option<&mut PocketMemory>,
     kept: &mut ContactMemory,
 ) -> Answer {
     let mut out = blank();

@@ -27,7 +27,7 @@ use crate::closest::NearestFaces;
 use crate::gjk::{Sight, Simplex};
 use crate::pair::{Pair, Side};
 use crate::patience::Patience;
-use crate::triangle_distance::{Prepared, triangle_distance};
+use cranny_geometry::triangle_distance::{Prepared, triangle_distance};
 
 /// Faces of a body that are looked at, at most. Fewer: where a vertex has more faces, all is searched; more: over
 /// lids a search of the trees is cheaper.

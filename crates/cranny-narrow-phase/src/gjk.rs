@@ -12,7 +12,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
 
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
+use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 
 /// Steps at most. Fewer: hulls of many facets are seen along a line that is a little off; more: what rounding keeps from
 /// ending is repeated.

@@ -26,7 +26,7 @@ use crate::answer::Feature;
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
-use crate::triangle_distance::closest_on_segments;
+use cranny_geometry::triangle_distance::closest_on_segments;
 
 /// A point of the intersection curves.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,9 @@
 //! # Promises
 //!
 //! - The verdict on the surfaces, solidity and containment are exact for the vertices as stored and
-//!   the poses as [accepted](cranny_exact::Pose::accepted): no epsilon decides them, and exchanging A
-//!   and B exchanges the answer (of one model twice at the very same pose there is nothing to exchange: its contacts and regions
-//!   are told as they are).
+//!   the poses as [accepted](cranny_exact::Pose::accepted): no epsilon decides them, and exchanging
+//!   A and B exchanges the answer (of one model twice at the very same pose there is nothing to
+//!   exchange: its contacts and regions are told as they are).
 //! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
 //!   largest length of the pair.
 //! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer. (Names of
@@ -14,38 +14,38 @@
 //!
 //! # Non-promises
 //!
-//! Depth and area of *special* positions (faces flush, edges meeting edges) are read from a position
-//! 2^-30 of the pair's size beside them. Self-intersecting meshes are taken as they are.
+//! Depth and area of *special* positions (faces flush, edges meeting edges) are read from a
+//! position 2^-30 of the pair's size beside them. Self-intersecting meshes are taken as they are.
 //!
 //! # The story, file by file
 //!
 //! `query` asks, for the `fields` that somebody reads; `evaluate` conducts.
 //!
-//! **Separate.** `pair` puts the two models in canonical order and poses vertices; `parting` looks for a
-//! plane between their hulls, beyond which nothing is searched.
+//! **Separate.** `pair` puts the two models in canonical order and poses vertices; `parting` looks
+//! for a plane between their hulls, beyond which nothing is searched.
 //!
-//! **Search.** One descent of the models' two trees of clusters serves every question (`search`, which
-//! has a story of its own). `coherent` keeps what the next query of the pair begins with, as long as
-//! that pays (`patience`), by bounds of `motion`.
+//! **Search.** One descent of the models' two trees of clusters serves every question (`search`,
+//! which has a story of its own). `coherent` keeps what the next query of the pair begins with, as
+//! long as that pays (`patience`), by bounds of `motion`.
 //!
 //! **Decide.** `surface` classifies faces that may meet; `inside`, `wedge` and `containment` decide
-//! about solids, seeing planes by `projection`; `closest` measures faces with `triangle_distance`, among
-//! those that lie `foremost` where a plane parts the hulls, along the line that `gjk` finds; `contacts`
-//! evaluates features that face each other.
+//! about solids, seeing planes by `projection`; `closest` measures faces, among those that lie
+//! `foremost` where a plane parts the hulls, along the line that `gjk` finds; `contacts` evaluates
+//! features that face each other.
 //!
-//! **Describe.** `intersection` chains the segments of crossing faces, `pieces` cuts the surfaces along
-//! them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and `near`
-//! describe contact without overlap, `regions` puts it together, `reduce` keeps what matters and
-//! `tracks` names regions after those of the last query; `smooth` gives contacts the normals of curved
-//! surfaces.
+//! **Describe.** `intersection` chains the segments of crossing faces, `pieces` cuts the surfaces
+//! along them, `depth` measures a piece (seen as `footprints`, within its `borders`), `touch` and
+//! `near` describe contact without overlap, `regions` puts it together, `reduce` keeps what matters
+//! and `tracks` names regions after those of the last query; `smooth` gives contacts the normals of
+//! curved surfaces.
 //!
-//! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of concavities
-//! ([`Method`] chooses); `impact` finds when two moving bodies first meet; `brute_force` is the slow,
-//! obviously right version of the verdict and the distance.
-//! [`walk`] follows the closest features of two convex hulls from frame to frame. `revolved` measures against cylinders, cones and the like. `levels` tells what is
-//! certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
-//! memory holds, for drawing. `verify` asks everything twice, with memory
-//! and without, for whoever doubts it: [`query_verified`].
+//! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
+//! concavities, which the crate `cranny-concavity` goes ([`Method`] chooses); `impact` finds when
+//! two moving bodies first meet; `brute_force` is the slow, obviously right version of the verdict
+//! and the distance. `revolved` measures against cylinders, cones and the like. `levels` tells what
+//! is certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
+//! memory holds, for drawing. `verify` asks everything twice, with memory and without, for whoever
+//! doubts it: [`query_verified`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -84,7 +84,6 @@ mod levels;
 mod memory;
 mod motion;
 mod near;
-mod node_set;
 mod numbering;
 mod observe;
 mod pair;
@@ -102,9 +101,7 @@ mod smooth;
 mod surface;
 mod touch;
 mod tracks;
-mod triangle_distance;
 mod verify;
-pub mod walk;
 mod wedge;
 
 pub use answer::{
@@ -119,11 +116,10 @@ pub use impact::{
 pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
 pub use motion::drift;
-pub use observe::{KeptNodes, MetParts, PairObserver, PartsCase};
+pub use observe::{KeptNodes, PairObserver};
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::{reduce as reduce_contacts, reduce_level as reduce_level_contacts};
 pub use smooth::smooth_normal;
-pub use triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 pub use verify::{Mismatch, query_verified};
 
 // The example of the README must compile and run as well.

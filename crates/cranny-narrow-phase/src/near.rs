@@ -13,7 +13,7 @@ use crate::answer::{Contact, Counters, Feature};
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, across_gaps};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::closest_on_triangle;
+use cranny_geometry::triangle_distance::closest_on_triangle;
 
 /// Contacts across a gap that hang together, and the pairs of faces that hold their features.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +49,7 @@ pub(crate) fn near_regions(
 fn by_foot(pair: &Pair, contact: &Contact) -> (Feature, Feature) {
     let before = |side: Side, p, face| {
         let part = closest_on_triangle(p, &pair.triangle(side, face)).1;
-        part.feature(pair.model(side), face)
+        Feature::of_part(part, pair.model(side), face)
     };
     match contact.id {
         (vertex, Feature::Face(face)) => (vertex, before(Side::Second, contact.point_a, face)),

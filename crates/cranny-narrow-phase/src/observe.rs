@@ -1,13 +1,15 @@
 //! What a pair's memory holds, shown for drawing: nothing of it is kept for that.
 
-use cranny_geometry::{ConcavityId, FaceId};
+use cranny_concavity::ConcavityId;
+use cranny_concavity::pockets::MetParts;
+use cranny_geometry::FaceId;
 
 use crate::evaluate::{QueryError, accepted};
 use crate::levels::Ground;
 use crate::memory::PairMemory;
 use crate::pair::{Pair, PosedVertices};
 use crate::query::Placed;
-use crate::walk::HullFeature;
+use cranny_concavity::walk::HullFeature;
 
 /// A pair of nodes of the two bodies' trees that is not opened, and what is certain of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,38 +20,6 @@ pub struct KeptNodes {
     /// No face beneath the one is nearer to a face beneath the other than this, at the poses observed; 0 where they
     /// may meet.
     pub separation: f64,
-}
-
-/// Two parts of bodies whose hulls meet: each is a concavity, or the faces that are in none and lie on the hull.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MetParts {
-    /// A concavity of A; `None`: what of it lies on its hull.
-    pub a: Option<ConcavityId>,
-    /// The same of B.
-    pub b: Option<ConcavityId>,
-}
-
-/// What two parts that meet are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum PartsCase {
-    /// Both lie on their hulls: contact is there now, or not at all.
-    ConvexConvex,
-    /// What lies on the one hull is in a concavity of the other, mostly through its caps.
-    CapConvex,
-    /// A concavity in a concavity: a link in a link.
-    CapCap,
-}
-
-impl MetParts {
-    /// Which of the three cases it is.
-    #[must_use]
-    pub fn case(self) -> PartsCase {
-        match (self.a, self.b) {
-            (None, None) => PartsCase::ConvexConvex,
-            (Some(_), Some(_)) => PartsCase::CapCap,
-            _ => PartsCase::CapConvex,
-        }
-    }
 }
 
 /// Sees what a memory holds, in no particular order. Every method does nothing unless it is written anew.

@@ -5,6 +5,7 @@
 //! decisions read those rounded positions, so exchanging A and B cannot change an answer.
 
 use std::cell::Cell;
+use std::sync::Arc;
 
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, ModelTag, Topology, VertexId};
@@ -237,14 +238,6 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// From the frame of the other body into that of one.
-    pub(crate) fn map_to(&self, side: Side) -> RigidMap {
-        match side {
-            Side::First => self.first_from_second,
-            Side::Second => self.first_from_second.inverse(),
-        }
-    }
-
     /// Into world coordinates.
     pub(crate) fn world_point(&self, p: DVec3) -> DVec3 {
         self.world_from_first.apply(p)
@@ -308,4 +301,16 @@ fn scale(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
 
 pub(crate) fn length_error(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
     64.0 * f64::EPSILON * scale(models, first_from_second)
+}
+/// Something of the model of each body of a pair, by side; made once for two bodies of one model.
+pub(crate) fn of_models<T>(pair: &Pair, make: impl Fn(&Model) -> T) -> [Arc<T>; 2] {
+    let [a, b] = Side::BOTH.map(|side| pair.model(side));
+    let first = Arc::new(make(a));
+    let second = if a.is_same(b) { Arc::clone(&first) } else { Arc::new(make(b)) };
+    [first, second]
+}
+
+/// Heap bytes of those of a pair, which may be the same.
+pub(crate) fn bytes_of_pair<T>([a, b]: &[Arc<T>; 2], bytes: impl Fn(&T) -> usize) -> usize {
+    bytes(a) + if Arc::ptr_eq(a, b) { 0 } else { bytes(b) }
 }

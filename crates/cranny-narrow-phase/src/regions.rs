@@ -14,7 +14,7 @@ use crate::reduce::reduce;
 use crate::search::meeting_pairs;
 use crate::surface::FacePair;
 use crate::touch::touch_regions;
-use crate::triangle_distance::Prepared;
+use cranny_geometry::triangle_distance::Prepared;
 
 /// How far the second body is moved or grown to read the regions of a special position (faces flush,
 /// edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as

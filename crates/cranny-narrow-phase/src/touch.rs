@@ -66,7 +66,7 @@ fn region(pair: &Pair, pairs: &[FacePair]) -> TouchRegion {
     if contacts.is_empty() {
         // Degenerate faces that touch in one line or point.
         let t = pairs[0];
-        let nearest = crate::triangle_distance::triangle_distance(
+        let nearest = cranny_geometry::triangle_distance::triangle_distance(
             &pair.triangle(Side::First, t.first),
             &pair.triangle(Side::Second, t.second),
         );

@@ -9,8 +9,9 @@ mod meeting;
 use std::path::Path;
 
 use corpus_files::{corpus, files_under, mesh_files};
+use cranny_concavity::Concavities;
+use cranny_concavity::ConcavityKind;
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::concavity::ConcavityKind;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_scene::{Robot, RobotError, read_mesh, read_robot};
 use cranny_world::description::JointPositions;
@@ -40,7 +41,8 @@ fn concavities_of_the_corpus_keep_their_invariants() {
     for path in mesh_files() {
         let mesh = read_mesh(&path).unwrap().mesh;
         let Ok((model, report)) = Model::build(mesh, &BuildOptions::default()) else { continue };
-        let (hull, features, all) = (model.hull(), model.features(), model.concavities());
+        let all = Concavities::of(&model);
+        let (hull, features) = (model.hull(), all.features());
         let name = path.display();
         let checked = features
             .validate(model.mesh(), model.topology())

@@ -2,10 +2,12 @@
 //! folder: as stored, scaled, renumbered, turned.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
-#[path = "../../cranny-geometry/tests/concavities/bodies.rs"]
+#[path = "../../cranny-concavity/tests/concavities/bodies.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod bodies;
-#[path = "../../cranny-geometry/tests/concavities/check.rs"]
+#[path = "../../cranny-concavity/tests/body/mod.rs"]
+mod body;
+#[path = "../../cranny-concavity/tests/concavities/check.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod check;
 #[path = "assets/corpus_files.rs"]
@@ -14,12 +16,12 @@ mod corpus_files;
 
 use std::path::PathBuf;
 
+use crate::body::Body;
 use check::{checked_with, closed_checked_with};
 use corpus_files::mesh_files;
 use cranny_exact::{DMat3, DQuat, DVec3};
 use cranny_geometry::{
-    BuildOptions, EdgeKind, Element, FaceId, FindingKind, Flatness, MeetingScan, Mesh, Model,
-    VertexId,
+    BuildOptions, EdgeKind, Element, FaceId, FindingKind, Flatness, MeetingScan, Mesh, VertexId,
 };
 use cranny_scene::read_mesh;
 use cranny_testkit::Rng;
@@ -36,8 +38,8 @@ fn corpus() -> Vec<(String, Mesh, BuildOptions)> {
 }
 
 /// Builds, and checks what this mesh promises.
-fn checked(name: &str, mesh: &Mesh, options: &BuildOptions) -> Option<Model> {
-    let (model, report) = Model::build(mesh.clone(), options).ok()?;
+fn checked(name: &str, mesh: &Mesh, options: &BuildOptions) -> Option<Body> {
+    let (model, report) = Body::build(mesh.clone(), options).ok()?;
     eprintln!("{name}: {} faces, closed: {}", report.faces, report.closed);
     Some(match report.closed {
         true => closed_checked_with(mesh, options),
@@ -54,8 +56,8 @@ fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
 
 /// The faces of each concavity with its kind and its number of lids, by the names that `name` gives to
 /// faces; sorted. (Into how many loops a boundary that touches itself is split is a matter of numbers.)
-fn classes(model: &Model, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
-    let class = |c: cranny_geometry::concavity::Concavity<'_>| {
+fn classes(model: &Body, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
+    let class = |c: cranny_concavity::Concavity<'_>| {
         let mut class: Vec<usize> = c.faces.iter().map(|&f| name(f)).collect();
         class.sort_unstable();
         class.extend([c.lids().len(), c.kind as usize]);
@@ -82,11 +84,11 @@ fn as_stored_and_scaled_by_powers_of_two() {
 fn turned_the_pockets_hold_as_much() {
     let turn = DMat3::from_quat(DQuat::from_xyzw(0.3, -0.5, 0.2, 0.79).normalize());
     for (name, mesh, options) in corpus() {
-        let Some(model) = checked(&name, &mesh, &options).filter(Model::is_closed) else {
+        let Some(model) = checked(&name, &mesh, &options).filter(|body| body.is_closed()) else {
             continue;
         };
         let turned = checked(&name, &moved(&mesh, |p| turn * p), &options).unwrap();
-        let volume = |model: &Model| -> f64 {
+        let volume = |model: &Body| -> f64 {
             model.concavities().iter().map(|c| c.measures.pocket_volume).sum()
         };
         let hull = model.hull();
@@ -107,7 +109,7 @@ const COVERED_TWICE: [(&str, &str); 1] = [(
 fn caps_of_closed_meshes_cover_the_hull_once() {
     for (name, mesh, options) in corpus() {
         let options = BuildOptions { self_intersections: true, ..options };
-        let Ok((model, report)) = Model::build(mesh, &options) else { continue };
+        let Ok((model, report)) = Body::build(mesh, &options) else { continue };
         if !report.closed {
             continue;
         }
@@ -141,7 +143,7 @@ fn soups_are_surfaces_whose_report_names_every_open_edge() {
     let mut soups = 0;
     for (name, mesh, options) in corpus() {
         let options = BuildOptions { self_intersections: true, ..options };
-        let Ok((model, report)) = Model::build(mesh, &options) else { continue };
+        let Ok((model, report)) = Body::build(mesh, &options) else { continue };
         if report.closed {
             continue;
         }

@@ -2,13 +2,15 @@
 //! folder: all formats, each mesh with its own concavities.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
+#[path = "../../cranny-concavity/tests/body/mod.rs"]
+mod body;
 #[path = "assets/corpus_files.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod corpus_files;
-#[path = "../../cranny-geometry/tests/deform/equal.rs"]
+#[path = "../../cranny-concavity/tests/deform/equal.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod equal;
-#[path = "../../cranny-geometry/tests/deform/moves.rs"]
+#[path = "../../cranny-concavity/tests/deform/moves.rs"]
 #[allow(dead_code, reason = "the tests that they are shared with use the others")]
 mod moves;
 
@@ -16,22 +18,23 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use crate::body::Body;
 use corpus_files::mesh_files;
+use cranny_concavity::envelope::Thing;
 use cranny_exact::{DVec3, Meeting, classify_triangles};
-use cranny_geometry::envelope::Thing;
-use cranny_geometry::{FaceId, Model};
+use cranny_geometry::FaceId;
 use cranny_scene::read_mesh;
 use cranny_testkit::Rng;
 
 /// Every mesh of the corpus, prepared once for all tests.
-fn models() -> &'static [(String, Model)] {
-    static MODELS: OnceLock<Vec<(String, Model)>> = OnceLock::new();
+fn models() -> &'static [(String, Body)] {
+    static MODELS: OnceLock<Vec<(String, Body)>> = OnceLock::new();
     MODELS.get_or_init(|| {
         let prepared = |path: PathBuf| {
             let mesh = read_mesh(&path).unwrap().mesh;
-            let (model, _) = Model::build(mesh, &equal::options()).ok()?;
+            let (model, _) = Body::build(mesh, &equal::options()).ok()?;
             // A mesh that was turned right side out is numbered anew when it is built again.
-            let again = Model::build(model.mesh().clone(), &equal::options());
+            let again = Body::build(model.mesh().clone(), &equal::options());
             Some((path.display().to_string(), again.unwrap().0))
         };
         let files = mesh_files();
@@ -59,7 +62,7 @@ fn every_structure_keeps_its_promises() {
 fn models_come_back_from_their_files() {
     for (name, model) in models() {
         let bytes = model.encode();
-        let back = Model::decode(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let back = Body::decode(&bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(back.encode() == bytes, "{name}");
     }
 }

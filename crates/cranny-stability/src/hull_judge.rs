@@ -6,11 +6,11 @@
 //! predicates and closest points of triangles that the walk falls back on. [`brute_force_depth`] tries
 //! all faces of the set of differences in `f64`.
 
+use cranny_concavity::walk::{FeatureGraph, HullAnswer, Relation, WalkHull};
 use cranny_exact::{DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d};
 use cranny_geometry::ConvexHull;
 use cranny_geometry::hull::{HullKind, HullVertexId};
-use cranny_narrow_phase::walk::{FeatureGraph, HullAnswer, Relation, WalkHull};
-use cranny_narrow_phase::{closest_on_segments, closest_on_triangle};
+use cranny_geometry::triangle_distance::{closest_on_segments, closest_on_triangle};
 use cranny_testkit::{Q, Q3, Rng};
 
 /// How far from length 1 a normal may be: a few roundings.

@@ -6,6 +6,7 @@
 use std::hint::black_box;
 use std::io::{self, Write};
 
+use cranny_concavity::Concavities;
 use cranny_exact::Pose;
 use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
@@ -35,6 +36,11 @@ const CASES: &[Case] = &[
     Case { name: "prepare golf 1k", made: || Some(preparing(solid::golf_ball(1_000).ok()?)) },
     Case { name: "prepare bolt 28k", made: || Some(preparing(solid::bolt().ok()?)) },
     Case { name: "load bolt 28k", made: loading },
+    Case {
+        name: "concavities of golf 1k",
+        made: || making_concavities(solid::golf_ball(1_000).ok()?),
+    },
+    Case { name: "concavities of bolt 28k", made: || making_concavities(solid::bolt().ok()?) },
     Case {
         name: "deform golf 100k, 10 in a pocket",
         made: || deform::work(100_000, Place::Pocket, 10),
@@ -106,6 +112,11 @@ fn counted(work: &mut dyn FnMut()) {
 
 fn preparing(mesh: Mesh) -> Work {
     Box::new(move || keep(Model::build(mesh.clone(), &BuildOptions::default())))
+}
+
+fn making_concavities(mesh: Mesh) -> Option<Work> {
+    let (model, _) = Model::build(mesh, &BuildOptions::default()).ok()?;
+    Some(Box::new(move || keep(Concavities::of(&model))))
 }
 
 fn loading() -> Option<Work> {

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use cranny_concavity::ConcavityWork;
+use cranny_concavity::features::Feature;
+use cranny_concavity::{Concavities, Features, FollowedConcavities};
 use cranny_exact::DVec3;
-use cranny_geometry::features::Feature;
-use cranny_geometry::{BuildOptions, DeformError, Mesh, Model, VertexId, Work};
+use cranny_geometry::{BuildOptions, ChangeSet, DeformError, Mesh, Model, VertexId, Work};
 
 use crate::report::{Cell, Report, Table};
 use crate::solid;
@@ -41,10 +43,10 @@ impl Place {
         }
     }
 
-    fn seed(self, model: &Model) -> Option<VertexId> {
-        let is_off = |v: VertexId| model.features().vertex(v) == Feature::Concavity;
+    fn seed(self, model: &Model, features: &Features) -> Option<VertexId> {
+        let is_off = |v: VertexId| features.vertex(v) == Feature::Concavity;
         if self == Self::Pocket {
-            return deepest(model).filter(|&v| is_off(v));
+            return deepest(model, features).filter(|&v| is_off(v));
         }
         let is_corner = |v: VertexId| model.hull().vertex_of_source(v).is_some();
         let bounds = model.bounds();
@@ -66,8 +68,8 @@ impl Place {
     }
 
     /// Whether vertices are where they are said to be.
-    fn holds(self, model: &Model, vertices: &[VertexId]) -> bool {
-        let is_off = |v: &VertexId| model.features().vertex(*v) == Feature::Concavity;
+    fn holds(self, features: &Features, vertices: &[VertexId]) -> bool {
+        let is_off = |v: &VertexId| features.vertex(*v) == Feature::Concavity;
         self != Self::Pocket || vertices.iter().all(is_off)
     }
 }
@@ -77,8 +79,8 @@ fn vertices(model: &Model) -> impl Iterator<Item = VertexId> + use<> {
 }
 
 /// A vertex as many edges from those on the hull as any.
-fn deepest(model: &Model) -> Option<VertexId> {
-    let on_hull = |v: &VertexId| model.features().vertex(*v) != Feature::Concavity;
+fn deepest(model: &Model, features: &Features) -> Option<VertexId> {
+    let on_hull = |v: &VertexId| features.vertex(*v) != Feature::Concavity;
     let mut found: Vec<VertexId> = vertices(model).filter(on_hull).collect();
     let mut seen: BTreeSet<VertexId> = found.iter().copied().collect();
     let mut next = 0;
@@ -112,8 +114,9 @@ pub(crate) fn measure(quick: bool) -> Report {
             "neighbouring vertices are moved by a hundred-thousandth of their distance from the middle and \
              back, in turns with building the moved mesh (no search for faces that meet)"
                 .into(),
-            "the first deformation, which makes what the others keep, is not measured; with envelopes: the \
-             same, and those of the concavities touched"
+            "the first deformation, which makes what the others keep, is not measured; deform: the model alone; \
+             followed: its concavities as well, beside making the model and them anew; with envelopes: the same, \
+             and those of the concavities touched"
                 .into(),
             "counts are of the way there: whether everything was built anew, faces judged, facets whose caps \
              were looked at, faces and caps put together into concavities, triangles of the hull passed on the way to moved vertices, and measured, nodes of trees fitted, faces of \
@@ -125,15 +128,17 @@ pub(crate) fn measure(quick: bool) -> Report {
     }
 }
 
-const COLUMNS: [&str; 18] = [
+const COLUMNS: [&str; 20] = [
     "mesh",
     "where",
     "moved",
     "build",
     "deform",
     "build / deform",
+    "followed",
+    "both built / followed",
     "with envelopes",
-    "build / both",
+    "both built / envelopes",
     "anew",
     "faces",
     "facets",
@@ -161,12 +166,14 @@ fn refused(name: &str, error: &str) -> Vec<Cell> {
 }
 
 fn of_model(name: &str, model: &Model, quick: bool) -> Vec<Vec<Cell>> {
-    let seeds = Place::ALL.into_iter().filter_map(|place| Some((place, place.seed(model)?)));
+    let features = &Features::of(model);
+    let seed = |place: Place| Some((place, place.seed(model, features)?));
+    let seeds = Place::ALL.into_iter().filter_map(seed);
     let cases = seeds.flat_map(|seed| MOVED.map(|count| (seed, count)));
     let cases = cases.map(|((place, seed), count)| (place, region(model, seed, count)));
     cases
         .filter(|(place, region)| {
-            2 * region.len() < model.mesh().vertices().len() && place.holds(model, region)
+            2 * region.len() < model.mesh().vertices().len() && place.holds(features, region)
         })
         .map(|(place, region)| row(name, place, model, &region, quick))
         .collect()
@@ -174,9 +181,13 @@ fn of_model(name: &str, model: &Model, quick: bool) -> Vec<Vec<Cell>> {
 
 fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool) -> Vec<Cell> {
     let begun = || Swinging::of(model, place, region);
-    let (mut bare, mut whole, work) = match (begun(), begun()) {
-        (Ok((bare, work)), Ok((whole, _))) => (bare, whole, work),
-        (Err(error), _) | (_, Err(error)) => return refused(name, &error.to_string()),
+    let (mut bare, mut followed, mut whole, work, beneath) = match (begun(), begun(), begun()) {
+        (Ok((bare, work, beneath)), Ok((followed, ..)), Ok((whole, ..))) => {
+            (bare, followed, whole, work, beneath)
+        }
+        (Err(error), ..) | (_, Err(error), _) | (.., Err(error)) => {
+            return refused(name, &error.to_string());
+        }
     };
     let (mut mesh, moved) = (model.mesh().clone(), bare.places[0].len());
     let mut vertices = mesh.vertices().to_vec();
@@ -185,29 +196,25 @@ fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool
         Ok(there) => mesh = there,
         Err(error) => return refused(name, &error.to_string()),
     }
-    let [build, deform, both] = race(
+    let [build, both_built, deform, follow, enveloping] = race(
         Patience::of(quick),
         [
             &mut || keep(Model::build(mesh.clone(), &options())),
-            &mut || keep(bare.swing()),
             &mut || {
-                keep(whole.swing());
-                keep(whole.model.envelopes());
+                let built = Model::build(mesh.clone(), &options());
+                keep(built.map(|(model, _)| Concavities::of(&model)));
+            },
+            &mut || keep(bare.swing()),
+            &mut || keep(followed.swing_followed()),
+            &mut || {
+                keep(whole.swing_followed());
+                keep(whole.followed.concavities(&whole.model));
             },
         ],
     );
-    let Work {
-        is_anew,
-        grouped,
-        faces,
-        facets,
-        located,
-        hull_triangles,
-        nodes,
-        enveloped,
-        patched,
-        summed,
-    } = work;
+    let Work { is_anew, located, hull_triangles, nodes, patched, summed } = work;
+    let ConcavityWork { faces, facets, grouped, nodes: nodes_beneath, enveloped, .. } = beneath;
+    let nodes = nodes + nodes_beneath;
     let mut cells = vec![
         Cell::Text(name.into()),
         Cell::Text(place.name().into()),
@@ -215,8 +222,10 @@ fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool
         Cell::Time(build),
         Cell::Time(deform),
         Cell::Ratio(build / deform),
-        Cell::Time(both),
-        Cell::Ratio(build / both),
+        Cell::Time(follow),
+        Cell::Ratio(both_built / follow),
+        Cell::Time(enveloping),
+        Cell::Ratio(both_built / enveloping),
     ];
     cells.push(Cell::Text(if is_anew { "yes" } else { "" }.into()));
     let counts =
@@ -228,38 +237,52 @@ fn row(name: &str, place: Place, model: &Model, region: &[VertexId], quick: bool
 /// A model whose vertices go to the first places next, and then to the second.
 struct Swinging {
     model: Model,
+    followed: FollowedConcavities,
     places: [Vec<(VertexId, DVec3)>; 2],
 }
 
 impl Swinging {
     /// Of some vertices, which have been there and are back: what the first deformation makes is there. And how
     /// much there was to look at on the way there.
-    fn of(model: &Model, place: Place, region: &[VertexId]) -> Result<(Self, Work), DeformError> {
+    fn of(
+        model: &Model,
+        place: Place,
+        region: &[VertexId],
+    ) -> Result<(Self, Work, ConcavityWork), DeformError> {
         let middle = model.bounds().center();
         let home: Vec<(VertexId, DVec3)> =
             region.iter().map(|&v| (v, model.mesh().position(v))).collect();
         let share = if place == Place::Outward { -SHARE } else { SHARE };
         let away = home.iter().map(|&(v, p)| (v, p + share * (middle - p))).collect();
         // The first deformation makes it a copy of its own, which the others change in place.
-        let mut swinging = Self { places: [away, home], model: model.clone() };
-        let work = swinging.swing()?;
-        swinging.swing()?;
-        Ok((swinging, work))
+        let followed = FollowedConcavities::of(model);
+        let mut swinging = Self { places: [away, home], model: model.clone(), followed };
+        let (work, beneath) = swinging.swing_followed()?;
+        swinging.swing_followed()?;
+        Ok((swinging, work, beneath))
     }
 
-    fn swing(&mut self) -> Result<Work, DeformError> {
+    /// The model alone: what follows it has missed a deformation then.
+    fn swing(&mut self) -> Result<ChangeSet, DeformError> {
         let change = self.model.deform(&self.places[0])?;
         self.places.swap(0, 1);
-        Ok(change.work)
+        Ok(change)
+    }
+
+    fn swing_followed(&mut self) -> Result<(Work, ConcavityWork), DeformError> {
+        let change = self.swing()?;
+        let beneath = self.followed.follow(&self.model, &change);
+        Ok((change.work, beneath.work))
     }
 }
 
-/// One deformation of so many vertices of a golf ball of about so many triangles, after the first.
+/// One deformation of so many vertices of a golf ball of about so many triangles, after the first, which its concavities
+/// follow.
 pub(crate) fn work(triangles: u32, place: Place, count: usize) -> Option<Box<dyn FnMut()>> {
     let model = built(solid::golf_ball(triangles).ok()?).ok()?;
-    let region = region(&model, place.seed(&model)?, count);
-    let (mut swinging, _) = Swinging::of(&model, place, &region).ok()?;
-    Some(Box::new(move || keep(swinging.swing())))
+    let region = region(&model, place.seed(&model, &Features::of(&model))?, count);
+    let (mut swinging, ..) = Swinging::of(&model, place, &region).ok()?;
+    Some(Box::new(move || keep(swinging.swing_followed())))
 }
 
 fn neighbours(model: &Model, v: VertexId) -> impl Iterator<Item = VertexId> + '_ {

@@ -1,7 +1,8 @@
 //! Whole preparation of meshes: against parry's, stage by stage, and how it grows.
 
 use cpu_time::ThreadTime;
-use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model, Stage};
+use cranny_concavity::Concavities;
+use cranny_geometry::{BuildOptions, ConvexHull, Mesh, Model};
 use cranny_shapes::ShapeError;
 use parry3d::math::Vector;
 use parry3d::transformation::try_convex_hull;
@@ -32,9 +33,10 @@ pub(crate) fn measure(quick: bool) -> Report {
             "decomposition: parry's VHACD::decompose and compute_exact_convex_hulls, both at their defaults, f32".into(),
             "same run, same meshes, in turns; medians of thread CPU time; ratio = decomposition / cranny".into(),
             "load: Model::decode of what Model::encode made, in turns with building; build / load likewise".into(),
-            "load all: the same and Model::prepare_all, which makes the trees and envelopes of concavities that \
-             a loaded model otherwise makes when it is first asked for them"
+            "load all: the same and Model::prepare_all, which makes what a loaded model otherwise makes when it \
+             is first asked for it"
                 .into(),
+            "concavities: Concavities::of the model, which nobody pays for who does not ask for them".into(),
         ],
         tables: vec![
             Table {
@@ -42,6 +44,7 @@ pub(crate) fn measure(quick: bool) -> Report {
                 columns: vec![
                     "mesh", "triangles", "cranny", "decomposition", "ratio", "hull alone",
                     "cranny / hull", "parry hull", "load", "build / load", "load all", "build / all",
+                    "concavities", "concavities / cranny",
                 ],
                 rows: peers,
             },
@@ -107,6 +110,11 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
             keep(model);
         }],
     );
+    let model = Model::build(mesh.clone(), &BuildOptions::default()).map(|(model, _)| model);
+    let [built_beside, concavities] = race(
+        Patience::of(quick),
+        [&mut || build(mesh), &mut || keep(model.as_ref().map(Concavities::of))],
+    );
     vec![
         Cell::Text(name.into()),
         Cell::Count(mesh.faces().len()),
@@ -120,43 +128,59 @@ fn against_parry(name: &str, mesh: &Mesh, quick: bool) -> Vec<Cell> {
         Cell::Ratio(built / load),
         Cell::Time(load_all),
         Cell::Ratio(built / load_all),
+        Cell::Time(concavities),
+        Cell::Ratio(concavities / built_beside),
     ]
 }
 
 fn refused(name: &str, error: &str) -> Vec<Cell> {
-    let mut row = vec![Cell::Absent; 12];
+    let mut row = vec![Cell::Absent; 14];
     row[0] = Cell::Text(format!("{name}: {error}"));
     row
 }
 
-/// The time from each stage's beginning to the next one's.
+/// The time from each stage's beginning to the next one's, as a share of building the model.
 fn by_stage(name: &str, mesh: &Mesh, runs: usize) -> Vec<Vec<Cell>> {
-    let mut stages: Vec<(Stage, Vec<f64>)> = Vec::new();
+    let mut of_model: Vec<(String, Vec<f64>)> = Vec::new();
+    let mut of_concavities = Vec::new();
     for _ in 0..runs {
-        let mut begun: Vec<(Stage, ThreadTime)> = Vec::new();
+        let mut begun: Vec<(String, ThreadTime)> = Vec::new();
         let mesh = mesh.clone();
-        let observe = &mut |stage| begun.push((stage, ThreadTime::now()));
-        keep(Model::build_observed(mesh, &BuildOptions::default(), observe));
-        for pair in begun.windows(2) {
-            let (stage, time) = (pair[0].0, pair[1].1.duration_since(pair[0].1).as_secs_f64());
-            match stages.iter_mut().find(|(known, _)| *known == stage) {
-                Some((_, times)) => times.push(time),
-                None => stages.push((stage, vec![time])),
-            }
-        }
+        let observe = &mut |stage| begun.push((format!("{stage:?}"), ThreadTime::now()));
+        let built = Model::build_observed(mesh, &BuildOptions::default(), observe);
+        book(&begun, &mut of_model);
+        let Ok((model, _)) = built else { continue };
+        begun.clear();
+        keep(Concavities::observed(&model, Concavities::DEFAULT_LEAF_SIZE, &mut |stage| {
+            begun.push((format!("concavities: {stage:?}"), ThreadTime::now()));
+        }));
+        book(&begun, &mut of_concavities);
     }
-    let medians: Vec<(Stage, f64)> =
-        stages.into_iter().map(|(stage, times)| (stage, median(times))).collect();
-    let total: f64 = medians.iter().map(|(_, time)| time).sum();
-    let row = |(stage, time): (Stage, f64)| {
+    let medians = |stages: Vec<(String, Vec<f64>)>| -> Vec<(String, f64)> {
+        stages.into_iter().map(|(stage, times)| (stage, median(times))).collect()
+    };
+    let (of_model, of_concavities) = (medians(of_model), medians(of_concavities));
+    let total: f64 = of_model.iter().map(|(_, time)| time).sum();
+    let row = |(stage, time): (String, f64)| {
         vec![
             Cell::Text(name.into()),
-            Cell::Text(format!("{stage:?}").to_lowercase()),
+            Cell::Text(stage.to_lowercase()),
             Cell::Time(time),
             Cell::Ratio(time / total),
         ]
     };
-    medians.into_iter().map(row).collect()
+    of_model.into_iter().chain(of_concavities).map(row).collect()
+}
+
+/// Books the time between one beginning and the next on the first of the two.
+fn book(begun: &[(String, ThreadTime)], stages: &mut Vec<(String, Vec<f64>)>) {
+    for pair in begun.windows(2) {
+        let (stage, time) = (&pair[0].0, pair[1].1.duration_since(pair[0].1).as_secs_f64());
+        match stages.iter_mut().find(|(known, _)| known == stage) {
+            Some((_, times)) => times.push(time),
+            None => stages.push((stage.clone(), vec![time])),
+        }
+    }
 }
 
 /// Golf balls of growing size: the slope is the exponent of growth since the row before; n log n has

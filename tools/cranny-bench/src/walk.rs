@@ -1,10 +1,10 @@
 //! Hull against hull in motion: a ball of points rolls round another, 0.1 degrees a frame.
 
-use cranny_exact::{DQuat, DVec3, Pose, RigidMap};
-use cranny_geometry::ConvexHull;
-use cranny_narrow_phase::walk::{
+use cranny_concavity::walk::{
     FeatureGraph, Relation, WalkCounters, WalkHull, WalkState, walk_hulls,
 };
+use cranny_exact::{DQuat, DVec3, Pose, RigidMap};
+use cranny_geometry::ConvexHull;
 use parry3d::math::{Pose as NarrowPose, Rotation, Vector};
 use parry3d::query;
 use parry3d::shape::ConvexPolyhedron;

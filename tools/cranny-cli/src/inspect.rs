@@ -41,11 +41,12 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
         flatness: args.flat.map_or(Flatness::Auto, Flatness::Relative),
         ..BuildOptions::default()
     };
-    let loaded = load_with_report(&args.mesh, &options)?;
-    picture::check(&loaded.model, args.show.unwrap_or_default()).map_err(|why| {
+    let mut loaded = load_with_report(&args.mesh, &options)?;
+    let concavities = loaded.make_concavities();
+    picture::check(&concavities, args.show.unwrap_or_default()).map_err(|why| {
         Failure::input(format!("--show, for {}: {why}. Choose less.", args.mesh.display()))
     })?;
-    let mut summary = Summary::new(&args.mesh, &loaded);
+    let mut summary = Summary::new(&args.mesh, &loaded, &concavities);
     let mut failed = None;
     if let Some(path) = &args.save {
         match save(&loaded.model, path) {
@@ -64,7 +65,7 @@ pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), 
             show: args.show.unwrap_or_default(),
             up: args.up.unwrap_or_else(|| Up::of_format(loaded.format)),
         };
-        match picture::draw(&loaded.model, &loaded.report, view, path) {
+        match picture::draw(&loaded.model, &concavities, &loaded.report.findings, view, path) {
             Ok(legend) => {
                 summary.outputs.push(path.display().to_string());
                 summary.legend = legend;

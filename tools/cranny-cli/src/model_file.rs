@@ -5,6 +5,8 @@ mod saved;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use cranny_concavity::Concavities;
+use cranny_concavity::Stage as ConcavityStage;
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildError, BuildOptions, Flatness, Model, Report, Stage};
 use cranny_scene::{MeshFile, MeshFileError, read_mesh};
@@ -123,10 +125,9 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
     .map_err(wrong)?;
     waiting.finish_and_clear();
     tracing::info!(
-        "{name}: prepared in {:.1} ms; {}, {} concavities, {} findings, {} repairs",
+        "{name}: prepared in {:.1} ms; {}, {} findings, {} repairs",
         (start.elapsed() - times.read).as_secs_f64() * 1e3,
         if report.closed { "closed" } else { "open" },
-        model.concavities().len(),
         report.findings.len(),
         report.repairs().len(),
     );
@@ -144,21 +145,53 @@ fn unreadable(error: MeshFileError) -> Failure {
     }
 }
 
-/// Books the time since the last stage began on it.
-#[derive(Default)]
-struct Stopwatch(Option<(Stage, Instant)>);
+impl LoadedModel {
+    /// Makes the concavities, books the time on their stages, and takes their findings into the report.
+    pub(crate) fn make_concavities(&mut self) -> Concavities {
+        let Self { model, report, times, .. } = self;
+        let mut stopwatch = Stopwatch::default();
+        let concavities =
+            Concavities::observed(model, Concavities::DEFAULT_LEAF_SIZE, &mut |stage| {
+                stopwatch.enter_concavities(stage, times);
+            });
+        report.add(concavities.findings(model));
+        concavities
+    }
+}
 
-impl Stopwatch {
+/// Books the time since the last stage began on it.
+struct Stopwatch<S>(Option<(S, Instant)>);
+
+impl<S> Default for Stopwatch<S> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl Stopwatch<ConcavityStage> {
+    fn enter_concavities(&mut self, stage: ConcavityStage, times: &mut Times) {
+        if let Some((ended, began)) = self.0 {
+            let spent = match ended {
+                ConcavityStage::Classify => &mut times.classify,
+                ConcavityStage::Caps => &mut times.caps,
+                ConcavityStage::Trees => &mut times.trees,
+                ConcavityStage::Envelopes => &mut times.envelopes,
+                ConcavityStage::Done => return,
+            };
+            *spent += began.elapsed();
+        }
+        self.0 = Some((stage, Instant::now()));
+    }
+}
+
+impl Stopwatch<Stage> {
     fn enter(&mut self, stage: Stage, times: &mut Times) {
         if let Some((ended, began)) = self.0 {
             let spent = match ended {
                 Stage::Repair => &mut times.repair,
                 Stage::Scan => &mut times.scan,
                 Stage::Hull => &mut times.hull,
-                Stage::Classify => &mut times.classify,
-                Stage::Caps => &mut times.caps,
-                Stage::Trees | Stage::ConcavityTrees => &mut times.trees,
-                Stage::Envelopes => &mut times.envelopes,
+                Stage::Trees => &mut times.trees,
                 Stage::Done => return,
             };
             *spent += began.elapsed();

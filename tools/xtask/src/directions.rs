@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(crate) const PURE_CRATES: &[&str] = &[
     "cranny-exact",
     "cranny-geometry",
+    "cranny-concavity",
     "cranny-broad-phase",
     "cranny-narrow-phase",
     "cranny-world",
@@ -18,8 +19,9 @@ pub(crate) const PURE_CRATES: &[&str] = &[
 const TABLE: &[(&str, &[&str])] = &[
     ("cranny-exact", &[]),
     ("cranny-geometry", &["cranny-exact"]),
+    ("cranny-concavity", &["cranny-exact", "cranny-geometry"]),
     ("cranny-broad-phase", &["cranny-exact"]),
-    ("cranny-narrow-phase", &["cranny-exact", "cranny-geometry"]),
+    ("cranny-narrow-phase", &["cranny-exact", "cranny-geometry", "cranny-concavity"]),
     (
         "cranny-world",
         &["cranny-exact", "cranny-geometry", "cranny-broad-phase", "cranny-narrow-phase"],
@@ -51,6 +53,7 @@ const TABLE: &[(&str, &[&str])] = &[
         &[
             "cranny-exact",
             "cranny-geometry",
+            "cranny-concavity",
             "cranny-narrow-phase",
             "cranny-shapes",
             "cranny-testkit",
@@ -61,6 +64,7 @@ const TABLE: &[(&str, &[&str])] = &[
         &[
             "cranny-exact",
             "cranny-geometry",
+            "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
             "cranny-world",
@@ -78,6 +82,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny",
             "cranny-exact",
             "cranny-geometry",
+            "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
             "cranny-world",
@@ -95,6 +100,7 @@ const TABLE: &[(&str, &[&str])] = &[
         &[
             "cranny-exact",
             "cranny-geometry",
+            "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
             "cranny-world",

@@ -2,12 +2,15 @@
 //! no resource.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use bevy_app::App;
 use bevy_ecs::message::Messages;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{InternedSystemSet, ScheduleLabel, Schedules};
 use cranny_ecs::*;
+use cranny_narrow_phase::Counters;
+use cranny_shapes::Cup;
 use cranny_world::description::Effect;
 
 use crate::build::gate;
@@ -187,4 +190,19 @@ fn the_plan_tells_order_pairs_and_reasons() {
     // Reading the plan leaves the schedules where they were.
     assert!(app.step().unwrap());
     assert_eq!(app.plan().unwrap(), plan);
+}
+
+#[test]
+fn no_concavity_is_made_for_a_scene_whose_effects_need_none() {
+    // A cube goes through a cup's wall, across its well and out again.
+    let mut scene = gate(&[Effect::Trigger, CONTACTS]);
+    scene.bodies[0].collision = Arc::new(Cup::default().build().unwrap());
+    let mut app = SceneApp::new(&scene, &RunOptions::default()).unwrap();
+    let mut done = Counters::default();
+    while app.step().unwrap() {
+        let detected = app.app().world().resource::<Detected>();
+        done += detected.report.as_ref().unwrap().stats.counters;
+    }
+    assert!(done.triangle_tests > 0, "{done:?}");
+    assert_eq!((done.concavities_made, done.pockets_opened, done.pockets_passed), (0, 0, 0));
 }

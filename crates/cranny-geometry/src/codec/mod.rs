@@ -208,8 +208,6 @@ macro_rules! coded {
 }
 pub(crate) use coded;
 
-coded!(bool { false => 0 => false, true => 1 => true });
-
 /// Whether all are below a limit; looks at all, which is quicker than stopping at the first that is not.
 pub(crate) fn check_below(
     indices: impl IntoIterator<Item = u32>,

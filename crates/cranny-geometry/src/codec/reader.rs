@@ -41,18 +41,6 @@ impl<'a> Reader<'a> {
         Ok(T::get_all(self.bytes_of(count, T::SIZE)?))
     }
 
-    /// A list of variants.
-    pub(crate) fn codes<T: Coded>(&mut self) -> Result<Vec<T>, Flaw> {
-        let count = self.one()?;
-        let codes = self.bytes_of(count, 1)?;
-        let all: Vec<T> = codes.iter().map(|&code| T::nearest(code)).collect();
-        // No way out of the loop, so that it stays short.
-        let is_known = |(known, code): (&T, &u8)| known.code() == *code;
-        let are_known = all.iter().zip(codes).fold(true, |all, own| all & is_known(own));
-        check(are_known, "a byte stands for nothing known")?;
-        Ok(all)
-    }
-
     /// One variant.
     pub(crate) fn code<T: Coded>(&mut self) -> Result<T, Flaw> {
         Ok(T::of_code(self.one()?).ok_or("a byte stands for nothing known")?)

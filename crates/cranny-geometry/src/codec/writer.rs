@@ -1,6 +1,6 @@
 //! Bytes out.
 
-use super::{Coded, Plain};
+use super::Plain;
 
 /// A growing file.
 #[derive(Debug, Default)]
@@ -24,11 +24,6 @@ impl Writer {
         self.one(count as u64);
         self.bytes.reserve(count * T::SIZE);
         items.for_each(|item| item.put(&mut self.bytes));
-    }
-
-    /// A list of variants, a byte each.
-    pub(crate) fn codes<T: Coded>(&mut self, items: &[T]) {
-        self.items(items.len(), items.iter().map(|item| item.code()));
     }
 
     /// A section: tag, length of the body, body.

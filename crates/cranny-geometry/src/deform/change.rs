@@ -3,9 +3,10 @@
 use cranny_exact::DomainError;
 use thiserror::Error;
 
-use crate::ids::{ConcavityId, FaceId, PatchId, VertexId};
+use crate::hull::FacetChange;
+use crate::ids::{FaceId, PatchId, VertexId};
 use crate::model::no_area;
-use crate::tree::NodeChanges;
+use crate::tree::{MovedFace, NodeChanges};
 
 /// Moves that are refused; the model is as it was.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -52,34 +53,39 @@ pub enum DeformError {
 }
 
 /// What a deformation has changed, for whoever keeps something about the model.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ChangeSet {
     /// Vertices that are in another place; ascending.
     pub vertices: Vec<VertexId>,
     /// Faces with such a vertex; ascending.
     pub faces: Vec<FaceId>,
-    /// Faces that came onto the hull or left it; ascending.
-    pub reclassified: Vec<FaceId>,
-    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers. Triangles and facets
-    /// away from the change keep theirs, unless everything was built anew.
+    /// Whether the hull has changed: its vertices, triangles and facets may have other numbers.
+    /// Triangles and facets away from the change keep theirs, unless everything was built anew.
     pub hull: bool,
-    /// For each concavity before, by its id, the id of the one that has the same faces, or where it has none the same
-    /// caps; `None` where there is no such.
-    pub concavities: Vec<Option<ConcavityId>>,
-    /// Concavities, by their ids afterwards, that have another shape than before: faces or caps of them
-    /// have moved, or are others. Ascending.
-    pub reshaped: Vec<ConcavityId>,
-    /// For each patch before, by its id, the id of the one that has the same faces; `None` where there is
-    /// no such.
+    /// For each patch before, by its id, the id of the one that has the same faces; `None` where
+    /// there is no such.
     pub patches: Vec<Option<PatchId>>,
     /// Nodes of [`Model::tree`](crate::Model::tree).
     pub tree: NodeChanges,
-    /// Nodes of the arena of [`Model::concavity_trees`](crate::Model::concavity_trees).
-    pub concavity_trees: NodeChanges,
     /// Nodes of the arena of the [trees of patches](crate::Patches::trees).
     pub patch_trees: NodeChanges,
     /// What was done.
     pub work: Work,
+    /// How to follow it; `None` where nothing has changed, or everything was made anew.
+    pub trail: Option<Trail>,
+}
+
+/// What a deformation leaves for structures that follow hull and faces, and need more than numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trail {
+    /// The digest of the model before.
+    pub from: [u8; 32],
+    /// The faces that have moved.
+    pub moved: Vec<MovedFace>,
+    /// Facets of the hull that are others.
+    pub facets: FacetChange,
+    /// Triangles of the hull that are new or have another number.
+    pub triangles: Vec<u32>,
 }
 
 impl ChangeSet {
@@ -92,29 +98,23 @@ impl ChangeSet {
 
 /// How much geometry a deformation has looked at: figures that do not depend on the machine.
 ///
-/// Passes that only number things (a few nanoseconds a face) are not counted; where they happen stands
-/// with [`Model::deform`](crate::Model::deform).
+/// Passes that only number things (a few nanoseconds a face) are not counted; where they happen
+/// stands with [`Model::deform`](crate::Model::deform).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Whether everything was built anew, a large part having moved: then the figures below are of all there is.
+    /// Whether everything was built anew, a large part having moved: then the figures below are of
+    /// all there is.
     pub is_anew: bool,
-    /// Faces judged: on the hull or not.
-    pub faces: usize,
-    /// Facets of the hull whose caps were looked at.
-    pub facets: usize,
-    /// Faces off the hull and caps of which was looked at anew which of them hang together.
-    pub grouped: usize,
-    /// Triangles of the hull that were passed in finding where moved vertices lie, as long as the hull was known to
-    /// stay.
+    /// Triangles of the hull that were passed in finding where moved vertices lie, as long as the
+    /// hull was known to stay.
     pub located: usize,
     /// Triangles of the hull whose planes were measured.
     pub hull_triangles: usize,
     /// Nodes of trees, all kinds, whose boxes were computed.
     pub nodes: usize,
-    /// Faces of concavities whose envelopes are built anew, when somebody asks for them next.
-    pub enveloped: usize,
     /// Faces of patches that were measured.
     pub patched: usize,
-    /// Faces and vertices that were added up, or compared, for sizes of the whole body: volume, centre, inertia, radius.
+    /// Faces and vertices that were added up, or compared, for sizes of the whole body: volume,
+    /// centre, inertia, radius.
     pub summed: usize,
 }

@@ -1,19 +1,18 @@
 //! Deformation: vertices of a prepared model are moved, and what depends on them follows.
 //!
-//! What follows, in this order: boxes of trees are fitted again, from the moved faces up, and parts of
-//! trees that have become bad are grown again. Patches with a moved face are measured, and divided where
-//! they have become too bent. The hull stays if no vertex of it has moved and none has left it, by exact
-//! signs; otherwise its surface is repaired around the vertices that moved in or out. Faces are
-//! classified again that have moved or lay on facets that are gone, or may lie on new ones; caps are made
-//! again on the facets of these and beside them; trees and envelopes of untouched concavities are kept, and
-//! the other envelopes built when somebody asks for them.
-//! If all that moved lies beneath caps, concavities are only measured.
+//! What follows, in this order: boxes of trees are fitted again, from the moved faces up, and parts
+//! of trees that have become bad are grown again. Patches with a moved face are measured, and
+//! divided where they have become too bent. The hull stays if no vertex of it has moved and none
+//! has left it, by exact signs; otherwise its surface is repaired around the vertices that moved in
+//! or out. Concavities follow by themselves, where somebody has them
+//! (`cranny_concavity::FollowedConcavities`), by the [`Trail`].
 //!
 //! The adjacency of faces knows no positions and never changes.
 //!
-//! Sources: boxes fitted again from the leaves up are van den Bergen's (1997, "Efficient collision detection of
-//! complex deformable models using AABB trees"); those of the hull's repair stand with it (`hull/repair`). That
-//! everything follows local changes and equals a rebuild is this crate's own. Cost: see [`Model::deform`].
+//! Sources: boxes fitted again from the leaves up are van den Bergen's (1997, "Efficient collision
+//! detection of complex deformable models using AABB trees"); those of the hull's repair stand with
+//! it (`hull/repair`). That everything follows local changes and equals a rebuild is this crate's
+//! own. Cost: see [`Model::deform`].
 
 mod change;
 mod follow;
@@ -22,124 +21,140 @@ mod totals;
 
 use cranny_exact::{DVec3, check_point};
 
-pub use self::change::{ChangeSet, DeformError, Work};
+pub use self::change::{ChangeSet, DeformError, Trail, Work};
 use self::follow::Deformation;
 use self::renew::Renewal;
 use self::totals::Totals;
-use crate::concavity::SurfaceSums;
-use crate::features::{Assignment, Features, RidgeOnFacet};
 use crate::ids::{FaceId, PatchId, VertexId};
+use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::model::{Model, Parts};
 use crate::near::on_line;
 use crate::scan::faces::has_no_area;
 use crate::tree::GrownAreas;
 
-/// What deformations need and preparation throws away. Made at the first one: as much work as
-/// classifying the whole mesh.
+/// What deformations need and preparation throws away. Made at the first one, in linear time.
 #[derive(Clone, Debug)]
 pub(crate) struct Workshop {
-    assignment: Assignment,
-    ridges: Vec<RidgeOnFacet>,
     tree: GrownAreas,
-    concavity_trees: GrownAreas,
     patch_trees: GrownAreas,
     patch_top: GrownAreas,
     /// A point certainly in the interior of the hull, if one is known.
     inside: Option<DVec3>,
+    /// For each vertex a triangle of the hull above it, or near it, from which to look for where it
+    /// goes.
+    above: Vec<u32>,
     totals: Totals,
-    sums: SurfaceSums,
 }
 
 impl Workshop {
     fn of(parts: &Parts) -> Self {
-        let assignment = Assignment::of(&parts.mesh, &parts.topology, &parts.hull, parts.tree());
-        let (_, ridges) = Features::of(&parts.mesh, &parts.topology, &assignment);
         Self {
-            assignment,
-            ridges,
             tree: GrownAreas::of(parts.tree().nodes()),
-            concavity_trees: GrownAreas::of(parts.concavity_trees().arena().nodes()),
             patch_trees: GrownAreas::of(parts.patches().trees().arena().nodes()),
             patch_top: parts.patches().top().grown_areas(),
             inside: parts.hull.inner_point(),
+            above: triangles_near(parts),
             totals: Totals::of(parts),
-            sums: SurfaceSums::default(),
         }
     }
 }
 
+/// For each vertex a triangle at the vertex of the hull that is the fewest edges away. O(n).
+fn triangles_near(parts: &Parts) -> Vec<u32> {
+    const UNKNOWN: u32 = u32::MAX;
+    let Parts { mesh, topology, hull, .. } = parts;
+    let mut near = vec![UNKNOWN; mesh.vertices().len()];
+    let mut found: Vec<u32> = Vec::with_capacity(near.len());
+    for triangle in (0..hull.triangle_count() as u32).rev() {
+        for corner in hull.triangle(triangle as usize) {
+            let v = hull.source(corner);
+            if near[v.index()] == UNKNOWN {
+                found.push(v.0);
+            }
+            near[v.index()] = triangle;
+        }
+    }
+    let mut next = 0;
+    while let Some(&v) = found.get(next) {
+        for &f in topology.faces_at(VertexId(v)) {
+            for w in mesh.faces()[f.index()] {
+                if near[w as usize] == UNKNOWN {
+                    near[w as usize] = near[v as usize];
+                    found.push(w);
+                }
+            }
+        }
+        next += 1;
+    }
+    // What does not hang together with the hull.
+    near.iter_mut().filter(|triangle| **triangle == UNKNOWN).for_each(|triangle| *triangle = 0);
+    near
+}
+
 impl Model {
-    /// Moves vertices of [`mesh`](Self::mesh) to new places, in the body's frame, all at once, and brings
-    /// what was prepared up to date; what is made when it is first asked for
-    /// ([`hull_covers`](Self::hull_covers), envelopes of the concavities touched) is left for then. A vertex that is
-    /// moved to where it is has not moved; where none has, nothing changes. In place where this model is not shared;
-    /// otherwise this one becomes a copy and the others stay.
+    /// Moves vertices of [`mesh`](Self::mesh) to new places, in the body's frame, all at once, and
+    /// brings what was prepared up to date. A vertex that is moved to where it is has not moved;
+    /// where none has, nothing changes. In place where this model is not shared; otherwise this one
+    /// becomes a copy and the others stay.
     ///
     /// # What equals a rebuild
     ///
-    /// Compared with [`build`](Self::build) of the moved mesh, with [`Repair::None`](crate::Repair::None)
-    /// and this model's flatness, and as long as no two vertices coincide (a rebuild would weld them; a
-    /// deformation keeps vertices, faces and edges as they are):
+    /// Compared with [`build`](Self::build) of the moved mesh, with
+    /// [`Repair::None`](crate::Repair::None) and this model's flatness, and as long as no two
+    /// vertices coincide (a rebuild would weld them; a deformation keeps vertices, faces and edges
+    /// as they are):
     ///
-    /// - the hull has the same vertices, with the same numbers, the same triangles and the same merged facets, in the same
-    ///   planes to the bit. Triangles and facets may be numbered otherwise, so that those away from a change keep the
-    ///   numbers that they had;
-    /// - vertices, edges and faces are classified the same, and each face lies on the same facet;
-    /// - convex sets, concavities, their faces and boundary loops are the same and have the same ids. Lids
-    ///   have the same boundary; lids and cap triangles may be numbered otherwise;
+    /// - the hull has the same vertices, with the same numbers, the same triangles and the same
+    ///   merged facets, in the same planes to the bit. Triangles and facets may be numbered
+    ///   otherwise, so that those away from a change keep the numbers that they had;
     /// - all sizes and the mass properties agree to rounding, box, radius and digest to the bit;
-    /// - trees hold the same faces in exact boxes, but may divide them otherwise; envelopes are those that
-    ///   are made from these trees;
-    /// - patches keep their promises, but may be others: growth is greedy, and one face more or less
-    ///   would move every border behind it. See [`ChangeSet::patches`].
+    /// - trees hold the same faces in exact boxes, but may divide them otherwise;
+    /// - patches keep their promises, but may be others: growth is greedy, and one face more or
+    ///   less would move every border behind it. See [`ChangeSet::patches`].
     ///
     /// # Cost
     ///
-    /// The first deformation also classifies the mesh once more, and that of a model that was
-    /// [loaded](Self::decode) prepares it all again, but for the scan; so does it copy one that is shared. Each looks
-    /// at the moved faces, the facets, concavities and patches that these belong to, and what these border on, and
-    /// walks along the hull to where moved vertices lie: [`Work`] counts it. As long as the hull stays, no vertex comes
-    /// onto it or leaves it, and no patch is divided, what else there is to do is short:
+    /// The first deformation also makes sums over the whole mesh, and that of a model that was
+    /// [loaded](Self::decode) prepares it all again, but for the scan; so does it copy one that is
+    /// shared. Each looks at the moved faces and the patches that these belong to, and walks along
+    /// the hull to where moved vertices lie: [`Work`] counts it. As long as the hull stays and no
+    /// patch is divided, what else there is to do is short:
     ///
-    /// - volume, centre, inertia and radius are put together from sums over chunks of 128 faces or vertices, the digest
-    ///   from blocks of 32 KiB, of which those with a moved vertex are made again. Where the box of the body changes,
-    ///   all are;
-    /// - the change set has an entry for each concavity and patch, and each lid and patch is glanced at;
-    /// - a concavity with a moved face is measured as a whole.
+    /// - volume, centre, inertia and radius are put together from sums over chunks of 128 faces or
+    ///   vertices, the digest from blocks of 32 KiB, of which those with a moved vertex are made
+    ///   again. Where the box of the body changes, all are;
+    /// - the change set has an entry for each patch, and each patch is glanced at.
     ///
-    /// Where the hull changes, triangles and facets away from the change keep their numbers; new ones take those that are
-    /// free, and the last ones fill what gaps remain. Only concavities that share a vertex with something that has
-    /// changed are divided anew. Beside what is looked at there is
+    /// Where the hull changes, triangles and facets away from the change keep their numbers; new
+    /// ones take those that are free, and the last ones fill what gaps remain. Beside what is
+    /// looked at there is
     ///
-    /// - each exactly planar polygon of the hull that gets a new triangle, and all facets that hang together with one that
-    ///   changes over edges that do not bend clearly: on a body that is flat nearly everywhere, however far that goes;
-    /// - a comparison of each facet's plane with the new vertices, a look at which facet each face is on and at which
-    ///   corners each cap has, and copying of rows;
+    /// - each exactly planar polygon of the hull that gets a new triangle, and all facets that hang
+    ///   together with one that changes over edges that do not bend clearly: on a body that is flat
+    ///   nearly everywhere, however far that goes;
+    /// - a comparison of each facet's plane with the new vertices, and copying of rows;
     /// - where vertices come onto the hull or leave it, all corners of the hull are renamed;
-    /// - where a face comes onto the hull or leaves it, a pass over all faces to count convex sets;
     /// - where a patch is divided, one over all faces.
     ///
-    /// Where the hull changes and a twelfth of all faces or more have moved, following would cost more than building
-    /// ([`Work::is_anew`]): everything is built anew, and the next deformation makes what deformations keep once more.
+    /// Where the hull changes and a twelfth of all faces or more have moved, following would cost
+    /// more than building ([`Work::is_anew`]): everything is built anew, and the next deformation
+    /// makes what deformations keep once more.
     ///
-    /// Envelopes of the concavities touched are left for the next call of [`envelopes`](Self::envelopes), which
-    /// copies the others.
-    ///
-    /// Where the box of the hull changes, so does what counts as flat, and all facets are measured and
-    /// everything is classified. Where a hull's surface cannot be repaired (a vertex inside a flat
-    /// facet comes out, vertices coincide) it is built anew, and what is as before keeps its number. Where the body is or
-    /// becomes flat, or shrinks away from the point that was known to be inside, all triangles and facets count as new. Where caps are shared, count negative or
-    /// hang on isolated vertices, concavities are found anew, all of them.
+    /// Where the box of the hull changes, so does what counts as flat, and all facets are measured.
+    /// Where a hull's surface cannot be repaired (a vertex inside a flat facet comes out, vertices
+    /// coincide) it is built anew, and what is as before keeps its number. Where the body is or
+    /// becomes flat, or shrinks away from the point that was known to be inside, all triangles and
+    /// facets count as new.
     ///
     /// Vertices have the numbers of [`mesh`](Self::mesh), not those that were filed: see
     /// [`Provenance::vertex`](crate::Provenance::vertex).
     ///
     /// # Errors
     ///
-    /// [`DeformError`], and then nothing has changed: a vertex that does not exist or is named twice, a
-    /// place outside the [`domain`](cranny_exact::domain), no face left with an area, or a closed body
-    /// turned inside out.
+    /// [`DeformError`], and then nothing has changed: a vertex that does not exist or is named
+    /// twice, a place outside the [`domain`](cranny_exact::domain), no face left with an area, or a
+    /// closed body turned inside out.
     pub fn deform(&mut self, moves: &[(VertexId, DVec3)]) -> Result<ChangeSet, DeformError> {
         let moves = checked(self.mesh(), moves)?;
         let faces = faces_of(self, &moves);
@@ -147,6 +162,7 @@ impl Model {
         if moves.is_empty() {
             return Ok(unchanged(self));
         }
+        let from = self.digest();
         let parts = self.parts_mut();
         let renewal = Renewal::of(parts);
         let mut workshop = match parts.workshop.take() {
@@ -154,7 +170,7 @@ impl Model {
             None => Box::new(Workshop::of(parts)),
         };
         let (mut change, has_followed) =
-            Deformation::begin(parts, &mut workshop, &moves, faces).run();
+            Deformation::begin(parts, &mut workshop, &moves, faces).run(from);
         parts.workshop = has_followed.then_some(workshop);
         if let Some(renewal) = renewal {
             renewal.tell(&mut change, parts);
@@ -219,7 +235,9 @@ fn accept_faces(
             a.dot(b.cross(c)) / 6.0
         };
         let before: f64 = faces.iter().map(|&f| below(mesh.triangle(f))).sum();
-        let volume = mass.volume - before + moved.map(below).sum::<f64>();
+        // What a file says of the volume was believed.
+        let whole = if parts.only_read { MassProperties::of(mesh).volume } else { mass.volume };
+        let volume = whole - before + moved.map(below).sum::<f64>();
         if volume < 0.0 {
             return Err(DeformError::InsideOut { volume });
         }
@@ -229,7 +247,6 @@ fn accept_faces(
 
 fn unchanged(model: &Model) -> ChangeSet {
     ChangeSet {
-        concavities: model.concavities().iter().map(|c| Some(c.id())).collect(),
         patches: (0..model.patches().len() as u32).map(|p| Some(PatchId(p))).collect(),
         ..ChangeSet::default()
     }

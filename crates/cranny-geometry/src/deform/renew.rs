@@ -1,34 +1,30 @@
 //! The first deformation of a model that was read from bytes: all but its mesh is made again.
 //!
-//! Reading checks what queries need. A deformation needs more: that stages of preparation agree with each
-//! other, down to which facet each face lies on. Whoever forges a file can break that in ways that
-//! are as costly to find as to make good, so everything is made from the mesh. What
-//! [`Model::encode`](crate::Model::encode) wrote of a model as it was built comes out the same; a model
-//! that was deformed before it was saved may have other numbers afterwards, and the change set says so.
+//! Reading checks what queries need. A deformation needs more: that stages of preparation agree
+//! with each other, down to which facet each face lies on. Whoever forges a file can break that in
+//! ways that are as costly to find as to make good, so everything is made from the mesh. What
+//! [`Model::encode`](crate::Model::encode) wrote of a model as it was built comes out the same; a
+//! model that was deformed before it was saved may have other numbers afterwards, and the change
+//! set says so.
 //!
 //! No source: it is preparation, once more. Cost: that of preparing a model, but for the scan.
 
 use super::ChangeSet;
-use super::follow::tell_concavities;
 use crate::codec::Writer;
-use crate::concavity::Concavities;
-use crate::features::Features;
 use crate::hull::ConvexHull;
-use crate::ids::{FaceId, PatchId};
-use crate::late::Late;
-use crate::model::{Covered, Parts};
+use crate::ids::PatchId;
+use crate::model::Parts;
 use crate::patches::Patches;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FaceTree, Mates, NodeChanges};
+use crate::tree::{FaceTree, Mates, NodeChanges};
 
 /// What was read, and whether something else was made in its place.
 pub(super) struct Renewal {
-    features: Features,
-    concavities: Concavities,
     patches: Patches,
     hull_differs: bool,
+    /// Which faces hang together.
+    topology_differs: bool,
     tree_differs: bool,
-    concavity_trees_differ: bool,
     patches_differ: bool,
 }
 
@@ -39,38 +35,28 @@ impl Renewal {
             return None;
         }
         // Which faces hang together was believed; edges are the same.
-        parts.topology = Topology::of(&parts.mesh);
-        let Former { hull, tree, features, concavities, concavity_trees, patches } = replace(parts);
-        let concavity_trees_differ = match (concavity_trees, parts.concavity_trees.if_made()) {
-            (Some(read), Some(made)) => differ([&read, made], FaceForest::encode),
-            // Nobody has seen any; what would have been made of what was read.
-            _ => {
-                differ([&tree, parts.tree()], FaceTree::encode)
-                    || concavities.owners() != parts.concavities.owners()
-            }
-        };
+        let topology = Topology::of(&parts.mesh);
+        let topology_differs = differ([&parts.topology, &topology], Topology::encode);
+        parts.topology = topology;
+        let Former { hull, tree, patches } = replace(parts);
         Some(Self {
             hull_differs: differ([&hull, &parts.hull], ConvexHull::encode),
+            topology_differs,
             tree_differs: differ([&tree, parts.tree()], FaceTree::encode),
-            concavity_trees_differ,
             patches_differ: differ([&patches, parts.patches()], Patches::encode),
-            features,
-            concavities,
             patches,
         })
     }
 
-    /// Makes everything but the adjacency again of a mesh of which a large part has moved, where that is cheaper than to
-    /// follow it; so nothing is compared either.
+    /// Makes everything but the adjacency again of a mesh of which a large part has moved, where
+    /// that is cheaper than to follow it; so nothing is compared either.
     pub(super) fn of_moved(parts: &mut Parts) -> Self {
-        let Former { features, concavities, patches, .. } = replace(parts);
+        let Former { patches, .. } = replace(parts);
         Self {
-            features,
-            concavities,
             patches,
             hull_differs: true,
+            topology_differs: false,
             tree_differs: true,
-            concavity_trees_differ: true,
             patches_differ: true,
         }
     }
@@ -78,19 +64,16 @@ impl Renewal {
     /// Tells of a deformation what has become of what was read.
     pub(super) fn tell(&self, change: &mut ChangeSet, parts: &Parts) {
         change.hull |= self.hull_differs;
-        for (differs, nodes) in [
-            (self.tree_differs, &mut change.tree),
-            (self.concavity_trees_differ, &mut change.concavity_trees),
-            (self.patches_differ, &mut change.patch_trees),
-        ] {
+        for (differs, nodes) in
+            [(self.tree_differs, &mut change.tree), (self.patches_differ, &mut change.patch_trees)]
+        {
             if differs {
                 *nodes = NodeChanges { renumbered: true, ..NodeChanges::default() };
             }
         }
-        let turned = |f: &FaceId| self.features.is_convex(*f) != parts.features.is_convex(*f);
-        let all = (0..parts.mesh.faces().len() as u32).map(FaceId);
-        change.reclassified = all.filter(turned).collect();
-        tell_concavities(change, &self.concavities, &parts.concavities);
+        if self.hull_differs || self.topology_differs {
+            change.trail = None;
+        }
         change.patches = same_patches(&self.patches, parts.patches());
     }
 }
@@ -99,33 +82,21 @@ impl Renewal {
 struct Former {
     hull: ConvexHull,
     tree: FaceTree,
-    features: Features,
-    concavities: Concavities,
-    concavity_trees: Option<FaceForest>,
     patches: Patches,
 }
 
 /// Makes everything but the adjacency of faces from the mesh.
 fn replace(parts: &mut Parts) -> Former {
-    let Parts { mesh, topology, flatness, leaf_size, concavity_leaf_size, .. } = &*parts;
+    let Parts { mesh, topology, flatness, leaf_size, .. } = &*parts;
     let mates = Mates::of(mesh, topology);
     let tree = FaceTree::of_pairs(mesh, &mates, *leaf_size);
     let patches = Patches::with_mates(mesh, topology, &mates);
     let hull = ConvexHull::with_flatness(mesh.vertices(), *flatness);
-    let Covered { features, concavities, concavity_trees, envelopes } =
-        Covered::of(mesh, topology, &hull, &tree, *concavity_leaf_size, &mut |_| {});
-    let trees = std::mem::replace(&mut parts.concavity_trees, Late::made(concavity_trees));
-    parts.hull_covers = Late::default();
-    parts.envelopes = Late::made(envelopes);
-    parts.former_envelopes = None;
     let (former_tree, former_patches) = parts.take_surface();
     parts.put_surface(tree, patches);
     Former {
         hull: std::mem::replace(&mut parts.hull, hull),
         tree: former_tree,
-        features: std::mem::replace(&mut parts.features, features),
-        concavities: std::mem::replace(&mut parts.concavities, concavities),
-        concavity_trees: trees.if_taken(),
         patches: former_patches,
     }
 }

@@ -1,8 +1,10 @@
-//! What is added up or compared over a whole body, kept in parts so that moved vertices touch few of them.
+//! What is added up or compared over a whole body, kept in parts so that moved vertices touch few
+//! of them.
 //!
-//! No source: sums and maxima over chunks, of which those with something that has moved are made again, so that
-//! errors of rounding do not gather. Cost: a chunk for each vertex or face that has moved, at most, and a pass over
-//! what is kept of all chunks; all faces where the middle of the body's box has moved.
+//! No source: sums and maxima over chunks, of which those with something that has moved are made
+//! again, so that errors of rounding do not gather. Cost: a chunk for each vertex or face that has
+//! moved, at most, and a pass over what is kept of all chunks; all faces where the middle of the
+//! body's box has moved.
 
 use crate::chunks::{CHUNK, touched};
 use crate::digest::BlockHashes;

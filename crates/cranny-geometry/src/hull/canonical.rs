@@ -23,7 +23,7 @@ pub(super) fn lowest_corner([a, b, c]: [u32; 3]) -> u32 {
 }
 
 /// A triangle, from its lowest vertex on.
-pub(crate) fn lowest_first(mut triangle: [u32; 3]) -> [u32; 3] {
+pub fn lowest_first(mut triangle: [u32; 3]) -> [u32; 3] {
     let first = lowest_corner(triangle) as usize;
     triangle.rotate_left(first);
     triangle

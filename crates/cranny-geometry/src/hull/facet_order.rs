@@ -13,18 +13,19 @@ use super::{ConvexHull, FacetId};
 use crate::ids::VertexId;
 
 /// Facets of a hull by their vertices.
-pub(crate) struct FacetOrder<'a> {
+pub struct FacetOrder<'a> {
     hull: &'a ConvexHull,
     vertices: BTreeMap<u32, Vec<VertexId>>,
 }
 
 impl<'a> FacetOrder<'a> {
-    pub(crate) fn of(hull: &'a ConvexHull) -> Self {
+    /// The order of the facets of a hull.
+    pub fn of(hull: &'a ConvexHull) -> Self {
         Self { hull, vertices: BTreeMap::new() }
     }
 
     /// Which of two facets comes first. Those with the same vertices, the two sides of a plate, go by number.
-    pub(crate) fn compare(&mut self, one: u32, other: u32) -> Ordering {
+    pub fn compare(&mut self, one: u32, other: u32) -> Ordering {
         self.prepare(one);
         self.prepare(other);
         let of = |facet: u32| self.vertices.get(&facet);

@@ -57,8 +57,8 @@ use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::late::Late;
-pub(crate) use canonical::lowest_first;
-pub(crate) use facet_order::FacetOrder;
+pub use canonical::lowest_first;
+pub use facet_order::FacetOrder;
 use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};
 pub use kind::HullKind;
@@ -66,7 +66,8 @@ pub use locate::Location;
 use quickhull::{Surface, previous};
 use span::{Projection, Span};
 use support::SupportGraph;
-pub(crate) use update::{FacetChange, Followed};
+pub use update::FacetChange;
+pub(crate) use update::Followed;
 pub use validate::HullViolation;
 
 /// A vertex of a hull, numbered from 0 in the order of the input points.
@@ -420,7 +421,7 @@ impl ConvexHull {
 
     /// The triangle with these corners, in this order but from any of them on, if there is one. Looks at the
     /// triangles around the corner that has the fewest.
-    pub(crate) fn triangle_of(&self, corners: [VertexId; 3]) -> Option<usize> {
+    pub fn triangle_of(&self, corners: [VertexId; 3]) -> Option<usize> {
         let [a, b, c] = corners.map(|v| self.vertex_of_source(v).map(|v| v.0));
         let (a, b, c) = (a?, b?, c?);
         let leaving = self.leaving.0.get(|| self.surface.leaving(self.positions.len()));
@@ -437,7 +438,7 @@ impl ConvexHull {
     }
 
     /// The triangles around a vertex.
-    pub(crate) fn triangles_at(&self, vertex: HullVertexId) -> impl Iterator<Item = usize> + '_ {
+    pub fn triangles_at(&self, vertex: HullVertexId) -> impl Iterator<Item = usize> + '_ {
         let leaving = self.leaving.0.get(|| self.surface.leaving(self.positions.len()));
         self.surface.spokes(leaving[vertex.index()]).map(|h| h as usize / 3)
     }

@@ -32,12 +32,12 @@ pub(crate) struct Followed {
 
 /// Which facets are others. All those that are named in neither list are the same triangles in the same plane, and
 /// have their number.
-#[derive(Default)]
-pub(crate) struct FacetChange {
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FacetChange {
     /// Facets before whose number means no facet, or another one; ascending.
-    pub(crate) gone: Vec<u32>,
+    pub gone: Vec<u32>,
     /// Facets now that are new, or have another number; ascending.
-    pub(crate) fresh: Vec<u32>,
+    pub fresh: Vec<u32>,
 }
 
 impl FacetChange {

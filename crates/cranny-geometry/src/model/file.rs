@@ -15,9 +15,6 @@ use cranny_exact::{DMat3, DVec3};
 
 use super::{Model, Parts};
 use crate::codec::{Flaw, Reader, Writer, check, is_flatness};
-use crate::concavity::Concavities;
-use crate::envelope::Envelopes;
-use crate::features::Features;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
 use crate::late::{Late, Unfolding};
@@ -27,7 +24,7 @@ use crate::patches::FoldedPatches;
 use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
-use crate::tree::{FaceForest, FoldedForest, FoldedTree};
+use crate::tree::FoldedTree;
 use head::{HEAD, check_head, doubtful_field, seal, write_head};
 
 pub use head::DecodeError;
@@ -39,11 +36,7 @@ mod section {
     pub(super) const MESH: Section = (*b"MESH", "mesh");
     pub(super) const TOPOLOGY: Section = (*b"TOPO", "topology");
     pub(super) const HULL: Section = (*b"HULL", "hull");
-    pub(super) const FEATURES: Section = (*b"FEAT", "features");
-    pub(super) const CONCAVITIES: Section = (*b"CONC", "concavities");
     pub(super) const TREE: Section = (*b"TREE", "tree");
-    pub(super) const CONCAVITY_TREES: Section = (*b"CTRE", "trees of concavities");
-    pub(super) const ENVELOPES: Section = (*b"ENVE", "envelopes");
     pub(super) const PATCHES: Section = (*b"PTCH", "patches");
     pub(super) const MASS: Section = (*b"MASS", "mass");
     pub(super) const ORIGIN: Section = (*b"ORIG", "origin");
@@ -52,23 +45,14 @@ use section::Section;
 
 impl Model {
     /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always gives the
-    /// same bytes, 80 to 180 a face. Cost: linear.
+    /// same bytes, 70 to 150 a face. Cost: linear.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let Parts {
             mesh,
             topology,
             hull,
-            features,
-            concavities,
-            // Follows from what is written.
-            hull_covers: _,
             tree: _,
-            // Written where they cannot be made again.
-            concavity_trees: _,
-            envelopes: _,
-            former_envelopes: _,
-            is_as_made,
             patches: _,
             mass,
             // Made again from the mesh.
@@ -77,7 +61,6 @@ impl Model {
             filed_faces,
             flatness,
             leaf_size,
-            concavity_leaf_size,
             // Made when it is needed.
             only_read: _,
             clusters: _,
@@ -96,19 +79,7 @@ impl Model {
         });
         section(section::TOPOLOGY, &|out| topology.encode(out));
         section(section::HULL, &|out| hull.encode(out));
-        section(section::FEATURES, &|out| features.encode(out));
-        section(section::CONCAVITIES, &|out| concavities.encode(out));
         section(section::TREE, &|out| self.tree().encode(out));
-        section(section::CONCAVITY_TREES, &|out| {
-            if !is_as_made {
-                self.concavity_trees().encode(out);
-            }
-        });
-        section(section::ENVELOPES, &|out| {
-            if !is_as_made {
-                self.envelopes().encode(out);
-            }
-        });
         section(section::PATCHES, &|out| self.patches().encode(out));
         section(section::MASS, &|out| out.list(&mass_numbers(mass.as_ref())));
         section(section::ORIGIN, &|out| {
@@ -116,10 +87,6 @@ impl Model {
             out.one(*leaf_size as u64);
             // None at all where all are as filed; a mesh has at least one.
             out.list(filed_faces.as_deref().unwrap_or_default());
-            // Where it was asked for only.
-            if *concavity_leaf_size != FaceForest::DEFAULT_LEAF_SIZE {
-                out.one(*concavity_leaf_size as u64);
-            }
         });
         let mut bytes = out.into_bytes();
         seal(&mut bytes);
@@ -137,11 +104,6 @@ impl Model {
     /// The boxes of [`tree`](Self::tree) and [`patches`](Self::patches) are made when they are first asked for, in
     /// linear time: by the first query whose bodies no plane between their hulls parts. What the file says of both is
     /// checked here.
-    ///
-    /// [`concavity_trees`](Self::concavity_trees) and [`envelopes`](Self::envelopes), which queries read only where they
-    /// are told to, are made when somebody first asks for them, from the rest of the model and as building makes them; so the
-    /// first call costs what these stages of building cost (README). Of a model that was deformed before it was
-    /// saved they would come out otherwise: there they are in the file, and are read and checked here.
     ///
     /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is made when it is
     /// first asked for, in linear time: by the first query that looks for a plane between two hulls.
@@ -162,11 +124,8 @@ impl Model {
     ///   a component hang together.
     /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once, that twins are
     ///   twins, and that its box is that of all vertices. Not that it holds the other vertices, nor that the planes of its facets lie above it.
-    /// - Features, concavities: that a face lies on a facet or in a concavity, not both; that rows are whole;
-    ///   that none surrounds itself. Not how faces were classified, nor sizes.
     /// - Trees, over faces and over patches: that each holds its faces once, in leaves that make a tree. Boxes are made
     ///   again.
-    /// - Envelopes, where they are in the file: that layers nest and divide their faces. Not that planes hold them. Boxes are made again.
     /// - Patches: that each face is in one. Not that cones (those of the nodes over them too), slabs and sizes are
     ///   theirs.
     /// - Mass: that it is there where the mesh is closed. Not that it is the mesh's.
@@ -190,23 +149,10 @@ impl Model {
         let (mesh, digest) = read(&mut sections, section::MESH, read_mesh)?;
         let topology = read(&mut sections, section::TOPOLOGY, |s| Topology::decode(s, &mesh))?;
         let hull = read(&mut sections, section::HULL, |s| ConvexHull::decode(s, &mesh))?;
-        let features = read(&mut sections, section::FEATURES, |s| {
-            Features::decode(s, &mesh, &topology, &hull)
-        })?;
-        let concavities = read(&mut sections, section::CONCAVITIES, |s| {
-            Concavities::decode(s, &mesh, &hull, &features)
-        })?;
         let tree = read(&mut sections, section::TREE, |s| FoldedTree::decode(s, &mesh))?;
-        let concavity_trees = read(&mut sections, section::CONCAVITY_TREES, |s| {
-            unless_empty(s, |s| concavity_trees_of(s, &mesh, &concavities))
-        })?;
-        let envelopes = read(&mut sections, section::ENVELOPES, |s| {
-            check(s.is_empty() == concavity_trees.is_none(), "there are no trees, or only trees")?;
-            unless_empty(s, |s| Envelopes::decode(s, &mesh, &concavities))
-        })?;
         let patches = read(&mut sections, section::PATCHES, |s| FoldedPatches::decode(s, &mesh))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
-        let Origin { flatness, leaf_size, concavity_leaf_size, filed_faces } =
+        let Origin { flatness, leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
         sections.end().map_err(|flaw| flawed(section::ORIGIN, flaw))?;
         let radius = radius(farthest(mesh.vertices()));
@@ -214,14 +160,7 @@ impl Model {
             mesh,
             topology,
             hull,
-            features,
-            concavities,
-            hull_covers: Late::default(),
             tree: Unfolding::folded(tree),
-            is_as_made: concavity_trees.is_none(),
-            concavity_trees: concavity_trees.map_or_else(Late::default, Late::made),
-            envelopes: envelopes.map_or_else(Late::default, Late::made),
-            former_envelopes: None,
             patches: Unfolding::folded(patches),
             clusters: Late::default(),
             mass,
@@ -230,7 +169,6 @@ impl Model {
             filed_faces,
             flatness,
             leaf_size,
-            concavity_leaf_size,
             only_read: true,
             workshop: None,
         };
@@ -255,25 +193,6 @@ fn read<T>(
         Ok(read)
     };
     whole().map_err(|flaw| flawed(section, flaw))
-}
-
-/// What is read, unless there is nothing.
-fn unless_empty<T>(
-    input: &mut Reader,
-    read: impl FnOnce(&mut Reader) -> Result<T, Flaw>,
-) -> Result<Option<T>, Flaw> {
-    if input.is_empty() { Ok(None) } else { read(input).map(Some) }
-}
-
-fn concavity_trees_of(
-    input: &mut Reader,
-    mesh: &Mesh,
-    concavities: &Concavities,
-) -> Result<FaceForest, Flaw> {
-    let (mut trees, owners) = FoldedForest::decode(input, mesh)?;
-    check(trees.len() == concavities.len(), "a tree for each concavity is needed")?;
-    check(owners == concavities.owners(), "a tree is not over its concavity")?;
-    Ok(trees.unfold(mesh))
 }
 
 /// The mesh and its digest.
@@ -319,7 +238,6 @@ fn read_mass(input: &mut Reader, is_closed: bool) -> Result<Option<MassPropertie
 struct Origin {
     flatness: f64,
     leaf_size: usize,
-    concavity_leaf_size: usize,
     filed_faces: Option<Vec<FaceId>>,
 }
 
@@ -328,16 +246,10 @@ fn read_origin(input: &mut Reader, faces: usize) -> Result<Origin, Flaw> {
     let filed: Vec<FaceId> = input.list()?;
     check(is_flatness(flatness), "the flatness is no number")?;
     check(filed.is_empty() || filed.len() == faces, "a filed face for each face is needed")?;
-    let default = FaceForest::DEFAULT_LEAF_SIZE;
-    let of_concavities = match unless_empty(input, |s| s.one::<u64>())? {
-        Some(size) => usize::try_from(size)?,
-        None => default,
-    };
-    check(leaf_size > 0 && of_concavities > 0, "leaves without faces are asked for")?;
+    check(leaf_size > 0, "leaves without faces are asked for")?;
     Ok(Origin {
         flatness,
         leaf_size: usize::try_from(leaf_size)?,
-        concavity_leaf_size: of_concavities,
         filed_faces: (!filed.is_empty()).then_some(filed),
     })
 }

@@ -8,17 +8,12 @@ use crate::mesh::Mesh;
 use crate::repair::Repair;
 use crate::repair::proof::ProofError;
 use crate::resolution::default_weld_distance;
-use crate::tree::FaceForest;
 
 /// How to prepare a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
     /// Faces per leaf of the tree, at least 1. Default: [`BuildOptions::DEFAULT_LEAF_SIZE`].
     pub leaf_size: usize,
-    /// Faces per leaf of the trees over concavities, at least 1. Default: [`FaceForest::DEFAULT_LEAF_SIZE`], as
-    /// measured there. Envelopes are made of parts of these trees: leaves of more faces than
-    /// [`leaf_faces`](crate::EnvelopeOptions::leaf_faces) give envelopes of single faces, which take longer to build.
-    pub concavity_leaf_size: usize,
     /// What may be mended. Default: [`Repair::None`], which keeps the surface as it was filed.
     pub repair: Repair,
     /// What 'the same place' means for findings and repairs: at most
@@ -40,15 +35,6 @@ impl BuildOptions {
     /// The largest weld distance, as a share of the mesh's diagonal. Larger, and everything is near
     /// everything: repairs mean nothing and searches take quadratic time.
     pub const LARGEST_WELD_SHARE: f64 = 0.01;
-
-    /// Refuses leaves without faces.
-    pub(super) fn check_leaves(&self) -> Result<(), BuildError> {
-        let all = [("all faces", self.leaf_size), ("concavities", self.concavity_leaf_size)];
-        match all.into_iter().find(|&(_, size)| size == 0) {
-            Some((trees, _)) => Err(BuildError::LeafSize { trees }),
-            None => Ok(()),
-        }
-    }
 }
 
 /// The weld distance asked for, or the default for a mesh.
@@ -71,7 +57,6 @@ impl Default for BuildOptions {
     fn default() -> Self {
         Self {
             leaf_size: Self::DEFAULT_LEAF_SIZE,
-            concavity_leaf_size: FaceForest::DEFAULT_LEAF_SIZE,
             repair: Repair::None,
             tolerance: None,
             self_intersections: true,
@@ -108,12 +93,9 @@ pub enum BuildError {
         /// The largest for this mesh.
         limit: f64,
     },
-    /// Trees whose leaves would hold no face.
-    #[error("leaves of 0 faces are asked for, in trees over {trees}: ask for at least 1")]
-    LeafSize {
-        /// What the trees are over.
-        trees: &'static str,
-    },
+    /// A tree whose leaves would hold no face.
+    #[error("leaves of 0 faces are asked for: ask for at least 1")]
+    LeafSize,
     /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
     #[error("the repaired mesh could not be proved to be the same surface: {0}")]
     NotProved(#[from] ProofError),
@@ -130,14 +112,6 @@ pub enum Stage {
     Scan,
     /// Convex hull.
     Hull,
-    /// Features: convex, concavity, boundary.
-    Classify,
-    /// Caps, concavities, boundary loops.
-    Caps,
-    /// A box tree for each concavity.
-    ConcavityTrees,
-    /// Envelopes of concavities.
-    Envelopes,
     /// All done.
     Done,
 }

@@ -35,8 +35,8 @@ pub enum FindingKind {
     DuplicateFaces,
     /// Faces on the same three vertices, some wound against the others. Area.
     OppositeFaces,
-    /// Edges whose two faces lie in one plane, exactly, side by side: harmless, and so many that they
-    /// are summed up. The longest such edge.
+    /// Edges whose two faces lie in one plane, exactly, side by side: harmless, and so many that
+    /// they are summed up. The longest such edge.
     CoplanarAdjacent,
     /// Two faces that lie in one plane, exactly, and share area. Size of the boxes' overlap.
     CoplanarOverlap,
@@ -70,17 +70,18 @@ pub enum FindingKind {
     NestedSolid,
     /// More than one component, summed up: a face of each. Diagonal of the box of all.
     SeveralShells,
-    /// A side of the hull that faces cover more than once: caps there count negative. Strips no wider than
-    /// [`slab_depth`](crate::features::Features::slab_depth) are not told. The vertices of these caps.
-    /// Their area.
+    /// A side of the hull that faces cover more than once: caps there count negative. Strips no
+    /// wider than the slab depth (`cranny_concavity::Features::slab_depth`) are not told. The
+    /// vertices of these caps. Their area.
     NegativeCap,
-    /// Such a side on which the rims of faces cross each other: its caps overlap. The corners of the
-    /// side. How thick it is.
+    /// Such a side on which the rims of faces cross each other: its caps overlap. The corners of
+    /// the side. How thick it is.
     CrossedCap,
-    /// A closed body whose hull has no more volume for its area than
-    /// [`slab_depth`](crate::features::Features::slab_depth): a plate of about twice that thickness or less, so that
-    /// faces of either side may count as lying on the facets of both. The corners of its hull's largest side. The
-    /// volume of the hull over its area, which is half the thickness of a plate.
+    /// A closed body whose hull has no more volume for its area than the slab depth
+    /// (`cranny_concavity::Features::slab_depth`): a plate of about twice that thickness or less,
+    /// so that faces of either side may count as lying on the facets of both. The corners of its
+    /// hull's largest side. The volume of the hull over its area, which is half the thickness of a
+    /// plate.
     ThinBody,
 }
 

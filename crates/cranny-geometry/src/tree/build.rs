@@ -327,7 +327,7 @@ fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a Lows, u32)) -> us
 
 /// Moves what satisfies `first` to the front and keeps the order otherwise, without a branch an item.
 /// Their number. `aside` is memory to be used again.
-pub(crate) fn partition<T: Copy>(
+pub fn partition<T: Copy>(
     items: &mut [T],
     aside: &mut Vec<T>,
     first: impl Fn(&T) -> bool,

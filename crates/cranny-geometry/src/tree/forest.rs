@@ -1,7 +1,7 @@
 //! Many trees in one array: one a concavity, or one a patch.
 //!
-//! Source and cost of growing a tree stand in `build`, of pruning one in `prune`; a forest costs what its trees
-//! cost.
+//! Source and cost of growing a tree stand in `build`, of pruning one in `prune`; a forest costs
+//! what its trees cost.
 
 use super::build::Grower;
 use super::{
@@ -65,8 +65,9 @@ impl FaceForest {
         })
     }
 
-    /// The same, given the tree over all faces: where a group has most of them, that tree is pruned.
-    pub(crate) fn within<'g>(
+    /// The same, given the tree over all faces: where a group has most of them, that tree is
+    /// pruned.
+    pub fn within<'g>(
         tree: &FaceTree,
         mesh: &Mesh,
         groups: impl IntoIterator<Item = &'g [FaceId]>,
@@ -96,11 +97,11 @@ impl FaceForest {
         Self { arena, starts }
     }
 
-    /// The same trees but for those of some groups: the tree over group `i` is tree `kept(i)` of this
-    /// forest, where there is one, moved; the others are built.
+    /// The same trees but for those of some groups: the tree over group `i` is tree `kept(i)` of
+    /// this forest, where there is one, moved; the others are built.
     ///
     /// Cost: copying, and O(n log m) for the faces of the groups that are built.
-    pub(crate) fn updated<'g>(
+    pub fn updated<'g>(
         &self,
         mesh: &Mesh,
         groups: impl IntoIterator<Item = &'g [FaceId]>,
@@ -129,8 +130,12 @@ impl FaceForest {
         Self { arena, starts }
     }
 
-    /// [`FaceTree::refit`] of one tree.
-    pub(crate) fn refit(
+    /// Fits the boxes of one tree after some of its faces have moved, and grows parts of it again;
+    /// the changes are added to `changes`. Returns whether the tree is well again: a part that
+    /// takes more or fewer nodes when grown again stays as it is.
+    ///
+    /// Cost: follows the number of moved faces and the depth of the tree.
+    pub fn refit(
         &mut self,
         tree: usize,
         mesh: &Mesh,
@@ -144,7 +149,7 @@ impl FaceForest {
     }
 
     /// The range of nodes of tree `tree < len()`.
-    pub(crate) fn node_range(&self, tree: usize) -> std::ops::Range<usize> {
+    pub fn node_range(&self, tree: usize) -> std::ops::Range<usize> {
         self.starts[tree][0] as usize..self.starts[tree + 1][0] as usize
     }
 

@@ -4,9 +4,10 @@
 //! and no face is ever cut. Nodes lie in depth-first order, the left child right behind its parent.
 //! [`FaceTree`] is one tree, [`FaceForest`] many in one array (one a concavity, one a patch).
 //!
-//! Source: trees of axis-aligned boxes over faces are van den Bergen's (1997, "Efficient collision detection of
-//! complex deformable models using AABB trees"); how they are grown stands in `build`. Cost: O(n log n) to grow, as
-//! a rule; a question costs the nodes whose boxes it opens and their children.
+//! Source: trees of axis-aligned boxes over faces are van den Bergen's (1997, "Efficient collision
+//! detection of complex deformable models using AABB trees"); how they are grown stands in `build`.
+//! Cost: O(n log n) to grow, as a rule; a question costs the nodes whose boxes it opens and their
+//! children.
 
 mod build;
 mod codec;
@@ -18,14 +19,14 @@ mod refit;
 
 use cranny_exact::Aabb;
 
-pub(crate) use self::build::{Grower, partition};
-pub(crate) use self::codec::{FoldedForest, FoldedTree, Unfolded, box_around, check_shape};
+pub(crate) use self::build::Grower;
+pub use self::build::partition;
+pub(crate) use self::codec::{FoldedForest, FoldedTree, Unfolded, check_shape};
 pub use self::forest::FaceForest;
 pub(crate) use self::mates::Mates;
-pub use self::refit::NodeChanges;
-pub(crate) use self::refit::{GrownAreas, MovedFace};
+pub use self::refit::{GrownAreas, MovedFace, NodeChanges};
 
-use crate::ids::FaceId;
+use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 
 /// A node: a box, and what it holds.
@@ -157,6 +158,17 @@ impl FaceTree {
         if !self.nodes.is_empty() {
             self.visit_from(0, keep, visit);
         }
+    }
+
+    /// The vertices in a box, in no order and some more than once, and the faces whose boxes
+    /// overlap it.
+    #[must_use]
+    pub fn vertices_within(&self, mesh: &Mesh, bounds: &Aabb) -> (Vec<VertexId>, Vec<FaceId>) {
+        let mut faces = Vec::new();
+        self.visit(|b| b.overlaps(bounds), |f| faces.push(f));
+        let corners = faces.iter().flat_map(|&f| mesh.corners(f));
+        let inside = corners.filter(|&v| bounds.contains_point(mesh.position(v)));
+        (inside.collect(), faces)
     }
 
     /// [`visit`](Self::visit), beginning at a node.

@@ -22,19 +22,21 @@ use crate::mesh::Mesh;
 const SPREAD: f64 = 3.0;
 
 /// A face that has moved, and the box that it had before.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MovedFace {
-    pub(crate) face: FaceId,
-    pub(crate) old: Aabb,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovedFace {
+    /// Which.
+    pub face: FaceId,
+    /// Its box before.
+    pub old: Aabb,
 }
 
 /// Half the area of each node's box when it was grown, by node: what later boxes are compared with.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct GrownAreas(Vec<f64>);
+pub struct GrownAreas(Vec<f64>);
 
 impl GrownAreas {
     /// Of nodes as they are now.
-    pub(crate) fn of(nodes: &[Node]) -> Self {
+    pub fn of(nodes: &[Node]) -> Self {
         Self(nodes.iter().map(|n| half_area(&n.bounds)).collect())
     }
 
@@ -44,7 +46,7 @@ impl GrownAreas {
     }
 
     /// Of the trees of `new`, of which tree `i` is tree `kept(i)` of `old`, or was just grown.
-    pub(crate) fn carried(
+    pub fn carried(
         &self,
         old: &FaceForest,
         new: &FaceForest,
@@ -94,7 +96,7 @@ impl NodeChanges {
     }
 
     /// In ascending order, nodes that were grown again not counted twice.
-    pub(crate) fn settle(&mut self) {
+    pub fn settle(&mut self) {
         self.regrown.sort_unstable_by_key(|r| (r.start, std::cmp::Reverse(r.end)));
         let mut end = 0;
         self.regrown.retain(|r| {
@@ -207,7 +209,7 @@ impl FaceTree {
 
     /// Whether a node is an inner one with more than `few` faces beneath. True is certain, and quicker than to count
     /// them; false may only mean that most of them are on one side.
-    pub(crate) fn surely_has_more(&self, node: u32, few: usize) -> bool {
+    pub fn surely_has_more(&self, node: u32, few: usize) -> bool {
         match self.content(node) {
             // Of the left child and the nodes beneath it more than half are leaves; no leaf is empty.
             Content::Inner { left, right } => (right - left).div_ceil(2) as usize >= few,
@@ -216,7 +218,7 @@ impl FaceTree {
     }
 
     /// The nodes that hang at a node, itself included, and the faces that they hold: both stand together.
-    pub(crate) fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
+    pub fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
         let (mut first, mut last) = (node, node);
         let start = loop {
             match self.content(first) {

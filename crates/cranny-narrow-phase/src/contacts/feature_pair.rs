@@ -10,7 +10,7 @@ use cranny_geometry::{EdgeId, FaceId, Model, VertexId};
 use super::facing::{PARALLEL, edges_face, faces_towards, in_cone, in_wedge, over};
 use crate::answer::{Contact, Feature};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
+use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 
 /// The patch that a feature counts to.
 pub(crate) fn patch_index(model: &Model, feature: Feature) -> u32 {

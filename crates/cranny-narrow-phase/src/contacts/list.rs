@@ -17,7 +17,7 @@ use crate::pair::{Pair, Side, Whose};
 use crate::patience::Patience;
 use crate::search::{Candidate, Ground, Kind, Lasting, Turned, add_candidates};
 use crate::surface::FacePair;
-use crate::triangle_distance::Part;
+use cranny_geometry::triangle_distance::Part;
 
 /// A skin is meant to last for so many steps like the last. Fewer: lists are made again and again;
 /// more: they are long.
@@ -333,7 +333,7 @@ fn corner(pair: &Pair, side: Side, vertex: VertexId, face: FaceId, below: f64) -
                 Part::Edge(i) => owned.sides >> i & 1 != 0,
                 Part::Inside => false,
             };
-            let rim = part.feature(model, face);
+            let rim = Feature::of_part(part, model, face);
             // Two vertices are one pair, told from the first.
             let twice = side == Side::Second && matches!(rim, Feature::Vertex(_));
             if is_owned && !twice { vertex_rim(pair, side, vertex, rim, below) } else { None }

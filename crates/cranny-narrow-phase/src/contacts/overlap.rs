@@ -18,7 +18,7 @@ use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
 use crate::search::for_faces_near;
 use crate::surface::FacePair;
-use crate::triangle_distance::{Part, closest_on_triangle};
+use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 
 /// How much farther than the nearest way out the faces at the other edge may be from a point of an edge that
 /// crosses it: 1 where edges cross locally, however sharp they are, and a little more where these faces are
@@ -184,7 +184,7 @@ fn nearest_on(
         best.distance
     });
     *last = Some(best.face);
-    let feature = best.part.feature(pair.model(side), best.face);
+    let feature = Feature::of_part(best.part, pair.model(side), best.face);
     Nearest { distance: best.distance, foot: best.foot, feature, face: best.face }
 }
 

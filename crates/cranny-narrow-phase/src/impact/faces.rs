@@ -16,7 +16,7 @@ use super::linear::{LinearImpact, LinearLimits, linear_edge_edge, linear_vertex_
 use super::reach::triangles_lasting;
 use crate::answer::Feature;
 use crate::pair::Side;
-use crate::triangle_distance::{Nearest, Part, triangle_distance};
+use cranny_geometry::triangle_distance::{Nearest, Part, triangle_distance};
 
 /// Chords may deviate by this part of the tolerance, and it is how finely a meeting is located. Then
 /// what is called a meeting is within (√3 (1/8 + 2/8) + 1/8) < 4/5 of the tolerance; the rest is left
@@ -230,7 +230,8 @@ fn meeting_of(
     moment: &Moment,
     nearest: &Nearest,
 ) -> Meeting {
-    let feature = |side: Side, face| nearest.parts[side.index()].feature(bodies.model(side), face);
+    let feature =
+        |side: Side, face| Feature::of_part(nearest.parts[side.index()], bodies.model(side), face);
     let apart = nearest.points[1] - nearest.points[0];
     let distance = nearest.squared.sqrt();
     let normal = if distance > bodies.rounding {

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use cranny_concavity::Features;
 use cranny_exact::{Interval, RigidMap};
-use cranny_geometry::FaceId;
+use cranny_geometry::{FaceId, Model};
 
 use super::effort::Accuracy;
 use super::ground::{Ground, Nodes};
@@ -11,9 +12,10 @@ use super::hull_gap::HullWalk;
 use super::refinement::Refinement;
 use crate::containment::Solidity;
 use crate::motion::{Ball, Motion};
-use crate::node_set::NodeSet;
 use crate::pair::{Pair, Side, Whose};
-use crate::walk::HullFeature;
+use crate::pair::{bytes_of_pair, of_models};
+use cranny_concavity::NodeSet;
+use cranny_concavity::walk::HullFeature;
 
 /// Memory of a pair, as far as estimates are concerned. Bounds that were certain stay so: motion widens
 /// them by as much as it may have changed.
@@ -32,7 +34,7 @@ pub(crate) struct Carried {
     /// Faces that met last, or were nearest.
     pub(super) faces: Option<[FaceId; 2]>,
     pub(super) hulls: HullWalk,
-    pub(super) convex: Option<[Arc<NodeSet>; 2]>,
+    pub(super) convex: Option<[Arc<OnHull>; 2]>,
 }
 
 impl Carried {
@@ -102,12 +104,38 @@ impl Carried {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let convex = self.convex.as_ref().map_or(0, NodeSet::bytes_of_pair);
+        let convex = self.convex.as_ref().map_or(0, |pair| bytes_of_pair(pair, OnHull::bytes));
         size_of::<Self>() + self.refinement.bytes() + self.hulls.bytes() + convex
     }
 }
 
-/// The nodes that hold a face on the hull.
-pub(super) fn on_hull(pair: &Pair) -> [Arc<NodeSet>; 2] {
-    NodeSet::of_pair(pair, |model, face| model.features().is_convex(face))
+/// Which faces of a model lie on its hull, and which nodes of its tree hold one.
+#[derive(Clone, Debug)]
+pub(super) struct OnHull {
+    pub(super) nodes: NodeSet,
+    faces: Vec<bool>,
+}
+
+impl OnHull {
+    fn of(model: &Model) -> Self {
+        let features = Features::of(model);
+        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
+        Self {
+            nodes: NodeSet::of(model.tree(), |face| features.is_convex(face)),
+            faces: faces.map(|face| features.is_convex(face)).collect(),
+        }
+    }
+
+    pub(super) fn has(&self, face: FaceId) -> bool {
+        self.faces[face.index()]
+    }
+
+    fn bytes(&self) -> usize {
+        self.nodes.bytes() + self.faces.len()
+    }
+}
+
+/// What of the two models lies on their hulls. Models do not hold it.
+pub(super) fn on_hull(pair: &Pair) -> [Arc<OnHull>; 2] {
+    of_models(pair, OnHull::of)
 }

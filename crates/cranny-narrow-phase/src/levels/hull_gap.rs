@@ -8,7 +8,7 @@ use cranny_geometry::hull::HullVertexId;
 use cranny_geometry::{Model, VertexId};
 
 use crate::pair::{Pair, Side};
-use crate::walk::{
+use cranny_concavity::walk::{
     FeatureGraph, HullFeature, Relation, WalkCounters, WalkHull, WalkState, walk_hulls,
 };
 

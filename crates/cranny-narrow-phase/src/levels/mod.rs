@@ -168,7 +168,7 @@ impl Estimator<'_, '_> {
                 }
                 let convex =
                     self.carried.convex.get_or_insert_with(|| carried::on_hull(pair)).clone();
-                Scope::Convex(convex, pair)
+                Scope::Convex(convex)
             }
         };
         let (ground, findings) = (&self.ground, &mut self.findings);

@@ -4,20 +4,20 @@ use std::sync::Arc;
 
 use cranny_geometry::{Content, FaceId};
 
+use super::carried::OnHull;
 use super::findings::Findings;
 use super::ground::{Ground, Nodes};
 use crate::descent::{Opened, opened};
-use crate::node_set::NodeSet;
-use crate::pair::{Pair, Side};
+use crate::pair::Side;
 
 /// A level, as far as it concerns trees.
-pub(super) enum Scope<'a> {
+pub(super) enum Scope {
     /// All nodes and faces.
     Whole,
     /// Nodes to a depth.
     Depth(u8),
     /// Nodes that hold faces on the hull, and those faces.
-    Convex([Arc<NodeSet>; 2], &'a Pair<'a>),
+    Convex([Arc<OnHull>; 2]),
 }
 
 /// What there is to do about a pair of nodes.
@@ -50,7 +50,7 @@ impl Step {
     }
 }
 
-impl Scope<'_> {
+impl Scope {
     pub(super) fn step(&self, ground: &Ground, nodes: Nodes, depths: [u8; 2]) -> Step {
         let [a, b] = nodes;
         let [first, second] = ground.trees;
@@ -58,7 +58,7 @@ impl Scope<'_> {
         let may_open = |side: usize| match self {
             Self::Whole => true,
             Self::Depth(most) => depths[side] < *most,
-            Self::Convex(convex, _) => convex[0].has(a) && convex[1].has(b),
+            Self::Convex(convex) => convex[0].nodes.has(a) && convex[1].nodes.has(b),
         };
         let is_inner = |side: usize| matches!(contents[side], Content::Inner { .. });
         let opens = [0, 1].map(|side| is_inner(side) && may_open(side));
@@ -103,7 +103,7 @@ impl Scope<'_> {
     /// Whether a face may be looked at.
     pub(super) fn admits(&self, side: Side, face: FaceId) -> bool {
         match self {
-            Self::Convex(_, pair) => pair.model(side).features().is_convex(face),
+            Self::Convex(convex) => convex[side.index()].has(face),
             _ => true,
         }
     }

@@ -9,7 +9,7 @@ use cranny_geometry::{DisjointSets, EdgeId, FaceId, VertexId};
 use crate::answer::{Contact, Feature};
 use crate::contacts::facing::{PARALLEL, Ridge, faces_towards, in_cone, in_wedge, over};
 use crate::pair::{Pair, Side};
-use crate::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
+use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 
 /// All contacts between surfaces that are apart by more than 0 and at most `margin`, grouped into
 /// regions, in the pair's frame.
@@ -111,7 +111,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         }
         let outward = raw.normalize_or_zero();
         let own = Feature::Vertex(vertex);
-        let its = part.feature(self.pair.model(side.other()), face);
+        let its = Feature::of_part(part, self.pair.model(side.other()), face);
         let towards = if part == Part::Inside || over(height, separation, raw) {
             // A vertex that stands over a face counts also where its neighbours are nearer: a tilted
             // box lands on all its corners.

@@ -8,7 +8,7 @@
 use cranny_exact::DVec3;
 
 use super::{CoreFoot, ROUNDING, Revolved};
-use crate::triangle_distance::{Part, closest_on_triangle};
+use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 
 /// Steps after which a bracket has shrunk to rounding: every third one halves it.
 const STEPS: usize = 180;

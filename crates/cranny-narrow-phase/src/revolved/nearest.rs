@@ -65,7 +65,7 @@ pub fn nearest_face(model: &Model, solid: &Revolved, within: f64) -> Option<Near
     let way = least.outward.unwrap_or_else(|| solid.core_foot(least.point).outward);
     Some(NearestFace {
         distance,
-        feature: least.part.feature(model, face),
+        feature: Feature::of_part(least.part, model, face),
         on_model: least.point,
         on_solid: least.on_core + way * solid.radius(),
     })

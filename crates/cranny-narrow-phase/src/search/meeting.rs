@@ -12,7 +12,7 @@ use super::ground::Ground;
 use crate::answer::{Counters, Surface};
 use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
-use crate::triangle_distance::triangle_distance;
+use cranny_geometry::triangle_distance::triangle_distance;
 
 /// Faces are worth measuring where they are apart by more than so many steps. Fewer: they are
 /// measured again and again; more: clusters are looked at in every query that could rest.

@@ -17,7 +17,7 @@ use crate::containment::solidity;
 use crate::pair::{Pair, PosedVertices, Side};
 use crate::query::Placed;
 use crate::surface::{FacePair, looked_at, strongest};
-use crate::triangle_distance::triangle_distance;
+use cranny_geometry::triangle_distance::triangle_distance;
 
 fn model(shape: impl Into<Shape>) -> Model {
     Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
+use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, Mesh, Model, PatchId, VertexId};
 use cranny_narrow_phase::{
-    Answer, Contact, Demand, Feature, PairMemory, Part, Placed, Query, brute_force::brute_force,
-    closest_on_segments, closest_on_triangle, query,
+    Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force, query,
 };
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
 use cranny_testkit::Rng;

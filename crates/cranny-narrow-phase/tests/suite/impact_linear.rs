@@ -4,10 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use cranny_exact::DVec3;
-use cranny_narrow_phase::{
-    LinearImpact, LinearLimits, closest_on_segments, closest_on_triangle, linear_edge_edge,
-    linear_vertex_face,
-};
+use cranny_geometry::triangle_distance::{closest_on_segments, closest_on_triangle};
+use cranny_narrow_phase::{LinearImpact, LinearLimits, linear_edge_edge, linear_vertex_face};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {

@@ -25,6 +25,3 @@ mod smooth;
 mod solids;
 mod tracks;
 mod verdict;
-mod walk;
-mod walk_hard;
-mod walk_judge;

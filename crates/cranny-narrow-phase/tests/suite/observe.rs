@@ -3,15 +3,17 @@
 
 use std::collections::BTreeSet;
 
-use cranny_exact::{DQuat, DVec3, Meeting, Pose, RigidMap};
-use cranny_geometry::hull::HullVertexId;
-use cranny_geometry::{ConcavityId, Content, FaceId, FaceTree, Model};
-use cranny_narrow_phase::walk::{
+use cranny_concavity::ConcavityId;
+use cranny_concavity::pockets::{MetParts, PartsCase};
+use cranny_concavity::walk::{
     HullFeature, Relation, WalkCounters, WalkObserver, WalkState, walk_hulls, walk_hulls_observed,
 };
+use cranny_exact::{DQuat, DVec3, Meeting, Pose, RigidMap};
+use cranny_geometry::hull::HullVertexId;
+use cranny_geometry::{Content, FaceId, FaceTree, Model};
 use cranny_narrow_phase::{
-    Accuracy, Demand, Effort, KeptNodes, MetParts, Method, PairMemory, PairObserver, PartsCase,
-    Placed, Query, estimate, query,
+    Accuracy, Demand, Effort, KeptNodes, Method, PairMemory, PairObserver, Placed, Query, estimate,
+    query,
 };
 use cranny_shapes::{Comb, Cuboid, Cup, Sphere, Torus};
 use cranny_testkit::Rng;
@@ -19,7 +21,7 @@ use cranny_testkit::Rng;
 use crate::coherence::Walk;
 use crate::measure::{from_surface, world_triangles};
 use crate::solids::shape;
-use crate::walk_judge::{at, cuboid, disk, random_map, sphere};
+use cranny_stability::hull_judge::{at, cuboid, disk, random_map, sphere};
 
 /// All that is shown.
 #[derive(Clone, Debug, Default, PartialEq)]

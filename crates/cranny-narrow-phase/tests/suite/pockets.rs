@@ -1,6 +1,7 @@
 //! The second method gives the answers of the first, on every motion, with memory and without; and in a pocket it
 //! opens nothing as long as the other body keeps off the walls.
 
+use cranny_concavity::Concavities;
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
@@ -191,9 +192,9 @@ fn bodies_that_have_parted_are_told_by_a_plane_again() {
 
 /// The middle of the space in a cup.
 fn cup_middle(cup: &Model) -> DVec3 {
-    let pockets = cup.concavities();
+    let pockets = Concavities::of(cup);
     assert_eq!(pockets.len(), 1);
-    cup.envelopes().envelope(0).bounds().center()
+    pockets.envelopes().envelope(0).bounds().center()
 }
 
 /// A tube of 32 sides along z: walls from 1 to 2, from -1 to 1.
@@ -224,7 +225,7 @@ fn tube() -> Model {
 #[test]
 fn a_peg_that_keeps_off_its_hole_opens_nothing() {
     let (hole, peg) = (tube(), shape(Cuboid { size: [0.8, 0.8, 5.0] }));
-    assert_eq!(hole.concavities().len(), 1);
+    assert_eq!(Concavities::of(&hole).len(), 1);
     let mut memory = PairMemory::default();
     for step in 0..120 {
         let along = 0.01 * f64::from(step);
@@ -271,7 +272,7 @@ fn both_methods_tell_the_same_of_a_nut_on_its_bolt() {
 #[test]
 fn of_many_pockets_few_are_opened() {
     let ball = shape(GolfBall { triangles: 3_000, dimples: 36, ..GolfBall::default() });
-    let count = ball.concavities().len() as u64;
+    let count = Concavities::of(&ball).len() as u64;
     assert_eq!(count, 36);
     let mut memory = PairMemory::default();
     for step in 0..30 {
@@ -282,5 +283,37 @@ fn of_many_pockets_few_are_opened() {
             let done = agreed(a, b, demand, &mut memory, &format!("step {step}, {demand:?}"));
             assert!(done.pockets_opened < count / 3, "{}", done.pockets_opened);
         }
+    }
+}
+
+/// Nobody pays for concavities that no query needs, nor twice for those that one does.
+#[test]
+fn concavities_are_made_by_the_first_query_that_needs_them() {
+    let (cup, ball) =
+        (shape(Cup::default()), shape(Sphere { radius: 0.2, segments: 16, rings: 8 }));
+    let pose = Pose::at(Concavities::of(&cup).envelopes().envelope(0).bounds().center());
+    let made = |memory: &mut PairMemory, [a, b]: [&Model; 2], method| {
+        let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
+        let question = Query::of(Demand::Intersects).by(method);
+        query(a, b, &question, memory).unwrap().counters.concavities_made
+    };
+    let mut memory = PairMemory::default();
+    for _ in 0..2 {
+        assert_eq!(made(&mut memory, [&cup, &ball], Method::Boxes), 0);
+    }
+    assert_eq!(made(&mut memory, [&cup, &ball], Method::Envelopes), 2);
+    assert_eq!(made(&mut memory, [&ball, &cup], Method::Envelopes), 0, "the same pair");
+    assert_eq!(made(&mut memory, [&cup, &cup], Method::Envelopes), 1, "another pair of one model");
+
+    let of = |model| std::sync::Arc::new(Concavities::of(model));
+    let (of_cup, of_ball) = (of(&cup), of(&ball));
+    for ((a, of_a), (b, of_b)) in
+        [((&cup, &of_cup), (&ball, &of_ball)), ((&ball, &of_ball), (&cup, &of_cup))]
+    {
+        let mut memory = PairMemory::default();
+        memory.hold_concavities((a, of_a), (b, of_b));
+        assert_eq!(made(&mut memory, [&cup, &ball], Method::Envelopes), 0);
+        let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
+        agreed(a, b, Demand::Intersects, &mut memory, "held");
     }
 }

@@ -210,7 +210,8 @@ fn triangles_are_as_far_as_a_search_says() {
             assert!((least.signed.max(0.0) - oracle).abs() < 1e-7, "{what}: {oracle}");
             let signed = solid.core_foot(least.point).signed;
             assert!((signed - least.signed).abs() < 1e-9, "{what}: {signed} there");
-            let (on, _) = cranny_narrow_phase::closest_on_triangle(least.point, &triangle);
+            let (on, _) =
+                cranny_geometry::triangle_distance::closest_on_triangle(least.point, &triangle);
             assert!(on.distance(least.point) < 1e-12 * (1.0 + size), "{what}: off the triangle");
             if least.signed > 1e-9 {
                 let outward = least.outward.expect("apart");

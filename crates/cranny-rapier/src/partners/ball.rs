@@ -10,10 +10,9 @@ use std::cell::Cell;
 use std::collections::HashSet;
 
 use cranny_exact::{Aabb, DVec3};
+use cranny_geometry::triangle_distance::{closest_on_segments, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
-use cranny_narrow_phase::{
-    Contact, Feature, closest_on_segments, closest_on_triangle, reduce_contacts,
-};
+use cranny_narrow_phase::{Contact, Feature, reduce_contacts};
 
 /// Slack, as a sine, of 'falls away from': without it rounding would drop contacts at flat edges.
 const FALLS_AWAY: f64 = 1e-9;
@@ -123,7 +122,7 @@ fn swept_end(model: &Model, center: DVec3, radius: f64, reach: f64, own: Feature
         |b| b.overlaps(&window),
         |face| {
             let (point, part) = closest_on_triangle(center, &model.mesh().triangle(face));
-            let feature = part.feature(model, face);
+            let feature = Feature::of_part(part, model, face);
             let squared = (point - center).length_squared();
             if squared <= (radius + reach) * (radius + reach) && seen.insert(feature) {
                 feet.push(Foot { feature, point, squared });
@@ -192,7 +191,8 @@ pub(super) fn enclosing(model: &Model, p: DVec3) -> Option<Foot> {
             let squared = (point - p).length_squared();
             if squared < best.get() {
                 best.set(squared);
-                nearest = Some(Foot { feature: part.feature(model, face), point, squared });
+                nearest =
+                    Some(Foot { feature: Feature::of_part(part, model, face), point, squared });
             }
         },
     );

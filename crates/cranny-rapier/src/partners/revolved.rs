@@ -11,9 +11,10 @@
 use std::collections::BTreeSet;
 
 use cranny_exact::DVec3;
+use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
 use cranny_narrow_phase::revolved::Revolved;
-use cranny_narrow_phase::{Contact, Feature, Part, closest_on_triangle, reduce_contacts};
+use cranny_narrow_phase::{Contact, Feature, reduce_contacts};
 
 use super::ball::{enclosing, is_least, outward_normal};
 use super::spread::spread;

@@ -1,8 +1,8 @@
 //! The closest-feature walk over hulls.
 
+use cranny_concavity::walk::{HullAnswer, Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_exact::{DVec3, Interval, Pose, RigidMap};
 use cranny_geometry::hull::HullKind;
-use cranny_narrow_phase::walk::{HullAnswer, Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_testkit::error_of_root;
 
 use crate::case::Case;

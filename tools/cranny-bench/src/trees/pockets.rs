@@ -1,7 +1,7 @@
 //! Envelopes beside the box tree: what is opened for a thing in a pocket.
 
+use cranny_concavity::envelope::{EnvelopeOptions, Envelopes, Opened, Pocket, Thing};
 use cranny_exact::{DVec3, RigidMap};
-use cranny_geometry::envelope::{EnvelopeOptions, Envelopes, Opened, Pocket, Thing};
 use cranny_geometry::{DisjointSets, EdgeId, FaceId, FaceTree, Mesh, Patches, Topology};
 use cranny_shapes::{Cup, IsoNut, ShapeError, Torus};
 

@@ -10,7 +10,8 @@ mod findings;
 use std::fmt::Display;
 use std::path::Path;
 
-use cranny_geometry::{Model, Report};
+use cranny_concavity::Concavities;
+use cranny_geometry::{Finding, Model};
 use cranny_render::{
     Camera, DrawList, DrawMeshError, ImageSize, Preset, RenderError, Renderer, RendererOptions,
 };
@@ -41,10 +42,10 @@ pub(super) enum Trouble {
 }
 
 /// Refuses a level or a depth at which nothing is, naming the last at which something is.
-pub(super) fn check(model: &Model, show: Show) -> Result<(), String> {
+pub(super) fn check(concavities: &Concavities, show: Show) -> Result<(), String> {
     let (asked, last, what) = match show {
-        Show::Boxes(level) => (level, classes::last_level(model), "boxes"),
-        Show::Envelope(depth) => (depth, envelope::last_depth(model), "envelope"),
+        Show::Boxes(level) => (level, classes::last_level(concavities), "boxes"),
+        Show::Envelope(depth) => (depth, envelope::last_depth(concavities), "envelope"),
         Show::Classes | Show::Patches | Show::Findings => return Ok(()),
     };
     match asked <= last {
@@ -58,7 +59,8 @@ pub(super) fn check(model: &Model, show: Show) -> Result<(), String> {
 /// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours mean.
 pub(super) fn draw(
     model: &Model,
-    report: &Report,
+    concavities: &Concavities,
+    findings: &[Finding],
     view: View,
     path: &Path,
 ) -> Result<Vec<String>, Trouble> {
@@ -74,7 +76,8 @@ pub(super) fn draw(
         Trouble::Failed(Failure::run(format!("picture {}: {error}", path.display())))
     };
     let size = ImageSize::new(SIZE[0], SIZE[1]).map_err(|error| failed(&error))?;
-    let (list, legend) = draw_list(model, report, view).map_err(|error| failed(&error))?;
+    let (list, legend) =
+        draw_list(model, concavities, findings, view).map_err(|error| failed(&error))?;
     let camera =
         Camera::fitted_to(Preset::Isometric, &list, size).map_err(|error| failed(&error))?;
     tracing::info!("{}: drawing with {}", path.display(), renderer.adapter_name());
@@ -89,16 +92,17 @@ pub(super) fn draw(
 
 fn draw_list(
     model: &Model,
-    report: &Report,
+    concavities: &Concavities,
+    findings: &[Finding],
     view: View,
 ) -> Result<(DrawList, Vec<String>), DrawMeshError> {
-    let mut canvas = Canvas::new(model);
+    let mut canvas = Canvas::new(model, concavities);
     match view.show {
         Show::Classes => classes::draw_classes(&mut canvas),
         Show::Patches => classes::draw_patches(&mut canvas),
         Show::Boxes(level) => classes::draw_boxes(&mut canvas, level),
         Show::Envelope(layer) => envelope::draw_layer(&mut canvas, layer),
-        Show::Findings => findings::draw_findings(&mut canvas, &report.findings),
+        Show::Findings => findings::draw_findings(&mut canvas, findings),
     }
     canvas.finish(view.up)
 }
@@ -112,8 +116,11 @@ mod tests {
     use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
 
     fn drawn(mesh: Mesh, show: Show) -> (DrawList, Vec<String>) {
-        let (model, report) = Model::build(mesh, &BuildOptions::default()).unwrap();
-        draw_list(&model, &report, View { show, up: Up::Z }).unwrap()
+        let (model, mut report) = Model::build(mesh, &BuildOptions::default()).unwrap();
+        let concavities = Concavities::of(&model);
+        report.add(concavities.findings(&model));
+        let view = View { show, up: Up::Z };
+        draw_list(&model, &concavities, &report.findings, view).unwrap()
     }
 
     fn cup() -> Mesh {
@@ -186,9 +193,10 @@ mod tests {
     fn whatever_axis_points_up_the_ground_lies_below() {
         // A cup is as wide as it is high, its bottom at 0.
         let (model, report) = Model::build(cup(), &BuildOptions::default()).unwrap();
+        let concavities = Concavities::of(&model);
         let top = |up| {
             let view = View { show: Show::Classes, up };
-            let (list, _) = draw_list(&model, &report, view).unwrap();
+            let (list, _) = draw_list(&model, &concavities, &report.findings, view).unwrap();
             let heights = list.lines.iter().flat_map(|line| [line.from.z, line.to.z]);
             (list.bounds().min.z, heights.fold(f64::NEG_INFINITY, f64::max))
         };
@@ -208,19 +216,21 @@ mod tests {
     fn what_lies_too_deep_is_refused() {
         let torus = Torus { major_segments: 48, ..Default::default() };
         let (model, _) = Model::build(torus.build().unwrap(), &BuildOptions::default()).unwrap();
-        let last = [classes::last_level(&model), envelope::last_depth(&model)];
+        let all = Concavities::of(&model);
+        let last = [classes::last_level(&all), envelope::last_depth(&all)];
         // Leaves of two faces, layers of sixteen facets: hundreds of faces go deeper than one.
         assert!(last.iter().all(|&last| (1..16).contains(&last)), "{last:?}");
         for (show, of) in [(Show::Boxes as fn(usize) -> Show, last[0]), (Show::Envelope, last[1])] {
-            assert!(check(&model, show(of)).is_ok());
-            let refused = check(&model, show(of + 1)).unwrap_err();
+            assert!(check(&all, show(of)).is_ok());
+            let refused = check(&all, show(of + 1)).unwrap_err();
             assert!(refused.contains(&format!(":{of}, ")), "{refused}");
         }
         // Nothing at all to show: the first level is no error.
         let cube = Cuboid::default().build().unwrap();
         let (model, _) = Model::build(cube, &BuildOptions::default()).unwrap();
-        assert!(check(&model, Show::Boxes(0)).is_ok() && check(&model, Show::Boxes(1)).is_err());
-        assert!(check(&model, Show::Classes).is_ok());
+        let all = Concavities::of(&model);
+        assert!(check(&all, Show::Boxes(0)).is_ok() && check(&all, Show::Boxes(1)).is_err());
+        assert!(check(&all, Show::Classes).is_ok());
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::time::Duration;
 
-use cranny_geometry::concavity::Concavity;
-use cranny_geometry::{Envelope, Envelopes, Finding, MeetingScan, Model, RepairRecord};
+use cranny_concavity::Concavity;
+use cranny_concavity::{Concavities, Envelope, Envelopes};
+use cranny_geometry::{Finding, MeetingScan, Model, RepairRecord};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -164,7 +165,7 @@ impl Skipped {
 
 impl Summary {
     /// The report of a prepared model.
-    pub(super) fn new(path: &Path, loaded: &LoadedModel) -> Self {
+    pub(super) fn new(path: &Path, loaded: &LoadedModel, concavities: &Concavities) -> Self {
         let LoadedModel { model, report, format, notes, times } = loaded;
         let bounds = model.bounds();
         let ms = |time: Duration| time.as_secs_f64() * 1e3;
@@ -192,15 +193,14 @@ impl Summary {
             findings_complete: report.meetings == MeetingScan::Complete,
             repairs: filed.map(|filed| filed.repairs.iter().map(RepairLine::new).collect()),
             hull: HullLine::new(model),
-            features: FeaturesLine::new(model),
-            concavities: model
-                .concavities()
+            features: FeaturesLine::new(concavities),
+            concavities: concavities
                 .iter()
-                .map(|concavity| ConcavityLine::new(model, &concavity, volumes_unknown.is_none()))
+                .map(|one| ConcavityLine::new(concavities, &one, volumes_unknown.is_none()))
                 .collect(),
             volumes_unknown,
-            skin_volume: model.concavities().skin().volume,
-            skin_area: model.concavities().skin().area,
+            skin_volume: concavities.skin().volume,
+            skin_area: concavities.skin().area,
             patches: model.patches().len(),
             bytes: None,
             time_ms: TimesLine {
@@ -250,11 +250,11 @@ impl RepairLine {
 }
 
 impl FeaturesLine {
-    fn new(model: &Model) -> Self {
-        let features = model.features();
+    fn new(concavities: &Concavities) -> Self {
+        let features = concavities.features();
         Self {
             convex_sets: features.convex_sets().len(),
-            concavities: model.concavities().len(),
+            concavities: concavities.len(),
             boundary_edges: features.boundary_edge_count(),
             isolated_vertices: features.isolated_vertices().len(),
             ridges: features.ridges().len(),
@@ -264,9 +264,9 @@ impl FeaturesLine {
 }
 
 impl ConcavityLine {
-    fn new(model: &Model, concavity: &Concavity<'_>, is_known: bool) -> Self {
+    fn new(all: &Concavities, concavity: &Concavity<'_>, is_known: bool) -> Self {
         let index = concavity.id().index();
-        let envelopes = model.envelopes();
+        let envelopes = all.envelopes();
         let layers = Layers::of(envelopes, &envelopes.envelope(index));
         Self {
             id: concavity.id().0,
@@ -278,7 +278,7 @@ impl ConcavityLine {
             area: concavity.measures.face_area,
             pocket_volume: is_known.then_some(concavity.measures.pocket_volume),
             parent: concavity.parent.map(|id| id.0),
-            tree_nodes: model.concavity_trees().nodes(index).len(),
+            tree_nodes: all.trees().nodes(index).len(),
             envelope_layers: layers.count,
             envelope_depth: layers.depth,
             envelope_facets: layers.facets,

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use cranny_concavity::Concavities;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{EdgeKind, FaceId, Model};
 use cranny_render::{Color, DrawList, DrawMesh, DrawMeshError, Ground, Instance, Line, palette};
@@ -40,6 +41,7 @@ pub(super) fn lightened(color: Color) -> Color {
 /// What is drawn, and what it means.
 pub(super) struct Canvas<'m> {
     pub(super) model: &'m Model,
+    pub(super) concavities: &'m Concavities,
     pub(super) faces: Vec<Color>,
     pub(super) list: DrawList,
     pub(super) legend: Vec<String>,
@@ -50,9 +52,10 @@ pub(super) struct Canvas<'m> {
 
 impl<'m> Canvas<'m> {
     /// A grey body.
-    pub(super) fn new(model: &'m Model) -> Self {
+    pub(super) fn new(model: &'m Model, concavities: &'m Concavities) -> Self {
         Self {
             model,
+            concavities,
             faces: vec![GREY; model.mesh().faces().len()],
             list: DrawList::new(),
             legend: Vec::new(),

@@ -1,7 +1,8 @@
 //! What lies on the hull and what does not: classes, patches, boxes.
 
+use cranny_concavity::Concavities;
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::{Content, EdgeId, Model};
+use cranny_geometry::{Content, EdgeId};
 use cranny_render::{Color, Point, palette};
 
 use super::canvas::{Canvas, INK, LINE_WIDTH, lightened};
@@ -22,7 +23,7 @@ pub(super) fn draw_classes(canvas: &mut Canvas<'_>) {
     let mesh = model.mesh();
     canvas.legend.push("grey: faces on the hull".to_owned());
     let colors = draw_concavities(canvas);
-    for cap in model.concavities().caps() {
+    for cap in canvas.concavities.caps() {
         if let Some(concavity) = cap.concavity {
             let corners = cap.corners.map(|v| mesh.position(v));
             canvas.add_glass(&corners, lightened(palette(colors[concavity.index()])));
@@ -32,7 +33,7 @@ pub(super) fn draw_classes(canvas: &mut Canvas<'_>) {
         canvas.legend.push("translucent: caps; dark lines: boundary loops".to_owned());
     }
     draw_facets(canvas);
-    let isolated = model.features().isolated_vertices();
+    let isolated = canvas.concavities.features().isolated_vertices();
     if !isolated.is_empty() {
         canvas.legend.push("dark dots: vertices on the hull without a face on it".to_owned());
     }
@@ -73,7 +74,7 @@ pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
     let first = canvas.list.lines.len();
     let mut count = 0;
     for (tree, &color) in colors.iter().enumerate() {
-        for bounds in boxes(canvas.model, tree, level) {
+        for bounds in boxes(canvas.concavities, tree, level) {
             canvas.list.push_box(&bounds, palette(color), BOX_WIDTH);
             count += 1;
         }
@@ -85,8 +86,8 @@ pub(super) fn draw_boxes(canvas: &mut Canvas<'_>, level: usize) {
 }
 
 /// The last level of the concavities' trees.
-pub(super) fn last_level(model: &Model) -> usize {
-    let trees = model.concavity_trees();
+pub(super) fn last_level(concavities: &Concavities) -> usize {
+    let trees = concavities.trees();
     let mut open: Vec<_> = (0..trees.len()).filter_map(|t| trees.root(t)).map(|n| (n, 0)).collect();
     let mut last = 0;
     while let Some((node, level)) = open.pop() {
@@ -98,8 +99,8 @@ pub(super) fn last_level(model: &Model) -> usize {
     last
 }
 
-fn boxes(model: &Model, tree: usize, level: usize) -> Vec<Aabb> {
-    let trees = model.concavity_trees();
+fn boxes(concavities: &Concavities, tree: usize, level: usize) -> Vec<Aabb> {
+    let trees = concavities.trees();
     let mut open: Vec<_> = trees.root(tree).map(|root| (root, 0)).into_iter().collect();
     let mut found = Vec::new();
     while let Some((node, depth)) = open.pop() {
@@ -115,7 +116,7 @@ fn boxes(model: &Model, tree: usize, level: usize) -> Vec<Aabb> {
 
 /// The faces of concavities in colours, and their loops. Returns the colours.
 fn draw_concavities(canvas: &mut Canvas<'_>) -> Vec<usize> {
-    let (mesh, concavities) = (canvas.model.mesh(), canvas.model.concavities());
+    let (mesh, concavities) = (canvas.model.mesh(), canvas.concavities);
     let colors = canvas.paint(|face| concavities.of_face(face).map(|id| id.0), concavities.len());
     canvas.explain_colors("concavities", &colors);
     lay_bare_what_is_enclosed(canvas);
@@ -146,17 +147,18 @@ fn draw_facets(canvas: &mut Canvas<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cranny_geometry::BuildOptions;
+    use cranny_geometry::{BuildOptions, Model};
     use cranny_shapes::Cup;
 
     #[test]
     fn boxes_divide_level_by_level_until_the_leaves() {
         let mesh = Cup::default().build().unwrap();
         let model = Model::build(mesh, &BuildOptions::default()).unwrap().0;
+        let concavities = Concavities::of(&model);
         for level in 0..4 {
-            assert_eq!(boxes(&model, 0, level).len(), 1 << level);
+            assert_eq!(boxes(&concavities, 0, level).len(), 1 << level);
         }
-        let leaves = model.concavity_trees().nodes(0).len().div_ceil(2);
-        assert_eq!(boxes(&model, 0, 1_000).len(), leaves);
+        let leaves = concavities.trees().nodes(0).len().div_ceil(2);
+        assert_eq!(boxes(&concavities, 0, 1_000).len(), leaves);
     }
 }

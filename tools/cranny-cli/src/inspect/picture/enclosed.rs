@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use cranny_geometry::ConcavityId;
-use cranny_geometry::concavity::{Concavity, ConcavityKind};
+use cranny_concavity::ConcavityId;
+use cranny_concavity::{Concavity, ConcavityKind};
 
 use super::canvas::Canvas;
 
 /// Where matter encloses voids, or pieces of matter, whatever is around them becomes glass.
 pub(super) fn lay_bare_what_is_enclosed(canvas: &mut Canvas<'_>) {
-    let concavities = canvas.model.concavities();
+    let concavities = canvas.concavities;
     let is_hidden = |c: &Concavity<'_>| match c.kind {
         ConcavityKind::Void => true,
         ConcavityKind::Island => c.parent.is_none(),

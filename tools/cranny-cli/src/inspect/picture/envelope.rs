@@ -1,8 +1,9 @@
 //! Layers of envelopes: the convex cores that they enclose, and what lies beneath each facet.
 
+use cranny_concavity::envelope::{EnvelopeFacet, HalfSpace};
+use cranny_concavity::{Concavities, EnvelopeFacetId, Envelopes, LayerId};
 use cranny_exact::{Aabb, DVec3};
-use cranny_geometry::envelope::{EnvelopeFacet, HalfSpace};
-use cranny_geometry::{EnvelopeFacetId, Envelopes, FaceId, LayerId, Model};
+use cranny_geometry::FaceId;
 use cranny_render::palette;
 
 use super::canvas::Canvas;
@@ -21,7 +22,7 @@ struct Shown {
 /// The facets of the layers at a depth, and the faces in the colours of the facets that they lie beneath;
 /// where an envelope ends before, its last layer.
 pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
-    let envelopes = canvas.model.envelopes();
+    let envelopes = canvas.concavities.envelopes();
     let mut shown = Vec::new();
     for index in 0..envelopes.len() {
         let envelope = envelopes.envelope(index);
@@ -61,8 +62,8 @@ fn told(depth: usize, shown: &[Shown]) -> String {
 }
 
 /// How deep the envelopes' layers nest, 0 where there is one beneath each cap.
-pub(super) fn last_depth(model: &Model) -> usize {
-    let all = model.envelopes();
+pub(super) fn last_depth(concavities: &Concavities) -> usize {
+    let all = concavities.envelopes();
     let first = (0..all.len()).filter_map(|index| all.envelope(index).first_layer());
     let mut open: Vec<(LayerId, usize)> = first.map(|layer| (layer, 0)).collect();
     let mut last = 0;

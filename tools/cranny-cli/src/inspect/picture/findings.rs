@@ -58,6 +58,7 @@ fn paint_faces(canvas: &mut Canvas<'_>, finding: &Finding, color: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cranny_concavity::Concavities;
     use cranny_geometry::{BuildOptions, Mesh, Model};
     use cranny_shapes::Cuboid;
 
@@ -72,7 +73,8 @@ mod tests {
         let is_cavity = |f: &&Finding| f.kind == FindingKind::Cavity;
         let cavity: Vec<Finding> = report.findings.iter().filter(is_cavity).cloned().collect();
         assert_eq!(cavity[0].ids, [1, 0]);
-        let mut canvas = Canvas::new(&model);
+        let concavities = Concavities::of(&model);
+        let mut canvas = Canvas::new(&model, &concavities);
         draw_findings(&mut canvas, &cavity);
         let painted: Vec<bool> = canvas.faces.iter().map(|&c| c == palette(0)).collect();
         assert_eq!(painted, [[false; 12], [true; 12]].concat());

@@ -1,0 +1,64 @@
+//! Concavities whose faces have moved, and nothing else about them has changed.
+//!
+//! No source: the sums are those of building, in the same order, over the concavities named. Cost:
+//! with the function.
+
+use super::build::{Input, twice_area_vector};
+use super::{ConcavitySet, Measures};
+use crate::caps::CapSurface;
+use crate::features::Features;
+use crate::ids::ConcavityId;
+use cranny_geometry::Mesh;
+use cranny_geometry::Topology;
+use cranny_geometry::hull::ConvexHull;
+
+impl ConcavitySet {
+    /// The caps of all facets.
+    pub(crate) fn cap_surface(&self) -> &CapSurface {
+        &self.caps
+    }
+
+    /// Measures concavities again of which faces off the hull have moved, no face on it, and no
+    /// corner of a cap; and looks anew at what lies in what, where there is anything without a lid.
+    ///
+    /// Cost: the faces and caps of these concavities; with voids or islands, those of all.
+    pub(crate) fn remeasure(
+        &mut self,
+        mesh: &Mesh,
+        topology: &Topology,
+        hull: &ConvexHull,
+        features: &Features,
+        changed: &[ConcavityId],
+    ) {
+        let input = Input { mesh, topology, hull, features, center: hull.bounds().center() };
+        for &id in changed {
+            let measures = self.measured(&input, id);
+            self.records[id.index()].measures = measures;
+        }
+        input.name(self);
+        input.nest(self);
+    }
+
+    /// What the sums over a concavity come to, added up in the order in which they were built.
+    fn measured(&self, input: &Input<'_>, id: ConcavityId) -> Measures {
+        let concavity = self.get(id);
+        let mut measures = Measures::default();
+        for &face in concavity.faces {
+            let corners = input.mesh.triangle(face);
+            measures.face_area += 0.5 * twice_area_vector(corners).length();
+            measures.pocket_volume -= input.volume_below(corners);
+        }
+        let mut caps = concavity.caps.to_vec();
+        caps.sort_unstable();
+        for cap in caps {
+            let corners = input.cap_triangle(&self.caps, cap.index());
+            let opening = 0.5 * twice_area_vector(corners);
+            let is_negative = self.caps.negative.binary_search(&cap).is_ok();
+            let sign = if is_negative { -1.0 } else { 1.0 };
+            measures.cap_area += sign * opening.length();
+            measures.pocket_volume += input.volume_below(corners);
+            measures.opening += opening;
+        }
+        measures
+    }
+}

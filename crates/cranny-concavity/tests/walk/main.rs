@@ -1,0 +1,5 @@
+//! The closest-feature walk between hulls.
+
+mod frames;
+mod hard;
+mod judge;

@@ -1,0 +1,139 @@
+//! The second way to the faces that meet, by concavities and their envelopes: what is kept of a
+//! pair for it.
+//!
+//! The way itself, its sources and its costs stand in [`cranny_concavity::pockets`]: it hands over
+//! pairs of faces that hold all that meet, and the exact test here is the same as by boxes. Which
+//! way is taken changes the time, never the answer.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use cranny_concavity::Concavities;
+use cranny_concavity::pockets::{MetParts, Near, PocketBody, PocketCounters, Pockets, PosedModels};
+use cranny_exact::{Meeting, RigidMap};
+use cranny_geometry::FaceId;
+
+use crate::answer::Counters;
+use crate::descent::for_each_near_pair_beneath;
+use crate::motion::{Ball, Motion};
+use crate::observe::PairObserver;
+use crate::pair::{Pair, Side, Whose, bytes_of_pair, of_models};
+use crate::surface::{FacePair, looked_at};
+
+/// What is kept of a pair.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PocketMemory {
+    whose: Whose,
+    /// The relative pose of the last query.
+    map: Option<RigidMap>,
+    pockets: Pockets,
+    bodies: Option<[Arc<PocketBody>; 2]>,
+}
+
+impl PocketMemory {
+    /// Takes concavities of the models that somebody has made.
+    pub(crate) fn hold(&mut self, pair: &Pair, of: [&Arc<Concavities>; 2]) {
+        let models = Side::BOTH.map(|side| pair.model(side));
+        let body = |i: usize| Arc::new(PocketBody::of(models[i], Arc::clone(of[i])));
+        let first = body(0);
+        let second = if models[0].is_same(models[1]) { Arc::clone(&first) } else { body(1) };
+        let bodies = Some([first, second]);
+        *self = Self { whose: Whose::of(pair), bodies, ..Self::default() };
+    }
+
+    /// The pairs of faces that meet, by ascending ids. `only_verdict`: ends at the first that
+    /// cross, which is then among them.
+    pub(crate) fn meetings(
+        &mut self,
+        pair: &Pair,
+        only_verdict: bool,
+        counters: &mut Counters,
+    ) -> Vec<FacePair> {
+        if !self.whose.are_of(pair) {
+            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        }
+        let both = self.bodies(pair, counters);
+        let bodies = [&*both[0], &*both[1]];
+        let posed = PosedModels {
+            models: Side::BOTH.map(|side| pair.model(side)),
+            first_from_second: pair.first_from_second,
+            error: pair.culling_error(),
+        };
+        let mut done = PocketCounters::default();
+        let steps = self.steps(pair);
+        self.pockets.open(&posed, bodies, steps, &mut done);
+        let mut found = Vec::new();
+        let mut look = |f: FaceId, g: FaceId, counters: &mut Counters| {
+            let meeting = looked_at(pair, f, g, counters);
+            found.extend(meeting);
+            let ends = only_verdict && meeting.is_some_and(|m| m.meeting == Meeting::Cross);
+            if ends { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let holds = |side: Side, node| bodies[side.index()].rest().has(node);
+        let is_on_hulls = |f, g| bodies[0].is_on_hull(f) && bodies[1].is_on_hull(g);
+        // Whether all was looked at does not matter to whoever wants a verdict.
+        let _ = self.pockets.for_each_near(&posed, bodies, &mut done, |near| match near {
+            Near::Faces(f, g) => look(f, g, counters),
+            Near::Rests => for_each_near_pair_beneath(pair, 0.0, holds, counters, |f, g, c| {
+                if is_on_hulls(f, g) { look(f, g, c) } else { ControlFlow::Continue(()) }
+            }),
+        });
+        counters.pockets_opened += done.opened;
+        counters.pockets_passed += done.passed;
+        counters.facets_compared += done.facets_compared;
+        found.sort_unstable();
+        found
+    }
+
+    /// For each body how far points of the other may have gone since the last query, seen from it.
+    fn steps(&mut self, pair: &Pair) -> Option<[f64; 2]> {
+        let before = self.map.replace(pair.first_from_second)?;
+        let motion = Motion::since(&before, pair);
+        Some(Side::BOTH.map(|side| {
+            let guest = Ball::around(&pair.model(side.other()).bounds());
+            motion.as_ref().map_or(0.0, |motion| motion.step_of(side.other(), &guest))
+        }))
+    }
+
+    /// What the models do not hold; made now, where nobody has.
+    fn bodies(&mut self, pair: &Pair, counters: &mut Counters) -> [Arc<PocketBody>; 2] {
+        let bodies = self.bodies.get_or_insert_with(|| {
+            let bodies =
+                of_models(pair, |model| PocketBody::of(model, Arc::new(Concavities::of(model))));
+            counters.concavities_made += if Arc::ptr_eq(&bodies[0], &bodies[1]) { 1 } else { 2 };
+            bodies
+        });
+        bodies.clone()
+    }
+
+    /// Whether the last query was about these models at this pose.
+    fn is_at(&self, pair: &Pair) -> bool {
+        self.whose.are_of(pair) && self.map.is_some_and(|map| map == pair.first_from_second)
+    }
+
+    /// Shows what the last query, if it was this one, has opened and closed, and which parts it
+    /// asked against each other.
+    pub(crate) fn show(&self, pair: &Pair, observer: &mut impl PairObserver) {
+        let [ours, theirs] = Side::BOTH.map(|side| pair.bounds(side));
+        let Some(both) = self.bodies.as_ref().filter(|_| self.is_at(pair)) else { return };
+        if !ours.overlaps(&theirs) {
+            return;
+        }
+        for [first, second] in self.pockets.parts([&both[0], &both[1]]) {
+            let [a, b] = pair.ordered(first, second);
+            observer.parts(MetParts { a, b });
+        }
+        for side in Side::BOTH {
+            let [is_first, is_second] = [side == Side::First, side == Side::Second];
+            let body = usize::from(pair.ordered(is_first, is_second)[1]);
+            let [opened, closed] = self.pockets.changed(side.index());
+            opened.into_iter().for_each(|id| observer.opened(body, id));
+            closed.into_iter().for_each(|id| observer.closed(body, id));
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        let rests = |pair| bytes_of_pair(pair, |body: &PocketBody| body.rest().bytes());
+        self.pockets.bytes() + self.bodies.as_ref().map_or(0, rests)
+    }
+}
