@@ -72,13 +72,7 @@ fn of_directions(mut contacts: Vec<Contact>, cosine: f64) -> Vec<Contact> {
             None => directions.push(vec![contact]),
         }
     }
-    let mut kept: Vec<Contact> = Vec::new();
-    for group in directions {
-        match group.len() {
-            0..=LEAST => kept.extend(group),
-            _ => kept.extend(spanning(&group)),
-        }
-    }
+    let mut kept: Vec<Contact> = directions.iter().flat_map(|group| spanning(group)).collect();
     kept.sort_by(order);
     kept
 }
