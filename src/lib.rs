@@ -9,9 +9,9 @@
 //!
 //! # 1. A body: mesh to model
 //!
-//! A [`geometry::Mesh`] comes from a file or a generator. [`geometry::Model::build`] prepares it once
-//! (weld, adjacency, hull, trees, mass) and reports what is unusual. A model is immutable, cheap to
-//! clone, and can be saved and loaded.
+//! A [`geometry::Mesh`] comes from a file or a generator. [`geometry::Model::build`] prepares it
+//! once (weld, adjacency, hull, trees, mass) and reports what is unusual. A model is immutable,
+//! cheap to clone, and can be saved and loaded.
 //!
 //! ```
 //! # #[cfg(feature = "shapes")] {
@@ -29,10 +29,10 @@
 //!
 //! # 2. A pair: the query
 //!
-//! [`narrow_phase::query`] answers about two placed models. The [`Demand`](narrow_phase::Demand) limits
-//! the work: a verdict, a distance, contacts for a solver, or regions. A
-//! [`PairMemory`](narrow_phase::PairMemory) belongs to the caller and makes the next query of a pair
-//! that moved little cheap; it changes no answer.
+//! [`narrow_phase::query`] answers about two placed models. The [`Demand`](narrow_phase::Demand)
+//! limits the work: a verdict, a distance, contacts for a solver, or regions. A
+//! [`PairMemory`](narrow_phase::PairMemory) belongs to the caller and makes the next query of a
+//! pair that moved little cheap; it changes no answer.
 //!
 //! Two links of a chain, first loosely interlinked, then pulled taut:
 //!
@@ -101,16 +101,16 @@
 //!
 //! # 4. Bodies that push: rapier
 //!
-//! With the feature `rapier`, `cranny::rapier::dispatcher()` and `MeshShape` put the detector into a
-//! rapier world, and `cranny::rapier::Simulation` is such a world with the settings that exact contacts
-//! need. `examples/rapier_chain.rs` drops three links of a chain into each other.
+//! With the feature `rapier`, `cranny::rapier::dispatcher()` and `MeshShape` put the detector into
+//! a rapier world, and `cranny::rapier::Simulation` is such a world with the settings that exact
+//! contacts need. `examples/rapier_chain.rs` drops three links of a chain into each other.
 //!
 //! # 5. Scenes, files, pictures
 //!
 //! `cranny::scene` reads scenes, meshes and robots from files; `cranny::record` writes MCAP;
-//! `cranny::render` draws without a window; `cranny::ecs` composes all this in a bevy app, one plugin for
-//! each effect. `examples/bevy_app.rs` is an app with systems of its own. The command `cranny`
-//! (`tools/cranny-cli`) runs, compares, inspects and explains scenes and meshes.
+//! `cranny::render` draws without a window; `cranny::ecs` composes all this in a bevy app, one
+//! plugin for each effect. `examples/bevy_app.rs` is an app with systems of its own. The command
+//! `cranny` (`tools/cranny-cli`) runs, compares, inspects and explains scenes and meshes.
 //!
 //! # Features
 //!
@@ -124,15 +124,15 @@
 //! | `render` | `cranny::render`: pictures without a window | |
 //! | `ecs` | `cranny::ecs`: bevy plugins; composes those of the above that are turned on | |
 //!
-//! Exact, geometry, concavity, the two phases and the world are always there. They open no files, read no clock,
-//! hold no globals and touch no GPU.
+//! Exact, geometry, concavity, the two phases and the world are always there. They open no files,
+//! read no clock, hold no globals and touch no GPU.
 //!
 //! # What exact means, and what it does not
 //!
-//! Verdicts (whether the surfaces touch or cross, whether the solids meet, whether one is inside the
-//! other) are exact for the vertices as stored and the poses as given. Lengths, points, areas and depths
-//! are `f64` with rounding. Meshes that are not closed are answered as surfaces. What a pair's memory
-//! holds changes no answer, and neither does the order of A and B.
+//! Verdicts (whether the surfaces touch or cross, whether the solids meet, whether one is inside
+//! the other) are exact for the vertices as stored and the poses as given. Lengths, points, areas
+//! and depths are `f64` with rounding. Meshes that are not closed are answered as surfaces. What a
+//! pair's memory holds changes no answer, and neither does the order of A and B.
 
 pub use cranny_broad_phase as broad_phase;
 pub use cranny_concavity as concavity;

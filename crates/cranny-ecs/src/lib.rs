@@ -10,17 +10,18 @@
 //! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the last
 //!   step [`CrannyEnd`] reports the final ones, newly detected.
 //! - A pair with `Response` is searched inside the solver's step, and all other readers get that
-//!   answer ([`DetectionSystems::Supply`]). Fields of `Contacts` that [`ContactReaders`] read and that
-//!   answer lacks (regions, a wider margin) are a second query there, at the same pose, and move no
-//!   body. Where the solver's detector gives no exact answer, kept an old one or did not look at a
-//!   pair, the world queries it.
+//!   answer ([`DetectionSystems::Supply`]). Fields of `Contacts` that [`ContactReaders`] read and
+//!   that answer lacks (regions, a wider margin) are a second query there, at the same pose, and
+//!   move no body. Where the solver's detector gives no exact answer, kept an old one or did not
+//!   look at a pair, the world queries it.
 //! - Steps are driven by hand: no wall clock changes a result, and order is by stable [`BodyId`]s.
 //! - Removing a body is seen at once, by observers, in whatever schedule it happens.
 //!
 //! # Non-promises
 //!
 //! Bodies are those of the scene: an app adds others to the solver itself, and effects do not see
-//! them. A removed body stays in rapier's world, where it meets nothing. Dynamic bodies without `Response` stand still.
+//! them. A removed body stays in rapier's world, where it meets nothing. Dynamic bodies without
+//! `Response` stand still.
 //!
 //! # Features
 //!

@@ -2,7 +2,9 @@
 
 use crate::codec::plain_struct;
 
-macro_rules! id {
+/// Declares an index of one kind of thing: a `u32` that counts from 0, with `index()` for arrays.
+#[macro_export]
+macro_rules! typed_index {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -15,32 +17,37 @@ macro_rules! id {
                 self.0 as usize
             }
         }
-
-        plain_struct!($name(u32));
     };
 }
 
-id! {
+typed_index! {
     /// A vertex of a mesh.
     VertexId
 }
-id! {
+typed_index! {
     /// A triangular face of a mesh.
     FaceId
 }
-id! {
+typed_index! {
     /// A half-edge: `3 * face + corner`, running from that corner of the face to the next.
     HalfEdgeId
 }
-id! {
+typed_index! {
     /// An undirected edge of a mesh.
     EdgeId
 }
-id! {
+typed_index! {
     /// A component: faces that hang together over edges.
     ComponentId
 }
-id! {
+typed_index! {
     /// A patch: connected faces of nearly one normal.
     PatchId
 }
+
+plain_struct!(VertexId(u32));
+plain_struct!(FaceId(u32));
+plain_struct!(HalfEdgeId(u32));
+plain_struct!(EdgeId(u32));
+plain_struct!(ComponentId(u32));
+plain_struct!(PatchId(u32));

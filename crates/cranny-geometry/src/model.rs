@@ -5,8 +5,8 @@
 //! sees where the next belongs:
 //!
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
-//!    ([`topology`](Model::topology)), 3. mass ([`mass_properties`](Model::mass_properties)), 4. tree
-//!    over all faces ([`tree`](Model::tree)), 5. patches ([`patches`](Model::patches)),
+//!    ([`topology`](Model::topology)), 3. mass ([`mass_properties`](Model::mass_properties)), 4.
+//!    tree over all faces ([`tree`](Model::tree)), 5. patches ([`patches`](Model::patches)),
 //!    6. hull ([`hull`](Model::hull)).
 //!
 //! What lies between the body and its hull is no part of a model. Whoever wants it makes it
@@ -188,8 +188,9 @@ impl Model {
     }
 
     /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
-    /// [`tree`](Self::tree) and [`patches`](Self::patches), the [search tree](Self::clusters), the graph over the
-    /// vertices of the [`hull`](Self::hull), and the faces at vertices. For whoever wants no late cost.
+    /// [`tree`](Self::tree) and [`patches`](Self::patches), the [search tree](Self::clusters), the
+    /// graph over the vertices of the [`hull`](Self::hull), and the faces at vertices. For whoever
+    /// wants no late cost.
     pub fn prepare_all(&self) {
         self.0.tree();
         self.0.patches();

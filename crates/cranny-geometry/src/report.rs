@@ -56,8 +56,8 @@ impl Report {
         self.provenance.as_ref().map_or(&[], |known| &known.repairs)
     }
 
-    /// Why the volumes of pockets (`cranny_concavity::Measures::pocket_volume`) mean nothing; `None` where they do, as far as
-    /// faces that meet were [searched for](Self::meetings).
+    /// Why the volumes of pockets (`cranny_concavity::Measures::pocket_volume`) mean nothing;
+    /// `None` where they do, as far as faces that meet were [searched for](Self::meetings).
     #[must_use]
     pub fn volumes_unknown(&self) -> Option<&'static str> {
         let has = |kind| self.findings.iter().any(|finding| finding.kind == kind);
@@ -76,8 +76,8 @@ impl Report {
         (self.findings, self.meetings, self.area) = (findings, meetings, area);
     }
 
-    /// Adds findings, those about concavities (`cranny_concavity::Concavities::findings`), say. What limits answers stays first,
-    /// kind by kind.
+    /// Adds findings, those about concavities (`cranny_concavity::Concavities::findings`), say.
+    /// What limits answers stays first, kind by kind.
     pub fn add(&mut self, findings: impl IntoIterator<Item = Finding>) {
         self.findings.extend(findings);
         self.findings.sort_by_key(|finding| (finding.kind.limits().is_empty(), finding.kind));

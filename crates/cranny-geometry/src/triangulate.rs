@@ -10,8 +10,9 @@
 //! 1. Edges are netted: opposite ones cancel, repeated ones are counted.
 //! 2. Vertices at one place become one *site*. A triangle of zero area leads from an edge's own
 //!    vertex to the one that stands for its place (the lowest).
-//! 3. One pass of a sweep line (`sweep`; Hertel and Mehlhorn 1983) triangulates between the edges. An
-//!    edge that passes through a site is split there; a triangle of zero area keeps the chain's edge whole.
+//! 3. One pass of a sweep line (`sweep`; Hertel and Mehlhorn 1983) triangulates between the edges.
+//!    An edge that passes through a site is split there; a triangle of zero area keeps the chain's
+//!    edge whole.
 //! 4. Of two edges that cross properly, the longer is left out. It takes a detour along edges of the
 //!    triangulation beside it (`detour`), and the strip between edge and detour is triangulated
 //!    for itself. These triangles overlap others, with signs such that the winding numbers stay right.

@@ -68,7 +68,8 @@ fn bodies() -> Vec<Mesh> {
     bodies
 }
 
-/// Everything in a model, coordinates to the last digit and zeros with their signs, and what is made late or by itself.
+/// Everything in a model, coordinates to the last digit and zeros with their signs, and what is
+/// made late or by itself.
 fn shown(model: &Model) -> String {
     model.prepare_all();
     let concavities = Concavities::of(model);
@@ -407,7 +408,8 @@ fn whoever_writes_a_right_checksum_does_no_harm() {
     assert!(accepted > 100 && deformed > 100, "{accepted}, {deformed}");
 }
 
-/// Found by forging: what a file said of the volume was believed, and the deformed body could not be saved.
+/// Found by forging: what a file said of the volume was believed, and the deformed body could not
+/// be saved.
 #[test]
 fn a_body_whose_volume_was_forged_is_inside_out_when_it_deforms() {
     let corners = [DVec3::ZERO, 8.0 * DVec3::X, 8.0 * DVec3::Y, 8.0 * DVec3::Z];

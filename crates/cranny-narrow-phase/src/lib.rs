@@ -5,7 +5,7 @@
 //! - The verdict on the surfaces, solidity and containment are exact for the vertices as stored and
 //!   the poses as [accepted](cranny_exact::Pose::accepted): no epsilon decides them, and exchanging
 //!   A and B exchanges the answer (of one model twice at the very same pose there is nothing to
-//!   exchange: its contacts and regions are told as they are).
+//!   exchange: its contacts and regions stay as found).
 //! - Distances, depths, areas and points are `f64`; lengths are within a few dozen ulps of the
 //!   largest length of the pair.
 //! - Memory is a value that the caller owns ([`PairMemory`]); it never changes an answer. (Names of
@@ -42,7 +42,7 @@
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
 //! concavities, which the crate `cranny-concavity` goes ([`Method`] chooses); `impact` finds when
 //! two moving bodies first meet; `brute_force` is the slow, obviously right version of the verdict
-//! and the distance. `revolved` measures against cylinders, cones and the like. `levels` tells what
+//! and the distance. `revolved` measures against cylinders, cones and the like. `levels` says what
 //! is certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
 //! memory holds, for drawing. `verify` asks everything twice, with memory and without, for whoever
 //! doubts it: [`query_verified`].
@@ -118,7 +118,7 @@ pub use memory::PairMemory;
 pub use motion::drift;
 pub use observe::{KeptNodes, PairObserver};
 pub use query::{Demand, Method, Normals, Placed, Query};
-pub use reduce::{reduce as reduce_contacts, reduce_level as reduce_level_contacts};
+pub use reduce::{SAME_NORMAL, reduce as reduce_contacts, reduce_level as reduce_level_contacts};
 pub use smooth::smooth_normal;
 pub use verify::{Mismatch, query_verified};
 

@@ -21,11 +21,10 @@ use crate::tracks::RegionTracks;
 /// It holds a plane between the hulls; where the last descent of the search trees ended (about 50
 /// bytes for each block of eight boxes, as many for each pair of clusters within reach); the faces
 /// that crossed or were nearest; and of contacts within a margin the candidates, 24 bytes each.
-/// Where smooth normals were asked for, those of both models: whoever has many pairs of few models
-/// makes them once, and tells contacts itself ([`smooth_normal`](crate::smooth_normal)). Of
-/// regions, the last ones and their faces, by which the next are named. Where
-/// [envelopes](crate::Method::Envelopes) are asked for, the concavities of both models. Models are
-/// recognised, not kept alive.
+/// With smooth normals, those of both models: a caller with many pairs of few models makes them
+/// once, and turns contacts itself ([`smooth_normal`](crate::smooth_normal)). Of regions, the last
+/// ones and their faces, which name the next. With [envelopes](crate::Method::Envelopes), the
+/// concavities of both models. Models are recognised, not kept alive.
 #[derive(Clone, Debug, Default)]
 pub struct PairMemory {
     pub(crate) posed: PosedVertices,

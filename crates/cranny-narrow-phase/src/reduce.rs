@@ -38,9 +38,10 @@ const LEAST: usize = 4;
 /// common angle has this cosine, so rounding does not turn them.
 const BEGINS_WITH_Y: f64 = 0.8;
 
-/// Cosine of the angle (0.03 degrees) within which contacts bear alike. Larger: a turning nut loses
-/// motion to normals that are not its own; smaller: flat contacts fall apart by rounding.
-const SAME_NORMAL: f64 = 0.999_999_9;
+/// Cosine of the angle (0.03 degrees) within which normals are one. Larger angles: a curved flank
+/// gets normals that are not its own, and 0.3 degrees already cost a turning nut motion; smaller:
+/// flat contacts fall apart into single points by rounding.
+pub const SAME_NORMAL: f64 = 0.999_999_9;
 
 /// Reduces contacts to the deepest of each direction and those that span its extent, 17 at most; the deepest of all
 /// comes first. Any frame; ties go to the lowest ids.
@@ -49,9 +50,9 @@ pub fn reduce(contacts: Vec<Contact>) -> Vec<Contact> {
     of_directions(contacts, SAME_DIRECTION)
 }
 
-/// Reduces contacts of one normal each, within 0.03 degrees, as [`reduce`] does those of a direction:
-/// a flat ring on a floor keeps what it stands on, and of a curved flank every normal stays. The
-/// deepest of all comes first.
+/// Reduces contacts of one normal each, within 0.03 degrees, as [`reduce`] does those of a
+/// direction: a flat ring on a floor keeps what it stands on, and of a curved flank every normal
+/// stays. The deepest of all comes first.
 #[must_use]
 pub fn reduce_level(contacts: Vec<Contact>) -> Vec<Contact> {
     of_directions(contacts, SAME_NORMAL)
@@ -293,7 +294,8 @@ mod tests {
         assert_eq!(kept[0].separation, 0.05);
     }
 
-    /// A fine ring stands on a few of its contacts; a slightly curved flank keeps each of its normals.
+    /// A fine ring stands on a few of its contacts; a slightly curved flank keeps each of its
+    /// normals.
     #[test]
     fn what_is_level_keeps_what_it_stands_on() {
         let at = |i: u32| f64::from(i).to_radians().sin_cos();

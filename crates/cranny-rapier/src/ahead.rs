@@ -4,9 +4,9 @@
 //! not approach at the beginning of a step: of two bodies that fall together the upper one would go into the lower one
 //! in the step in which that lands. So here each pair has a reach of its own. A body may go on as it moves, or be
 //! brought to the motion of what is near it, or to any motion in between: a box of motions ([`Motion::may`]). A pair's reach
-//! is what two motions of its boxes differ by at most; and of the contacts within it only those count along whose normals
-//! they differ by as much. What rapier is told is the longest reach of bodies that are near each other. So what lies at
-//! rest, or is lost far away, makes nothing else dearer.
+//! is what two motions of its boxes differ by at most, and a reserve for what is not foreseen; and of the contacts within
+//! it only those count that they may come to along the normal. rapier gets the longest reach of bodies that are near each
+//! other, at least its own prediction distance. So what lies at rest, or is lost far away, makes nothing else dearer.
 //!
 //! Motions are those of centres of mass. What that leaves out, turning and features that change, is kept short by
 //! dividing steps (`pace`).
@@ -55,6 +55,8 @@ struct Motion {
     /// Of the center, no longer than the body's radius about it.
     linear: Vector,
     angular: Vector,
+    /// How far a point of the body moves at most as it turns.
+    spin: Real,
     /// What others may make of `linear`: a box that holds it.
     may: Aabb,
 }
@@ -68,11 +70,12 @@ impl Motion {
             center: *body.position() * tagged.center,
             linear,
             angular: body.angvel() * dt,
+            spin: body.angvel().length() * dt * tagged.radius,
             may: Aabb::new(linear, linear),
         }
     }
 
-    /// Two that are not, come no nearer than the shortest reach, `base`.
+    /// Two that are not, come no nearer than the prediction distance, `base`.
     fn is_fast(&self, base: Real) -> bool {
         longest(&self.may) > 0.5 * base
     }
@@ -93,7 +96,9 @@ impl Motion {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairAhead {
     motions: [Motion; 2],
+    /// rapier's prediction distance.
     base: Real,
+    /// How near a contact counts, whatever motions say.
     reserve: Real,
 }
 
@@ -104,14 +109,16 @@ impl PairAhead {
         Aabb::new(a.may.mins - b.may.maxs, a.may.maxs - b.may.mins)
     }
 
-    /// Contacts that are farther away do not matter in this step, and in the next ones that carry a
-    /// list on.
+    /// Contacts that are farther away do not matter in this step, nor in those through which a list
+    /// is carried on. Turning counts up to the prediction distance; beyond, steps are divided.
     pub(crate) fn reach(&self) -> Real {
         let lasting = self.reserve + 2.0 * CARRIED_WITHIN as Real * self.base;
-        lasting.min(self.base).max(longest(&self.may()))
+        let [a, b] = &self.motions;
+        let linear = longest(&self.may());
+        lasting.max(linear + a.spin + b.spin).min(self.base).max(linear)
     }
 
-    /// The shortest reach: rapier's prediction distance for what is slow.
+    /// rapier's prediction distance.
     pub(crate) fn base(&self) -> Real {
         self.base
     }
@@ -122,7 +129,7 @@ impl PairAhead {
         self.base.max((a.linear - b.linear).length())
     }
 
-    /// Whether not even the bodies' boxes come within the shortest reach.
+    /// Whether not even the bodies' boxes come within the prediction distance.
     pub(crate) fn stay_apart(&self) -> bool {
         let ([a, b], may) = (&self.motions, self.may());
         let (least, most) = (may.mins.min(Vector::ZERO), may.maxs.max(Vector::ZERO));
@@ -148,9 +155,7 @@ pub(crate) struct Motions(Arc<RwLock<Known>>);
 #[derive(Debug, Default)]
 struct Known {
     bodies: Vec<Motion>,
-    /// The shortest reach.
     base: Real,
-    /// Contacts as near as this count, whatever motions say.
     reserve: Real,
 }
 
@@ -226,7 +231,7 @@ impl Motions {
     ) -> Real {
         let base = parameters.prediction_distance();
         let fall = gravity.length() * parameters.dt * parameters.dt;
-        let reserve = base.min(UNFORESEEN * base + fall);
+        let reserve = UNFORESEEN * base + fall;
         let tags = 0..world.tagged.len();
         let mut bodies: Vec<Motion> =
             tags.filter_map(|tag| world.motion(tag, parameters.dt)).collect();

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use cranny_exact::{DVec3, Pose, RigidMap};
 use cranny_geometry::PatchId;
-use cranny_narrow_phase::{Contact, Feature};
+use cranny_narrow_phase::{Contact, Feature, SAME_NORMAL};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::Real;
 use rapier3d::parry::query::{ContactManifold, TrackedContact};
@@ -19,11 +19,6 @@ use crate::convert::{narrow, wide};
 
 /// rapier's manifold with rapier's data.
 pub(crate) type Manifold = ContactManifold<ContactManifoldData, ContactData>;
-
-/// Cosine of the angle (0.03 degrees) within which normals share a manifold. Larger: a curved flank
-/// gets normals that are not its own, and 0.3 degrees already cost a turning nut motion; smaller:
-/// flat contacts fall apart into single points by rounding.
-const SAME_NORMAL: f64 = 0.999_999_9;
 
 /// Cosine of the angle (8 degrees) within which a contact takes over the impulse of an earlier one
 /// without its ids. Larger: impulses turn round corners; smaller: they are lost where a body rolls.

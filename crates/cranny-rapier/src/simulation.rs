@@ -105,8 +105,9 @@ fn dispatcher_of(
     dispatcher.carrying(searches.clone(), options.carries())
 }
 
-/// Makes contacts as stiff beside a substep shorter than [`SOLVER_SUBSTEP`] as they are beside that:
-/// with rapier's own softness a peg on the floor of its hole sinks in by a fifth of its clearance.
+/// Makes contacts as stiff beside a substep shorter than [`SOLVER_SUBSTEP`] as they are beside
+/// that: with rapier's own softness a peg on the floor of its hole sinks in by a fifth of its
+/// clearance.
 fn stiffen(parameters: &mut IntegrationParameters) {
     let substep = f64::from(parameters.dt) / parameters.num_solver_iterations as f64;
     let faster = (SOLVER_SUBSTEP / substep).max(1.0) as Real;
@@ -124,12 +125,10 @@ impl Simulation {
             length_unit: options.length_unit as Real,
             ..IntegrationParameters::default()
         };
+        parameters.num_solver_iterations = options.substeps();
         if ours {
             parameters.contact_clustering = false;
             parameters.friction_model = FrictionModel::Coulomb;
-        }
-        parameters.num_solver_iterations = options.substeps();
-        if ours {
             stiffen(&mut parameters);
         }
         parameters.contact_recycling = options.rapier_recycles();

@@ -276,8 +276,8 @@ impl Swinging {
     }
 }
 
-/// One deformation of so many vertices of a golf ball of about so many triangles, after the first, which its concavities
-/// follow.
+/// One deformation of so many vertices of a golf ball of about so many triangles, after the first,
+/// which its concavities follow.
 pub(crate) fn work(triangles: u32, place: Place, count: usize) -> Option<Box<dyn FnMut()>> {
     let model = built(solid::golf_ball(triangles).ok()?).ok()?;
     let region = region(&model, place.seed(&model, &Features::of(&model))?, count);

@@ -146,7 +146,8 @@ fn unreadable(error: MeshFileError) -> Failure {
 }
 
 impl LoadedModel {
-    /// Makes the concavities, books the time on their stages, and takes their findings into the report.
+    /// Makes the concavities, books the time on their stages, and takes their findings into the
+    /// report.
     pub(crate) fn make_concavities(&mut self) -> Concavities {
         let Self { model, report, times, .. } = self;
         let mut stopwatch = Stopwatch::default();

@@ -117,8 +117,8 @@ fn blank_comments_and_strings(source: &str) -> Vec<char> {
     b.out
 }
 
-/// Blanks items under `#[cfg(test)]` and `#[cfg(all(test, ...))]`, and `doctest` likewise, and names
-/// the modules among them that live in files of their own.
+/// Blanks items under `#[cfg(test)]` and `#[cfg(all(test, ...))]`, and `doctest` likewise, and
+/// names the modules among them that live in files of their own.
 fn blank_test_items(text: &mut [char]) -> Vec<String> {
     let mut modules = Vec::new();
     let mut at = 0;

@@ -22,7 +22,7 @@ use cranny_geometry::triangulate::outlines;
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId};
 use cranny_geometry::{EdgeKind, Topology};
 
-/// A lid opens nowhere whose opening is this share of its area or less: it goes around, as the
+/// A lid opens nowhere if its opening is this share of its area or less: it goes around, as the
 /// whole hull does, and what is left of a sum is rounding. Smaller, and the rounding of some
 /// thousand caps is taken for a direction; larger, and so are lids that bend back but for a sliver
 /// (`a_lid_all_around_opens_nowhere`).

@@ -102,7 +102,7 @@ pub struct ConcavityWork {
     pub faces: usize,
     /// Facets of the hull whose caps were looked at.
     pub facets: usize,
-    /// Faces off the hull and caps of which was looked at anew which of them hang together.
+    /// Faces off the hull and caps that were grouped anew by what they hang together with.
     pub grouped: usize,
     /// Nodes of trees whose boxes were computed.
     pub nodes: usize,

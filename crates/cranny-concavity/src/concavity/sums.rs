@@ -1,7 +1,7 @@
 //! Areas and volumes of a hull and of all faces, kept in sums over chunks: what is left of them
 //! once concavities are taken off is the skin.
 //!
-//! Sums over chunks in which something is other are made again when they are asked for, so that
+//! Sums over chunks in which something is other are made again when they are read, so that
 //! errors of rounding do not gather. No source. Cost: those chunks, and a pass over the sums;
 //! everything where the box of the hull is another.
 

@@ -18,8 +18,8 @@ impl ConcavitySet {
         &self.caps
     }
 
-    /// Measures concavities again of which faces off the hull have moved, no face on it, and no
-    /// corner of a cap; and looks anew at what lies in what, where there is anything without a lid.
+    /// Measures concavities again after faces off the hull have moved, none on it, and no corner of
+    /// a cap; where anything has no lid, finds anew what lies in what.
     ///
     /// Cost: the faces and caps of these concavities; with voids or islands, those of all.
     pub(crate) fn remeasure(

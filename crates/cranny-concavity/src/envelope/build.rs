@@ -36,6 +36,18 @@ impl HalfSpace {
 }
 
 impl Envelopes {
+    /// Of no concavity yet.
+    pub(super) fn empty(options: EnvelopeOptions) -> Self {
+        Self {
+            heads: Vec::new(),
+            layers: Vec::new(),
+            facets: Vec::new(),
+            faces: Vec::new(),
+            lids: Vec::new(),
+            options,
+        }
+    }
+
     /// Builds an envelope for each pocket.
     ///
     /// Cost: O(n log n) for n faces in all, most of it for trees over the faces of each.
@@ -70,14 +82,7 @@ impl Envelopes {
     ) -> Self {
         let options =
             EnvelopeOptions { width: options.width.max(2), leaf_faces: options.leaf_faces.max(1) };
-        let mut all = Self {
-            heads: Vec::new(),
-            layers: Vec::new(),
-            facets: Vec::new(),
-            faces: Vec::new(),
-            lids: Vec::new(),
-            options,
-        };
+        let mut all = Self::empty(options);
         let mut workshop = Workshop::default();
         for (i, pocket) in pockets.into_iter().enumerate() {
             all.add(mesh, &pocket, (trees.arena(), trees.root(i)), &mut workshop);

@@ -28,14 +28,7 @@ impl Envelopes {
         kept: impl Fn(usize) -> Option<usize>,
     ) -> Self {
         let places = self.places();
-        let mut all = Self {
-            heads: Vec::new(),
-            layers: Vec::new(),
-            facets: Vec::new(),
-            faces: Vec::new(),
-            lids: Vec::new(),
-            options: self.options,
-        };
+        let mut all = Self::empty(self.options);
         let mut workshop = Workshop::default();
         for (i, pocket) in pockets.into_iter().enumerate() {
             match kept(i) {

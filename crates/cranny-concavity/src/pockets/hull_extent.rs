@@ -1,7 +1,7 @@
 //! How far one body's hull comes in the directions of the other's frame.
 //!
 //! Source: support points by hill climbing; see
-//! [`ConvexHull::support`](cranny_geometry::hull::ConvexHull::support), which tells their cost.
+//! [`ConvexHull::support`](cranny_geometry::hull::ConvexHull::support), which states their cost.
 
 use std::cell::Cell;
 

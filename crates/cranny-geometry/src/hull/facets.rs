@@ -30,6 +30,7 @@ use super::shapes::Shapes;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
 use crate::rows::rows;
+use crate::typed_index;
 
 /// The default tolerance of merging, relative to the largest coordinate magnitude, with which rounding
 /// scales. Smaller, and a cube turned and rounded to `f64` has more than six facets; larger, and real
@@ -43,16 +44,9 @@ const REFITS: usize = 4;
 
 pub(super) const UNASSIGNED: u32 = u32::MAX;
 
-/// A facet of the merged layer, numbered from 0 in no order that means anything.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FacetId(pub u32);
-
-impl FacetId {
-    /// As an index.
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
+typed_index! {
+    /// A facet of the merged layer, numbered from 0 in no order that means anything.
+    FacetId
 }
 
 /// A polygon of nearly coplanar triangles: a disk with one outline.

@@ -57,6 +57,7 @@ use thiserror::Error;
 
 use crate::ids::{HalfEdgeId, VertexId};
 use crate::late::Late;
+use crate::typed_index;
 pub use canonical::lowest_first;
 pub use facet_order::FacetOrder;
 use facets::FacetLayer;
@@ -70,16 +71,10 @@ pub use update::FacetChange;
 pub(crate) use update::Followed;
 pub use validate::HullViolation;
 
-/// A vertex of a hull, numbered from 0 in the order of the input points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct HullVertexId(pub u32);
-
-impl HullVertexId {
-    /// As an index into [`ConvexHull::positions`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
+typed_index! {
+    /// A vertex of a hull, numbered from 0 in the order of the input points: an index into
+    /// [`ConvexHull::positions`].
+    HullVertexId
 }
 
 /// Points of which no hull can be built.

@@ -71,7 +71,7 @@ pub enum FindingKind {
     /// More than one component, summed up: a face of each. Diagonal of the box of all.
     SeveralShells,
     /// A side of the hull that faces cover more than once: caps there count negative. Strips no
-    /// wider than the slab depth (`cranny_concavity::Features::slab_depth`) are not told. The
+    /// wider than the slab depth (`cranny_concavity::Features::slab_depth`) are not reported. The
     /// vertices of these caps. Their area.
     NegativeCap,
     /// Such a side on which the rims of faces cross each other: its caps overlap. The corners of

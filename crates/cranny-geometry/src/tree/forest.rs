@@ -23,7 +23,8 @@ pub struct FaceForest {
 
 impl FaceForest {
     /// Faces a leaf for trees over concavities. One: 1.8 times the bytes and box tests, and queries
-    /// up to a third slower; four: twice the triangle tests (`cranny-bench trees`, `docs/notebook`).
+    /// up to a third slower; four: twice the triangle tests (`cranny-bench trees`,
+    /// `docs/notebook`).
     pub const DEFAULT_LEAF_SIZE: usize = 2;
 
     /// Builds a tree over each group, with at most `leaf_size >= 1` faces a leaf.

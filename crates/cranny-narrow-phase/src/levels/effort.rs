@@ -10,7 +10,8 @@ use std::fmt;
 pub enum Accuracy {
     /// The two bodies' boxes: bodies are certainly apart, or not.
     Boxes,
-    /// The [walk](cranny_concavity::walk) over the two hulls: the distance of the hulls bounds that of the bodies.
+    /// The [walk](cranny_concavity::walk) over the two hulls: the distance of the hulls bounds that
+    /// of the bodies.
     Hulls,
     /// Hulls, and where these meet the faces on them: what meets there meets for certain. What lies
     /// beneath caps stays closed; its boxes bound the distance.

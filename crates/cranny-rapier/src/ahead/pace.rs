@@ -11,7 +11,7 @@ use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::Real;
 use rapier3d::prelude::{IntegrationParameters, QueryFilter};
 
-use super::{Known, Motion, Motions, PairAhead, World, longest};
+use super::{Known, Motions, PairAhead, World, longest};
 use crate::dispatcher::Dispatcher;
 use std::sync::PoisonError;
 
@@ -73,7 +73,7 @@ impl Passes<'_> {
             if pass.parts() <= most.max(1.0) {
                 continue;
             }
-            let around = motion.swept(0.5 * parameters.prediction_distance() + self.spin(i));
+            let around = motion.swept(0.5 * parameters.prediction_distance() + motion.spin);
             for (_, collider) in tree.intersect_aabb_conservative(around) {
                 let j = collider.user_data as usize;
                 if j != i && j < self.known.bodies.len() {
@@ -86,7 +86,7 @@ impl Passes<'_> {
 
     fn between(&self, i: usize, j: usize) -> Option<Pass> {
         let motions = [i, j].map(|k| self.known.bodies[k]);
-        let turning = self.spin(i) + self.spin(j);
+        let turning = motions[0].spin + motions[1].spin;
         let base = self.known.base + turning;
         let pair = PairAhead { motions, base, reserve: base };
         let thickness = [i, j].map(|k| self.world.tagged[k].thickness);
@@ -96,12 +96,6 @@ impl Passes<'_> {
 
     /// How far a point of a body may move.
     fn reach(&self, i: usize) -> Real {
-        longest(&self.known.bodies[i].may) + self.spin(i)
-    }
-
-    /// How far a point of a body moves at most as it turns.
-    fn spin(&self, i: usize) -> Real {
-        let Motion { angular, .. } = self.known.bodies[i];
-        angular.length() * self.world.tagged[i].radius
+        longest(&self.known.bodies[i].may) + self.known.bodies[i].spin
     }
 }

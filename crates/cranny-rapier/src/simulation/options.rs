@@ -28,10 +28,10 @@ pub struct SimulationOptions {
     /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough for
     /// [`SOLVER_SUBSTEP`] for ours.
     pub solver_iterations: Option<usize>,
-    /// Into how many parts a step is divided at most in which two bodies near each other move farther than the thinner
-    /// one is thick; contacts are found at the beginning of each. 1: never, as rapier's own pipeline.
-    /// More than 2: fast chains overlap less, and large piles take longer to fall (`docs/notebook`).
-    /// Our detector only.
+    /// Into how many parts a step is divided at most in which two bodies near each other move
+    /// farther than the thinner one is thick; contacts are found at the beginning of each. 1:
+    /// never, as rapier's own pipeline. More than 2: fast chains overlap less, and large piles take
+    /// longer to fall (`docs/notebook`). Our detector only.
     pub most_parts: usize,
 }
 

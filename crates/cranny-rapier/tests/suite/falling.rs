@@ -151,3 +151,79 @@ fn what_falls_side_by_side_is_not_looked_at() {
     let pairs = simulation.contact_pairs();
     assert!(pairs.iter().all(|pair| !pair.fresh), "{} pairs", pairs.len());
 }
+
+/// Nothing moves but that it turns: what comes down is the end of a bar, by more than its gap,
+/// which is within the prediction distance of 0.02.
+#[test]
+fn what_comes_down_by_turning_is_stopped_in_the_same_step() {
+    let (ground, bar) = (cuboid(4.0, 4.0, 1.0), cuboid(2.0, 0.2, 0.2));
+    for gap in [0.002, 0.008, 0.012, 0.018] {
+        let options = SimulationOptions { gravity: DVec3::ZERO, ..SimulationOptions::default() };
+        let mut simulation = Simulation::new(options);
+        let ground_body = simulation.insert(&spec(&ground, BodyKind::Fixed, at(-0.5))).unwrap();
+        let turning = BodySpec {
+            angular_velocity: DVec3::Y * 0.03 * 60.0,
+            ..spec(&bar, BodyKind::Dynamic, at(0.1 + gap))
+        };
+        let bar_body = simulation.insert(&turning).unwrap();
+        // rapier has seen both, and the bar is put back to where it was.
+        let (pose, velocity) = (simulation.pose(bar_body), simulation.velocity(bar_body));
+        simulation.step();
+        simulation.set_pose(bar_body, pose);
+        simulation.set_velocity(bar_body, velocity.0, velocity.1);
+        simulation.step();
+        assert!(simulation.solver_contacts() > 0, "a gap of {gap}");
+        let depth = overlap(&simulation, [(&ground, ground_body), (&bar, bar_body)]);
+        assert!(depth < 1e-3, "a gap of {gap}: {depth} deep");
+    }
+}
+
+/// What stands still within the prediction distance is no business of the solver's, unless gravity
+/// or a push may bring it there in the step.
+#[test]
+fn a_solver_gets_what_may_come_together_in_the_step() {
+    let (ground, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));
+    let contacts = |gravity: f64, gap: f64| {
+        let gravity = DVec3::Z * gravity;
+        let mut simulation =
+            Simulation::new(SimulationOptions { gravity, ..SimulationOptions::default() });
+        simulation.insert(&spec(&ground, BodyKind::Fixed, at(-0.5))).unwrap();
+        let cube = simulation.insert(&spec(&cube, BodyKind::Dynamic, at(0.5 + gap))).unwrap();
+        let pose = simulation.pose(cube);
+        simulation.step();
+        simulation.set_pose(cube, pose);
+        simulation.set_velocity(cube, DVec3::ZERO, DVec3::ZERO);
+        simulation.step();
+        simulation.solver_contacts()
+    };
+    assert!(contacts(0.0, 0.004) >= 4, "within a quarter of 0.02");
+    assert_eq!(contacts(0.0, 0.007), 0, "beyond it");
+    // 0.0069 in a step of 1/60 s.
+    assert!(contacts(-25.0, 0.007) >= 4, "it falls there");
+    assert_eq!(contacts(-25.0, 0.015), 0, "and no farther");
+}
+
+/// A cube comes down so slowly that searches which found nothing are carried on: it has its contacts
+/// as soon as it is within a quarter of the prediction distance.
+#[test]
+fn what_comes_near_while_it_is_carried_on_has_its_contacts() {
+    let (ground, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));
+    for start in [0.0055, 0.0062, 0.0067] {
+        let options = SimulationOptions { gravity: DVec3::ZERO, ..SimulationOptions::default() };
+        let mut simulation = Simulation::new(options);
+        simulation.insert(&spec(&ground, BodyKind::Fixed, at(-0.5))).unwrap();
+        let cube = simulation.insert(&spec(&cube, BodyKind::Dynamic, at(0.5 + start))).unwrap();
+        let (mut near, mut carried) = (0, 0);
+        for step in 0..16 {
+            simulation.set_velocity(cube, at(-0.0002 * 60.0), DVec3::ZERO);
+            let gap = simulation.pose(cube).translation.z - 0.5;
+            simulation.step();
+            carried += simulation.pair_counts().carried;
+            if gap < 0.0049 {
+                near += 1;
+                assert!(simulation.solver_contacts() >= 4, "from {start}, step {step}: {gap}");
+            }
+        }
+        assert!(near > 5 && carried > 5, "{near} steps within reach, {carried} carried on");
+    }
+}
