@@ -15,7 +15,7 @@ use crate::motion::{Ball, Motion};
 use crate::pair::{Pair, Side, Whose};
 use crate::patience::Patience;
 use crate::search::{
-    Ground, KeptCut, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
+    Ground, KeptCut, Lists, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
     near_clusters, nearest_faces, nearest_in, nearest_or_meeting,
 };
 use crate::surface::{FacePair, strongest};
@@ -135,7 +135,7 @@ impl Coherent {
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
         let ground = Ground::of(pair);
-        let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
+        let step = self.last_step(pair);
         // Far enough for the next step to be proved free of meetings.
         let (build, spare) = ahead(pair, step);
         let reach = Reach { least: 0.0, build, spare, most: f64::INFINITY };
@@ -197,18 +197,17 @@ impl Coherent {
         nearest
     }
 
-    /// Finds all faces that meet, where `meets`; lists the pairs of clusters that are as near as
-    /// `lists`.
+    /// Finds all faces that meet, where `meets`; lists pairs of clusters.
     pub(crate) fn near(
         &mut self,
         pair: &Pair,
         ground: &Ground,
-        lists: Option<f64>,
+        lists: Option<Lists>,
         meets: bool,
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
-        let reach = lists.unwrap_or(0.0);
-        let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
+        let reach = lists.map_or(0.0, |lists| lists.reach);
+        let step = self.last_step(pair);
         let (ahead, spare) = ahead(pair, step);
         let build = (GROWTH * reach).max(ahead);
         let most = if reach > 0.0 { WIDEST * build } else { f64::INFINITY };
@@ -223,8 +222,8 @@ impl Coherent {
                     self.stayed_apart = stayed_apart.0;
                     found = (surface, all);
                 }
-                if let Some(reach) = lists {
-                    list_near(cut, ground, reach, &mut self.listed);
+                if let Some(lists) = lists {
+                    list_near(cut, ground, lists, &mut self.listed);
                 }
                 found
             }
@@ -233,6 +232,11 @@ impl Coherent {
                 near_clusters(pair, ground, (lists, meets), &mut self.stack, listed, counters)
             }
         }
+    }
+
+    /// How far the pair has moved since the last query.
+    fn last_step(&self, pair: &Pair) -> f64 {
+        self.cut.last().map_or(0.0, |last| step_since(last, pair))
     }
 
     /// The pairs of clusters that were listed.
@@ -296,7 +300,7 @@ impl Coherent {
         if !self.foremost.offer(pair, parting, &mut nearest, counters) {
             let ground = Ground::of(pair);
             let limit = nearest.limit();
-            let step = self.cut.last().map_or(0.0, |last| step_since(last, pair));
+            let step = self.last_step(pair);
             let (build, spare) = (GROWTH * limit, ahead(pair, step).1);
             let reach = Reach { least: limit, build, spare, most: FARTHEST * limit };
             let cut = match limit < f64::INFINITY {

@@ -5,8 +5,9 @@ use cranny_geometry::{CreaseAngleError, check_crease_angle};
 use thiserror::Error;
 
 use crate::answer::{Answer, Contact, Counters, Feature, Region, RegionId, Surface, Witness};
+use crate::approach::Approach;
 use crate::coherent::Coherent;
-use crate::contacts::{ContactMemory, near_patches};
+use crate::contacts::{ContactMemory, Wanted, near_patches};
 use crate::containment::{Solidity, solidity};
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
@@ -34,11 +35,14 @@ pub enum QueryError {
     /// A negative or infinite margin or bound.
     #[error("{what} is {value}: it must be a finite number, 0 or more")]
     Length {
-        /// "margin" or "below".
+        /// "margin", "within" or "below".
         what: &'static str,
         /// The value found.
         value: f64,
     },
+    /// A motion that is no such thing.
+    #[error("approach: its linear, spread, turn or swing holds an infinity or a NaN")]
+    Approach,
     /// A crease angle that is none.
     #[error(transparent)]
     Crease(#[from] CreaseAngleError),
@@ -61,13 +65,16 @@ pub fn query(
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
     check_numbers(&query.demand)?;
+    check_approach(query.approach.as_ref())?;
     let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, tracks, .. } =
         memory;
     let mut pair = Pair::new(a, b, posed);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
     let mut told = match query.demand {
         Demand::Contacts { margin, normals } => {
-            let mut told = contacts(&mut pair, margin, parting, (coherent, kept));
+            let approach = query.approach.filter(|approach| approach.within > margin);
+            let wanted = Wanted::of(&pair, margin, approach.as_ref());
+            let mut told = contacts(&mut pair, &wanted, parting, (coherent, kept));
             // What regions tell leads out of a whole overlap, and is no surface's.
             if let Normals::Smooth { crease_angle } = normals
                 && told.regions.is_empty()
@@ -103,6 +110,15 @@ pub(crate) fn check_numbers(demand: &Demand) -> Result<(), QueryError> {
         _ => return Ok(()),
     };
     if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(QueryError::Length { what, value }) }
+}
+
+fn check_approach(approach: Option<&Approach>) -> Result<(), QueryError> {
+    let Some(approach) = approach else { return Ok(()) };
+    let (what, value) = ("within", approach.within);
+    if !(value >= 0.0 && value.is_finite()) {
+        return Err(QueryError::Length { what, value });
+    }
+    if approach.is_finite() { Ok(()) } else { Err(QueryError::Approach) }
 }
 
 /// An answer that says nothing yet.
@@ -222,21 +238,21 @@ fn enough(demand: &Demand) -> f64 {
 /// Contacts for a solver, and the verdict that comes with them.
 fn contacts(
     pair: &mut Pair,
-    margin: f64,
+    wanted: &Wanted,
     parting: &mut Parting,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
 ) -> Answer {
     let mut counters = Counters::default();
     let mut out = blank();
     coherent.begin(pair);
-    if parting.gap(pair, margin, &mut counters) > margin {
+    if parting.gap(pair, wanted.farthest(), &mut counters) > wanted.farthest() {
         coherent.let_go();
         memory.let_go();
         out.separation = gap_seen(&out, pair.length_error());
         out.counters = counters;
         return out;
     }
-    let near = near_patches(pair, margin, (coherent, memory), &mut counters);
+    let near = near_patches(pair, wanted, (coherent, memory), &mut counters);
     out.surface = near.surface;
     out.triangle_pairs = near.meeting.len() as u32;
     let Solidity { solid, contained } =

@@ -19,7 +19,8 @@
 //!
 //! # The story, file by file
 //!
-//! `query` asks, for the `fields` that somebody reads; `evaluate` conducts.
+//! `query` asks, for the `fields` that somebody reads, and says how bodies `approach`; `evaluate`
+//! conducts.
 //!
 //! **Separate.** `pair` puts the two models in canonical order and poses vertices; `parting` looks
 //! for a plane between their hulls, beyond which nothing is searched.
@@ -64,6 +65,7 @@
 //! ```
 
 mod answer;
+mod approach;
 mod borders;
 pub mod brute_force;
 mod closest;
@@ -107,6 +109,7 @@ mod wedge;
 pub use answer::{
     Answer, Contact, Containment, Counters, Curve, Feature, Region, RegionId, Surface, Witness,
 };
+pub use approach::Approach;
 pub use evaluate::{QueryError, query};
 pub use fields::Fields;
 pub use impact::{

@@ -11,6 +11,7 @@ use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, ModelTag, Topology, VertexId};
 
 use crate::answer::{Contact, Containment, Feature, Witness};
+use crate::approach::Approach;
 use crate::query::Placed;
 
 /// One of the two bodies of a [`Pair`].
@@ -270,6 +271,13 @@ impl<'a> Pair<'a> {
     /// A containment told as if first were A.
     pub(crate) fn ordered_containment(&self, containment: Containment) -> Containment {
         if self.swapped { containment.swapped() } else { containment }
+    }
+
+    /// How the first body approaches the second, in the pair's frame, where the caller's A
+    /// approaches B.
+    pub(crate) fn own_approach(&self, approach: &Approach) -> Approach {
+        let moved = approach.moved(&self.world_from_first.inverse());
+        if self.swapped { moved.swapped() } else { moved }
     }
 
     /// A contact told in the pair's frame and order, as the caller wants it.

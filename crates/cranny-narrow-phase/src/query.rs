@@ -3,6 +3,8 @@
 use cranny_exact::Pose;
 use cranny_geometry::Model;
 
+use crate::approach::Approach;
+
 /// A model at a pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
@@ -153,13 +155,22 @@ pub struct Query {
     pub demand: Demand,
     /// How faces that meet are found.
     pub method: Method,
+    /// How bodies may move: of [`Demand::Contacts`], those beyond the margin as well that this
+    /// closes. No other demand reads it.
+    pub approach: Option<Approach>,
 }
 
 impl Query {
     /// A query for this much.
     #[must_use]
     pub fn of(demand: Demand) -> Self {
-        Self { demand, method: Method::default() }
+        Self { demand, ..Self::default() }
+    }
+
+    /// The same, and contacts that bodies may come to beyond the margin.
+    #[must_use]
+    pub fn approaching(self, approach: Approach) -> Self {
+        Self { approach: Some(approach), ..self }
     }
 
     /// The same, by a method.

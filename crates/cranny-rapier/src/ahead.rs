@@ -15,8 +15,9 @@ mod pace;
 
 use std::sync::{Arc, PoisonError, RwLock};
 
-use cranny_exact::DVec3;
+use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::Model;
+use cranny_narrow_phase::Approach;
 use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -25,7 +26,7 @@ use rapier3d::prelude::{
 };
 
 use crate::carried::CARRIED_WITHIN;
-use crate::convert::narrow;
+use crate::convert::{narrow, wide};
 use crate::deep::thickness;
 use crate::dispatcher::Dispatcher;
 use crate::manifolds::SolverContact;
@@ -121,6 +122,32 @@ impl PairAhead {
     /// rapier's prediction distance.
     pub(crate) fn base(&self) -> Real {
         self.base
+    }
+
+    /// How far contacts count whatever motions say, and the motion that brings bodies to those
+    /// beyond, in the frame of the first; `None` where all within reach are to be found.
+    ///
+    /// Contacts of a pair that moves so little that they may be carried on serve later steps too.
+    pub(crate) fn approaching(&self) -> Option<(f64, Approach)> {
+        let [a, b] = &self.motions;
+        let moved = (a.linear - b.linear).length() + a.spin + b.spin;
+        let within = self.reach();
+        if moved <= CARRIED_WITHIN as Real * self.base || within <= self.reserve {
+            return None;
+        }
+        let (may, back) = (self.may(), a.pose.inverse());
+        let half = 0.5 * (may.maxs - may.mins);
+        let axes = [Vector::X * half.x, Vector::Y * half.y, Vector::Z * half.z];
+        let turned = |v: Vector| wide(back.rotation * v);
+        let swing = |m: &Motion| wide(back * m.center).cross(turned(m.angular));
+        let approach = Approach {
+            within: within.into(),
+            linear: turned(0.5 * (may.mins + may.maxs)),
+            spread: DMat3::from_cols(turned(axes[0]), turned(axes[1]), turned(axes[2])),
+            turn: turned(a.angular - b.angular),
+            swing: swing(a) - swing(b),
+        };
+        Some((self.reserve.into(), approach))
     }
 
     /// How far a contact may have moved since the step before.

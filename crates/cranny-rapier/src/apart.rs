@@ -3,7 +3,7 @@
 use cranny_exact::{DVec3, Pose as ExactPose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::revolved::nearest_face;
-use cranny_narrow_phase::{Demand, PairMemory};
+use cranny_narrow_phase::{Demand, PairMemory, Query};
 use rapier3d::parry::shape::Shape;
 
 use crate::ask::ask;
@@ -71,7 +71,7 @@ fn of_polyhedra(pose: &ExactPose, g1: &dyn Shape, g2: &dyn Shape, within: f64) -
     };
     let [(m1, r1), (m2, r2)] = [core(g1)?, core(g2)?];
     let demand = Demand::Distance { below: None };
-    let answer = ask([&m1, &m2], *pose, demand, &mut PairMemory::default())?;
+    let answer = ask([&m1, &m2], *pose, &Query::of(demand), &mut PairMemory::default())?;
     if answer.solid || answer.surface.meets() {
         return Some(Apart::Meeting);
     }

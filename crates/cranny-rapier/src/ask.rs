@@ -2,18 +2,18 @@
 
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Answer, PairMemory, Placed, Query, query};
 
 /// The answer in the first model's frame; `None`, with a word in the log, where the pose is none.
 pub(crate) fn ask(
     models: [&Model; 2],
     pose: Pose,
-    demand: Demand,
+    question: &Query,
     memory: &mut PairMemory,
 ) -> Option<Answer> {
     let a = Placed { model: models[0], pose: Pose::IDENTITY };
     let b = Placed { model: models[1], pose };
-    match query(a, b, &Query::of(demand), memory) {
+    match query(a, b, question, memory) {
         Ok(answer) => Some(answer),
         Err(error) => {
             // rapier lets no error out of a step; it quarantines bodies whose pose is not finite.

@@ -284,7 +284,7 @@ fn crossing(e: [DVec3; 2], g: [DVec3; 2], within: f64) -> Option<([DVec3; 2], DV
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pair::PairWorkspace;
+    use crate::pair::{PairWorkspace, Reach};
     use crate::shape::MeshShape;
     use cranny_exact::DQuat;
     use cranny_geometry::BuildOptions;
@@ -323,7 +323,7 @@ mod tests {
             let (g1, g2) = (shape(lower), shape(upper));
             let mut pair = PairWorkspace::for_solver(&g1, &g2);
             let search = Search { pose: pose(0.0), reach: REACH, step: 0 };
-            let found = pair.found(&search.pose, &g1, &g2, REACH).unwrap();
+            let found = pair.found(&search.pose, &g1, &g2, Reach::all(REACH)).unwrap();
             assert!(pair.keep(&found, (search.pose, REACH)) && !found.contacts.is_empty());
             let (mut carried_on, mut spent) = (0, 0);
             for k in 0..60 {
@@ -339,7 +339,7 @@ mod tests {
                 assert!(moved <= within, "step {k}: carried on over {moved}");
                 carried_on += 1;
                 let anew = PairWorkspace::for_solver(&g1, &g2);
-                let anew = { anew }.found(&now, &g1, &g2, REACH).unwrap().contacts;
+                let anew = { anew }.found(&now, &g1, &g2, Reach::all(REACH)).unwrap().contacts;
                 let off = deepest(&carried) - deepest(&anew);
                 assert!(off.abs() <= 2.0 * moved + 1e-9, "step {k}: off by {off}, moved {moved}");
                 for contact in &carried {

@@ -15,7 +15,9 @@
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{FaceId, Model};
-use cranny_narrow_phase::{Answer, Contact, Containment, Demand, Feature, PairMemory, Region};
+use cranny_narrow_phase::{
+    Answer, Contact, Containment, Demand, Feature, PairMemory, Query, Region,
+};
 
 use crate::ask::ask;
 use crate::lead::places;
@@ -62,7 +64,7 @@ pub(crate) fn way_out(
     }
     let asked;
     let regions = if answer.regions.is_empty() {
-        asked = ask(models, *pose, Demand::Regions { margin: 0.0 }, memory)?.regions;
+        asked = ask(models, *pose, &Query::of(Demand::Regions { margin: 0.0 }), memory)?.regions;
         &asked
     } else {
         &answer.regions
@@ -128,7 +130,7 @@ fn out_of_a_solid(
     told: f64,
     memory: &mut PairMemory,
 ) -> Option<Vec<Contact>> {
-    let answer = ask(models, *pose, Demand::Distance { below: None }, memory)?;
+    let answer = ask(models, *pose, &Query::of(Demand::Distance { below: None }), memory)?;
     let [first, second] = answer.witnesses?;
     let (inner, outer) = match contained {
         Containment::AInB => (first, second),

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 use cranny_exact::{Pose as ExactPose, RigidMap};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Demand, PairMemory};
+use cranny_narrow_phase::{Approach, Demand, PairMemory, Query};
 use rapier3d::geometry::{ContactData, ContactManifoldData};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::{
@@ -42,7 +42,7 @@ use crate::casts::{AtOnce, Cast};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, SolverContact, rebuild};
-use crate::pair::{Answered, PairWorkspace, for_parry, involves_ours, ours};
+use crate::pair::{Answered, PairWorkspace, Reach, for_parry, involves_ours, ours};
 use crate::partners::{holds, polyhedron, revolved, rounded_polyhedron};
 use crate::shape::MeshShape;
 
@@ -171,7 +171,8 @@ impl Dispatcher {
             return Some(Duration::ZERO);
         }
         let mut pair = taken(workspace, g1, g2);
-        let asked = Asked { pose, shapes: [g1, g2], reach: reach.into() };
+        let approaching = ahead.as_ref().and_then(PairAhead::approaching);
+        let asked = Asked { pose, shapes: [g1, g2], reach: reach.into(), approaching };
         let carried = ahead.and_then(|ahead| self.carried(&asked, &ahead, &mut pair));
         let (mut contacts, answer) = match carried {
             Some(contacts) => (contacts, None),
@@ -210,11 +211,11 @@ impl Dispatcher {
         asked: &Asked,
         pair: &mut PairWorkspace,
     ) -> Option<(Vec<SolverContact>, Option<Answered>)> {
-        let Asked { pose, shapes: [g1, g2], reach } = *asked;
-        let found = pair.found(&pose, g1, g2, reach)?;
+        let Asked { pose, shapes: [g1, g2], reach, approaching } = *asked;
+        let found = pair.found(&pose, g1, g2, Reach { within: reach, approaching })?;
         if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
             let search = (pose, reach);
-            let kept = self.carries && pair.keep(&found, search);
+            let kept = self.carries && approaching.is_none() && pair.keep(&found, search);
             searches.note(tags, kept.then_some(search));
         }
         Some((found.contacts, found.answer))
@@ -233,13 +234,13 @@ impl Dispatcher {
             return Duration::ZERO;
         };
         let fields = log.fields(tags.0, tags.1);
-        let have = answer.as_ref().map_or(Demand::None, |(_, demand)| *demand);
-        let (begin, demand) = (Instant::now(), fields.demand());
+        let have = answer.as_ref().map_or(Demand::None, |(_, question)| question.demand);
+        let (begin, question) = (Instant::now(), Query::of(fields.demand()));
         let (told, read) = if fields.told_by(have) {
             (answer, Duration::ZERO)
         } else {
-            let told = ask(models, asked.pose, demand, pair.memory());
-            (told.map(|answer| (answer, demand)), begin.elapsed())
+            let told = ask(models, asked.pose, &question, pair.memory());
+            (told.map(|answer| (answer, question)), begin.elapsed())
         };
         if let Some(told) = told {
             log.put(tags, told, asked.pose);
@@ -254,6 +255,8 @@ struct Asked<'a> {
     pose: ExactPose,
     shapes: [&'a dyn Shape; 2],
     reach: f64,
+    /// Contacts beyond the first need not be found unless this closes them.
+    approaching: Option<(f64, Approach)>,
 }
 
 impl<'a> Asked<'a> {
@@ -374,8 +377,9 @@ impl QueryDispatcher for Dispatcher {
             return Ok(ShapeIntersection { intersecting, ..parry });
         };
         let pose = pose_from_rapier(pos12);
-        let answer = ask([&m1, &m2], pose, Demand::Intersects, &mut PairMemory::default())
-            .ok_or(Unsupported)?;
+        let answer =
+            ask([&m1, &m2], pose, &Query::of(Demand::Intersects), &mut PairMemory::default())
+                .ok_or(Unsupported)?;
         let intersecting = answer.solid || answer.surface.meets();
         // parry knows which of a composite's parts it is; the verdict is ours.
         Ok(ShapeIntersection {
@@ -431,7 +435,9 @@ impl QueryDispatcher for Dispatcher {
             None => {}
         }
         let (pose, reach) = (pose_from_rapier(pos12), f64::from(prediction));
-        let Some(found) = PairWorkspace::for_question(g1, g2).found(&pose, g1, g2, reach) else {
+        let Some(found) =
+            PairWorkspace::for_question(g1, g2).found(&pose, g1, g2, Reach::all(reach))
+        else {
             return DefaultQueryDispatcher.contact(pos12, for_parry(g1), for_parry(g2), prediction);
         };
         let inverse = pose.world_from_body().inverse();

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use cranny_exact::Pose;
-use cranny_narrow_phase::{Answer, Demand, Fields};
+use cranny_narrow_phase::{Answer, Fields, Query};
 
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
@@ -18,8 +18,8 @@ pub struct LoggedAnswer {
     pub first_from_second: Pose,
     /// The step in which it was computed.
     pub step: u64,
-    /// What was asked.
-    pub demand: Demand,
+    /// What was asked. Beyond its demand's margin there are contacts that bodies approached.
+    pub question: Query,
 }
 
 /// Answers by pairs of tags, and the time spent. Shared by a dispatcher and its owner.
@@ -131,12 +131,12 @@ impl AnswerLog {
     pub(crate) fn put(
         &self,
         tags: (u32, u32),
-        (answer, demand): (Answer, Demand),
+        (answer, question): (Answer, Query),
         first_from_second: Pose,
     ) {
         let mut entries = self.entries();
         let (step, answer) = (entries.step, Arc::new(answer));
-        entries.answers.insert(tags, LoggedAnswer { answer, first_from_second, step, demand });
+        entries.answers.insert(tags, LoggedAnswer { answer, first_from_second, step, question });
     }
 
     /// All that it knows, by ascending tags.

@@ -10,7 +10,8 @@ use std::sync::{Mutex, PoisonError};
 use cranny_exact::Pose as ExactPose;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
-    Answer, Contact, Demand, PairMemory, Placed, drift, reduce_level_contacts, smooth_normal,
+    Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, reduce_level_contacts,
+    smooth_normal,
 };
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
@@ -108,7 +109,23 @@ impl WorkspaceData for PairWorkspace {
 }
 
 /// An answer and what was asked.
-pub(crate) type Answered = (Answer, Demand);
+pub(crate) type Answered = (Answer, Query);
+
+/// How far a pair's contacts count.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// None counts that is farther.
+    pub(crate) within: f64,
+    /// Those that are farther than the first need not be found, unless this closes them.
+    pub(crate) approaching: Option<(f64, Approach)>,
+}
+
+impl Reach {
+    /// All contacts within a length.
+    pub(crate) fn all(within: f64) -> Self {
+        Self { within, approaching: None }
+    }
+}
 
 /// What a pair's contacts are.
 pub(crate) struct Found {
@@ -184,18 +201,19 @@ impl PairWorkspace {
         self.memory.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The contacts within `reach` (> 0); `None` where parry must answer: ours takes no part in the pair,
+    /// The contacts within a reach (> 0); `None` where parry must answer: ours takes no part in the pair,
     /// or what its partner is, is not known here.
     pub(crate) fn found(
         &mut self,
         pose: &ExactPose,
         g1: &dyn Shape,
         g2: &dyn Shape,
-        reach: f64,
+        reach: Reach,
     ) -> Option<Found> {
+        let Reach { within, .. } = reach;
         if g1.as_compound().is_some() || g2.as_compound().is_some() {
             let involved = involves_ours(g1) || involves_ours(g2);
-            let contacts = involved.then(|| self.of_parts(pose, g1, g2, reach))?;
+            let contacts = involved.then(|| self.of_parts(pose, g1, g2, within))?;
             return Some(Found::without_answer(contacts));
         }
         match &self.cores {
@@ -203,19 +221,19 @@ impl PairWorkspace {
                 let cores = cores.clone();
                 Some(self.of_models(pose, cores, reach))
             }
-            None => partner_contacts(pose, g1, g2, reach).map(Found::of_contacts),
+            None => partner_contacts(pose, g1, g2, within).map(Found::of_contacts),
         }
     }
 
-    fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: f64) -> Found {
+    fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: Reach) -> Found {
         let thickness = cores[0].thickness.min(cores[1].thickness);
         let models = cores.each_ref().map(|core| &core.model);
-        let margin = reach + cores[0].radius + cores[1].radius;
-        let demand = match self.leads_out {
-            true => solver_demand(models, margin),
-            false => Demand::contacts(margin),
+        let question = match self.leads_out {
+            true => solver_question(&cores, reach),
+            false => Query::of(Demand::contacts(rounded(&cores, reach.within))),
         };
-        let Some(answer) = ask(models, *pose, demand, self.memory()) else {
+        let demand = question.demand;
+        let Some(answer) = ask(models, *pose, &question, self.memory()) else {
             return Found::without_answer(Vec::new());
         };
         let led = match self.leads_out {
@@ -229,7 +247,7 @@ impl PairWorkspace {
         let contacts = listed
             .iter()
             .map(|contact| told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth));
-        Found { contacts: contacts.collect(), searched, answer: Some((answer, demand)) }
+        Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
 
     /// Keeps what a search found, if it can be carried on.
@@ -258,7 +276,7 @@ impl PairWorkspace {
         }
         // After a snapshot only the search is known, and what it found follows from it.
         if !self.carried.as_ref().is_some_and(|list| list.is_of(search)) {
-            let found = self.of_models(&search.pose, self.cores.clone()?, search.reach);
+            let found = self.of_models(&search.pose, self.cores.clone()?, Reach::all(search.reach));
             self.keep(&found, (search.pose, search.reach));
         }
         let (cores, list) = (self.cores.as_ref()?, self.carried.as_ref()?);
@@ -289,7 +307,7 @@ impl PairWorkspace {
                     Some(pair) => pair,
                     None => self.of_part_cores([i, j], part1, part2),
                 };
-                let found = match pair.found(&between, part1, part2, reach) {
+                let found = match pair.found(&between, part1, part2, Reach::all(reach)) {
                     Some(found) => found.contacts,
                     None => parry_contacts(&between, part1, part2, reach),
                 };
@@ -339,12 +357,22 @@ pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
     }
 }
 
+/// A length between cores that are rounded.
+fn rounded(cores: &[Core; 2], length: f64) -> f64 {
+    length + cores[0].radius + cores[1].radius
+}
+
 /// What the solver needs of a pair of polyhedra.
-fn solver_demand(models: [&Model; 2], margin: f64) -> Demand {
-    if models.iter().all(|model| model.mesh().faces().len() >= FINE) {
-        Demand::contacts(margin)
-    } else {
-        Demand::Regions { margin }
+fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
+    let margin = rounded(cores, reach.within);
+    if cores.iter().any(|core| core.model.mesh().faces().len() < FINE) {
+        return Query::of(Demand::Regions { margin });
+    }
+    // What a rounded or a smooth body comes to is not what its core comes to.
+    let is_plain = cores.iter().all(|core| core.radius == 0.0 && core.smooth.is_none());
+    match reach.approaching.filter(|_| is_plain) {
+        Some((certain, approach)) => Query::of(Demand::contacts(certain)).approaching(approach),
+        None => Query::of(Demand::contacts(margin)),
     }
 }
 

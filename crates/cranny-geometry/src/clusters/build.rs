@@ -9,6 +9,7 @@ use cranny_exact::DVec3;
 
 use super::lanes::{LANES, Lanes, Lanes3};
 use super::oriented::{Frame, OrientedBox, best_frame, frame_across, frame_along, half_area};
+use super::wrenches::WrenchLanes;
 use super::{Child, Surface, WideNode, grow};
 use crate::ids::FaceId;
 
@@ -211,6 +212,7 @@ fn blank() -> WideNode {
         axes: [none; 3],
         half: none,
         radius: zero,
+        wrenches: WrenchLanes::NONE,
         children: [Child::ROOT; LANES],
         count: 0,
     }

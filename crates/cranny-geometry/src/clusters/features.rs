@@ -27,6 +27,14 @@ const REFLEX: f64 = 1e3 * LEAST_BEND;
 /// Smaller: tips are lost by rounding; larger: vertices of flat places are compared with every rim.
 const TIP_SLACK: f64 = 1e-6;
 
+/// Sine of the angle between two edges below which they lie along one line. Smaller: vertices of
+/// straight edges are tips for lack of knowing better; larger: what bounds them by a hair is lost.
+const ONE_LINE: f64 = 1e-8;
+
+/// Sine of the angle between two edges below which what is at right angles to both is not certain.
+/// Smaller: rounding turns it; larger: tips between narrow faces are not known.
+const LEAST_ANGLE: f64 = 1e-4;
+
 /// Which corners and sides count to a face, a bit each; of sides, that from corner `i` to the next
 /// is bit `i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -224,7 +232,9 @@ pub(super) fn corners(
             ids: named(chunk),
             patches: named(&chunk.iter().map(|&v| patch(v)).collect::<Vec<_>>()),
             count: chunk.len() as u32,
-            tips: tips.map(|(i, &v)| u32::from(is_tip(surface, v)) << i).sum(),
+            tips: tips
+                .map(|(i, &v)| u32::from(!matches!(Tip::of(surface, v), Tip::None)) << i)
+                .sum(),
             points: Lanes3::of(chunk.iter().map(|v| from(surface.places[v.index()]))),
         }
     });
@@ -261,31 +271,59 @@ pub(super) fn ridges(
     chunks.collect()
 }
 
-/// Whether all edges at a vertex fall away from some direction, or nearly so.
-fn is_tip(surface: &Surface, vertex: VertexId) -> bool {
-    let at = surface.places[vertex.index()];
-    let mut around: Vec<VertexId> = Vec::new();
-    for &face in surface.topology.faces_at(vertex) {
-        for other in surface.mesh.corners(face) {
-            if other != vertex && !around.contains(&other) {
-                around.push(other);
+/// The directions from which all edges at a vertex fall away, or nearly so.
+pub(super) enum Tip {
+    /// There are none.
+    None,
+    /// A cone between these, unit, at right angles to two edges each.
+    Cone(Vec<DVec3>),
+    /// There are some.
+    Unknown,
+}
+
+impl Tip {
+    pub(super) fn of(surface: &Surface, vertex: VertexId) -> Self {
+        let at = surface.places[vertex.index()];
+        let mut around: Vec<VertexId> = Vec::new();
+        for &face in surface.topology.faces_at(vertex) {
+            for other in surface.mesh.corners(face) {
+                if other != vertex && !around.contains(&other) {
+                    around.push(other);
+                }
             }
         }
+        let edges: Vec<DVec3> =
+            around.iter().map(|v| (surface.places[v.index()] - at).normalize_or_zero()).collect();
+        if edges.len() < 3 {
+            return Self::Unknown;
+        }
+        let falls = |direction: DVec3| edges.iter().all(|edge| edge.dot(direction) <= TIP_SLACK);
+        // The directions are a cone, whose border lines are at right angles to two edges.
+        // Edges along one line bound it by others: what is at right angles to that line.
+        let (mut borders, mut some) = (Vec::new(), false);
+        for (i, edge) in edges.iter().enumerate() {
+            for other in &edges[i + 1..] {
+                let cross = edge.cross(*other);
+                let length = cross.length();
+                if length < ONE_LINE {
+                    continue;
+                }
+                some = true;
+                let cross = cross / length;
+                let found = [cross, -cross].into_iter().filter(|&direction| falls(direction));
+                let before = borders.len();
+                borders.extend(found);
+                if borders.len() > before && length < LEAST_ANGLE {
+                    return Self::Unknown;
+                }
+            }
+        }
+        match (borders.is_empty(), some) {
+            (false, _) => Self::Cone(borders),
+            (true, true) => Self::None,
+            (true, false) => Self::Unknown,
+        }
     }
-    let edges: Vec<DVec3> =
-        around.iter().map(|v| (surface.places[v.index()] - at).normalize_or_zero()).collect();
-    if edges.len() < 3 {
-        return true;
-    }
-    let falls = |direction: DVec3| edges.iter().all(|edge| edge.dot(direction) <= TIP_SLACK);
-    // The directions are a cone, whose border lines are at right angles to two edges.
-    (0..edges.len()).any(|i| {
-        (i + 1..edges.len()).any(|j| {
-            let cross = edges[i].cross(edges[j]);
-            let length = cross.length();
-            length < TIP_SLACK || falls(cross / length) || falls(-cross / length)
-        })
-    })
 }
 
 /// The directions along which an edge between two faces is touched: an arc of the sphere of

@@ -4,7 +4,8 @@
 //! which are nearest, which features make contacts. A *cluster* holds at most eight neighbouring
 //! faces of nearly one normal (`grow`), with what the narrow phase compares eight at a time: planes
 //! and corners of its faces, vertices and ridges. A *node* holds up to eight boxes side by side
-//! (`build`), each around a node or a cluster.
+//! (`build`), each around a node or a cluster. Each of them knows with what wrenches its contacts
+//! can press (`wrenches`), so how fast a motion closes them.
 //!
 //! Everything here serves to leave things out, so it is in single precision: coordinates are
 //! relative to [`ClusterTree::origin`] and divided by [`ClusterTree::unit`], a power of two, so
@@ -22,6 +23,7 @@ mod features;
 mod grow;
 mod lanes;
 mod oriented;
+mod wrenches;
 
 use cranny_exact::DVec3;
 
@@ -29,6 +31,7 @@ use self::features::Owners;
 pub use self::features::{Owned, may_be_ridge};
 pub use self::lanes::{CornerLanes, FaceLanes, LANES, Lanes, Lanes3, RidgeLanes};
 pub use self::oriented::OrientedBox;
+pub use self::wrenches::{WRENCH, WrenchBox, WrenchLanes};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -87,6 +90,8 @@ pub struct WideNode {
     pub half: Lanes3,
     /// Radii of balls about the centres that hold the boxes.
     pub radius: Lanes,
+    /// With what wrenches contacts in the boxes can press.
+    pub wrenches: WrenchLanes,
     /// What the boxes hold; [`Child::ROOT`] beyond [`count`](Self::count).
     pub children: [Child; LANES],
     /// Number of boxes, at least 1.
@@ -123,6 +128,8 @@ pub struct Cluster {
     pub bounds: OrientedBox,
     /// The mean of the normals of its faces, unit; of faces without area any direction.
     pub normal: [f32; 3],
+    /// With what wrenches its contacts can press.
+    pub wrenches: WrenchBox,
     /// Its faces, at most eight.
     pub faces: FaceLanes,
     points: [u32; 2],
@@ -177,6 +184,7 @@ impl ClusterTree {
             let bounds = built.bounds[number];
             tree.add((&surface, patches), (&groups[group], owners.of_group(group)), bounds);
         }
+        wrenches::fill_nodes(&mut tree.nodes, &tree.clusters);
         tree
     }
 
@@ -198,6 +206,7 @@ impl ClusterTree {
             center: self.origin + self.unit * middle,
             bounds: OrientedBox { center: [0.0; 3], ..bounds },
             normal: features::mean_normal(surface, faces),
+            wrenches: wrenches::of_cluster(surface, faces, share),
             faces: features::faces(surface, (&self.owned, patches), faces, from),
             points: range(points, self.points.len()),
             corners: range(corners, self.corners.len()),

@@ -123,3 +123,91 @@ fn powers_of_two_change_nothing() {
         }
     }
 }
+
+/// Whether a box holds the wrench of a normal at a place of the tree's coordinates.
+fn presses(bounds: &WrenchBox, p: DVec3, n: DVec3) -> bool {
+    let wrench = n.to_array().into_iter().chain(p.cross(n).to_array());
+    wrench
+        .zip(bounds.least.iter().zip(&bounds.most))
+        .all(|(x, (least, most))| x >= f64::from(*least) && x <= f64::from(*most))
+}
+
+/// Every normal that a contact of a cluster can have is held by its box, and by those above it.
+/// Returns how many were not of faces, and how many clusters know nothing.
+fn check_wrenches(model: &Model, rng: &mut Rng) -> (usize, usize) {
+    let (mesh, topology, tree) = (model.mesh(), model.topology(), model.clusters());
+    let place = |v: VertexId| (mesh.position(v) - tree.origin()) / tree.unit();
+    let (mut others, mut whole) = (0, 0);
+    let mut stack = vec![(Child::ROOT, Vec::new())];
+    while let Some((child, above)) = stack.pop() {
+        if !child.is_cluster() {
+            let node = &tree.nodes()[child.index()];
+            for lane in 0..node.count as usize {
+                let mut above: Vec<WrenchBox> = above.clone();
+                above.push(node.wrenches.get(lane));
+                stack.push((node.children[lane], above));
+            }
+            continue;
+        }
+        let cluster = &tree.clusters()[child.index()];
+        whole += usize::from(cluster.wrenches == WrenchBox::WHOLE);
+        let all = |p, n| above.iter().chain([&cluster.wrenches]).all(|b| presses(b, p, n));
+        let normal = |face: FaceId| mesh.area_vector(face).normalize_or_zero();
+        for face in &cluster.faces.ids[..cluster.faces.count as usize] {
+            let [a, b, c] = mesh.corners(*face).map(place);
+            let (s, t) = (rng.unit().abs(), rng.unit().abs());
+            let inside = a + s * ((b - a) + t * (c - b));
+            assert!([a, b, c, inside].iter().all(|&p| all(p, normal(*face))));
+        }
+        for block in tree.ridges(cluster) {
+            for edge in &block.ids[..block.count as usize] {
+                let [h, g] = topology.half_edges(*edge) else { continue };
+                let ends = topology.edges()[edge.index()];
+                let (p, q) = (place(ends.from), place(ends.to));
+                for _ in 0..4 {
+                    let [s, t] = [0, 1].map(|_| rng.unit().abs());
+                    let between = (1.0 - s) * normal(h.face()) + s * normal(g.face());
+                    assert!(all(p + t * (q - p), between.normalize_or_zero()));
+                    others += 1;
+                }
+            }
+        }
+        for block in tree.corners(cluster) {
+            for vertex in &block.ids[..block.count as usize] {
+                let around = topology.faces_at(*vertex);
+                let p = place(*vertex);
+                for _ in 0..60 {
+                    // Near the faces' normals, where there may be few.
+                    let mean: DVec3 = around.iter().map(|&face| normal(face)).sum();
+                    let n = (mean.normalize_or_zero() + rng.direction()).normalize_or_zero();
+                    let ends = around.iter().flat_map(|&face| mesh.corners(face).map(place));
+                    if ends.into_iter().all(|q| (q - p).dot(n) <= 0.0) {
+                        assert!(all(p, n), "{vertex:?} along {n}");
+                        others += 1;
+                    }
+                }
+            }
+        }
+    }
+    (others, whole)
+}
+
+#[test]
+fn every_contact_presses_within_its_wrenches() {
+    let mut rng = Rng::new(8);
+    let (mut others, mut whole, mut all) = (0, 0, 0);
+    let mut bodies = vec![model(grid(5, |_, _| 0.0)), model(grid(5, |x, y| x * x - y * y))];
+    for _ in 0..20 {
+        bodies.push(model(grid(6, |_, _| 0.2 * rng.unit())));
+        bodies.push(model(grid(3, |_, _| 2.0 * rng.unit())));
+    }
+    for body in &bodies {
+        let (of_body, whole_of_body) = check_wrenches(body, &mut rng);
+        others += of_body;
+        whole += whole_of_body;
+        all += body.clusters().clusters().len();
+    }
+    assert!(others > 5_000, "{others}");
+    // Those at the border, where an edge has no second face.
+    assert!(whole * 10 < all * 9, "{whole} of {all} clusters know nothing");
+}

@@ -10,16 +10,21 @@ use crate::query::Placed;
 use crate::search::{Candidate, Kind};
 
 /// A contact by its features and the bits of its separation.
-type Made = ((Feature, Feature), u64);
+pub(super) type Made = ((Feature, Feature), u64);
 
-fn made(contacts: &[Contact]) -> Vec<Made> {
+pub(super) fn made(contacts: &[Contact]) -> Vec<Made> {
     let mut all: Vec<Made> = contacts.iter().map(|c| (c.id, c.separation.to_bits())).collect();
     all.sort_unstable();
     all
 }
 
 /// By every vertex and face, and every two edges.
-fn by_all_pairs(pair: &Pair, margin: f64) -> Vec<Made> {
+pub(super) fn by_all_pairs(pair: &Pair, margin: f64) -> Vec<Made> {
+    made(&of_all_pairs(pair, margin))
+}
+
+/// The contacts of every vertex and face, and of every two edges.
+pub(super) fn of_all_pairs(pair: &Pair, margin: f64) -> Vec<Contact> {
     let [first, second] = Side::BOTH.map(|side| {
         let (mesh, edges) = (pair.mesh(side), pair.topology(side).edges());
         [mesh.vertices().len(), mesh.faces().len(), edges.len()].map(|n| n as u32)
@@ -32,11 +37,12 @@ fn by_all_pairs(pair: &Pair, margin: f64) -> Vec<Made> {
     let mut found = Vec::new();
     for (kind, own, its) in kinds {
         for ids in (0..own).flat_map(|i| (0..its).map(move |k| [i, k])) {
-            let candidate = Candidate { patches: [PatchId(0); 2], ids, bound: 0.0, kind };
+            let candidate =
+                Candidate { patches: [PatchId(0); 2], ids, bound: 0.0, reach: f32::INFINITY, kind };
             found.extend(list::contact(pair, &candidate, margin));
         }
     }
-    made(&found)
+    found
 }
 
 /// By the list, without memory.

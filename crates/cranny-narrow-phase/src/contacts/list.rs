@@ -10,12 +10,13 @@ use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 
 use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
 use super::nearer;
+use super::wanted::Wanted;
 use crate::answer::{Contact, Counters, Feature, Surface};
 use crate::coherent::Coherent;
 use crate::motion::{Ball, Motion};
 use crate::pair::{Pair, Side, Whose};
 use crate::patience::Patience;
-use crate::search::{Candidate, Ground, Kind, Lasting, Turned, add_candidates};
+use crate::search::{Candidate, Closing, Ground, Kind, Lasting, Lists, Turned, add_candidates};
 use crate::surface::FacePair;
 use cranny_geometry::triangle_distance::Part;
 
@@ -99,38 +100,52 @@ impl ContactMemory {
     pub(super) fn search(
         &mut self,
         pair: &Pair,
-        margin: f64,
+        wanted: &Wanted,
         coherent: &mut Coherent,
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
-        let ground = Ground::of(pair);
-        let lasting = self.prepare(pair, margin);
-        let lists = lasting.map(|lasting| lasting.margin + lasting.skin);
-        let found = coherent.near(pair, &ground, lists, true, counters);
-        if let Some(lasting) = lasting {
-            self.make(pair, &ground, lasting, coherent.listed());
-        }
-        found
+        self.search_or_list(pair, wanted, true, coherent, counters)
     }
 
     /// Sees to it that the list is that of the pair's pose.
     pub(super) fn list(
         &mut self,
         pair: &Pair,
-        margin: f64,
+        wanted: &Wanted,
         coherent: &mut Coherent,
         counters: &mut Counters,
     ) {
+        self.search_or_list(pair, wanted, false, coherent, counters);
+    }
+
+    fn search_or_list(
+        &mut self,
+        pair: &Pair,
+        wanted: &Wanted,
+        meets: bool,
+        coherent: &mut Coherent,
+        counters: &mut Counters,
+    ) -> (Surface, Vec<FacePair>) {
         let ground = Ground::of(pair);
-        if let Some(lasting) = self.prepare(pair, margin) {
-            let lists = Some(lasting.margin + lasting.skin);
-            coherent.near(pair, &ground, lists, false, counters);
-            self.make(pair, &ground, lasting, coherent.listed());
+        let lasting = self.prepare(pair, wanted);
+        let closing = wanted.closing(pair, &ground);
+        let lists = lasting.map(|lasting| Lists {
+            reach: lasting.margin + lasting.skin,
+            closing: closing.as_ref(),
+        });
+        if !meets && lists.is_none() {
+            return (Surface::None, Vec::new());
         }
+        let found = coherent.near(pair, &ground, lists, meets, counters);
+        if let Some(lasting) = lasting {
+            self.make(pair, &ground, (lasting, closing.as_ref()), coherent.listed());
+        }
+        found
     }
 
     /// How a new list is to last; `None` where the one that is there does.
-    fn prepare(&mut self, pair: &Pair, margin: f64) -> Option<Lasting> {
+    fn prepare(&mut self, pair: &Pair, wanted: &Wanted) -> Option<Lasting> {
+        let margin = wanted.farthest();
         if !self.whose.are_of(pair) {
             *self = Self { whose: Whose::of(pair), ..Self::default() };
         }
@@ -154,6 +169,10 @@ impl ContactMemory {
             }
         }
         let now = Lasting { margin, skin: 0.0, turn: 0.0 };
+        // The next motion closes others.
+        if wanted.is_of_motion() {
+            return Some(now);
+        }
         let Some((moved, turned)) = step.filter(|_| self.patience.is_over()) else {
             return Some(now);
         };
@@ -169,12 +188,21 @@ impl ContactMemory {
     }
 
     /// Makes the list from pairs of clusters within reach.
-    fn make(&mut self, pair: &Pair, ground: &Ground, lasting: Lasting, clusters: &mut [[u32; 2]]) {
+    fn make(
+        &mut self,
+        pair: &Pair,
+        ground: &Ground,
+        (lasting, closing): (Lasting, Option<&Closing>),
+        clusters: &mut [[u32; 2]],
+    ) {
         self.note_winners();
         self.candidates.clear();
         self.turned.clear();
         clusters.sort_unstable();
         for &pair in clusters.iter() {
+            let margin =
+                closing.map_or(lasting.margin, |closing| closing.of_clusters(ground, pair));
+            let lasting = Lasting { margin, ..lasting };
             add_candidates(ground, pair, lasting, &mut self.turned, &mut self.candidates);
         }
         self.moved = 0.0;
@@ -223,7 +251,7 @@ impl ContactMemory {
     pub(super) fn each_group(
         &mut self,
         pair: &Pair,
-        margin: f64,
+        wanted: &Wanted,
         counters: &mut Counters,
         mut told: impl FnMut(&mut Group),
     ) {
@@ -231,7 +259,7 @@ impl ContactMemory {
         let Self { candidates, ranges, moved, .. } = self;
         for range in ranges {
             let list = &candidates[range.start as usize..range.end as usize];
-            let mut group = Group { pair, list, range, unit, moved: *moved, margin, counters };
+            let mut group = Group { pair, list, range, unit, moved: *moved, wanted, counters };
             told(&mut group);
         }
     }
@@ -252,7 +280,7 @@ pub(super) struct Group<'s, 'p, 'm> {
     range: &'s mut Range,
     unit: f64,
     moved: f64,
-    margin: f64,
+    wanted: &'s Wanted,
     counters: &'s mut Counters,
 }
 
@@ -266,14 +294,19 @@ impl Group<'_, '_, '_> {
         f64::from(candidate.bound) * self.unit - self.moved
     }
 
-    /// The nearest contact, if one is within the margin.
+    /// The contact of a candidate, no farther than `limit` and than motion may close it.
+    fn contact(&self, candidate: &Candidate, limit: f64) -> Option<Contact> {
+        contact(self.pair, candidate, limit.min(candidate.reach.into()))
+    }
+
+    /// The nearest contact, if it counts.
     pub(super) fn nearest(&mut self) -> Option<Contact> {
         let mut best: Option<Contact> = None;
-        let mut limit = self.margin;
+        let mut limit = self.wanted.farthest();
         let won = (self.range.winner as usize).wrapping_sub(self.range.start as usize);
         if let Some(candidate) = self.list.get(won) {
             self.counters.triangle_tests += 1;
-            best = contact(self.pair, candidate, limit);
+            best = self.contact(candidate, limit);
             limit = best.map_or(limit, |best| best.separation.max(0.0));
         }
         for (at, candidate) in self.list.iter().enumerate() {
@@ -284,7 +317,7 @@ impl Group<'_, '_, '_> {
                 continue;
             }
             self.counters.triangle_tests += 1;
-            if let Some(found) = contact(self.pair, candidate, limit)
+            if let Some(found) = self.contact(candidate, limit)
                 && best.is_none_or(|best| nearer(&found, &best).is_lt())
             {
                 limit = found.separation.max(0.0);
@@ -292,17 +325,19 @@ impl Group<'_, '_, '_> {
                 self.range.winner = self.range.start + at as u32;
             }
         }
-        best
+        best.filter(|contact| self.wanted.holds(contact))
     }
 
-    /// All contacts within the margin.
+    /// All contacts that count.
     pub(super) fn all(&mut self, all: &mut Vec<Contact>) {
+        let farthest = self.wanted.farthest();
         for candidate in self.list {
-            if self.bound(candidate) > self.margin {
+            if self.bound(candidate) > farthest {
                 break;
             }
             self.counters.triangle_tests += 1;
-            all.extend(contact(self.pair, candidate, self.margin));
+            let found = self.contact(candidate, farthest);
+            all.extend(found.filter(|contact| self.wanted.holds(contact)));
         }
     }
 }

@@ -14,6 +14,8 @@
 //! The answer is a function of models, poses and margin: memory holds what cannot be left out, and
 //! where to begin.
 
+#[cfg(test)]
+mod approaching;
 mod coarse;
 #[cfg(test)]
 mod every_pair;
@@ -21,6 +23,7 @@ pub(crate) mod facing;
 mod feature_pair;
 mod list;
 mod overlap;
+mod wanted;
 mod within;
 #[cfg(test)]
 mod wrenches;
@@ -33,6 +36,7 @@ use cranny_geometry::{Model, PatchId};
 use self::coarse::Coarse;
 use self::feature_pair::patch_index;
 pub(crate) use self::list::ContactMemory;
+pub(crate) use self::wanted::Wanted;
 use crate::answer::{Contact, Counters, Feature, Surface};
 use crate::coherent::Coherent;
 use crate::pair::{Pair, Side};
@@ -53,25 +57,25 @@ pub(crate) struct Near {
     pub(crate) contacts: Vec<Contact>,
 }
 
-/// Finds every pair of faces that meet, and the contacts of all pairs of patches within `margin`.
+/// Finds every pair of faces that meet, and the contacts of all pairs of patches that are wanted.
 ///
 /// Cost: near-linear in the features that lie within the margin; where
 /// solids overlap, a search of one nearest point for each vertex inside.
 pub(crate) fn near_patches(
     pair: &Pair,
-    margin: f64,
+    wanted: &Wanted,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
     counters: &mut Counters,
 ) -> Near {
     let coarse = Coarse::of(pair);
-    let (surface, meeting) = memory.search(pair, margin, coherent, counters);
+    let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
     let mut contacts = Vec::new();
     if surface == Meeting::Cross {
         let mut deep: BTreeMap<[PatchId; 2], Vec<Contact>> = BTreeMap::new();
         for contact in overlap::overlaps(pair, &meeting, counters) {
             deep.entry(patches_of(pair, contact.id)).or_default().push(contact);
         }
-        memory.each_group(pair, margin, counters, |group| {
+        memory.each_group(pair, wanted, counters, |group| {
             let mut group_deep = deep.remove(&group.patches()).unwrap_or_default();
             if coarse.holds(pair, group.patches()) {
                 group.all(&mut group_deep);
@@ -90,7 +94,7 @@ pub(crate) fn near_patches(
             }
         }
     } else {
-        memory.each_group(pair, margin, counters, |group| {
+        memory.each_group(pair, wanted, counters, |group| {
             if coarse.holds(pair, group.patches()) {
                 let mut all = Vec::new();
                 group.all(&mut all);
@@ -115,8 +119,9 @@ pub(crate) fn across_gaps(
     counters: &mut Counters,
 ) -> Vec<Contact> {
     let mut all = Vec::new();
-    memory.list(pair, margin, coherent, counters);
-    memory.each_group(pair, margin, counters, |group| group.all(&mut all));
+    let wanted = Wanted::within(margin);
+    memory.list(pair, &wanted, coherent, counters);
+    memory.each_group(pair, &wanted, counters, |group| group.all(&mut all));
     all
 }
 

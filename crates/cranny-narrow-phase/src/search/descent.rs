@@ -2,16 +2,27 @@
 
 use std::ops::ControlFlow;
 
+use super::closing::Closing;
 use super::ground::{At, Ground, distances, gaps};
 use super::lanes::{lanes_of, within};
 use crate::answer::Counters;
 use crate::pair::Side;
+use cranny_geometry::clusters::LANES;
 use wide::f32x8;
 
 /// What a descent is for.
 pub(crate) trait Visitor {
+    /// Whether it matters what is looked at first: not where all within reach is visited.
+    const IN_ORDER: bool = true;
+
     /// What is farther apart than this, in lengths of the pair, does not matter. It may shrink.
     fn reach(&self) -> f64;
+
+    /// How much less far what is at two places may matter; `None` where that is not known.
+    #[inline(always)]
+    fn closing(&self) -> Option<&Closing> {
+        None
+    }
 
     /// Looks at two clusters whose boxes are within reach, no nearer than `gap`; may end the
     /// descent.
@@ -29,18 +40,20 @@ pub(crate) struct Pending {
     /// Of places beside each other the least is looked at first.
     order: f32,
     at: [At; 2],
+    /// How far contacts of what is at each count, by its own motion: lengths of the pair.
+    closing: [f32; 2],
 }
 
 /// Descends from the top, the nearest first; `stack` is scratch.
-pub(crate) fn descend(
+pub(crate) fn descend<V: Visitor>(
     ground: &Ground,
     stack: &mut Vec<Pending>,
-    visitor: &mut impl Visitor,
+    visitor: &mut V,
     counters: &mut Counters,
 ) -> ControlFlow<()> {
     stack.clear();
-    stack.push(Pending { gap: 0.0, order: 0.0, at: [At::ROOT; 2] });
-    while let Some(Pending { gap, at, .. }) = stack.pop() {
+    stack.push(Pending { gap: 0.0, order: 0.0, at: [At::ROOT; 2], closing: [f32::INFINITY; 2] });
+    while let Some(Pending { gap, at, closing, .. }) = stack.pop() {
         let reach = visitor.reach();
         if gap > reach {
             continue;
@@ -57,10 +70,19 @@ pub(crate) fn descend(
         counters.node_tests += u64::from(node.count);
         let placed = ground.placed(side, at[1 - i]);
         let gaps = gaps(node, &placed);
-        let near = within(gaps, f32x8::splat(ground.reach(side, reach))) & node.mask();
+        let (far, own) = match visitor.closing() {
+            Some(by_motion) => {
+                let own = by_motion.of_lanes(side, node);
+                let far = by_motion.reaches(own, closing[1 - i]);
+                (ground.reaches(side, far), own.to_array())
+            }
+            None => (f32x8::splat(ground.reach(side, reach)), [0.0; LANES]),
+        };
+        let near = within(gaps, far) & node.mask();
         // The nearest is popped first: of boxes that overlap, the one whose centre is nearest.
         let order = match near.count_ones() {
             0 | 1 => gaps.to_array(),
+            _ if !V::IN_ORDER => gaps.to_array(),
             _ => (gaps + distances(node, &placed) * f32x8::splat(CENTERS)).to_array(),
         };
         let (gaps, start) = (gaps.to_array(), stack.len());
@@ -68,10 +90,12 @@ pub(crate) fn descend(
             let mut next = at;
             next[i] = At::lane(index, lane);
             let gap = ground.certain(side, gaps[lane]);
-            stack.push(Pending { gap, order: order[lane], at: next });
+            let mut next_closing = closing;
+            next_closing[i] = own[lane];
+            stack.push(Pending { gap, order: order[lane], at: next, closing: next_closing });
         }
         let new = &mut stack[start..];
-        if new.len() > 1 {
+        if V::IN_ORDER && new.len() > 1 {
             new.sort_unstable_by(|x, y| y.order.total_cmp(&x.order));
         }
     }

@@ -36,6 +36,8 @@ pub(crate) struct Candidate {
     pub(crate) ids: [u32; 2],
     /// No contact of theirs is nearer than this, in the second body's lengths.
     pub(crate) bound: f32,
+    /// None that is farther than this counts, in lengths of the pair.
+    pub(crate) reach: f32,
     pub(crate) kind: Kind,
 }
 
@@ -255,6 +257,7 @@ pub(crate) fn add_candidates(
     let scale = a.bounds.radius * placing.ratio()
         + b.bounds.radius
         + offset.iter().map(|x| x.abs()).sum::<f32>();
+    let far = (lasting.margin as f32).next_up();
     let posing = (ground.posing() / unit) as f32;
     let error = rounding(scale) + posing;
     let skin = (lasting.skin / unit) as f32 + error;
@@ -273,6 +276,7 @@ pub(crate) fn add_candidates(
                 patches: [block.patches[lane], b.faces.patches[face]],
                 ids: [block.ids[lane].0, b.faces.ids[face].0],
                 bound,
+                reach: far,
                 kind: Kind::CornerFace,
             });
         });
@@ -288,6 +292,7 @@ pub(crate) fn add_candidates(
                     patches: [a.faces.patches[face], block.patches[lane]],
                     ids: [a.faces.ids[face].0, block.ids[lane].0],
                     bound,
+                    reach: far,
                     kind: Kind::FaceCorner,
                 });
             },
@@ -315,6 +320,7 @@ pub(crate) fn add_candidates(
                         patches: [block.patches[lane], other.patches[k]],
                         ids: [block.ids[lane].0, other.ids[k].0],
                         bound,
+                        reach: far,
                         kind: Kind::Edges,
                     });
                 });

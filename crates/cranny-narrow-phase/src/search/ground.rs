@@ -174,6 +174,14 @@ impl<'a> Ground<'a> {
         self.tree(side).nodes()[node].boxed(lane)
     }
 
+    /// Lengths of the pair in a side's lengths, rounded up, with what bounds may be off by.
+    #[inline(always)]
+    pub(crate) fn reaches(&self, side: Side, lengths: f32x8) -> f32x8 {
+        let i = side.index();
+        // Units are powers of two; what they make of the least lengths is less than the error.
+        lengths * f32x8::splat(self.per_unit[i] as f32) + f32x8::splat(self.error[i])
+    }
+
     /// The box at a place of the other side, in this side's coordinates.
     #[inline(always)]
     pub(crate) fn placed(&self, side: Side, other: At) -> OrientedBox {

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use cranny_exact::Meeting;
 use cranny_geometry::FaceId;
 
+use super::closing::Closing;
 use super::cut::Cut;
 use super::descent::{Pending, Visitor, descend};
 use super::faces::for_near_faces;
@@ -184,13 +185,20 @@ pub(crate) fn meetings_in(
 struct Listing<'s, 'g, 'p, 'm> {
     meetings: Meetings<'g, 'p, 'm>,
     lists: Option<f64>,
+    closing: Option<&'s Closing>,
     meets: bool,
     listed: &'s mut Vec<[u32; 2]>,
 }
 
 impl Visitor for Listing<'_, '_, '_, '_> {
+    const IN_ORDER: bool = false;
+
     fn reach(&self) -> f64 {
         self.lists.unwrap_or(0.0)
+    }
+
+    fn closing(&self) -> Option<&Closing> {
+        self.closing
     }
 
     fn clusters(
@@ -209,19 +217,28 @@ impl Visitor for Listing<'_, '_, '_, '_> {
     }
 }
 
-/// Lists the pairs of clusters that are as near as `lists`, from the top; finds all faces that
-/// meet, where `meets`.
+/// What a list of pairs of clusters is to hold.
+#[derive(Clone, Copy)]
+pub(crate) struct Lists<'a> {
+    /// All that are as near as this.
+    pub(crate) reach: f64,
+    /// But those whose contacts count less far, and are farther.
+    pub(crate) closing: Option<&'a Closing>,
+}
+
+/// Lists pairs of clusters, from the top; finds all faces that meet, where `meets`.
 pub(crate) fn near_clusters(
     pair: &Pair,
     ground: &Ground,
-    (lists, meets): (Option<f64>, bool),
+    (lists, meets): (Option<Lists>, bool),
     stack: &mut Vec<Pending>,
     listed: &mut Vec<[u32; 2]>,
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>) {
     let (surface, found) = (Meeting::None, Vec::new());
     let meetings = Meetings { ground, pair, ends_at_crossing: false, surface, found };
-    let mut listing = Listing { meetings, lists, meets, listed };
+    let (closing, lists) = (lists.and_then(|lists| lists.closing), lists.map(|lists| lists.reach));
+    let mut listing = Listing { meetings, lists, closing, meets, listed };
     // Nothing ends it.
     let _ = descend(ground, stack, &mut listing, counters);
     let Meetings { surface, mut found, .. } = listing.meetings;
@@ -229,9 +246,12 @@ pub(crate) fn near_clusters(
     (surface, found)
 }
 
-/// Lists the pairs of clusters of a cut that are within `reach`.
-pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, reach: f64, listed: &mut Vec<[u32; 2]>) {
-    let posing = ground.posing();
+/// Lists pairs of clusters of a cut.
+pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, lists: Lists, listed: &mut Vec<[u32; 2]>) {
+    let (posing, reach) = (ground.posing(), lists.reach);
+    let counts = |pair, gap: f64| {
+        gap <= 0.0 || lists.closing.is_none_or(|closing| gap <= closing.of_clusters(ground, pair))
+    };
     let (leaves, spent) = cut.leaves();
     for leaf in leaves {
         if spent.left(leaf) > reach {
@@ -239,7 +259,7 @@ pub(crate) fn list_near(cut: &mut Cut, ground: &Ground, reach: f64, listed: &mut
         }
         let gap = ground.cluster_gap(leaf, reach);
         spent.note_along(leaf, gap, posing);
-        if gap <= reach {
+        if gap <= reach && counts(leaf.pair, gap) {
             listed.push(leaf.pair);
         }
     }

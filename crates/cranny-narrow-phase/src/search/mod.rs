@@ -5,10 +5,11 @@
 //! `faces` compares the faces of two clusters, eight at a time; `apart` bounds the distances of eight
 //! pairs of them; `features` finds which of their
 //! vertices and ridges may make contacts. A `cut` is where a descent ended, `kept` from query to
-//! query where that pays. All of this is in single precision and keeps too much, never too little:
+//! query where that pays. `closing` bounds how far contacts count that motion has to close. All of this is in single precision and keeps too much, never too little:
 //! double precision or exact arithmetic decides.
 
 mod apart;
+mod closing;
 mod cut;
 mod descent;
 mod faces;
@@ -21,12 +22,13 @@ mod nearest;
 mod parted;
 mod point;
 
+pub(crate) use self::closing::Closing;
 pub(crate) use self::descent::Pending;
 pub(crate) use self::features::{Candidate, Kind, Lasting, Turned, add_candidates};
 pub(crate) use self::ground::Ground;
 pub(crate) use self::kept::{KeptCut, Reach};
 pub(crate) use self::meeting::{
-    first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
+    Lists, first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
 };
 pub(crate) use self::nearest::{nearest_faces, nearest_in, nearest_or_meeting};
 pub(crate) use self::point::for_faces_near;

@@ -6,7 +6,7 @@ use thiserror::Error;
 const MAGIC: &[u8; 8] = b"CRANNYRS";
 
 /// Of the form; a snapshot of any other is refused.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 const CHECKSUM: usize = 32;
 

@@ -1,8 +1,8 @@
 //! A [`Simulation`] as bytes: rapier's world, and what the simulation keeps beside it.
 
-use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_exact::{DMat3, DQuat, DVec3, Pose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Demand, PairMemory};
+use cranny_narrow_phase::{Approach, Demand, PairMemory, Query};
 use rapier3d::geometry::ColliderHandle;
 use rapier3d::math::{Real, Vector};
 use rapier3d::prelude::{IntegrationParameters, PhysicsWorld, RigidBodyHandle};
@@ -65,6 +65,25 @@ struct WrittenAnswer {
     first_from_second: WrittenPose,
     step: u64,
     demand: WrittenDemand,
+    approach: Option<WrittenApproach>,
+}
+
+/// Within, linear, spread by columns, turn, swing.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct WrittenApproach(f64, [f64; 3], [f64; 9], [f64; 3], [f64; 3]);
+
+impl WrittenApproach {
+    fn of(approach: Approach) -> Self {
+        let Approach { within, linear, spread, turn, swing } = approach;
+        let [linear, turn, swing] = [linear, turn, swing].map(|v| v.to_array());
+        Self(within, linear, spread.to_cols_array(), turn, swing)
+    }
+
+    fn approach(self) -> Approach {
+        let Self(within, linear, spread, turn, swing) = self;
+        let [linear, turn, swing] = [linear, turn, swing].map(DVec3::from_array);
+        Approach { within, linear, spread: DMat3::from_cols_array(&spread), turn, swing }
+    }
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -128,7 +147,8 @@ impl Simulation {
             tags,
             first_from_second: WrittenPose::of(&logged.first_from_second),
             step: logged.step,
-            demand: WrittenDemand::of(logged.demand),
+            demand: WrittenDemand::of(logged.question.demand),
+            approach: logged.question.approach.map(WrittenApproach::of),
         });
         let searches = self.searches.lasting().into_iter();
         let tagged = self.tagged.iter();
@@ -255,13 +275,15 @@ impl Simulation {
         };
         let (first, second) = written.tags;
         let Some(models) = model(first).zip(model(second)) else { return Err(flaw) };
-        let (pose, demand) = (written.first_from_second.pose(), written.demand.demand());
-        let answer = ask(models.into(), pose, demand, &mut PairMemory::default()).ok_or(flaw)?;
+        let pose = written.first_from_second.pose();
+        let approach = written.approach.map(WrittenApproach::approach);
+        let question = Query { approach, ..Query::of(written.demand.demand()) };
+        let answer = ask(models.into(), pose, &question, &mut PairMemory::default()).ok_or(flaw)?;
         let logged = LoggedAnswer {
             answer: Arc::new(answer),
             first_from_second: pose,
             step: written.step,
-            demand,
+            question,
         };
         self.log.put_back(written.tags, logged);
         Ok(())

@@ -1,0 +1,48 @@
+//! Which contacts count: those within a margin, and those that bodies may come to.
+
+use crate::answer::Contact;
+use crate::approach::Approach;
+use crate::pair::Pair;
+use crate::search::{Closing, Ground};
+
+/// Which contacts count.
+pub(crate) struct Wanted {
+    margin: f64,
+    /// Of the pair's first body, in the pair's frame; it looks farther than the margin.
+    approach: Option<Approach>,
+}
+
+impl Wanted {
+    /// All within a margin.
+    pub(crate) fn within(margin: f64) -> Self {
+        Self { margin, approach: None }
+    }
+
+    /// Those within a margin and, of an approach of the caller's A that looks farther, those beyond
+    /// that it closes.
+    pub(crate) fn of(pair: &Pair, margin: f64, approach: Option<&Approach>) -> Self {
+        Self { margin, approach: approach.map(|approach| pair.own_approach(approach)) }
+    }
+
+    /// None is farther.
+    pub(crate) fn farthest(&self) -> f64 {
+        self.approach.as_ref().map_or(self.margin, |approach| approach.within)
+    }
+
+    /// Whether those beyond the margin depend on motion.
+    pub(super) fn is_of_motion(&self) -> bool {
+        self.approach.is_some()
+    }
+
+    pub(super) fn closing(&self, pair: &Pair, ground: &Ground) -> Option<Closing> {
+        let approach = self.approach.as_ref()?;
+        Some(Closing::of(pair, ground, self.margin, approach))
+    }
+
+    /// Whether a contact, in the pair's frame and no farther than any, counts.
+    pub(super) fn holds(&self, contact: &Contact) -> bool {
+        let Contact { point_a, normal, separation, .. } = *contact;
+        separation <= self.margin
+            || self.approach.is_none_or(|a| separation <= a.closing(point_a, normal))
+    }
+}
