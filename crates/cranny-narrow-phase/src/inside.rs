@@ -34,7 +34,7 @@ pub(crate) fn locate(
     counters.inside_tests += 1;
     let bounds = pair.bounds(side);
     let near = p.rounded();
-    if !bounds.grown(p.rounding()).contains_point(near) {
+    if !bounds.grown(p.rounding()).contains_point(near) || is_beside_solids(pair, side, p) {
         return Location::Outside;
     }
     // A generic direction is right at once; the loop ends because finitely many edges block only a
@@ -48,6 +48,22 @@ pub(crate) fn locate(
             return location;
         }
         attempt += 1;
+    }
+}
+
+/// Whether a point lies outside the boxes of all closed components.
+fn is_beside_solids(pair: &Pair, side: Side, p: &WeightedPoint) -> bool {
+    let (near, slack) = local(pair, side, p.rounded());
+    let slack = DVec3::splat(slack + p.rounding());
+    let around = Aabb { min: near - slack, max: near + slack };
+    !pair.model(side).clusters().solids().iter().any(|solid| solid.overlaps(&around))
+}
+
+/// A point of the pair's frame in that of a body, and by how much that may be off.
+fn local(pair: &Pair, side: Side, p: DVec3) -> (DVec3, f64) {
+    match side {
+        Side::First => (p, 0.0),
+        Side::Second => (pair.first_from_second.inverse().apply(p), 8.0 * pair.culling_error()),
     }
 }
 
@@ -125,14 +141,8 @@ fn for_each_face_along(
     end: DVec3,
     visit: impl FnMut(FaceId),
 ) {
-    let segment = [p.rounded(), end];
-    let (local, slack) = match side {
-        Side::First => (segment, 0.0),
-        Side::Second => {
-            let inverse = pair.first_from_second.inverse();
-            (segment.map(|p| inverse.apply(p)), 8.0 * pair.culling_error())
-        }
-    };
+    let [(start, slack), (end, _)] = [p.rounded(), end].map(|p| local(pair, side, p));
+    let local = [start, end];
     let reach = (local[1] - local[0]).length();
     let slack = slack + p.rounding() + 8.0 * f64::EPSILON * (reach + local[0].length());
     let ray = Ray::new(local);

@@ -25,7 +25,7 @@ mod lanes;
 mod oriented;
 mod wrenches;
 
-use cranny_exact::DVec3;
+use cranny_exact::{Aabb, DVec3};
 
 use self::features::Owners;
 pub use self::features::{Owned, may_be_ridge};
@@ -149,6 +149,7 @@ pub struct ClusterTree {
     corners: Vec<CornerLanes>,
     ridges: Vec<RidgeLanes>,
     owned: Vec<Owned>,
+    solids: Vec<Aabb>,
 }
 
 impl ClusterTree {
@@ -179,6 +180,7 @@ impl ClusterTree {
             corners: Vec::new(),
             ridges: Vec::new(),
             owned,
+            solids: solids(mesh, topology),
         };
         for (number, &group) in built.order.iter().enumerate() {
             let bounds = built.bounds[number];
@@ -283,6 +285,13 @@ impl ClusterTree {
         self.owned[face.index()]
     }
 
+    /// A box around each closed component, in the body's frame: what lies in none of them is outside.
+    #[must_use]
+    #[inline]
+    pub fn solids(&self) -> &[Aabb] {
+        &self.solids
+    }
+
     /// Heap bytes held.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -292,6 +301,7 @@ impl ClusterTree {
             + size_of_val(&*self.corners)
             + size_of_val(&*self.ridges)
             + size_of_val(&*self.owned)
+            + size_of_val(&*self.solids)
     }
 }
 
@@ -313,6 +323,17 @@ impl Surface<'_> {
     fn normal(&self, face: FaceId) -> DVec3 {
         self.normals[face.index()]
     }
+}
+
+/// A box around each closed component.
+fn solids(mesh: &Mesh, topology: &Topology) -> Vec<Aabb> {
+    let mut boxes = vec![Aabb::EMPTY; topology.components().len()];
+    for face in (0..mesh.faces().len() as u32).map(FaceId) {
+        let own = &mut boxes[topology.component_of(face).index()];
+        *own = own.union(&Aabb::of_points(mesh.triangle(face)));
+    }
+    let closed = topology.components().iter().map(|component| component.closed);
+    boxes.into_iter().zip(closed).filter(|(_, closed)| *closed).map(|(own, _)| own).collect()
 }
 
 /// The least power of two that is greater than a positive number.
