@@ -5,6 +5,7 @@ use std::time::Duration;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use serde::Serialize;
 
 /// One step: everything from the poses at its beginning to the poses at its end.
 ///
@@ -101,7 +102,7 @@ impl SimulatedTime {
 }
 
 /// Wall time spent so far, in milliseconds, by phase. No result depends on it.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhaseTimes {
     /// Broad phase of the solver's step; the world's own is part of [`narrow`](Self::narrow).
     pub broad: f64,

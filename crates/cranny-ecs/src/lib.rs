@@ -92,7 +92,7 @@ pub use rendering::{
 pub use response::{EnergyRange, ResponseSystems, RigidBodies, RigidBody};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped, TimeSummary,
+    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 pub use tally::{Contained, DeepestSoFar, Series, Tally};
 pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};

@@ -12,6 +12,7 @@ use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_render::{Animation, DrawList, Image, ImageSize, Renderer};
 use cranny_world::ContactFields;
@@ -259,59 +260,38 @@ fn read_for_end(mut readers: ResMut<ContactReaders>) {
     readers.set(ContactReaders::PICTURES, MARKED);
 }
 
-fn draw_step(
-    bodies: Query<(&Body, &Transform)>,
-    contacts: Option<Res<ContactReport>>,
-    time: Res<SimulatedTime>,
-    mut painter: ResMut<Painter>,
-    mut times: ResMut<PhaseTimes>,
-    mut failure: ResMut<Failure>,
-) {
-    if painter.moments.is_due(time.steps()) && !failure.is_set() {
-        draw(
-            &bodies,
-            contacts.as_deref(),
-            (time.steps(), false),
-            &mut painter,
-            &mut times,
-            &mut failure,
-        );
+/// What a picture is made of, and where it goes.
+#[derive(SystemParam)]
+struct Drawing<'w, 's> {
+    bodies: Query<'w, 's, (&'static Body, &'static Transform)>,
+    contacts: Option<Res<'w, ContactReport>>,
+    time: Res<'w, SimulatedTime>,
+    painter: ResMut<'w, Painter>,
+    times: ResMut<'w, PhaseTimes>,
+    failure: ResMut<'w, Failure>,
+}
+
+impl Drawing<'_, '_> {
+    fn draw(&mut self, last: bool) {
+        if self.failure.is_set() {
+            return;
+        }
+        let start = Instant::now();
+        let poses = self.bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
+        let list = self.painter.palette.draw_list(poses, self.contacts.as_deref());
+        self.failure.note(self.painter.paint(&list, self.time.steps(), last));
+        self.times.render += 1e3 * start.elapsed().as_secs_f64();
     }
 }
 
-fn draw_end(
-    bodies: Query<(&Body, &Transform)>,
-    contacts: Option<Res<ContactReport>>,
-    time: Res<SimulatedTime>,
-    mut painter: ResMut<Painter>,
-    mut times: ResMut<PhaseTimes>,
-    mut failure: ResMut<Failure>,
-) {
-    if !failure.is_set() {
-        draw(
-            &bodies,
-            contacts.as_deref(),
-            (time.steps(), true),
-            &mut painter,
-            &mut times,
-            &mut failure,
-        );
+fn draw_step(mut drawing: Drawing) {
+    if drawing.painter.moments.is_due(drawing.time.steps()) {
+        drawing.draw(false);
     }
 }
 
-fn draw(
-    bodies: &Query<(&Body, &Transform)>,
-    contacts: Option<&ContactReport>,
-    (step, last): (u64, bool),
-    painter: &mut Painter,
-    times: &mut PhaseTimes,
-    failure: &mut Failure,
-) {
-    let start = Instant::now();
-    let poses = bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
-    let list = painter.palette.draw_list(poses, contacts);
-    failure.note(painter.paint(&list, step, last));
-    times.render += 1e3 * start.elapsed().as_secs_f64();
+fn draw_end(mut drawing: Drawing) {
+    drawing.draw(true);
 }
 
 #[cfg(feature = "record")]

@@ -12,7 +12,7 @@ use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped, TimeSummary,
+    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 use crate::tally::{Series, Tally};
 
@@ -93,14 +93,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         simulated_s,
         wall_s,
         real_time_factor: if wall_s > 0.0 { simulated_s / wall_s } else { 0.0 },
-        time_ms: TimeSummary {
-            broad: times.broad,
-            narrow: times.narrow,
-            solver: times.solver,
-            report: times.report,
-            record: times.record,
-            render: times.render,
-        },
+        time_ms: times,
         pairs: count(&tally.pairs),
         pairs_found: pairs_found(world, &tally),
         contacts: count(&tally.contacts),

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::clock::PhaseTimes;
+
 /// Summary of a run. Its JSON is the last line that `cranny run --format json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSummary {
@@ -30,7 +32,7 @@ pub struct RunSummary {
     /// Simulated seconds a second of wall time.
     pub real_time_factor: f64,
     /// Where the wall time went, milliseconds in all.
-    pub time_ms: TimeSummary,
+    pub time_ms: PhaseTimes,
     /// Pairs examined in a step.
     pub pairs: CountSummary,
     /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None` without it or
@@ -65,23 +67,6 @@ pub struct RunSummary {
     pub skipped: Vec<Skipped>,
     /// Whether the run was broken off.
     pub interrupted: bool,
-}
-
-/// Milliseconds in all.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TimeSummary {
-    /// The solver's broad phase; without a solver, the broad phase is part of `narrow`.
-    pub broad: f64,
-    /// Contact detection.
-    pub narrow: f64,
-    /// The rest of the solver's step.
-    pub solver: f64,
-    /// Exact answers for reports only, beside the solver's own detection.
-    pub report: f64,
-    /// Recording.
-    pub record: f64,
-    /// Drawing, encoding and saving pictures.
-    pub render: f64,
 }
 
 /// A count over the steps.
