@@ -38,7 +38,7 @@ fn rough(rng: &mut Rng) -> Model {
 fn motion(rng: &mut Rng, length: f64) -> Approach {
     let mut vector = |size: f64| size * DVec3::new(rng.unit(), rng.unit(), rng.unit());
     let (linear, turn, center) = (vector(length), vector(length), vector(1.0));
-    let spread = DMat3::from_diagonal(vector(0.2 * length));
+    let spread = DMat3::from_diagonal(vector(length));
     Approach {
         within: 6.0 * length,
         linear: if rng.below(4) == 0 { DVec3::ZERO } else { linear },
@@ -106,7 +106,8 @@ fn listed(
 /// A pose of `b` on `a` that leaves a small gap.
 fn beside(a: &Model, b: &Model, rng: &mut Rng) -> Pose {
     let (rotation, way, gap) = (rng.rotation(), rng.direction(), 0.01 + 0.06 * rng.unit().abs());
-    let at = |t: f64| Pose { rotation, translation: t * way }.accepted().unwrap();
+    let middle = a.bounds().center() - rotation * b.bounds().center();
+    let at = |t: f64| Pose { rotation, translation: middle + t * way }.accepted().unwrap();
     let apart = |t: f64| {
         let [a, b] = [(a, Pose::IDENTITY), (b, at(t))].map(|(model, pose)| Placed { model, pose });
         let question = Query::of(Demand::Distance { below: None });
@@ -132,6 +133,12 @@ fn what_motion_closes_is_listed_and_nothing_else() {
         shaped(Torus { major_segments: 16, minor_segments: 30, ..Torus::default() }),
     ];
     bodies.push(rough(&mut rng));
+    // Their trees have their origins away from the bodies'.
+    let away = |body: &Model| {
+        let vertices = body.mesh().vertices().iter().map(|p| *p + DVec3::new(1.5, -2.0, 1.0));
+        model(Mesh::new(vertices.collect(), body.mesh().faces().to_vec()).unwrap())
+    };
+    bodies = bodies.iter().map(away).collect();
     let mut tally = Tally::default();
     for round in 0..100 {
         let [a, b] = [0, 1].map(|_| &bodies[rng.below(bodies.len())]);
