@@ -117,7 +117,6 @@ impl Parting {
 mod tests {
     use super::*;
     use crate::brute_force::brute_force;
-    use crate::memory::PairMemory;
     use crate::query::Placed;
     use cranny_exact::{DQuat, Pose};
     use cranny_geometry::{BuildOptions, Mesh, Model};
@@ -128,8 +127,8 @@ mod tests {
     }
 
     fn gap(parting: &mut Parting, a: Placed, b: Placed, wanted: f64) -> (f64, Counters) {
-        let (mut memory, mut counters) = (PairMemory::default(), Counters::default());
-        let pair = Pair::new(a, b, &mut memory.posed);
+        let mut counters = Counters::default();
+        let pair = Pair::of_accepted(a, b);
         (parting.gap(&pair, wanted, &mut counters), counters)
     }
 

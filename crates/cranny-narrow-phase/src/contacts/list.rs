@@ -12,8 +12,8 @@ use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
 use super::nearer;
 use crate::answer::{Contact, Counters, Feature, Surface};
 use crate::coherent::Coherent;
-use crate::motion::{Ball, Motion};
-use crate::pair::{Pair, Side, Whose};
+use crate::motion::RelativeMotion;
+use crate::pair::{Pair, PairTag, Side};
 use crate::patience::Patience;
 use crate::search::{Candidate, Ground, Kind, Lasting, Turned, add_candidates};
 use crate::surface::FacePair;
@@ -66,7 +66,7 @@ struct Skin {
 /// What searches for contacts keep for the next one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactMemory {
-    whose: Whose,
+    tag: PairTag,
     candidates: Vec<Candidate>,
     ranges: Vec<Range>,
     /// `None`: the list is that of one pose.
@@ -131,13 +131,13 @@ impl ContactMemory {
 
     /// How a new list is to last; `None` where the one that is there does.
     fn prepare(&mut self, pair: &Pair, margin: f64) -> Option<Lasting> {
-        if !self.whose.are_of(pair) {
-            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        if !self.tag.is_of(pair) {
+            *self = Self { tag: PairTag::of(pair), ..Self::default() };
         }
-        let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
+        let models = pair.models();
         let since = |map: &RigidMap| {
-            Motion::since(map, pair)
-                .map_or((0.0, 0.0), |motion| (motion.step(&balls), motion.stretch()))
+            RelativeMotion::since(map, pair)
+                .map_or((0.0, 0.0), |motion| (motion.step(models), motion.stretch()))
         };
         let step = self.last.as_ref().map(since);
         self.last = Some(pair.first_from_second);
