@@ -1,7 +1,7 @@
 //! The one entry: from a question and an effort to what is certain.
 
 use cranny_exact::{Aabb, Interval, Meeting};
-use cranny_narrow_phase::primitives::{Pair, Side, Solidity};
+use cranny_narrow_phase::operations::{Pair, Side, Solidity};
 use cranny_narrow_phase::{Demand, Placed, Query, QueryError, Surface, query};
 
 use crate::effort::{Accuracy, Effort, Meter};

@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec3, Meeting};
 use cranny_geometry::{FaceId, VertexId};
-use cranny_narrow_phase::primitives::{FacePair, NearestFaces, Pair, Side};
+use cranny_narrow_phase::operations::{FacePair, NearestFaces, Pair, Side};
 use cranny_narrow_phase::{Counters, Demand, Feature, Surface, Witness};
 
 /// What was found about the two surfaces.

@@ -7,7 +7,7 @@ use cranny_concavity::walk::{
 use cranny_exact::DVec3;
 use cranny_geometry::VertexId;
 use cranny_geometry::hull::HullVertexId;
-use cranny_narrow_phase::primitives::{Pair, PerModel};
+use cranny_narrow_phase::operations::{Pair, PerModel};
 
 /// The feature graphs of a pair's hulls, about 500 bytes a vertex, and the features of the last
 /// walk.

@@ -2,7 +2,7 @@
 
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::primitives::Pair;
+use cranny_narrow_phase::operations::Pair;
 use cranny_narrow_phase::{PairMemory, Placed, QueryError};
 
 use crate::effort::Accuracy;

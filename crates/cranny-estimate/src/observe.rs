@@ -1,7 +1,7 @@
 //! The contents of a memory of estimates, shown for drawing. Nothing is kept for that alone.
 
 use cranny_concavity::walk::HullFeature;
-use cranny_narrow_phase::primitives::Pair;
+use cranny_narrow_phase::operations::Pair;
 
 use crate::trees::PairTrees;
 use crate::warm_start::WarmStart;

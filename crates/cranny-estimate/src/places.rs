@@ -1,7 +1,7 @@
 //! Boxes in which two surfaces may be within a margin of each other.
 
 use cranny_exact::{Aabb, Interval};
-use cranny_narrow_phase::primitives::Pair;
+use cranny_narrow_phase::operations::Pair;
 
 use crate::estimate::Place;
 use crate::refinement::Refinement;

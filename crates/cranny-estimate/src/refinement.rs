@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use cranny_geometry::{Content, FaceId, FaceTree};
-use cranny_narrow_phase::primitives::Side;
+use cranny_narrow_phase::operations::Side;
 
 use crate::effort::Meter;
 use crate::findings::Findings;

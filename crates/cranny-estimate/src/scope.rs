@@ -1,7 +1,7 @@
 //! Which pairs of nodes a level may open.
 
 use cranny_geometry::{Content, FaceId, PairedStep};
-use cranny_narrow_phase::primitives::{PerModel, Side};
+use cranny_narrow_phase::operations::{PerModel, Side};
 
 use crate::findings::Findings;
 use crate::trees::{NodePair, PairTrees};

@@ -1,7 +1,7 @@
 //! The face trees of a pair, which levels are cuts through.
 
 use cranny_geometry::FaceTree;
-use cranny_narrow_phase::primitives::{BoxTest, Pair};
+use cranny_narrow_phase::operations::{BoxTest, Pair};
 
 /// A pair of nodes: an index of the first tree, one of the second.
 pub(crate) type NodePair = [u32; 2];

@@ -4,7 +4,7 @@ use cranny_concavity::walk::HullFeature;
 use cranny_concavity::{Features, NodeSet};
 use cranny_exact::{Interval, RigidMap};
 use cranny_geometry::{FaceId, Model};
-use cranny_narrow_phase::primitives::{Pair, PairTag, PerModel, RelativeMotion, Solidity};
+use cranny_narrow_phase::operations::{Pair, PairTag, PerModel, RelativeMotion, Solidity};
 
 use crate::effort::Accuracy;
 use crate::hull_gap::HullWalk;

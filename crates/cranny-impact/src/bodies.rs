@@ -6,7 +6,7 @@
 
 use cranny_exact::{Aabb, DMat3, DVec3, Pose};
 use cranny_geometry::{FaceId, FaceTree, Model};
-use cranny_narrow_phase::primitives::Side;
+use cranny_narrow_phase::operations::Side;
 
 use crate::impact::ImpactError;
 use crate::motion::{Motion, Moving};

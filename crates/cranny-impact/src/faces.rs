@@ -11,7 +11,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::FaceId;
 use cranny_geometry::triangle_distance::{Nearest, Part, triangle_distance};
 use cranny_narrow_phase::Feature;
-use cranny_narrow_phase::primitives::Side;
+use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment};
 use crate::impact::ImpactCounters;

@@ -9,7 +9,7 @@
 //! linear in time; a parabola steps farther where bodies slide or turn away.)
 
 use cranny_exact::DVec3;
-use cranny_narrow_phase::primitives::Side;
+use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment, PosedBox};
 

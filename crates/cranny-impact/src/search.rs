@@ -15,7 +15,7 @@ use std::collections::BinaryHeap;
 use cranny_exact::Interval;
 use cranny_geometry::{FaceId, PairedStep};
 use cranny_narrow_phase::Witness;
-use cranny_narrow_phase::primitives::Side;
+use cranny_narrow_phase::operations::Side;
 
 use crate::bodies::{Bodies, Moment};
 use crate::faces::{Next, settle};

@@ -8,12 +8,12 @@ use cranny_exact::{DVec3, Meeting, RigidMap, judge_triangles};
 use cranny_geometry::FaceId;
 
 use crate::answer::{Counters, Surface};
+use crate::backoff::Backoff;
 use crate::closest::{Closest, NearestFaces};
 use crate::containment::{Solidity, solidity};
 use crate::foremost::Foremost;
 use crate::motion::{Ball, RelativeMotion};
 use crate::pair::{Pair, PairTag, Side};
-use crate::patience::Patience;
 use crate::search::{
     Ground, KeptCut, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
     near_clusters, nearest_faces, nearest_in, nearest_or_meeting,
@@ -54,7 +54,7 @@ pub(crate) struct Coherent {
     crossing: Vec<[FaceId; 2]>,
     /// Whether to look at them: in vain, where motion is so fast that none crosses for a second
     /// time.
-    following: Patience,
+    following: Backoff,
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
@@ -319,7 +319,7 @@ impl Coherent {
         if self.crossing.is_empty() {
             return false;
         }
-        if !self.following.is_over() {
+        if !self.following.is_due() {
             self.crossing.clear();
             return false;
         }

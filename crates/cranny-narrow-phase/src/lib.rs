@@ -26,7 +26,7 @@
 //!
 //! **Search.** One descent of the models' two trees of clusters serves every question (`search`,
 //! which has a story of its own). `coherent` keeps what the next query of the pair begins with, as
-//! long as that pays (`patience`), by bounds of `motion`.
+//! long as that pays (`backoff`), by bounds of `motion`.
 //!
 //! **Decide.** `surface` classifies faces that may meet; `inside`, `wedge` and `containment` decide
 //! about solids, seeing planes by `projection`; `closest` measures faces, among those that lie
@@ -45,7 +45,7 @@
 //! measures against cylinders, cones and the like. `observe` shows what memory holds, for drawing.
 //! `verify` computes every answer twice, with memory and without: [`query_verified`].
 //!
-//! [`primitives`] are the operations that a query is made of, for other methods about pairs. Two
+//! [`operations`] are the operations that a query is made of, for other methods about pairs. Two
 //! crates above this one are such methods: `cranny-estimate` says what is certain of a pair within
 //! a budget, `cranny-impact` when two moving bodies first meet.
 //!
@@ -66,6 +66,7 @@
 //! ```
 
 mod answer;
+mod backoff;
 mod borders;
 pub mod brute_force;
 mod closest;
@@ -88,7 +89,7 @@ mod numbering;
 mod observe;
 mod pair;
 mod parting;
-mod patience;
+
 mod per_model;
 mod pieces;
 mod pockets;
@@ -120,19 +121,19 @@ pub use verify::{Mismatch, query_verified};
 
 /// The operations that a [`query`] is made of, for other methods about pairs of models.
 ///
-/// A method takes a [`Pair`](primitives::Pair): two placed models in an order and a frame that do
+/// A method takes a [`Pair`](operations::Pair): two placed models in an order and a frame that do
 /// not depend on which one the caller names A. It excludes pairs of nodes of the models' trees by
-/// the [`BoxTest`](primitives::BoxTest), decides about faces by
-/// [`FacePair::of`](primitives::FacePair::of), measures them by
-/// [`NearestFaces`](primitives::NearestFaces), and decides about solids whose surfaces are disjoint
-/// by [`Solidity`](primitives::Solidity). What it keeps for the next pose of the pair is valid as
-/// far as [`RelativeMotion`](primitives::RelativeMotion) bounds what has changed, and for the models
-/// of its [`PairTag`](primitives::PairTag).
+/// the [`BoxTest`](operations::BoxTest), decides about faces by
+/// [`FacePair::of`](operations::FacePair::of), measures them by
+/// [`NearestFaces`](operations::NearestFaces), and decides about solids whose surfaces are disjoint
+/// by [`Solidity`](operations::Solidity). What it keeps for the next pose of the pair is valid as
+/// far as [`RelativeMotion`](operations::RelativeMotion) bounds what has changed, and for the models
+/// of its [`PairTag`](operations::PairTag).
 ///
 /// ```
 /// use cranny_exact::{DVec3, Pose};
 /// use cranny_geometry::{BuildOptions, FaceId, Mesh, Model};
-/// use cranny_narrow_phase::primitives::{BoxTest, NearestFaces, Pair};
+/// use cranny_narrow_phase::operations::{BoxTest, NearestFaces, Pair};
 /// use cranny_narrow_phase::{Counters, Placed};
 ///
 /// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
@@ -153,7 +154,7 @@ pub use verify::{Mismatch, query_verified};
 /// assert_eq!(nearest.found().map(|found| found.distance), Some(2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub mod primitives {
+pub mod operations {
     pub use crate::closest::{Closest, NearestFaces};
     pub use crate::containment::Solidity;
     pub use crate::descent::BoxTest;

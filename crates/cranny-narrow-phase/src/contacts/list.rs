@@ -11,10 +11,10 @@ use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
 use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
 use super::nearer;
 use crate::answer::{Contact, Counters, Feature, Surface};
+use crate::backoff::Backoff;
 use crate::coherent::Coherent;
 use crate::motion::RelativeMotion;
 use crate::pair::{Pair, PairTag, Side};
-use crate::patience::Patience;
 use crate::search::{Candidate, Ground, Kind, Lasting, Turned, add_candidates};
 use crate::surface::FacePair;
 use cranny_geometry::triangle_distance::Part;
@@ -75,7 +75,7 @@ pub(crate) struct ContactMemory {
     moved: f64,
     /// The winners of the last list, in the order of patches.
     winners: Vec<([PatchId; 2], Candidate)>,
-    patience: Patience,
+    backoff: Backoff,
     last: Option<RigidMap>,
     turned: Turned,
 }
@@ -146,15 +146,15 @@ impl ContactMemory {
             let posing = 2.0 * pair.culling_error();
             if margin <= skin.margin && moved + posing <= skin.reach && turned <= skin.turn {
                 self.moved = moved + posing;
-                self.patience.succeeded();
+                self.backoff.succeeded();
                 return None;
             }
             if self.moved == 0.0 {
-                self.patience.failed();
+                self.backoff.failed();
             }
         }
         let now = Lasting { margin, skin: 0.0, turn: 0.0 };
-        let Some((moved, turned)) = step.filter(|_| self.patience.is_over()) else {
+        let Some((moved, turned)) = step.filter(|_| self.backoff.is_due()) else {
             return Some(now);
         };
         let length = Side::BOTH.map(|side| face_length(pair, side));
@@ -184,7 +184,7 @@ impl ContactMemory {
                 let Lasting { margin, skin: reach, turn } = lasting;
                 self.skin = Some(Skin { since: pair.first_from_second, reach, turn, margin });
             } else {
-                self.patience.failed();
+                self.backoff.failed();
             }
         }
         self.candidates

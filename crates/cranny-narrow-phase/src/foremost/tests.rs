@@ -92,7 +92,7 @@ fn agrees(
         }
         let way = if has_way { pair.first_from_second.translation } else { DVec3::ZERO };
         // What is tested is not how long it waits.
-        foremost.patience = Patience::default();
+        foremost.backoff = Backoff::default();
         if foremost.offer(&pair, way.normalize_or_zero(), &mut nearest, &mut counters) {
             assert_eq!(told(nearest.found()), told(all.found()), "{:?}", b.pose);
             settled += 1;
