@@ -37,3 +37,30 @@ impl PairedStep {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use cranny_exact::DVec3;
+
+    use super::*;
+    use crate::mesh::Mesh;
+
+    /// A tree of two faces with a leaf each; its root is `size` long.
+    fn two_faces(size: f64) -> FaceTree {
+        let at = |x: f64, y: f64| size * DVec3::new(x, y, 0.0);
+        let vertices = vec![at(0.0, 0.0), at(0.1, 0.0), at(0.0, 0.1), at(0.9, 0.0), at(1.0, 0.0)];
+        FaceTree::of(&Mesh::new(vertices, vec![[0, 1, 2], [3, 4, 2]]).unwrap(), 1)
+    }
+
+    #[test]
+    fn the_larger_node_is_opened_or_the_one_that_has_children() {
+        let (small, large) = (two_faces(1.0), two_faces(2.0));
+        let step = |trees: [&FaceTree; 2], nodes| PairedStep::of_larger(trees, nodes);
+        assert_eq!(step([&large, &small], [0, 0]), PairedStep::First(1, 2));
+        assert_eq!(step([&small, &large], [0, 0]), PairedStep::Second(1, 2));
+        assert_eq!(step([&small, &small], [0, 0]), PairedStep::First(1, 2));
+        assert_eq!(step([&large, &small], [1, 0]), PairedStep::Second(1, 2));
+        assert_eq!(step([&small, &large], [0, 2]), PairedStep::First(1, 2));
+        assert_eq!(step([&small, &large], [1, 2]), PairedStep::Leaves);
+    }
+}
