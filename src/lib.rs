@@ -68,8 +68,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Beside it: [`narrow_phase::estimate`] answers for less work, certified all the same;
-//! [`narrow_phase::time_of_impact`] finds when two moving bodies first meet.
+//! Above it: [`estimate::estimate`] answers for less work, certified all the same;
+//! [`impact::time_of_impact`] finds when two moving bodies first meet.
 //!
 //! # 3. Many bodies: the world
 //!
@@ -136,8 +136,10 @@
 
 pub use cranny_broad_phase as broad_phase;
 pub use cranny_concavity as concavity;
+pub use cranny_estimate as estimate;
 pub use cranny_exact as exact;
 pub use cranny_geometry as geometry;
+pub use cranny_impact as impact;
 pub use cranny_narrow_phase as narrow_phase;
 pub use cranny_world as world;
 

@@ -102,7 +102,7 @@ pub use smooth_normals::{
 };
 pub use topology::{Component, DisjointSets, Edge, EdgeKind, Topology};
 pub use tree::{
-    Content, FaceForest, FaceTree, GrownAreas, MovedFace, Node, NodeChanges, partition,
+    Content, FaceForest, FaceTree, GrownAreas, MovedFace, Node, NodeChanges, PairedStep, partition,
 };
 
 // The example of the README must compile and run as well.

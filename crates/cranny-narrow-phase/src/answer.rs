@@ -240,8 +240,6 @@ pub struct Counters {
     pub triangles_adaptive: u64,
     /// Points classified against a solid.
     pub inside_tests: u64,
-    /// Pairs of hull features that a walk looked at; only levels below `Exact` walk.
-    pub hull_steps: u64,
     /// Boxes at which the last search had ended, and which had to be tested again: motion had spent their slack.
     pub front_tested: u64,
     /// Of these, boxes that had come within reach.
@@ -286,7 +284,6 @@ impl AddAssign for Counters {
         self.triangles_filtered += other.triangles_filtered;
         self.triangles_adaptive += other.triangles_adaptive;
         self.inside_tests += other.inside_tests;
-        self.hull_steps += other.hull_steps;
         self.front_tested += other.front_tested;
         self.front_split += other.front_split;
         self.front_rebuilt += other.front_rebuilt;

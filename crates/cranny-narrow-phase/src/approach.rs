@@ -7,6 +7,8 @@
 
 use cranny_exact::{DMat3, DVec3, RigidMap};
 
+use crate::evaluate::QueryError;
+
 /// How body A may move until contacts are found again, as B sees it: contacts beyond a margin count
 /// if this closes them.
 ///
@@ -36,10 +38,15 @@ impl Approach {
         self.linear.dot(normal) + spread + turning.max(0.0)
     }
 
-    /// Whether all its numbers are numbers.
-    pub(crate) fn is_finite(&self) -> bool {
-        let Self { linear, spread, turn, swing, .. } = self;
-        linear.is_finite() && spread.is_finite() && turn.is_finite() && swing.is_finite()
+    /// Whether all its numbers are numbers, and its reach is a length.
+    pub(crate) fn check(&self) -> Result<(), QueryError> {
+        let Self { within, linear, spread, turn, swing } = self;
+        if !(*within >= 0.0 && within.is_finite()) {
+            return Err(QueryError::Length { what: "within", value: *within });
+        }
+        let is_finite =
+            linear.is_finite() && spread.is_finite() && turn.is_finite() && swing.is_finite();
+        if is_finite { Ok(()) } else { Err(QueryError::Approach) }
     }
 
     /// In another frame.

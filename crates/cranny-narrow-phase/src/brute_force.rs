@@ -7,8 +7,7 @@ use cranny_exact::{Meeting, classify_triangles};
 use cranny_geometry::FaceId;
 
 use crate::answer::Surface;
-use crate::evaluate::{QueryError, accepted};
-use crate::memory::PairMemory;
+use crate::evaluate::QueryError;
 use crate::pair::{Pair, Side};
 use crate::query::Placed;
 use cranny_geometry::triangle_distance::triangle_distance;
@@ -30,9 +29,7 @@ pub struct BruteForce {
 ///
 /// [`QueryError`] where a pose is none, as [`query`](crate::query()) says.
 pub fn brute_force(a: Placed, b: Placed) -> Result<BruteForce, QueryError> {
-    let [a, b] = accepted(a, b)?;
-    let mut memory = PairMemory::default();
-    let pair = Pair::new(a, b, &mut memory.posed);
+    let pair = Pair::new(a, b)?;
     let faces = |side| (0..pair.mesh(side).faces().len() as u32).map(FaceId);
     let mut out = BruteForce { surface: Meeting::None, triangle_pairs: 0, distance: f64::INFINITY };
     for f in faces(Side::First) {

@@ -7,33 +7,38 @@ use crate::answer::{Counters, Feature};
 use crate::pair::{Pair, Side};
 use cranny_geometry::triangle_distance::{Nearest, triangle_distance};
 
-/// The nearest points of two surfaces that do not meet.
+/// The nearest points of two faces, one of each body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Closest {
-    pub(crate) distance: f64,
+pub struct Closest {
+    /// Between the points.
+    pub distance: f64,
     /// In the pair's frame: on the first, on the second.
-    pub(crate) points: [DVec3; 2],
-    pub(crate) features: [Feature; 2],
-    pub(crate) faces: [FaceId; 2],
+    pub points: [DVec3; 2],
+    /// The least features that hold them.
+    pub features: [Feature; 2],
+    /// The faces: of the first body, of the second.
+    pub faces: [FaceId; 2],
 }
 
-/// The nearest faces so far. Ties go to the lowest faces, so the order of offers does not matter.
-pub(crate) struct NearestFaces<'p, 'm> {
+/// Keeps the nearest of the pairs of faces that are offered. Ties go to the lowest faces, so the
+/// order of offers does not matter.
+pub struct NearestFaces<'p, 'm> {
     pair: &'p Pair<'m>,
     below: f64,
     /// No pair of faces farther apart than this can win.
     limit: f64,
     best: Option<([FaceId; 2], Nearest)>,
-    /// Unit, from the first to the second between the nearest faces measured, be they near enough or not:
-    /// what keeps these apart keeps most others apart.
+    /// Unit, from the first to the second between the nearest faces measured, be they near enough
+    /// or not: what keeps these apart keeps most others apart.
     toward: DVec3,
     least_measured: f64,
     error: f64,
 }
 
 impl<'p, 'm> NearestFaces<'p, 'm> {
-    /// Looks for faces less than `below` apart.
-    pub(crate) fn less_than(pair: &'p Pair<'m>, below: f64) -> Self {
+    /// Looks for faces less than `below` apart; infinity is no bound.
+    #[must_use]
+    pub fn less_than(pair: &'p Pair<'m>, below: f64) -> Self {
         let (limit, error) = (below, pair.length_error());
         Self {
             pair,
@@ -50,18 +55,23 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         self.pair
     }
 
-    pub(crate) fn limit(&self) -> f64 {
+    /// No pair of faces that is farther apart than this can win: the least distance so far, or the
+    /// bound given.
+    #[must_use]
+    pub fn limit(&self) -> f64 {
         self.limit
     }
 
-    /// Of length 1, from the first to the second between the nearest faces measured; `None` before any were, or where
-    /// they touch.
+    /// Of length 1, from the first to the second between the nearest faces measured; `None` before
+    /// any were, or where they touch.
     pub(crate) fn toward(&self) -> Option<DVec3> {
         (self.toward != DVec3::ZERO).then_some(self.toward)
     }
 
-    /// Takes note of a pair of faces; returns a lower bound of their distance.
-    pub(crate) fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
+    /// Measures a face of the first body and one of the second, unless they are farther apart than
+    /// the [limit](Self::limit) along the last witness direction, and keeps them if they are
+    /// nearest. Returns a lower bound of their distance.
+    pub fn offer(&mut self, f: FaceId, g: FaceId, counters: &mut Counters) -> f64 {
         let pair = self.pair;
         let (first, second) = (pair.triangle(Side::First, f), pair.triangle(Side::Second, g));
         let along = |p: &DVec3| self.toward.dot(*p);
@@ -74,7 +84,8 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         self.take([f, g], triangle_distance(&first, &second)) - self.error
     }
 
-    /// Whether what was measured between two faces is nearer than all before, or as near between lower faces.
+    /// Whether what was measured between two faces is nearer than all before, or as near between
+    /// lower faces.
     pub(crate) fn would_win(&self, pair: [FaceId; 2], nearest: &Nearest) -> bool {
         match &self.best {
             None => nearest.squared.sqrt() < self.below,
@@ -99,12 +110,15 @@ impl<'p, 'm> NearestFaces<'p, 'm> {
         distance
     }
 
-    /// The nearest faces that were measured.
-    pub(crate) fn faces(&self) -> Option<[FaceId; 2]> {
+    /// The nearest faces, if any were measured below the bound.
+    #[must_use]
+    pub fn faces(&self) -> Option<[FaceId; 2]> {
         self.best.map(|(faces, _)| faces)
     }
 
-    pub(crate) fn found(&self) -> Option<Closest> {
+    /// The nearest points of the nearest faces.
+    #[must_use]
+    pub fn found(&self) -> Option<Closest> {
         let (faces, nearest) = self.best?;
         let feature = |side: Side| {
             let i = side.index();

@@ -8,12 +8,12 @@ use cranny_exact::{DVec3, Meeting, RigidMap, judge_triangles};
 use cranny_geometry::FaceId;
 
 use crate::answer::{Counters, Surface};
+use crate::backoff::Backoff;
 use crate::closest::{Closest, NearestFaces};
 use crate::containment::{Solidity, solidity};
 use crate::foremost::Foremost;
-use crate::motion::{Ball, Motion};
-use crate::pair::{Pair, Side, Whose};
-use crate::patience::Patience;
+use crate::motion::{Ball, RelativeMotion};
+use crate::pair::{Pair, PairTag, Side};
 use crate::search::{
     Ground, KeptCut, Lists, Pending, Reach, first_meeting, list_near, meeting_faces, meetings_in,
     near_clusters, nearest_faces, nearest_in, nearest_or_meeting,
@@ -50,11 +50,11 @@ const WIDEST: f64 = 6.0;
 /// What is kept of a pair.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Coherent {
-    whose: Whose,
+    tag: PairTag,
     crossing: Vec<[FaceId; 2]>,
     /// Whether to look at them: in vain, where motion is so fast that none crosses for a second
     /// time.
-    following: Patience,
+    following: Backoff,
     /// The last crossing was found from the top: motion is too fast to follow it from face to face.
     searched: bool,
     nearest: Option<[FaceId; 2]>,
@@ -76,8 +76,8 @@ pub(crate) struct Coherent {
 impl Coherent {
     /// Begins a query; forgets what was known of other models.
     pub(crate) fn begin(&mut self, pair: &Pair) {
-        if !self.whose.are_of(pair) {
-            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        if !self.tag.is_of(pair) {
+            *self = Self { tag: PairTag::of(pair), ..Self::default() };
         }
         self.cut.begin();
         self.is_judged = false;
@@ -323,7 +323,7 @@ impl Coherent {
         if self.crossing.is_empty() {
             return false;
         }
-        if !self.following.is_over() {
+        if !self.following.is_due() {
             self.crossing.clear();
             return false;
         }
@@ -374,12 +374,12 @@ impl Coherent {
 
     /// Faces that crossed last.
     pub(crate) fn crossing_of(&self, pair: &Pair) -> &[[FaceId; 2]] {
-        if self.whose.are_of(pair) { &self.crossing } else { &[] }
+        if self.tag.is_of(pair) { &self.crossing } else { &[] }
     }
 
     /// Faces that were nearest last.
     pub(crate) fn nearest_of(&self, pair: &Pair) -> Option<[FaceId; 2]> {
-        self.nearest.filter(|_| self.whose.are_of(pair))
+        self.nearest.filter(|_| self.tag.is_of(pair))
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -399,7 +399,7 @@ impl Coherent {
 /// How far any point of the second body has moved at most, seen from the first: as a cut counts.
 fn step_since(last: &RigidMap, pair: &Pair) -> f64 {
     let ball = Ball::around(&pair.model(Side::Second).bounds());
-    Motion::since(last, pair).map_or(0.0, |motion| motion.step_of(Side::Second, &ball))
+    RelativeMotion::since(last, pair).map_or(0.0, |motion| motion.step_of(Side::Second, &ball))
 }
 
 /// How far a cut is to reach for the next step to be proved free of meetings, and how much farther

@@ -27,10 +27,21 @@ use crate::wedge::Wedge;
 
 /// Whether the solids share interior points, and which lies inside which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Solidity {
-    pub(crate) solid: bool,
-    /// Told as if the first body were A.
-    pub(crate) contained: Option<Containment>,
+pub struct Solidity {
+    /// The solids share interior points.
+    pub solid: bool,
+    /// One wholly inside the other, the first body being A.
+    pub contained: Option<Containment>,
+}
+
+impl Solidity {
+    /// Decides for surfaces that share no point, exactly: one vertex of each component is
+    /// [located](Counters::inside_tests) against the other solid.
+    #[must_use]
+    pub fn of_disjoint_surfaces(pair: &Pair, counters: &mut Counters) -> Self {
+        let parts = Side::BOTH.map(|side| whole_components(pair, side, counters));
+        verdict(pair, parts, Flush::default())
+    }
 }
 
 /// Decides; `touching` are the pairs of faces that touch.
@@ -42,10 +53,7 @@ pub(crate) fn solidity(
 ) -> Solidity {
     match surface {
         Meeting::Cross => Solidity { solid: true, contained: None },
-        Meeting::None => {
-            let parts = Side::BOTH.map(|side| whole_components(pair, side, counters));
-            verdict(pair, parts, Flush::default())
-        }
+        Meeting::None => Solidity::of_disjoint_surfaces(pair, counters),
         Meeting::Touch => {
             let mut parts = Side::BOTH.map(|side| sampled(pair, side, touching, counters));
             for side in Side::BOTH {

@@ -338,7 +338,6 @@ mod tests {
 
     use crate::answer::Counters;
     use crate::intersection::intersect;
-    use crate::pair::PosedVertices;
     use crate::pieces::cut;
     use crate::query::Placed;
     use crate::search::meeting_pairs;
@@ -361,9 +360,8 @@ mod tests {
             let rotation = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
             let translation = DVec3::new(rng.unit(), rng.unit(), rng.unit());
             let place = |model, pose| Placed { model, pose };
-            let mut posed = PosedVertices::default();
             let (a, b) = (place(a, Pose::IDENTITY), place(b, Pose { rotation, translation }));
-            let pair = Pair::new(a, b, &mut posed);
+            let pair = Pair::of_accepted(a, b);
             let intersection = intersect(&pair, &meeting_pairs(&pair, &mut Counters::default()));
             for cut in &cut(&pair, &intersection) {
                 let ground = Ground::of(&pair, &intersection, cut);

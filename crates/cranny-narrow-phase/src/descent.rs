@@ -2,21 +2,23 @@
 //!
 //! Boxes are compared as oriented boxes in the first body's frame, along the six face axes of the
 //! two boxes (Gottschalk, Lin and Manocha 1996; the nine edge–edge axes rarely pay and are left
-//! out). The test keeps too much, never too little: every comparison carries the rounding of posing.
+//! out). The test keeps too much, never too little: every comparison carries the rounding of
+//! posing.
 
 use std::ops::ControlFlow;
 
 use cranny_exact::{Aabb, DMat3, DVec3};
-use cranny_geometry::{Content, FaceId};
+use cranny_geometry::{FaceId, PairedStep};
 
 use crate::answer::Counters;
 use crate::pair::{Pair, Side};
 
-/// The oriented-box tests of a pair, with what they need precomputed.
+/// The oriented-box test of a pair: a box in the first body's frame against a box in the second's.
 ///
-/// Boxes are compared by their doubled centers and extents, which are sums of their ends; what these
-/// sums round off is part of the [culling error](Pair::culling_error).
-pub(crate) struct BoxTest {
+/// Both boxes are axis-aligned in their own body's frame, as the nodes of a
+/// [tree](cranny_geometry::Model::tree) are. The test never excludes too much: its bounds carry the
+/// [culling error](Pair::culling_error), of which the rounding of centers and extents is a part.
+pub struct BoxTest {
     rotation: DMat3,
     inverse: DMat3,
     absolute: DMat3,
@@ -26,7 +28,9 @@ pub(crate) struct BoxTest {
 }
 
 impl BoxTest {
-    pub(crate) fn of(pair: &Pair) -> Self {
+    /// The test at the poses of a pair.
+    #[must_use]
+    pub fn of(pair: &Pair) -> Self {
         let map = pair.first_from_second;
         let m = map.linear;
         let absolute = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
@@ -57,16 +61,18 @@ impl BoxTest {
 
     /// Whether the boxes are certainly more than `margin` apart.
     #[inline]
-    pub(crate) fn apart(&self, first: &Aabb, second: &Aabb, margin: f64) -> bool {
+    #[must_use]
+    pub fn apart(&self, first: &Aabb, second: &Aabb, margin: f64) -> bool {
         let slack = 2.0 * (margin + self.error);
         let (offset, gap) = self.along_first(first, second);
         gap.max_element() > slack || self.along_second(offset, first, second).max_element() > slack
     }
 
-    /// A lower bound of the distance between what the boxes hold, and how far their centers are
-    /// apart, doubled and squared: what to try first where the bounds say nothing.
+    /// Returns a lower bound of the distance between what the boxes hold, 0 or more, and the square
+    /// of the doubled distance between their centers, which orders boxes that overlap.
     #[inline]
-    pub(crate) fn bound_and_guess(&self, first: &Aabb, second: &Aabb) -> (f64, f64) {
+    #[must_use]
+    pub fn bound_and_guess(&self, first: &Aabb, second: &Aabb) -> (f64, f64) {
         let (offset, gap) = self.along_first(first, second);
         let beside = self.along_second(offset, first, second);
         let [along_first, along_second] =
@@ -76,8 +82,8 @@ impl BoxTest {
     }
 }
 
-/// Calls `visit` for every pair of faces whose boxes may be within `margin` of each other, of the leaves that are reached by
-/// nodes which `holds` names; the visitor may end the descent early.
+/// Calls `visit` for every pair of faces whose boxes may be within `margin` of each other, of the
+/// leaves that are reached by nodes which `holds` names; the visitor may end the descent early.
 pub(crate) fn for_each_near_pair_beneath(
     pair: &Pair,
     margin: f64,
@@ -94,11 +100,10 @@ pub(crate) fn for_each_near_pair_beneath(
     }
     let mut stack = vec![(0u32, 0u32)];
     while let Some((a, b)) = stack.pop() {
-        let (box_a, box_b) = (&first.node(a).bounds, &second.node(b).bounds);
-        let children = match opened(first.content(a), second.content(b), box_a, box_b) {
-            Opened::First(left, right) => [(right, b), (left, b)],
-            Opened::Second(left, right) => [(a, right), (a, left)],
-            Opened::Neither => {
+        let children = match PairedStep::of_larger([first, second], [a, b]) {
+            PairedStep::First(left, right) => [(right, b), (left, b)],
+            PairedStep::Second(left, right) => [(a, right), (a, left)],
+            PairedStep::Leaves => {
                 for &f in first.leaf_faces(a) {
                     for &g in second.leaf_faces(b) {
                         visit(f, g, counters)?;
@@ -115,32 +120,4 @@ pub(crate) fn for_each_near_pair_beneath(
         }
     }
     ControlFlow::Continue(())
-}
-
-/// Which node of a pair is opened next.
-pub(crate) enum Opened {
-    /// The first tree's: its children.
-    First(u32, u32),
-    /// The second tree's: its children.
-    Second(u32, u32),
-    /// Both are leaves.
-    Neither,
-}
-
-/// Opens the larger of two nodes, or the one that can be opened.
-#[inline]
-pub(crate) fn opened(a: Content, b: Content, box_a: &Aabb, box_b: &Aabb) -> Opened {
-    let size = |b: &Aabb| (b.max - b.min).length_squared();
-    match (a, b) {
-        (Content::Leaf { .. }, Content::Leaf { .. }) => Opened::Neither,
-        (Content::Inner { left, right }, Content::Leaf { .. }) => Opened::First(left, right),
-        (Content::Leaf { .. }, Content::Inner { left, right }) => Opened::Second(left, right),
-        (Content::Inner { left, right }, Content::Inner { left: left_b, right: right_b }) => {
-            if size(box_a) >= size(box_b) {
-                Opened::First(left, right)
-            } else {
-                Opened::Second(left_b, right_b)
-            }
-        }
-    }
 }

@@ -1,24 +1,23 @@
 //! The one entry: from a question about a pair to its answer.
 
 use cranny_exact::{DVec3, Interval, Meeting, PoseError};
-use cranny_geometry::{CreaseAngleError, check_crease_angle};
+use cranny_geometry::CreaseAngleError;
 use thiserror::Error;
 
-use crate::answer::{Answer, Contact, Counters, Feature, Region, RegionId, Surface, Witness};
+use crate::answer::{Answer, Contact, Counters, Region, RegionId, Surface};
 use crate::approach::Approach;
 use crate::coherent::Coherent;
 use crate::contacts::{ContactMemory, Wanted, near_patches};
 use crate::containment::{Solidity, solidity};
 use crate::memory::PairMemory;
 use crate::near::{NearRegion, near_regions};
-use crate::pair::{Pair, Side};
+use crate::pair::{Pair, PosedVertices, accepted};
 use crate::parting::Parting;
 use crate::pockets::PocketMemory;
 use crate::query::{Demand, Method, Normals, Placed, Query};
 use crate::reduce::reduce;
 use crate::regions::meeting_regions;
 use crate::surface::{FacePair, strongest};
-use cranny_geometry::triangle_distance::triangle_distance;
 
 /// A question that cannot be answered.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -64,17 +63,17 @@ pub fn query(
     memory: &mut PairMemory,
 ) -> Result<Answer, QueryError> {
     let [a, b] = accepted(a, b)?;
-    check_numbers(&query.demand)?;
-    check_approach(query.approach.as_ref())?;
+    query.demand.check()?;
+    query.approach.as_ref().map_or(Ok(()), Approach::check)?;
     let PairMemory { posed, parting, contacts: kept, coherent, pockets, smooth, tracks, .. } =
         memory;
-    let mut pair = Pair::new(a, b, posed);
+    let pair = &Pair::of_accepted(a, b);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
     let mut told = match query.demand {
         Demand::Contacts { margin, normals } => {
             let approach = query.approach.filter(|approach| approach.within > margin);
-            let wanted = Wanted::of(&pair, margin, approach.as_ref());
-            let mut told = contacts(&mut pair, &wanted, parting, (coherent, kept));
+            let wanted = Wanted::of(pair, margin, approach.as_ref());
+            let mut told = contacts(pair, posed, &wanted, parting, (coherent, kept));
             // What regions tell leads out of a whole overlap, and is no surface's.
             if let Normals::Smooth { crease_angle } = normals
                 && told.regions.is_empty()
@@ -83,42 +82,12 @@ pub fn query(
             }
             told
         }
-        demand => answer(&mut pair, &demand, parting, coherent, pockets, kept),
+        demand => answer(pair, posed, &demand, parting, coherent, pockets, kept),
     };
     if matches!(query.demand, Demand::Regions { .. }) || !told.regions.is_empty() {
         tracks.follow([a, b], &mut told.regions);
     }
     Ok(told)
-}
-
-/// The bodies at poses that a [`Pair`] may rely on.
-pub(crate) fn accepted<'a>(a: Placed<'a>, b: Placed<'a>) -> Result<[Placed<'a>; 2], QueryError> {
-    let at = |placed: Placed<'a>, body| match placed.pose.accepted() {
-        Ok(pose) => Ok(Placed { pose, ..placed }),
-        Err(source) => Err(QueryError::Pose { body, source }),
-    };
-    Ok([at(a, 'A')?, at(b, 'B')?])
-}
-
-pub(crate) fn check_numbers(demand: &Demand) -> Result<(), QueryError> {
-    if let Demand::Contacts { normals: Normals::Smooth { crease_angle }, .. } = *demand {
-        check_crease_angle(crease_angle)?;
-    }
-    let (what, value) = match *demand {
-        Demand::Distance { below: Some(value) } => ("below", value),
-        Demand::Contacts { margin, .. } | Demand::Regions { margin } => ("margin", margin),
-        _ => return Ok(()),
-    };
-    if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(QueryError::Length { what, value }) }
-}
-
-fn check_approach(approach: Option<&Approach>) -> Result<(), QueryError> {
-    let Some(approach) = approach else { return Ok(()) };
-    let (what, value) = ("within", approach.within);
-    if !(value >= 0.0 && value.is_finite()) {
-        return Err(QueryError::Length { what, value });
-    }
-    if approach.is_finite() { Ok(()) } else { Err(QueryError::Approach) }
 }
 
 /// An answer that says nothing yet.
@@ -138,7 +107,8 @@ fn blank() -> Answer {
 }
 
 fn answer(
-    pair: &mut Pair,
+    pair: &Pair,
+    posed: &mut PosedVertices,
     demand: &Demand,
     parting: &mut Parting,
     coherent: &mut Coherent,
@@ -199,7 +169,7 @@ fn answer(
     }
     if let Some(margin) = demand.margin() {
         out.triangle_pairs = pairs.len() as u32;
-        let (regions, depth_error) = meeting_regions(pair, &pairs, out.solid, &mut counters);
+        let (regions, depth_error) = meeting_regions(pair, posed, &pairs, out.solid, &mut counters);
         out.regions = regions;
         if gap > margin {
             kept.let_go();
@@ -237,7 +207,8 @@ fn enough(demand: &Demand) -> f64 {
 
 /// Contacts for a solver, and the verdict that comes with them.
 fn contacts(
-    pair: &mut Pair,
+    pair: &Pair,
+    posed: &mut PosedVertices,
     wanted: &Wanted,
     parting: &mut Parting,
     (coherent, memory): (&mut Coherent, &mut ContactMemory),
@@ -261,7 +232,7 @@ fn contacts(
     out.contacts = near.contacts.into_iter().map(|c| pair.world_contact(c)).collect();
     if solid && out.contacts.first().is_none_or(|c| c.separation >= 0.0) {
         // Faces laid into each other, open surfaces: no vertex is inside, no edges cross.
-        let (regions, _) = meeting_regions(pair, &near.meeting, solid, &mut counters);
+        let (regions, _) = meeting_regions(pair, posed, &near.meeting, solid, &mut counters);
         out.contacts.extend(regions.iter().flat_map(|r| r.points.iter().copied()));
         // Stable: ties keep an order that does not depend on which body is called A.
         out.contacts.sort_by(|x, y| x.separation.total_cmp(&y.separation));
@@ -306,7 +277,7 @@ fn measure(
             Surface::Cross => coherent.first_crossing(pair, counters),
             _ => pairs.first().copied(),
         };
-        out.witnesses = witness.map(|p| meeting_witnesses(pair, &p));
+        out.witnesses = witness.map(|faces| faces.witnesses(pair));
         return;
     }
     let below = match demand {
@@ -329,22 +300,6 @@ fn measure(
             out.separation = Interval { lo, hi: f64::INFINITY };
         }
     }
-}
-
-/// A common point of two faces that meet: an end of their intersection, or a corner of their overlap.
-pub(crate) fn meeting_witnesses(pair: &Pair, p: &FacePair) -> [Witness; 2] {
-    let intersection = crate::intersection::intersect(pair, std::slice::from_ref(p));
-    let (point, features) = match intersection.nodes.first() {
-        Some(node) => (node.point, node.features),
-        None => {
-            let nearest = triangle_distance(
-                &pair.triangle(Side::First, p.first),
-                &pair.triangle(Side::Second, p.second),
-            );
-            (nearest.points[0], (Feature::Face(p.first), Feature::Face(p.second)))
-        }
-    };
-    pair.ordered(pair.world_witness(point, features.0), pair.world_witness(point, features.1))
 }
 
 /// Regions of positive separation.

@@ -23,10 +23,10 @@ use cranny_geometry::{Content, FaceId};
 
 use self::layer::Layer;
 use crate::answer::Counters;
+use crate::backoff::Backoff;
 use crate::closest::NearestFaces;
 use crate::gjk::{Sight, Simplex};
 use crate::pair::{Pair, Side};
-use crate::patience::Patience;
 use cranny_geometry::triangle_distance::{Prepared, triangle_distance};
 
 /// Faces of a body that are looked at, at most. Fewer: where a vertex has more faces, all is searched; more: over
@@ -40,7 +40,7 @@ pub(crate) struct Foremost {
     tops: [Option<HullVertexId>; 2],
     /// Where the search for the line ended along which they are farthest apart.
     simplex: Simplex,
-    patience: Patience,
+    backoff: Backoff,
     /// Scratch.
     layers: [Layer; 2],
     faces: [Vec<Face>; 2],
@@ -61,13 +61,13 @@ impl Foremost {
         nearest: &mut NearestFaces,
         counters: &mut Counters,
     ) -> bool {
-        if !self.patience.is_over() {
+        if !self.backoff.is_due() {
             return false;
         }
         let found = self.search(pair, parting, nearest, counters).is_some();
         match found {
-            true => self.patience.succeeded(),
-            false => self.patience.failed(),
+            true => self.backoff.succeeded(),
+            false => self.backoff.failed(),
         }
         found
     }

@@ -178,7 +178,6 @@ impl Simplex {
 mod tests {
     use super::*;
     use crate::brute_force::brute_force;
-    use crate::memory::PairMemory;
     use crate::query::Placed;
     use cranny_exact::{DQuat, Pose};
     use cranny_geometry::{BuildOptions, Model};
@@ -207,8 +206,7 @@ mod tests {
                 Placed { model: b, pose: Pose { rotation, translation } },
             );
             let distance = brute_force(a, b).unwrap().distance;
-            let mut memory = PairMemory::default();
-            let pair = Pair::new(a, b, &mut memory.posed);
+            let pair = Pair::of_accepted(a, b);
             let way = pair.first_from_second.translation.normalize();
             let start = Sight::along(&pair, way, [None; 2]).unwrap();
             let found = start.farthest(&pair, 1e-6, &mut simplex);

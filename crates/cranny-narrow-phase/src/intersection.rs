@@ -357,7 +357,6 @@ impl<'i> Chains<'i> {
 mod tests {
     use super::*;
     use crate::answer::Counters;
-    use crate::memory::PairMemory;
     use crate::query::Placed;
     use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, Pose};
@@ -379,8 +378,7 @@ mod tests {
             let a = Placed { model: &models[k as usize % 3], pose: Pose::IDENTITY };
             let b =
                 Placed { model: &models[k as usize / 3 % 3], pose: Pose { rotation, translation } };
-            let mut memory = PairMemory::default();
-            let pair = Pair::new(a, b, &mut memory.posed);
+            let pair = Pair::of_accepted(a, b);
             let pairs = meeting_pairs(&pair, &mut Counters::default());
             let fast = in_general_position(&pair, &pairs).unwrap();
             let slow = feature_by_feature(&pair, &pairs);

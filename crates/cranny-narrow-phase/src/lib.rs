@@ -27,7 +27,7 @@
 //!
 //! **Search.** One descent of the models' two trees of clusters serves every question (`search`,
 //! which has a story of its own). `coherent` keeps what the next query of the pair begins with, as
-//! long as that pays (`patience`), by bounds of `motion`.
+//! long as that pays (`backoff`), by bounds of `motion`.
 //!
 //! **Decide.** `surface` classifies faces that may meet; `inside`, `wedge` and `containment` decide
 //! about solids, seeing planes by `projection`; `closest` measures faces, among those that lie
@@ -41,12 +41,14 @@
 //! curved surfaces.
 //!
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
-//! concavities, which the crate `cranny-concavity` goes ([`Method`] chooses); `impact` finds when
-//! two moving bodies first meet; `brute_force` is the slow, obviously right version of the verdict
-//! and the distance. `revolved` measures against cylinders, cones and the like. `levels` says what
-//! is certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
-//! memory holds, for drawing. `verify` asks everything twice, with memory and without, for whoever
-//! doubts it: [`query_verified`].
+//! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses);
+//! `brute_force` is the slow, obviously right version of the verdict and the distance. `revolved`
+//! measures against cylinders, cones and the like. `observe` shows what memory holds, for drawing.
+//! `verify` computes every answer twice, with memory and without: [`query_verified`].
+//!
+//! [`operations`] are the operations that a query is made of, for other methods about pairs. Two
+//! crates above this one are such methods: `cranny-estimate` says what is certain of a pair within
+//! a budget, `cranny-impact` when two moving bodies first meet.
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -66,6 +68,7 @@
 
 mod answer;
 mod approach;
+mod backoff;
 mod borders;
 pub mod brute_force;
 mod closest;
@@ -79,10 +82,8 @@ mod fields;
 mod footprints;
 mod foremost;
 mod gjk;
-mod impact;
 mod inside;
 mod intersection;
-mod levels;
 mod memory;
 mod motion;
 mod near;
@@ -90,7 +91,8 @@ mod numbering;
 mod observe;
 mod pair;
 mod parting;
-mod patience;
+
+mod per_model;
 mod pieces;
 mod pockets;
 mod projection;
@@ -112,18 +114,58 @@ pub use answer::{
 pub use approach::Approach;
 pub use evaluate::{QueryError, query};
 pub use fields::Fields;
-pub use impact::{
-    Hit, Impact, ImpactCounters, ImpactError, ImpactOptions, LinearImpact, LinearLimits, MAX_TURN,
-    Motion, Moving, linear_edge_edge, linear_vertex_face, time_of_impact,
-};
-pub use levels::{Accuracy, Budget, Clock, Effort, Estimate, Place, Verdict, estimate};
 pub use memory::PairMemory;
 pub use motion::drift;
-pub use observe::{KeptNodes, PairObserver};
+pub use observe::PairObserver;
 pub use query::{Demand, Method, Normals, Placed, Query};
 pub use reduce::{SAME_NORMAL, reduce as reduce_contacts, reduce_level as reduce_level_contacts};
 pub use smooth::smooth_normal;
 pub use verify::{Mismatch, query_verified};
+
+/// The operations that a [`query`] is made of, for other methods about pairs of models.
+///
+/// A method takes a [`Pair`](operations::Pair): two placed models in an order and a frame that do
+/// not depend on which one the caller names A. It excludes pairs of nodes of the models' trees by
+/// the [`BoxTest`](operations::BoxTest), decides about faces by
+/// [`FacePair::of`](operations::FacePair::of), measures them by
+/// [`NearestFaces`](operations::NearestFaces), and decides about solids whose surfaces are disjoint
+/// by [`Solidity`](operations::Solidity). What it keeps for the next pose of the pair is valid as
+/// far as [`RelativeMotion`](operations::RelativeMotion) bounds what has changed, and for the models
+/// of its [`PairTag`](operations::PairTag).
+///
+/// ```
+/// use cranny_exact::{DVec3, Pose};
+/// use cranny_geometry::{BuildOptions, FaceId, Mesh, Model};
+/// use cranny_narrow_phase::operations::{BoxTest, NearestFaces, Pair};
+/// use cranny_narrow_phase::{Counters, Placed};
+///
+/// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let (model, _) = Model::build(Mesh::new(vertices, faces)?, &BuildOptions::default())?;
+/// let a = Placed { model: &model, pose: Pose::IDENTITY };
+/// let b = Placed { model: &model, pose: Pose::at(DVec3::new(3.0, 0.0, 0.0)) };
+/// let pair = Pair::new(a, b)?;
+/// // The boxes of the two roots are 2 apart, and so are the surfaces.
+/// let root = &model.tree().node(0).bounds;
+/// assert!(BoxTest::of(&pair).apart(root, root, 1.9));
+/// let (mut nearest, mut counters) = (NearestFaces::less_than(&pair, 5.0), Counters::default());
+/// for f in 0..4 {
+///     for g in 0..4 {
+///         nearest.offer(FaceId(f), FaceId(g), &mut counters);
+///     }
+/// }
+/// assert_eq!(nearest.found().map(|found| found.distance), Some(2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub mod operations {
+    pub use crate::closest::{Closest, NearestFaces};
+    pub use crate::containment::Solidity;
+    pub use crate::descent::BoxTest;
+    pub use crate::motion::RelativeMotion;
+    pub use crate::pair::{Pair, PairTag, Side};
+    pub use crate::per_model::PerModel;
+    pub use crate::surface::FacePair;
+}
 
 // The example of the README must compile and run as well.
 #[cfg(doctest)]

@@ -8,7 +8,6 @@ use cranny_geometry::Model;
 
 use crate::coherent::Coherent;
 use crate::contacts::ContactMemory;
-use crate::levels::Carried;
 use crate::pair::{Pair, PosedVertices};
 use crate::parting::Parting;
 use crate::pockets::PocketMemory;
@@ -34,7 +33,6 @@ pub struct PairMemory {
     pub(crate) pockets: PocketMemory,
     pub(crate) smooth: SmoothMemory,
     pub(crate) tracks: RegionTracks,
-    pub(crate) levels: Option<Box<Carried>>,
 }
 
 impl PairMemory {
@@ -49,7 +47,7 @@ impl PairMemory {
         (b, of_b): (&Model, &Arc<Concavities>),
     ) {
         let placed = |model| Placed { model, pose: Pose::IDENTITY };
-        let pair = Pair::new(placed(a), placed(b), &mut self.posed);
+        let pair = Pair::of_accepted(placed(a), placed(b));
         let of = pair.ordered(of_a, of_b);
         self.pockets.hold(&pair, of);
     }
@@ -57,9 +55,8 @@ impl PairMemory {
     /// Heap bytes held; but for concavities, which pairs may share.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let levels = self.levels.as_ref().map_or(0, |carried| carried.bytes());
         let kept = self.contacts.bytes() + self.coherent.bytes() + self.pockets.bytes();
-        self.posed.bytes() + kept + self.smooth.bytes() + self.tracks.bytes() + levels
+        self.posed.bytes() + kept + self.smooth.bytes() + self.tracks.bytes()
     }
 
     /// Forgets everything.

@@ -1,22 +1,22 @@
 //! How far a body can have moved, seen from the other, between two poses of a pair.
 //!
-//! What counts is the step `(M₁ − M₀) x + (t₁ − t₀)` of a point `x` of the second body, in the first's
-//! frame; no angle is taken out of it. For points within `r` of `c` it is at most the step of `c` plus
-//! `‖M₁ − M₀‖ r`, and the difference of two rotations stretches by its Frobenius norm over √2: it is
-//! a half turn's share of a rotation in one plane and nothing along the third axis.
+//! What counts is the step `(M₁ − M₀) x + (t₁ − t₀)` of a point `x` of the second body, in the
+//! first's frame; no angle is taken out of it. For points within `r` of `c` it is at most the step
+//! of `c` plus `‖M₁ − M₀‖ r`, and the difference of two rotations stretches by its Frobenius norm
+//! over √2: it is a half turn's share of a rotation in one plane and nothing along the third axis.
 //!
 //! Either body may be thought to move. A point of the first steps, seen from the second, as far as
-//! the point of the second's frame that is where it is: so the bound of whichever ball is smaller, or
-//! nearer to the axis, holds.
+//! the point of the second's frame that is where it is: so the bound of whichever ball is smaller,
+//! or nearer to the axis, holds.
 
 use cranny_exact::{Aabb, DMat3, DVec3, RigidMap};
 use cranny_geometry::Model;
 
 use crate::pair::{Pair, Side, length_error};
 
-/// By how much the Frobenius norm of a difference of two accepted rotation matrices may exceed that of
-/// the rotations which they round. Smaller, and a step could be underestimated; larger, and bodies
-/// that move by less than that spend slack for nothing.
+/// By how much the Frobenius norm of a difference of two accepted rotation matrices may exceed that
+/// of the rotations which they round. Smaller, and a step could be underestimated; larger, and
+/// bodies that move by less than that spend slack for nothing.
 pub(crate) const MATRIX_ERROR: f64 = 128.0 * f64::EPSILON;
 
 /// What lies within a distance of a point of a body's frame.
@@ -33,9 +33,11 @@ impl Ball {
     }
 }
 
-/// The motion of a pair from one query to the next.
+/// How the bodies of a pair have moved relative to each other, between two relative poses.
+///
+/// All its bounds include the rounding of both poses.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub struct RelativeMotion {
     turn: DMat3,
     shift: DVec3,
     stretch: f64,
@@ -43,9 +45,11 @@ pub(crate) struct Motion {
     error: f64,
 }
 
-impl Motion {
-    /// From the relative pose `before` to that of the pair; `None` where they are the same.
-    pub(crate) fn since(before: &RigidMap, pair: &Pair) -> Option<Self> {
+impl RelativeMotion {
+    /// From the relative pose `before` (first_from_second) to that of the pair; `None` where they
+    /// are equal.
+    #[must_use]
+    pub fn since(before: &RigidMap, pair: &Pair) -> Option<Self> {
         let now = pair.first_from_second;
         (*before != now).then(|| Self::between(before, &now, pair.culling_error()))
     }
@@ -71,12 +75,14 @@ impl Motion {
         self.stretch
     }
 
-    /// How much farther than [`step`](Self::step) a point may be displaced on the screw that joins the poses,
-    /// as a factor; `None` for a turn so large that nothing is said.
+    /// A bound of the ratio between the way of a point on the screw that joins the poses and the
+    /// distance between the ends of that way; `None` for turns of more than 60 degrees.
     ///
-    /// An arc of angle θ is longer than its chord by (θ/2) / sin(θ/2), and `stretch` is 2 sin(θ/2): the
-    /// factor is below 1 + stretch² / 16 up to a stretch of 1 (a turn of 60 degrees), doubled here.
-    pub(crate) fn way_factor(&self) -> Option<f64> {
+    /// An arc of angle θ is longer than its chord by (θ/2) / sin(θ/2), and `stretch` is 2 sin(θ/2):
+    /// the factor is below 1 + stretch² / 16 up to a stretch of 1 (a turn of 60 degrees), doubled
+    /// here.
+    #[must_use]
+    pub fn way_factor(&self) -> Option<f64> {
         (self.stretch <= 1.0).then_some(1.0 + 0.125 * self.stretch * self.stretch)
     }
 
@@ -89,15 +95,18 @@ impl Motion {
         (self.turn * center + self.shift).length() + self.stretch * ball.radius + self.error
     }
 
-    /// No point of the balls, of the first body and of the second, has come nearer to the other body
-    /// by more than this.
-    pub(crate) fn step(&self, balls: &[Ball; 2]) -> f64 {
+    /// No distance between a point of the one model and a point of the other has changed by more
+    /// than this. `models`: the first and the second of the pair.
+    #[must_use]
+    pub fn step(&self, models: [&Model; 2]) -> f64 {
+        let balls = models.map(|model| Ball::around(&model.bounds()));
         self.step_of(Side::First, &balls[0]).min(self.step_of(Side::Second, &balls[1]))
     }
 }
 
 /// A bound of how much the distance of any point of the first model from any point of the second
-/// can have changed between two poses of the second in the first's frame; 0 where they are the same.
+/// can have changed between two poses of the second in the first's frame; 0 where they are the
+/// same.
 ///
 /// Both poses are [accepted](cranny_exact::Pose::accepted). The bound is taken from the pair of
 /// poses, so it does not grow with the number of steps between them.
@@ -107,8 +116,7 @@ pub fn drift(models: [&Model; 2], before: &RigidMap, now: &RigidMap) -> f64 {
         return 0.0;
     }
     let posing = 2.0 * length_error(models, before).max(length_error(models, now));
-    let balls = models.map(|model| Ball::around(&model.bounds()));
-    Motion::between(before, now, posing).step(&balls)
+    RelativeMotion::between(before, now, posing).step(models)
 }
 
 #[cfg(test)]

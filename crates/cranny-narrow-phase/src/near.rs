@@ -100,7 +100,6 @@ fn faces_at(pair: &Pair, side: Side, feature: Feature) -> Vec<FaceId> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pair::PosedVertices;
     use crate::{Demand, PairMemory, Placed, Query, query};
     use cranny_exact::{DQuat, DVec3, Pose};
     use cranny_geometry::{BuildOptions, Model};
@@ -159,8 +158,7 @@ mod tests {
             let pace = [0.0, 0.002, 0.01, 0.05][rng.below(4)];
             for step in 0..30 {
                 let placed = |model, pose| Placed { model, pose };
-                let mut posed = PosedVertices::default();
-                let pair = Pair::new(placed(a, Pose::IDENTITY), placed(b, pose), &mut posed);
+                let pair = Pair::of_accepted(placed(a, Pose::IDENTITY), placed(b, pose));
                 // Often by less than patches may come nearer.
                 let margin = 0.05 + 0.02 * (step % 8) as f64;
                 let mut counters = Counters::default();

@@ -5,18 +5,18 @@
 //! decisions read those rounded positions, so exchanging A and B cannot change an answer.
 
 use std::cell::Cell;
-use std::sync::Arc;
 
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Mesh, Model, ModelTag, Topology, VertexId};
 
 use crate::answer::{Contact, Containment, Feature, Witness};
 use crate::approach::Approach;
+use crate::evaluate::QueryError;
 use crate::query::Placed;
 
-/// One of the two bodies of a [`Pair`].
+/// One of the two bodies of a pair in canonical order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Side {
+pub enum Side {
     /// The first in canonical order, in whose frame the pair is decided.
     First,
     /// The second, whose vertices are posed.
@@ -24,16 +24,22 @@ pub(crate) enum Side {
 }
 
 impl Side {
-    pub(crate) const BOTH: [Self; 2] = [Self::First, Self::Second];
+    /// First and second.
+    pub const BOTH: [Self; 2] = [Self::First, Self::Second];
 
-    pub(crate) fn other(self) -> Self {
+    /// The other body.
+    #[must_use]
+    pub fn other(self) -> Self {
         match self {
             Self::First => Self::Second,
             Self::Second => Self::First,
         }
     }
 
-    pub(crate) fn index(self) -> usize {
+    /// 0 for the first, 1 for the second.
+    #[must_use]
+    #[inline]
+    pub fn index(self) -> usize {
         self as usize
     }
 }
@@ -62,18 +68,23 @@ impl PosedVertices {
     }
 }
 
-/// Whose something is that is remembered from query to query: faces, nodes and patches are numbered by the model, and one
-/// mesh may have other patches after deformations.
+/// The two models that cached data belongs to, in order. The default belongs to none.
+///
+/// Faces, nodes and patches are numbered by the model, and one mesh may have other patches after
+/// deformations: what names them means nothing for another pair.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Whose(Option<[ModelTag; 2]>);
+pub struct PairTag(Option<[ModelTag; 2]>);
 
-impl Whose {
-    pub(crate) fn of(pair: &Pair) -> Self {
-        Self(Some(Side::BOTH.map(|side| ModelTag::of(pair.model(side)))))
+impl PairTag {
+    /// The tag of a pair's models.
+    #[must_use]
+    pub fn of(pair: &Pair) -> Self {
+        Self(Some(pair.models().map(ModelTag::of)))
     }
 
-    /// Whether it is of these models, in this order.
-    pub(crate) fn are_of(&self, pair: &Pair) -> bool {
+    /// Whether these are the pair's models, in this order.
+    #[must_use]
+    pub fn is_of(&self, pair: &Pair) -> bool {
         let same = |tags: &[ModelTag; 2]| {
             Side::BOTH.iter().all(|&side| tags[side.index()].is_of(pair.model(side)))
         };
@@ -81,8 +92,13 @@ impl Whose {
     }
 }
 
-/// Two placed models in canonical order.
-pub(crate) struct Pair<'a> {
+/// Two placed models in canonical order: by model digest, then by pose bits.
+///
+/// All decisions are made in the *pair's frame*, which is the first model's own: the second model's
+/// vertices are posed into it and rounded. Whatever is computed in this order and this frame does
+/// not depend on which body the caller names A; [`ordered`](Self::ordered) and
+/// [`world_witness`](Self::world_witness) translate results back.
+pub struct Pair<'a> {
     models: [&'a Model; 2],
     pub(crate) first_from_second: RigidMap,
     world_from_first: RigidMap,
@@ -91,13 +107,24 @@ pub(crate) struct Pair<'a> {
     /// The first in canonical order is the caller's B.
     swapped: bool,
     length_error: f64,
-    posed: &'a mut PosedVertices,
+    /// Where posed vertices are kept, if the second has grown or shrunk.
+    posed: Option<&'a PosedVertices>,
 }
 
 impl<'a> Pair<'a> {
-    /// The poses must be [accepted](cranny_exact::Pose::accepted): culling takes a transpose for the
-    /// inverse and carries no more than rounding.
-    pub(crate) fn new(a: Placed<'a>, b: Placed<'a>, posed: &'a mut PosedVertices) -> Self {
+    /// Puts two placed models in order.
+    ///
+    /// # Errors
+    ///
+    /// [`QueryError::Pose`] where a pose is not [accepted](cranny_exact::Pose::accepted).
+    pub fn new(a: Placed<'a>, b: Placed<'a>) -> Result<Self, QueryError> {
+        let [a, b] = accepted(a, b)?;
+        Ok(Self::of_accepted(a, b))
+    }
+
+    /// The poses must be [accepted](cranny_exact::Pose::accepted): culling takes a transpose for
+    /// the inverse and carries no more than rounding.
+    pub(crate) fn of_accepted(a: Placed<'a>, b: Placed<'a>) -> Self {
         let key = |p: &Placed| (p.model.digest(), p.pose.bits());
         let swapped = key(&b) < key(&a);
         let (first, second) = if swapped { (b, a) } else { (a, b) };
@@ -110,15 +137,23 @@ impl<'a> Pair<'a> {
             world_from_first: first.pose.world_from_body(),
             bulge: 0.0,
             swapped,
-            posed,
+            posed: None,
         }
     }
 
     /// The same pair with the second body moved by `offset` (first's frame) and grown by `bulge`
-    /// (shrunk if negative), every vertex along the mean normal of its faces.
-    pub(crate) fn shifted(&mut self, offset: DVec3, bulge: f64) -> Pair<'_> {
+    /// (shrunk if negative), every vertex along the mean normal of its faces, and kept in `posed`.
+    pub(crate) fn shifted<'p>(
+        &self,
+        offset: DVec3,
+        bulge: f64,
+        posed: &'p mut PosedVertices,
+    ) -> Pair<'p>
+    where
+        'a: 'p,
+    {
         if bulge != 0.0 {
-            self.posed.restart(self.models[1].mesh().vertices().len());
+            posed.restart(self.models[1].mesh().vertices().len());
         }
         let mut first_from_second = self.first_from_second;
         first_from_second.translation += offset;
@@ -129,11 +164,20 @@ impl<'a> Pair<'a> {
             bulge,
             swapped: self.swapped,
             length_error: length_error(self.models, &first_from_second),
-            posed: self.posed,
+            posed: (bulge != 0.0).then_some(posed),
         }
     }
 
-    pub(crate) fn model(&self, side: Side) -> &'a Model {
+    /// The first and the second model.
+    #[must_use]
+    pub fn models(&self) -> [&'a Model; 2] {
+        self.models
+    }
+
+    /// A body's model.
+    #[must_use]
+    #[inline]
+    pub fn model(&self, side: Side) -> &'a Model {
         self.models[side.index()]
     }
 
@@ -145,23 +189,35 @@ impl<'a> Pair<'a> {
         self.models[side.index()].topology()
     }
 
-    /// Position of a vertex in the pair's frame.
+    /// The relative pose: from the second model's frame to the first's, which is the pair's.
+    #[must_use]
     #[inline]
-    pub(crate) fn position(&self, side: Side, vertex: VertexId) -> DVec3 {
+    pub fn first_from_second(&self) -> &RigidMap {
+        &self.first_from_second
+    }
+
+    /// Position of a vertex in the pair's frame.
+    ///
+    /// # Panics
+    ///
+    /// If the body's mesh has no such vertex.
+    #[must_use]
+    #[inline]
+    pub fn position(&self, side: Side, vertex: VertexId) -> DVec3 {
         let p = self.mesh(side).position(vertex);
-        match side {
-            Side::First => p,
+        match (side, self.posed) {
+            (Side::First, _) => p,
             // Posing costs less than looking up what was posed.
-            Side::Second if self.bulge == 0.0 => self.first_from_second.apply(p),
-            Side::Second => {
-                let slot = &self.posed.slots[vertex.index()];
-                let (epoch, posed) = slot.get();
-                if epoch == self.posed.epoch {
-                    return posed;
+            (Side::Second, None) => self.first_from_second.apply(p),
+            (Side::Second, Some(posed)) => {
+                let slot = &posed.slots[vertex.index()];
+                let (epoch, place) = slot.get();
+                if epoch == posed.epoch {
+                    return place;
                 }
                 let place =
                     self.first_from_second.apply(p) + self.bulge * self.vertex_normal(vertex);
-                slot.set((self.posed.epoch, place));
+                slot.set((posed.epoch, place));
                 place
             }
         }
@@ -175,8 +231,13 @@ impl<'a> Pair<'a> {
     }
 
     /// Corners of a face in the pair's frame.
+    ///
+    /// # Panics
+    ///
+    /// If the body's mesh has no such face.
+    #[must_use]
     #[inline]
-    pub(crate) fn triangle(&self, side: Side, face: FaceId) -> [DVec3; 3] {
+    pub fn triangle(&self, side: Side, face: FaceId) -> [DVec3; 3] {
         // One by one: as a map over the three it is a call for each.
         let [a, b, c] = self.mesh(side).corners(face);
         [self.position(side, a), self.position(side, b), self.position(side, c)]
@@ -214,24 +275,27 @@ impl<'a> Pair<'a> {
     }
 
     /// An upper bound of the error of a constructed length: a distance, a depth, a coordinate of a
-    /// witness. Posing rounds about 8 times, a closest point about 30 times, each by at most half an
-    /// ulp of [`scale`](Self::scale).
-    pub(crate) fn length_error(&self) -> f64 {
+    /// witness. Posing rounds about 8 times, a closest point about 30 times, each by at most half
+    /// an ulp of the scale: the radii of both models plus the length of the relative translation.
+    #[must_use]
+    pub fn length_error(&self) -> f64 {
         self.length_error
     }
 
     /// By how much a posed vertex may leave the posed box of what holds it, and by how much more a
     /// length measured in one body's frame may differ from that in the other's.
     ///
-    /// In units of half an ulp of [`scale`](Self::scale): a posed vertex rounds 8 times, a box's
-    /// center and extents, doubled, 30 times together; a rotation matrix made of accepted quaternions
-    /// is off by at most 64. A hundred in all; 256 leave room.
-    pub(crate) fn culling_error(&self) -> f64 {
+    /// In units of half an ulp of the same scale as [`length_error`](Self::length_error): a posed
+    /// vertex rounds 8 times, a box's center and extents, doubled, 30 times together; a rotation
+    /// matrix made of accepted quaternions is off by at most 64. A hundred in all; 256 leave room.
+    #[must_use]
+    pub fn culling_error(&self) -> f64 {
         2.0 * self.length_error() + self.bulge.abs()
     }
 
     /// The box of a whole body in the pair's frame, rounded outward.
-    pub(crate) fn bounds(&self, side: Side) -> Aabb {
+    #[must_use]
+    pub fn bounds(&self, side: Side) -> Aabb {
         let local = self.model(side).bounds();
         match side {
             Side::First => local,
@@ -245,7 +309,8 @@ impl<'a> Pair<'a> {
     }
 
     /// The box of a box of the pair's frame in world coordinates, rounded outward.
-    pub(crate) fn world_bounds(&self, bounds: &Aabb) -> Aabb {
+    #[must_use]
+    pub fn world_bounds(&self, bounds: &Aabb) -> Aabb {
         self.world_from_first.bounds(bounds)
     }
 
@@ -254,7 +319,8 @@ impl<'a> Pair<'a> {
     }
 
     /// From (first, second) to the caller's (A, B).
-    pub(crate) fn ordered<T>(&self, first: T, second: T) -> [T; 2] {
+    #[must_use]
+    pub fn ordered<T>(&self, first: T, second: T) -> [T; 2] {
         if self.swapped { [second, first] } else { [first, second] }
     }
 
@@ -268,8 +334,9 @@ impl<'a> Pair<'a> {
         faces
     }
 
-    /// A containment told as if first were A.
-    pub(crate) fn ordered_containment(&self, containment: Containment) -> Containment {
+    /// A containment that takes the first for A, in the caller's order.
+    #[must_use]
+    pub fn ordered_containment(&self, containment: Containment) -> Containment {
         if self.swapped { containment.swapped() } else { containment }
     }
 
@@ -292,7 +359,9 @@ impl<'a> Pair<'a> {
         }
     }
 
-    pub(crate) fn world_witness(&self, point: DVec3, feature: Feature) -> Witness {
+    /// A point of the pair's frame and its feature as a witness, in world coordinates.
+    #[must_use]
+    pub fn world_witness(&self, point: DVec3, feature: Feature) -> Witness {
         Witness { point: self.world_point(point), feature }
     }
 
@@ -310,15 +379,12 @@ fn scale(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
 pub(crate) fn length_error(models: [&Model; 2], first_from_second: &RigidMap) -> f64 {
     64.0 * f64::EPSILON * scale(models, first_from_second)
 }
-/// Something of the model of each body of a pair, by side; made once for two bodies of one model.
-pub(crate) fn of_models<T>(pair: &Pair, make: impl Fn(&Model) -> T) -> [Arc<T>; 2] {
-    let [a, b] = Side::BOTH.map(|side| pair.model(side));
-    let first = Arc::new(make(a));
-    let second = if a.is_same(b) { Arc::clone(&first) } else { Arc::new(make(b)) };
-    [first, second]
-}
 
-/// Heap bytes of those of a pair, which may be the same.
-pub(crate) fn bytes_of_pair<T>([a, b]: &[Arc<T>; 2], bytes: impl Fn(&T) -> usize) -> usize {
-    bytes(a) + if Arc::ptr_eq(a, b) { 0 } else { bytes(b) }
+/// The bodies at poses that a [`Pair`] may rely on.
+pub(crate) fn accepted<'a>(a: Placed<'a>, b: Placed<'a>) -> Result<[Placed<'a>; 2], QueryError> {
+    let at = |placed: Placed<'a>, body| match placed.pose.accepted() {
+        Ok(pose) => Ok(Placed { pose, ..placed }),
+        Err(source) => Err(QueryError::Pose { body, source }),
+    };
+    Ok([at(a, 'A')?, at(b, 'B')?])
 }

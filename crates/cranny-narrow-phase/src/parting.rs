@@ -20,8 +20,8 @@ use cranny_exact::DVec3;
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
 
 use crate::answer::Counters;
+use crate::backoff::Backoff;
 use crate::pair::{Pair, Side};
-use crate::patience::Patience;
 
 /// Directions tried in one query. Fewer: hulls that are just apart are parted later, since the search goes on in the
 /// next query; more: hulls that overlap cost more before that is given up.
@@ -43,7 +43,7 @@ pub(crate) struct Parting {
     direction: DVec3,
     /// Where the hulls reach farthest towards each other.
     tops: [Option<HullVertexId>; 2],
-    patience: Patience,
+    backoff: Backoff,
 }
 
 impl Parting {
@@ -54,7 +54,7 @@ impl Parting {
     pub(crate) fn gap(&mut self, pair: &Pair, wanted: f64, counters: &mut Counters) -> f64 {
         let hulls = Side::BOTH.map(|side| pair.model(side).hull());
         let Some(mut tops) = self.starts(hulls) else { return 0.0 };
-        if !self.patience.is_over() {
+        if !self.backoff.is_due() {
             return 0.0;
         }
         let map = &pair.first_from_second;
@@ -80,7 +80,7 @@ impl Parting {
             best = best.max(gap);
             if gap > goal {
                 (self.direction, self.tops) = (direction, tops);
-                self.patience.succeeded();
+                self.backoff.succeeded();
                 counters.planes_parted += 1;
                 return gap - error;
             }
@@ -96,7 +96,7 @@ impl Parting {
         }
         // The search goes on from here.
         (self.direction, self.tops) = (direction, tops);
-        self.patience.failed();
+        self.backoff.failed();
         (best - error).max(0.0)
     }
 
@@ -117,7 +117,6 @@ impl Parting {
 mod tests {
     use super::*;
     use crate::brute_force::brute_force;
-    use crate::memory::PairMemory;
     use crate::query::Placed;
     use cranny_exact::{DQuat, Pose};
     use cranny_geometry::{BuildOptions, Mesh, Model};
@@ -128,8 +127,8 @@ mod tests {
     }
 
     fn gap(parting: &mut Parting, a: Placed, b: Placed, wanted: f64) -> (f64, Counters) {
-        let (mut memory, mut counters) = (PairMemory::default(), Counters::default());
-        let pair = Pair::new(a, b, &mut memory.posed);
+        let mut counters = Counters::default();
+        let pair = Pair::of_accepted(a, b);
         (parting.gap(&pair, wanted, &mut counters), counters)
     }
 
@@ -167,7 +166,7 @@ mod tests {
             let slow = brute_force(a, b).unwrap();
             for wanted in [0.0, 0.2, 10.0] {
                 // The plane is handed on, the waiting is not.
-                parting.patience = Patience::default();
+                parting.backoff = Backoff::default();
                 let (gap, counters) = gap(&mut parting, a, b, wanted);
                 assert!(gap <= slow.distance, "pose {k}: {gap} of {}", slow.distance);
                 parted += u32::from(gap > 0.0);

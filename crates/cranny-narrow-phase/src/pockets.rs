@@ -15,30 +15,29 @@ use cranny_geometry::FaceId;
 
 use crate::answer::Counters;
 use crate::descent::for_each_near_pair_beneath;
-use crate::motion::{Ball, Motion};
+use crate::motion::{Ball, RelativeMotion};
 use crate::observe::PairObserver;
-use crate::pair::{Pair, Side, Whose, bytes_of_pair, of_models};
+use crate::pair::{Pair, PairTag, Side};
+use crate::per_model::PerModel;
 use crate::surface::{FacePair, looked_at};
 
 /// What is kept of a pair.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PocketMemory {
-    whose: Whose,
+    tag: PairTag,
     /// The relative pose of the last query.
     map: Option<RigidMap>,
     pockets: Pockets,
-    bodies: Option<[Arc<PocketBody>; 2]>,
+    bodies: Option<PerModel<PocketBody>>,
 }
 
 impl PocketMemory {
     /// Takes concavities of the models that somebody has made.
     pub(crate) fn hold(&mut self, pair: &Pair, of: [&Arc<Concavities>; 2]) {
-        let models = Side::BOTH.map(|side| pair.model(side));
-        let body = |i: usize| Arc::new(PocketBody::of(models[i], Arc::clone(of[i])));
-        let first = body(0);
-        let second = if models[0].is_same(models[1]) { Arc::clone(&first) } else { body(1) };
-        let bodies = Some([first, second]);
-        *self = Self { whose: Whose::of(pair), bodies, ..Self::default() };
+        let bodies = Some(PerModel::of(pair, |side| {
+            PocketBody::of(pair.model(side), Arc::clone(of[side.index()]))
+        }));
+        *self = Self { tag: PairTag::of(pair), bodies, ..Self::default() };
     }
 
     /// The pairs of faces that meet, by ascending ids. `only_verdict`: ends at the first that
@@ -49,13 +48,13 @@ impl PocketMemory {
         only_verdict: bool,
         counters: &mut Counters,
     ) -> Vec<FacePair> {
-        if !self.whose.are_of(pair) {
-            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        if !self.tag.is_of(pair) {
+            *self = Self { tag: PairTag::of(pair), ..Self::default() };
         }
         let both = self.bodies(pair, counters);
-        let bodies = [&*both[0], &*both[1]];
+        let bodies = both.both();
         let posed = PosedModels {
-            models: Side::BOTH.map(|side| pair.model(side)),
+            models: pair.models(),
             first_from_second: pair.first_from_second,
             error: pair.culling_error(),
         };
@@ -88,7 +87,7 @@ impl PocketMemory {
     /// For each body how far points of the other may have gone since the last query, seen from it.
     fn steps(&mut self, pair: &Pair) -> Option<[f64; 2]> {
         let before = self.map.replace(pair.first_from_second)?;
-        let motion = Motion::since(&before, pair);
+        let motion = RelativeMotion::since(&before, pair);
         Some(Side::BOTH.map(|side| {
             let guest = Ball::around(&pair.model(side.other()).bounds());
             motion.as_ref().map_or(0.0, |motion| motion.step_of(side.other(), &guest))
@@ -96,11 +95,13 @@ impl PocketMemory {
     }
 
     /// What the models do not hold; made now, where nobody has.
-    fn bodies(&mut self, pair: &Pair, counters: &mut Counters) -> [Arc<PocketBody>; 2] {
+    fn bodies(&mut self, pair: &Pair, counters: &mut Counters) -> PerModel<PocketBody> {
         let bodies = self.bodies.get_or_insert_with(|| {
-            let bodies =
-                of_models(pair, |model| PocketBody::of(model, Arc::new(Concavities::of(model))));
-            counters.concavities_made += if Arc::ptr_eq(&bodies[0], &bodies[1]) { 1 } else { 2 };
+            let bodies = PerModel::of(pair, |side| {
+                let model = pair.model(side);
+                PocketBody::of(model, Arc::new(Concavities::of(model)))
+            });
+            counters.concavities_made += bodies.count() as u64;
             bodies
         });
         bodies.clone()
@@ -108,7 +109,7 @@ impl PocketMemory {
 
     /// Whether the last query was about these models at this pose.
     fn is_at(&self, pair: &Pair) -> bool {
-        self.whose.are_of(pair) && self.map.is_some_and(|map| map == pair.first_from_second)
+        self.tag.is_of(pair) && self.map.is_some_and(|map| map == pair.first_from_second)
     }
 
     /// Shows what the last query, if it was this one, has opened and closed, and which parts it
@@ -119,7 +120,7 @@ impl PocketMemory {
         if !ours.overlaps(&theirs) {
             return;
         }
-        for [first, second] in self.pockets.parts([&both[0], &both[1]]) {
+        for [first, second] in self.pockets.parts(both.both()) {
             let [a, b] = pair.ordered(first, second);
             observer.parts(MetParts { a, b });
         }
@@ -133,7 +134,7 @@ impl PocketMemory {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        let rests = |pair| bytes_of_pair(pair, |body: &PocketBody| body.rest().bytes());
-        self.pockets.bytes() + self.bodies.as_ref().map_or(0, rests)
+        let rest = |body: &PocketBody| body.rest().bytes();
+        self.pockets.bytes() + self.bodies.as_ref().map_or(0, |bodies| bodies.bytes(rest))
     }
 }

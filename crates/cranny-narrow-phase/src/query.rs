@@ -1,7 +1,9 @@
 //! What is asked about a pair.
 
 use cranny_exact::Pose;
-use cranny_geometry::Model;
+use cranny_geometry::{Model, check_crease_angle};
+
+use crate::evaluate::QueryError;
 
 use crate::approach::Approach;
 
@@ -74,6 +76,26 @@ impl Normals {
 }
 
 impl Demand {
+    /// Checks the numbers of the demand.
+    ///
+    /// # Errors
+    ///
+    /// [`QueryError::Length`] and [`QueryError::Crease`], as [`query`](crate::query()).
+    pub fn check(&self) -> Result<(), QueryError> {
+        if let Self::Contacts { normals: Normals::Smooth { crease_angle }, .. } = *self {
+            check_crease_angle(crease_angle)?;
+        }
+        let (what, value) = match *self {
+            Self::Distance { below: Some(value) } => ("below", value),
+            Self::Contacts { margin, .. } | Self::Regions { margin } => ("margin", margin),
+            _ => return Ok(()),
+        };
+        match value >= 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(QueryError::Length { what, value }),
+        }
+    }
+
     /// Contacts with the normals of the meshes.
     #[must_use]
     pub const fn contacts(margin: f64) -> Self {

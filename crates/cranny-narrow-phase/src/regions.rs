@@ -8,7 +8,7 @@ use cranny_geometry::{DisjointSets, FaceId};
 use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
 use crate::depth::{Ground, deepest_lead, leads};
 use crate::intersection::{Chains, Intersection, intersect};
-use crate::pair::{Pair, Side};
+use crate::pair::{Pair, PosedVertices, Side};
 use crate::pieces::{Cut, cut};
 use crate::reduce::reduce;
 use crate::search::meeting_pairs;
@@ -54,7 +54,8 @@ const MAX_SAMPLES: usize = 256;
 /// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much their
 /// depths may be off.
 pub(crate) fn meeting_regions(
-    pair: &mut Pair,
+    pair: &Pair,
+    posed: &mut PosedVertices,
     pairs: &[FacePair],
     solid: bool,
     counters: &mut Counters,
@@ -73,7 +74,7 @@ pub(crate) fn meeting_regions(
     if here.generic {
         return (closed_regions(pair, &here), rounding);
     }
-    let regions = regions_beside(pair, counters);
+    let regions = regions_beside(pair, posed, counters);
     match regions {
         Some(regions) => (regions, rounding + BESIDE_ERROR * pair.scale()),
         // Flush from inside, say: nothing beside it overlaps. The surfaces touch, and that is all.
@@ -92,10 +93,14 @@ fn is_closed(pair: &Pair) -> bool {
 /// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on one
 /// side does not count against one on the other. The smaller depth wins. Bodies that coincide
 /// part both ways; then a mere shift has to do.
-fn regions_beside(pair: &mut Pair, counters: &mut Counters) -> Option<Vec<Region>> {
+fn regions_beside(
+    pair: &Pair,
+    posed: &mut PosedVertices,
+    counters: &mut Counters,
+) -> Option<Vec<Region>> {
     let step = NUDGE * pair.scale();
     let mut read = |offset: DVec3, bulge: f64| {
-        let shifted = pair.shifted(offset, bulge);
+        let shifted = pair.shifted(offset, bulge, posed);
         let pairs = meeting_pairs(&shifted, counters);
         let beside = intersect(&shifted, &pairs);
         let cuts_out = beside.generic && !beside.segments.is_empty();

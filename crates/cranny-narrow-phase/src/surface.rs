@@ -2,22 +2,30 @@
 
 use cranny_exact::{Crossing, DVec3, Meeting, cross_triangles};
 use cranny_geometry::FaceId;
+use cranny_geometry::triangle_distance::triangle_distance;
 
-use crate::answer::{Counters, Surface};
+use crate::answer::{Counters, Feature, Surface, Witness};
+use crate::intersection::intersect;
 use crate::pair::{Pair, Side};
 
-/// Two faces that share a point, and where they cross if they do so in general position.
+/// Two faces that share a point: a face of the first body, one of the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct FacePair {
-    pub(crate) first: FaceId,
-    pub(crate) second: FaceId,
-    pub(crate) meeting: Meeting,
-    pub(crate) crossing: Option<Crossing>,
+pub struct FacePair {
+    /// The first body's.
+    pub first: FaceId,
+    /// The second body's.
+    pub second: FaceId,
+    /// How they meet; never [`Meeting::None`].
+    pub meeting: Meeting,
+    /// Which edges cross which face, if the faces cross in general position.
+    pub crossing: Option<Crossing>,
 }
 
 impl FacePair {
-    /// How two faces meet, of these corners; `None` if they do not.
-    pub(crate) fn of(
+    /// Classifies two faces, exactly for these corners in the pair's frame; `None` if they share no
+    /// point. Counts which arithmetic decided, and no test.
+    #[must_use]
+    pub fn of(
         faces: [FaceId; 2],
         triangles: [&[DVec3; 3]; 2],
         counters: &mut Counters,
@@ -26,6 +34,24 @@ impl FacePair {
         counters.judged(by);
         let [first, second] = faces;
         meeting.meets().then_some(Self { first, second, meeting, crossing })
+    }
+
+    /// A point that the faces share, to rounding, as a witness on A and one on B: an end of their
+    /// intersection, or a corner of their overlap. World coordinates.
+    #[must_use]
+    pub fn witnesses(&self, pair: &Pair) -> [Witness; 2] {
+        let intersection = intersect(pair, std::slice::from_ref(self));
+        let (point, features) = match intersection.nodes.first() {
+            Some(node) => (node.point, node.features),
+            None => {
+                let nearest = triangle_distance(
+                    &pair.triangle(Side::First, self.first),
+                    &pair.triangle(Side::Second, self.second),
+                );
+                (nearest.points[0], (Feature::Face(self.first), Feature::Face(self.second)))
+            }
+        };
+        pair.ordered(pair.world_witness(point, features.0), pair.world_witness(point, features.1))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use cranny_exact::{DVec3, Pose as ExactPose};
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Hit, Impact, ImpactOptions, Motion, Moving, time_of_impact};
+use cranny_impact::{Hit, Impact, ImpactOptions, Motion, Moving, time_of_impact};
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::NonlinearRigidMotion;
 use rapier3d::parry::query::{Contact, ShapeCastHit, ShapeCastStatus};

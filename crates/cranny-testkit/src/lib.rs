@@ -29,12 +29,15 @@ mod distance;
 mod generate;
 mod hull;
 mod locate;
+mod measure;
+mod models;
 mod nearly_flat;
 mod random;
 mod rational;
 mod solid;
 mod surface;
 mod triangle;
+mod wander;
 
 pub use brute_force::brute_force_meeting;
 pub use distance::{
@@ -43,12 +46,15 @@ pub use distance::{
 pub use generate::Family;
 pub use hull::{HullFault, rational_hull_fault, spans_a_solid};
 pub use locate::{Location, PosedMesh};
+pub use measure::{from_surface, world_triangles};
+pub use models::{model, shape, small_models};
 pub use nearly_flat::{Bytes, few_moves, nearly_flat_solid};
 pub use random::Rng;
 pub use rational::{Q, Q3};
 pub use solid::{Contained, OracleVerdict, rational_verdict};
 pub use surface::{brute_force_surface, rational_surface};
 pub use triangle::{rational_contact, rational_meeting, rational_piercing};
+pub use wander::Walk;
 
 // The example of the README must compile and run as well.
 #[cfg(doctest)]

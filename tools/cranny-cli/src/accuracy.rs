@@ -21,8 +21,8 @@ mod visits;
 
 use std::time::Duration;
 
+use cranny_estimate::Accuracy;
 use cranny_geometry::{BuildOptions, Model};
-use cranny_narrow_phase::Accuracy;
 
 use crate::args::{AccuracyArgs, Format};
 use crate::failure::Failure;

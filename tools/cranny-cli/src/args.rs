@@ -8,8 +8,8 @@ mod stability;
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use cranny_estimate::Accuracy;
 use cranny_geometry::Repair;
-use cranny_narrow_phase::Accuracy;
 
 pub(crate) use accuracy::AccuracyArgs;
 pub(crate) use scene::{

@@ -4,8 +4,9 @@ mod line;
 
 use std::time::Instant;
 
+use cranny_estimate::{Budget, Effort, EstimateMemory, estimate};
 use cranny_geometry::BuildOptions;
-use cranny_narrow_phase::{Budget, Demand, Effort, Method, PairMemory, Placed, Query, estimate};
+use cranny_narrow_phase::{Demand, Method, Placed, Query};
 
 use crate::args::{DemandArg, Format, MethodArg, QueryArgs};
 use crate::failure::Failure;
@@ -45,7 +46,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     let bar = progress::bar(poses.len() as u64, "querying");
     let budget = args.budget.map_or(Budget::Unlimited, Budget::Tests);
     let effort = Effort { accuracy: args.accuracy, budget };
-    let mut memory = PairMemory::default();
+    let mut memory = EstimateMemory::default();
     for (index, [pose_a, pose_b]) in poses.into_iter().enumerate() {
         if args.cold {
             memory.clear();

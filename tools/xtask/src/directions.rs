@@ -11,6 +11,8 @@ pub(crate) const PURE_CRATES: &[&str] = &[
     "cranny-concavity",
     "cranny-broad-phase",
     "cranny-narrow-phase",
+    "cranny-impact",
+    "cranny-estimate",
     "cranny-world",
 ];
 
@@ -22,14 +24,22 @@ const TABLE: &[(&str, &[&str])] = &[
     ("cranny-concavity", &["cranny-exact", "cranny-geometry"]),
     ("cranny-broad-phase", &["cranny-exact"]),
     ("cranny-narrow-phase", &["cranny-exact", "cranny-geometry", "cranny-concavity"]),
+    ("cranny-impact", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
+    (
+        "cranny-estimate",
+        &["cranny-exact", "cranny-geometry", "cranny-concavity", "cranny-narrow-phase"],
+    ),
     (
         "cranny-world",
         &["cranny-exact", "cranny-geometry", "cranny-broad-phase", "cranny-narrow-phase"],
     ),
     ("cranny-shapes", &["cranny-exact", "cranny-geometry"]),
     ("cranny-scene", &["cranny-exact", "cranny-geometry", "cranny-world", "cranny-shapes"]),
-    ("cranny-rapier", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
-    ("cranny-rapier-f64", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
+    ("cranny-rapier", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-impact"]),
+    (
+        "cranny-rapier-f64",
+        &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-impact"],
+    ),
     ("cranny-record", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-world"]),
     ("cranny-render", &["cranny-exact"]),
     (
@@ -67,6 +77,8 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-impact",
+            "cranny-estimate",
             "cranny-world",
             "cranny-shapes",
             "?cranny-scene",
@@ -85,6 +97,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-estimate",
             "cranny-world",
             "cranny-shapes",
             "cranny-scene",

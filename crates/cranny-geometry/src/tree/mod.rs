@@ -14,6 +14,7 @@ mod codec;
 mod forest;
 mod lattice;
 mod mates;
+mod paired;
 mod prune;
 mod refit;
 
@@ -24,6 +25,7 @@ pub use self::build::partition;
 pub(crate) use self::codec::{FoldedForest, FoldedTree, Unfolded, check_shape};
 pub use self::forest::FaceForest;
 pub(crate) use self::mates::Mates;
+pub use self::paired::PairedStep;
 pub use self::refit::{GrownAreas, MovedFace, NodeChanges};
 
 use crate::ids::{FaceId, VertexId};

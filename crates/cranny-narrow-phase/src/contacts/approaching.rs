@@ -9,7 +9,6 @@ use cranny_testkit::Rng;
 use super::every_pair::{made, of_all_pairs};
 use super::*;
 use crate::approach::Approach;
-use crate::pair::PosedVertices;
 use crate::query::{Demand, Placed, Query};
 
 fn model(mesh: Mesh) -> Model {
@@ -62,8 +61,7 @@ fn check(
     kept: &mut (Coherent, ContactMemory),
     tally: &mut Tally,
 ) {
-    let mut posed = PosedVertices::default();
-    let pair = Pair::new(a, b, &mut posed);
+    let pair = Pair::new(a, b).unwrap();
     let wanted = Wanted::of(&pair, margin, Some(approach));
     let within = of_all_pairs(&pair, approach.within);
     let truth: Vec<Contact> = within.iter().filter(|c| wanted.holds(c)).copied().collect();

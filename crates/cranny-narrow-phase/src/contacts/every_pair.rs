@@ -5,7 +5,6 @@ use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_testkit::Rng;
 
 use super::*;
-use crate::pair::PosedVertices;
 use crate::query::Placed;
 use crate::search::{Candidate, Kind};
 
@@ -87,11 +86,9 @@ fn edges_that_are_all_but_parallel_or_all_but_points_are_listed() {
             true => Pose { rotation: rng.rotation(), translation: DVec3::ZERO },
             false => Pose { rotation: rng.rotation(), translation: rng.direction() },
         };
-        let mut posed = PosedVertices::default();
-        let pair = Pair::new(
+        let pair = Pair::of_accepted(
             Placed { model: body, pose: at.accepted().unwrap() },
             Placed { model: body, pose: at.compose(&turned).accepted().unwrap() },
-            &mut posed,
         );
         let margin = 0.1 * size;
         let truth = by_all_pairs(&pair, margin);
@@ -112,10 +109,9 @@ fn edges_of_open_surfaces_are_listed() {
     for round in 0..300 {
         let rotation = (rng.rotation() * DQuat::from_rotation_x(3.1)).normalize();
         let pose = Pose { rotation, translation: 0.4 * rng.direction() };
-        let mut posed = PosedVertices::default();
         let [a, b] =
             [Pose::IDENTITY, pose.accepted().unwrap()].map(|pose| Placed { model: &sheet, pose });
-        let pair = Pair::new(a, b, &mut posed);
+        let pair = Pair::of_accepted(a, b);
         let truth = by_all_pairs(&pair, 0.3);
         assert_eq!(by_list(&pair, 0.3), truth, "round {round}");
         crossed += truth.iter().filter(|m| matches!(m.0, (Feature::Edge(_), _))).count();
@@ -141,9 +137,8 @@ fn a_list_does_not_outlast_its_turn() {
                 rotation = (DQuat::from_axis_angle(axis, 0.15) * rotation).normalize();
             }
             let pose = Pose { rotation, translation }.accepted().unwrap();
-            let mut posed = PosedVertices::default();
             let a = Placed { model: &large, pose: Pose::IDENTITY };
-            let pair = Pair::new(a, Placed { model: &small, pose }, &mut posed);
+            let pair = Pair::of_accepted(a, Placed { model: &small, pose });
             coherent.begin(&pair);
             let kept = (&mut coherent, &mut memory);
             let warm = made(&across_gaps(&pair, 1.0, kept, &mut Counters::default()));
@@ -164,9 +159,8 @@ fn edges_of_faces_that_are_parallel_are_listed() {
         let rotation = DQuat::from_rotation_z(0.5 + 0.2 * rng.unit());
         let translation = DVec3::new(0.6 * rng.unit(), 0.6 * rng.unit(), 1.01);
         let pose = Pose { rotation, translation }.accepted().unwrap();
-        let mut posed = PosedVertices::default();
         let [a, b] = [Pose::IDENTITY, pose].map(|pose| Placed { model: &cube, pose });
-        let pair = Pair::new(a, b, &mut posed);
+        let pair = Pair::of_accepted(a, b);
         let truth = by_all_pairs(&pair, 0.05);
         assert_eq!(by_list(&pair, 0.05), truth, "round {round}");
         crossed += truth.iter().filter(|m| matches!(m.0, (Feature::Edge(_), _))).count();

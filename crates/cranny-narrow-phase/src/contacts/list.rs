@@ -12,10 +12,10 @@ use super::feature_pair::{Stand, edge_edge, vertex_face, vertex_rim};
 use super::nearer;
 use super::wanted::Wanted;
 use crate::answer::{Contact, Counters, Feature, Surface};
+use crate::backoff::Backoff;
 use crate::coherent::Coherent;
-use crate::motion::{Ball, Motion};
-use crate::pair::{Pair, Side, Whose};
-use crate::patience::Patience;
+use crate::motion::RelativeMotion;
+use crate::pair::{Pair, PairTag, Side};
 use crate::search::{Candidate, Closing, Ground, Kind, Lasting, Lists, Turned, add_candidates};
 use crate::surface::FacePair;
 use cranny_geometry::triangle_distance::Part;
@@ -67,7 +67,7 @@ struct Skin {
 /// What searches for contacts keep for the next one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactMemory {
-    whose: Whose,
+    tag: PairTag,
     candidates: Vec<Candidate>,
     ranges: Vec<Range>,
     /// `None`: the list is that of one pose.
@@ -76,7 +76,7 @@ pub(crate) struct ContactMemory {
     moved: f64,
     /// The winners of the last list, in the order of patches.
     winners: Vec<([PatchId; 2], Candidate)>,
-    patience: Patience,
+    backoff: Backoff,
     last: Option<RigidMap>,
     turned: Turned,
 }
@@ -146,13 +146,13 @@ impl ContactMemory {
     /// How a new list is to last; `None` where the one that is there does.
     fn prepare(&mut self, pair: &Pair, wanted: &Wanted) -> Option<Lasting> {
         let margin = wanted.farthest();
-        if !self.whose.are_of(pair) {
-            *self = Self { whose: Whose::of(pair), ..Self::default() };
+        if !self.tag.is_of(pair) {
+            *self = Self { tag: PairTag::of(pair), ..Self::default() };
         }
-        let balls = Side::BOTH.map(|side| Ball::around(&pair.model(side).bounds()));
+        let models = pair.models();
         let since = |map: &RigidMap| {
-            Motion::since(map, pair)
-                .map_or((0.0, 0.0), |motion| (motion.step(&balls), motion.stretch()))
+            RelativeMotion::since(map, pair)
+                .map_or((0.0, 0.0), |motion| (motion.step(models), motion.stretch()))
         };
         let step = self.last.as_ref().map(since);
         self.last = Some(pair.first_from_second);
@@ -161,11 +161,11 @@ impl ContactMemory {
             let posing = 2.0 * pair.culling_error();
             if margin <= skin.margin && moved + posing <= skin.reach && turned <= skin.turn {
                 self.moved = moved + posing;
-                self.patience.succeeded();
+                self.backoff.succeeded();
                 return None;
             }
             if self.moved == 0.0 {
-                self.patience.failed();
+                self.backoff.failed();
             }
         }
         let now = Lasting { margin, skin: 0.0, turn: 0.0 };
@@ -173,7 +173,7 @@ impl ContactMemory {
         if wanted.is_of_motion() {
             return Some(now);
         }
-        let Some((moved, turned)) = step.filter(|_| self.patience.is_over()) else {
+        let Some((moved, turned)) = step.filter(|_| self.backoff.is_due()) else {
             return Some(now);
         };
         let length = Side::BOTH.map(|side| face_length(pair, side));
@@ -212,7 +212,7 @@ impl ContactMemory {
                 let Lasting { margin, skin: reach, turn } = lasting;
                 self.skin = Some(Skin { since: pair.first_from_second, reach, turn, margin });
             } else {
-                self.patience.failed();
+                self.backoff.failed();
             }
         }
         self.candidates

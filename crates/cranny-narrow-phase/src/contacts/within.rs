@@ -112,7 +112,6 @@ fn edges_that_meet(pair: &Pair, side: Side, meeting: &[FacePair]) -> Numbering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::PairMemory;
     use crate::query::Placed;
     use crate::search::meeting_pairs;
     use cranny_exact::{DQuat, DVec3, Pose};
@@ -174,11 +173,9 @@ mod tests {
             let rotation = if turned { turn } else { DQuat::IDENTITY };
             let mut step = || 0.25 * rng.below(9) as f64 - 1.0;
             let translation = DVec3::new(step(), step(), step());
-            let mut memory = PairMemory::default();
-            let pair = Pair::new(
+            let pair = Pair::of_accepted(
                 Placed { model: a, pose: Pose::IDENTITY },
                 Placed { model: b, pose: Pose { rotation, translation } },
-                &mut memory.posed,
             );
             let meeting = meeting_pairs(&pair, &mut Counters::default());
             for side in Side::BOTH {

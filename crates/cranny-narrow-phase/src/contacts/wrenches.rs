@@ -8,7 +8,6 @@ use std::collections::BTreeSet;
 
 use super::*;
 use crate::near::near_regions;
-use crate::pair::PosedVertices;
 use crate::query::Placed;
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::BuildOptions;
@@ -113,8 +112,8 @@ impl Scene {
     fn sets(&self, pose: Pose, memory: &mut [(Coherent, ContactMemory); 3]) -> Sets {
         let [a, b] = &self.models;
         let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
-        let (mut posed, mut counters) = (PosedVertices::default(), Counters::default());
-        let pair = Pair::new(a, b, &mut posed);
+        let mut counters = Counters::default();
+        let pair = Pair::of_accepted(a, b);
         let margin = self.margin;
         for (coherent, _) in memory.iter_mut() {
             coherent.begin(&pair);

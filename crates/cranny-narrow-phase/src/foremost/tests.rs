@@ -76,8 +76,7 @@ fn agrees(
     [a, b]: [Placed; 2],
     last: Option<[FaceId; 2]>,
 ) -> (u32, Option<[FaceId; 2]>) {
-    let mut memory = PairMemory::default();
-    let pair = Pair::new(a, b, &mut memory.posed);
+    let pair = Pair::of_accepted(a, b);
     let mut counters = Counters::default();
     if !meeting_pairs(&pair, &mut counters).is_empty() {
         return (0, None);
@@ -93,7 +92,7 @@ fn agrees(
         }
         let way = if has_way { pair.first_from_second.translation } else { DVec3::ZERO };
         // What is tested is not how long it waits.
-        foremost.patience = Patience::default();
+        foremost.backoff = Backoff::default();
         if foremost.offer(&pair, way.normalize_or_zero(), &mut nearest, &mut counters) {
             assert_eq!(told(nearest.found()), told(all.found()), "{:?}", b.pose);
             settled += 1;
@@ -132,9 +131,8 @@ fn ties_are_told_as_a_search_tells_them() {
         let (Some(a), Some(b)) = (soup(&mut rng), soup(&mut rng)) else { continue };
         let mut step = || 0.5 * rng.below(9) as f64 - 2.0;
         let pose = Pose::at(DVec3::new(step(), step(), step()));
-        let mut memory = PairMemory::default();
         let [a, b] = [(&a, Pose::IDENTITY), (&b, pose)].map(|(model, pose)| Placed { model, pose });
-        let pair = Pair::new(a, b, &mut memory.posed);
+        let pair = Pair::of_accepted(a, b);
         let mut counters = Counters::default();
         if !meeting_pairs(&pair, &mut counters).is_empty() {
             continue;
@@ -256,9 +254,8 @@ fn work_does_not_grow_with_the_faces() {
                 rotation: DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), angle).normalize(),
                 translation: 1.02 * DVec3::new(1.2, 1.28, 0.96),
             };
-            let mut memory = PairMemory::default();
             let [a, b] = [Pose::IDENTITY, pose].map(|pose| Placed { model: &model, pose });
-            let pair = Pair::new(a, b, &mut memory.posed);
+            let pair = Pair::of_accepted(a, b);
             let mut nearest = NearestFaces::less_than(&pair, f64::INFINITY);
             let mut counters = Counters::default();
             if let Some([f, g]) = last {

@@ -5,8 +5,8 @@ use cranny_exact::RigidMap;
 use super::cut::Cut;
 use super::ground::Ground;
 use crate::answer::Counters;
+use crate::backoff::Backoff;
 use crate::pair::Pair;
-use crate::patience::Patience;
 
 /// A cut that is built anew sooner than after so many queries has not paid for itself. Larger: it
 /// is given up where it still saves time; smaller: motion that outruns it is followed in vain.
@@ -34,7 +34,7 @@ pub(crate) struct Reach {
 pub(crate) struct KeptCut {
     cut: Option<Cut>,
     age: u32,
-    patience: Patience,
+    backoff: Backoff,
     /// The pose of the last query.
     last: Option<RigidMap>,
     /// Whether the cut is at the pair's pose.
@@ -78,7 +78,7 @@ impl KeptCut {
             if followed && cut.reach() >= reach.least && cut.reach() <= reach.most {
                 if !self.is_here {
                     self.age += 1;
-                    self.patience.succeeded();
+                    self.backoff.succeeded();
                 }
                 self.is_here = true;
                 return self.cut.as_mut();
@@ -92,11 +92,11 @@ impl KeptCut {
                 build = OUTGROWN * reach.build;
             } else if !followed && self.age < LEAST_AGE {
                 counters.bypassed += 1;
-                self.patience.failed();
+                self.backoff.failed();
             }
         }
         // Not for a single query, and not while motion outruns it.
-        if self.last.is_none() || !self.patience.is_over() {
+        if self.last.is_none() || !self.backoff.is_due() {
             return None;
         }
         self.age = 0;

@@ -14,7 +14,7 @@ use crate::answer::Counters;
 use crate::brute_force::brute_force;
 use crate::closest::NearestFaces;
 use crate::containment::solidity;
-use crate::pair::{Pair, PosedVertices, Side};
+use crate::pair::{Pair, Side};
 use crate::query::Placed;
 use crate::surface::{FacePair, looked_at, strongest};
 use cranny_geometry::triangle_distance::triangle_distance;
@@ -84,8 +84,7 @@ fn faces_that_meet_are_found_among_all() {
             Placed { model: &bodies[a], pose: Pose::IDENTITY },
             Placed { model: &bodies[b], pose: Pose { rotation, translation } },
         );
-        let mut posed = PosedVertices::default();
-        let pair = Pair::new(a, b, &mut posed);
+        let pair = Pair::of_accepted(a, b);
         let (mut counters, mut stack) = (Counters::default(), Vec::new());
         let truth = all_that_meet(&pair);
         assert_eq!(meeting_pairs(&pair, &mut counters), truth, "round {round}");
@@ -113,8 +112,7 @@ fn bounds_of_faces_are_certain_and_close() {
             Placed { model: a, pose: Pose::IDENTITY },
             Placed { model: b, pose: Pose { rotation: turn, translation } },
         );
-        let mut posed = PosedVertices::default();
-        let pair = Pair::new(a, b, &mut posed);
+        let pair = Pair::of_accepted(a, b);
         let ground = Ground::of(&pair);
         let unit = ground.tree(Side::First).unit();
         let count = |side: Side| ground.tree(side).clusters().len();
@@ -172,8 +170,7 @@ fn a_cut_lists_all_that_is_within_reach() {
             let turn = DQuat::from_axis_angle(rng.direction(), pace / size);
             pose.rotation = (turn * pose.rotation).normalize();
             let (a, b) = (Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose });
-            let mut posed = PosedVertices::default();
-            let pair = Pair::new(a, b, &mut posed);
+            let pair = Pair::of_accepted(a, b);
             let ground = Ground::of(&pair);
             let mut counters = Counters::default();
             let last = cut.take().and_then(|mut cut| {

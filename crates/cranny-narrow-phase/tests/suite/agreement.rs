@@ -8,10 +8,9 @@ use cranny_shapes::{
     CPrism, Comb, Cuboid, Cup, GolfBall, LPrism, NestedShells, PyramidInCavity, Sphere, Torus,
     UPrism,
 };
-use cranny_testkit::Rng;
+use cranny_testkit::{Rng, from_surface, world_triangles};
 
 use crate::coherence::told;
-use crate::measure::{from_surface, world_triangles};
 use crate::solids::{ask, dyadic_solids, model, quarter_turns, shape};
 
 /// Small enough for brute force, large enough for trees with some levels.
@@ -102,8 +101,8 @@ fn fast_is_brute_force_and_order_does_not_matter() {
 fn witnesses_are_on_the_surfaces(a: Placed, b: Placed, answer: &Answer, what: &str) {
     let tiny = 1e-13 * (a.model.radius() + b.model.radius() + 4.0);
     let [p, q] = answer.witnesses.unwrap().map(|w| w.point);
-    assert!(from_surface(p, &world_triangles(a)) <= tiny, "{what}: {p}");
-    assert!(from_surface(q, &world_triangles(b)) <= tiny, "{what}: {q}");
+    assert!(from_surface(p, &world_triangles(a.model, &a.pose)) <= tiny, "{what}: {p}");
+    assert!(from_surface(q, &world_triangles(b.model, &b.pose)) <= tiny, "{what}: {q}");
     let distance = answer.distance.unwrap();
     assert!(((q - p).length() - distance).abs() <= tiny, "{what}: {distance}");
     if distance > 0.0 {

@@ -4,60 +4,10 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
 use cranny_narrow_phase::{Answer, Counters, Demand, PairMemory, Placed, Query, query};
-use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, IsoBolt, IsoNut, NestedShells, Sphere, Torus};
-use cranny_testkit::Rng;
+use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Sphere, Torus};
+use cranny_testkit::{Rng, Walk, small_models};
 
 use crate::solids::{ask, model, shape};
-
-pub(crate) fn bodies() -> Vec<(&'static str, Model)> {
-    vec![
-        ("cuboid", shape(Cuboid::default())),
-        ("sphere", shape(Sphere { segments: 10, rings: 6, ..Sphere::default() })),
-        ("torus", shape(Torus { major_segments: 18, minor_segments: 8, ..Torus::default() })),
-        ("cup", shape(Cup { segments: 12, ..Cup::default() })),
-        ("shells", shape(NestedShells { segments: 7, ..NestedShells::default() })),
-        ("comb", shape(Comb::default())),
-        ("speck", shape(Cuboid { size: [0.06, 0.05, 0.04] })),
-        ("golf ball", shape(GolfBall { dimples: 0, triangles: 180, ..GolfBall::default() })),
-    ]
-}
-
-/// A walk that keeps near the first body: it drifts, turns, rests, turns back and jumps.
-pub(crate) struct Walk {
-    pub(crate) pose: Pose,
-    drift: DVec3,
-    spin: DQuat,
-}
-
-impl Walk {
-    pub(crate) fn new(rng: &mut Rng, reach: f64) -> Self {
-        let far = [0.05, 0.5, 0.8, 0.8][rng.below(4)] * reach;
-        let pose = Pose { rotation: DQuat::IDENTITY, translation: far * rng.direction() };
-        let mut walk = Self { pose, drift: DVec3::ZERO, spin: DQuat::IDENTITY };
-        walk.turn(rng, reach);
-        walk
-    }
-
-    fn turn(&mut self, rng: &mut Rng, reach: f64) {
-        let pace = [1e-9, 1e-4, 1e-3, 1e-2][rng.below(4)];
-        let home = self.pose.translation.length() > 0.9 * reach;
-        let way = if home { -self.pose.translation.normalize() } else { rng.direction() };
-        self.drift = pace * reach * way;
-        self.spin = DQuat::from_axis_angle(rng.direction(), pace);
-    }
-
-    pub(crate) fn step(&mut self, rng: &mut Rng, reach: f64) {
-        match rng.below(40) {
-            0 => *self = Self::new(rng, reach),
-            1 => (self.drift, self.spin) = (-self.drift, self.spin.conjugate()),
-            2 => (self.drift, self.spin) = (DVec3::ZERO, DQuat::IDENTITY),
-            3..=5 => self.turn(rng, reach),
-            _ => {}
-        }
-        self.pose.translation += self.drift;
-        self.pose.rotation = (self.spin * self.pose.rotation).normalize();
-    }
-}
 
 /// What does not depend on history: all but counters.
 pub(crate) fn told(answer: &Answer) -> Answer {
@@ -75,7 +25,7 @@ fn demand(rng: &mut Rng, distance: f64) -> Demand {
 
 #[test]
 fn memory_never_changes_an_answer() {
-    let bodies = bodies();
+    let bodies = small_models();
     let mut rng = Rng::new(11);
     let mut seen = [0; 3];
     let (mut contained, mut rested, mut bypassed) = (0, 0, 0);

@@ -9,9 +9,8 @@ use cranny_narrow_phase::{
     Answer, Contact, Demand, Feature, PairMemory, Placed, Query, brute_force::brute_force, query,
 };
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Torus};
-use cranny_testkit::Rng;
+use cranny_testkit::{Rng, from_surface, world_triangles};
 
-use crate::measure::{from_surface, world_triangles};
 use crate::solids::{at, model, octahedron, shape};
 
 fn contacts_with(a: Placed, b: Placed, margin: f64, memory: &mut PairMemory) -> Answer {
@@ -38,7 +37,7 @@ fn bodies() -> Vec<Model> {
 
 /// What holds of every contact, whatever the position.
 fn check(a: Placed, b: Placed, margin: f64, answer: &Answer) {
-    let (faces_a, faces_b) = (world_triangles(a), world_triangles(b));
+    let (faces_a, faces_b) = (world_triangles(a.model, &a.pose), world_triangles(b.model, &b.pose));
     let tiny = 1e-12 * (a.model.radius() + b.model.radius() + 10.0);
     for c in &answer.contacts {
         assert!(c.separation <= margin + tiny, "{c:?}");
@@ -60,7 +59,7 @@ struct Mutual {
 /// All of them within a margin, by brute force over vertices, faces and edges.
 fn mutual(a: Placed, b: Placed, margin: f64) -> Vec<Mutual> {
     let placed = [a, b];
-    let triangles = [world_triangles(a), world_triangles(b)];
+    let triangles = [world_triangles(a.model, &a.pose), world_triangles(b.model, &b.pose)];
     let maps = placed.map(|p| p.pose.world_from_body());
     let point = |side: usize, v: VertexId| maps[side].apply(placed[side].model.mesh().position(v));
     let nearest = |p: DVec3, side: usize, d: f64| from_surface(p, &triangles[side]) >= d - 1e-12;

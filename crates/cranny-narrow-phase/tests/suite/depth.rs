@@ -4,9 +4,8 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Contact, Demand, Placed, Region};
 use cranny_shapes::{Cuboid, Cup, Sphere, Tetrahedron, Torus};
-use cranny_testkit::Rng;
+use cranny_testkit::{Rng, world_triangles};
 
-use crate::measure::world_triangles;
 use crate::regions::regions;
 use crate::solids::{ask, shape};
 
@@ -40,7 +39,7 @@ fn planes(placed: Placed) -> Vec<(DVec3, f64)> {
         let n = (b - a).cross(c - a).normalize();
         (n, n.dot(a))
     };
-    world_triangles(placed).into_iter().map(plane).collect()
+    world_triangles(placed.model, &placed.pose).into_iter().map(plane).collect()
 }
 
 /// How far a point is outside a convex body; below 0 inside.
@@ -51,7 +50,7 @@ fn outside(p: DVec3, planes: &[(DVec3, f64)]) -> f64 {
 /// By how much A leads B along `normal` over points sampled from B's surface: of the line from a
 /// point in A to where it leaves A, if that is still in B.
 fn sampled_lead(a: Placed, b: Placed, normal: DVec3, rng: &mut Rng) -> f64 {
-    let (in_a, in_b, faces) = (planes(a), planes(b), world_triangles(b));
+    let (in_a, in_b, faces) = (planes(a), planes(b), world_triangles(b.model, &b.pose));
     let mut lead = 0.0f64;
     for k in 0..4_000 {
         let [u, v, w] = faces[k % faces.len()];

@@ -6,15 +6,14 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Contact, Demand, Feature, Placed};
 use cranny_shapes::{Cuboid, Cup, GolfBall, Torus};
-use cranny_testkit::Rng;
+use cranny_testkit::{Rng, from_surface, world_triangles};
 
-use crate::measure::{from_surface, world_triangles};
 use crate::solids::{ask, at, model, octahedron, shape};
 
 /// Asks with a margin, after checking what holds of every contact across a gap.
 fn gaps(a: Placed, b: Placed, margin: f64) -> Answer {
     let answer = ask(a, b, Demand::Regions { margin });
-    let (faces_a, faces_b) = (world_triangles(a), world_triangles(b));
+    let (faces_a, faces_b) = (world_triangles(a.model, &a.pose), world_triangles(b.model, &b.pose));
     let tiny = 1e-12 * (a.model.radius() + b.model.radius());
     for r in answer.regions.iter().filter(|r| r.deepest.separation > 0.0) {
         assert_eq!((r.depth, r.area, r.curves.len(), r.triangle_pairs), (None, None, 0, 0));

@@ -7,9 +7,9 @@ use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::brute_force::brute_force;
 use cranny_narrow_phase::{Counters, Demand, Method, PairMemory, Placed, Query, query};
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Sphere};
-use cranny_testkit::Rng;
+use cranny_testkit::{Rng, Walk, small_models};
 
-use crate::coherence::{Walk, bodies, told};
+use crate::coherence::told;
 use crate::solids::{model, shape};
 
 const DEMANDS: [Demand; 3] =
@@ -34,7 +34,7 @@ fn agreed(a: Placed, b: Placed, demand: Demand, memory: &mut PairMemory, what: &
 
 #[test]
 fn both_methods_tell_the_same_of_any_walk() {
-    let bodies = bodies();
+    let bodies = small_models();
     let mut rng = Rng::new(23);
     let (mut met, mut opened, mut contained) = (0, 0, 0);
     for round in 0..40 {

@@ -6,8 +6,8 @@ use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Contact, Demand, Placed, Region};
 use cranny_shapes::{Cuboid, Sphere, Torus};
+use cranny_testkit::{from_surface, world_triangles};
 
-use crate::measure::{from_surface, world_triangles};
 use crate::solids::{ask, at, cells, channel, cuboid, inverted, model, shape};
 
 /// Special positions are read from 2^-30 of the pair's scale beside; the pairs here are a few long.
@@ -16,7 +16,7 @@ const SPECIAL: f64 = 1e-7;
 /// Asks for regions, after checking what holds of all of them.
 pub(crate) fn regions(a: Placed, b: Placed) -> Answer {
     let answer = ask(a, b, Demand::Regions { margin: 0.0 });
-    let (faces_a, faces_b) = (world_triangles(a), world_triangles(b));
+    let (faces_a, faces_b) = (world_triangles(a.model, &a.pose), world_triangles(b.model, &b.pose));
     let size = a.model.radius() + b.model.radius();
     let closed = a.model.is_closed() && b.model.is_closed();
     for r in &answer.regions {

@@ -1,21 +1,14 @@
 //! Solids with exact dyadic coordinates as models, and how they are asked about.
 
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
-use cranny_shapes::{Cup, Shape};
+use cranny_shapes::Cup;
 pub(crate) use cranny_testkit::bodies::{
     angle, block, block_without, cells, channel, cuboid, grooved, inverted, octahedron, prism,
     quarter_turns, rake, tetrahedron,
 };
-
-pub(crate) fn model(mesh: Mesh) -> Model {
-    Model::build(mesh, &BuildOptions::default()).unwrap().0
-}
-
-pub(crate) fn shape(shape: impl Into<Shape>) -> Model {
-    model(shape.into().build().unwrap())
-}
+pub(crate) use cranny_testkit::{model, shape};
 
 pub(crate) fn at(model: &Model, x: f64, y: f64, z: f64) -> Placed<'_> {
     Placed { model, pose: Pose::at(DVec3::new(x, y, z)) }

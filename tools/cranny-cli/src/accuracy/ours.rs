@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
+use cranny_estimate::{
+    Accuracy, Budget, Clock, Effort, Estimate, EstimateMemory, Verdict, estimate,
+};
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{
-    Accuracy, Budget, Clock, Counters, Demand, Effort, Estimate, PairMemory, Placed, Query,
-    Verdict, estimate,
-};
+use cranny_narrow_phase::{Demand, Placed, Query};
 
 use super::method::{Method, Name, Told};
 use crate::pose_file::PosePair;
@@ -29,9 +29,9 @@ pub(super) struct Ours {
     allowance: Allowance,
     warm: bool,
     clock: SinceStart,
-    memory: PairMemory,
+    memory: EstimateMemory,
     /// Memory in which only what the level prepares is there.
-    prepared: Option<PairMemory>,
+    prepared: Option<EstimateMemory>,
 }
 
 /// Nanoseconds since it was made.
@@ -51,7 +51,7 @@ impl Ours {
 
     pub(super) fn new(accuracy: Accuracy, allowance: Allowance, warm: bool) -> Self {
         let clock = SinceStart(Instant::now());
-        Self { accuracy, allowance, warm, clock, memory: PairMemory::default(), prepared: None }
+        Self { accuracy, allowance, warm, clock, memory: EstimateMemory::default(), prepared: None }
     }
 
     fn estimate(
@@ -104,7 +104,7 @@ impl Method for Ours {
 
     fn begin(&mut self, [a, b]: [&Model; 2]) {
         let prepared = self.prepared.get_or_insert_with(|| {
-            let mut memory = PairMemory::default();
+            let mut memory = EstimateMemory::default();
             memory.prepare(a, b, self.accuracy);
             memory
         });
@@ -123,7 +123,7 @@ impl Method for Ours {
             distance: Some(found.separation.hi),
             held: Some(found.separation),
             witnesses: found.witnesses.map(|w| w.map(|w| w.point)),
-            tests: Some(tests(&found.counters)),
+            tests: Some(tests(&found)),
         }
     }
 
@@ -141,10 +141,11 @@ impl Method for Ours {
 }
 
 /// Elementary tests of all kinds.
-fn tests(counters: &Counters) -> u64 {
+fn tests(found: &Estimate) -> u64 {
+    let counters = &found.counters;
     counters.node_tests
         + counters.triangle_tests
         + counters.inside_tests
-        + counters.hull_steps
+        + found.hull_steps
         + counters.planes_tried
 }

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use cranny_estimate::Accuracy;
 use cranny_exact::Interval;
-use cranny_narrow_phase::Accuracy;
 
 use super::Scene;
 use super::figures::{mean, most, quantile};

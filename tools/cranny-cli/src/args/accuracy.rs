@@ -4,7 +4,7 @@ use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 use clap::Args;
-use cranny_narrow_phase::Accuracy;
+use cranny_estimate::Accuracy;
 
 use super::{PairArgs, budget, level};
 

@@ -1,9 +1,8 @@
 //! One line of `cranny query`.
 
+use cranny_estimate::{Estimate, Place, Verdict};
 use cranny_exact::DVec3;
-use cranny_narrow_phase::{
-    Contact, Containment, Estimate, Place, Region, Surface, Verdict, Witness,
-};
+use cranny_narrow_phase::{Contact, Containment, Region, Surface, Witness};
 use serde::Serialize;
 
 use crate::args::DemandArg;
@@ -102,7 +101,7 @@ impl Line {
                 + counters.facets_compared
                 + counters.triangle_tests
                 + counters.inside_tests
-                + counters.hull_steps
+                + found.hull_steps
                 + counters.planes_tried,
             micros,
             closed_a: shown.closed[0],
