@@ -42,10 +42,9 @@
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
 //! concavities, which the crate `cranny-concavity` goes ([`Method`] chooses); `impact` finds when
 //! two moving bodies first meet; `brute_force` is the slow, obviously right version of the verdict
-//! and the distance. `revolved` measures against cylinders, cones and the like. `levels` says what
-//! is certain of a pair when only so much may be spent on it: [`estimate`]. `observe` shows what
-//! memory holds, for drawing. `verify` asks everything twice, with memory and without, for whoever
-//! doubts it: [`query_verified`].
+//! and the distance. `levels` says what is certain of a pair when only so much may be spent on it:
+//! [`estimate`]. `observe` shows what memory holds, for drawing. `verify` asks everything twice,
+//! with memory and without, for whoever doubts it: [`query_verified`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -95,7 +94,6 @@ mod projection;
 mod query;
 mod reduce;
 mod regions;
-pub mod revolved;
 mod search;
 mod smooth;
 mod surface;

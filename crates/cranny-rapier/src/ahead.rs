@@ -17,6 +17,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
+use cranny_primitives::deep::thickness;
 use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -26,7 +27,6 @@ use rapier3d::prelude::{
 
 use crate::carried::CARRIED_WITHIN;
 use crate::convert::narrow;
-use crate::deep::thickness;
 use crate::dispatcher::Dispatcher;
 use crate::manifolds::SolverContact;
 

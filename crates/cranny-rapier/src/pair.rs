@@ -12,6 +12,7 @@ use cranny_geometry::Model;
 use cranny_narrow_phase::{
     Answer, Contact, Demand, PairMemory, Placed, drift, reduce_level_contacts, smooth_normal,
 };
+use cranny_primitives::{contacts, deep::way_out, rounded};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -19,17 +20,13 @@ use rapier3d::parry::query::details::VoxelsShapeContactManifoldsWorkspace;
 use rapier3d::parry::query::{
     DefaultQueryDispatcher, PersistentQueryDispatcher, TypedWorkspaceData, WorkspaceData,
 };
-use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
+use rapier3d::parry::shape::{PackedFeatureId, Shape};
 
-use crate::ask::ask;
+use crate::ask::{ask, logged};
 use crate::carried::{CarriedList, Search};
 use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
-use crate::deep::way_out;
 use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
-use crate::partners::{
-    Core, ball_contacts, capsule_contacts, deep_contact, half_space_contacts, revolved,
-    revolved_contacts,
-};
+use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
 /// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
@@ -209,8 +206,8 @@ impl PairWorkspace {
 
     fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: f64) -> Found {
         let thickness = cores[0].thickness.min(cores[1].thickness);
-        let models = cores.each_ref().map(|core| &core.model);
-        let margin = reach + cores[0].radius + cores[1].radius;
+        let models = cores.each_ref().map(Core::model);
+        let margin = reach + cores[0].rounded.radius + cores[1].rounded.radius;
         let demand = match self.leads_out {
             true => solver_demand(models, margin),
             false => Demand::contacts(margin),
@@ -219,7 +216,7 @@ impl PairWorkspace {
             return Found::without_answer(Vec::new());
         };
         let led = match self.leads_out {
-            true => way_out(models, thickness, pose, &answer, self.memory()),
+            true => logged(way_out(models, thickness, pose, &answer, self.memory())).flatten(),
             false => None,
         };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
@@ -236,7 +233,7 @@ impl PairWorkspace {
     pub(crate) fn keep(&mut self, found: &Found, search: (ExactPose, f64)) -> bool {
         let searched = found.searched.as_ref();
         self.carried = searched.zip(self.cores.as_ref()).map(|(searched, cores)| {
-            let models = cores.each_ref().map(|core| &core.model);
+            let models = cores.each_ref().map(Core::model);
             let ids = found.contacts.iter().map(|contact| contact.ids);
             CarriedList::of(models, search, searched.iter().zip(ids))
         });
@@ -252,7 +249,7 @@ impl PairWorkspace {
         within: f64,
     ) -> Option<Vec<SolverContact>> {
         let map = pose.world_from_body();
-        let models = self.cores.as_ref()?.each_ref().map(|core| &core.model);
+        let models = self.cores.as_ref()?.each_ref().map(Core::model);
         if drift(models, &search.pose.world_from_body(), &map) > within {
             return None;
         }
@@ -309,14 +306,15 @@ fn told(
     pose: &ExactPose,
     is_smooth: bool,
 ) -> SolverContact {
-    let told = SolverContact::of(contact, ids).rounded(cores.each_ref().map(|core| core.radius));
+    let radii = cores.each_ref().map(|core| core.rounded.radius);
+    let told = SolverContact::of(&rounded(contact, radii), ids);
     let smooth = cores.each_ref().map(|core| core.smooth.as_deref());
     if !is_smooth || smooth.iter().all(Option::is_none) {
         return told;
     }
     let bodies = [
-        Placed { model: &cores[0].model, pose: ExactPose::IDENTITY },
-        Placed { model: &cores[1].model, pose: *pose },
+        Placed { model: cores[0].model(), pose: ExactPose::IDENTITY },
+        Placed { model: cores[1].model(), pose: *pose },
     ];
     SolverContact { normal: smooth_normal(contact, bodies, smooth), ..told }
 }
@@ -383,31 +381,19 @@ fn partner_contacts(
     Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
 }
 
-/// Contacts of our shape with a shape that has no core, in our shape's frame; `None` where parry must answer.
+/// Contacts of our shape with a shape that has no core, in our shape's frame, none where the pose is
+/// none; `None` where parry must answer.
 fn primitive_contacts(
     shape: &MeshShape,
     partner: &dyn Shape,
     shape_from_partner: &ExactPose,
     reach: f64,
 ) -> Option<Vec<Contact>> {
-    let map = shape_from_partner.world_from_body();
-    let model = shape.model();
-    match partner.as_typed_shape() {
-        TypedShape::Ball(ball) => {
-            Some(ball_contacts(model, map.translation, ball.radius.into(), reach))
-        }
-        TypedShape::Capsule(capsule) => {
-            let axis = [capsule.segment.a, capsule.segment.b].map(|p| map.apply(wide(p)));
-            let mut contacts = capsule_contacts(model, axis, capsule.radius.into(), reach);
-            contacts.extend(deep_contact(model, &revolved(partner, &map)?, &contacts));
-            Some(contacts)
-        }
-        TypedShape::HalfSpace(half_space) => {
-            let normal = map.apply_vector(wide(half_space.normal)).normalize_or_zero();
-            Some(half_space_contacts(model, normal, normal.dot(map.translation), reach))
-        }
-        _ => Some(revolved_contacts(model, &revolved(partner, &map)?, reach)),
-    }
+    let partner = primitive(partner)?.moved(&shape_from_partner.world_from_body());
+    Some(contacts(shape.model(), &partner, reach).unwrap_or_else(|error| {
+        tracing::error!("pair left out of this step: {error}");
+        Vec::new()
+    }))
 }
 
 /// What parry says of two parts, of which either may be the mesh of our triangles: in the first part's frame.

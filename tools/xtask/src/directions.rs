@@ -11,6 +11,7 @@ pub(crate) const PURE_CRATES: &[&str] = &[
     "cranny-concavity",
     "cranny-broad-phase",
     "cranny-narrow-phase",
+    "cranny-primitives",
     "cranny-world",
 ];
 
@@ -22,14 +23,27 @@ const TABLE: &[(&str, &[&str])] = &[
     ("cranny-concavity", &["cranny-exact", "cranny-geometry"]),
     ("cranny-broad-phase", &["cranny-exact"]),
     ("cranny-narrow-phase", &["cranny-exact", "cranny-geometry", "cranny-concavity"]),
+    ("cranny-primitives", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
     (
         "cranny-world",
-        &["cranny-exact", "cranny-geometry", "cranny-broad-phase", "cranny-narrow-phase"],
+        &[
+            "cranny-exact",
+            "cranny-geometry",
+            "cranny-broad-phase",
+            "cranny-narrow-phase",
+            "cranny-primitives",
+        ],
     ),
     ("cranny-shapes", &["cranny-exact", "cranny-geometry"]),
     ("cranny-scene", &["cranny-exact", "cranny-geometry", "cranny-world", "cranny-shapes"]),
-    ("cranny-rapier", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
-    ("cranny-rapier-f64", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase"]),
+    (
+        "cranny-rapier",
+        &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-primitives"],
+    ),
+    (
+        "cranny-rapier-f64",
+        &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-primitives"],
+    ),
     ("cranny-record", &["cranny-exact", "cranny-geometry", "cranny-narrow-phase", "cranny-world"]),
     ("cranny-render", &["cranny-exact"]),
     (
@@ -67,6 +81,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-primitives",
             "cranny-world",
             "cranny-shapes",
             "?cranny-scene",
@@ -85,6 +100,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-primitives",
             "cranny-world",
             "cranny-shapes",
             "cranny-scene",
@@ -103,6 +119,7 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-concavity",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-primitives",
             "cranny-world",
             "cranny-shapes",
             "cranny-scene",

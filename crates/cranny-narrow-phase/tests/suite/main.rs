@@ -19,7 +19,6 @@ mod needles;
 mod observe;
 mod pockets;
 mod regions;
-mod revolved;
 mod rounded;
 mod smooth;
 mod solids;
