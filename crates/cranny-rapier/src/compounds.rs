@@ -1,9 +1,10 @@
-//! rapier's questions about two shapes, taken apart where one is a compound: the one place where
-//! compounds are met outside of contacts.
+//! Compounds, rapier's shapes of several parts: which pairs are taken apart, and rapier's questions
+//! about them.
 //!
 //! parry goes through the parts and comes back here with each; what is no compound is answered in
-//! `questions`.
+//! `questions`. Contacts keep memory of each pair of parts, so `pair` goes through them itself.
 
+use cranny_exact::Pose as ExactPose;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::query::details::{self, NonlinearRigidMotion, ShapeCastOptions};
 use rapier3d::parry::query::{
@@ -12,8 +13,9 @@ use rapier3d::parry::query::{
 };
 use rapier3d::parry::shape::{Compound, Shape};
 
+use crate::convert::pose_from_rapier;
 use crate::dispatcher::Dispatcher;
-use crate::pair::involves_ours;
+use crate::pair::ours;
 
 /// A pair in which ours takes part.
 enum Pair<'a> {
@@ -31,6 +33,30 @@ impl<'a> Pair<'a> {
             (Some(c1), _) => Self::First(c1),
             (None, Some(c2)) => Self::Second(c2),
         }
+    }
+}
+
+/// Whether a pair is taken apart: ours takes part in it, and one shape is a compound.
+pub(crate) fn has_parts(g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    !matches!(Pair::of(g1, g2), Pair::Whole)
+}
+
+/// Whether a shape is ours, or a compound that holds one of ours.
+pub(crate) fn involves_ours(shape: &dyn Shape) -> bool {
+    match shape.as_compound() {
+        Some(compound) => compound.shapes().iter().any(|(_, part)| involves_ours(&**part)),
+        None => ours(shape).is_some(),
+    }
+}
+
+/// The parts of a compound, each with its pose; any other shape is its own only part.
+pub(crate) fn parts(shape: &dyn Shape) -> Vec<(ExactPose, &dyn Shape)> {
+    match shape.as_compound() {
+        Some(compound) => {
+            let parts = compound.shapes().iter();
+            parts.map(|(pose, part)| (pose_from_rapier(pose), &**part)).collect()
+        }
+        None => vec![(ExactPose::IDENTITY, shape)],
     }
 }
 

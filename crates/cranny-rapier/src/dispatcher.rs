@@ -35,10 +35,11 @@ use rapier3d::parry::shape::Shape;
 use crate::ahead::{Motions, PairAhead};
 use crate::ask::ask;
 use crate::carried::{CARRIED_WITHIN, Searches};
+use crate::compounds::involves_ours;
 use crate::convert::pose_from_rapier;
 use crate::log::AnswerLog;
 use crate::manifolds::{Manifold, SolverContact, rebuild};
-use crate::pair::{Answered, PairWorkspace, for_parry, involves_ours, ours};
+use crate::pair::{Answered, PairWorkspace, for_parry, ours};
 use crate::shape::MeshShape;
 
 /// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact may have moved

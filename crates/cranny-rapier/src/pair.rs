@@ -24,7 +24,8 @@ use rapier3d::parry::shape::{PackedFeatureId, Shape};
 
 use crate::ask::{ask, logged};
 use crate::carried::{CarriedList, Search};
-use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
+use crate::compounds::{has_parts, parts};
+use crate::convert::{pose_to_rapier, wide};
 use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
@@ -39,14 +40,6 @@ const FINE: usize = 64;
 pub(crate) fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
     let any: &dyn Any = shape;
     any.downcast_ref()
-}
-
-/// Whether a shape is ours, or a compound that holds one of ours.
-pub(crate) fn involves_ours(shape: &dyn Shape) -> bool {
-    match shape.as_compound() {
-        Some(compound) => compound.shapes().iter().any(|(_, part)| involves_ours(&**part)),
-        None => ours(shape).is_some(),
-    }
 }
 
 /// The shape that parry's own dispatcher understands in place of ours.
@@ -190,10 +183,8 @@ impl PairWorkspace {
         g2: &dyn Shape,
         reach: f64,
     ) -> Option<Found> {
-        if g1.as_compound().is_some() || g2.as_compound().is_some() {
-            let involved = involves_ours(g1) || involves_ours(g2);
-            let contacts = involved.then(|| self.of_parts(pose, g1, g2, reach))?;
-            return Some(Found::without_answer(contacts));
+        if has_parts(g1, g2) {
+            return Some(Found::without_answer(self.of_parts(pose, g1, g2, reach)));
         }
         match &self.cores {
             Some(cores) => {
@@ -317,17 +308,6 @@ fn told(
         Placed { model: cores[1].model(), pose: *pose },
     ];
     SolverContact { normal: smooth_normal(contact, bodies, smooth), ..told }
-}
-
-/// The parts of a compound, each with its pose; any other shape is its own only part.
-fn parts(shape: &dyn Shape) -> Vec<(ExactPose, &dyn Shape)> {
-    match shape.as_compound() {
-        Some(compound) => {
-            let parts = compound.shapes().iter();
-            parts.map(|(pose, part)| (pose_from_rapier(pose), &**part)).collect()
-        }
-        None => vec![(ExactPose::IDENTITY, shape)],
-    }
 }
 
 pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
