@@ -54,7 +54,7 @@ pub fn thickness(model: &Model) -> f64 {
 ///
 /// # Errors
 ///
-/// [`QueryError`] where the pose is none.
+/// [`QueryError`] where the pose is invalid.
 pub fn way_out(
     models: [&Model; 2],
     thickness: f64,

@@ -87,7 +87,7 @@ pub struct HalfSpace {
     pub normal: DVec3,
 }
 
-/// Numbers that make no shape.
+/// A number of a primitive that is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PrimitiveError {

@@ -21,7 +21,7 @@ pub struct Rounded {
 ///
 /// # Errors
 ///
-/// [`QueryError`] where the pose is none.
+/// [`QueryError`] where the pose is invalid.
 pub fn rounded_separation(
     pair: [&Rounded; 2],
     first_from_second: &Pose,
@@ -51,7 +51,7 @@ pub fn rounded_separation(
 ///
 /// # Errors
 ///
-/// [`QueryError`] where the pose is none.
+/// [`QueryError`] where the pose is invalid.
 pub fn rounded_contacts(
     pair: [&Rounded; 2],
     first_from_second: &Pose,

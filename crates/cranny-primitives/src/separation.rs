@@ -17,12 +17,12 @@ pub enum Separation {
     Meeting,
     /// They are apart.
     Apart {
-        /// Least distance, > 0.
+        /// Least distance, > 0 but for rounding.
         distance: f64,
         /// A point of each that realises it: of the first (the model), of the second.
         witnesses: [DVec3; 2],
     },
-    /// They are farther apart than the question went.
+    /// They are farther apart than the limit of the query.
     Farther,
 }
 
@@ -34,7 +34,7 @@ pub enum Separation {
 ///
 /// # Errors
 ///
-/// [`PrimitiveError`] where the primitive's numbers make no shape.
+/// [`PrimitiveError`] where a number of the primitive is invalid.
 pub fn separation(
     model: &Model,
     primitive: &Primitive,
@@ -50,7 +50,7 @@ pub fn separation(
 ///
 /// # Errors
 ///
-/// [`PrimitiveError`] where the primitive's numbers make no shape.
+/// [`PrimitiveError`] where a number of the primitive is invalid.
 pub fn meets(model: &Model, primitive: &Primitive) -> Result<bool, PrimitiveError> {
     Ok(separation(model, primitive, 0.0)? == Separation::Meeting)
 }

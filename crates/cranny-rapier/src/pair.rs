@@ -361,8 +361,8 @@ fn partner_contacts(
     Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
 }
 
-/// Contacts of our shape with a shape that has no core, in our shape's frame, none where the pose is
-/// none; `None` where parry must answer.
+/// Contacts of our shape with a shape that has no core, in our shape's frame, none at an invalid
+/// pose; `None` where parry must answer.
 fn primitive_contacts(
     shape: &MeshShape,
     partner: &dyn Shape,

@@ -34,7 +34,7 @@ fn models(g1: &dyn Shape, g2: &dyn Shape) -> Option<[Model; 2]> {
     Some([model(g1)?, model(g2)?])
 }
 
-/// Whether [`apart`] knows a pair of shapes. It has no answer about them where the pose is none.
+/// Whether [`apart`] knows a pair of shapes. It has no answer about them at an invalid pose.
 fn is_known(g1: &dyn Shape, g2: &dyn Shape) -> bool {
     let known = |g: &dyn Shape| {
         ours(g).is_some() || measured(g).is_some() || rounded_polyhedron(g).is_some()

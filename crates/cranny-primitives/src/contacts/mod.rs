@@ -29,7 +29,7 @@ use solid::{deep_contact, revolved_contacts};
 ///
 /// # Errors
 ///
-/// [`PrimitiveError`] where the primitive's numbers make no shape.
+/// [`PrimitiveError`] where a number of the primitive is invalid.
 pub fn contacts(
     model: &Model,
     primitive: &Primitive,

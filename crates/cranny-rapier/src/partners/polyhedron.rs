@@ -17,9 +17,9 @@ use crate::shape::MeshShape;
 #[derive(Clone, Debug)]
 pub(crate) struct Core {
     pub(crate) rounded: Rounded,
-    /// As [`thickness`] tells it.
+    /// As [`thickness`] returns it.
     pub(crate) thickness: f64,
-    /// What its contacts are told by, if not by its facets.
+    /// The normals of its contacts, if not those of its facets.
     pub(crate) smooth: Option<Arc<SmoothNormals>>,
 }
 
