@@ -69,7 +69,8 @@
 //! ```
 //!
 //! Above it: [`estimate::estimate`] answers for less work, certified all the same;
-//! [`impact::time_of_impact`] finds when two moving bodies first meet.
+//! [`impact::time_of_impact`] finds when two moving bodies first meet; [`primitives`] has contacts
+//! and distances of balls, cylinders, half-spaces and the like with a model.
 //!
 //! # 3. Many bodies: the world
 //!
@@ -124,8 +125,8 @@
 //! | `render` | `cranny::render`: pictures without a window | |
 //! | `ecs` | `cranny::ecs`: bevy plugins; composes those of the above that are turned on | |
 //!
-//! Exact, geometry, concavity, the two phases and the world are always there. They open no files,
-//! read no clock, hold no globals and touch no GPU.
+//! Exact, geometry, concavity, the two phases, primitives and the world are always there. They open
+//! no files, read no clock, hold no globals and touch no GPU.
 //!
 //! # What exact means, and what it does not
 //!
@@ -141,6 +142,7 @@ pub use cranny_exact as exact;
 pub use cranny_geometry as geometry;
 pub use cranny_impact as impact;
 pub use cranny_narrow_phase as narrow_phase;
+pub use cranny_primitives as primitives;
 pub use cranny_world as world;
 
 #[cfg(feature = "ecs")]

@@ -42,13 +42,14 @@
 //!
 //! Beside these: `pockets` is the second way to the faces that meet, by the envelopes of
 //! concavities, which are the subject of the crate `cranny-concavity` ([`Method`] chooses);
-//! `brute_force` is the slow, obviously right version of the verdict and the distance. `revolved`
-//! measures against cylinders, cones and the like. `observe` shows what memory holds, for drawing.
-//! `verify` computes every answer twice, with memory and without: [`query_verified`].
+//! `brute_force` is the slow, obviously right version of the verdict and the distance. `observe`
+//! shows what memory holds, for drawing. `verify` computes every answer twice, with memory and
+//! without: [`query_verified`].
 //!
-//! [`operations`] are the operations that a query is made of, for other methods about pairs. Two
-//! crates above this one are such methods: `cranny-estimate` says what is certain of a pair within
-//! a budget, `cranny-impact` when two moving bodies first meet.
+//! [`operations`] are the operations that a query is made of, for other methods about pairs. Crates
+//! above this one are such methods: `cranny-estimate` says what is certain of a pair within a
+//! budget, `cranny-impact` when two moving bodies first meet, `cranny-primitives` measures against
+//! balls, cylinders and the like.
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};
@@ -99,7 +100,6 @@ mod projection;
 mod query;
 mod reduce;
 mod regions;
-pub mod revolved;
 mod search;
 mod smooth;
 mod surface;

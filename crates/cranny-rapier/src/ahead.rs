@@ -18,6 +18,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::Model;
 use cranny_narrow_phase::Approach;
+use cranny_primitives::deep::thickness;
 use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::{Pose, Real, Vector};
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
@@ -27,7 +28,6 @@ use rapier3d::prelude::{
 
 use crate::carried::CARRIED_WITHIN;
 use crate::convert::{narrow, wide};
-use crate::deep::thickness;
 use crate::dispatcher::Dispatcher;
 use crate::manifolds::SolverContact;
 

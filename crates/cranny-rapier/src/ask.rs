@@ -2,7 +2,7 @@
 
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Answer, PairMemory, Placed, Query, QueryError, query};
 
 /// The answer in the first model's frame; `None`, with a word in the log, where the pose is none.
 pub(crate) fn ask(
@@ -13,8 +13,13 @@ pub(crate) fn ask(
 ) -> Option<Answer> {
     let a = Placed { model: models[0], pose: Pose::IDENTITY };
     let b = Placed { model: models[1], pose };
-    match query(a, b, question, memory) {
-        Ok(answer) => Some(answer),
+    logged(query(a, b, question, memory))
+}
+
+/// What was found; an error goes to the log.
+pub(crate) fn logged<T>(found: Result<T, QueryError>) -> Option<T> {
+    match found {
+        Ok(found) => Some(found),
         Err(error) => {
             // rapier lets no error out of a step; it quarantines bodies whose pose is not finite.
             tracing::error!("pair left out of this step: {error}");

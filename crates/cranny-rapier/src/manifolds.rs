@@ -55,16 +55,6 @@ impl SolverContact {
             ..self
         }
     }
-
-    /// Of the same shapes, grown by a radius each.
-    pub(crate) fn rounded(self, [first, second]: [f64; 2]) -> Self {
-        Self {
-            on_first: self.on_first + first * self.normal,
-            on_second: self.on_second - second * self.normal,
-            separation: self.separation - first - second,
-            ..self
-        }
-    }
 }
 
 /// Replaces the manifolds by those of the given contacts, keeping impulses.

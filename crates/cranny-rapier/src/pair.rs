@@ -13,6 +13,7 @@ use cranny_narrow_phase::{
     Answer, Approach, Contact, Demand, PairMemory, Placed, Query, drift, reduce_level_contacts,
     smooth_normal,
 };
+use cranny_primitives::{contacts, deep::way_out, rounded};
 use rapier3d::math::{Pose, Real};
 use rapier3d::parry::bounding_volume::BoundingVolume;
 #[cfg(feature = "snapshot")]
@@ -20,17 +21,14 @@ use rapier3d::parry::query::details::VoxelsShapeContactManifoldsWorkspace;
 use rapier3d::parry::query::{
     DefaultQueryDispatcher, PersistentQueryDispatcher, TypedWorkspaceData, WorkspaceData,
 };
-use rapier3d::parry::shape::{PackedFeatureId, Shape, TypedShape};
+use rapier3d::parry::shape::{PackedFeatureId, Shape};
 
-use crate::ask::ask;
+use crate::ask::{ask, logged};
 use crate::carried::{CarriedList, Search};
-use crate::convert::{pose_from_rapier, pose_to_rapier, wide};
-use crate::deep::way_out;
+use crate::compounds::{has_parts, parts};
+use crate::convert::{pose_to_rapier, wide};
 use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
-use crate::partners::{
-    Core, ball_contacts, capsule_contacts, deep_contact, half_space_contacts, revolved,
-    revolved_contacts,
-};
+use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
 /// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
@@ -43,14 +41,6 @@ const FINE: usize = 64;
 pub(crate) fn ours(shape: &dyn Shape) -> Option<&MeshShape> {
     let any: &dyn Any = shape;
     any.downcast_ref()
-}
-
-/// Whether a shape is ours, or a compound that holds one of ours.
-pub(crate) fn involves_ours(shape: &dyn Shape) -> bool {
-    match shape.as_compound() {
-        Some(compound) => compound.shapes().iter().any(|(_, part)| involves_ours(&**part)),
-        None => ours(shape).is_some(),
-    }
 }
 
 /// The shape that parry's own dispatcher understands in place of ours.
@@ -211,10 +201,8 @@ impl PairWorkspace {
         reach: Reach,
     ) -> Option<Found> {
         let Reach { within, .. } = reach;
-        if g1.as_compound().is_some() || g2.as_compound().is_some() {
-            let involved = involves_ours(g1) || involves_ours(g2);
-            let contacts = involved.then(|| self.of_parts(pose, g1, g2, within))?;
-            return Some(Found::without_answer(contacts));
+        if has_parts(g1, g2) {
+            return Some(Found::without_answer(self.of_parts(pose, g1, g2, within)));
         }
         match &self.cores {
             Some(cores) => {
@@ -227,17 +215,17 @@ impl PairWorkspace {
 
     fn of_models(&mut self, pose: &ExactPose, cores: [Core; 2], reach: Reach) -> Found {
         let thickness = cores[0].thickness.min(cores[1].thickness);
-        let models = cores.each_ref().map(|core| &core.model);
+        let models = cores.each_ref().map(Core::model);
         let question = match self.leads_out {
             true => solver_question(&cores, reach),
-            false => Query::of(Demand::contacts(rounded(&cores, reach.within))),
+            false => Query::of(Demand::contacts(between_cores(&cores, reach.within))),
         };
         let demand = question.demand;
         let Some(answer) = ask(models, *pose, &question, self.memory()) else {
             return Found::without_answer(Vec::new());
         };
         let led = match self.leads_out {
-            true => way_out(models, thickness, pose, &answer, self.memory()),
+            true => logged(way_out(models, thickness, pose, &answer, self.memory())).flatten(),
             false => None,
         };
         // A solver's alone; and a way out is one for the whole body, and no surface's.
@@ -254,7 +242,7 @@ impl PairWorkspace {
     pub(crate) fn keep(&mut self, found: &Found, search: (ExactPose, f64)) -> bool {
         let searched = found.searched.as_ref();
         self.carried = searched.zip(self.cores.as_ref()).map(|(searched, cores)| {
-            let models = cores.each_ref().map(|core| &core.model);
+            let models = cores.each_ref().map(Core::model);
             let ids = found.contacts.iter().map(|contact| contact.ids);
             CarriedList::of(models, search, searched.iter().zip(ids))
         });
@@ -270,7 +258,7 @@ impl PairWorkspace {
         within: f64,
     ) -> Option<Vec<SolverContact>> {
         let map = pose.world_from_body();
-        let models = self.cores.as_ref()?.each_ref().map(|core| &core.model);
+        let models = self.cores.as_ref()?.each_ref().map(Core::model);
         if drift(models, &search.pose.world_from_body(), &map) > within {
             return None;
         }
@@ -327,27 +315,17 @@ fn told(
     pose: &ExactPose,
     is_smooth: bool,
 ) -> SolverContact {
-    let told = SolverContact::of(contact, ids).rounded(cores.each_ref().map(|core| core.radius));
+    let radii = cores.each_ref().map(|core| core.rounded.radius);
+    let told = SolverContact::of(&rounded(contact, radii), ids);
     let smooth = cores.each_ref().map(|core| core.smooth.as_deref());
     if !is_smooth || smooth.iter().all(Option::is_none) {
         return told;
     }
     let bodies = [
-        Placed { model: &cores[0].model, pose: ExactPose::IDENTITY },
-        Placed { model: &cores[1].model, pose: *pose },
+        Placed { model: cores[0].model(), pose: ExactPose::IDENTITY },
+        Placed { model: cores[1].model(), pose: *pose },
     ];
     SolverContact { normal: smooth_normal(contact, bodies, smooth), ..told }
-}
-
-/// The parts of a compound, each with its pose; any other shape is its own only part.
-fn parts(shape: &dyn Shape) -> Vec<(ExactPose, &dyn Shape)> {
-    match shape.as_compound() {
-        Some(compound) => {
-            let parts = compound.shapes().iter();
-            parts.map(|(pose, part)| (pose_from_rapier(pose), &**part)).collect()
-        }
-        None => vec![(ExactPose::IDENTITY, shape)],
-    }
 }
 
 pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
@@ -357,19 +335,19 @@ pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
     }
 }
 
-/// A length between cores that are rounded.
-fn rounded(cores: &[Core; 2], length: f64) -> f64 {
-    length + cores[0].radius + cores[1].radius
+/// A length between rounded bodies as one between their cores.
+fn between_cores(cores: &[Core; 2], length: f64) -> f64 {
+    length + cores[0].rounded.radius + cores[1].rounded.radius
 }
 
 /// What the solver needs of a pair of polyhedra.
 fn solver_question(cores: &[Core; 2], reach: Reach) -> Query {
-    let margin = rounded(cores, reach.within);
-    if cores.iter().any(|core| core.model.mesh().faces().len() < FINE) {
+    let margin = between_cores(cores, reach.within);
+    if cores.iter().any(|core| core.model().mesh().faces().len() < FINE) {
         return Query::of(Demand::Regions { margin });
     }
     // What a rounded or a smooth body comes to is not what its core comes to.
-    let is_plain = cores.iter().all(|core| core.radius == 0.0 && core.smooth.is_none());
+    let is_plain = cores.iter().all(|core| core.rounded.radius == 0.0 && core.smooth.is_none());
     match reach.approaching.filter(|_| is_plain) {
         Some((certain, approach)) => Query::of(Demand::contacts(certain)).approaching(approach),
         None => Query::of(Demand::contacts(margin)),
@@ -411,31 +389,19 @@ fn partner_contacts(
     Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
 }
 
-/// Contacts of our shape with a shape that has no core, in our shape's frame; `None` where parry must answer.
+/// Contacts of our shape with a shape that has no core, in our shape's frame, none at an invalid
+/// pose; `None` where parry must answer.
 fn primitive_contacts(
     shape: &MeshShape,
     partner: &dyn Shape,
     shape_from_partner: &ExactPose,
     reach: f64,
 ) -> Option<Vec<Contact>> {
-    let map = shape_from_partner.world_from_body();
-    let model = shape.model();
-    match partner.as_typed_shape() {
-        TypedShape::Ball(ball) => {
-            Some(ball_contacts(model, map.translation, ball.radius.into(), reach))
-        }
-        TypedShape::Capsule(capsule) => {
-            let axis = [capsule.segment.a, capsule.segment.b].map(|p| map.apply(wide(p)));
-            let mut contacts = capsule_contacts(model, axis, capsule.radius.into(), reach);
-            contacts.extend(deep_contact(model, &revolved(partner, &map)?, &contacts));
-            Some(contacts)
-        }
-        TypedShape::HalfSpace(half_space) => {
-            let normal = map.apply_vector(wide(half_space.normal)).normalize_or_zero();
-            Some(half_space_contacts(model, normal, normal.dot(map.translation), reach))
-        }
-        _ => Some(revolved_contacts(model, &revolved(partner, &map)?, reach)),
-    }
+    let partner = primitive(partner)?.moved(&shape_from_partner.world_from_body());
+    Some(contacts(shape.model(), &partner, reach).unwrap_or_else(|error| {
+        tracing::error!("pair left out of this step: {error}");
+        Vec::new()
+    }))
 }
 
 /// What parry says of two parts, of which either may be the mesh of our triangles: in the first part's frame.

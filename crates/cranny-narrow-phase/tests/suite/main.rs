@@ -14,7 +14,6 @@ mod needles;
 mod observe;
 mod pockets;
 mod regions;
-mod revolved;
 mod rounded;
 mod smooth;
 mod solids;

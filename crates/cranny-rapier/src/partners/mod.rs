@@ -1,16 +1,10 @@
-//! Contacts of our shape with rapier's own shapes.
+//! rapier's own shapes as what Cranny knows them by.
 //!
-//! All contacts here are in the model's frame, from the model to the partner.
+//! [`Core`] stands for polyhedra, sharp or rounded, which become models; `primitive` for balls,
+//! capsules, segments, cylinders, cones and half-spaces, which `cranny-primitives` knows.
 
-mod ball;
-mod half_space;
 mod polyhedron;
-mod revolved;
-mod round;
-mod spread;
+mod primitive;
 
-pub(crate) use ball::{ball_contacts, capsule_contacts, holds};
-pub(crate) use half_space::half_space_contacts;
 pub(crate) use polyhedron::{Core, polyhedron, rounded_polyhedron};
-pub(crate) use revolved::{deep_contact, revolved_contacts};
-pub(crate) use round::revolved;
+pub(crate) use primitive::{measured, primitive};

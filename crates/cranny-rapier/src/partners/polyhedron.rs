@@ -6,53 +6,54 @@ use std::sync::Arc;
 
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Mesh, Model, SmoothNormals};
+use cranny_primitives::{Rounded, deep::thickness};
 use rapier3d::math::Real;
 use rapier3d::parry::shape::{AxisMask, Shape, TypedShape, Voxels};
 
 use crate::convert::wide;
-use crate::deep::thickness;
 use crate::shape::MeshShape;
 
 /// A shape as all that is within a radius of a polyhedron.
 #[derive(Clone, Debug)]
 pub(crate) struct Core {
-    pub(crate) model: Model,
-    /// 0 for a polyhedron.
-    pub(crate) radius: f64,
-    /// As [`thickness`] tells it.
+    pub(crate) rounded: Rounded,
+    /// As [`thickness`] returns it.
     pub(crate) thickness: f64,
-    /// What its contacts are told by, if not by its facets.
+    /// The normals of its contacts, if not those of its facets.
     pub(crate) smooth: Option<Arc<SmoothNormals>>,
 }
 
 impl Core {
     /// Of a shape of rapier's; `None` where it has none, as anything round, or where its mesh has no area.
     pub(crate) fn of(shape: &dyn Shape) -> Option<Self> {
-        let (model, radius) = rounded_polyhedron(shape)?;
-        Some(Self::new(model, radius))
+        Some(Self::new(rounded_polyhedron(shape)?))
     }
 
     /// Of one of our shapes.
     pub(crate) fn of_ours(shape: &MeshShape) -> Self {
         let smooth = shape.smooth_normals().cloned();
-        Self { smooth, ..Self::new(shape.model().clone(), 0.0) }
+        Self { smooth, ..Self::new(Rounded { model: shape.model().clone(), radius: 0.0 }) }
     }
 
-    fn new(model: Model, radius: f64) -> Self {
-        let thickness = thickness(&model);
-        Self { model, radius, thickness, smooth: None }
+    fn new(rounded: Rounded) -> Self {
+        let thickness = thickness(&rounded.model);
+        Self { rounded, thickness, smooth: None }
+    }
+
+    pub(crate) fn model(&self) -> &Model {
+        &self.rounded.model
     }
 }
 
 /// The model of a polyhedron and the border radius around it: 0 where it has none.
-pub(crate) fn rounded_polyhedron(shape: &dyn Shape) -> Option<(Model, f64)> {
+pub(crate) fn rounded_polyhedron(shape: &dyn Shape) -> Option<Rounded> {
     let (inner, radius): (&dyn Shape, Real) = match shape.as_typed_shape() {
         TypedShape::RoundCuboid(round) => (&round.inner_shape, round.border_radius),
         TypedShape::RoundTriangle(round) => (&round.inner_shape, round.border_radius),
         TypedShape::RoundConvexPolyhedron(round) => (&round.inner_shape, round.border_radius),
         _ => (shape, 0.0),
     };
-    Some((polyhedron(inner)?, radius.into()))
+    Some(Rounded { model: polyhedron(inner)?, radius: radius.into() })
 }
 
 /// The model of a polyhedron or a surface of triangles; `None` for any other shape, or where the mesh has no
@@ -169,7 +170,10 @@ mod tests {
             border_radius: 0.25,
         };
         let core = Core::of(&round).unwrap();
-        assert_eq!((core.radius, core.model.bounds().max), (0.25, DVec3::new(0.5, 1.0, 1.5)));
+        assert_eq!(
+            (core.rounded.radius, core.model().bounds().max),
+            (0.25, DVec3::new(0.5, 1.0, 1.5))
+        );
         assert!(Core::of(&Ball::new(1.0)).is_none());
     }
 }

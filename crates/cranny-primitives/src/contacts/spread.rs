@@ -1,48 +1,52 @@
-//! More contacts along a direction in which a solid of revolution and a mesh touch: those that span what they share.
+//! More contacts along a direction in which a solid of revolution and a mesh touch: those that span
+//! what they share.
 //!
-//! - points of the solid's rims, against what of the mesh lies opposite: of each rim the lowest one, and of a flat end
-//!   that looks that way points all around;
+//! - points of the solid's rims, against what of the mesh lies opposite: of each rim the lowest
+//!   one, and of a flat end that faces that way points all around;
 //! - vertices of the mesh under a flat end, and where its edges pass under the rim of one.
 //!
-//! All are measured along the direction of the contact found, so none has a normal that no surface has.
+//! All are measured along the direction of the contact found, so none has a normal that no surface
+//! has.
 
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{EdgeId, FaceId, Model, VertexId};
-use cranny_narrow_phase::revolved::Revolved;
 use cranny_narrow_phase::{Contact, Feature};
 
-use super::ball::is_least_within;
-use super::revolved::Near;
+use super::solid::Near;
+use crate::normal_cone::is_least_within;
+use crate::revolved::Revolved;
 
-/// Points around a flat end. More: dearer; fewer: what stands askew sinks in between two of them, by a share of
-/// 1 - cos(180 degrees / count) of what its rim is tilted by.
+/// Points around a flat end. More: dearer; fewer: what stands askew sinks in between two of them,
+/// by a share of 1 - cos(180 degrees / count) of what its rim is tilted by.
 const AROUND: u32 = 8;
 
 /// Cosine and sine of 45 degrees.
 const DIAGONAL: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Cosine of the angle (45 degrees) up to which a flat end looks along a direction.
-const LOOKS: f64 = DIAGONAL;
+/// Cosine of the angle (45 degrees) up to which a flat end faces a direction.
+const FACES: f64 = DIAGONAL;
 
-/// Cosine of the angle (60 degrees) up to which a face looks back.
-const LOOKS_BACK: f64 = 0.5;
+/// Cosine of the angle (60 degrees) up to which a face faces back.
+const FACES_BACK: f64 = 0.5;
 
 /// Cosine of the angle (0.8 degrees) within which contacts have one direction.
 const SAME_DIRECTION: f64 = 0.999_9;
 
-/// Sine of the angle by which a direction may lean from those in which a vertex or an edge is the nearest of what is
-/// around it. Larger: inner corners count; smaller: what stands on edges loses corners as it rocks.
+/// Sine of the angle by which a direction may lean from those in which a vertex or an edge is the
+/// nearest of what is around it. Larger: inner corners count; smaller: what stands on edges loses
+/// corners as it rocks.
 const SLACK: f64 = 0.1;
 
-/// How far back along the direction the mesh is looked for, as a multiple of the overlap. Larger: the far side of what
-/// is thin is taken for the near one; smaller: points deeper than the deepest contact found are left out.
+/// How far back along the direction the mesh is looked for, as a multiple of the overlap. Larger:
+/// the far side of what is thin is taken for the near one; smaller: points deeper than the deepest
+/// contact found are left out.
 const BACK: f64 = 2.0;
 
 /// A share of the solid's extent: contacts of one direction that are nearer to each other are one.
 const SAME_PLACE: f64 = 1e-3;
 
-/// A share of a triangle beyond its sides that still counts as its own, so that what lies over a side is over one of
-/// two faces.
+/// A share of a triangle beyond its sides that still counts as its own, so that what lies over a
+/// side is over one of two faces.
 const OVER: f64 = 1e-9;
 
 /// Contacts besides those given, along the directions of these.
@@ -109,10 +113,10 @@ impl Along<'_> {
         })
     }
 
-    /// The flat ends that look towards the mesh, numbered: outward normal, centre, radius.
+    /// The flat ends that face the mesh, numbered: outward normal, centre, radius.
     fn caps(&self) -> impl Iterator<Item = (u32, (DVec3, DVec3, f64))> + '_ {
         let caps = (0u32..).zip(self.solid.caps());
-        caps.filter(|(_, (out, ..))| -out.dot(self.normal) > LOOKS)
+        caps.filter(|(_, (out, ..))| -out.dot(self.normal) > FACES)
     }
 
     fn rims(&self) -> Vec<Contact> {
@@ -141,9 +145,9 @@ impl Along<'_> {
         self.model.tree().visit(
             |b| b.overlaps(&window),
             |face| {
-                let looks = mesh.area_vector(face).normalize_or_zero().dot(self.normal);
+                let facing = mesh.area_vector(face).normalize_or_zero().dot(self.normal);
                 let closed = self.model.topology().in_closed_component(face);
-                if looks < LOOKS_BACK && (closed || looks > -LOOKS_BACK) {
+                if facing < FACES_BACK && (closed || facing > -FACES_BACK) {
                     return;
                 }
                 if let Some(height) = height_above(p, self.normal, &mesh.triangle(face)) {

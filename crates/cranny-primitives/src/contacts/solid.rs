@@ -1,53 +1,58 @@
-//! A solid of revolution against a mesh: where the signed distance from it is locally least on the mesh.
+//! A solid of revolution against a mesh: where the signed distance from it is locally least on the
+//! mesh.
 //!
-//! On each face, edge and vertex within reach the place is sought where the solid is nearest, or, where they overlap,
-//! where the mesh lies deepest in it. It counts if nothing around it on the mesh is nearer, as for a ball: so a
-//! cylinder that rolls over a tessellated floor feels the facet beneath it and no inner edge. The normal there is that
-//! of the face, or the solid's own; the separation is how far the solid reaches along it.
+//! On each face, edge and vertex within reach the place is sought where the solid is nearest, or,
+//! where they overlap, where the mesh lies deepest in it. It counts if nothing around it on the
+//! mesh is nearer, as for a ball: so a cylinder that rolls over a tessellated floor feels the facet
+//! beneath it and no inner edge. The normal there is that of the face, or the solid's own; the
+//! separation is how far the solid reaches along it.
 //!
-//! What lies flat touches everywhere alike. So each direction found is followed by more contacts along it (`spread`):
-//! what the rims lie over, and what of the mesh lies under a flat end.
+//! What lies flat touches everywhere alike. So each direction found is followed by more contacts
+//! along it (`spread`): what the rims lie over, and what of the mesh lies under a flat end.
 
 use std::collections::BTreeSet;
 
 use cranny_exact::DVec3;
 use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
-use cranny_narrow_phase::revolved::Revolved;
 use cranny_narrow_phase::{Contact, Feature, reduce_contacts};
 
-use super::ball::{enclosing, is_least, outward_normal};
 use super::spread::spread;
+use crate::inside::{enclosing, outward_normal};
+use crate::normal_cone::is_least;
+use crate::revolved::Revolved;
 
-/// Cosine of the angle (0.08 degrees) within which a foot's normal is that of a plane. Larger: contacts of what lies on
-/// its side are told at its ends only; smaller: feet off the plane's normal are taken for those on it.
+/// Cosine of the angle (0.08 degrees) within which a foot's normal is that of a plane. Larger: what
+/// lies on its side has contacts at its ends only; smaller: feet off the plane's normal are taken
+/// for those on it.
 const ALONG: f64 = 1.0 - 1e-6;
 
-/// Of what a body without thickness is stuck in, the ways out that are so many times as long as the shortest still
-/// count. Larger: it is pulled to several sides; smaller: one end of two alone.
+/// Of what a body without thickness is stuck in, the ways out that are so many times as long as the
+/// shortest still count. Larger: it is pulled to several sides; smaller: one end of two alone.
 const NEARLY_SHORTEST: f64 = 2.0;
 
 /// Cosine of the angle (45 degrees) between such ways, and the shortest one, at most.
 const SAME_SIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A share of the solid's extent. What overlaps by less touches, and needs no way out. Smaller: what rounding makes of
-/// touching is led; larger: what overlaps so much has no contact where none is nearest.
+/// A share of the solid's extent. What overlaps by less touches, and needs no way out. Smaller:
+/// what rounding makes of touching is led; larger: what overlaps so much has no contact where none
+/// is nearest.
 const TOUCH: f64 = 1e-6;
 
-/// A share of the greatest depth in a core. What lies as deep as that goes through its midst, and rounding tells on
-/// which side it is. Larger: ways out to either side, and as long as the solid; smaller: a normal that could still be
-/// told is not.
+/// A share of the greatest depth in a core. What lies as deep as that goes through its midst, and
+/// rounding chooses its side. Larger: ways out lead to either side, as long as the solid; smaller:
+/// normals that are still clear are left out.
 const THROUGH: f64 = 0.99;
 
-/// A share of the solid's extent, squared: area vectors that add up to less look nowhere. Larger: a clear way is not
-/// taken; smaller: rounding chooses one.
+/// A share of the solid's extent, squared: area vectors that add up to less have no direction.
+/// Larger: a clear way is not taken; smaller: rounding chooses one.
 const BALANCED: f64 = 1e-3;
 
-/// How deep a solid is told to be at most where it overlaps deeply, as a share of its extent. Larger: it shoots out;
-/// smaller: it takes longer.
-const TOLD: f64 = 0.15;
+/// The greatest depth of the contact that leads out of a deep overlap, as a share of the solid's
+/// extent. Larger: a solver shoots it out; smaller: it takes longer.
+const LED_DEPTH: f64 = 0.15;
 
-/// What of a model is near.
+/// Faces, edges and vertices of a model near a solid.
 pub(super) struct Near {
     pub(super) faces: Vec<FaceId>,
     pub(super) edges: BTreeSet<EdgeId>,
@@ -70,7 +75,7 @@ impl Near {
 }
 
 /// Contacts of a solid of revolution in the model's frame.
-pub(crate) fn revolved_contacts(model: &Model, solid: &Revolved, reach: f64) -> Vec<Contact> {
+pub(super) fn revolved_contacts(model: &Model, solid: &Revolved, reach: f64) -> Vec<Contact> {
     let near = Near::to(model, solid, reach);
     let bare = solid.is_thin() && solid.radius() == 0.0;
     if !bare && let Some(out) = out_of_a_solid(model, solid) {
@@ -78,7 +83,8 @@ pub(crate) fn revolved_contacts(model: &Model, solid: &Revolved, reach: f64) -> 
     }
     let mut contacts = least(model, solid, &near, reach);
     if bare {
-        // Nothing is deeper in it than its surface: where it passes through, there is no nearest place.
+        // Nothing is deeper in it than its surface: where it passes through, there is no nearest
+        // place.
         contacts.retain(|c| c.separation >= -TOUCH * solid.extent());
         contacts.extend(stuck(model, solid, &near, reach));
         if let Some(out) = contacts.is_empty().then(|| out_of_a_solid(model, solid)).flatten() {
@@ -91,8 +97,8 @@ pub(crate) fn revolved_contacts(model: &Model, solid: &Revolved, reach: f64) -> 
     reduce_contacts(contacts)
 }
 
-/// The contact of a capsule that overlaps the mesh, where it has none that tells so, its axis being inside.
-pub(crate) fn deep_contact(
+/// The contact that leads a capsule out whose axis is inside, where no other contact does.
+pub(super) fn deep_contact(
     model: &Model,
     solid: &Revolved,
     contacts: &[Contact],
@@ -112,7 +118,7 @@ fn contact(solid: &Revolved, feature: Feature, on_mesh: DVec3, outward: DVec3) -
     }
 }
 
-/// Where the signed distance is locally least.
+/// Contacts where the signed distance is locally least.
 fn least(model: &Model, solid: &Revolved, near: &Near, reach: f64) -> Vec<Contact> {
     let (mesh, edges) = (model.mesh(), model.topology().edges());
     let through = THROUGH * solid.core_foot(solid.middle()).signed.min(-TOUCH * solid.extent());
@@ -125,8 +131,8 @@ fn least(model: &Model, solid: &Revolved, near: &Near, reach: f64) -> Vec<Contac
         let least = solid.least_on_segment(ends);
         let inner = least.at > 0.0 && least.at < 1.0;
         let p = ends[0] + (ends[1] - ends[0]) * least.at;
-        let told = inner && least.foot.signed >= through;
-        told.then(|| Some(contact(solid, Feature::Edge(e), p, least.outward?))).flatten()
+        let counts = inner && least.foot.signed >= through;
+        counts.then(|| Some(contact(solid, Feature::Edge(e), p, least.outward?))).flatten()
     });
     let on_faces = near.faces.iter().filter_map(|&f| {
         let corners = mesh.triangle(f);
@@ -155,7 +161,8 @@ fn least(model: &Model, solid: &Revolved, near: &Near, reach: f64) -> Vec<Contac
         .collect()
 }
 
-/// A solid whose middle is inside another: out through the nearest point of that one's surface.
+/// The contact that leads a solid out whose middle is inside the model, through the nearest point
+/// of its surface.
 fn out_of_a_solid(model: &Model, solid: &Revolved) -> Option<Contact> {
     let middle = solid.middle();
     let foot = enclosing(model, middle)?;
@@ -165,8 +172,8 @@ fn out_of_a_solid(model: &Model, solid: &Revolved) -> Option<Contact> {
     Some(contact(solid, foot.feature, foot.point, -out))
 }
 
-/// A solid that overlaps so deeply that nothing on the mesh is nearest, and no contact tells of it: where the faces in
-/// it look on the whole.
+/// The contact that leads out a solid that overlaps so deeply that nothing on the mesh is nearest:
+/// along the sum of the area vectors of the faces in it.
 fn out_of_the_midst(
     model: &Model,
     solid: &Revolved,
@@ -180,7 +187,7 @@ fn out_of_the_midst(
     let touch = TOUCH * extent;
     let pierced = if solid.is_thin() { touch } else { f64::NEG_INFINITY };
     let deep = (solid.radius() - touch).max(pierced);
-    let (mut looks, mut beside) = (DVec3::ZERO, DVec3::ZERO);
+    let (mut outward, mut beside) = (DVec3::ZERO, DVec3::ZERO);
     let mut places: Vec<(FaceId, DVec3)> = Vec::new();
     for &face in &near.faces {
         let least = solid.least_on_triangle(&mesh.triangle(face));
@@ -191,20 +198,20 @@ fn out_of_the_midst(
         let to_middle = solid.middle() - least.point;
         let away = !model.topology().in_closed_component(face) && out.dot(to_middle) < 0.0;
         let share = (extent * extent / out.length()).min(1.0);
-        looks += if away { -out * share } else { out * share };
+        outward += if away { -out * share } else { out * share };
         beside += to_middle;
         places.push((face, least.point));
     }
-    let balanced = looks.length() < BALANCED * extent * extent;
-    let way = if balanced { beside } else { looks }.try_normalize()?;
-    let told = places.iter().map(|&(face, p)| contact(solid, Feature::Face(face), p, -way));
-    let whole = told.min_by(|x, y| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id)))?;
-    let (point, separation) = (whole.point_a, whole.separation.max(-TOLD * extent).min(0.0));
+    let balanced = outward.length() < BALANCED * extent * extent;
+    let way = if balanced { beside } else { outward }.try_normalize()?;
+    let all = places.iter().map(|&(face, p)| contact(solid, Feature::Face(face), p, -way));
+    let whole = all.min_by(|x, y| x.separation.total_cmp(&y.separation).then(x.id.cmp(&y.id)))?;
+    let (point, separation) = (whole.point_a, whole.separation.max(-LED_DEPTH * extent).min(0.0));
     Some(Contact { point_b: point + way * separation, separation, ..whole })
 }
 
-/// What is a segment or a disc has no inside to be met in: where it is in the mesh's material, near the surface, it goes
-/// back the shortest way.
+/// Contacts of a segment or a disc, which has no inside to be met in: where it is in the mesh's
+/// material, near the surface, it goes back the shortest way.
 fn stuck(model: &Model, solid: &Revolved, near: &Near, reach: f64) -> Vec<Contact> {
     let (mesh, edges) = (model.mesh(), model.topology().edges());
     // From the mesh's point to the solid's, against the mesh's outward normal.

@@ -1,9 +1,9 @@
 //! Where the signed distance from a core is least on a segment and on a triangle.
 //!
-//! The signed distance from a convex set is convex. On a segment its slope is that of the gradient, so the least is
-//! bracketed by slopes of opposite signs. On a plane it is symmetric about the plane's line of steepest descent to the
-//! axis, so the least lies on that line; where this place is not inside the triangle, the least of the triangle lies on
-//! its sides.
+//! The signed distance from a convex set is convex. On a segment its slope is that of the gradient,
+//! so the least is bracketed by slopes of opposite signs. On a plane it is symmetric about the
+//! plane's line of steepest descent to the axis, so the least lies on that line; where this place
+//! is not inside the triangle, the least of the triangle lies on its sides.
 
 use cranny_exact::DVec3;
 
@@ -20,15 +20,16 @@ pub struct LeastOnSegment {
     pub at: f64,
     /// There.
     pub foot: CoreFoot,
-    /// Unit, outward: the normal of the core that is square to the segment, amid those at its edge; at an end of the
-    /// segment that of its foot. `None` where there is no such: the segment pierces opposite sides.
+    /// Unit, outward: the normal of the core that is square to the segment, amid those at its edge;
+    /// at an end of the segment that of its foot.
+    /// `None` where the segment pierces opposite sides.
     pub outward: Option<DVec3>,
 }
 
 /// Where the signed distance from a core is least on a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastOnTriangle {
-    /// The least.
+    /// The signed distance there.
     pub signed: f64,
     /// Where on the triangle.
     pub point: DVec3,
@@ -79,7 +80,8 @@ impl Revolved {
             if low.foot.signed.min(high.foot.signed) - bound <= resolution {
                 break;
             }
-            // Where a slope that changes evenly is 0, where two even slopes meet, and half-way, in turn.
+            // Where a slope that changes evenly is 0, where two even slopes meet, and half-way, in
+            // turn.
             let share = match step % 3 {
                 0 => -low.slope * width / (high.slope - low.slope),
                 1 => place,
@@ -141,8 +143,7 @@ impl Revolved {
         (part == Part::Inside).then_some(LeastOnTriangle { point, ..on_plane })
     }
 
-    /// Where the signed distance from the core is least on a plane through a point, with a unit normal. Told as inside
-    /// a triangle.
+    /// Where the signed distance from the core is least on a plane through a point, with a unit normal. Its part is the inside of a triangle.
     #[must_use]
     pub fn least_on_plane(&self, point: DVec3, normal: DVec3) -> LeastOnTriangle {
         for outward in [normal, -normal] {
@@ -158,7 +159,8 @@ impl Revolved {
                 };
             }
         }
-        // The plane cuts the core: along its line in the half-planes that hold its normal and the axis.
+        // The plane cuts the core: along its line in the half-planes that hold its normal and the
+        // axis.
         let middle = self.middle();
         let foot = middle + normal * normal.dot(point - middle);
         let (_, across) = self.parted(normal);
@@ -178,6 +180,7 @@ impl Revolved {
     }
 }
 
-/// Sine of the least angle between opposite sides and what is square to a segment that pierces both. Smaller: normals
-/// of rounding are told; larger: none at sharp edges.
+/// Sine of the least angle between opposite sides and what is square to a segment that pierces
+/// both. Smaller: normals are rounding; larger: sharp edges
+/// have none.
 const OPPOSITE: f64 = 1e-9;

@@ -2,8 +2,8 @@
 
 use cranny_exact::{Aabb, DVec2, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
-use cranny_narrow_phase::revolved::{Revolved, nearest_face};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+use cranny_primitives::revolved::{Revolved, nearest_face};
 use cranny_shapes::{Cuboid, Torus};
 use cranny_testkit::Rng;
 

@@ -1,4 +1,5 @@
-//! The core of a solid of revolution in a half-plane through its axis: x is the distance from the axis, y the height.
+//! The core of a solid of revolution in a half-plane through its axis: x is the distance from the
+//! axis, y the height.
 
 use cranny_exact::DVec2;
 
@@ -14,8 +15,9 @@ pub enum CorePart {
 /// Corners at most.
 const MOST: usize = 4;
 
-/// A share of the profile's size. Nearer to a corner than that, the way from it is rounding, and the mean of the sides'
-/// normals is told. Smaller: directions are noise; larger: they are not those of the nearest point.
+/// A share of the profile's size. Nearer to a corner than that, the way from it is rounding, and
+/// the mean of the sides' normals takes its place. Smaller: directions are noise; larger: they are
+/// not those of the nearest point.
 const AT_CORNER: f64 = 1e-13;
 
 /// A convex profile: corners from the axis, or from the lowest one, upwards along the outside.
@@ -67,8 +69,8 @@ impl Side {
 }
 
 impl Profile {
-    /// Of at most four corners with radii and heights that go round a convex polygon; those that repeat the last one
-    /// are left out.
+    /// Of at most four corners with radii and heights that go round a convex polygon; those that
+    /// repeat the last one are left out.
     pub(super) fn of(corners: &[[f64; 2]]) -> Self {
         let mut profile = Self {
             corners: [DVec2::ZERO; MOST],
@@ -120,12 +122,14 @@ impl Profile {
         self.extent
     }
 
-    /// Half-way, or the height of the centre of the largest circle inside where there is a slanted side.
+    /// Half-way, or the height of the centre of the largest circle inside where there is a slanted
+    /// side.
     fn height_of_middle(&self) -> f64 {
         let (first, last) = (self.corners[0].y, self.corners[self.count - 1].y);
         let half_way = 0.5 * (first + last);
         match self.corners() {
-            // The circle's radius is its height above the base, and its distance from the slanted side.
+            // The circle's radius is its height above the base, and its distance from the slanted
+            // side.
             [_, rim, apex] if apex.y > rim.y => {
                 rim.y + rim.x * (apex.y - rim.y) / (rim.distance(*apex) + rim.x)
             }
@@ -133,7 +137,7 @@ impl Profile {
         }
     }
 
-    /// Flat ends: which way along the axis they look, and their rim.
+    /// Flat ends: 1 or -1 along the axis, outward, and their rim.
     pub(super) fn caps(&self) -> impl Iterator<Item = (f64, DVec2)> + '_ {
         self.sides().iter().filter(|side| side.along.y == 0.0).map(|side| {
             let rim = if side.along.x > 0.0 { side.at(side.length) } else { side.start };

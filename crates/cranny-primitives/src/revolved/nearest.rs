@@ -4,12 +4,13 @@ use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{Content, FaceId, Model};
 
 use super::{LeastOnTriangle, ROUNDING, Revolved};
-use crate::answer::Feature;
+use cranny_narrow_phase::Feature;
 
 /// Where a model's surface is nearest to a solid of revolution.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestFace {
-    /// From the solid with its border: 0 or less where it meets the surface, and then not the least.
+    /// From the solid with its border: 0 or less where it meets the surface, and then not the
+    /// least.
     pub distance: f64,
     /// What of the model is nearest.
     pub feature: Feature,
@@ -19,9 +20,10 @@ pub struct NearestFace {
     pub on_solid: DVec3,
 }
 
-/// Where the surface of a model is nearest to a solid of revolution in its frame, if it is no farther than `within`;
-/// where they meet, a place where they do: a segment or a disc without a border meets what is a few units of rounding
-/// away. A solid inside the model's material has a distance from its surface.
+/// Where the surface of a model is nearest to a solid of revolution in its frame, if it is no
+/// farther than `within`; where they meet, a place where they do: a segment or a disc without a
+/// border meets what is a few units of rounding away. A solid inside the model's material has a
+/// distance from its surface.
 ///
 /// Cost: the faces about as near as the nearest one, and the boxes on the way to them.
 #[must_use]
@@ -73,7 +75,7 @@ pub fn nearest_face(model: &Model, solid: &Revolved, within: f64) -> Option<Near
 
 impl Revolved {
     /// How far the solid is from a point at a signed distance from its core. What has no inside is never less than 0
-    /// away: what it passes through is told by a distance of rounding.
+    /// away: a distance of rounding means that it passes through.
     fn gap_at(&self, signed: f64, point: DVec3) -> f64 {
         let size = point.abs().max_element() + self.middle().abs().max_element() + self.extent();
         let pierced = self.is_thin() && signed <= ROUNDING * size;
@@ -86,8 +88,8 @@ impl Revolved {
         self.gap_of_box(bounds, own) <= within
     }
 
-    /// A lower bound of the distance of anything in a box from the solid, whose own box is given: negative where the box
-    /// may reach into it.
+    /// A lower bound of the distance of anything in a box from the solid, whose own box is given:
+    /// negative where the box may reach into it.
     fn gap_of_box(&self, bounds: &Aabb, own: &Aabb) -> f64 {
         let between_boxes = bounds.distance_squared_lower(own).sqrt();
         let (center, half) = (bounds.center(), bounds.half_extents());

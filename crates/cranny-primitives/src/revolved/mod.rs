@@ -1,11 +1,14 @@
-//! Solids of revolution against a mesh: segments, capsules, cylinders and cones, each also with a border radius.
+//! Solids of revolution against a mesh: segments, capsules, cylinders and cones, each also with a
+//! border radius.
 //!
-//! A solid is all that lies within a radius of a *core*: a convex polygon in a half-plane (its *profile*, from axis to
-//! axis), turned about the axis. `profile` knows the core in its half-plane, this file in space; `least` finds where the
-//! signed distance from the core, a convex function, is least on a segment and on a triangle; `nearest` searches a
-//! model's faces for the nearest one.
+//! A solid is all that lies within a radius of a *core*: a convex polygon in a half-plane (its
+//! *profile*, from axis to axis), turned about the axis. `profile` knows the core in its
+//! half-plane, this file in space; `least` finds where the signed distance from the core, a convex
+//! function, is least on a segment and on a triangle; `nearest` searches a model's faces for the
+//! nearest one.
 //!
-//! Nothing is tessellated. Distances are within a few dozen units of rounding of the largest length of the pair.
+//! Nothing is tessellated. Distances are within a few dozen units of rounding of the largest length
+//! of the pair.
 
 mod least;
 mod nearest;
@@ -37,7 +40,8 @@ pub struct CoreFoot {
     pub signed: f64,
     /// The nearest point of the surface.
     pub point: DVec3,
-    /// Unit normal of the core there, outward; amid those of an edge where it holds the point itself.
+    /// Unit normal of the core there, outward; amid those of an edge where it holds the point
+    /// itself.
     pub outward: DVec3,
     /// What holds the nearest point.
     pub part: CorePart,
@@ -67,8 +71,8 @@ impl Revolved {
         Self { origin: middle, axis, profile, radius: border }
     }
 
-    /// A cone about a unit axis, from its base, half its height below the middle, to its apex; with a border radius
-    /// outside of it.
+    /// A cone about a unit axis, from its base, half its height below the middle, to its apex; with
+    /// a border radius outside of it.
     #[must_use]
     pub fn cone(middle: DVec3, axis: DVec3, half_height: f64, radius: f64, border: f64) -> Self {
         let h = half_height;
@@ -94,7 +98,8 @@ impl Revolved {
         self.profile.is_thin()
     }
 
-    /// A point that the core holds: half-way along its axis, or the centre of the largest ball inside it.
+    /// A point that the core holds: half-way along its axis, or the centre of the largest ball
+    /// inside it.
     #[must_use]
     pub fn middle(&self) -> DVec3 {
         self.origin + self.axis * self.profile.middle()
@@ -149,7 +154,8 @@ impl Revolved {
         direction.dot(self.origin) + self.profile.farthest(flat).1
     }
 
-    /// A point of the core that reaches farthest in a direction: one of many, where the core is flat there.
+    /// A point of the core that reaches farthest in a direction: one of many, where the core is
+    /// flat there.
     #[must_use]
     pub fn core_support(&self, direction: DVec3) -> DVec3 {
         let (flat, across) = self.parted(direction);
@@ -163,7 +169,8 @@ impl Revolved {
         self.circles().map(move |(r, center)| center + across * r)
     }
 
-    /// A vector's parts across the axis and along it, and the unit direction of the former: any, where it is 0.
+    /// A vector's parts across the axis and along it, and the unit direction of the former: any,
+    /// where it is 0.
     fn parted(&self, v: DVec3) -> (DVec2, DVec3) {
         let z = self.axis.dot(v);
         let across = v - self.axis * z;
@@ -175,6 +182,6 @@ impl Revolved {
     }
 }
 
-/// Units of rounding, relative to the largest length in play, by which a computed length may be off. Smaller: bounds
-/// are not bounds; larger: searches look at boxes in vain.
+/// Units of rounding, relative to the largest length in play, by which a computed length may be
+/// off. Smaller: bounds are not bounds; larger: searches look at boxes in vain.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;

@@ -1,11 +1,13 @@
 //! Three contacts by which a solver leads a body along one way without turning it.
 //!
-//! A solver takes contacts one after the other, and in each substep but once. What it lifts at a corner turns about the
-//! middle, and goes down again where the next corner is lifted: bodies led by their corners leaned by degrees, whichever
-//! corners, and stayed so, since what is lifted last is always lifted best. So a body is led where no impulse
-//! moves the place of another: at centres of percussion of each other. Of impulses along n at x and y (from
-//! the centre of mass, square to n) that is where 1/m + (x × n) · I⁻¹ (y × n) = 0, and for three places that turn by a third
-//! about the centre each pair is such. Where the partner moves too, this holds for the led body's part alone.
+//! A solver takes contacts one after the other, and in each substep but once. What it lifts at a
+//! corner turns about the middle, and goes down again where the next corner is lifted: bodies led
+//! by their corners leaned by degrees, whichever corners, and stayed so, since what is lifted last
+//! is always lifted best. So a body is led where no impulse moves the place of another: at centres
+//! of percussion of each other. Of impulses along n at x and y (from the centre of mass, square to
+//! n) that is where 1/m + (x × n) · I⁻¹ (y × n) = 0, and for three places that turn by a third
+//! about the centre each pair is such. Where the partner moves too, this holds for the led body's
+//! part alone.
 
 use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::Model;
@@ -20,9 +22,11 @@ const THIRDS: [[f64; 2]; 3] = [
 /// √(3/2).
 const SQRT_3_2: f64 = 1.224_744_871_391_589;
 
-/// Places in a model's frame, in the plane through its centre of mass that is square to a unit normal. A model that
-/// bounds no solid is led as if its mass were in its vertices; what has no width across the normal, at its centre.
-pub(crate) fn places(model: &Model, normal: DVec3) -> [DVec3; 3] {
+/// Places in a model's frame, in the plane through its centre of mass that is square to a unit
+/// normal. A model that bounds no solid is led as if its mass were in its vertices; what has no
+/// width across the normal, at its centre.
+#[must_use]
+pub fn percussion_centers(model: &Model, normal: DVec3) -> [DVec3; 3] {
     let solid = model.mass_properties().filter(|mass| mass.volume > 0.0);
     let (center, gyration) = match solid {
         Some(mass) => (mass.center, mass.inertia * (1.0 / mass.volume)),
@@ -61,7 +65,8 @@ fn around(gyration: DMat3, normal: DVec3) -> [DVec3; 3] {
     THIRDS.map(|[a, b]| (p * a + q * b) * u + (q * a + r * b) * v)
 }
 
-/// The root of the inverse of a symmetric form [xx, xy, yy]; `None` where it is not positive and finite.
+/// The root of the inverse of a symmetric form [xx, xy, yy]; `None` where it is not positive and
+/// finite.
 fn inverse_root([xx, xy, yy]: [f64; 3]) -> Option<[f64; 3]> {
     let root = (xx * yy - xy * xy).sqrt();
     // Of the inverse (Cayley-Hamilton: root(S) = (S + √det S) / √(tr S + 2 √det S)).
@@ -101,7 +106,7 @@ mod tests {
             for k in 0..20 {
                 let turn = DVec3::new(0.3, 0.7, -0.4) * f64::from(k);
                 let normal = DQuat::from_scaled_axis(turn) * DVec3::Z;
-                let places = places(model, normal);
+                let places = percussion_centers(model, normal);
                 let center = model.mass_properties().unwrap().center;
                 for i in 0..3 {
                     assert!(normal.dot(places[i] - center).abs() < 1e-9);
@@ -120,7 +125,7 @@ mod tests {
     #[test]
     fn a_cube_is_led_at_known_places() {
         let cube = built(Cuboid { size: [1.0, 1.0, 1.0] });
-        for place in places(&cube, DVec3::X) {
+        for place in percussion_centers(&cube, DVec3::X) {
             assert!((place.length() - 3f64.sqrt().recip()).abs() < 1e-12, "{place}");
         }
     }

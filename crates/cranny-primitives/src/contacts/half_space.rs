@@ -1,15 +1,15 @@
-//! A mesh on a half-space: its lowest vertices.
+//! A half-space against a mesh: the lowest vertices of the mesh.
 
 use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::{FaceId, Model, VertexId};
 use cranny_narrow_phase::{Contact, Feature, reduce_contacts};
 
-/// Contacts with the half-space `normal · p <= offset` (unit normal, model's frame): every vertex
-/// lower than `reach` above it, reduced to those that span.
-pub(crate) fn half_space_contacts(
+use crate::primitive::Plane;
+
+/// Every vertex lower than `reach` above a half-space's plane, reduced to those that span.
+pub(super) fn half_space_contacts(
     model: &Model,
-    normal: DVec3,
-    offset: f64,
+    &Plane { normal, offset }: &Plane,
     reach: f64,
 ) -> Vec<Contact> {
     let mut low: Vec<VertexId> = Vec::new();
@@ -33,6 +33,7 @@ pub(crate) fn half_space_contacts(
     reduce_contacts(contacts.collect())
 }
 
-fn lowest(b: &Aabb, normal: DVec3) -> f64 {
+/// The least product of a point of a box with a direction.
+pub(crate) fn lowest(b: &Aabb, normal: DVec3) -> f64 {
     normal.min(DVec3::ZERO).dot(b.max) + normal.max(DVec3::ZERO).dot(b.min)
 }
