@@ -125,14 +125,13 @@ impl PairAhead {
     }
 
     /// How far contacts count whatever motions say, and the motion that brings bodies to those
-    /// beyond, in the frame of the first; `None` where all within reach are to be found.
-    ///
-    /// Contacts of a pair that moves so little that they may be carried on serve later steps too.
+    /// beyond, in the frame of the first; `None` of those
+    /// slower than a prediction distance a step: what is listed about them serves the next search.
     pub(crate) fn approaching(&self) -> Option<(f64, Approach)> {
         let [a, b] = &self.motions;
-        let moved = (a.linear - b.linear).length() + a.spin + b.spin;
         let within = self.reach();
-        if moved <= CARRIED_WITHIN as Real * self.base || within <= self.reserve {
+        let motion = (a.linear - b.linear).length() + a.spin + b.spin;
+        if motion <= self.base || within <= self.reserve {
             return None;
         }
         let (may, back) = (self.may(), a.pose.inverse());

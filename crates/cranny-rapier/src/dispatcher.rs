@@ -102,8 +102,8 @@ impl Dispatcher {
             return Some(Duration::ZERO);
         }
         let mut pair = taken(workspace, g1, g2);
-        let approaching = ahead.as_ref().and_then(PairAhead::approaching);
-        let asked = Asked { pose, shapes: [g1, g2], reach: reach.into(), approaching };
+        let mut asked = Asked { pose, shapes: [g1, g2], reach: reach.into(), approaching: None };
+        asked.approaching = ahead.as_ref().and_then(|ahead| self.approaching(&asked, ahead, &pair));
         let carried = ahead.and_then(|ahead| self.carried(&asked, &ahead, &mut pair));
         let (mut contacts, answer) = match carried {
             Some(contacts) => (contacts, None),
@@ -117,6 +117,21 @@ impl Dispatcher {
         let read = self.told_to_reader(&asked, answer, &mut pair);
         *workspace = Some(ContactManifoldsWorkspace::from(*pair));
         Some(read)
+    }
+
+    /// How the pair approaches, where its contacts serve this step alone: it has moved since the step
+    /// before by more than they are carried on over. What moves less is searched for later steps
+    /// too.
+    fn approaching(
+        &self,
+        asked: &Asked,
+        ahead: &PairAhead,
+        pair: &PairWorkspace,
+    ) -> Option<(f64, Approach)> {
+        let before = self.searches.as_ref()?.of_step_before(asked.tags()?)?;
+        let within = CARRIED_WITHIN * f64::from(ahead.base());
+        let has_moved = pair.drift_since(&before, &asked.pose)? > within;
+        has_moved.then(|| ahead.approaching()).flatten()
     }
 
     /// The contacts of the pair's last search at its present pose, where they may be carried on.
@@ -145,8 +160,9 @@ impl Dispatcher {
         let Asked { pose, shapes: [g1, g2], reach, approaching } = *asked;
         let found = pair.found(&pose, g1, g2, Reach { within: reach, approaching })?;
         if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
-            let search = (pose, reach);
-            let kept = self.carries && approaching.is_none() && pair.keep(&found, search);
+            // Of what approached, all was searched that is as near as this.
+            let search = (pose, approaching.map_or(reach, |(certain, _)| certain));
+            let kept = self.carries && (approaching.is_some() || pair.keep(&found, search));
             searches.note(tags, kept.then_some(search));
         }
         Some((found.contacts, found.answer))

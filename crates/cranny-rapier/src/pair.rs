@@ -249,6 +249,12 @@ impl PairWorkspace {
         self.carried.is_some()
     }
 
+    /// By how much the pose differs from that of a search; `None` where it has no cores.
+    pub(crate) fn drift_since(&self, search: &Search, pose: &ExactPose) -> Option<f64> {
+        let models = self.cores.as_ref()?.each_ref().map(Core::model);
+        Some(drift(models, &search.pose.world_from_body(), &pose.world_from_body()))
+    }
+
     /// The contacts of a search at a pose that differs from its own by a drift of `within` at most;
     /// `None` where it differs by more, or a contact has left its features.
     pub(crate) fn carried(
@@ -257,11 +263,10 @@ impl PairWorkspace {
         pose: &ExactPose,
         within: f64,
     ) -> Option<Vec<SolverContact>> {
-        let map = pose.world_from_body();
-        let models = self.cores.as_ref()?.each_ref().map(Core::model);
-        if drift(models, &search.pose.world_from_body(), &map) > within {
+        if self.drift_since(search, pose)? > within {
             return None;
         }
+        let map = pose.world_from_body();
         // After a snapshot only the search is known, and what it found follows from it.
         if !self.carried.as_ref().is_some_and(|list| list.is_of(search)) {
             let found = self.of_models(&search.pose, self.cores.clone()?, Reach::all(search.reach));
