@@ -211,3 +211,38 @@ fn every_contact_presses_within_its_wrenches() {
     // Those at the border, where an edge has no second face.
     assert!(whole * 10 < all * 9, "{whole} of {all} clusters know nothing");
 }
+
+/// A cube, whole or with a face turned: what touches an edge where faces contradict each
+/// other is not between their normals.
+#[test]
+fn faces_that_contradict_each_other_bound_nothing() {
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let corners = (0..8u32).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from));
+    let corners: Vec<DVec3> = corners.map(DVec3::from_array).collect();
+    for is_bounded in [true, false] {
+        let mut faces: Vec<[u32; 3]> =
+            sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        if !is_bounded {
+            faces[0].swap(0, 1);
+        }
+        let mesh = Mesh::new(corners.clone(), faces).unwrap();
+        let topology = Topology::of(&mesh);
+        let patches = Patches::of(&mesh, &topology);
+        let tree = ClusterTree::of(&mesh, &topology, &patches);
+        let contradict = |edge: crate::ids::EdgeId| {
+            let [h, g] = topology.half_edges(edge) else { panic!("an edge of two faces") };
+            let [h, g] = [h, g].map(|h| mesh.corners(h.face())[h.corner()]);
+            h == g
+        };
+        let mut seen = 0;
+        for cluster in tree.clusters() {
+            let blocks = tree.ridges(cluster).iter();
+            let mut edges = blocks.flat_map(|b| b.ids[..b.count as usize].iter().copied());
+            let contradicts = edges.any(contradict);
+            seen += u32::from(contradicts);
+            assert_eq!(cluster.wrenches == WrenchBox::WHOLE, contradicts);
+        }
+        assert_eq!(seen == 0, is_bounded);
+    }
+}

@@ -17,7 +17,7 @@ use cranny_exact::DVec3;
 use super::features::{Share, Tip};
 use super::lanes::{LANES, Lanes};
 use super::{Cluster, Surface, WideNode};
-use crate::ids::{FaceId, VertexId};
+use crate::ids::{FaceId, HalfEdgeId, VertexId};
 
 /// A face of less height than this, in the tree's unit, says nothing of its normal at a pose: what
 /// posing rounds turns it. Smaller: bounds are passed by faces that are nearly lines; larger:
@@ -130,6 +130,11 @@ pub(super) fn of_cluster(surface: &Surface, faces: &[FaceId], share: Share) -> W
     }
     for &edge in share.edges {
         let [h, g] = surface.topology.half_edges(edge) else { return WrenchBox::WHOLE };
+        // Of faces that contradict each other, the normals say nothing.
+        let start = |h: &HalfEdgeId| surface.mesh.corners(h.face())[h.corner()];
+        if start(h) == start(g) {
+            return WrenchBox::WHOLE;
+        }
         let normals: Option<Vec<DVec3>> =
             [h, g].iter().map(|h| certain_normal(surface, h.face())).collect();
         let ends = surface.topology.edges()[edge.index()];
