@@ -292,7 +292,7 @@ fn what_is_skipped(
 ) -> Vec<Skipped> {
     let mut skipped = Vec::new();
     let mut skip = |what: String, why: &str| skipped.push(Skipped { what, why: why.to_owned() });
-    let responds = plugins.effects().names(EffectKind::Response);
+    let responds = plugins.has(EffectKind::Response);
     let dynamic = scene.bodies.iter().filter(|body| body.kind == BodyKind::Dynamic).count();
     if !responds && dynamic > 0 {
         skip(format!("motion of {dynamic} dynamic bodies"), "the scene asks for no Response");

@@ -7,40 +7,35 @@ use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_geometry::{Mesh, Model};
 use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, Normals, SceneDescription};
+use cranny_world::description::{BodyKind, Normals};
 use glam::DQuat;
 
-use crate::error::SceneAppError;
+use crate::properties::{AngularVelocity, LinearVelocity};
 
-/// An entity that is a body of the scene.
+/// A body: an entity with a [`Collider`](crate::Collider) that a step has taken in. The step inserts
+/// this component; an app spawns the collider and what else the body has.
 ///
-/// Its `Transform` is the single truth about where it is: every query, recording and picture reads
-/// it through [`pose_of`], and whoever moves it, moves the body. A `Transform` must not scale.
-/// Despawning the entity, or removing this component, takes the body out of everything.
+/// The entity's `Transform` is the single truth about where it is: every query, recording and picture
+/// reads it through [`pose_of`], and whoever moves it, moves the body. A `Transform` must not scale.
+/// Despawning the entity, or removing its collider, takes the body out of everything, at once.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-#[require(Transform)]
+#[component(immutable)]
+#[require(Transform, LinearVelocity, AngularVelocity)]
 pub struct Body {
-    /// Stable: the position in the scene. Orders everything that is reported.
+    /// Stable, and never given again: counts up in the order in which bodies came. Orders everything
+    /// that is reported.
     pub id: BodyId,
 }
 
-/// Velocities as the solver (or, of a kinematic body, the scene) has them; to be read, not written.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Velocity {
-    /// Of the centre of mass, units a second.
-    pub linear: Vec3,
-    /// Radians a second, world axes.
-    pub angular: Vec3,
-}
-
-/// What does not change about a body.
+/// What a body is, as the latest step took it in.
 #[derive(Clone, Debug)]
 pub struct BodyRecord {
-    /// Its entity (whether or not it still exists).
+    /// Its entity.
     pub entity: Entity,
-    /// Unique.
+    /// Unique among the bodies present: its `Name` or "body", with the id behind it where another
+    /// body has that name already.
     pub name: String,
     /// Collision geometry.
     pub model: Model,
@@ -48,32 +43,79 @@ pub struct BodyRecord {
     pub visual: Option<Arc<Mesh>>,
     /// How it moves.
     pub kind: BodyKind,
-    /// Mass per volume.
-    pub density: f64,
-    /// Whose normals its contacts have for the solver.
+    /// Which normals its contacts have for the solver.
     pub normals: Normals,
 }
 
-/// All bodies by id, those that were removed included.
+/// All bodies that are present, by id.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Bodies {
-    records: Vec<BodyRecord>,
+    records: BTreeMap<BodyId, BodyRecord>,
     by_name: BTreeMap<String, BodyId>,
+    /// The id of the next body.
+    next: u32,
+    /// Entity and name of bodies that left since the last step told its events.
+    departed: BTreeMap<BodyId, (Entity, String)>,
+    /// Names of bodies that left and that a run's summary will mention.
+    remembered: BTreeMap<BodyId, String>,
 }
 
 impl Bodies {
-    pub(crate) fn push(&mut self, record: BodyRecord) {
-        self.by_name.insert(record.name.clone(), BodyId(self.records.len() as u32));
-        self.records.push(record);
+    /// Takes a body in, or what has become of one that is known. `None` where no id is left.
+    pub(crate) fn admit(
+        &mut self,
+        known: Option<BodyId>,
+        mut record: BodyRecord,
+    ) -> Option<BodyId> {
+        let id = match known {
+            Some(id) => id,
+            None => {
+                let id = BodyId(self.next);
+                self.next = self.next.checked_add(1)?;
+                id
+            }
+        };
+        if let Some(before) = self.records.remove(&id) {
+            // A body keeps the name under which it was reported.
+            record.name = before.name;
+        } else if record.name.is_empty() || self.by_name.contains_key(&record.name) {
+            let stem = if record.name.is_empty() { "body" } else { &record.name };
+            record.name = format!("{stem}#{}", id.0);
+        }
+        self.by_name.insert(record.name.clone(), id);
+        self.records.insert(id, record);
+        Some(id)
+    }
+
+    /// Lets a body go; `remember` its name beyond the next step.
+    pub(crate) fn take_leave(&mut self, body: BodyId, remember: bool) {
+        if let Some(record) = self.records.remove(&body) {
+            self.by_name.remove(&record.name);
+            if remember {
+                self.remembered.insert(body, record.name.clone());
+            }
+            self.departed.insert(body, (record.entity, record.name));
+        }
+    }
+
+    /// Whatever left before this step has been reported.
+    pub(crate) fn forget_departed(&mut self) {
+        self.departed.clear();
     }
 
     /// A body's record.
     #[must_use]
     pub fn get(&self, body: BodyId) -> Option<&BodyRecord> {
-        self.records.get(body.0 as usize)
+        self.records.get(&body)
     }
 
-    /// Whose name it is.
+    /// The entity of a body; of one that left, until a step has told of it.
+    pub(crate) fn entity(&self, body: BodyId) -> Option<Entity> {
+        let present = self.get(body).map(|record| record.entity);
+        present.or_else(|| self.departed.get(&body).map(|(entity, _)| *entity))
+    }
+
+    /// The body of a name.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<BodyId> {
         self.by_name.get(name).copied()
@@ -81,13 +123,16 @@ impl Bodies {
 
     /// By id.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (BodyId, &BodyRecord)> {
-        self.records.iter().enumerate().map(|(i, record)| (BodyId(i as u32), record))
+        self.records.iter().map(|(&id, record)| (id, record))
     }
 
-    /// The name of a body; empty for an id that no body has.
+    /// The name of a body; of one that left, until a step has told of it. Empty for an id that no
+    /// body has.
     #[must_use]
     pub fn name(&self, body: BodyId) -> &str {
-        self.get(body).map_or("", |record| &record.name)
+        let departed = || self.departed.get(&body).map(|(_, name)| name);
+        let present = self.get(body).map(|record| &record.name);
+        present.or_else(departed).or_else(|| self.remembered.get(&body)).map_or("", |name| name)
     }
 }
 
@@ -124,28 +169,6 @@ pub(crate) fn narrowed(v: DVec3) -> Vec3 {
 /// The same vector in f64.
 pub(crate) fn widened(v: Vec3) -> DVec3 {
     DVec3::new(v.x.into(), v.y.into(), v.z.into())
-}
-
-/// A model for each body of a scene; bodies that share a mesh share the model.
-pub(crate) fn build_models(scene: &SceneDescription) -> Result<Vec<Model>, SceneAppError> {
-    let mut built: BTreeMap<*const Mesh, Model> = BTreeMap::new();
-    let mut models = Vec::with_capacity(scene.bodies.len());
-    for body in &scene.bodies {
-        let key = Arc::as_ptr(&body.collision);
-        let model = match built.get(&key) {
-            Some(model) => model.clone(),
-            None => {
-                let mesh = Mesh::clone(&body.collision);
-                let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-                let (model, _) = Model::build(mesh, &options)
-                    .map_err(|source| SceneAppError::Model { body: body.name.clone(), source })?;
-                built.insert(key, model.clone());
-                model
-            }
-        };
-        models.push(model);
-    }
-    Ok(models)
 }
 
 #[cfg(test)]

@@ -24,6 +24,8 @@ pub struct CrannyEnd;
 /// contacts, recordings and pictures of a step all refer to it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StepSystems {
+    /// What was spawned becomes bodies, and changes of bodies are passed on.
+    Admit,
     /// What others moved is told to whoever keeps poses of their own.
     Sync,
     /// The solver finds contacts and the poses at the end of the step, and keeps them to itself.
@@ -42,7 +44,8 @@ pub enum StepSystems {
 
 impl StepSystems {
     /// All of them, in the order in which they run.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
+        Self::Admit,
         Self::Sync,
         Self::Solve,
         Self::Detect,
@@ -56,6 +59,8 @@ impl StepSystems {
 /// What every scene runs.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CoreSystems {
+    /// Entities become bodies, and those that left are forgotten.
+    Admit,
     /// Displacement and turns of what can move.
     Motion,
     /// The clock.
@@ -140,8 +145,8 @@ impl Plugin for ClockPlugin {
 fn schedule(label: impl ScheduleLabel) -> Schedule {
     let mut schedule = Schedule::new(label);
     schedule.set_executor(SingleThreadedExecutor::new());
-    let [sync, solve, detect, report, record, draw, advance] = StepSystems::ALL;
-    schedule.configure_sets((sync, solve, detect, report, record, draw, advance).chain());
+    let [admit, sync, solve, detect, report, record, draw, advance] = StepSystems::ALL;
+    schedule.configure_sets((admit, sync, solve, detect, report, record, draw, advance).chain());
     schedule
 }
 

@@ -1,6 +1,7 @@
 //! `Contacts`: points, curves and regions of pairs that are asked for them.
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::Add;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use cranny_exact::Pose;
@@ -63,11 +64,9 @@ pub struct ContactsPlugin;
 impl Plugin for ContactsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<ContactReport>();
-        let entities: Vec<Entity> =
-            app.world().resource::<Bodies>().iter().map(|(_, record)| record.entity).collect();
-        for entity in entities {
-            app.world_mut().entity_mut(entity).insert(BodyContacts::default());
-        }
+        app.add_observer(|added: On<Add<Body>>, mut commands: Commands| {
+            commands.entity(added.entity).insert(BodyContacts::default());
+        });
         // Order among effects that are there: naming a set would put it into the schedule.
         let beside_trigger = app.is_plugin_added::<TriggerPlugin>();
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {

@@ -1,24 +1,24 @@
 //! Detection by the world: what `Trigger` and `Contacts` need of pairs that no solver detects.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::lifecycle::Remove;
+use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_exact::Pose;
-use cranny_geometry::Model;
-use cranny_world::description::SceneDescription;
+use cranny_world::description::Effect;
 use cranny_world::{BodyId, BodySpec, ContactFields, StepReport, World as PairWorld};
 
-use crate::body::{Bodies, Body, pose_of, transform_of};
+use crate::body::{Bodies, Body, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactsSystems;
-use crate::effects::{EffectKind, EffectTable};
+use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
 use crate::plugins::PluginOptions;
 use crate::readers::ContactReaders;
@@ -52,6 +52,10 @@ pub struct Detector {
     beside_solver: bool,
     /// From which poses the supplied answers of this step were computed.
     pub(crate) supplied_poses: BTreeMap<(BodyId, BodyId), [Pose; 2]>,
+    /// What the world knows of pairs, and of which revision of the effects that is.
+    pairs: BTreeMap<Pair, Vec<Effect>>,
+    excluded: BTreeSet<Pair>,
+    revision: u64,
 }
 
 /// What the world found at the poses that the `Transform`s hold during a step.
@@ -66,7 +70,9 @@ pub struct Detected {
 
 /// Puts the [`Detector`] in.
 pub(crate) struct DetectionPlugin {
-    world: Mutex<Option<PairWorld>>,
+    /// What is asked about all bodies.
+    scene: Vec<Effect>,
+    threads: NonZeroUsize,
     /// Who needs it.
     trigger: bool,
     contacts: bool,
@@ -77,52 +83,39 @@ pub(crate) struct DetectionPlugin {
 }
 
 impl DetectionPlugin {
-    /// Fills a world with the scene's bodies, effects and excluded pairs.
+    /// With effects that hold for all bodies.
     pub(crate) fn new(
-        scene: &SceneDescription,
-        models: &[Model],
+        scene: &[Effect],
         effects: &EffectTable,
         options: &PluginOptions,
-    ) -> Result<Self, SceneAppError> {
-        let mut world = PairWorld::new();
-        world.set_threads(options.thread_count())?;
-        world.set_scene_effects(&scene.effects)?;
-        for (body, model) in scene.bodies.iter().zip(models) {
-            world.insert(BodySpec {
-                name: body.name.clone(),
-                model: model.clone(),
-                pose: pose_of(&transform_of(&body.pose)),
-                kind: body.kind,
-                layers: body.layers.clone(),
-                effects: body.effects.clone(),
-            })?;
-        }
-        for ((a, b), effects) in effects.of_pairs() {
-            world.set_pair_effects(a, b, effects)?;
-        }
-        for (a, b) in effects.excluded() {
-            world.exclude_pair(a, b)?;
-        }
-        Ok(Self {
-            world: Mutex::new(Some(world)),
+    ) -> Self {
+        Self {
+            scene: scene.to_vec(),
+            threads: options.thread_count(),
             trigger: effects.names(EffectKind::Trigger),
             contacts: effects.names(EffectKind::Contacts),
             program: options.contact_fields,
             beside_solver: effects.names(EffectKind::Response),
-        })
+        }
     }
 }
 
 impl Plugin for DetectionPlugin {
     fn build(&self, app: &mut App) {
-        let taken = self.world.lock().ok().and_then(|mut world| world.take());
+        let mut world = PairWorld::new();
+        let ready =
+            world.set_threads(self.threads).and_then(|()| world.set_scene_effects(&self.scene));
+        app.world_mut().resource_mut::<Failure>().note(ready);
         app.insert_resource(Detector {
-            world: Mutex::new(taken.unwrap_or_default()),
+            world: Mutex::new(world),
             beside_solver: self.beside_solver,
             supplied_poses: BTreeMap::new(),
+            pairs: BTreeMap::new(),
+            excluded: BTreeSet::new(),
+            revision: 0,
         });
         app.init_resource::<Detected>();
-        app.add_observer(forget_removed);
+        app.add_observer(take_in).add_observer(forget_removed);
         if self.contacts {
             app.world_mut().resource_mut::<Tally>().depths_known = true;
             let counted = !self.beside_solver;
@@ -155,7 +148,7 @@ impl Plugin for DetectionPlugin {
             app.add_systems(
                 label,
                 (
-                    read_transforms.in_set(DetectionSystems::Poses),
+                    (read_transforms, relate_pairs).in_set(DetectionSystems::Poses),
                     detect_pairs.in_set(DetectionSystems::Pairs),
                     tally_depths.in_set(DetectionSystems::Tally),
                 ),
@@ -173,6 +166,9 @@ fn read_transforms(
     mut failure: ResMut<Failure>,
 ) {
     for (body, transform) in &moved {
+        if detector.world().body(body.id).is_none() {
+            continue; // refused as it was taken in
+        }
         if transform.scale != Vec3::ONE {
             let (body, scale) = (bodies.name(body.id).to_owned(), transform.scale.to_string());
             failure.set(SceneAppError::Scaled { body, scale });
@@ -232,6 +228,76 @@ fn tally_pairs(detected: Res<Detected>, detector: Res<Detector>, mut tally: ResM
     }
 }
 
+/// Takes in a body that was admitted, or what has become of it.
+fn take_in(
+    inserted: On<Insert<Body>>,
+    placed: Query<(&Body, &Transform)>,
+    bodies: Res<Bodies>,
+    effects: Res<EffectTable>,
+    mut detector: ResMut<Detector>,
+    mut failure: ResMut<Failure>,
+) {
+    let Ok((&Body { id }, transform)) = placed.get(inserted.entity) else { return };
+    let (Some(record), Some(asked)) = (bodies.get(id), effects.body(id)) else { return };
+    let world = detector.world();
+    let taken = if let Some(known) = world.body(id) {
+        let reshaped = !known.model().is_same(&record.model);
+        reshaped
+            .then(|| world.set_model(id, record.model.clone()))
+            .unwrap_or(Ok(()))
+            .and_then(|()| world.set_kind(id, record.kind))
+            .and_then(|()| world.set_layers(id, asked.layers))
+            .and_then(|()| world.set_effects(id, &asked.effects))
+    } else {
+        let spec = BodySpec {
+            pose: pose_of(transform),
+            kind: record.kind,
+            layers: asked.layers,
+            effects: asked.effects.clone(),
+            ..BodySpec::new(record.name.clone(), record.model.clone())
+        };
+        world.insert_as(id, spec)
+    };
+    failure.note(taken);
+}
+
+/// Tells the world what is asked about pairs, where that changed.
+fn relate_pairs(
+    effects: Res<EffectTable>,
+    mut detector: ResMut<Detector>,
+    mut failure: ResMut<Failure>,
+) {
+    if detector.revision == effects.revision() {
+        return;
+    }
+    let detector = &mut *detector;
+    detector.revision = effects.revision();
+    let pairs: BTreeMap<Pair, Vec<Effect>> =
+        effects.of_pairs().map(|(pair, effects)| (pair, effects.to_vec())).collect();
+    let excluded: BTreeSet<Pair> = effects.excluded().collect();
+    let pairs = std::mem::replace(&mut detector.pairs, pairs);
+    let excluded = std::mem::replace(&mut detector.excluded, excluded);
+    let (now, apart) = (detector.pairs.clone(), detector.excluded.clone());
+    let world = detector.world();
+    let present = |world: &PairWorld, (a, b): Pair| [a, b].iter().all(|&id| world.body(id).is_some());
+    for &(a, b) in pairs.keys().filter(|pair| !now.contains_key(pair)) {
+        if present(world, (a, b)) {
+            failure.note(world.set_pair_effects(a, b, &[]));
+        }
+    }
+    for (&(a, b), effects) in now.iter().filter(|(pair, effects)| pairs.get(pair) != Some(effects)) {
+        failure.note(world.set_pair_effects(a, b, effects));
+    }
+    for &(a, b) in excluded.difference(&apart) {
+        if present(world, (a, b)) {
+            failure.note(world.include_pair(a, b));
+        }
+    }
+    for &(a, b) in apart.difference(&excluded) {
+        failure.note(world.exclude_pair(a, b));
+    }
+}
+
 /// Whatever removes a body removes it here too, at once: nothing is found about a body that is gone.
 fn forget_removed(
     removed: On<Remove<Body>>,
@@ -239,7 +305,14 @@ fn forget_removed(
     mut detector: ResMut<Detector>,
     mut failure: ResMut<Failure>,
 ) {
-    if let Ok(body) = bodies.get(removed.entity) {
-        failure.note(detector.world().remove(body.id));
+    if let Ok(&Body { id }) = bodies.get(removed.entity) {
+        let detector = &mut *detector;
+        let others = |pair: &Pair| pair.0 != id && pair.1 != id;
+        detector.pairs.retain(|pair, _| others(pair));
+        detector.excluded.retain(others);
+        detector.supplied_poses.retain(|pair, _| others(pair));
+        if detector.world().body(id).is_some() {
+            failure.note(detector.world().remove(id));
+        }
     }
 }

@@ -1,12 +1,13 @@
-//! Which effects a scene asks for, for which pairs, and why.
+//! Which effects a scene asks for, for which pairs, and why. How an effect is added says
+//! CONTRIBUTING, 'An effect'.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use bevy_ecs::prelude::Resource;
-use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, Effect, SceneDescription};
+use bevy_ecs::prelude::*;
+use cranny_world::description::{BodyKind, Effect};
+use cranny_world::{BodyId, Layers};
 
-use crate::error::SceneAppError;
+use crate::admission::{note_change, note_removal};
 
 /// An effect without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,77 +57,154 @@ pub enum AskedBy {
     Pair,
 }
 
-/// The effects of a scene, and which pairs may meet at all.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct EffectTable {
-    scene: Vec<Effect>,
-    bodies: Vec<BodyEffects>,
-    pairs: BTreeMap<(BodyId, BodyId), Vec<Effect>>,
-    excluded: BTreeSet<(BodyId, BodyId)>,
+/// `Trigger` for all pairs of a body, or for the pair whose entity has it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Trigger;
+
+/// `Contacts` for all pairs of a body, or for the pair whose entity has it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Contacts {
+    /// Separation up to which near contacts are reported, >= 0.
+    pub margin: f64,
 }
 
-#[derive(Clone, Debug)]
-struct BodyEffects {
-    effects: Vec<Effect>,
-    kind: BodyKind,
-    layers: BTreeSet<String>,
+/// `Response` for all pairs of a body, or for the pair whose entity has it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Response;
+
+/// What the components of an entity ask for.
+pub(crate) fn effects_of(
+    trigger: Option<&Trigger>,
+    contacts: Option<&Contacts>,
+    response: Option<&Response>,
+) -> Vec<Effect> {
+    let trigger = trigger.map(|_| Effect::Trigger);
+    let contacts = contacts.map(|contacts| Effect::Contacts { margin: contacts.margin });
+    let response = response.map(|_| Effect::Response);
+    [trigger, contacts, response].into_iter().flatten().collect()
+}
+
+/// Two bodies, the lower id first.
+pub(crate) type Pair = (BodyId, BodyId);
+
+/// The effects of the scene, of bodies and of pairs, and which pairs may meet at all.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct EffectTable {
+    /// Effects whose plugins the app has.
+    plugged: BTreeSet<EffectKind>,
+    scene: Vec<Effect>,
+    bodies: BTreeMap<BodyId, BodyEffects>,
+    pairs: BTreeMap<Pair, Vec<Effect>>,
+    excluded: BTreeSet<Pair>,
+    /// Bodies that ask for `Response` themselves.
+    responding: BTreeSet<BodyId>,
+    /// Counts changes of what is asked about bodies that were there before, and of pairs.
+    revision: u64,
+}
+
+/// What decides which pairs of a body may meet, and what is asked about them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct BodyEffects {
+    pub(crate) effects: Vec<Effect>,
+    pub(crate) kind: BodyKind,
+    pub(crate) layers: Layers,
+    pub(crate) sensor: bool,
 }
 
 impl EffectTable {
-    /// Of a scene.
+    /// Of no bodies yet, with effects for all that will come; `plugged` are those that bodies and
+    /// pairs may ask for besides.
+    pub(crate) fn new(scene: &[Effect], plugged: impl IntoIterator<Item = EffectKind>) -> Self {
+        let of_scene = scene.iter().filter_map(EffectKind::of);
+        let plugged = of_scene.chain(plugged).collect();
+        Self { plugged, scene: scene.to_vec(), ..Self::default() }
+    }
+
+    /// Takes in what a body asks for, in place of what it asked for before.
     ///
-    /// # Errors
-    ///
-    /// A [pair](SceneAppError::UnknownBody) that names a body which the scene does not have, an
-    /// [index](SceneAppError::NoSuchIndex) without a body, or an
-    /// [effect](SceneAppError::UnsupportedEffect) that this version does not compute.
-    pub fn of(scene: &SceneDescription) -> Result<Self, SceneAppError> {
-        let ids: BTreeMap<&str, BodyId> =
-            scene.bodies.iter().enumerate().map(|(i, b)| (&*b.name, BodyId(i as u32))).collect();
-        let mut table = Self { scene: scene.effects.clone(), ..Self::default() };
-        for body in &scene.bodies {
-            table.bodies.push(BodyEffects {
-                effects: body.effects.clone(),
-                kind: body.kind,
-                layers: body.layers.iter().cloned().collect(),
+    /// Fails, and leaves out, if the app has no plugin of an effect.
+    pub(crate) fn put_body(
+        &mut self,
+        body: BodyId,
+        mut of_body: BodyEffects,
+    ) -> Result<(), &'static str> {
+        let missing = self.missing(&of_body.effects);
+        if missing.is_some() {
+            of_body.effects.retain(|effect| {
+                EffectKind::of(effect).is_some_and(|kind| self.plugged.contains(&kind))
             });
         }
-        for pair in &scene.pairs {
-            let id = |name: &String| {
-                ids.get(&**name)
-                    .copied()
-                    .ok_or_else(|| SceneAppError::UnknownBody { name: name.clone() })
-            };
-            let key = ordered(id(&pair.a)?, id(&pair.b)?);
-            table.pairs.entry(key).or_default().extend(&pair.effects);
+        if of_body.effects.iter().any(|effect| matches!(effect, Effect::Response)) {
+            self.responding.insert(body);
+        } else {
+            self.responding.remove(&body);
         }
-        for &(a, b) in &scene.excluded_pairs {
-            let known = |index: usize| {
-                if index < scene.bodies.len() {
-                    Ok(BodyId(index as u32))
-                } else {
-                    Err(SceneAppError::NoSuchIndex { index, bodies: scene.bodies.len() })
-                }
-            };
-            table.excluded.insert(ordered(known(a)?, known(b)?));
+        let before = self.bodies.insert(body, of_body);
+        if before.is_some_and(|before| before != self.bodies[&body]) {
+            self.revision += 1;
         }
-        for effect in table.all() {
-            if EffectKind::of(effect).is_none() {
-                return Err(SceneAppError::UnsupportedEffect { effect: effect.name() });
-            }
-        }
-        Ok(table)
+        missing.map_or(Ok(()), Err)
     }
 
-    fn all(&self) -> impl Iterator<Item = &Effect> {
-        let of_bodies = self.bodies.iter().flat_map(|b| &b.effects);
-        self.scene.iter().chain(of_bodies).chain(self.pairs.values().flatten())
+    /// Lets a body go, with its pairs.
+    pub(crate) fn remove_body(&mut self, body: BodyId) {
+        self.bodies.remove(&body);
+        self.responding.remove(&body);
+        self.pairs.retain(|pair, _| pair.0 != body && pair.1 != body);
+        self.excluded.retain(|pair| pair.0 != body && pair.1 != body);
     }
 
-    /// Whether the scene names the effect anywhere.
+    /// What is asked about pairs, and which never meet, in place of what was so before.
+    pub(crate) fn set_pairs(
+        &mut self,
+        pairs: BTreeMap<Pair, Vec<Effect>>,
+        excluded: BTreeSet<Pair>,
+    ) {
+        if (&pairs, &excluded) != (&self.pairs, &self.excluded) {
+            (self.pairs, self.excluded) = (pairs, excluded);
+            self.revision += 1;
+        }
+    }
+
+    /// The first of some effects whose plugin the app does not have, by name.
+    pub(crate) fn missing(&self, effects: &[Effect]) -> Option<&'static str> {
+        let has = |effect: &&Effect| {
+            EffectKind::of(effect).is_some_and(|kind| self.plugged.contains(&kind))
+        };
+        effects.iter().find(|effect| !has(effect)).map(Effect::name)
+    }
+
+    /// Changes with what is asked about bodies and pairs; not with bodies that come and go.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// What a body asks for, and which others it may meet.
+    pub(crate) fn body(&self, body: BodyId) -> Option<&BodyEffects> {
+        self.bodies.get(&body)
+    }
+
+    /// Whether the app has the plugin of an effect.
     #[must_use]
     pub fn names(&self, kind: EffectKind) -> bool {
-        self.all().any(|effect| EffectKind::of(effect) == Some(kind))
+        self.plugged.contains(&kind)
+    }
+
+    /// Whether a body has a part in some response: what asks for it is the scene, the body, a pair of
+    /// its, or another body that it may meet.
+    pub(crate) fn responds(&self, body: BodyId) -> bool {
+        let is_response = |effects: &[Effect]| effects.contains(&Effect::Response);
+        if is_response(&self.scene) || self.responding.contains(&body) {
+            return true;
+        }
+        let of_pair = |(pair, effects): (&Pair, &Vec<Effect>)| {
+            (pair.0 == body || pair.1 == body) && is_response(effects)
+        };
+        self.pairs.iter().any(of_pair)
+            || self.responding.iter().any(|&other| self.may_meet(body, other))
     }
 
     /// Effects of the scene as a whole.
@@ -138,7 +216,7 @@ impl EffectTable {
     /// Effects of one body beyond the scene's.
     #[must_use]
     pub fn of_body(&self, body: BodyId) -> &[Effect] {
-        self.bodies.get(body.0 as usize).map_or(&[], |b| &b.effects)
+        self.bodies.get(&body).map_or(&[], |b| &b.effects)
     }
 
     /// Pairs with effects of their own, the lower id first.
@@ -151,31 +229,30 @@ impl EffectTable {
         self.excluded.iter().copied()
     }
 
-    /// Number of bodies.
-    #[must_use]
-    pub fn body_count(&self) -> usize {
-        self.bodies.len()
+    /// Bodies, by id.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyId> {
+        self.bodies.keys().copied()
     }
 
-    /// Whether a pair may meet: it shares a layer, is not excluded, and not both are fixed.
+    /// Whether a pair may meet: its layers meet, it is not excluded, and not both are fixed.
     #[must_use]
     pub fn may_meet(&self, a: BodyId, b: BodyId) -> bool {
         let (Some(body_a), Some(body_b)) =
-            (self.bodies.get(a.0 as usize), self.bodies.get(b.0 as usize))
+            (self.bodies.get(&a), self.bodies.get(&b))
         else {
             return false;
         };
         let both_fixed = body_a.kind == BodyKind::Fixed && body_b.kind == BodyKind::Fixed;
         a != b
             && !both_fixed
-            && !body_a.layers.is_disjoint(&body_b.layers)
+            && body_a.layers.meets(body_b.layers)
             && !self.excluded.contains(&ordered(a, b))
     }
 
     /// Why a pair may not meet, in words.
     #[must_use]
     pub fn why_apart(&self, a: BodyId, b: BodyId) -> &'static str {
-        let kind = |id: BodyId| self.bodies.get(id.0 as usize).map(|body| body.kind);
+        let kind = |id: BodyId| self.bodies.get(&id).map(|body| body.kind);
         if self.may_meet(a, b) {
             "they may meet"
         } else if self.excluded.contains(&ordered(a, b)) {
@@ -187,7 +264,8 @@ impl EffectTable {
         }
     }
 
-    /// The effects of a pair, each with who asks; the scene's first. Empty if it may not meet.
+    /// The effects of a pair, each with who asks; the scene's first. Empty if it may not meet; without
+    /// `Response` if one of the two is a sensor.
     pub fn of_pair(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = (&Effect, AskedBy)> {
         let own: &[Effect] = self.pairs.get(&ordered(a, b)).map_or(&[], |effects| effects);
         let scene = self.scene.iter().map(|e| (e, AskedBy::Scene));
@@ -196,7 +274,9 @@ impl EffectTable {
             .flat_map(|id| self.of_body(id).iter().map(move |e| (e, AskedBy::Body(id))));
         let own = own.iter().map(|e| (e, AskedBy::Pair));
         let meets = self.may_meet(a, b);
-        scene.chain(bodies).chain(own).filter(move |_| meets)
+        let sensor = [a, b].into_iter().any(|id| self.bodies.get(&id).is_some_and(|b| b.sensor));
+        let all = scene.chain(bodies).chain(own);
+        all.filter(move |(effect, _)| meets && !(sensor && matches!(effect, Effect::Response)))
     }
 
     /// Whether a pair is asked for an effect.

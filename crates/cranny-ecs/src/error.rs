@@ -39,6 +39,27 @@ pub enum SceneAppError {
         /// Its name.
         effect: &'static str,
     },
+    /// An effect whose plugin the app does not have.
+    #[error(
+        "body '{body}' asks for {effect}, but the app has no plugin of it: name it in CrannyPlugins::effects or CrannyPlugins::available"
+    )]
+    EffectNotPlugged {
+        /// The body, or one of the pair.
+        body: String,
+        /// Name of the effect.
+        effect: &'static str,
+    },
+    /// A body that is the child of another entity.
+    #[error(
+        "body '{body}' is a child of another entity, but a body's Transform is its place in the world: spawn it as a root, or remove its ChildOf"
+    )]
+    ChildBody {
+        /// Which body.
+        body: String,
+    },
+    /// All 2^32 ids were given away.
+    #[error("no id is left for another body: an app numbers at most 2^32 in its life")]
+    NoIdLeft,
     /// An effect whose part of the program was left out when it was built.
     #[error(
         "{what} needs the feature `{feature}` of cranny-ecs, which this program was built without"

@@ -1,15 +1,18 @@
-//! Kinematic bodies that no solver moves: they follow the velocity that the scene gives them.
+//! Kinematic bodies that no solver moves: they follow their velocities.
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::Insert;
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
-use cranny_world::BodyId;
+use cranny_world::description::BodyKind;
 use glam::DQuat;
 
-use crate::body::{Bodies, Body, Velocity, narrowed, pose_of, transform_of, widened};
+use crate::body::{Bodies, Body, pose_of, transform_of, widened};
 use crate::clock::{CrannyStep, SimulatedTime, StepSystems};
+use crate::effects::{EffectKind, EffectTable};
+use crate::properties::{AngularVelocity, LinearVelocity};
 
 /// The systems of kinematic motion without a solver.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,34 +21,43 @@ pub enum KinematicsSystems {
     Move,
 }
 
-/// A body that moves by its velocity alone, about its centre of mass.
+/// A body that moves by its velocities alone, about its centre of mass: present beside
+/// [`Body`] where a body is kinematic and the solver does not have it.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct Kinematic {
     /// In the body's frame.
     pub center: DVec3,
 }
 
-/// Moves some bodies by their velocities.
-#[derive(Clone, Debug)]
-pub struct KinematicsPlugin {
-    /// Which, with linear and angular velocity in world coordinates.
-    pub bodies: Vec<(BodyId, DVec3, DVec3)>,
-}
+/// Moves kinematic bodies that the solver does not have.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct KinematicsPlugin;
 
 impl Plugin for KinematicsPlugin {
     fn build(&self, app: &mut App) {
-        for &(id, linear, angular) in &self.bodies {
-            let Some(record) = app.world().resource::<Bodies>().get(id) else { continue };
-            let (entity, center) = (record.entity, center_of_mass(&record.model));
-            app.world_mut().entity_mut(entity).insert((
-                Kinematic { center },
-                Velocity { linear: narrowed(linear), angular: narrowed(angular) },
-            ));
-        }
+        app.add_observer(mark);
         app.add_systems(
             CrannyStep,
             follow_velocities.in_set(StepSystems::Advance).in_set(KinematicsSystems::Move),
         );
+    }
+}
+
+fn mark(
+    inserted: On<Insert<Body>>,
+    query: Query<&Body>,
+    bodies: Res<Bodies>,
+    effects: Res<EffectTable>,
+    mut commands: Commands,
+) {
+    let Ok(&Body { id }) = query.get(inserted.entity) else { return };
+    let Some(record) = bodies.get(id) else { return };
+    let solved = effects.names(EffectKind::Response) && effects.responds(id);
+    let mut entity = commands.entity(inserted.entity);
+    if record.kind == BodyKind::Kinematic && !solved {
+        entity.insert(Kinematic { center: center_of_mass(&record.model) });
+    } else {
+        entity.try_remove::<Kinematic>();
     }
 }
 
@@ -55,20 +67,22 @@ fn center_of_mass(model: &Model) -> DVec3 {
 }
 
 fn follow_velocities(
-    mut bodies: Query<(&Kinematic, &Velocity, &mut Transform), With<Body>>,
+    mut bodies: Query<(&Kinematic, &LinearVelocity, &AngularVelocity, &mut Transform), With<Body>>,
     time: Res<SimulatedTime>,
 ) {
-    for (kinematic, velocity, mut transform) in &mut bodies {
-        let pose = pose_of(&transform);
-        let moved = moved(&pose, kinematic.center, velocity, time.step());
+    for (kinematic, linear, angular, mut transform) in &mut bodies {
+        let velocities = [linear.0, angular.0].map(widened);
+        if velocities == [DVec3::ZERO; 2] {
+            continue;
+        }
+        let moved = moved(&pose_of(&transform), kinematic.center, velocities, time.step());
         let scale = transform.scale;
         *transform = Transform { scale, ..transform_of(&moved) };
     }
 }
 
 /// The pose after `dt` seconds at constant velocity of the centre and constant spin.
-fn moved(pose: &Pose, center: DVec3, velocity: &Velocity, dt: f64) -> Pose {
-    let (linear, angular) = (widened(velocity.linear), widened(velocity.angular));
+fn moved(pose: &Pose, center: DVec3, [linear, angular]: [DVec3; 2], dt: f64) -> Pose {
     let turned = DQuat::from_scaled_axis(dt * angular) * pose.rotation;
     let rotation = turned * (1.0 / turned.length());
     let center_in_world = pose.world_from_body().apply(center) + dt * linear;
@@ -79,15 +93,14 @@ fn moved(pose: &Pose, center: DVec3, velocity: &Velocity, dt: f64) -> Pose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy_math::Vec3;
 
     #[test]
     fn the_centre_moves_straight_and_the_body_turns_about_it() {
-        let velocity = Velocity { linear: Vec3::X, angular: Vec3::Z };
+        let velocities = [DVec3::X, DVec3::Z];
         let center = DVec3::new(0.0, 2.0, 0.0);
         let mut pose = Pose::IDENTITY;
         for _ in 0..100 {
-            pose = moved(&pose, center, &velocity, 0.01);
+            pose = moved(&pose, center, velocities, 0.01);
         }
         let at = pose.world_from_body().apply(center);
         assert!((at - DVec3::new(1.0, 2.0, 0.0)).length() < 1e-12);

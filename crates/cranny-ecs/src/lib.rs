@@ -31,23 +31,30 @@
 //! For programs without bevy there is [`SceneApp`], which has an example; for those with it
 //! [`CrannyPlugins`], [`FixedUpdatePlugin`] and the [`prelude`].
 
+mod admission;
 mod app;
 mod body;
 mod clock;
+mod collider;
 mod contacts;
 mod detection;
 mod effects;
+#[cfg(feature = "rapier")]
+mod energy;
 mod error;
 #[cfg(feature = "scene")]
 mod excerpt;
+mod joints;
 mod kinematics;
 mod links;
 mod motion;
 mod outputs;
 #[cfg(feature = "render")]
 mod painting;
+mod pair;
 mod plan;
 mod plugins;
+mod properties;
 mod readers;
 #[cfg(feature = "record")]
 mod recording;
@@ -57,29 +64,39 @@ mod report;
 #[cfg(feature = "rapier")]
 mod response;
 #[cfg(feature = "rapier")]
-mod simulation;
+mod solved;
+mod spawn;
 mod summary;
 mod tally;
 mod trigger;
 
 pub use app::{RunOptions, SceneApp};
-pub use body::{Bodies, Body, BodyRecord, Velocity, pose_of, transform_of};
+pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+pub use collider::{Collider, VisualMesh};
 pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
 pub use cranny_world::{BodyId, ContactFields};
 pub use detection::{Detected, DetectionSystems, Detector};
-pub use effects::{AskedBy, EffectKind, EffectTable};
+pub use effects::{AskedBy, Contacts, EffectKind, EffectTable, Response, Trigger};
+#[cfg(feature = "rapier")]
+pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};
 #[cfg(feature = "scene")]
 pub use excerpt::{helices, rings};
+pub use joints::Joint;
 pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
 pub use links::{Link, LinkLog, Ring};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
 pub use outputs::check_outputs;
 #[cfg(feature = "render")]
 pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
+pub use pair::{BodyPair, NeverMeet};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
+pub use properties::{
+    AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
+    GravityScale, LinearVelocity, LockedAxes, Restitution, RigidBody, Sensor, SmoothNormals,
+};
 pub use readers::ContactReaders;
 #[cfg(feature = "record")]
 pub use recording::{FrameRecorder, RecordingSystems};
@@ -89,7 +106,10 @@ pub use rendering::{
     RenderingSystems, frame_path,
 };
 #[cfg(feature = "rapier")]
-pub use response::{EnergyRange, ResponseSystems, RigidBodies, RigidBody};
+pub use response::{Gravity, ResponseSystems};
+#[cfg(feature = "rapier")]
+pub use solved::{RigidBodies, SolverBody};
+pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
     MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
@@ -100,10 +120,15 @@ pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, T
 /// What most bevy apps want.
 pub mod prelude {
     pub use crate::{
-        Bodies, Body, BodyContacts, BodyId, CollisionEnd, CollisionStart, ContactReport,
-        CrannyPlugins, CrannyStep, FixedUpdatePlugin, PluginOptions, SimulatedTime, StepSystems,
-        TouchingBodies, Velocity,
+        AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider, CollisionEnd,
+        CollisionLayers, CollisionStart, ContactReport, Contacts, CrannyPlugins, CrannyStep,
+        Density, EffectKind, ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction,
+        GravityScale, Joint, LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Response,
+        Restitution, RigidBody, Sensor, SimulatedTime, SmoothNormals, SpawnScene, StepSystems,
+        TouchingBodies, Trigger,
     };
+    #[cfg(feature = "rapier")]
+    pub use crate::{Gravity, RigidBodies};
 }
 
 // The example of the README must compile and run as well.

@@ -4,15 +4,18 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::components::Transform;
 use cranny_exact::{DVec3, Pose};
 use cranny_world::BodyId;
+use cranny_world::description::BodyKind;
 use glam::DQuat;
 
-use crate::body::{Bodies, Body, pose_of};
+use crate::body::{Bodies, Body, pose_of, widened};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
+use crate::properties::AngularVelocity;
 
 /// A screw motion that a pair of bodies is meant to make: a nut on a bolt.
 ///
@@ -79,6 +82,12 @@ struct HelixTrack {
     angle: f64,
 }
 
+impl Track {
+    fn new(now: Pose, angular: DVec3) -> Self {
+        Self { start: now.translation, now, axis: angular.try_normalize(), angle: 0.0 }
+    }
+}
+
 impl MotionLog {
     /// Of each body that can move, by id.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyMotion> {
@@ -143,30 +152,29 @@ fn twist(rotation: DQuat, axis: DVec3) -> f64 {
     2.0 * (sign * sine).atan2(sign * rotation.w)
 }
 
-/// Puts the [`MotionLog`] in.
+/// Puts the [`MotionLog`] in. Pairs on a helix are bodies that are there by then.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MotionPlugin {
-    /// Bodies that can move, with their angular velocity at the start.
-    pub(crate) movers: Vec<(BodyId, DVec3)>,
     pub(crate) helices: Vec<Helix>,
 }
 
 impl Plugin for MotionPlugin {
     fn build(&self, app: &mut App) {
+        app.add_observer(begin_track).add_observer(end_track);
         let bodies = app.world().resource::<Bodies>();
         let pose = |id: BodyId| {
             let entity = bodies.get(id)?.entity;
             app.world().get::<Transform>(entity).map(pose_of)
         };
-        let tracks = self.movers.iter().filter_map(|&(id, angular)| {
-            let now = pose(id)?;
-            let axis = angular.try_normalize();
-            Some((id, Track { start: now.translation, now, axis, angle: 0.0 }))
-        });
         let helices = self.helices.iter().filter_map(|helix| {
             let (bolt, nut) = (bodies.find(&helix.bolt)?, bodies.find(&helix.nut)?);
             let poses = [&pose(bolt)?, &pose(nut)?];
             Some(HelixTrack::new(bolt, nut, helix.pitch, poses))
+        });
+        let tracks = bodies.iter().filter(|(_, record)| record.kind != BodyKind::Fixed);
+        let tracks = tracks.filter_map(|(id, record)| {
+            let angular = app.world().get::<AngularVelocity>(record.entity)?;
+            Some((id, Track::new(pose(id)?, widened(angular.0))))
         });
         let log = MotionLog { tracks: tracks.collect(), helices: helices.collect() };
         app.insert_resource(log);
@@ -176,6 +184,25 @@ impl Plugin for MotionPlugin {
                 follow_motion.in_set(StepSystems::Report).in_set(CoreSystems::Motion),
             );
         }
+    }
+}
+
+fn begin_track(
+    inserted: On<Insert<Body>>,
+    placed: Query<(&Body, &Transform, &AngularVelocity)>,
+    bodies: Res<Bodies>,
+    mut log: ResMut<MotionLog>,
+) {
+    let Ok((&Body { id }, transform, angular)) = placed.get(inserted.entity) else { return };
+    if bodies.get(id).is_some_and(|record| record.kind != BodyKind::Fixed) {
+        let track = || Track::new(pose_of(transform), widened(angular.0));
+        log.tracks.entry(id).or_insert_with(track);
+    }
+}
+
+fn end_track(removed: On<Remove<Body>>, bodies: Query<&Body>, mut log: ResMut<MotionLog>) {
+    if let Ok(&Body { id }) = bodies.get(removed.entity) {
+        log.tracks.remove(&id);
     }
 }
 

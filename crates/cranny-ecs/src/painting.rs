@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use cranny_exact::{Aabb, DVec3, Pose};
-use cranny_geometry::Mesh;
+use cranny_geometry::{Mesh, Model};
 use cranny_render::{
     Camera, Color, DrawList, DrawMesh, Ground, ImageSize, Instance, Preset, palette,
 };
 use cranny_world::BodyId;
 use cranny_world::description::{BodyKind, CameraDescription, CameraView, SceneDescription};
 
+use crate::body::BodyRecord;
 use crate::contacts::ContactReport;
 use crate::error::SceneAppError;
 
@@ -30,10 +31,41 @@ pub const DEFAULT_CAMERA: &str = "main";
 
 /// All that pictures of a scene share.
 pub(crate) struct Palette {
-    /// By body id.
-    bodies: Vec<(Arc<DrawMesh>, Color)>,
+    bodies: BTreeMap<BodyId, Painted>,
     ground: Ground,
     arrow: f64,
+}
+
+/// How a body is drawn.
+struct Painted {
+    mesh: Arc<DrawMesh>,
+    color: Color,
+    /// For others of the same geometry.
+    of: Geometry,
+}
+
+/// What a mesh is drawn of.
+#[derive(Clone)]
+enum Geometry {
+    Described(Arc<Mesh>),
+    Prepared(Model),
+}
+
+impl Geometry {
+    fn mesh(&self) -> &Mesh {
+        match self {
+            Self::Described(mesh) => mesh,
+            Self::Prepared(model) => model.mesh(),
+        }
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Described(a), Self::Described(b)) => Arc::ptr_eq(a, b),
+            (Self::Prepared(a), Self::Prepared(b)) => a.is_same(b),
+            _ => false,
+        }
+    }
 }
 
 /// A camera by name.
@@ -44,24 +76,13 @@ pub(crate) fn prepare(
     scene: &SceneDescription,
     size: ImageSize,
 ) -> Result<(Palette, Vec<NamedCamera>), SceneAppError> {
-    let mut meshes: BTreeMap<*const Mesh, Arc<DrawMesh>> = BTreeMap::new();
-    let mut bodies = Vec::with_capacity(scene.bodies.len());
+    let mut bodies = BTreeMap::new();
     let mut list = DrawList::new();
     for (i, body) in scene.bodies.iter().enumerate() {
-        let mesh = body.visual.as_ref().unwrap_or(&body.collision);
-        let key = Arc::as_ptr(mesh);
-        let drawn = match meshes.get(&key) {
-            Some(drawn) => drawn.clone(),
-            None => {
-                let drawn = DrawMesh::new(mesh.vertices(), mesh.faces()).map_err(|error| {
-                    SceneAppError::Undrawable { body: body.name.clone(), why: error.to_string() }
-                })?;
-                meshes.entry(key).or_insert(Arc::new(drawn)).clone()
-            }
-        };
-        let color = palette(i);
-        list.instances.push(Instance { mesh: drawn.clone(), pose: body.pose, color });
-        bodies.push((drawn, color));
+        let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
+        let (mesh, color) = (drawn(&bodies, &of, &body.name)?, palette(i));
+        list.instances.push(Instance { mesh: mesh.clone(), pose: body.pose, color });
+        bodies.insert(BodyId(i as u32), Painted { mesh, color, of });
     }
     let start = list.bounds();
     let room = room_to_fall(scene, &start);
@@ -78,6 +99,22 @@ pub(crate) fn prepare(
     };
     let arrow = if start.is_empty() { ARROW } else { ARROW * start.diagonal() };
     Ok((Palette { bodies, ground: Ground::under(&room), arrow }, cameras))
+}
+
+/// The mesh to draw of a geometry, shared with a body that has the same.
+fn drawn(
+    bodies: &BTreeMap<BodyId, Painted>,
+    of: &Geometry,
+    name: &str,
+) -> Result<Arc<DrawMesh>, SceneAppError> {
+    if let Some(painted) = bodies.values().find(|painted| painted.of.is_same(of)) {
+        return Ok(painted.mesh.clone());
+    }
+    let mesh = of.mesh();
+    let drawn = DrawMesh::new(mesh.vertices(), mesh.faces()).map_err(|error| {
+        SceneAppError::Undrawable { body: name.to_owned(), why: error.to_string() }
+    })?;
+    Ok(Arc::new(drawn))
 }
 
 fn camera(
@@ -132,6 +169,22 @@ fn room_to_fall(scene: &SceneDescription, start: &Aabb) -> Aabb {
 }
 
 impl Palette {
+    /// Takes in a body that the scene does not describe, or another geometry of one that it does.
+    pub(crate) fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
+        let of = match &record.visual {
+            Some(visual) => Geometry::Described(visual.clone()),
+            None => Geometry::Prepared(record.model.clone()),
+        };
+        let mesh = drawn(&self.bodies, &of, &record.name)?;
+        self.bodies.insert(id, Painted { mesh, color: palette(id.0 as usize), of });
+        Ok(())
+    }
+
+    /// Draws a body no more.
+    pub(crate) fn remove(&mut self, id: BodyId) {
+        self.bodies.remove(&id);
+    }
+
     /// The picture of bodies at poses, and of contacts.
     pub(crate) fn draw_list(
         &self,
@@ -141,7 +194,7 @@ impl Palette {
         let mut list = DrawList::new();
         list.ground = Some(self.ground);
         for (id, pose) in poses {
-            if let Some((mesh, color)) = self.bodies.get(id.0 as usize) {
+            if let Some(Painted { mesh, color, .. }) = self.bodies.get(&id) {
                 list.instances.push(Instance { mesh: mesh.clone(), pose, color: *color });
             }
         }

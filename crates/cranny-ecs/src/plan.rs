@@ -117,7 +117,7 @@ fn known_sets() -> Vec<KnownSet> {
         expect(unused_mut, reason = "other effects add theirs")
     )]
     let mut sets = known! {
-        "core": CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move;
+        "core": CoreSystems::Admit, CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move;
         "Trigger": TriggerSystems::Detect, TriggerSystems::Report;
         "Contacts": ContactsSystems::Detect, ContactsSystems::Report;
     };
@@ -195,7 +195,7 @@ impl Plan {
 
 #[cfg(feature = "rapier")]
 fn exact_solver(world: &World) -> bool {
-    world.get_resource::<crate::response::RigidBodies>().is_some_and(|bodies| bodies.is_exact())
+    world.get_resource::<crate::solved::RigidBodies>().is_some_and(|bodies| bodies.is_exact())
 }
 
 #[cfg(not(feature = "rapier"))]
@@ -289,8 +289,9 @@ fn pairs(
     exact_solver: bool,
 ) -> Vec<PlannedPairs> {
     let mut groups: BTreeMap<Asked, (usize, Vec<[String; 2]>)> = BTreeMap::new();
-    let count = table.body_count() as u32;
-    for (a, b) in (0..count).flat_map(|a| (a + 1..count).map(move |b| (BodyId(a), BodyId(b)))) {
+    let ids: Vec<BodyId> = table.bodies().collect();
+    let pairs = ids.iter().enumerate().flat_map(|(i, &a)| ids[i + 1..].iter().map(move |&b| (a, b)));
+    for (a, b) in pairs {
         let key = group_of(table, bodies, [a, b], read, exact_solver);
         let (count, examples) = groups.entry(key).or_default();
         *count += 1;

@@ -1,19 +1,17 @@
-//! The plugin group of a scene: one plugin an effect, and none for effects that the scene does not
-//! name.
+//! The plugin group: one plugin an effect, and none for effects that nobody names.
 
 use std::num::NonZeroUsize;
-use std::sync::Mutex;
 use std::time::Duration;
 
 use bevy_app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
-use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_time::{Fixed, Time};
-use cranny_geometry::Model;
-use cranny_world::description::{BodyDescription, BodyKind, SceneDescription};
-use cranny_world::{BodyId, ContactFields};
+use cranny_exact::DVec3;
+use cranny_geometry::{FaceId, Model};
+use cranny_world::ContactFields;
+use cranny_world::description::{BodyKind, Effect, SceneDescription};
 
-use crate::body::{Bodies, Body, BodyRecord, build_models, transform_of};
+use crate::admission::{AdmissionPlugin, admit_bodies};
 use crate::clock::{ClockPlugin, CrannyStep, SimulatedTime};
 use crate::contacts::ContactsPlugin;
 use crate::detection::DetectionPlugin;
@@ -22,6 +20,7 @@ use crate::error::{Failure, SceneAppError};
 use crate::kinematics::KinematicsPlugin;
 use crate::links::{LinkPlugin, Ring};
 use crate::motion::{Helix, MotionPlugin};
+use crate::spawn::SpawnScene;
 use crate::tally::Tally;
 use crate::trigger::TriggerPlugin;
 
@@ -64,83 +63,150 @@ impl PluginOptions {
     }
 }
 
-/// The plugins of a scene: add them to an `App`, then run [`CrannyStep`] however often you like (or
-/// add [`FixedUpdatePlugin`]).
+/// Our plugins: add them to an `App`, then run [`CrannyStep`] however often you like (or add
+/// [`FixedUpdatePlugin`]). Bodies are entities with a [`Collider`](crate::Collider), before and while
+/// the app runs.
+///
+/// ```
+/// use bevy_app::App;
+/// use bevy_transform::components::Transform;
+/// use cranny_ecs::{Collider, CrannyPlugins, CrannyStep, EffectKind, RigidBody};
+/// use cranny_world::description::Effect;
+///
+/// let cube = Collider::from_mesh(cranny_shapes::Cuboid { size: [1.0; 3] }.build()?)?;
+/// let mut app = App::new();
+/// // All bodies report where they begin to touch.
+/// app.add_plugins(CrannyPlugins::new(1.0 / 60.0)?.effects(&[Effect::Trigger])?);
+/// app.world_mut().spawn((RigidBody::Fixed, cube.clone(), Transform::default()));
+/// app.world_mut().spawn((RigidBody::Kinematic, cube, Transform::from_xyz(0.5, 0.0, 0.0)));
+/// app.world_mut().run_schedule(CrannyStep);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct CrannyPlugins {
-    core: CorePlugin,
-    detection: Option<DetectionPlugin>,
-    effects: EffectTable,
-    #[cfg(feature = "rapier")]
-    response: Option<crate::response::ResponsePlugin>,
+    step: f64,
+    gravity: DVec3,
+    scene_effects: Vec<Effect>,
+    /// Effects that bodies and pairs may ask for besides.
+    available: Vec<EffectKind>,
+    options: PluginOptions,
+    scene: Option<SpawnScene>,
+    /// Whether kinematic bodies may move that no solver has.
+    kinematics: bool,
     #[cfg(feature = "record")]
     recording: Option<crate::recording::RecordingPlugin>,
     #[cfg(feature = "render")]
     rendering: Option<crate::rendering::RenderingPlugin>,
-    kinematics: Option<KinematicsPlugin>,
-    motion: MotionPlugin,
-    links: LinkPlugin,
 }
 
 impl CrannyPlugins {
-    /// Prepares everything that can fail: models, world, solver.
+    /// No body and no effect yet. Steps take so many seconds, and gravity is 9.81 along -z.
     ///
     /// # Errors
     ///
-    /// [`SceneAppError`]: a mesh, pose, effect or step that is refused, or an effect that this
-    /// program was built without.
-    pub fn from_scene(
-        scene: &SceneDescription,
-        options: &PluginOptions,
-    ) -> Result<Self, SceneAppError> {
-        if !(scene.step > 0.0 && scene.step.is_finite()) {
+    /// [`SceneAppError::Duration`] for a step that is none.
+    pub fn new(step: f64) -> Result<Self, SceneAppError> {
+        if !(step > 0.0 && step.is_finite()) {
             return Err(SceneAppError::Duration {
-                step: scene.step,
-                duration: scene.duration,
+                step,
+                duration: 0.0,
                 why: "a step must last a finite time above 0",
             });
         }
-        let models = build_models(scene)?;
-        let effects = EffectTable::of(scene)?;
-        let detects = effects.names(EffectKind::Trigger) || effects.names(EffectKind::Contacts);
-        #[cfg(feature = "rapier")]
-        let (response, simulated) = if effects.names(EffectKind::Response) {
-            let rigid = crate::simulation::RigidScene::new(scene, &models, &effects, options)?;
-            let simulated = rigid.ids.clone();
-            (Some(crate::response::ResponsePlugin::new(rigid, detects)), simulated)
-        } else {
-            (None, Vec::new())
-        };
-        #[cfg(not(feature = "rapier"))]
-        let simulated: Vec<BodyId> = Vec::new();
-        #[cfg(not(feature = "rapier"))]
-        if effects.names(EffectKind::Response) {
-            return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
-        }
-        let detection =
-            detects.then(|| DetectionPlugin::new(scene, &models, &effects, options)).transpose()?;
         Ok(Self {
-            core: CorePlugin::new(scene, models, effects.clone()),
-            detection,
-            kinematics: kinematics(scene, &simulated),
-            motion: MotionPlugin {
-                movers: scene
-                    .bodies
-                    .iter()
-                    .enumerate()
-                    .filter(|(_, body)| body.kind != BodyKind::Fixed)
-                    .map(|(i, body)| (BodyId(i as u32), body.angular_velocity))
-                    .collect(),
-                helices: options.helices.clone(),
-            },
-            links: LinkPlugin { rings: options.rings.clone() },
-            effects,
-            #[cfg(feature = "rapier")]
-            response,
+            step,
+            gravity: DVec3::new(0.0, 0.0, -9.81),
+            scene_effects: Vec::new(),
+            available: Vec::new(),
+            options: PluginOptions::default(),
+            scene: None,
+            kinematics: true,
             #[cfg(feature = "record")]
             recording: None,
             #[cfg(feature = "render")]
             rendering: None,
         })
+    }
+
+    /// Effects for all bodies.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError`]: an effect that this program was built without, or a margin that is no
+    /// length.
+    pub fn effects(mut self, effects: &[Effect]) -> Result<Self, SceneAppError> {
+        self.scene_effects = effects.to_vec();
+        cranny_world::World::new().set_scene_effects(effects)?;
+        self.checked()
+    }
+
+    /// Effects that single bodies and pairs may ask for, by components. Of an effect that is named
+    /// neither here nor in [`effects`](Self::effects) there is nothing in the app.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError::MissingFeature`]: an effect that this program was built without.
+    pub fn available(mut self, effects: &[EffectKind]) -> Result<Self, SceneAppError> {
+        self.available = effects.to_vec();
+        self.checked()
+    }
+
+    /// Acceleration of dynamic bodies, in place of 9.81 along -z. `Gravity` changes it later.
+    #[must_use]
+    pub fn gravity(self, gravity: DVec3) -> Self {
+        Self { gravity, ..self }
+    }
+
+    /// How plugins are built.
+    #[must_use]
+    pub fn options(self, options: &PluginOptions) -> Self {
+        Self { options: options.clone(), ..self }
+    }
+
+    /// The plugins that a scene asks for, and a plugin that spawns it.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError`]: a mesh, effect, pair or step that is refused, or an effect that this
+    /// program was built without. What the solver refuses, as a mass of 0, is in
+    /// [`Failure`] once the plugins are added.
+    pub fn from_scene(
+        scene: &SceneDescription,
+        options: &PluginOptions,
+    ) -> Result<Self, SceneAppError> {
+        let spawn = SpawnScene::new(scene)?.with_known_effects();
+        let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
+        let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
+        let available: Vec<EffectKind> =
+            of_bodies.chain(of_pairs).filter_map(EffectKind::of).collect();
+        let plugins = Self::new(scene.step)?.effects(&scene.effects)?.available(&available)?;
+        let mut options = options.clone();
+        let size = || typical_size(scene, spawn.models());
+        options.length_unit = Some(options.length_unit.unwrap_or_else(size));
+        Ok(Self {
+            gravity: scene.gravity,
+            kinematics: moves_kinematic(scene),
+            options,
+            scene: Some(spawn),
+            ..plugins
+        })
+    }
+
+    fn checked(self) -> Result<Self, SceneAppError> {
+        #[cfg(not(feature = "rapier"))]
+        if self.table().names(EffectKind::Response) {
+            return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
+        }
+        Ok(self)
+    }
+
+    fn table(&self) -> EffectTable {
+        EffectTable::new(&self.scene_effects, self.available.iter().copied())
+    }
+
+    /// Whether the app will have the plugin of an effect.
+    #[must_use]
+    pub fn has(&self, effect: EffectKind) -> bool {
+        self.table().names(effect)
     }
 
     /// Records every so many steps, and at the end.
@@ -169,35 +235,47 @@ impl CrannyPlugins {
         Ok(self)
     }
 
-    /// Effects by pairs.
-    #[must_use]
-    pub fn effects(&self) -> &EffectTable {
-        &self.effects
-    }
 }
 
 impl PluginGroup for CrannyPlugins {
     fn build(self) -> PluginGroupBuilder {
-        // Bodies first: the others look them up.
-        let clock = ClockPlugin { step: self.core.step };
-        let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(self.core);
-        group = group.add(self.motion).add(self.links);
-        if let Some(kinematics) = self.kinematics {
-            group = group.add(kinematics);
+        let effects = self.table();
+        let (trigger, contacts) =
+            (effects.names(EffectKind::Trigger), effects.names(EffectKind::Contacts));
+        let detects = trigger || contacts;
+        let clock = ClockPlugin { step: self.step };
+        let core = CorePlugin { effects: effects.clone() };
+        // Those that keep bodies of their own come before the scene, whose bodies they take in.
+        let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(core);
+        group = group.add(AdmissionPlugin);
+        if self.kinematics {
+            group = group.add(KinematicsPlugin);
         }
-        if let Some(detection) = self.detection {
-            group = group.add(detection);
+        if detects {
+            group = group.add(DetectionPlugin::new(&self.scene_effects, &effects, &self.options));
         }
-        if self.effects.names(EffectKind::Trigger) {
+        if trigger {
             group = group.add(TriggerPlugin);
         }
-        if self.effects.names(EffectKind::Contacts) {
+        if contacts {
             group = group.add(ContactsPlugin);
         }
         #[cfg(feature = "rapier")]
-        if let Some(response) = self.response {
-            group = group.add(response);
+        if effects.names(EffectKind::Response) {
+            group = group.add(crate::response::ResponsePlugin {
+                gravity: self.gravity,
+                step: self.step,
+                length_unit: self.options.length_unit.unwrap_or(1.0),
+                options: self.options.clone(),
+                detection_present: detects,
+            });
         }
+        if let Some(scene) = self.scene {
+            group = group.add(ScenePlugin { scene });
+        }
+        group = group
+            .add(MotionPlugin { helices: self.options.helices.clone() })
+            .add(LinkPlugin { rings: self.options.rings.clone() });
         #[cfg(feature = "record")]
         if let Some(recording) = self.recording {
             group = group.add(recording);
@@ -210,60 +288,50 @@ impl PluginGroup for CrannyPlugins {
     }
 }
 
-/// Present where a kinematic body moves, whoever moves it: so another effect adds its own systems to
-/// a plan and takes none away. Bodies that the solver moves are left to it.
-fn kinematics(scene: &SceneDescription, simulated: &[BodyId]) -> Option<KinematicsPlugin> {
-    let moves = |body: &BodyDescription| {
+/// Whether a kinematic body moves, whoever moves it: so another effect adds its own systems to a plan
+/// and takes none away.
+fn moves_kinematic(scene: &SceneDescription) -> bool {
+    scene.bodies.iter().any(|body| {
         body.kind == BodyKind::Kinematic
-            && (body.linear_velocity.length_squared() > 0.0
-                || body.angular_velocity.length_squared() > 0.0)
+            && (body.linear_velocity != DVec3::ZERO || body.angular_velocity != DVec3::ZERO)
+    })
+}
+
+/// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a
+/// wire): what rapier takes for a metre. Its prediction distance is a fiftieth of that. Larger:
+/// contacts are looked for far away, at a cost, and the far flank of a groove joins in. Smaller:
+/// bodies meet before their contacts are seen coming.
+fn typical_size(scene: &SceneDescription, models: &[Model]) -> f64 {
+    let dynamic = scene.bodies.iter().zip(models).filter(|(b, _)| b.kind == BodyKind::Dynamic);
+    let size = |model: &Model| {
+        let faces = (0..model.mesh().faces().len() as u32).map(FaceId);
+        let area: f64 = faces.map(|face| model.mesh().area_vector(face).length()).sum();
+        model.mass_properties().map(|mass| 2.0 * mass.volume / area).filter(|size| *size > 0.0)
     };
-    if !scene.bodies.iter().any(moves) {
-        return None;
-    }
-    let bodies = scene.bodies.iter().enumerate().map(|(i, body)| (BodyId(i as u32), body));
-    let bodies = bodies
-        .filter(|(id, body)| moves(body) && simulated.binary_search(id).is_err())
-        .map(|(id, body)| (id, body.linear_velocity, body.angular_velocity));
-    Some(KinematicsPlugin { bodies: bodies.collect() })
+    dynamic.filter_map(|(_, model)| size(model)).reduce(f64::min).unwrap_or(1.0)
 }
 
-/// Bodies as entities, the effect table, sums.
+/// The effect table, sums, what failed.
 struct CorePlugin {
-    step: f64,
-    bodies: Vec<(BodyDescription, Model)>,
-    effects: Mutex<EffectTable>,
-}
-
-impl CorePlugin {
-    fn new(scene: &SceneDescription, models: Vec<Model>, effects: EffectTable) -> Self {
-        let bodies = scene.bodies.iter().cloned().zip(models).collect();
-        Self { step: scene.step, bodies, effects: Mutex::new(effects) }
-    }
+    effects: EffectTable,
 }
 
 impl Plugin for CorePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Failure>().init_resource::<Tally>();
-        if let Ok(effects) = self.effects.lock() {
-            app.insert_resource(effects.clone());
-        }
-        let mut records = Bodies::default();
-        for (i, (body, model)) in self.bodies.iter().enumerate() {
-            let id = BodyId(i as u32);
-            let parts = (Name::new(body.name.clone()), Body { id }, transform_of(&body.pose));
-            let entity = app.world_mut().spawn(parts).id();
-            records.push(BodyRecord {
-                entity,
-                name: body.name.clone(),
-                model: model.clone(),
-                visual: body.visual.clone(),
-                kind: body.kind,
-                density: body.material.density,
-                normals: body.normals,
-            });
-        }
-        app.insert_resource(records);
+        app.insert_resource(self.effects.clone());
+    }
+}
+
+/// Spawns a scene, whose bodies are there before the first step.
+struct ScenePlugin {
+    scene: SpawnScene,
+}
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        self.scene.spawn(app.world_mut());
+        admit_bodies(app.world_mut());
     }
 }
 

@@ -4,15 +4,16 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_transform::components::Transform;
 use cranny_record::{
     Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
     Recorder, Summary,
 };
-use cranny_world::{ContactFields, PairEvent};
+use cranny_world::{BodyId, ContactFields, PairEvent};
 
-use crate::body::{Bodies, Body, pose_of};
+use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactReport;
 use crate::detection::Detected;
@@ -105,9 +106,11 @@ impl Plugin for RecordingPlugin {
         let recorder = self.recorder.lock().ok().and_then(|mut recorder| recorder.take());
         let mut recorder =
             FrameRecorder { recorder: Mutex::new(recorder), every: self.every, events: Vec::new() };
-        let told = tell_bodies(&mut recorder, app.world().resource::<Bodies>());
-        app.world_mut().resource_mut::<Failure>().note(told);
+        let present = app.world().resource::<Bodies>().iter();
+        let written = record_bodies(&mut recorder, present);
+        app.world_mut().resource_mut::<Failure>().note(written);
         app.insert_resource(recorder);
+        app.add_observer(record_body).add_observer(record_removal);
         // In every step, not only where a frame is due: names of regions and their events follow them.
         if let Some(mut readers) = app.world_mut().get_resource_mut::<ContactReaders>() {
             readers.set(ContactReaders::RECORDING, ContactFields::ALL);
@@ -118,16 +121,47 @@ impl Plugin for RecordingPlugin {
     }
 }
 
-fn tell_bodies(recorder: &mut FrameRecorder, bodies: &Bodies) -> Result<(), SceneAppError> {
-    let told: Vec<RecordedBody> = bodies
-        .iter()
+fn record_bodies<'a>(
+    recorder: &mut FrameRecorder,
+    bodies: impl Iterator<Item = (BodyId, &'a BodyRecord)>,
+) -> Result<(), SceneAppError> {
+    let bodies: Vec<RecordedBody> = bodies
         .map(|(id, record)| RecordedBody {
             name: &record.name,
             mesh: record.visual.as_deref().unwrap_or(record.model.mesh()),
             color: hue(id.0),
         })
         .collect();
-    recorder.open().map_or(Ok(()), |r| r.bodies(&told)).map_err(Into::into)
+    recorder.open().map_or(Ok(()), |r| r.bodies(&bodies)).map_err(Into::into)
+}
+
+/// A body that comes while the run goes on, or one whose geometry has changed.
+fn record_body(
+    inserted: On<Insert<Body>>,
+    query: Query<&Body>,
+    bodies: Res<Bodies>,
+    mut recorder: ResMut<FrameRecorder>,
+    mut failure: ResMut<Failure>,
+) {
+    let Ok(&Body { id }) = query.get(inserted.entity) else { return };
+    let Some(record) = bodies.get(id) else { return };
+    if let Some(recorder) = recorder.open() {
+        failure.note(recorder.remove_body(&record.name));
+    }
+    failure.note(record_bodies(&mut recorder, [(id, record)].into_iter()));
+}
+
+fn record_removal(
+    removed: On<Remove<Body>>,
+    query: Query<&Body>,
+    bodies: Res<Bodies>,
+    mut recorder: ResMut<FrameRecorder>,
+    mut failure: ResMut<Failure>,
+) {
+    let Ok(&Body { id }) = query.get(removed.entity) else { return };
+    if let Some(recorder) = recorder.open() {
+        failure.note(recorder.remove_body(bodies.name(id)));
+    }
 }
 
 /// Colours of bodies: the colour wheel in steps of the golden ratio, so neighbours differ.

@@ -11,6 +11,7 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
@@ -18,7 +19,7 @@ use cranny_render::{Animation, DrawList, Image, ImageSize, Renderer};
 use cranny_world::ContactFields;
 use cranny_world::description::SceneDescription;
 
-use crate::body::{Body, pose_of};
+use crate::body::{Bodies, Body, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactReport;
 use crate::error::{Failure, SceneAppError};
@@ -219,6 +220,7 @@ impl Plugin for RenderingPlugin {
         };
         let records = painter.options.record;
         app.insert_resource(painter);
+        app.add_observer(paint_body).add_observer(paint_no_more);
         if app.world().contains_resource::<ContactReaders>() {
             let read = (StepSystems::Sync, RenderingSystems::Read);
             app.add_systems(CrannyStep, read_for_step.in_set(read.0).in_set(read.1));
@@ -237,6 +239,26 @@ impl Plugin for RenderingPlugin {
         }
         #[cfg(not(feature = "record"))]
         let _ = records;
+    }
+}
+
+/// A body that comes while the run goes on, or one whose geometry has changed.
+fn paint_body(
+    inserted: On<Insert<Body>>,
+    query: Query<&Body>,
+    bodies: Res<Bodies>,
+    mut painter: ResMut<Painter>,
+    mut failure: ResMut<Failure>,
+) {
+    let Ok(&Body { id }) = query.get(inserted.entity) else { return };
+    if let Some(record) = bodies.get(id) {
+        failure.note(painter.palette.put(id, record));
+    }
+}
+
+fn paint_no_more(removed: On<Remove<Body>>, query: Query<&Body>, mut painter: ResMut<Painter>) {
+    if let Ok(&Body { id }) = query.get(removed.entity) {
+        painter.palette.remove(id);
     }
 }
 

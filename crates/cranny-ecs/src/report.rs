@@ -6,10 +6,11 @@ use bevy_ecs::prelude::World;
 use bevy_transform::components::Transform;
 use cranny_world::description::SceneDescription;
 
-use crate::body::{Bodies, Velocity};
+use crate::body::Bodies;
 use crate::clock::{PhaseTimes, SimulatedTime};
 use crate::links::LinkLog;
 use crate::motion::MotionLog;
+use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
     MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
@@ -117,7 +118,7 @@ fn count(series: &Series) -> CountSummary {
 
 #[cfg(feature = "rapier")]
 fn pairs_found(world: &World, tally: &Tally) -> Option<PairsFound> {
-    let bodies = world.get_resource::<crate::response::RigidBodies>()?;
+    let bodies = world.get_resource::<crate::solved::RigidBodies>()?;
     let found = PairsFound { carried: count(&tally.carried), searched: count(&tally.searched) };
     bodies.is_exact().then_some(found)
 }
@@ -129,7 +130,7 @@ fn pairs_found(_: &World, _: &Tally) -> Option<PairsFound> {
 
 #[cfg(feature = "rapier")]
 fn energies(world: &World) -> (Option<f64>, Option<EnergySummary>) {
-    let energy = world.get_resource::<crate::response::RigidBodies>().map(|b| *b.energy());
+    let energy = world.get_resource::<crate::solved::RigidBodies>().map(|b| b.energy());
     let summary = energy.map(|energy| EnergySummary {
         start: energy.start,
         end: energy.now,
@@ -180,14 +181,15 @@ fn state_hash(world: &World, bodies: &Bodies) -> String {
     for (id, record) in bodies.iter() {
         let Some(transform) = world.get::<Transform>(record.entity) else { continue };
         hasher.update(&id.0.to_le_bytes());
-        let velocity = world.get::<Velocity>(record.entity).copied().unwrap_or_default();
+        let linear = world.get::<LinearVelocity>(record.entity).copied().unwrap_or_default();
+        let angular = world.get::<AngularVelocity>(record.entity).copied().unwrap_or_default();
         let numbers = transform
             .translation
             .to_array()
             .into_iter()
             .chain(transform.rotation.to_array())
-            .chain(velocity.linear.to_array())
-            .chain(velocity.angular.to_array());
+            .chain(linear.0.to_array())
+            .chain(angular.0.to_array());
         for number in numbers {
             // `+ 0.0`: −0 and 0 are the same state.
             hasher.update(&(number + 0.0).to_bits().to_le_bytes());

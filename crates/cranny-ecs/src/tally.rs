@@ -82,6 +82,12 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Whether a summary will name a body.
+    pub(crate) fn mentions(&self, body: BodyId) -> bool {
+        let deepest = self.deepest.is_some_and(|d| d.a == body || d.b == body);
+        deepest || self.contained.is_some_and(|c| c.a == body || c.b == body)
+    }
+
     /// Takes note of an answer about a pair, `a` < `b`.
     pub(crate) fn note_depth(&mut self, a: BodyId, b: BodyId, answer: &Answer, step: u64) {
         if answer.solid && answer.contained.is_some() {

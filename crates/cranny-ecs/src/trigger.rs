@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::Add;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use cranny_world::{BodyId, PairEventKind};
@@ -10,7 +11,7 @@ use cranny_world::{BodyId, PairEventKind};
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, StepSystems};
 use crate::detection::{Detected, DetectionSystems};
-use crate::effects::{EffectKind, EffectTable};
+use crate::effects::{EffectKind, EffectTable, Pair};
 
 /// The systems of `Trigger`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -59,11 +60,9 @@ pub struct TriggerPlugin;
 impl Plugin for TriggerPlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<CollisionStart>().add_message::<CollisionEnd>();
-        let entities: Vec<Entity> =
-            app.world().resource::<Bodies>().iter().map(|(_, record)| record.entity).collect();
-        for entity in entities {
-            app.world_mut().entity_mut(entity).insert(TouchingBodies::default());
-        }
+        app.add_observer(|added: On<Add<Body>>, mut commands: Commands| {
+            commands.entity(added.entity).insert(TouchingBodies::default());
+        });
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             app.add_systems(
                 label,
@@ -83,6 +82,7 @@ fn tell_collisions(
     mut touching: Query<&mut TouchingBodies, With<Body>>,
     mut starts: MessageWriter<CollisionStart>,
     mut ends: MessageWriter<CollisionEnd>,
+    mut begun: Local<BTreeSet<Pair>>,
     mut commands: Commands,
 ) {
     for event in detected.report.iter().flat_map(|report| &report.events) {
@@ -91,12 +91,18 @@ fn tell_collisions(
             PairEventKind::Ended => false,
             _ => continue,
         };
-        if !effects.asks(EffectKind::Trigger, event.a, event.b) {
+        // What began ends, whether or not it is still asked for.
+        let pair = (event.a, event.b);
+        let known = if began {
+            effects.asks(EffectKind::Trigger, event.a, event.b) && begun.insert(pair)
+        } else {
+            begun.remove(&pair)
+        };
+        if !known {
             continue;
         }
-        let (Some(a), Some(b)) = (bodies.get(event.a), bodies.get(event.b)) else { continue };
-        let sides =
-            [(a.entity, b.entity, [event.a, event.b]), (b.entity, a.entity, [event.b, event.a])];
+        let (Some(a), Some(b)) = (bodies.entity(event.a), bodies.entity(event.b)) else { continue };
+        let sides = [(a, b, [event.a, event.b]), (b, a, [event.b, event.a])];
         for (turn, (body, other, ids)) in sides.into_iter().enumerate() {
             let (start, end) =
                 (CollisionStart { body, other, ids }, CollisionEnd { body, other, ids });

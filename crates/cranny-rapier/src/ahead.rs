@@ -76,6 +76,19 @@ impl Motion {
         }
     }
 
+    /// Of a tag that no body has: nothing is near it.
+    fn of_nobody() -> Self {
+        Self {
+            pose: Pose::IDENTITY,
+            bounds: Aabb::new_invalid(),
+            center: Vector::ZERO,
+            linear: Vector::ZERO,
+            angular: Vector::ZERO,
+            spin: 0.0,
+            may: Aabb::new(Vector::ZERO, Vector::ZERO),
+        }
+    }
+
     /// Two that are not, come no nearer than the prediction distance, `base`.
     fn is_fast(&self, base: Real) -> bool {
         longest(&self.may) > 0.5 * base
@@ -193,7 +206,7 @@ pub(crate) struct World<'a> {
     pub(crate) tagged: &'a [Tagged],
 }
 
-/// What does not change about a body.
+/// What does not change about a body as it moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tagged {
     pub(crate) collider: ColliderHandle,
@@ -218,6 +231,13 @@ impl Tagged {
             radius: radius as Real,
             thickness: thickness(model) as Real,
         }
+    }
+}
+
+impl Tagged {
+    /// No body has the tag any more.
+    pub(crate) fn leave(&mut self) {
+        (self.radius, self.thickness) = (0.0, Real::INFINITY);
     }
 }
 
@@ -259,8 +279,8 @@ impl Motions {
         let fall = gravity.length() * parameters.dt * parameters.dt;
         let reserve = UNFORESEEN * base + fall;
         let tags = 0..world.tagged.len();
-        let mut bodies: Vec<Motion> =
-            tags.filter_map(|tag| world.motion(tag, parameters.dt)).collect();
+        let motion = |tag| world.motion(tag, parameters.dt).unwrap_or_else(Motion::of_nobody);
+        let mut bodies: Vec<Motion> = tags.map(motion).collect();
         let reach = if settled {
             Neighbours { world, parameters, base }.influence(&mut bodies, broad_phase)
         } else {

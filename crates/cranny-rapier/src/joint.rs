@@ -2,7 +2,9 @@
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use rapier3d::math::Real;
-use rapier3d::prelude::{GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel};
+use rapier3d::prelude::{
+    GenericJoint, GenericJointBuilder, ImpulseJointHandle, JointAxesMask, JointAxis, MotorModel,
+};
 
 use crate::convert::pose_to_rapier;
 
@@ -12,6 +14,10 @@ const MOTOR_STIFFNESS: Real = 1000.0;
 
 /// Damping of a joint's motor, per second: critical for the stiffness.
 const MOTOR_DAMPING: Real = 63.0;
+
+/// A joint of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointIndex(pub(crate) ImpulseJointHandle);
 
 /// Which motions a joint leaves free. Axes are unit vectors in the joint's frame; angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -83,7 +83,7 @@ pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 pub use cranny_narrow_phase::Normals;
 pub use detector::{Detector, UnknownDetector};
 pub use dispatcher::{Dispatcher, dispatcher};
-pub use joint::JointSpec;
+pub use joint::{JointIndex, JointSpec};
 pub use log::{AnswerLog, LoggedAnswer};
 pub use mass::{MassError, mass_properties};
 pub use shape::{MeshShape, ShapeError};

@@ -15,11 +15,12 @@
 //! Other detectors run with rapier's defaults but for the last of these, recycling as the options say.
 
 mod body;
+mod changes;
 mod options;
 mod stepping;
 mod told;
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use cranny_exact::{DVec3, Pose};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
@@ -29,10 +30,11 @@ use rapier3d::prelude::{
     ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
     ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase,
     PhysicsHooks, PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
-    RigidBodyType, SoftBodySet, SolverFlags,
+    SoftBodySet, SolverFlags,
 };
 
 use self::body::check_numbers;
+use self::changes::rapier_kind;
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
 pub use self::told::{Energy, PairContacts, Timings};
@@ -41,7 +43,7 @@ use crate::carried::{PairCounts, Searches};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 use crate::detector::Detector;
 use crate::dispatcher::Dispatcher;
-use crate::joint::{JointSpec, generic_joint};
+use crate::joint::{JointIndex, JointSpec, generic_joint};
 use crate::log::AnswerLog;
 use crate::mass::mass_properties;
 
@@ -59,7 +61,10 @@ pub struct Simulation {
     pub(crate) multibody_joints: MultibodyJointSet,
     pub(crate) soft_bodies: SoftBodySet,
     pub(crate) ccd: CCDSolver,
+    /// By number; what stands at one that is free is stale.
     pub(crate) handles: Vec<RigidBodyHandle>,
+    /// Numbers of bodies that were removed.
+    pub(crate) free: BTreeSet<u32>,
     pub(crate) tagged: Vec<Tagged>,
     pub(crate) motions: Motions,
     /// Whether rapier has seen all bodies where they are.
@@ -151,6 +156,7 @@ impl Simulation {
             soft_bodies: SoftBodySet::new(),
             ccd: CCDSolver::new(),
             handles: Vec::new(),
+            free: BTreeSet::new(),
             tagged: Vec::new(),
             motions,
             settled: false,
@@ -186,7 +192,7 @@ impl Simulation {
     pub fn insert(&mut self, spec: &BodySpec) -> Result<BodyIndex, SimulationError> {
         check_numbers(spec)?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
-        let index = self.handles.len() as u32;
+        let index = self.free.first().copied().unwrap_or(self.handles.len() as u32);
         let shape = self.options.detector.shape_with(spec.model, spec.normals, index)?;
         let groups = Group::from_bits_truncate(spec.groups);
         let mut collider = ColliderBuilder::new(shape)
@@ -198,28 +204,29 @@ impl Simulation {
         if spec.kind == BodyKind::Dynamic {
             collider = collider.mass_properties(mass_properties(spec.model, spec.density)?);
         }
-        let kind = match spec.kind {
-            BodyKind::Fixed => RigidBodyType::Fixed,
-            BodyKind::Kinematic => RigidBodyType::KinematicVelocityBased,
-            BodyKind::Dynamic => RigidBodyType::Dynamic,
-        };
         // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning of the step.
         let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
-        let body = RigidBodyBuilder::new(kind)
+        let body = RigidBodyBuilder::new(rapier_kind(spec.kind))
             .soft_ccd_prediction(if own { spec.model.radius() as Real } else { 0.0 })
             .pose(pose_to_rapier(&pose))
             .linvel(narrow(spec.linear_velocity))
             .angvel(narrow(spec.angular_velocity));
         let handle = self.bodies.insert(body);
         let collider = self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
-        self.handles.push(handle);
-        self.tagged.push(Tagged::new(spec.model, collider));
+        let (at, tagged) = (index as usize, Tagged::new(spec.model, collider));
+        if self.free.remove(&index) {
+            (self.handles[at], self.tagged[at]) = (handle, tagged);
+            self.poses_before[at] = self.pose(BodyIndex(index));
+        } else {
+            self.handles.push(handle);
+            self.tagged.push(tagged);
+            self.poses_before.push(self.pose(BodyIndex(index)));
+        }
         self.settled = false;
-        self.poses_before.push(self.pose(BodyIndex(index)));
         Ok(BodyIndex(index))
     }
 
-    /// Joins two bodies; a joint's frames are given in each body's.
+    /// Joins two bodies; a joint's frames are given in each body's. It ends with either of them.
     pub fn join(
         &mut self,
         parent: BodyIndex,
@@ -228,10 +235,10 @@ impl Simulation {
         child_from_joint: Pose,
         spec: &JointSpec,
         contacts_enabled: bool,
-    ) {
+    ) -> JointIndex {
         let joint = generic_joint(&parent_from_joint, &child_from_joint, spec, contacts_enabled);
-        self.joints.insert(self.handle(parent), self.handle(child), joint, true);
         self.joined = true;
+        JointIndex(self.joints.insert(self.handle(parent), self.handle(child), joint, true))
     }
 
     /// Two bodies never meet from now on.
@@ -263,13 +270,13 @@ impl Simulation {
     /// Number of bodies.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.handles.len()
+        self.handles.len() - self.free.len()
     }
 
     /// Whether there is no body.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.handles.is_empty()
+        self.len() == 0
     }
 
     /// Where a body is now.

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use foxglove::bytes::Bytes;
 use foxglove::messages::{
-    CompressedImage, FrameTransform, FrameTransforms, Log, SceneEntity, SceneUpdate, Timestamp,
-    TriangleListPrimitive, log::Level,
+    CompressedImage, FrameTransform, FrameTransforms, Log, SceneEntity, SceneEntityDeletion,
+    SceneUpdate, Timestamp, TriangleListPrimitive, log::Level, scene_entity_deletion,
 };
 
 use crate::contact_marks::{ContactMarks, normal_poses, point_cloud};
@@ -129,6 +129,25 @@ impl Recorder {
             self.marks.resize(MARK_SIZE * smallest);
         }
         self.output.flush()
+    }
+
+    /// Takes a body out of the picture from the time of the latest frame on. Its name is free then.
+    /// Nothing is written for one that is not there.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordError::Write`].
+    pub fn remove_body(&mut self, name: &str) -> Result<(), RecordError> {
+        if !self.names.remove(name) {
+            return Ok(());
+        }
+        let deletion = SceneEntityDeletion {
+            timestamp: Some(timestamp(self.now)),
+            r#type: scene_entity_deletion::Type::MatchingId as i32,
+            id: name.to_owned(),
+        };
+        let update = SceneUpdate { deletions: vec![deletion], entities: Vec::new() };
+        self.output.message(topic::BODIES, self.now, &update)
     }
 
     /// Writes one step to all topics that are due every frame.

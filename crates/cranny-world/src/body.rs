@@ -1,6 +1,5 @@
 //! Bodies: a model at a pose, under a stable id.
 
-use std::collections::BTreeSet;
 use std::fmt;
 
 use cranny_exact::Pose;
@@ -9,6 +8,7 @@ use cranny_narrow_phase::Placed;
 
 use crate::demand::Wish;
 use crate::description::{BodyKind, Effect};
+use crate::layers::Layers;
 
 /// A body of one [`World`](crate::World). Ids count up from 0 in the order of insertion and are
 /// never used again, so they order everything that a world reports.
@@ -32,17 +32,14 @@ pub struct BodySpec {
     pub pose: Pose,
     /// How it moves. Two fixed bodies never meet.
     pub kind: BodyKind,
-    /// Bodies meet only where they share a layer; a body without any meets nothing.
-    pub layers: Vec<String>,
+    /// Which other bodies it may meet at all.
+    pub layers: Layers,
     /// What is asked about it beyond the scene's effects.
     pub effects: Vec<Effect>,
 }
 
 impl BodySpec {
-    /// The layer of a body that names none.
-    pub const DEFAULT_LAYER: &'static str = "all";
-
-    /// A dynamic body at the origin, in the [default layer](Self::DEFAULT_LAYER), without effects.
+    /// A dynamic body at the origin, in the default layers, without effects.
     #[must_use]
     pub fn new(name: impl Into<String>, model: Model) -> Self {
         // Before the first step, which would make it otherwise.
@@ -52,7 +49,7 @@ impl BodySpec {
             model,
             pose: Pose::IDENTITY,
             kind: BodyKind::Dynamic,
-            layers: vec![Self::DEFAULT_LAYER.to_owned()],
+            layers: Layers::default(),
             effects: Vec::new(),
         }
     }
@@ -65,7 +62,7 @@ pub struct Body {
     pub(crate) model: Model,
     pub(crate) pose: Pose,
     pub(crate) kind: BodyKind,
-    pub(crate) layers: BTreeSet<String>,
+    pub(crate) layers: Layers,
     pub(crate) effects: Vec<Effect>,
     /// What `effects` ask.
     pub(crate) wish: Wish,
@@ -96,9 +93,10 @@ impl Body {
         self.kind
     }
 
-    /// Its layers, sorted.
-    pub fn layers(&self) -> impl Iterator<Item = &str> {
-        self.layers.iter().map(String::as_str)
+    /// Which other bodies it may meet at all.
+    #[must_use]
+    pub fn layers(&self) -> Layers {
+        self.layers
     }
 
     /// What is asked about it beyond the scene's effects.
@@ -115,6 +113,6 @@ impl Body {
     /// Whether layers and kinds let the two meet at all.
     pub(crate) fn may_meet(&self, other: &Self) -> bool {
         let both_fixed = self.kind == BodyKind::Fixed && other.kind == BodyKind::Fixed;
-        !both_fixed && !self.layers.is_disjoint(&other.layers)
+        !both_fixed && self.layers.meets(other.layers)
     }
 }

@@ -39,6 +39,14 @@ pub enum WorldError {
         /// The body that did not fit.
         name: String,
     },
+    /// An id that the world has given away, or has passed by.
+    #[error("body '{name}' cannot have the id {body}: ids ascend, and a later one was given away")]
+    IdUsed {
+        /// The body that asks for it.
+        name: String,
+        /// The id.
+        body: BodyId,
+    },
     /// A contact margin that is no length.
     #[error(
         "the contact margin of {owner} is {margin}: it must be a finite length of at least zero"

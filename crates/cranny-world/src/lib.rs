@@ -58,6 +58,7 @@ mod crew;
 mod demand;
 pub mod description;
 mod error;
+mod layers;
 mod report;
 mod supply;
 mod world;
@@ -65,6 +66,7 @@ mod world;
 pub use body::{Body, BodyId, BodySpec};
 pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
+pub use layers::Layers;
 pub use report::{
     Deepest, PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats,
 };

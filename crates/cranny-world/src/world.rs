@@ -8,6 +8,7 @@ use std::num::NonZeroUsize;
 
 use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
+use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
 
 use crate::body::{Body, BodyId, BodySpec};
@@ -16,6 +17,7 @@ use crate::crew::{Crew, Job};
 use crate::demand::{ContactFields, Wish};
 use crate::description::BodyKind;
 use crate::error::{WorldError, WorldInvariantError};
+use crate::layers::Layers;
 use crate::report::{
     PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats, region_events,
     touches,
@@ -70,18 +72,30 @@ impl World {
     /// length, a [pose](WorldError::Pose) that is refused, or no [id](WorldError::NoIdLeft) or
     /// [room](WorldError::BroadPhase) left.
     pub fn insert(&mut self, spec: BodySpec) -> Result<BodyId, WorldError> {
+        let id = BodyId(self.inserted);
+        self.insert_as(id, spec).map(|()| id)
+    }
+
+    /// Puts a body in under an id that the caller gives, which must be higher than those of all
+    /// bodies before it: for whoever counts bodies in several worlds.
+    ///
+    /// # Errors
+    ///
+    /// As [`insert`](Self::insert), and [`WorldError::IdUsed`] for an id that is not higher.
+    pub fn insert_as(&mut self, id: BodyId, spec: BodySpec) -> Result<(), WorldError> {
         let BodySpec { name, model, pose, kind, layers, effects } = spec;
+        if id.0 < self.inserted {
+            return Err(WorldError::IdUsed { name, body: id });
+        }
         if let Some(&body) = self.by_name.get(&name) {
             return Err(WorldError::DuplicateName { name, body });
         }
         let wish = Wish::of(&effects, || format!("body '{name}'"))?;
         let pose =
             pose.accepted().map_err(|source| WorldError::Pose { name: name.clone(), source })?;
-        let id = BodyId(self.inserted);
-        let Some(inserted) = self.inserted.checked_add(1) else {
+        let Some(inserted) = id.0.checked_add(1) else {
             return Err(WorldError::NoIdLeft { name });
         };
-        let layers = layers.into_iter().collect();
         let body = Body { name, model, pose, kind, layers, effects, wish };
         let around = world_box(&body.model, &body.pose, self.growth(id, &body));
         self.broad_phase
@@ -90,7 +104,7 @@ impl World {
         self.inserted = inserted;
         self.by_name.insert(body.name.clone(), id);
         self.bodies.insert(id, body);
-        Ok(id)
+        Ok(())
     }
 
     /// Takes a body out, with all that was said about its pairs. What it touched is told to have
@@ -156,6 +170,47 @@ impl World {
             .accepted()
             .map_err(|source| WorldError::Pose { name: known.name.clone(), source })?;
         self.refresh_box(body)
+    }
+
+    /// Gives a body another geometry, in place of its own. Its id, pose and effects stay.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], or no [room](WorldError::BroadPhase) for its box.
+    pub fn set_model(&mut self, body: BodyId, model: Model) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        known.model = model;
+        self.memories.retain(|pair, _| pair.0 != body && pair.1 != body);
+        self.supplied.retain(|pair, _| pair.0 != body && pair.1 != body);
+        self.refresh_box(body)
+    }
+
+    /// Says how a body moves from now on.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], or no [room](WorldError::BroadPhase) for its box.
+    pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        if motion_of(known.kind) != motion_of(kind) {
+            let name = known.name.clone();
+            self.broad_phase
+                .set_moving(ProxyId(body.0), motion_of(kind))
+                .map_err(|source| WorldError::BroadPhase { name, source })?;
+        }
+        known.kind = kind;
+        Ok(())
+    }
+
+    /// Says which other bodies a body may meet from now on.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`].
+    pub fn set_layers(&mut self, body: BodyId, layers: Layers) -> Result<(), WorldError> {
+        let known = self.bodies.get_mut(&body).ok_or(WorldError::UnknownBody { body })?;
+        known.layers = layers;
+        Ok(())
     }
 
     fn known(&self, body: BodyId) -> Result<&Body, WorldError> {

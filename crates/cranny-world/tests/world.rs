@@ -8,7 +8,8 @@ use cranny_narrow_phase::{
 use cranny_shapes::{Cuboid, Torus};
 use cranny_world::description::{BodyKind, Effect};
 use cranny_world::{
-    BodyId, BodySpec, ContactFields, PairEvent, PairEventKind, StepReport, World, WorldError,
+    BodyId, BodySpec, ContactFields, Layers, PairEvent, PairEventKind, StepReport, World,
+    WorldError,
 };
 use proptest::prelude::*;
 
@@ -201,16 +202,17 @@ fn a_pair_without_demand_is_never_looked_at() {
 fn layers_kinds_and_exclusions_keep_bodies_apart() {
     let mut world = World::new();
     world.set_scene_effects(&[Effect::Trigger]).unwrap();
-    let mut put = |name: &str, kind, layers: &[&str]| {
-        let layers = layers.iter().map(|&l| l.to_owned()).collect();
+    let mut put = |name: &str, kind, layers: u32| {
+        let layers = Layers::shared(layers);
         world.insert(BodySpec { kind, layers, ..cube(name, 0.0) }).unwrap()
     };
-    let floor = put("floor", BodyKind::Fixed, &["all", "ground"]);
-    let wall = put("wall", BodyKind::Fixed, &["all"]);
-    let ghost = put("ghost", BodyKind::Dynamic, &["ghosts", "ground"]);
-    let spirit = put("spirit", BodyKind::Kinematic, &["ghosts"]);
-    let nothing = put("nothing", BodyKind::Dynamic, &[]);
-    let ball = put("ball", BodyKind::Dynamic, &["all"]);
+    let [all, ground, ghosts] = [1, 2, 4];
+    let floor = put("floor", BodyKind::Fixed, all | ground);
+    let wall = put("wall", BodyKind::Fixed, all);
+    let ghost = put("ghost", BodyKind::Dynamic, ghosts | ground);
+    let spirit = put("spirit", BodyKind::Kinematic, ghosts);
+    let nothing = put("nothing", BodyKind::Dynamic, 0);
+    let ball = put("ball", BodyKind::Dynamic, all);
     world.exclude_pair(ball, wall).unwrap();
     assert!(!world.may_meet(floor, wall).unwrap() && !world.may_meet(nothing, ball).unwrap());
     assert_eq!(
@@ -449,4 +451,46 @@ proptest! {
             touching = now;
         }
     }
+}
+
+#[test]
+fn what_a_body_is_may_change_between_steps() {
+    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 1.5]);
+    assert!(step(&mut world).events.is_empty());
+
+    let wide = Cuboid { size: [2.5, 1.0, 1.0] }.build().unwrap();
+    let (wide, _) = Model::build(wide, &BuildOptions::default()).unwrap();
+    let narrow = world.body(ids[1]).unwrap().model().clone();
+    world.set_model(ids[1], wide).unwrap();
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
+    world.set_model(ids[1], narrow).unwrap();
+    assert_eq!(step(&mut world).events, [ended(ids[0], ids[1])]);
+
+    world.set_pose(ids[1], at(0.5)).unwrap();
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
+    let none = Layers { memberships: 0, filters: 0 };
+    world.set_layers(ids[0], none).unwrap();
+    assert_eq!(step(&mut world).events, [ended(ids[0], ids[1])]);
+    world.set_layers(ids[0], Layers::default()).unwrap();
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
+    ids.iter().for_each(|&id| world.set_kind(id, BodyKind::Fixed).unwrap());
+    assert_eq!(step(&mut world).events, [ended(ids[0], ids[1])], "two fixed bodies never meet");
+    world.set_kind(ids[0], BodyKind::Kinematic).unwrap();
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
+
+    world.exclude_pair(ids[0], ids[1]).unwrap();
+    assert_eq!(step(&mut world).events, [ended(ids[0], ids[1])]);
+    world.include_pair(ids[1], ids[0]).unwrap();
+    assert_eq!(step(&mut world).events, [began(ids[0], ids[1])]);
+    world.validate().unwrap();
+}
+
+#[test]
+fn ids_of_the_callers_own_must_ascend() {
+    let mut world = World::new();
+    world.insert_as(BodyId(3), cube("a", 0.0)).unwrap();
+    let refused = world.insert_as(BodyId(3), cube("b", 0.0));
+    assert_eq!(refused, Err(WorldError::IdUsed { name: "b".into(), body: BodyId(3) }));
+    assert_eq!(world.insert(cube("b", 0.0)), Ok(BodyId(4)));
+    world.validate().unwrap();
 }

@@ -47,8 +47,10 @@ impl Simulation {
     fn advance(&mut self) {
         self.log.begin_step();
         self.searches.begin_step();
-        for index in 0..self.handles.len() {
-            self.poses_before[index] = self.pose(BodyIndex(index as u32));
+        for index in (0..self.handles.len() as u32).map(BodyIndex) {
+            if self.contains(index) {
+                self.poses_before[index.0 as usize] = self.pose(index);
+            }
         }
         let parameters = self.looking_ahead();
         self.looked_ahead = parameters.prediction_distance();

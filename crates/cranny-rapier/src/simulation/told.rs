@@ -74,7 +74,7 @@ impl Simulation {
     pub fn energy(&self) -> Energy {
         let mut energy = Energy::default();
         for &handle in &self.handles {
-            let body = &self.bodies[handle];
+            let Some(body) = self.bodies.get(handle) else { continue };
             if body.is_dynamic() {
                 energy.kinetic += f64::from(body.kinetic_energy());
                 let center = wide(body.center_of_mass());

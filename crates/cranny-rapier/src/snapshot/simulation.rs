@@ -29,6 +29,8 @@ struct Kept {
     solver_iterations: Option<u64>,
     most_parts: u64,
     handles: Vec<RigidBodyHandle>,
+    /// Numbers of bodies that were removed, ascending.
+    free: Vec<u32>,
     /// Collider, centre of mass, radius, thickness.
     tagged: Vec<(ColliderHandle, [Real; 3], Real, Real)>,
     settled: bool,
@@ -161,6 +163,7 @@ impl Simulation {
             solver_iterations: solver_iterations.map(|n| n as u64),
             most_parts: most_parts as u64,
             handles: self.handles.clone(),
+            free: self.free.iter().copied().collect(),
             tagged: tagged
                 .map(|t| (t.collider, t.center.to_array(), t.radius, t.thickness))
                 .collect(),
@@ -212,13 +215,17 @@ impl Simulation {
         let mut simulation = Self::new(options);
         let bodies_are_known = kept.handles.len() == kept.tagged.len()
             && kept.handles.len() == kept.poses_before.len()
-            && kept.handles.iter().all(|&handle| world.bodies.contains(handle))
-            && kept.tagged.iter().all(|&(handle, ..)| world.colliders.contains(handle));
+            && kept.free.iter().all(|&index| (index as usize) < kept.handles.len())
+            && (0..kept.handles.len()).filter(|&i| !kept.free.contains(&(i as u32))).all(|i| {
+                world.bodies.contains(kept.handles[i])
+                    && world.colliders.contains(kept.tagged[i].0)
+            });
         if !bodies_are_known {
             return Err(RestoreError::Content { flaw: "bodies are missing" });
         }
         simulation.put_in(world);
         simulation.handles = kept.handles;
+        simulation.free = kept.free.into_iter().collect();
         let tagged = kept.tagged.into_iter().map(|(collider, center, radius, thickness)| Tagged {
             collider,
             center: Vector::from_array(center),

@@ -3,6 +3,7 @@
 mod carrying;
 mod casts;
 mod chain;
+mod changes;
 mod character;
 mod compounds;
 mod concave;

@@ -1,4 +1,5 @@
-//! What is asked about bodies and pairs: effects, margins, demands.
+//! What is asked about bodies and pairs: effects, margins, demands. How an effect is added says
+//! CONTRIBUTING, 'An effect'.
 
 use cranny_broad_phase::{BroadPhase, ProxyId};
 use cranny_narrow_phase::Demand;
@@ -50,7 +51,11 @@ impl World {
         let pair = self.known_pair(a, b)?;
         let names = (self.known(a)?.name(), self.known(b)?.name());
         let wish = Wish::of(effects, || format!("the pair '{}' and '{}'", names.0, names.1))?;
-        self.pair_wishes.insert(pair, wish);
+        if effects.is_empty() {
+            self.pair_wishes.remove(&pair);
+        } else {
+            self.pair_wishes.insert(pair, wish);
+        }
         self.refresh_box(a)?;
         self.refresh_box(b)
     }
@@ -66,7 +71,18 @@ impl World {
         Ok(())
     }
 
-    /// Whether a pair may meet at all: its bodies share a layer, are not both fixed, and it is not
+    /// Takes back that a pair [never meets](Self::exclude_pair).
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn include_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        self.excluded.remove(&pair);
+        Ok(())
+    }
+
+    /// Whether a pair may meet at all: its bodies' layers meet, they are not both fixed, and it is not
     /// [excluded](Self::exclude_pair).
     ///
     /// # Errors

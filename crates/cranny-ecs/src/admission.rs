@@ -1,0 +1,168 @@
+//! How an entity becomes a body, changes and leaves.
+//!
+//! Hooks of the components that make a body note its entity. At the beginning of the next step
+//! [`admit_bodies`] gives those that are new an id, in the order in which they were spawned, and
+//! inserts [`Body`]; of those that changed it inserts the same [`Body`] again. Whoever keeps bodies of
+//! its own (the solver, detection, a recording) observes `Insert<Body>` and `Remove<Body>`, and reads
+//! everything else from [`Bodies`], [`EffectTable`] and the components. A body that is removed or
+//! despawned leaves at once.
+
+use std::collections::BTreeSet;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::lifecycle::{HookContext, Remove};
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::world::DeferredWorld;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+use cranny_world::description::BodyKind;
+
+use crate::body::{Bodies, Body, BodyRecord};
+use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
+use crate::collider::{Collider, VisualMesh};
+use crate::effects::{BodyEffects, Contacts, EffectTable, Response, Trigger, effects_of};
+use crate::error::{Failure, SceneAppError};
+use crate::pair::{BodyPair, relate_pairs};
+use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
+use crate::tally::Tally;
+
+/// Entities of which a component that makes a body came, changed or went since the last step.
+#[derive(Resource, Debug, Default)]
+pub(crate) struct Noted {
+    entities: Vec<Entity>,
+    /// Whether pairs have to be related to bodies again.
+    pub(crate) pairs: bool,
+}
+
+/// Hook of the components that make a body or a pair, as one is inserted.
+pub(crate) fn note_change(mut world: DeferredWorld<'_>, context: HookContext) {
+    if let Some(mut noted) = world.get_resource_mut::<Noted>() {
+        noted.entities.push(context.entity);
+    }
+}
+
+/// The same as one is removed. A body without a collider is none any more.
+pub(crate) fn note_removal(mut world: DeferredWorld<'_>, context: HookContext) {
+    note_change(world.reborrow(), context);
+    if world.component_id::<Collider>() == Some(context.component_id) {
+        world.commands().entity(context.entity).try_remove::<Body>();
+    }
+}
+
+/// Gives ids, takes leave.
+pub(crate) struct AdmissionPlugin;
+
+impl Plugin for AdmissionPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Noted>().init_resource::<Bodies>();
+        app.add_observer(take_leave);
+        for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+            app.add_systems(
+                label,
+                admit_bodies
+                    .in_set(StepSystems::Admit)
+                    .in_set(CoreSystems::Admit)
+                    .run_if(|noted: Res<Noted>| noted.pairs || !noted.entities.is_empty()),
+            );
+            app.add_systems(
+                label,
+                forget_departed.in_set(StepSystems::Advance).in_set(CoreSystems::Admit),
+            );
+        }
+    }
+}
+
+/// Makes bodies of what was spawned, and passes changes on.
+pub(crate) fn admit_bodies(world: &mut World) {
+    let noted = std::mem::take(&mut world.resource_mut::<Noted>().entities);
+    let mut seen = BTreeSet::new();
+    let mut pairs = false;
+    for entity in noted.into_iter().filter(|&entity| seen.insert(entity)) {
+        let Ok(noted) = world.get_entity(entity) else { continue };
+        pairs |= noted.contains::<BodyPair>();
+        if !noted.contains::<Collider>() {
+            continue;
+        }
+        let (record, effects) = match described(noted) {
+            Ok(described) => described,
+            Err(error) => {
+                world.resource_mut::<Failure>().set(error);
+                continue;
+            }
+        };
+        let known = noted.get::<Body>().map(|body| body.id);
+        let Some(id) = world.resource_mut::<Bodies>().admit(known, record) else {
+            world.resource_mut::<Failure>().set(SceneAppError::NoIdLeft);
+            continue;
+        };
+        pairs |= known.is_none();
+        let put = world.resource_mut::<EffectTable>().put_body(id, effects);
+        if let Err(effect) = put {
+            let body = world.resource::<Bodies>().name(id).to_owned();
+            world.resource_mut::<Failure>().set(SceneAppError::EffectNotPlugged { body, effect });
+        }
+        world.entity_mut(entity).insert(Body { id });
+    }
+    if pairs || world.resource::<Noted>().pairs {
+        world.resource_mut::<Noted>().pairs = false;
+        relate_pairs(world);
+    }
+}
+
+/// What the components of an entity say of the body that it is.
+fn described(entity: EntityRef<'_>) -> Result<(BodyRecord, BodyEffects), SceneAppError> {
+    let given = entity.get::<Name>().map(|name| name.as_str().to_owned());
+    let name = given.unwrap_or_default();
+    let said = || if name.is_empty() { entity.id().to_string() } else { name.clone() };
+    if let Some(transform) = entity.get::<Transform>().filter(|t| t.scale != Vec3::ONE) {
+        let scale = transform.scale.to_string();
+        return Err(SceneAppError::Scaled { body: said(), scale });
+    }
+    if entity.contains::<ChildOf>() {
+        return Err(SceneAppError::ChildBody { body: said() });
+    }
+    let Some(collider) = entity.get::<Collider>() else {
+        return Err(SceneAppError::UnknownBody { name: said() });
+    };
+    let kind = entity.get::<RigidBody>().map_or(BodyKind::Fixed, |&body| body.into());
+    let layers = entity.get::<CollisionLayers>().copied().unwrap_or_default().0;
+    let record = BodyRecord {
+        entity: entity.id(),
+        name,
+        model: collider.model().clone(),
+        visual: entity.get::<VisualMesh>().map(|visual| visual.0.clone()),
+        kind,
+        normals: SmoothNormals::normals(entity.get::<SmoothNormals>()),
+    };
+    let effects = effects_of(
+        entity.get::<Trigger>(),
+        entity.get::<Contacts>(),
+        entity.get::<Response>(),
+    );
+    let sensor = entity.contains::<Sensor>();
+    Ok((record, BodyEffects { effects, kind, layers, sensor }))
+}
+
+/// Whatever removes a body removes it here too, at once.
+fn take_leave(
+    removed: On<Remove<Body>>,
+    bodies: Query<&Body>,
+    mut records: ResMut<Bodies>,
+    mut table: ResMut<EffectTable>,
+    mut noted: ResMut<Noted>,
+    tally: Res<Tally>,
+) {
+    if let Ok(&Body { id }) = bodies.get(removed.entity) {
+        records.take_leave(id, tally.mentions(id));
+        table.remove_body(id);
+        noted.pairs = true;
+    }
+}
+
+/// The events of this step have told of those that left before it.
+fn forget_departed(mut records: ResMut<Bodies>) {
+    records.forget_departed();
+}

@@ -1,0 +1,81 @@
+//! Pairs of bodies of which something else holds than of all: entities with two ends.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+use cranny_world::description::Effect;
+
+use crate::admission::{Noted, note_change, note_removal};
+use crate::body::{Bodies, Body};
+use crate::effects::{Contacts, EffectTable, Pair, Response, Trigger, effects_of, ordered};
+use crate::error::{Failure, SceneAppError};
+
+/// A pair of bodies. Effects ([`Trigger`], [`Contacts`], [`Response`]) beside it hold for the pair,
+/// whatever its bodies ask for; [`NeverMeet`] keeps them apart.
+///
+/// It counts as long as both ends are bodies, and has no effect otherwise.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_pairs)]
+pub struct BodyPair {
+    /// One end.
+    pub a: Entity,
+    /// The other.
+    pub b: Entity,
+}
+
+/// Beside a [`BodyPair`]: the two pass through each other, whatever is asked about them.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct NeverMeet;
+
+/// A pair that went leaves no entity to look at.
+fn note_pairs(mut world: DeferredWorld<'_>, _: HookContext) {
+    if let Some(mut noted) = world.get_resource_mut::<Noted>() {
+        noted.pairs = true;
+    }
+}
+
+/// Says in the [`EffectTable`] what pair entities ask for.
+pub(crate) fn relate_pairs(world: &mut World) {
+    let mut pairs: BTreeMap<Pair, Vec<Effect>> = BTreeMap::new();
+    let mut excluded: BTreeSet<Pair> = BTreeSet::new();
+    let mut missing = None;
+    let Some(pair_id) = world.component_id::<BodyPair>() else { return };
+    // Ascending, so that nothing depends on the order in which components came.
+    let mut entities: Vec<Entity> = world
+        .archetypes()
+        .iter()
+        .filter(|archetype| archetype.contains(pair_id))
+        .flat_map(|archetype| archetype.entities().iter().map(|entity| entity.id()))
+        .collect();
+    entities.sort_unstable();
+    let table = world.resource::<EffectTable>();
+    for entity in entities {
+        let Ok(pair) = world.get_entity(entity) else { continue };
+        let Some(&BodyPair { a, b }) = pair.get::<BodyPair>() else { continue };
+        let id = |end: Entity| world.get::<Body>(end).map(|body| body.id);
+        let (Some(a), Some(b)) = (id(a), id(b)) else { continue };
+        if a == b {
+            continue;
+        }
+        let effects =
+            effects_of(pair.get::<Trigger>(), pair.get::<Contacts>(), pair.get::<Response>());
+        if let Some(effect) = table.missing(&effects) {
+            missing.get_or_insert((a, effect));
+            continue;
+        }
+        if pair.contains::<NeverMeet>() {
+            excluded.insert(ordered(a, b));
+        }
+        if !effects.is_empty() {
+            pairs.entry(ordered(a, b)).or_default().extend(effects);
+        }
+    }
+    if let Some((body, effect)) = missing {
+        let body = world.resource::<Bodies>().name(body).to_owned();
+        world.resource_mut::<Failure>().set(SceneAppError::EffectNotPlugged { body, effect });
+    }
+    world.resource_mut::<EffectTable>().set_pairs(pairs, excluded);
+}

@@ -1,0 +1,245 @@
+//! A described scene becomes entities: the same components that an app spawns by hand.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+use cranny_geometry::{Mesh, Model};
+use cranny_world::Layers;
+use cranny_world::description::{BodyDescription, Effect, Normals, SceneDescription};
+
+use crate::body::{narrowed, transform_of};
+use crate::collider::{Collider, VisualMesh};
+use crate::effects::{Contacts, EffectKind, EffectTable, Response, Trigger};
+use crate::error::{Failure, SceneAppError};
+use crate::joints::Joint;
+use crate::pair::{BodyPair, NeverMeet};
+use crate::properties::{
+    AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Restitution, RigidBody,
+    SmoothNormals,
+};
+
+/// The bits of layers that scenes name. "all" is the first; others get theirs as they are first named.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+pub struct LayerNames(BTreeMap<String, u32>);
+
+impl Default for LayerNames {
+    fn default() -> Self {
+        Self(BTreeMap::from([("all".to_owned(), 1)]))
+    }
+}
+
+impl LayerNames {
+    /// The bit of a layer, a new one for a name that is new; `None` where all bits have names.
+    pub fn bit(&mut self, name: &str) -> Option<u32> {
+        if let Some(&bit) = self.0.get(name) {
+            return Some(bit);
+        }
+        let bit = (self.0.len() < Layers::COUNT).then(|| 1 << self.0.len())?;
+        self.0.insert(name.to_owned(), bit);
+        Some(bit)
+    }
+}
+
+/// A scene that is ready to be spawned, as often as an app likes.
+///
+/// ```no_run
+/// # use bevy_ecs::prelude::*;
+/// # fn drop_pile(mut commands: Commands, pile: Res<Pile>) {
+/// commands.queue(pile.0.clone());
+/// # }
+/// # #[derive(Resource)] struct Pile(cranny_ecs::SpawnScene);
+/// ```
+///
+/// Its bodies, joints, pairs and effects become entities and components; gravity, step and cameras
+/// stay those of the app. What the scene asks for all bodies, each of its bodies asks for.
+#[derive(Clone, Debug)]
+pub struct SpawnScene {
+    scene: Arc<SceneDescription>,
+    models: Vec<Model>,
+    /// Whether the app asks for the scene's effects already.
+    effects_known: bool,
+}
+
+impl SpawnScene {
+    /// Prepares the models of a scene's bodies, which share those of meshes that they share.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError`]: a mesh that is refused, a pair or joint of bodies that the scene does not
+    /// have, or more layers than there are bits.
+    pub fn new(scene: &SceneDescription) -> Result<Self, SceneAppError> {
+        check(scene)?;
+        let models = build_models(scene)?;
+        Ok(Self { scene: Arc::new(scene.clone()), models, effects_known: false })
+    }
+
+    /// For an app whose effects for all bodies are the scene's.
+    pub(crate) fn with_known_effects(self) -> Self {
+        Self { effects_known: true, ..self }
+    }
+
+    /// The models of the bodies, in the scene's order.
+    #[must_use]
+    pub fn models(&self) -> &[Model] {
+        &self.models
+    }
+
+    /// Spawns the scene; returns the entities of its bodies, in the scene's order.
+    pub fn spawn(&self, world: &mut World) -> Vec<Entity> {
+        let bodies: Vec<Entity> = (0..self.scene.bodies.len())
+            .map(|i| self.spawn_body(world, i))
+            .collect();
+        for joint in &self.scene.joints {
+            world.spawn((
+                Name::new(joint.name.clone()),
+                Joint {
+                    parent: bodies[joint.parent],
+                    child: bodies[joint.child],
+                    parent_anchor: joint.parent_anchor,
+                    child_anchor: joint.child_anchor,
+                    kind: joint.kind,
+                    target: joint.target,
+                },
+            ));
+        }
+        for &(a, b) in &self.scene.excluded_pairs {
+            world.spawn((NeverMeet, BodyPair { a: bodies[a], b: bodies[b] }));
+        }
+        let names: BTreeMap<&str, Entity> =
+            self.scene.bodies.iter().map(|body| &*body.name).zip(bodies.iter().copied()).collect();
+        for pair in &self.scene.pairs {
+            let (a, b) = (names[&*pair.a], names[&*pair.b]);
+            let entity = world.spawn(BodyPair { a, b }).id();
+            put_effects(world, entity, &pair.effects);
+        }
+        bodies
+    }
+
+    fn spawn_body(&self, world: &mut World, index: usize) -> Entity {
+        let body = &self.scene.bodies[index];
+        let layers = layers_of(world, body);
+        let entity = world
+            .spawn((
+                Name::new(body.name.clone()),
+                RigidBody::from(body.kind),
+                transform_of(&body.pose),
+                LinearVelocity(narrowed(body.linear_velocity)),
+                AngularVelocity(narrowed(body.angular_velocity)),
+                CollisionLayers(layers),
+            ))
+            .id();
+        if let Some(visual) = &body.visual {
+            world.entity_mut(entity).insert(VisualMesh(visual.clone()));
+        }
+        if let Normals::Smooth { crease_angle } = body.normals {
+            world.entity_mut(entity).insert(SmoothNormals { crease_angle });
+        }
+        if world.resource::<EffectTable>().names(EffectKind::Response) {
+            world.entity_mut(entity).insert((
+                Friction::new(body.material.friction as f32),
+                Restitution::new(body.material.restitution as f32),
+                Density(body.material.density),
+            ));
+        }
+        put_effects(world, entity, &body.effects);
+        if !self.effects_known {
+            put_effects(world, entity, &self.scene.effects);
+        }
+        world.entity_mut(entity).insert(Collider::from(&self.models[index]));
+        entity
+    }
+}
+
+impl Command for SpawnScene {
+    type Out = ();
+
+    fn apply(self, world: &mut World) {
+        self.spawn(world);
+    }
+}
+
+fn layers_of(world: &mut World, body: &BodyDescription) -> Layers {
+    let mut names = world.get_resource_or_init::<LayerNames>();
+    let mut bits = 0;
+    let mut full = false;
+    for name in &body.layers {
+        match names.bit(name) {
+            Some(bit) => bits |= bit,
+            None => full = true,
+        }
+    }
+    if full {
+        let count = Layers::COUNT + 1;
+        let error = SceneAppError::TooManyLayers { count, limit: Layers::COUNT };
+        world.resource_mut::<Failure>().set(error);
+    }
+    Layers::shared(bits)
+}
+
+/// Adds effects to those that an entity asks for; of two margins the larger counts.
+fn put_effects(world: &mut World, entity: Entity, effects: &[Effect]) {
+    for effect in effects {
+        let mut entity = world.entity_mut(entity);
+        match *effect {
+            Effect::Trigger => drop(entity.insert(Trigger)),
+            Effect::Contacts { margin } => {
+                let before = entity.get::<Contacts>().map_or(margin, |c| c.margin);
+                entity.insert(Contacts { margin: margin.max(before) });
+            }
+            Effect::Response => drop(entity.insert(Response)),
+            _ => {}
+        }
+    }
+}
+
+/// What a scene must not contradict.
+fn check(scene: &SceneDescription) -> Result<(), SceneAppError> {
+    let count = scene.bodies.len();
+    let ends = scene.joints.iter().map(|joint| (joint.parent, joint.child));
+    for index in scene.excluded_pairs.iter().copied().chain(ends).flat_map(|(a, b)| [a, b]) {
+        if index >= count {
+            return Err(SceneAppError::NoSuchIndex { index, bodies: count });
+        }
+    }
+    for name in scene.pairs.iter().flat_map(|pair| [&pair.a, &pair.b]) {
+        if !scene.bodies.iter().any(|body| body.name == *name) {
+            return Err(SceneAppError::UnknownBody { name: name.clone() });
+        }
+    }
+    let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
+    let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
+    for effect in scene.effects.iter().chain(of_bodies).chain(of_pairs) {
+        if EffectKind::of(effect).is_none() {
+            return Err(SceneAppError::UnsupportedEffect { effect: effect.name() });
+        }
+    }
+    let mut names = LayerNames::default();
+    let mut layers: Vec<&String> = scene.bodies.iter().flat_map(|body| &body.layers).collect();
+    layers.sort_unstable();
+    layers.dedup();
+    if layers.iter().any(|name| names.bit(name).is_none()) {
+        return Err(SceneAppError::TooManyLayers { count: layers.len(), limit: Layers::COUNT });
+    }
+    Ok(())
+}
+
+/// A model for each body of a scene; bodies that share a mesh share the model.
+fn build_models(scene: &SceneDescription) -> Result<Vec<Model>, SceneAppError> {
+    let mut built: BTreeMap<*const Mesh, Model> = BTreeMap::new();
+    let mut models = Vec::with_capacity(scene.bodies.len());
+    for body in &scene.bodies {
+        let key = Arc::as_ptr(&body.collision);
+        let model = match built.get(&key) {
+            Some(model) => model.clone(),
+            None => {
+                let collider = Collider::from_mesh(Mesh::clone(&body.collision))
+                    .map_err(|source| SceneAppError::Model { body: body.name.clone(), source })?;
+                built.entry(key).or_insert(collider.model().clone()).clone()
+            }
+        };
+        models.push(model);
+    }
+    Ok(models)
+}

@@ -1,0 +1,220 @@
+//! What may change about a body between two steps, and bodies that leave.
+//!
+//! Everything takes effect in the next step. A change that may move a body wakes it.
+
+use cranny_exact::DVec3;
+use cranny_geometry::Model;
+use cranny_narrow_phase::Normals;
+use rapier3d::geometry::{Group, InteractionGroups, InteractionTestMode};
+use rapier3d::math::Real;
+use rapier3d::parry::mass_properties::MassProperties;
+use rapier3d::prelude::{Collider, LockedAxes, RigidBodyType};
+
+use super::{BodyIndex, BodyKind, Simulation, SimulationError};
+use crate::ahead::Tagged;
+use crate::convert::narrow;
+use crate::detector::Detector;
+use crate::joint::JointIndex;
+use crate::mass::mass_properties;
+
+impl Simulation {
+    /// Takes a body out, with its joints and exclusions. Its number is free then: the next body that
+    /// is inserted gets the lowest that is.
+    ///
+    /// Nothing happens to a body that is not there.
+    pub fn remove(&mut self, body: BodyIndex) {
+        if !self.contains(body) {
+            return;
+        }
+        let handle = self.handle(body);
+        self.bodies.remove(
+            handle,
+            &mut self.islands,
+            &mut self.colliders,
+            &mut self.joints,
+            &mut self.multibody_joints,
+            &mut self.soft_bodies,
+            true,
+        );
+        self.tagged[body.0 as usize].leave();
+        self.free.insert(body.0);
+        self.exclusions.0.retain(|&(a, b)| a != body.0 && b != body.0);
+        self.forget(body);
+    }
+
+    /// Drops all that is known of a body's pairs.
+    fn forget(&self, body: BodyIndex) {
+        let keeps = |first: u32, second: u32| first != body.0 && second != body.0;
+        self.log.retain(keeps);
+        self.searches.retain(keeps);
+    }
+
+    /// Whether a number is that of a body.
+    #[must_use]
+    pub fn contains(&self, body: BodyIndex) -> bool {
+        (body.0 as usize) < self.handles.len() && !self.free.contains(&body.0)
+    }
+
+    fn collider_mut(&mut self, body: BodyIndex) -> &mut Collider {
+        &mut self.colliders[self.tagged[body.0 as usize].collider]
+    }
+
+    /// Gives a body another geometry. Its mass follows, if it is dynamic.
+    ///
+    /// # Errors
+    ///
+    /// As [`insert`](Self::insert); the body stays as it was.
+    pub fn set_shape(
+        &mut self,
+        body: BodyIndex,
+        model: &Model,
+        normals: Normals,
+        density: f64,
+    ) -> Result<(), SimulationError> {
+        let shape = self.options.detector.shape_with(model, normals, body.0)?;
+        let dynamic = self.body(body).is_dynamic();
+        let mass = dynamic.then(|| mass_properties(model, density)).transpose()?;
+        let collider = self.tagged[body.0 as usize].collider;
+        self.tagged[body.0 as usize] = Tagged::new(model, collider);
+        self.collider_mut(body).set_shape(shape);
+        if let Some(mass) = mass {
+            self.set_mass(body, mass);
+        }
+        self.forget(body);
+        self.settled = false;
+        self.wake(body);
+        Ok(())
+    }
+
+    /// Says how a body moves from now on. A body that becomes dynamic gets the mass of its solid.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulationError::Mass`] where a dynamic body would have none; the body stays as it was.
+    pub fn set_kind(
+        &mut self,
+        body: BodyIndex,
+        kind: BodyKind,
+        model: &Model,
+        density: f64,
+    ) -> Result<(), SimulationError> {
+        if kind == BodyKind::Dynamic {
+            self.set_density(body, model, density)?;
+        }
+        let own = kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
+        let handle = self.handle(body);
+        let rigid = &mut self.bodies[handle];
+        rigid.set_soft_ccd_prediction(if own { model.radius() as Real } else { 0.0 });
+        rigid.set_body_type(rapier_kind(kind), true);
+        Ok(())
+    }
+
+    /// Gives a body the mass of its solid at another density.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulationError::Mass`]; the body stays as it was.
+    pub fn set_density(
+        &mut self,
+        body: BodyIndex,
+        model: &Model,
+        density: f64,
+    ) -> Result<(), SimulationError> {
+        self.set_mass(body, mass_properties(model, density)?);
+        self.wake(body);
+        Ok(())
+    }
+
+    /// rapier itself would do so within the next step, after an impulse was divided by the old mass.
+    fn set_mass(&mut self, body: BodyIndex, mass: MassProperties) {
+        self.collider_mut(body).set_mass_properties(mass);
+        let handle = self.handle(body);
+        self.bodies[handle].recompute_mass_properties_from_colliders(&self.colliders);
+    }
+
+    /// Gives a body another coefficient of friction (Coulomb's) and of restitution (0 to 1).
+    pub fn set_material(&mut self, body: BodyIndex, friction: f64, restitution: f64) {
+        let collider = self.collider_mut(body);
+        collider.set_friction(friction as Real);
+        collider.set_restitution(restitution as Real);
+        self.wake(body);
+    }
+
+    /// Says in which groups a body is, and which it meets, as bits: two bodies meet where each is in
+    /// a group that the other meets.
+    pub fn set_groups(&mut self, body: BodyIndex, memberships: u32, filters: u32) {
+        let [memberships, filters] = [memberships, filters].map(Group::from_bits_truncate);
+        let groups = InteractionGroups::new(memberships, filters, InteractionTestMode::And);
+        self.collider_mut(body).set_collision_groups(groups);
+        self.forget(body);
+        self.wake(body);
+    }
+
+    /// By what gravity is multiplied for a body; 1 until then.
+    pub fn set_gravity_scale(&mut self, body: BodyIndex, scale: f64) {
+        let handle = self.handle(body);
+        self.bodies[handle].set_gravity_scale(scale as Real, true);
+    }
+
+    /// Which motions a body cannot make: translations along world x, y, z, then rotations about them.
+    pub fn set_locked_axes(&mut self, body: BodyIndex, translations: [bool; 3], turns: [bool; 3]) {
+        let bits = translations.into_iter().chain(turns).enumerate();
+        let bits = bits.fold(0, |bits, (i, locked)| bits | (u8::from(locked) << i));
+        let handle = self.handle(body);
+        self.bodies[handle].set_locked_axes(LockedAxes::from_bits_truncate(bits), true);
+    }
+
+    /// The force at a body's centre of mass, and the torque, that act on it in every step from now
+    /// on, world axes.
+    pub fn set_force(&mut self, body: BodyIndex, force: DVec3, torque: DVec3) {
+        let handle = self.handle(body);
+        let rigid = &mut self.bodies[handle];
+        rigid.reset_forces(true);
+        rigid.reset_torques(true);
+        rigid.add_force(narrow(force), true);
+        rigid.add_torque(narrow(torque), true);
+    }
+
+    /// Changes a body's velocities at once: by an impulse at its centre of mass, and an angular one,
+    /// world axes.
+    pub fn apply_impulse(&mut self, body: BodyIndex, linear: DVec3, angular: DVec3) {
+        let handle = self.handle(body);
+        self.bodies[handle].apply_impulse(narrow(linear), true);
+        self.bodies[handle].apply_torque_impulse(narrow(angular), true);
+    }
+
+    /// Takes a joint out. Nothing happens to one that is not there.
+    pub fn part(&mut self, joint: JointIndex) {
+        self.joints.remove(joint.0, true);
+    }
+
+    /// Takes back that two bodies [never meet](Self::exclude).
+    pub fn include(&mut self, a: BodyIndex, b: BodyIndex) {
+        self.exclusions.0.remove(&(a.0.min(b.0), a.0.max(b.0)));
+        self.wake(a);
+        self.wake(b);
+    }
+
+    /// Acceleration of dynamic bodies from now on.
+    pub fn set_gravity(&mut self, gravity: DVec3) {
+        if gravity != self.options.gravity {
+            self.options.gravity = gravity;
+            (0..self.handles.len() as u32).for_each(|index| self.wake(BodyIndex(index)));
+        }
+    }
+
+    fn wake(&mut self, body: BodyIndex) {
+        if let Some(rigid) = self.bodies.get_mut(self.handle(body)) {
+            rigid.wake_up(true);
+        }
+    }
+}
+
+/// rapier's word for how a body moves.
+pub(super) fn rapier_kind(kind: BodyKind) -> RigidBodyType {
+    match kind {
+        BodyKind::Fixed => RigidBodyType::Fixed,
+        BodyKind::Kinematic => RigidBodyType::KinematicVelocityBased,
+        BodyKind::Dynamic => RigidBodyType::Dynamic,
+    }
+}
