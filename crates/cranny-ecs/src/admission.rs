@@ -23,7 +23,7 @@ use cranny_world::description::BodyKind;
 use crate::body::{Bodies, Body, BodyRecord};
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
 use crate::collider::{Collider, VisualMesh};
-use crate::effects::{BodyEffects, Contacts, EffectTable, Response, Trigger, effects_of};
+use crate::effects::{BodyEffects, EffectTable, effects_of};
 use crate::error::{Failure, SceneAppError};
 use crate::pair::{BodyPair, relate_pairs};
 use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
@@ -137,11 +137,7 @@ fn described(entity: EntityRef<'_>) -> Result<(BodyRecord, BodyEffects), SceneAp
         kind,
         normals: SmoothNormals::normals(entity.get::<SmoothNormals>()),
     };
-    let effects = effects_of(
-        entity.get::<Trigger>(),
-        entity.get::<Contacts>(),
-        entity.get::<Response>(),
-    );
+    let effects = effects_of(entity);
     let sensor = entity.contains::<Sensor>();
     Ok((record, BodyEffects { effects, kind, layers, sensor }))
 }

@@ -84,11 +84,7 @@ pub(crate) struct DetectionPlugin {
 
 impl DetectionPlugin {
     /// With effects that hold for all bodies.
-    pub(crate) fn new(
-        scene: &[Effect],
-        effects: &EffectTable,
-        options: &PluginOptions,
-    ) -> Self {
+    pub(crate) fn new(scene: &[Effect], effects: &EffectTable, options: &PluginOptions) -> Self {
         Self {
             scene: scene.to_vec(),
             threads: options.thread_count(),
@@ -279,13 +275,15 @@ fn relate_pairs(
     let excluded = std::mem::replace(&mut detector.excluded, excluded);
     let (now, apart) = (detector.pairs.clone(), detector.excluded.clone());
     let world = detector.world();
-    let present = |world: &PairWorld, (a, b): Pair| [a, b].iter().all(|&id| world.body(id).is_some());
+    let present =
+        |world: &PairWorld, (a, b): Pair| [a, b].iter().all(|&id| world.body(id).is_some());
     for &(a, b) in pairs.keys().filter(|pair| !now.contains_key(pair)) {
         if present(world, (a, b)) {
             failure.note(world.set_pair_effects(a, b, &[]));
         }
     }
-    for (&(a, b), effects) in now.iter().filter(|(pair, effects)| pairs.get(pair) != Some(effects)) {
+    for (&(a, b), effects) in now.iter().filter(|(pair, effects)| pairs.get(pair) != Some(effects))
+    {
         failure.note(world.set_pair_effects(a, b, effects));
     }
     for &(a, b) in excluded.difference(&apart) {

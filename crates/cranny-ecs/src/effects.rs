@@ -76,15 +76,27 @@ pub struct Contacts {
 pub struct Response;
 
 /// What the components of an entity ask for.
-pub(crate) fn effects_of(
-    trigger: Option<&Trigger>,
-    contacts: Option<&Contacts>,
-    response: Option<&Response>,
-) -> Vec<Effect> {
-    let trigger = trigger.map(|_| Effect::Trigger);
+pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
+    let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger);
+    let contacts = entity.get::<Contacts>();
     let contacts = contacts.map(|contacts| Effect::Contacts { margin: contacts.margin });
-    let response = response.map(|_| Effect::Response);
+    let response = entity.get::<Response>().map(|_| Effect::Response);
     [trigger, contacts, response].into_iter().flatten().collect()
+}
+
+/// Makes an entity ask for some effects more; of two margins the larger counts.
+pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
+    for effect in effects {
+        match *effect {
+            Effect::Trigger => drop(entity.insert(Trigger)),
+            Effect::Contacts { margin } => {
+                let before = entity.get::<Contacts>().map_or(margin, |c| c.margin);
+                entity.insert(Contacts { margin: margin.max(before) });
+            }
+            Effect::Response => drop(entity.insert(Response)),
+            _ => {}
+        }
+    }
 }
 
 /// Two bodies, the lower id first.
@@ -237,9 +249,7 @@ impl EffectTable {
     /// Whether a pair may meet: its layers meet, it is not excluded, and not both are fixed.
     #[must_use]
     pub fn may_meet(&self, a: BodyId, b: BodyId) -> bool {
-        let (Some(body_a), Some(body_b)) =
-            (self.bodies.get(&a), self.bodies.get(&b))
-        else {
+        let (Some(body_a), Some(body_b)) = (self.bodies.get(&a), self.bodies.get(&b)) else {
             return false;
         };
         let both_fixed = body_a.kind == BodyKind::Fixed && body_b.kind == BodyKind::Fixed;

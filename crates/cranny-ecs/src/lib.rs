@@ -2,6 +2,9 @@
 //!
 //! # Promises
 //!
+//! - **A body is an entity with a [`Collider`]**, spawned, changed and despawned in any schedule, before
+//!   and while the app runs. What is written counts in the next step; what is removed is gone at once.
+//!   A scene is one more way to spawn such entities ([`SpawnScene`]).
 //! - **Only what the scene asks for exists.** An effect that it does not name has no system in the
 //!   schedules, no registered component, no message and no resource ([`Plan`] reads this from the
 //!   app itself).
@@ -15,13 +18,12 @@
 //!   move no body. Where the solver's detector gives no exact answer, kept an old one or did not
 //!   look at a pair, the world queries it.
 //! - Steps are driven by hand: no wall clock changes a result, and order is by stable [`BodyId`]s.
-//! - Removing a body is seen at once, by observers, in whatever schedule it happens.
+//! - Whatever comes and goes leaves nothing behind: no pair, shape, joint or number.
 //!
 //! # Non-promises
 //!
-//! Bodies are those of the scene: an app adds others to the solver itself, and effects do not see
-//! them. A removed body stays in rapier's world, where it meets nothing. Dynamic bodies without
-//! `Response` stand still.
+//! A body is a root entity with one collider, which is a mesh. Dynamic bodies without `Response` stand
+//! still.
 //!
 //! # Features
 //!
@@ -105,6 +107,7 @@ pub use rendering::{
     FRAME_SIZE, FRAMES_PER_SECOND, PREVIEW_FRAMES, PREVIEW_SIZE, Painter, PictureOptions,
     RenderingSystems, frame_path,
 };
+pub use report::state_hash;
 #[cfg(feature = "rapier")]
 pub use response::{Gravity, ResponseSystems};
 #[cfg(feature = "rapier")]

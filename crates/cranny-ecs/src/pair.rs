@@ -9,11 +9,12 @@ use cranny_world::description::Effect;
 
 use crate::admission::{Noted, note_change, note_removal};
 use crate::body::{Bodies, Body};
-use crate::effects::{Contacts, EffectTable, Pair, Response, Trigger, effects_of, ordered};
+use crate::effects::{EffectTable, Pair, effects_of, ordered};
 use crate::error::{Failure, SceneAppError};
 
-/// A pair of bodies. Effects ([`Trigger`], [`Contacts`], [`Response`]) beside it hold for the pair,
-/// whatever its bodies ask for; [`NeverMeet`] keeps them apart.
+/// A pair of bodies. Effects ([`Trigger`](crate::Trigger), [`Contacts`](crate::Contacts),
+/// [`Response`](crate::Response)) beside it hold for the pair, whatever its bodies ask for;
+/// [`NeverMeet`] keeps them apart.
 ///
 /// It counts as long as both ends are bodies, and has no effect otherwise.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +61,7 @@ pub(crate) fn relate_pairs(world: &mut World) {
         if a == b {
             continue;
         }
-        let effects =
-            effects_of(pair.get::<Trigger>(), pair.get::<Contacts>(), pair.get::<Response>());
+        let effects = effects_of(pair);
         if let Some(effect) = table.missing(&effects) {
             missing.get_or_insert((a, effect));
             continue;

@@ -290,7 +290,8 @@ fn pairs(
 ) -> Vec<PlannedPairs> {
     let mut groups: BTreeMap<Asked, (usize, Vec<[String; 2]>)> = BTreeMap::new();
     let ids: Vec<BodyId> = table.bodies().collect();
-    let pairs = ids.iter().enumerate().flat_map(|(i, &a)| ids[i + 1..].iter().map(move |&b| (a, b)));
+    let pairs =
+        ids.iter().enumerate().flat_map(|(i, &a)| ids[i + 1..].iter().map(move |&b| (a, b)));
     for (a, b) in pairs {
         let key = group_of(table, bodies, [a, b], read, exact_solver);
         let (count, examples) = groups.entry(key).or_default();

@@ -234,7 +234,6 @@ impl CrannyPlugins {
         self.rendering = Some(plugin);
         Ok(self)
     }
-
 }
 
 impl PluginGroup for CrannyPlugins {

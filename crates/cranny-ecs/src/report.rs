@@ -102,7 +102,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         contained,
         energy_drift,
         energy,
-        state_hash: state_hash(world, &bodies),
+        state_hash: state_hash(world),
         motion,
         helices,
         links,
@@ -175,8 +175,11 @@ fn links(world: &World, bodies: &Bodies) -> Option<LinkSummary> {
     Some(LinkSummary { at_start: log.links().len(), parted: parted.collect() })
 }
 
-/// Of poses and velocities as they are held, bit for bit. Bodies that were removed count as absent.
-fn state_hash(world: &World, bodies: &Bodies) -> String {
+/// A hash of the poses and velocities of all bodies as they are held, bit for bit, with their ids: two
+/// apps of equal hashes are in the same state.
+#[must_use]
+pub fn state_hash(world: &World) -> String {
+    let Some(bodies) = world.get_resource::<Bodies>() else { return String::new() };
     let mut hasher = blake3::Hasher::new();
     for (id, record) in bodies.iter() {
         let Some(transform) = world.get::<Transform>(record.entity) else { continue };

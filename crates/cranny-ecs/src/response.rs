@@ -96,9 +96,8 @@ impl Plugin for ResponsePlugin {
         let reading =
             Arc::new(Mutex::new(Reading { fields: ContactFields::NONE, ..Reading::default() }));
         let read_now = reading.clone();
-        simulation.read_by(move |a, b| {
-            read_now.lock().unwrap_or_else(PoisonError::into_inner).of(a, b)
-        });
+        simulation
+            .read_by(move |a, b| read_now.lock().unwrap_or_else(PoisonError::into_inner).of(a, b));
         let detection = self.options.detector;
         app.insert_resource(Gravity(self.gravity));
         app.insert_resource(RigidBodies::new(simulation, reading, detection));

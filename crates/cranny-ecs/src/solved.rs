@@ -491,8 +491,7 @@ fn take_in(inserted: On<Insert<Body>>, mut insertion: Insertion) {
     let entity = inserted.entity;
     let Ok((&Body { id }, given)) = insertion.given.get(entity) else { return };
     if let Some(index) = insertion.bodies.index(id) {
-        let (Some(record), Some(effects)) =
-            (insertion.records.get(id), insertion.effects.body(id))
+        let (Some(record), Some(effects)) = (insertion.records.get(id), insertion.effects.body(id))
         else {
             return;
         };
@@ -506,15 +505,19 @@ fn take_in(inserted: On<Insert<Body>>, mut insertion: Insertion) {
     }
 }
 
-fn let_go(removed: On<Remove<Body>>, query: Query<&Body>, mut bodies: ResMut<RigidBodies>, mut commands: Commands) {
+fn let_go(
+    removed: On<Remove<Body>>,
+    query: Query<&Body>,
+    mut bodies: ResMut<RigidBodies>,
+    mut commands: Commands,
+) {
     if let Ok(&Body { id }) = query.get(removed.entity) {
         bodies.leave(id, removed.entity);
         commands.entity(removed.entity).try_remove::<SolverBody>();
     }
 }
 
-type Defaulted =
-    (Friction, Restitution, Density, GravityScale, LockedAxes, ExternalForce);
+type Defaulted = (Friction, Restitution, Density, GravityScale, LockedAxes, ExternalForce);
 
 fn note_lost(lost: On<Remove<Defaulted>>, mut bodies: ResMut<RigidBodies>) {
     bodies.bereft.push(lost.entity);
@@ -563,11 +566,7 @@ pub(crate) fn relate(mut insertion: Insertion) {
 }
 
 /// Makes joints of which both ends are bodies, one of them in the solver's world.
-pub(crate) fn join(
-    joints: Query<&Joint>,
-    solved: Query<(), With<Body>>,
-    mut insertion: Insertion,
-) {
+pub(crate) fn join(joints: Query<&Joint>, solved: Query<(), With<Body>>, mut insertion: Insertion) {
     // A joint carries the response on; chains of joints need several passes.
     loop {
         let loose: Vec<Entity> = insertion.bodies.loose.iter().copied().collect();
@@ -583,7 +582,9 @@ pub(crate) fn join(
             }
             let id = |end: Entity| insertion.given.get(end).ok().map(|(body, _)| body.id);
             let is_in = |end: Entity| id(end).and_then(|id| insertion.bodies.index(id)).is_some();
-            if !ends.iter().any(|&end| is_in(end)) || !ends.map(|end| insertion.insert(end)).iter().all(|&is| is) {
+            if !ends.iter().any(|&end| is_in(end))
+                || !ends.map(|end| insertion.insert(end)).iter().all(|&is| is)
+            {
                 continue;
             }
             let index = |end: Entity| {

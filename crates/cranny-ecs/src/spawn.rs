@@ -7,11 +7,11 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use cranny_geometry::{Mesh, Model};
 use cranny_world::Layers;
-use cranny_world::description::{BodyDescription, Effect, Normals, SceneDescription};
+use cranny_world::description::{BodyDescription, Normals, SceneDescription};
 
 use crate::body::{narrowed, transform_of};
 use crate::collider::{Collider, VisualMesh};
-use crate::effects::{Contacts, EffectKind, EffectTable, Response, Trigger};
+use crate::effects::{EffectKind, EffectTable, add_effects};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::Joint;
 use crate::pair::{BodyPair, NeverMeet};
@@ -88,9 +88,8 @@ impl SpawnScene {
 
     /// Spawns the scene; returns the entities of its bodies, in the scene's order.
     pub fn spawn(&self, world: &mut World) -> Vec<Entity> {
-        let bodies: Vec<Entity> = (0..self.scene.bodies.len())
-            .map(|i| self.spawn_body(world, i))
-            .collect();
+        let bodies: Vec<Entity> =
+            (0..self.scene.bodies.len()).map(|i| self.spawn_body(world, i)).collect();
         for joint in &self.scene.joints {
             world.spawn((
                 Name::new(joint.name.clone()),
@@ -111,8 +110,7 @@ impl SpawnScene {
             self.scene.bodies.iter().map(|body| &*body.name).zip(bodies.iter().copied()).collect();
         for pair in &self.scene.pairs {
             let (a, b) = (names[&*pair.a], names[&*pair.b]);
-            let entity = world.spawn(BodyPair { a, b }).id();
-            put_effects(world, entity, &pair.effects);
+            add_effects(&mut world.spawn(BodyPair { a, b }), &pair.effects);
         }
         bodies
     }
@@ -120,35 +118,33 @@ impl SpawnScene {
     fn spawn_body(&self, world: &mut World, index: usize) -> Entity {
         let body = &self.scene.bodies[index];
         let layers = layers_of(world, body);
-        let entity = world
-            .spawn((
-                Name::new(body.name.clone()),
-                RigidBody::from(body.kind),
-                transform_of(&body.pose),
-                LinearVelocity(narrowed(body.linear_velocity)),
-                AngularVelocity(narrowed(body.angular_velocity)),
-                CollisionLayers(layers),
-            ))
-            .id();
+        let responds = world.resource::<EffectTable>().names(EffectKind::Response);
+        let mut entity = world.spawn((
+            Name::new(body.name.clone()),
+            RigidBody::from(body.kind),
+            transform_of(&body.pose),
+            LinearVelocity(narrowed(body.linear_velocity)),
+            AngularVelocity(narrowed(body.angular_velocity)),
+            CollisionLayers(layers),
+        ));
         if let Some(visual) = &body.visual {
-            world.entity_mut(entity).insert(VisualMesh(visual.clone()));
+            entity.insert(VisualMesh(visual.clone()));
         }
         if let Normals::Smooth { crease_angle } = body.normals {
-            world.entity_mut(entity).insert(SmoothNormals { crease_angle });
+            entity.insert(SmoothNormals { crease_angle });
         }
-        if world.resource::<EffectTable>().names(EffectKind::Response) {
-            world.entity_mut(entity).insert((
+        if responds {
+            entity.insert((
                 Friction::new(body.material.friction as f32),
                 Restitution::new(body.material.restitution as f32),
                 Density(body.material.density),
             ));
         }
-        put_effects(world, entity, &body.effects);
+        add_effects(&mut entity, &body.effects);
         if !self.effects_known {
-            put_effects(world, entity, &self.scene.effects);
+            add_effects(&mut entity, &self.scene.effects);
         }
-        world.entity_mut(entity).insert(Collider::from(&self.models[index]));
-        entity
+        entity.insert(Collider::from(&self.models[index])).id()
     }
 }
 
@@ -176,22 +172,6 @@ fn layers_of(world: &mut World, body: &BodyDescription) -> Layers {
         world.resource_mut::<Failure>().set(error);
     }
     Layers::shared(bits)
-}
-
-/// Adds effects to those that an entity asks for; of two margins the larger counts.
-fn put_effects(world: &mut World, entity: Entity, effects: &[Effect]) {
-    for effect in effects {
-        let mut entity = world.entity_mut(entity);
-        match *effect {
-            Effect::Trigger => drop(entity.insert(Trigger)),
-            Effect::Contacts { margin } => {
-                let before = entity.get::<Contacts>().map_or(margin, |c| c.margin);
-                entity.insert(Contacts { margin: margin.max(before) });
-            }
-            Effect::Response => drop(entity.insert(Response)),
-            _ => {}
-        }
-    }
 }
 
 /// What a scene must not contradict.

@@ -34,8 +34,8 @@ use rapier3d::prelude::{
 };
 
 use self::body::check_numbers;
-use self::changes::rapier_kind;
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
+use self::changes::rapier_kind;
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
 pub use self::told::{Energy, PairContacts, Timings};
 use crate::ahead::{Motions, Tagged};

@@ -69,8 +69,11 @@ fn response_exists_where_it_is_named_and_only_there() {
         for set in [ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Advance] {
             assert_eq!(scheduled(app, set.intern()), named);
         }
-        assert_eq!(app.world().component_id::<RigidBody>().is_some(), named);
+        assert_eq!(app.world().component_id::<SolverBody>().is_some(), named);
         assert_eq!(app.world().contains_resource::<RigidBodies>(), named);
+        assert_eq!(app.world().contains_resource::<Gravity>(), named);
+        assert_eq!(app.world().component_id::<Friction>().is_some(), named);
+        assert_eq!(app.world().component_id::<ExternalForce>().is_some(), named);
         // A kinematic body is moved by one of the two, not by both.
         let guest = app.world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
         assert_eq!(app.world().get::<Kinematic>(guest).is_some(), !named);

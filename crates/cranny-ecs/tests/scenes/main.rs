@@ -3,6 +3,7 @@
 mod absence;
 mod build;
 mod detection;
+mod entities;
 mod fixed_update;
 mod links;
 #[cfg(feature = "record")]

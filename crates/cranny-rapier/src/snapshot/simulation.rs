@@ -217,8 +217,7 @@ impl Simulation {
             && kept.handles.len() == kept.poses_before.len()
             && kept.free.iter().all(|&index| (index as usize) < kept.handles.len())
             && (0..kept.handles.len()).filter(|&i| !kept.free.contains(&(i as u32))).all(|i| {
-                world.bodies.contains(kept.handles[i])
-                    && world.colliders.contains(kept.tagged[i].0)
+                world.bodies.contains(kept.handles[i]) && world.colliders.contains(kept.tagged[i].0)
             });
         if !bodies_are_known {
             return Err(RestoreError::Content { flaw: "bodies are missing" });

@@ -1,0 +1,564 @@
+//! Bodies as entities: spawned, changed and despawned while the app runs.
+
+use std::f32::consts::FRAC_PI_2;
+
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::message::Messages;
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+use bevy_math::{Quat, Vec3};
+use bevy_transform::components::Transform;
+use cranny_ecs::*;
+use cranny_exact::{DVec3, Pose};
+use cranny_shapes::{Cuboid, Torus};
+use cranny_world::description::{BodyKind, Effect};
+use proptest::prelude::*;
+
+use crate::build::{cube, drop, gate, scene};
+
+const CONTACTS: Effect = Effect::Contacts { margin: 0.005 };
+
+/// An app without bodies.
+fn empty(effects: &[Effect]) -> SceneApp {
+    let mut description = scene(Vec::new(), effects);
+    description.duration = 100.0;
+    // As a scene of unit cubes has it.
+    let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
+    SceneApp::new(&description, &RunOptions { plugins, ..RunOptions::default() }).unwrap()
+}
+
+fn cuboid(size: [f64; 3]) -> Collider {
+    Collider::from_mesh(Cuboid { size }.build().unwrap()).unwrap()
+}
+
+fn unit() -> Collider {
+    cuboid([1.0; 3])
+}
+
+fn up(z: f32) -> Transform {
+    Transform::from_xyz(0.0, 0.0, z)
+}
+
+fn world(app: &mut SceneApp) -> &mut World {
+    app.app_mut().world_mut()
+}
+
+fn steps(app: &mut SceneApp, count: usize) {
+    (0..count).for_each(|_| assert!(app.step().unwrap()));
+}
+
+fn height(app: &SceneApp, entity: Entity) -> f32 {
+    app.app().world().get::<Transform>(entity).unwrap().translation.z
+}
+
+fn messages<M: Message + Clone>(app: &SceneApp) -> Vec<M> {
+    app.app().world().resource::<Messages<M>>().iter_current_update_messages().cloned().collect()
+}
+
+/// A fixed unit cube, and another that rests on it.
+#[cfg(feature = "rapier")]
+fn stack(app: &mut SceneApp) -> [Entity; 2] {
+    let world = world(app);
+    let unit = unit();
+    let floor = world.spawn((RigidBody::Fixed, unit.clone(), up(0.0))).id();
+    let upper = world.spawn((RigidBody::Dynamic, unit, up(1.01))).id();
+    steps(app, 64);
+    assert!((height(app, upper) - 1.0).abs() < 0.01, "{}", height(app, upper));
+    [floor, upper]
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_body_that_is_spawned_while_the_app_runs_falls_and_rests_and_is_reported_as_all_are() {
+    let mut app = empty(&[Effect::Response, Effect::Trigger, CONTACTS]);
+    steps(&mut app, 3);
+    let [floor, upper] = stack(&mut app);
+    let third =
+        world(&mut app).spawn((Name::new("third"), RigidBody::Dynamic, unit(), up(2.2))).id();
+    let mut touched = Vec::new();
+    for _ in 0..64 {
+        steps(&mut app, 1);
+        touched.extend(messages::<CollisionStart>(&app).iter().map(|m| [m.body, m.other]));
+    }
+    assert_eq!(touched, [[upper, third]]);
+    assert!((height(&app, third) - 2.0).abs() < 0.01);
+    let world = world(&mut app);
+    assert_eq!(world.get::<TouchingBodies>(upper).unwrap().0.len(), 2);
+    assert_eq!(world.get::<BodyContacts>(third).unwrap().partners, 1);
+    let bodies = world.resource::<Bodies>();
+    let names: Vec<&str> = bodies.iter().map(|(_, record)| &*record.name).collect();
+    assert_eq!(names, ["body#0", "body#1", "third"]);
+    // The solver's answers serve all: nothing is detected a second time.
+    let stats = world.resource::<Detected>().report.as_ref().unwrap().stats;
+    assert_eq!((stats.supplied_pairs, stats.queried_pairs), (2, 0));
+
+    assert!(world.despawn(floor));
+    steps(&mut app, 1);
+    assert_eq!(messages::<CollisionEnd>(&app)[0].body, floor);
+    steps(&mut app, 63);
+    assert!(height(&app, upper) < -1.0);
+    let summary = app.finish().unwrap();
+    assert!(summary.energy_drift.unwrap() < 0.05, "{:?}", summary.energy);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_scene_and_the_same_bodies_spawned_by_hand_end_in_the_same_state() {
+    let effects = [Effect::Response, Effect::Trigger];
+    let mut described = drop(&effects);
+    described.bodies[1].linear_velocity = DVec3::new(0.5, 0.0, 0.0);
+    described.bodies[1].material.friction = 0.25;
+    let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
+    let options = RunOptions { plugins, ..RunOptions::default() };
+    let mut by_file = SceneApp::new(&described, &options).unwrap();
+    steps(&mut by_file, 60);
+
+    let mut by_hand = empty(&effects);
+    let unit = unit();
+    world(&mut by_hand).spawn((RigidBody::Fixed, unit.clone(), up(0.0)));
+    world(&mut by_hand).spawn((
+        RigidBody::Dynamic,
+        unit,
+        Transform::from_xyz(0.125, 0.0, 1.25),
+        LinearVelocity(Vec3::new(0.5, 0.0, 0.0)),
+        Friction::new(0.25),
+    ));
+    steps(&mut by_hand, 60);
+
+    let mut by_command = empty(&effects);
+    let spawn = SpawnScene::new(&described).unwrap();
+    world(&mut by_command).commands().queue(spawn);
+    steps(&mut by_command, 60);
+
+    let [a, b, c] = [by_file, by_hand, by_command].map(|app| app.finish().unwrap().state_hash);
+    assert_eq!((&a, &a), (&b, &c));
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_scene_may_be_spawned_again_elsewhere() {
+    let mut app = SceneApp::new(&drop(&[Effect::Response]), &RunOptions::default()).unwrap();
+    let mut described = drop(&[Effect::Response]);
+    for body in &mut described.bodies {
+        body.pose.translation.x += 5.0;
+    }
+    let more = SpawnScene::new(&described).unwrap().spawn(world(&mut app));
+    steps(&mut app, 60);
+    assert!((height(&app, more[1]) - 1.0).abs() < 0.01);
+    let names = app.app().world().resource::<Bodies>();
+    assert_eq!(names.name(BodyId(3)), "box#3", "names stay unique");
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn what_is_written_counts_in_the_next_step() {
+    let mut app = empty(&[Effect::Response]);
+    let [floor, upper] = stack(&mut app);
+    // Another geometry.
+    world(&mut app).entity_mut(upper).insert(cuboid([1.0, 1.0, 2.0]));
+    steps(&mut app, 64);
+    assert!((height(&app, upper) - 1.5).abs() < 0.02, "{}", height(&app, upper));
+    let mass = |app: &SceneApp| {
+        let solved = app.app().world().get::<SolverBody>(upper).unwrap().index;
+        app.app().world().resource::<RigidBodies>().simulation().mass(solved)
+    };
+    assert!((mass(&app) - 2.0).abs() < 1e-5);
+    world(&mut app).entity_mut(upper).insert(Density(3.0));
+    steps(&mut app, 1);
+    assert!((mass(&app) - 6.0).abs() < 1e-5);
+    world(&mut app).entity_mut(upper).remove::<Density>();
+    steps(&mut app, 1);
+    assert!((mass(&app) - 2.0).abs() < 1e-5, "a component that goes means its default");
+    // An impulse acts once.
+    let impulse = Vec3::new(0.0, 0.0, 8.0);
+    world(&mut app).entity_mut(upper).insert(ExternalImpulse { impulse, ..Default::default() });
+    steps(&mut app, 2);
+    let speed = app.app().world().get::<LinearVelocity>(upper).unwrap().0.z;
+    assert!((3.0..4.0).contains(&speed), "{speed}");
+    assert_eq!(*app.app().world().get::<ExternalImpulse>(upper).unwrap(), Default::default());
+    // A velocity, written in place; no gravity; locked axes.
+    world(&mut app).get_mut::<LinearVelocity>(upper).unwrap().0 = Vec3::new(1.0, 0.0, 1.0);
+    let held =
+        LockedAxes { translation: bevy_math::BVec3::new(true, false, false), ..Default::default() };
+    world(&mut app).entity_mut(upper).insert((GravityScale(0.0), held));
+    steps(&mut app, 1);
+    let at = app.app().world().get::<Transform>(upper).unwrap().translation;
+    steps(&mut app, 16);
+    let moved = app.app().world().get::<Transform>(upper).unwrap().translation - at;
+    assert!((moved - Vec3::new(0.0, 0.0, 0.25)).length() < 1e-3, "{moved}");
+    // A force against gravity.
+    world(&mut app).entity_mut(upper).insert((
+        GravityScale(1.0),
+        LinearVelocity::default(),
+        ExternalForce { force: Vec3::new(0.0, 0.0, 20.0), ..Default::default() },
+    ));
+    let before = height(&app, upper);
+    steps(&mut app, 16);
+    assert!((height(&app, upper) - before).abs() < 1e-3);
+    // Kinematic; fixed; and a floor that begins to fall.
+    world(&mut app).entity_mut(upper).insert((RigidBody::Kinematic, LinearVelocity(Vec3::Y)));
+    steps(&mut app, 64);
+    let at = app.app().world().get::<Transform>(upper).unwrap().translation;
+    assert!((at.y - 1.0).abs() < 1e-3 && (at.z - before).abs() < 1e-2, "{at}");
+    world(&mut app).entity_mut(floor).insert(RigidBody::Dynamic);
+    steps(&mut app, 64);
+    assert!(height(&app, floor) < -3.0);
+    world(&mut app).resource_mut::<Gravity>().0 = DVec3::ZERO;
+    let speed = app.app().world().get::<LinearVelocity>(floor).unwrap().0;
+    steps(&mut app, 16);
+    assert_eq!(app.app().world().get::<LinearVelocity>(floor).unwrap().0, speed);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn friction_and_restitution_are_components() {
+    let slide = |friction: f32, restitution: f32| {
+        let mut app = empty(&[Effect::Response]);
+        let material = (Friction::new(friction), Restitution::new(restitution));
+        let plate = cuboid([40.0, 40.0, 1.0]);
+        world(&mut app).spawn((RigidBody::Fixed, plate, up(-0.5), material));
+        let start = Transform::from_xyz(0.0, 0.0, 1.5);
+        let velocity = LinearVelocity(Vec3::new(2.0, 0.0, 0.0));
+        let body =
+            world(&mut app).spawn((RigidBody::Dynamic, unit(), start, velocity, material)).id();
+        let mut lowest = f32::INFINITY;
+        let mut rebound = 0.0f32;
+        for _ in 0..80 {
+            steps(&mut app, 1);
+            lowest = lowest.min(height(&app, body));
+            if lowest < 0.55 {
+                rebound = rebound.max(height(&app, body));
+            }
+        }
+        (app.app().world().get::<Transform>(body).unwrap().translation.x, rebound)
+    };
+    let (smooth, rough) = (slide(0.0, 0.0), slide(0.8, 0.0));
+    assert!(smooth.0 > 2.0 && rough.0 < 1.7, "{smooth:?} {rough:?}");
+    assert!(slide(0.0, 0.9).1 > 0.9 && smooth.1 < 0.6);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_sensor_is_noticed_and_pushes_nothing() {
+    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    let gate = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0), Sensor)).id();
+    let ball = world(&mut app).spawn((RigidBody::Dynamic, unit(), up(2.0))).id();
+    let (mut starts, mut ends) = (Vec::new(), Vec::new());
+    for _ in 0..64 {
+        steps(&mut app, 1);
+        starts.extend(messages::<CollisionStart>(&app));
+        ends.extend(messages::<CollisionEnd>(&app));
+    }
+    assert_eq!((starts.len(), ends.len()), (1, 1));
+    assert_eq!([starts[0].body, starts[0].other], [gate, ball]);
+    assert!(height(&app, ball) < -2.0);
+    // A body that is a sensor no more holds what comes next.
+    world(&mut app).entity_mut(gate).remove::<Sensor>();
+    world(&mut app).get_mut::<Transform>(ball).unwrap().translation.z = 1.1;
+    world(&mut app).get_mut::<LinearVelocity>(ball).unwrap().0 = Vec3::ZERO;
+    steps(&mut app, 64);
+    assert!((height(&app, ball) - 1.0).abs() < 0.01, "{}", height(&app, ball));
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn layers_and_pairs_keep_bodies_apart_until_they_do_not() {
+    let mut app = empty(&[Effect::Response]);
+    let [floor, upper] = stack(&mut app);
+    let pair = world(&mut app).spawn((BodyPair { a: floor, b: upper }, NeverMeet)).id();
+    steps(&mut app, 32);
+    assert!(height(&app, upper) < 0.5, "{}", height(&app, upper));
+    world(&mut app).despawn(pair);
+    let rest = |app: &mut SceneApp| {
+        world(app).entity_mut(upper).insert((up(1.01), LinearVelocity::default()));
+        steps(app, 48);
+        height(app, upper)
+    };
+    assert!((rest(&mut app) - 1.0).abs() < 0.01);
+    world(&mut app).entity_mut(upper).insert(CollisionLayers::shared(2));
+    world(&mut app).entity_mut(floor).insert(CollisionLayers::shared(1));
+    assert!(rest(&mut app) < 0.0);
+    world(&mut app).entity_mut(floor).insert(CollisionLayers::new(1, 2));
+    assert!(rest(&mut app) < 0.0, "layers are mutual");
+    world(&mut app).entity_mut(upper).insert(CollisionLayers::new(2, 1));
+    assert!((rest(&mut app) - 1.0).abs() < 0.01);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn joints_are_entities() {
+    let mut app = empty(&[Effect::Response]);
+    let post = world(&mut app).spawn((RigidBody::Fixed, unit(), up(5.0))).id();
+    let hung = world(&mut app).spawn((RigidBody::Dynamic, unit(), up(3.0))).id();
+    let anchors = [Pose::at(DVec3::new(0.0, 0.0, -2.0)), Pose::IDENTITY];
+    let joint = Joint::fixed(post, hung).with_anchors(anchors[0], anchors[1]);
+    let joint = world(&mut app).spawn(joint).id();
+    steps(&mut app, 32);
+    assert!((height(&app, hung) - 3.0).abs() < 1e-3);
+    world(&mut app).despawn(joint);
+    steps(&mut app, 32);
+    assert!(height(&app, hung) < 2.5);
+    // A joint waits for its bodies, and ends with one of them.
+    let late = world(&mut app).spawn_empty().id();
+    world(&mut app).spawn(Joint::fixed(post, late).with_anchors(anchors[0], anchors[1]));
+    steps(&mut app, 2);
+    world(&mut app).entity_mut(late).insert((RigidBody::Dynamic, unit(), up(3.0)));
+    steps(&mut app, 32);
+    assert!((height(&app, late) - 3.0).abs() < 1e-3);
+    world(&mut app).despawn(post);
+    steps(&mut app, 32);
+    assert!(height(&app, late) < 2.5);
+}
+
+#[test]
+fn bodies_and_pairs_ask_for_effects_that_the_app_has() {
+    let plugins = CrannyPlugins::new(0.25).unwrap();
+    let plugins = plugins.available(&[EffectKind::Trigger, EffectKind::Contacts]).unwrap();
+    let mut app = bevy_app::App::empty();
+    app.add_plugins(plugins);
+    let world = app.world_mut();
+    let unit = unit();
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    let a = world.spawn((RigidBody::Fixed, unit.clone(), at(0.0))).id();
+    let b = world.spawn((RigidBody::Kinematic, unit.clone(), at(0.5), Trigger)).id();
+    let c = world.spawn((RigidBody::Kinematic, unit.clone(), at(1.25))).id();
+    world.spawn((BodyPair { a, b: c }, Contacts { margin: 0.5 }));
+    world.run_schedule(CrannyStep);
+    let touching = |world: &World, body| {
+        let ids = &world.get::<TouchingBodies>(body).unwrap().0;
+        ids.iter().map(|id| id.0).collect::<Vec<u32>>()
+    };
+    assert_eq!(touching(world, b), [0, 2]);
+    assert_eq!(touching(world, a), [1]);
+    let pairs: Vec<_> =
+        world.resource::<ContactReport>().pairs.iter().map(|p| (p.a.0, p.b.0)).collect();
+    assert_eq!(pairs, [(0, 2)], "only that pair asks for contacts");
+    world.entity_mut(b).remove::<Trigger>();
+    world.run_schedule(CrannyStep);
+    assert!(touching(world, a).is_empty() && touching(world, b).is_empty());
+    assert!(!world.resource::<Failure>().is_set());
+    // What the app has no plugin of is said, not passed over.
+    world.spawn((Name::new("pusher"), unit, at(9.0), Response));
+    world.run_schedule(CrannyStep);
+    let said = world.resource_mut::<Failure>().take().unwrap().to_string();
+    assert!(said.contains("'pusher'") && said.contains("Response"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_a_body_is_said() {
+    let said = |spawn: &dyn Fn(&mut World)| {
+        let mut app = empty(&[Effect::Trigger]);
+        spawn(world(&mut app));
+        app.step().unwrap_err().to_string()
+    };
+    let stretched = up(0.0).with_scale(Vec3::new(2.0, 1.0, 1.0));
+    let scaled =
+        said(&|world| drop_entity(world.spawn((Name::new("wide"), unit(), stretched)).id()));
+    assert!(scaled.contains("'wide'") && scaled.contains("scale"), "{scaled}");
+    let child = said(&|world| {
+        let parent = world.spawn(up(1.0)).id();
+        world.spawn((Name::new("child"), unit(), up(0.0), ChildOf(parent)));
+    });
+    assert!(child.contains("'child'") && child.contains("root"), "{child}");
+    let lost = said(&|world| {
+        let nowhere = Transform::from_xyz(f32::NAN, 0.0, 0.0);
+        world.spawn((Name::new("lost"), unit(), nowhere));
+    });
+    assert!(lost.contains("'lost'"), "{lost}");
+    #[cfg(feature = "rapier")]
+    {
+        let mut app = empty(&[Effect::Response]);
+        world(&mut app).spawn((Name::new("void"), RigidBody::Dynamic, unit(), Density(0.0)));
+        let weightless = app.step().unwrap_err().to_string();
+        assert!(weightless.contains("'void'") && weightless.contains("mass"), "{weightless}");
+    }
+}
+
+fn drop_entity(_: Entity) {}
+
+#[test]
+fn a_collider_that_is_removed_takes_the_body_out_and_another_brings_a_new_one() {
+    let mut app = SceneApp::new(&gate(&[Effect::Trigger]), &RunOptions::default()).unwrap();
+    steps(&mut app, 15);
+    let guest = app.app().world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
+    world(&mut app).entity_mut(guest).remove::<Collider>();
+    assert!(app.app().world().get::<Body>(guest).is_none(), "at once");
+    assert_eq!(app.app().world().resource::<Bodies>().iter().len(), 1);
+    steps(&mut app, 1);
+    assert_eq!(messages::<CollisionEnd>(&app).len(), 1);
+    world(&mut app).entity_mut(guest).insert(unit());
+    steps(&mut app, 1);
+    assert_eq!(
+        app.app().world().get::<Body>(guest).unwrap().id,
+        BodyId(2),
+        "ids are not given again"
+    );
+    assert_eq!(messages::<CollisionStart>(&app).len(), 1);
+}
+
+#[cfg(feature = "record")]
+#[test]
+fn a_recording_shows_who_comes_and_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut description = scene(Vec::new(), &[Effect::Trigger]);
+    description.bodies.push(cube("post", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO));
+    let options = RunOptions { record: Some(path.clone()), ..RunOptions::default() };
+    let mut app = SceneApp::new(&description, &options).unwrap();
+    steps(&mut app, 2);
+    let guest = world(&mut app).spawn((Name::new("guest"), unit(), up(0.5))).id();
+    steps(&mut app, 2);
+    world(&mut app).despawn(guest);
+    steps(&mut app, 2);
+    world(&mut app).spawn((Name::new("guest"), unit(), up(0.25)));
+    steps(&mut app, 2);
+    app.finish().unwrap();
+    let recording = cranny_record::Recording::open(&path).unwrap();
+    let placed: Vec<usize> = recording.transforms().unwrap().iter().map(|(_, p)| p.len()).collect();
+    assert_eq!(placed, [1, 1, 2, 2, 1, 1, 2, 2, 2]);
+    let events: Vec<usize> =
+        recording.events().unwrap().iter().map(|(_, e)| e.events.len()).collect();
+    assert_eq!(events.iter().sum::<usize>(), 3, "began, ended, began: {events:?}");
+}
+
+/// What an app does between two steps.
+#[derive(Clone, Debug)]
+enum Act {
+    Spawn { dynamic: bool, torus: bool, at: [i8; 3] },
+    Despawn(usize),
+    Strip(usize),
+    Turn(usize),
+    Step,
+}
+
+fn act() -> impl Strategy<Value = Act> {
+    let place = prop::array::uniform3(-3i8..=3);
+    prop_oneof![
+        4 => (any::<bool>(), any::<bool>(), place)
+            .prop_map(|(dynamic, torus, at)| Act::Spawn { dynamic, torus, at }),
+        3 => (0usize..100).prop_map(Act::Despawn),
+        1 => (0usize..100).prop_map(Act::Strip),
+        1 => (0usize..100).prop_map(Act::Turn),
+        2 => Just(Act::Step),
+    ]
+}
+
+/// Acts, and returns how many bodies came and the hash of the state.
+fn acted(app: &mut SceneApp, acts: &[Act]) -> (usize, String) {
+    let (cube, ring) = (unit(), Collider::from_mesh(Torus::default().build().unwrap()).unwrap());
+    let mut live: Vec<Entity> = Vec::new();
+    let mut came = 0;
+    for act in acts {
+        let pick = |i: &usize, live: &[Entity]| (!live.is_empty()).then(|| i % live.len());
+        match act {
+            Act::Spawn { dynamic, torus, at } => {
+                let collider = if *torus { ring.clone() } else { cube.clone() };
+                let kind = if *dynamic { RigidBody::Dynamic } else { RigidBody::Fixed };
+                let [x, y, z] = at.map(|c| 0.6 * f32::from(c));
+                live.push(world(app).spawn((kind, collider, Transform::from_xyz(x, y, z))).id());
+                came += 1;
+            }
+            Act::Despawn(i) => {
+                if let Some(i) = pick(i, &live) {
+                    assert!(world(app).despawn(live.remove(i)));
+                }
+            }
+            Act::Strip(i) => {
+                if let Some(i) = pick(i, &live) {
+                    world(app).entity_mut(live[i]).remove::<Collider>();
+                    steps(app, 1);
+                    world(app).despawn(live.remove(i));
+                }
+            }
+            Act::Turn(i) => {
+                if let Some(i) = pick(i, &live) {
+                    let rotation = Quat::from_rotation_x(FRAC_PI_2);
+                    world(app).get_mut::<Transform>(live[i]).unwrap().rotation = rotation;
+                }
+            }
+            Act::Step => steps(app, 1),
+        }
+    }
+    steps(app, 1);
+    let hash = state_hash(app.app().world());
+    for entity in live {
+        world(app).despawn(entity);
+    }
+    steps(app, 2);
+    (came, hash)
+}
+
+fn nothing_is_left(app: &mut SceneApp, entities: u32) {
+    let world = world(app);
+    assert_eq!(world.entities().count_spawned(), entities);
+    assert_eq!(world.resource::<Bodies>().iter().len(), 0);
+    assert_eq!(world.resource::<EffectTable>().bodies().len(), 0);
+    let mut detector = world.resource_mut::<Detector>();
+    let pairs = detector.world();
+    pairs.validate().unwrap();
+    assert_eq!((pairs.bodies().len(), pairs.remembered_pairs()), (0, 0));
+    #[cfg(feature = "rapier")]
+    if let Some(rigid) = world.get_resource::<RigidBodies>() {
+        let simulation = rigid.simulation();
+        assert_eq!((simulation.len(), simulation.pair_count()), (0, 0));
+        assert_eq!(rigid.answers().count(), 0);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn whatever_comes_and_goes_leaves_nothing_and_repeats_to_the_bit(
+        acts in prop::collection::vec(act(), 60),
+    ) {
+        let effects = [Effect::Trigger, Effect::Response];
+        let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
+        let run = || {
+            let mut app = empty(effects);
+            let before = world(&mut app).entities().count_spawned();
+            let (_, hash) = acted(&mut app, &acts);
+            nothing_is_left(&mut app, before);
+            hash
+        };
+        prop_assert_eq!(run(), run());
+    }
+}
+
+#[test]
+fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
+    let effects = [Effect::Trigger, Effect::Response];
+    let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
+    let run = || {
+        let mut app = empty(effects);
+        let before = world(&mut app).entities().count_spawned();
+        // A small generator of its own: the same acts in every run.
+        let mut seed = 0x2545_f491_4f6c_dd1du64;
+        let mut next = move |below: u64| {
+            seed ^= seed << 13;
+            seed ^= seed >> 7;
+            seed ^= seed << 17;
+            seed % below
+        };
+        let mut acts = Vec::new();
+        let (mut spawned, mut present) = (0, 0i64);
+        while spawned < 10_000 {
+            let place = [next(200) as i8, next(200) as i8, next(100) as i8];
+            if next(2) == 0 && present < 40 {
+                acts.push(Act::Spawn { dynamic: next(2) == 0, torus: false, at: place });
+                (spawned, present) = (spawned + 1, present + 1);
+            } else if present > 0 {
+                acts.push(Act::Despawn(next(100) as usize));
+                present -= 1;
+            }
+            if next(16) == 0 {
+                acts.push(Act::Step);
+            }
+        }
+        let (came, hash) = acted(&mut app, &acts);
+        assert_eq!(came, 10_000);
+        nothing_is_left(&mut app, before);
+        hash
+    };
+    assert_eq!(run(), run());
+}
