@@ -161,8 +161,9 @@ impl FatTree {
         stride
     }
 
-    /// Judges all candidates that are due or have a quick member, and drops those that are searched for
-    /// anew or can be no pair by now.
+    /// Judges all candidates that are due or have a quick member, and drops those that are searched
+    /// for anew or can be no pair by now. A pair whose boxes have parted ends here; the header of
+    /// `pairs` says what becomes of it.
     fn judge(&mut self, slots: &Slots, found: &mut Found) {
         let Self { candidates, fates, travel, .. } = self;
         let has_settled = !slots.switched_to(Motion::Stationary).is_empty();

@@ -34,7 +34,8 @@ impl End {
 pub(super) enum Crossing {
     /// The intervals meet along this axis now, and did not before.
     Met,
-    /// The intervals are apart along this axis now, and were not before.
+    /// The intervals are apart along this axis now, and were not before: a pair ends here if the
+    /// boxes overlapped. The header of `pairs` says what becomes of it.
     Parted,
 }
 

@@ -99,7 +99,9 @@ impl Simulation {
         self.looked_ahead.into()
     }
 
-    /// Drops answers and searches of pairs that rapier no longer considers, whenever they are the greater part.
+    /// Drops answers and searches of pairs that rapier no longer considers, whenever they are the
+    /// greater part. rapier's broad phase decides when boxes have parted; without rapier
+    /// `cranny-broad-phase` does (its `pairs`), and `World::update_pairs` forgets.
     fn forget_parted(&self) {
         if self.log.len().max(self.searches.len()) <= 2 * self.pair_count() {
             return;
