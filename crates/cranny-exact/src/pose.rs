@@ -1,4 +1,5 @@
-//! Where bodies are, and the one function that poses a vertex.
+//! Where bodies are, and the one function that poses a vertex ([`RigidMap::apply`]). Its rounding is
+//! bounded by [`RigidMap::posing_error`].
 
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
@@ -225,8 +226,11 @@ impl RigidMap {
         Self { linear, translation: -(linear * self.translation) }
     }
 
-    /// An upper bound of the distance between [`apply`](Self::apply)'s rounded result and the exact
-    /// image, for points at most `radius` from the origin.
+    /// The rounding of posing: an upper bound of the distance between [`apply`](Self::apply)'s
+    /// rounded result and the exact image, for points at most `radius` from the origin.
+    ///
+    /// `Pair::culling_error` of `cranny-narrow-phase` bounds all that rounds in a query's culls, this
+    /// included.
     ///
     /// A coordinate takes three products and three sums. Each partial result is at most
     /// `√3·radius + |t|`, each operation adds half an ulp of it; six operations, three coordinates.

@@ -288,6 +288,7 @@ impl<'a> Pair<'a> {
     /// In units of half an ulp of the same scale as [`length_error`](Self::length_error): a posed
     /// vertex rounds 8 times, a box's center and extents, doubled, 30 times together; a rotation
     /// matrix made of accepted quaternions is off by at most 64. A hundred in all; 256 leave room.
+    /// [`RigidMap::posing_error`] bounds what posing one point rounds.
     #[must_use]
     pub fn culling_error(&self) -> f64 {
         2.0 * self.length_error() + self.bulge.abs()
