@@ -1,5 +1,8 @@
-//! Effects by name. A known effect that this version does not have is told apart from a typing
-//! error.
+//! Effects by name. A known effect that this version does not have gets another error than a
+//! misspelt one.
+//!
+//! How to add an effect: CONTRIBUTING.md, 'An effect'. This file is its third step, the first is
+//! `Effect` in `cranny_world::description`.
 
 use std::fmt;
 
