@@ -26,7 +26,7 @@ use crate::digest::digest;
 use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{Late, Unfolding};
+use crate::late::{FromStored, Late};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -76,7 +76,7 @@ impl Model {
         observe(Stage::Repair);
         let weld_distance = weld_distance(options.tolerance, options.flatness, &mesh)?;
         let mut report = Report { weld_distance, ..Report::default() };
-        let Mended { mut mesh, filed_faces, mut provenance } =
+        let PreparedMesh { mut mesh, filed_faces, mut provenance } =
             mended(mesh, options.repair, weld_distance)?;
         if (0..mesh.faces().len() as u32).all(|f| has_no_area(&mesh, FaceId(f))) {
             return Err(BuildError::OnlyDegenerateFaces { faces: mesh.faces().len() });
@@ -111,8 +111,8 @@ impl Model {
             mesh,
             topology,
             hull,
-            tree: Unfolding::made(tree),
-            patches: Unfolding::made(patches),
+            tree: FromStored::made(tree),
+            patches: FromStored::made(patches),
             clusters: Late::default(),
             mass,
             radius,
@@ -275,7 +275,7 @@ fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, rep
 }
 
 /// A mesh that may have been mended.
-struct Mended {
+struct PreparedMesh {
     mesh: Mesh,
     /// The filed face of each face, where these are not the same.
     filed_faces: Option<Vec<FaceId>>,
@@ -283,7 +283,7 @@ struct Mended {
 }
 
 /// Welds what is in exactly the same place, then mends as far as the policy goes.
-fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<Mended, BuildError> {
+fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<PreparedMesh, BuildError> {
     let mut provenance = Provenance {
         vertices: mesh.vertices().len(),
         faces: mesh.faces().len(),
@@ -301,11 +301,11 @@ fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<Mended, Buil
     }
     if policy == Repair::None {
         provenance.new_ids = welded.new_id;
-        return Ok(Mended { mesh: welded.mesh, filed_faces: None, provenance });
+        return Ok(PreparedMesh { mesh: welded.mesh, filed_faces: None, provenance });
     }
     let mended = mend(&mesh, welded, policy == Repair::Full, weld_distance)?;
     provenance.repairs.extend(mended.records);
     provenance.deviation = mended.deviation;
     provenance.new_ids = mended.new_id;
-    Ok(Mended { mesh: mended.mesh, filed_faces: mended.filed_face, provenance })
+    Ok(PreparedMesh { mesh: mended.mesh, filed_faces: mended.filed_face, provenance })
 }

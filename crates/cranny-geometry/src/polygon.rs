@@ -58,7 +58,7 @@ pub fn split_polygon(corners: &[DVec3]) -> SplitPolygon {
         return SplitPolygon::default();
     }
     let walk = Walk::new(corners);
-    let (plane, thickness) = Plane::of(&walk);
+    let (plane, thickness) = ViewAxis::of(&walk);
     let seen: Vec<DVec2> = corners.iter().map(|&p| plane.project(p)).collect();
     if is_convex(&seen) {
         return SplitPolygon { triangles: fan(corners.len()), simple: true, thickness };
@@ -141,13 +141,13 @@ fn lexicographic(p: DVec3, q: DVec3) -> Ordering {
 }
 
 /// From which side a polygon is seen: along an axis, from its positive end.
-struct Plane {
+struct ViewAxis {
     axis: usize,
     /// Whether the walk goes counter-clockwise so.
     turns_left: bool,
 }
 
-impl Plane {
+impl ViewAxis {
     /// The plane of a walk, and how far its corners lie off the one through their mean.
     fn of(walk: &Walk<'_>) -> (Self, f64) {
         let origin = walk.corners[walk.start];

@@ -115,10 +115,10 @@ pub(crate) fn overwritten<T: Copy>(
     (starts, members)
 }
 
-/// Which members of a list move where, so that it has no gaps: of `before` members those in `free`, ascending, are
-/// gone, and `new` have been appended. The new ones, and then the last of the others, take the places that are free.
-/// Pairs of places, in that order.
-pub(crate) fn closing_ranks(before: u32, free: &[u32], new: &[u32]) -> Vec<(u32, u32)> {
+/// Compacts a list: which members move where, so that it has no gaps. Of `before` members those in
+/// `free`, ascending, are gone, and `new` have been appended. The new ones, and then the last of the
+/// others, take the places that are free. Pairs of places, in that order.
+pub(crate) fn compaction_moves(before: u32, free: &[u32], new: &[u32]) -> Vec<(u32, u32)> {
     let count = before + new.len() as u32 - free.len() as u32;
     let others = (count..before).filter(|i| free.binary_search(i).is_err());
     let places = free.iter().copied().filter(|&i| i < count).chain(before..count);
@@ -145,12 +145,12 @@ mod tests {
     }
 
     #[test]
-    fn ranks_are_closed() {
-        assert_eq!(closing_ranks(5, &[1, 3], &[5, 7]), [(5, 1), (7, 3)]);
-        assert_eq!(closing_ranks(5, &[1], &[6, 7]), [(6, 1), (7, 5)]);
-        assert_eq!(closing_ranks(5, &[1, 4], &[5]), [(5, 1)]);
-        assert_eq!(closing_ranks(5, &[0, 1, 4], &[5]), [(5, 0), (3, 1)]);
-        assert_eq!(closing_ranks(5, &[0], &[]), [(4, 0)]);
+    fn gaps_are_filled() {
+        assert_eq!(compaction_moves(5, &[1, 3], &[5, 7]), [(5, 1), (7, 3)]);
+        assert_eq!(compaction_moves(5, &[1], &[6, 7]), [(6, 1), (7, 5)]);
+        assert_eq!(compaction_moves(5, &[1, 4], &[5]), [(5, 1)]);
+        assert_eq!(compaction_moves(5, &[0, 1, 4], &[5]), [(5, 0), (3, 1)]);
+        assert_eq!(compaction_moves(5, &[0], &[]), [(4, 0)]);
     }
 
     #[test]

@@ -41,8 +41,8 @@ pub struct Nearest {
 #[derive(Clone, Debug)]
 pub struct Prepared {
     corners: [DVec3; 3],
-    /// Side `i` runs from corner `i` to corner `(i + 1) % 3`.
-    sides: [Side; 3],
+    /// TriangleSide `i` runs from corner `i` to corner `(i + 1) % 3`.
+    sides: [TriangleSide; 3],
     longest: usize,
     /// In the plane, at right angles to the sides, inward; as long as the side times the normal.
     inward: [DVec3; 3],
@@ -57,7 +57,7 @@ impl Prepared {
         Self::with(*corners, sides(corners))
     }
 
-    fn with(corners: [DVec3; 3], sides: [Side; 3]) -> Self {
+    fn with(corners: [DVec3; 3], sides: [TriangleSide; 3]) -> Self {
         let longer = |i: usize, j: usize| if sides[j].squared > sides[i].squared { j } else { i };
         let longest = longer(longer(0, 1), 2);
         // The shorter sides lose least.
@@ -93,7 +93,7 @@ impl Prepared {
 
 /// A segment, ready to be measured against many.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct TriangleSide {
     start: DVec3,
     end: DVec3,
     along: DVec3,
@@ -102,7 +102,7 @@ struct Side {
     over_squared: f64,
 }
 
-impl Side {
+impl TriangleSide {
     #[inline]
     fn of(start: DVec3, end: DVec3) -> Self {
         let along = end - start;
@@ -162,8 +162,8 @@ impl Side {
     }
 }
 
-fn sides(&[a, b, c]: &[DVec3; 3]) -> [Side; 3] {
-    [Side::of(a, b), Side::of(b, c), Side::of(c, a)]
+fn sides(&[a, b, c]: &[DVec3; 3]) -> [TriangleSide; 3] {
+    [TriangleSide::of(a, b), TriangleSide::of(b, c), TriangleSide::of(c, a)]
 }
 
 /// The part of a triangle that holds the point of its side `i` at a parameter.
@@ -212,7 +212,7 @@ pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
 /// The point of a segment nearest to another point.
 #[inline]
 pub fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
-    let side = Side::of(ends[0], ends[1]);
+    let side = TriangleSide::of(ends[0], ends[1]);
     side.at(side.parameter(side.along.dot(p - ends[0])))
 }
 
@@ -223,7 +223,7 @@ pub fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
 #[must_use]
 #[inline]
 pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
-    Side::of(p[0], p[1]).nearest(&Side::of(q[0], q[1]))
+    TriangleSide::of(p[0], p[1]).nearest(&TriangleSide::of(q[0], q[1]))
 }
 
 /// The nearest points of two triangles. They must not intersect, or the answer is too large.

@@ -5,7 +5,7 @@ use cranny_geometry::FaceId;
 
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
-use crate::pieces::Cut;
+use crate::pieces::RegionPieces;
 use cranny_geometry::triangle_distance::closest_on_segment;
 
 /// Where the curves run through each face, so that a point of the face can be told on or off the
@@ -13,7 +13,7 @@ use cranny_geometry::triangle_distance::closest_on_segment;
 pub(crate) struct Borders(Vec<(FaceId, [DVec3; 2])>);
 
 impl Borders {
-    pub(crate) fn of(side: Side, intersection: &Intersection, cut: &Cut) -> Self {
+    pub(crate) fn of(side: Side, intersection: &Intersection, cut: &RegionPieces) -> Self {
         let border = |&s: &usize| {
             let s = &intersection.segments[s];
             let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);

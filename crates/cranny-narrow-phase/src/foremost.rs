@@ -25,7 +25,7 @@ use self::layer::Layer;
 use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::closest::NearestFaces;
-use crate::gjk::{Sight, Simplex};
+use crate::gjk::{HullGap, Simplex};
 use crate::pair::{Pair, Side};
 use cranny_geometry::triangle_distance::{Prepared, triangle_distance};
 
@@ -102,15 +102,15 @@ impl Foremost {
     }
 
     /// The line along which to look: that between the nearest faces known, if hulls are as far apart along it as these are.
-    fn sight(&mut self, pair: &Pair, parting: DVec3, nearest: &NearestFaces) -> Option<Sight> {
-        let known = nearest.toward().and_then(|toward| Sight::along(pair, toward, self.tops));
+    fn sight(&mut self, pair: &Pair, parting: DVec3, nearest: &NearestFaces) -> Option<HullGap> {
+        let known = nearest.toward().and_then(|toward| HullGap::along(pair, toward, self.tops));
         let limit = nearest.limit();
         if let Some(sight) = known.filter(|s| limit - s.least <= SETTLED * s.least) {
             return Some(sight);
         }
         let start = match known.filter(|sight| sight.least > 0.0) {
             Some(sight) => sight,
-            None => Sight::along(pair, parting, self.tops)?,
+            None => HullGap::along(pair, parting, self.tops)?,
         };
         Some(start.farthest(pair, SETTLED, &mut self.simplex)).filter(|sight| sight.least > 0.0)
     }
@@ -119,7 +119,7 @@ impl Foremost {
     fn measure(
         &self,
         pair: &Pair,
-        sight: &Sight,
+        sight: &HullGap,
         nearest: &mut NearestFaces,
         counters: &mut Counters,
     ) {
@@ -151,13 +151,13 @@ impl Foremost {
     fn gather(
         &mut self,
         pair: &Pair,
-        sight: &Sight,
+        sight: &HullGap,
         limit: f64,
         counters: &mut Counters,
     ) -> Option<()> {
         let hulls = Side::BOTH.map(|side| pair.model(side).hull());
         let map = &pair.first_from_second;
-        let &Sight { directions, tops, least, .. } = sight;
+        let &HullGap { directions, tops, least, .. } = sight;
         // The limit may be off by a constructed length, and the distance sought by another.
         let error = pair.culling_error();
         let most = limit + 2.0 * pair.length_error() + error;

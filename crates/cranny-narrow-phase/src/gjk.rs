@@ -20,7 +20,7 @@ const MOST_STEPS: u32 = 32;
 
 /// Two hulls seen along a line.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sight {
+pub(crate) struct HullGap {
     /// From the first to the second, in the first's frame, and back, in the second's; of length 1.
     pub(crate) directions: [DVec3; 2],
     /// Where the hulls reach farthest along these.
@@ -31,7 +31,7 @@ pub(crate) struct Sight {
     between: DVec3,
 }
 
-impl Sight {
+impl HullGap {
     /// Looks along a direction of length 1; `starts` are where to climb from. `None` of hulls without vertices.
     pub(crate) fn along(
         pair: &Pair,
@@ -117,7 +117,7 @@ impl Simplex {
     }
 
     /// Takes in a point; whether it was not there.
-    fn join(&mut self, seen: &Sight) -> bool {
+    fn join(&mut self, seen: &HullGap) -> bool {
         let is_new = !self.tops[..self.len].contains(&seen.tops);
         if is_new {
             (self.points[self.len], self.tops[self.len]) = (seen.between, seen.tops);
@@ -208,7 +208,7 @@ mod tests {
             let distance = brute_force(a, b).unwrap().distance;
             let pair = Pair::of_accepted(a, b);
             let way = pair.first_from_second.translation.normalize();
-            let start = Sight::along(&pair, way, [None; 2]).unwrap();
+            let start = HullGap::along(&pair, way, [None; 2]).unwrap();
             let found = start.farthest(&pair, 1e-6, &mut simplex);
             assert!(found.least >= start.least && found.least <= distance, "round {round}");
             if distance > 0.0 && start.least > 0.0 {

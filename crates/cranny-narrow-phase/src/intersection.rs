@@ -36,12 +36,12 @@ pub(crate) struct Node {
     /// In the pair's frame.
     pub(crate) point: DVec3,
     /// Where an edge pierces a face, how it does.
-    pub(crate) passage: Option<Passage>,
+    pub(crate) passage: Option<EdgePassage>,
 }
 
 /// How an edge, in its own direction (from its lesser to its greater vertex), passes through a face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Passage {
+pub(crate) struct EdgePassage {
     /// How far along the edge, from 0 to 1.
     pub(crate) parameter: f64,
     /// It goes from the front to the back.
@@ -145,7 +145,7 @@ fn pierced_node(
         _ => (Feature::Face(faces[0]), Feature::Edge(edge)),
     };
     let point = ends[0] + (ends[1] - ends[0]) * parameter;
-    Node { features, point, passage: Some(Passage { parameter, inward }) }
+    Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
 }
 
 struct Builder<'a, 'b> {
@@ -275,7 +275,7 @@ fn on_edge(
     let parameter = piercing_parameter(&ends, &triangle);
     let inward = orient3d(triangle[0], triangle[1], triangle[2], ends[0]) == Sign::Positive;
     let point = ends[0] + (ends[1] - ends[0]) * parameter;
-    Node { features, point, passage: Some(Passage { parameter, inward }) }
+    Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
 }
 
 /// How far along a segment, from 0 to 1, it pierces the plane of a triangle.

@@ -6,10 +6,10 @@ use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
-use crate::depth::{Ground, deepest_lead, leads};
+use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
-use crate::pieces::{Cut, cut};
+use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::search::meeting_pairs;
 use crate::surface::FacePair;
@@ -168,7 +168,7 @@ fn curves(
 
 fn closed_regions(pair: &Pair, intersection: &Intersection) -> Vec<Region> {
     let mut chains = Chains::of(intersection);
-    let region = |c: &Cut| closed_region(pair, intersection, &mut chains, c);
+    let region = |c: &RegionPieces| closed_region(pair, intersection, &mut chains, c);
     cut(pair, intersection).iter().map(region).collect()
 }
 
@@ -176,19 +176,19 @@ fn closed_region(
     pair: &Pair,
     intersection: &Intersection,
     chains: &mut Chains,
-    cut: &Cut,
+    cut: &RegionPieces,
 ) -> Region {
-    let ground = Ground::of(pair, intersection, cut);
+    let region = MeasuredRegion::of(pair, intersection, cut);
     let shape = Shape::of(intersection, &cut.segments);
     let normal = match shape.normal() {
         Some(normal) => normal,
-        None => least_deep_direction(pair, &ground),
+        None => least_deep_direction(pair, &region),
     };
     let (deepest, mut contacts) = if shape.is_flat() || shape.normal().is_none() {
-        let measured = leads(&ground, normal);
+        let measured = depths_along(&region, normal);
         (measured.deepest, measured.all)
     } else {
-        (deepest_lead(&ground, normal, f64::INFINITY), nearest_ways_out(pair, &ground))
+        (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
     };
     let rim = |n: usize| Contact {
         id: intersection.nodes[n].features,
@@ -260,12 +260,12 @@ impl Shape {
 
 /// Where the curves name no direction: of the pieces' own face normals, and the line between the
 /// bodies, the one along which the least translation parts them.
-fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
+fn least_deep_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
     let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
     let mut candidates: Vec<DVec3> = vec![centers.try_normalize().unwrap_or(DVec3::Z)];
     for side in Side::BOTH {
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let mut faces = ground.cut.pieces[side.index()].faces.clone();
+        let mut faces = region.cut.pieces[side.index()].faces.clone();
         faces.sort_unstable();
         let stride = faces.len().div_ceil(MAX_SAMPLES / 4).max(1);
         for &f in faces.iter().step_by(stride) {
@@ -276,12 +276,12 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
         }
     }
     // How deep a piece is along a direction that none of its faces looks along, rays do not tell.
-    if candidates.iter().any(|&n| face_each_other(pair, ground, n)) {
-        candidates.retain(|&n| face_each_other(pair, ground, n));
+    if candidates.iter().any(|&n| face_each_other(pair, region, n)) {
+        candidates.retain(|&n| face_each_other(pair, region, n));
     }
     let mut best = (f64::INFINITY, candidates[0]);
     for n in candidates {
-        if let Some(deepest) = deepest_lead(ground, n, best.0)
+        if let Some(deepest) = deepest_along(region, n, best.0)
             && -deepest.separation < best.0
         {
             best = (-deepest.separation, n);
@@ -291,21 +291,21 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
 }
 
 /// Whether some face of the first body's piece looks along `n`, and some of the second's against it, within 60 degrees.
-fn face_each_other(pair: &Pair, ground: &Ground, n: DVec3) -> bool {
+fn face_each_other(pair: &Pair, region: &MeasuredRegion, n: DVec3) -> bool {
     Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
-        let faces = &ground.cut.pieces[side.index()].faces;
+        let faces = &region.cut.pieces[side.index()].faces;
         faces.iter().any(|&f| sign * pair.normal(side, f).dot(n) >= LOOKS_ALONG)
     })
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.
-fn nearest_ways_out(pair: &Pair, ground: &Ground) -> Vec<Contact> {
+fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Contact> {
     let mut contacts = Vec::new();
     for side in Side::BOTH {
-        let vertices = &ground.cut.pieces[side.index()].vertices;
+        let vertices = &region.cut.pieces[side.index()].vertices;
         let other = side.other().index();
-        let faces = &ground.cut.pieces[other].faces;
-        let triangles = &ground.triangles[other];
+        let faces = &region.cut.pieces[other].faces;
+        let triangles = &region.triangles[other];
         let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
         let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
         // Neighbours have their ways out through neighbours: the last one bounds the next.

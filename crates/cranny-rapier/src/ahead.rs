@@ -176,10 +176,10 @@ impl PairAhead {
 
 /// What all bodies do in the next step, by tags. Shared by a dispatcher and its owner.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Motions(Arc<RwLock<Known>>);
+pub(crate) struct Motions(Arc<RwLock<KnownMotions>>);
 
 #[derive(Debug, Default)]
-struct Known {
+struct KnownMotions {
     bodies: Vec<Motion>,
     base: Real,
     reserve: Real,
@@ -239,7 +239,7 @@ impl Motions {
     pub(crate) fn between(&self, first: u32, second: u32) -> Option<PairAhead> {
         let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
         let of = |tag: u32| known.bodies.get(tag as usize).copied();
-        let Known { base, reserve, .. } = *known;
+        let KnownMotions { base, reserve, .. } = *known;
         Some(PairAhead { motions: [of(first)?, of(second)?], base, reserve })
     }
 
@@ -271,7 +271,8 @@ impl Motions {
             // rapier loosens boxes by half of it, but not those of what has long been there.
             2.0 * all.extents().length()
         };
-        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Known { bodies, base, reserve };
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) =
+            KnownMotions { bodies, base, reserve };
         reach.max(base)
     }
 }

@@ -59,10 +59,10 @@ pub(crate) struct Search {
 
 /// The searches whose contacts may be carried on, by tags. Shared by a dispatcher and its owner.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Searches(Arc<Mutex<Known>>);
+pub(crate) struct Searches(Arc<Mutex<KnownSearches>>);
 
 #[derive(Debug, Default)]
-struct Known {
+struct KnownSearches {
     step: u64,
     last: BTreeMap<(u32, u32), Search>,
     counts: PairCounts,
@@ -78,7 +78,7 @@ pub struct PairCounts {
 }
 
 impl Searches {
-    fn known(&self) -> MutexGuard<'_, Known> {
+    fn known(&self) -> MutexGuard<'_, KnownSearches> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -31,7 +31,7 @@ pub(crate) struct Cast<'a> {
 }
 
 /// What bodies that meet at the beginning do there.
-pub(crate) struct AtOnce {
+pub(crate) struct InitialOverlap {
     /// Whether that counts also where they part.
     pub(crate) always: bool,
     /// Where they meet, in each one's frame.
@@ -94,13 +94,16 @@ impl<'a> Cast<'a> {
     }
 
     /// When they meet; `None` inside where they do not, outside where the motion is none that can be followed.
-    pub(crate) fn meet(&self, at_once: impl FnOnce() -> AtOnce) -> Option<Option<ShapeCastHit>> {
+    pub(crate) fn meet(
+        &self,
+        initial: impl FnOnce() -> InitialOverlap,
+    ) -> Option<Option<ShapeCastHit>> {
         let options = ImpactOptions { tolerance: self.tolerance(), budget: BUDGET };
         let [a, b] = [0, 1].map(|k| Moving { model: self.models[k], motion: self.motions[k] });
         Some(match time_of_impact(a, b, &options) {
             Ok((Impact::None, _)) => None,
-            Ok((Impact::Initially { .. }, _)) => self.at_beginning(at_once()),
-            Ok((Impact::Hit(hit), _)) => Some(self.told(&hit)),
+            Ok((Impact::Initially { .. }, _)) => self.at_beginning(initial()),
+            Ok((Impact::Hit(hit), _)) => Some(self.shape_cast_hit(&hit)),
             Ok((Impact::Open { free_before }, _)) => Some(ShapeCastHit {
                 time_of_impact: self.time(free_before),
                 status: ShapeCastStatus::OutOfIterations,
@@ -113,7 +116,7 @@ impl<'a> Cast<'a> {
         })
     }
 
-    fn told(&self, hit: &Hit) -> ShapeCastHit {
+    fn shape_cast_hit(&self, hit: &Hit) -> ShapeCastHit {
         let inverses = self.motions.map(|m| m.pose_at(hit.time.hi).world_from_body().inverse());
         let [witness1, witness2] =
             [0, 1].map(|k| narrow(inverses[k].apply(hit.witnesses[k].point)));
@@ -130,7 +133,10 @@ impl<'a> Cast<'a> {
         }
     }
 
-    fn at_beginning(&self, AtOnce { always, contact }: AtOnce) -> Option<ShapeCastHit> {
+    fn at_beginning(
+        &self,
+        InitialOverlap { always, contact }: InitialOverlap,
+    ) -> Option<ShapeCastHit> {
         let hit = ShapeCastHit {
             time_of_impact: self.begin as Real,
             status: ShapeCastStatus::PenetratingOrWithinTargetDist,

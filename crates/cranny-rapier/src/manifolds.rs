@@ -156,11 +156,11 @@ pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
 
 /// What the solver learned in the last step. Each impulse is handed on once at most.
 struct Impulses {
-    known: Vec<Known>,
+    known: Vec<KnownContact>,
     by_ids: HashMap<(PackedFeatureId, PackedFeatureId), Vec<usize>>,
 }
 
-struct Known {
+struct KnownContact {
     place: DVec3,
     normal: DVec3,
     data: ContactData,
@@ -173,7 +173,7 @@ impl Impulses {
         for manifold in manifolds {
             for point in &manifold.points {
                 out.by_ids.entry((point.fid1, point.fid2)).or_default().push(out.known.len());
-                out.known.push(Known {
+                out.known.push(KnownContact {
                     place: wide(point.local_p1),
                     normal: wide(manifold.local_n1),
                     data: point.data,
@@ -200,7 +200,7 @@ impl Impulses {
         let place = wide(point.local_p1);
         let near: Vec<usize> = (0..self.known.len())
             .filter(|&i| {
-                let Known { place: p, normal: n, .. } = &self.known[i];
+                let KnownContact { place: p, normal: n, .. } = &self.known[i];
                 n.dot(normal) >= SAME_WAY && (*p - place).length_squared() <= reach * reach
             })
             .collect();
@@ -210,7 +210,7 @@ impl Impulses {
 
 /// Takes what is nearest and not yet taken; nothing was learned where all is.
 fn take_nearest(
-    known: &mut [Known],
+    known: &mut [KnownContact],
     among: impl Iterator<Item = usize>,
     place: DVec3,
 ) -> ContactData {

@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::convert::narrow;
 use crate::mass::{MassError, mass_properties};
 #[cfg(feature = "snapshot")]
-use crate::snapshot::Mask;
+use crate::snapshot::StandIn;
 
 /// A model that rapier cannot take.
 #[derive(Debug, Error)]
@@ -48,7 +48,7 @@ pub struct MeshShape {
     smooth: Option<Arc<SmoothNormals>>,
     walkable: bool,
     #[cfg(feature = "snapshot")]
-    mask: Mask,
+    stand_in: StandIn,
 }
 
 impl MeshShape {
@@ -68,7 +68,7 @@ impl MeshShape {
             smooth: None,
             walkable: false,
             #[cfg(feature = "snapshot")]
-            mask: Mask::default(),
+            stand_in: StandIn::default(),
         })
     }
 
@@ -147,8 +147,8 @@ impl MeshShape {
 
     /// What it wears while it is written.
     #[cfg(feature = "snapshot")]
-    pub(crate) fn mask(&self) -> &Mask {
-        &self.mask
+    pub(crate) fn stand_in(&self) -> &StandIn {
+        &self.stand_in
     }
 }
 
@@ -228,8 +228,8 @@ impl Shape for MeshShape {
     /// `snapshot` is told of one that it can.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         #[cfg(feature = "snapshot")]
-        if let Some(worn) = self.mask.worn() {
-            return worn;
+        if let Some(ball) = self.stand_in.shown() {
+            return ball;
         }
         TypedShape::Custom(self)
     }

@@ -23,8 +23,8 @@ use crate::paths::{make_folder, write};
 use crate::progress;
 use crate::run::{detector, failure, stop_flag};
 use crate::scene_file::load;
-use contestant::Contestant;
-use figures::Figures;
+use contestant::DetectorRun;
+use figures::RunFigures;
 
 /// What is written into the folder.
 const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
@@ -81,7 +81,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
             source: Some(scene.source_text.clone()),
             ..RunOptions::default()
         };
-        let contestant = Contestant::new(description, &options);
+        let contestant = DetectorRun::new(description, &options);
         spinner.finish_and_clear();
         let contestant = contestant.map_err(failure)?;
         if !contestant.has_solver() {
@@ -94,11 +94,11 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     }
     // Until here Ctrl-C ends the command at once: nothing is lost.
     let stop = stop_flag();
-    let steps = contestants.iter().map(Contestant::steps_total).max().unwrap_or(0);
+    let steps = contestants.iter().map(DetectorRun::steps_total).max().unwrap_or(0);
     let bar = progress::bar(steps, "simulating");
     for _ in 0..steps {
         if stop.load(Ordering::Relaxed) {
-            contestants.iter_mut().for_each(Contestant::interrupt);
+            contestants.iter_mut().for_each(DetectorRun::interrupt);
             break;
         }
         for contestant in &mut contestants {
@@ -109,8 +109,8 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     bar.finish_and_clear();
     let rows = contestants
         .into_iter()
-        .map(Contestant::finish)
-        .collect::<Result<Vec<Figures>, SceneAppError>>()
+        .map(DetectorRun::finish)
+        .collect::<Result<Vec<RunFigures>, SceneAppError>>()
         .map_err(failure)?;
     tell(&rows, format.unwrap_or(Format::Text))?;
     if let Some(folder) = &args.out {
@@ -142,7 +142,7 @@ fn ways(asked: RecyclingArg) -> &'static [bool] {
     }
 }
 
-fn tell(rows: &[Figures], format: Format) -> Result<(), Failure> {
+fn tell(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     match format {
         Format::Json => rows.iter().try_for_each(|row| output.json(row)),

@@ -14,7 +14,7 @@ use crate::model_file::load;
 use crate::output::Output;
 use crate::pose_file::read_poses;
 use crate::progress;
-use line::{Line, Shown};
+use line::{Line, ShownFields};
 
 /// Runs the command.
 ///
@@ -59,7 +59,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         let found = found.map_err(|error| {
             Failure::input(format!("pose file {}: pose {index}: {error}", args.poses.display()))
         })?;
-        let shown = Shown { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
+        let shown = ShownFields { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
         let line = Line::new(index, &found, micros, shown);
         match format {
             Format::Json => output.json(&line),

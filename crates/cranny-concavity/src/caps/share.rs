@@ -66,7 +66,7 @@ pub(super) struct Sharing<'a> {
 }
 
 /// Facets, ascending, and what is left of them together.
-struct Group {
+struct FacetGroup {
     members: BTreeSet<u32>,
     projection: Projection,
     covering: Covering,
@@ -78,18 +78,18 @@ impl Sharing<'_> {
     pub(super) fn share(&self, alone: CapSurface) -> CapSurface {
         let negative = alone.negative.iter().map(|&cap| alone.facet_of(cap).0);
         let bad: BTreeSet<u32> = negative.chain(alone.crossed.iter().map(|f| f.0)).collect();
-        let mut groups: Vec<Group> =
+        let mut groups: Vec<FacetGroup> =
             bad.into_iter().map(|facet| self.group(BTreeSet::from([facet]))).collect();
         for _ in 0..ROUNDS {
             groups = self.grown(groups);
         }
-        let mut groups: Vec<Group> =
+        let mut groups: Vec<FacetGroup> =
             groups.into_iter().filter_map(|group| self.kept(group, &alone)).collect();
         groups.sort_unstable_by_key(|group| group.members.first().copied());
         self.filed(&alone, &groups)
     }
 
-    fn group(&self, members: BTreeSet<u32>) -> Group {
+    fn group(&self, members: BTreeSet<u32>) -> FacetGroup {
         // What is seen along no axis is never joined; of one facet all is seen.
         let largest = self.largest(&members);
         let projection =
@@ -103,11 +103,11 @@ impl Sharing<'_> {
         ridges.sort_unstable_by_key(|ridge| ridge.ends);
         ridges.dedup_by_key(|ridge| ridge.ends);
         let covering = Covering::of(self.mesh, projection, &chain, &ridges);
-        Group { members, projection, covering, has_grown: true }
+        FacetGroup { members, projection, covering, has_grown: true }
     }
 
     /// Each group that is not covered once, with the facets that it reaches into.
-    fn grown(&self, groups: Vec<Group>) -> Vec<Group> {
+    fn grown(&self, groups: Vec<FacetGroup>) -> Vec<FacetGroup> {
         let mut home: BTreeMap<u32, usize> = BTreeMap::new();
         for (at, group) in groups.iter().enumerate() {
             home.extend(group.members.iter().map(|&f| (f, at)));
@@ -144,7 +144,7 @@ impl Sharing<'_> {
             if members.len() > group.members.len() {
                 all.push(self.group(members));
             } else if !members.is_empty() {
-                all.push(Group { has_grown: false, ..group });
+                all.push(FacetGroup { has_grown: false, ..group });
             }
         }
         all
@@ -181,7 +181,7 @@ impl Sharing<'_> {
     }
 
     /// Facets across the rim of a group over which its negative caps reach.
-    fn reached(&self, group: &Group) -> BTreeSet<u32> {
+    fn reached(&self, group: &FacetGroup) -> BTreeSet<u32> {
         let rim = self.rim(group);
         let at = |v: u32| self.mesh.position(VertexId(v));
         let mut places: Vec<DVec3> = Vec::new();
@@ -202,7 +202,7 @@ impl Sharing<'_> {
     }
 
     /// The edges of the hull between members of a group and other facets.
-    fn rim(&self, group: &Group) -> Vec<RimEdge> {
+    fn rim(&self, group: &FacetGroup) -> Vec<RimEdge> {
         let mut rim = Vec::new();
         for &facet in &group.members {
             let Facet { normal, triangles, .. } = self.hull.facet(FacetId(facet));
@@ -222,8 +222,8 @@ impl Sharing<'_> {
     }
 
     /// A group, or what of it hardly turns, that is the better for being covered together.
-    fn kept(&self, group: Group, alone: &CapSurface) -> Option<Group> {
-        let is_kept = |group: &Group| {
+    fn kept(&self, group: FacetGroup, alone: &CapSurface) -> Option<FacetGroup> {
+        let is_kept = |group: &FacetGroup| {
             group.members.len() > 1 && self.is_better(group, alone) && self.is_near_hull(group)
         };
         if is_kept(&group) {
@@ -238,7 +238,7 @@ impl Sharing<'_> {
 
     /// Whether each triangle lies beneath some member, no deeper than [`DEEPEST`] slabs. Those of a facet alone
     /// always do, since its chain lies in its slab; so volumes are right up to layers as thin.
-    fn is_near_hull(&self, group: &Group) -> bool {
+    fn is_near_hull(&self, group: &FacetGroup) -> bool {
         let is_near = |facet: u32, corners: [DVec3; 3]| {
             let Facet { normal, offset, thickness, .. } = self.hull.facet(FacetId(facet));
             let floor = offset - DEEPEST * thickness.max(self.assignment.depth());
@@ -251,7 +251,7 @@ impl Sharing<'_> {
     }
 
     /// Whether less is negative than where each facet is covered alone, or as little and nothing crosses.
-    fn is_better(&self, group: &Group, alone: &CapSurface) -> bool {
+    fn is_better(&self, group: &FacetGroup, alone: &CapSurface) -> bool {
         let area = |corners: [u32; 3]| {
             let [a, b, c] = corners.map(|v| self.mesh.position(VertexId(v)));
             (b - a).cross(c - a).length()
@@ -269,7 +269,7 @@ impl Sharing<'_> {
     }
 
     /// The surface with the caps of groups in place of those of their members.
-    fn filed(&self, alone: &CapSurface, groups: &[Group]) -> CapSurface {
+    fn filed(&self, alone: &CapSurface, groups: &[FacetGroup]) -> CapSurface {
         let mut of_member: BTreeMap<u32, Vec<([u32; 3], bool)>> = BTreeMap::new();
         let mut surface = CapSurface { facet_starts: vec![0], ..CapSurface::default() };
         let mut crossed = BTreeSet::new();
@@ -329,7 +329,7 @@ struct Places {
 }
 
 impl Places {
-    fn of(hull: &ConvexHull, group: &Group) -> Self {
+    fn of(hull: &ConvexHull, group: &FacetGroup) -> Self {
         let projection = group.projection;
         let placed = |t: u32| {
             let corners = hull.triangle(t as usize);

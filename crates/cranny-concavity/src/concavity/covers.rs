@@ -89,7 +89,7 @@ impl HullCovers {
         concavities: &ConcavitySet,
     ) -> Self {
         let (first_faces, faces) = rows(features.facets_of_faces(), hull.facet_count());
-        let input = Input { mesh, topology, hull, features, concavities, first_faces, faces };
+        let input = CoverInput { mesh, topology, hull, features, concavities, first_faces, faces };
         let mut filing = Filing::default();
         let facet_sets: Vec<Owners> = input.facets().map(|f| input.of_facet(f)).collect();
         let facets = facet_sets.iter().map(|set| filing.code(set)).collect();
@@ -166,7 +166,7 @@ impl Filing {
     }
 }
 
-struct Input<'a> {
+struct CoverInput<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
     hull: &'a ConvexHull,
@@ -177,7 +177,7 @@ struct Input<'a> {
     faces: Vec<u32>,
 }
 
-impl Input<'_> {
+impl CoverInput<'_> {
     fn facets(&self) -> impl Iterator<Item = FacetId> + use<> {
         (0..self.hull.facet_count() as u32).map(FacetId)
     }

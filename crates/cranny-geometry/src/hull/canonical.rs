@@ -10,7 +10,7 @@
 //!
 //! No source: this crate's own. Cost: O(n) for polygons of n corners in all.
 
-use super::quickhull::{Surface, next};
+use super::quickhull::{HullSurface, next};
 
 /// The corners of a triangle from each of them on.
 pub(super) const TURNED: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
@@ -44,7 +44,7 @@ pub(super) fn halved(corners: u32) -> impl Iterator<Item = [u32; 3]> {
 
 /// Brings a surface, all vertices of which are extreme and lowest first in their triangles, into the one form; `flat`
 /// are the half-edges of all its flat edges, one of each.
-pub(super) fn canonical(mut surface: Surface, flat: &[u32]) -> Surface {
+pub(super) fn canonical(mut surface: HullSurface, flat: &[u32]) -> HullSurface {
     if flat.is_empty() {
         return surface;
     }
@@ -74,7 +74,13 @@ struct Polygon {
 
 impl Polygon {
     /// All that lies in one plane with a triangle; what is flat is marked by half-edge.
-    fn gather(&mut self, surface: &Surface, first: u32, is_flat: &[bool], is_done: &mut [bool]) {
+    fn gather(
+        &mut self,
+        surface: &HullSurface,
+        first: u32,
+        is_flat: &[bool],
+        is_done: &mut [bool],
+    ) {
         self.triangles.clear();
         self.rim.clear();
         self.triangles.push(first);
@@ -114,7 +120,7 @@ impl Polygon {
     }
 
     /// Puts the triangles of the one form in the places of those that are there.
-    fn retriangulate(&self, surface: &mut Surface) {
+    fn retriangulate(&self, surface: &mut HullSurface) {
         // A disk of extreme points: two triangles fewer than corners.
         debug_assert_eq!(self.triangles.len() + 2, self.rim.len());
         let count = self.rim.len() as u32;

@@ -25,7 +25,7 @@ use cranny_exact::{Aabb, DVec3};
 
 use self::planes::unit;
 use super::outline::Outlines;
-use super::quickhull::{Surface, previous};
+use super::quickhull::{HullSurface, previous};
 use super::shapes::Shapes;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
@@ -91,7 +91,7 @@ impl FacetLayer {
     pub(super) fn new(
         kind: HullKind,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         graph: &SupportGraph,
         flatness: f64,
     ) -> Self {
@@ -114,7 +114,7 @@ impl FacetLayer {
     fn assemble(
         tolerance: f64,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         facet_of: Vec<u32>,
         planes: Vec<Plane>,
     ) -> Self {
@@ -143,7 +143,7 @@ impl FacetLayer {
 
 pub(super) struct Growth<'a> {
     positions: &'a [DVec3],
-    surface: &'a Surface,
+    surface: &'a HullSurface,
     graph: &'a SupportGraph,
     tolerance: f64,
     extent: DVec3,
@@ -158,7 +158,7 @@ pub(super) struct Growth<'a> {
 impl<'a> Growth<'a> {
     pub(super) fn new(
         positions: &'a [DVec3],
-        surface: &'a Surface,
+        surface: &'a HullSurface,
         graph: &'a SupportGraph,
         tolerance: f64,
         triangles: Shapes,

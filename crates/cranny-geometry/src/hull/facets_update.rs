@@ -17,12 +17,12 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::facets::{FacetLayer, Growth, Plane, UNASSIGNED};
 use super::outline::Region;
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 use super::repair::Repaired;
 use super::shapes::{Shapes, bends_clearly};
 use super::support::SupportGraph;
 use super::update::FacetChange;
-use crate::rows::{closing_ranks, overwritten};
+use crate::rows::{compaction_moves, overwritten};
 
 impl FacetLayer {
     /// The facets of a repaired surface; `touched` are the corners of new triangles, ascending. Also which facets are
@@ -89,7 +89,7 @@ impl FacetLayer {
         for facet in renamed.into_iter().filter(|f| !gone.contains(f)) {
             changed.insert(facet, sorted(row(facet)));
         }
-        let moves = closing_ranks(before as u32, &free, &grown);
+        let moves = compaction_moves(before as u32, &free, &grown);
         let mut change = FacetChange { gone: free, fresh: Vec::new() };
         let contents: Vec<(u32, u32, Plane)> =
             moves.iter().map(|&(from, to)| (from, to, planes[from as usize])).collect();
@@ -124,7 +124,7 @@ fn sorted(members: impl Iterator<Item = u32>) -> Vec<u32> {
 /// Triangles, ascending: some, and those that hang together with them over edges that do not bend clearly.
 fn hanging_together(
     positions: &[DVec3],
-    surface: &Surface,
+    surface: &HullSurface,
     tolerance: f64,
     mut front: Vec<u32>,
 ) -> Vec<u32> {

@@ -4,7 +4,7 @@
 
 use cranny_exact::{DVec3, Sign};
 
-use super::quickhull::{Surface, previous};
+use super::quickhull::{HullSurface, previous};
 
 /// What is flat of a surface.
 pub(super) struct Flat {
@@ -20,7 +20,7 @@ impl Flat {
     /// zeros, so it is not asked of those that `is_surely_bent` names.
     pub(super) fn of(
         points: usize,
-        surface: &Surface,
+        surface: &HullSurface,
         is_surely_bent: impl Fn(u32) -> bool,
         edge_sign: impl Fn(u32) -> Sign,
     ) -> Self {
@@ -62,7 +62,7 @@ impl Flat {
 
 /// On which side of a triangle the apex of its neighbour lies: `Negative` where the edge is convex,
 /// `Zero` where it is flat.
-pub(super) fn edge_sign(points: &[DVec3], surface: &Surface, half_edge: u32) -> Sign {
+pub(super) fn edge_sign(points: &[DVec3], surface: &HullSurface, half_edge: u32) -> Sign {
     let [a, b, c] = surface.triangles[half_edge as usize / 3].map(|v| points[v as usize]);
     let apex = surface.origin(previous(surface.twins[half_edge as usize]));
     cranny_exact::orient3d(a, b, c, points[apex as usize])

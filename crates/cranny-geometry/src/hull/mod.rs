@@ -64,7 +64,7 @@ use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};
 pub use kind::HullKind;
 pub use locate::Location;
-use quickhull::{Surface, previous};
+use quickhull::{HullSurface, previous};
 use span::{Projection, Span};
 use support::SupportGraph;
 pub use update::FacetChange;
@@ -108,7 +108,7 @@ pub struct ConvexHull {
     kind: HullKind,
     sources: Vec<VertexId>,
     positions: Vec<DVec3>,
-    surface: Surface,
+    surface: HullSurface,
     /// Made of positions and surface: `graph()`.
     graph: Late<SupportGraph>,
     /// A half-edge that starts at each vertex; made of the surface when somebody asks for it.
@@ -196,9 +196,9 @@ impl ConvexHull {
     fn of_accepted(points: &[DVec3], flatness: f64) -> Self {
         let at = |i: u32| points[i as usize];
         let (kind, surface, mut vertices) = match span::span_of(points) {
-            Span::Empty => (HullKind::Empty, Surface::default(), vec![]),
-            Span::Point(p) => (HullKind::Point, Surface::default(), vec![p]),
-            Span::Line(ends) => (HullKind::Segment, Surface::default(), ends.to_vec()),
+            Span::Empty => (HullKind::Empty, HullSurface::default(), vec![]),
+            Span::Point(p) => (HullKind::Point, HullSurface::default(), vec![p]),
+            Span::Line(ends) => (HullKind::Segment, HullSurface::default(), ends.to_vec()),
             Span::Plane(triangle) => {
                 let outline = Projection::of_plane(triangle.map(at))
                     .map(|projection| span::planar_hull(points, projection))
@@ -225,7 +225,7 @@ impl ConvexHull {
         kind: HullKind,
         points: &[DVec3],
         vertices: &[u32],
-        surface: Surface,
+        surface: HullSurface,
         flatness: f64,
     ) -> Self {
         let (positions, surface) = update::renumbered(points, vertices, surface);
@@ -448,10 +448,10 @@ impl ConvexHull {
 
 /// The two-sided plate over a planar outline (at least three corners, counter-clockwise in front):
 /// triangles `0..k` in front, then the same turned over, each `[0, i + 1, i + 2]` of the outline.
-fn plate(outline: &[u32]) -> Surface {
+fn plate(outline: &[u32]) -> HullSurface {
     let n = outline.len() as u32;
     let k = n.saturating_sub(2);
-    let mut surface = Surface::default();
+    let mut surface = HullSurface::default();
     for i in 0..k {
         surface.triangles.push([0, i + 1, i + 2].map(|c| outline[c as usize]));
         let (front, back) = (3 * i, 3 * (k + i));

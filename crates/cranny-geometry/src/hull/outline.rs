@@ -14,7 +14,7 @@ use cranny_exact::DVec3;
 use super::HullVertexId;
 use super::facets::FacetId;
 use super::numbering::Numbering;
-use super::quickhull::{Surface, next};
+use super::quickhull::{HullSurface, next};
 use crate::rows::{overwritten, replaced};
 
 /// Corners and neighbours of all facets, in compressed rows.
@@ -28,7 +28,7 @@ pub(super) struct Outlines {
 impl Outlines {
     pub(super) fn new(
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         facet_of: &[u32],
         [triangle_starts, triangles]: [&[u32]; 2],
         tolerance: f64,
@@ -74,7 +74,7 @@ impl Outlines {
 
     /// The outlines of facets that are one triangle each, of a hull that is no plate: at each vertex three of them
     /// meet, or more.
-    fn of_triangles(surface: &Surface, facet_of: &[u32], triangles: &[u32]) -> Self {
+    fn of_triangles(surface: &HullSurface, facet_of: &[u32], triangles: &[u32]) -> Self {
         let corners = |&t: &u32| surface.triangles[t as usize].map(HullVertexId);
         let neighbours = |&t: &u32| {
             let across = |i: u32| FacetId(across(surface, facet_of, 3 * t + i));
@@ -99,13 +99,13 @@ impl Outlines {
         fresh: &[u32],
     ) -> Self {
         let beside = region.around(&region.around(&fresh.iter().copied().collect()));
-        let outlines: BTreeMap<u32, Outline> =
+        let outlines: BTreeMap<u32, FacetOutline> =
             region.around(&beside).into_iter().map(|f| (f, region.outline(f))).collect();
         let thin = outlines.values().filter(|o| o.is_corner.iter().filter(|c| **c).count() < 3);
         let whole: BTreeSet<u32> = thin.flat_map(|o| o.vertices.iter().copied()).collect();
         let (mut corners, mut neighbours) = (BTreeMap::new(), BTreeMap::new());
         for (&facet, outline) in outlines.iter().filter(|(f, _)| beside.contains(f)) {
-            let Outline { half_edges, vertices, is_corner } = outline;
+            let FacetOutline { half_edges, vertices, is_corner } = outline;
             let all = half_edges.iter().zip(vertices).zip(is_corner);
             let kept = all.filter(|((_, v), is_corner)| **is_corner || whole.contains(v));
             let (own, facets) = kept
@@ -138,7 +138,7 @@ impl Outlines {
 /// A surface with facets, of which some are looked at.
 pub(super) struct Region<'a> {
     pub(super) positions: &'a [DVec3],
-    pub(super) surface: &'a Surface,
+    pub(super) surface: &'a HullSurface,
     /// A half-edge that starts at each vertex.
     pub(super) leaving: &'a [u32],
     pub(super) facet_of: &'a [u32],
@@ -148,7 +148,7 @@ pub(super) struct Region<'a> {
 }
 
 /// The whole outline of a facet.
-struct Outline {
+struct FacetOutline {
     half_edges: Vec<u32>,
     /// Where each of them begins.
     vertices: Vec<u32>,
@@ -171,7 +171,7 @@ impl Region<'_> {
         spokes.map(|h| self.facet_of[h as usize / 3]).collect()
     }
 
-    fn outline(&self, facet: u32) -> Outline {
+    fn outline(&self, facet: u32) -> FacetOutline {
         let (mut half_edges, mut vertices) = (Vec::new(), Vec::new());
         walk(self.surface, self.facet_of, self.triangles(facet), &mut half_edges, &mut vertices);
         let mut is_corner: Vec<bool> = vertices.iter().map(|&v| self.is_meeting_point(v)).collect();
@@ -188,7 +188,7 @@ impl Region<'_> {
         for (v, is_corner) in vertices.iter().zip(&mut is_corner) {
             *is_corner |= corners.contains(v);
         }
-        Outline { half_edges, vertices, is_corner }
+        FacetOutline { half_edges, vertices, is_corner }
     }
 
     /// Whether three or more facets meet at a vertex.
@@ -200,7 +200,7 @@ impl Region<'_> {
 }
 
 /// The facet on the other side of a half-edge.
-fn across(surface: &Surface, facet_of: &[u32], half_edge: u32) -> u32 {
+fn across(surface: &HullSurface, facet_of: &[u32], half_edge: u32) -> u32 {
     facet_of[surface.twins[half_edge as usize] as usize / 3]
 }
 
@@ -217,7 +217,7 @@ struct Loops<'a> {
 impl<'a> Loops<'a> {
     /// `facets`: the triangles of each, ascending.
     fn new<'t>(
-        surface: &Surface,
+        surface: &HullSurface,
         facet_of: &'a [u32],
         facets: impl ExactSizeIterator<Item = &'t [u32]>,
     ) -> Self {
@@ -262,7 +262,7 @@ impl<'a> Loops<'a> {
     fn simplify(
         &self,
         facet: usize,
-        surface: &Surface,
+        surface: &HullSurface,
         positions: &[DVec3],
         tolerance: f64,
         is_corner: &mut [bool],
@@ -318,7 +318,7 @@ fn chains(outline: &[u32], is_corner: impl Fn(usize) -> bool) -> Vec<Chain> {
 
 /// Appends the half-edges around a facet of some triangles, and where each begins.
 fn walk(
-    surface: &Surface,
+    surface: &HullSurface,
     facet_of: &[u32],
     triangles: &[u32],
     half_edges: &mut Vec<u32>,

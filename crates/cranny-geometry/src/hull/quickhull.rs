@@ -44,14 +44,14 @@ const NONE: u32 = u32::MAX;
 /// A closed triangulated surface. Half-edge `3 f + i` runs from corner `i` of triangle `f` to the
 /// next.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Surface {
+pub(super) struct HullSurface {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) twins: Vec<u32>,
 }
 
 /// The hull of points that are not coplanar: a surface over their indices, whose vertices are exactly
 /// the extreme points (the lowest index of each), in the [one form](super::canonical) that these decide.
-pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
+pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> HullSurface {
     let (mut surface, mut flat) = triangulate(points, simplex);
     if !flat.vertices.is_empty() {
         let mut extreme: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
@@ -64,25 +64,25 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
 }
 
 /// As [`exact_hull`]; `None` if the points are coplanar.
-pub(super) fn hull_of_some(points: &[DVec3]) -> Option<Surface> {
+pub(super) fn hull_of_some(points: &[DVec3]) -> Option<HullSurface> {
     let Span::Space(simplex) = span_of(points) else { return None };
     Some(exact_hull(points, simplex))
 }
 
 /// The hull of points that are not coplanar, and what of it is flat.
-fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Flat) {
+fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (HullSurface, Flat) {
     outer_points(points)
         .and_then(|kept| of_subset(points, &kept))
         .unwrap_or_else(|| of_all(points, simplex))
 }
 
 /// [`triangulate`], no point set aside.
-pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Flat) {
-    Builder::new(points, simplex).run()
+pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (HullSurface, Flat) {
+    HullBuilder::new(points, simplex).run()
 }
 
 /// [`triangulate`] of some of the points, ascending, over the indices of all; `None` if they are coplanar.
-fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Flat)> {
+fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(HullSurface, Flat)> {
     let subset: Vec<DVec3> = indices.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&subset) else { return None };
     let (mut surface, mut flat) = of_all(&subset, simplex);
@@ -102,7 +102,7 @@ pub(super) fn previous(half_edge: u32) -> u32 {
     if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
 }
 
-impl Surface {
+impl HullSurface {
     /// The vertex that a half-edge starts from.
     pub(super) fn origin(&self, half_edge: u32) -> u32 {
         self.triangles.as_flattened()[half_edge as usize]
@@ -164,7 +164,7 @@ impl Waiting {
 /// and room is asked for that large clouds of few vertices never use.
 const MOST_FACES_AT_FIRST: usize = 1 << 12;
 
-struct Builder<'a> {
+struct HullBuilder<'a> {
     points: &'a [DVec3],
     extent: DVec3,
     // By face; the corners of a face that is gone are `NONE`.
@@ -187,7 +187,7 @@ struct Builder<'a> {
     fan: Fan,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> HullBuilder<'a> {
     fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
         let bounds = Aabb::of_points(points.iter().copied());
         // As many as there are at last, of small clouds; of large ones nobody knows how many.
@@ -220,7 +220,7 @@ impl<'a> Builder<'a> {
     }
 
     /// As [`triangulate`].
-    fn run(mut self) -> (Surface, Flat) {
+    fn run(mut self) -> (HullSurface, Flat) {
         while let Some(face) = self.pending.pop() {
             let apex = self.waiting[face as usize].apex;
             if apex != NONE {
@@ -370,7 +370,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The faces that are left, each from its lowest vertex on.
-    fn into_surface(self) -> (Surface, Flat) {
+    fn into_surface(self) -> (HullSurface, Flat) {
         let mut lowest = std::collections::BTreeMap::new();
         for &(vertex, duplicate) in &self.duplicates {
             let least = lowest.entry(vertex).or_insert(duplicate);
@@ -402,7 +402,7 @@ impl<'a> Builder<'a> {
             let (_, first) = places[face as usize];
             twins.extend(TURNED[first as usize].map(|corner| half_edge(own[corner])));
         }
-        let surface = Surface { triangles, twins };
+        let surface = HullSurface { triangles, twins };
         let across = |half_edge: u32| {
             let apex = surface.origin(previous(surface.twins[half_edge as usize]));
             let face = alive[half_edge as usize / 3];

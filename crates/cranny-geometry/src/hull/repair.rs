@@ -33,7 +33,7 @@ use self::filling::{fan_along, within};
 pub(super) use self::finish::Repaired;
 use super::ConvexHull;
 use super::canonical::lowest_corner;
-use super::quickhull::{Surface, hull_of_some, next, previous};
+use super::quickhull::{HullSurface, hull_of_some, next, previous};
 use super::span::{Projection, Span, planar_hull, span_of};
 use crate::ids::VertexId;
 
@@ -41,7 +41,7 @@ const NONE: u32 = u32::MAX;
 
 /// A hull in the making. Vertices of the hull before keep their numbers, and their places even where they have moved;
 /// whatever comes in, moved points among them, gets a number behind these.
-pub(super) struct Repair<'a> {
+pub(super) struct HullRepair<'a> {
     points: &'a [DVec3],
     sources: Vec<VertexId>,
     positions: Vec<DVec3>,
@@ -63,11 +63,11 @@ pub(super) struct Repair<'a> {
     replaced: Vec<(u32, u32)>,
 }
 
-impl<'a> Repair<'a> {
+impl<'a> HullRepair<'a> {
     /// Of the surface of a hull whose points are now at `points`, `middle` a point certainly inside it.
     pub(super) fn new(points: &'a [DVec3], hull: ConvexHull, middle: DVec3) -> Self {
         let leaving = hull.leaving.0.into_made(|| hull.surface.leaving(hull.positions.len()));
-        let Surface { triangles, twins } = hull.surface;
+        let HullSurface { triangles, twins } = hull.surface;
         Self {
             points,
             known: hull.sources.len(),

@@ -6,7 +6,7 @@
 
 use cranny_exact::DVec3;
 
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 
 /// What merging asks of each triangle.
 pub(super) struct Shapes {
@@ -24,7 +24,7 @@ pub(super) struct Shapes {
 
 impl Shapes {
     /// Looks at each triangle and each edge once.
-    pub(super) fn new(positions: &[DVec3], surface: &Surface, tolerance: f64) -> Self {
+    pub(super) fn new(positions: &[DVec3], surface: &HullSurface, tolerance: f64) -> Self {
         let count = surface.triangles.len();
         let mut shapes = Self {
             some: None,
@@ -53,7 +53,7 @@ impl Shapes {
     /// Looks at some triangles, and at those beside them as far as these need it.
     pub(super) fn of_some(
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         tolerance: f64,
         triangles: &[u32],
     ) -> Self {
@@ -98,7 +98,7 @@ impl Shapes {
     fn bend(
         &mut self,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         tolerance: f64,
         one: [u32; 2],
         other: [u32; 2],
@@ -144,7 +144,7 @@ impl Shapes {
 /// Whether a half-edge bends clearly.
 pub(super) fn bends_clearly(
     positions: &[DVec3],
-    surface: &Surface,
+    surface: &HullSurface,
     tolerance: f64,
     half_edge: u32,
 ) -> bool {
@@ -160,7 +160,7 @@ pub(super) fn bends_clearly(
 #[inline]
 fn are_apart(
     positions: &[DVec3],
-    surface: &Surface,
+    surface: &HullSurface,
     tolerance: f64,
     [one, other]: [[u32; 2]; 2],
     shapes: [(DVec3, f64); 2],

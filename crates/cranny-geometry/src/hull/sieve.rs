@@ -21,7 +21,7 @@
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::quickhull::{self, Surface};
+use super::quickhull::{self, HullSurface};
 use super::side::Side;
 use super::span::{Span, span_of};
 
@@ -52,7 +52,7 @@ pub(super) fn outer_points(points: &[DVec3]) -> Option<Vec<u32>> {
     if points.len() < LEAST {
         return None;
     }
-    let frame = Frame::of(points);
+    let frame = CloudFrame::of(points);
     let champions = frame.champions(points)?;
     let polytope: Vec<DVec3> = champions.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&polytope) else { return None };
@@ -67,14 +67,14 @@ pub(super) fn outer_points(points: &[DVec3]) -> Option<Vec<u32>> {
 }
 
 /// The mean of the points, and the extents of their box.
-struct Frame {
+struct CloudFrame {
     bounds: Aabb,
     centre: DVec3,
     /// Reciprocal extents.
     scale: DVec3,
 }
 
-impl Frame {
+impl CloudFrame {
     fn of(points: &[DVec3]) -> Self {
         let bounds = Aabb::of_points(points.iter().copied());
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
@@ -122,7 +122,7 @@ impl Frame {
     }
 
     /// `ρ` of the proof above. May be negative, infinite or `NaN`, which all mean nothing.
-    fn radius_within(&self, positions: &[DVec3], surface: &Surface) -> f64 {
+    fn radius_within(&self, positions: &[DVec3], surface: &HullSurface) -> f64 {
         let extent = self.bounds.max - self.bounds.min;
         surface.triangles.iter().fold(f64::INFINITY, |least, triangle| {
             let side = Side::new(triangle.map(|v| positions[v as usize]), extent);
@@ -173,7 +173,7 @@ mod tests {
             .collect();
         let Span::Space(simplex) = span_of(&corners) else { unreachable!("a box is a solid") };
         let (surface, _) = quickhull::of_all(&corners, simplex);
-        let radius = Frame::of(&corners).radius_within(&corners, &surface);
+        let radius = CloudFrame::of(&corners).radius_within(&corners, &surface);
         assert!(radius <= 0.5 && radius > 0.5 - 1e-14, "{radius}");
     }
 

@@ -23,7 +23,7 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::HullVertexId;
 use super::numbering::Numbering;
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 use crate::rows::{Piece, joined};
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
@@ -43,7 +43,7 @@ pub(super) struct SupportGraph {
 }
 
 impl SupportGraph {
-    pub(super) fn new(positions: &[DVec3], surface: &Surface) -> Self {
+    pub(super) fn new(positions: &[DVec3], surface: &HullSurface) -> Self {
         let mut degree = vec![0u32; positions.len()];
         for &v in surface.triangles.iter().flatten() {
             degree[v as usize] += 1;
@@ -84,7 +84,7 @@ impl SupportGraph {
     pub(super) fn followed(
         &self,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         leaving: &[u32],
         numbering: &Numbering,
         touched: &[u32],

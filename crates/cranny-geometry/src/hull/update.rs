@@ -12,9 +12,9 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::facets::FacetLayer;
 use super::quickhull::hull_of_some;
-use super::repair::{Repair, Repaired};
+use super::repair::{HullRepair, Repaired};
 use super::support::SupportGraph;
-use super::{ConvexHull, HullKind, Leaving, Surface};
+use super::{ConvexHull, HullKind, HullSurface, Leaving};
 use crate::ids::VertexId;
 use crate::late::Late;
 
@@ -116,7 +116,7 @@ impl ConvexHull {
         inside: DVec3,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Option<Repaired> {
-        let mut repair = Repair::new(points, self, inside);
+        let mut repair = HullRepair::new(points, self, inside);
         let mut is_repaired = repair.move_points(moved, near).is_some() && repair.is_sound();
         is_repaired = is_repaired && repair.make_canonical().is_some();
         if !is_repaired {
@@ -134,8 +134,8 @@ impl ConvexHull {
 pub(super) fn renumbered(
     points: &[DVec3],
     vertices: &[u32],
-    mut surface: Surface,
-) -> (Vec<DVec3>, Surface) {
+    mut surface: HullSurface,
+) -> (Vec<DVec3>, HullSurface) {
     let mut local = vec![0; points.len()];
     for (id, &v) in vertices.iter().enumerate() {
         local[v as usize] = id as u32;

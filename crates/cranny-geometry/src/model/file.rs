@@ -17,14 +17,14 @@ use super::{Model, Parts};
 use crate::codec::{Flaw, Reader, Writer, check, is_flatness};
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{Late, Unfolding};
+use crate::late::{FromStored, Late};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
-use crate::patches::FoldedPatches;
+use crate::patches::StoredPatches;
 use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
-use crate::tree::FoldedTree;
+use crate::tree::StoredTree;
 use head::{HEAD, check_head, doubtful_field, seal, write_head};
 
 pub use head::DecodeError;
@@ -149,8 +149,8 @@ impl Model {
         let (mesh, digest) = read(&mut sections, section::MESH, read_mesh)?;
         let topology = read(&mut sections, section::TOPOLOGY, |s| Topology::decode(s, &mesh))?;
         let hull = read(&mut sections, section::HULL, |s| ConvexHull::decode(s, &mesh))?;
-        let tree = read(&mut sections, section::TREE, |s| FoldedTree::decode(s, &mesh))?;
-        let patches = read(&mut sections, section::PATCHES, |s| FoldedPatches::decode(s, &mesh))?;
+        let tree = read(&mut sections, section::TREE, |s| StoredTree::decode(s, &mesh))?;
+        let patches = read(&mut sections, section::PATCHES, |s| StoredPatches::decode(s, &mesh))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
         let Origin { flatness, leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
@@ -160,8 +160,8 @@ impl Model {
             mesh,
             topology,
             hull,
-            tree: Unfolding::folded(tree),
-            patches: Unfolding::folded(patches),
+            tree: FromStored::stored(tree),
+            patches: FromStored::stored(patches),
             clusters: Late::default(),
             mass,
             radius,

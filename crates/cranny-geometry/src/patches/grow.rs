@@ -201,12 +201,12 @@ trait Free {
 }
 
 /// Patch numbers of all faces, and the number that those taken get.
-struct Numbering {
+struct PatchNumbers {
     patch_of: Vec<u32>,
     number: u32,
 }
 
-impl Free for Numbering {
+impl Free for PatchNumbers {
     fn has(&self, face: FaceId) -> bool {
         self.patch_of[face.index()] == NONE
     }
@@ -237,7 +237,7 @@ fn grown(
 ) -> (Vec<u32>, Vec<Growing>) {
     let count = normals.len();
     let face = |f: FaceId| (normals.get(f).map(|normal| normal.unit()), *mates.bounds(f));
-    let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
+    let mut numbering = PatchNumbers { patch_of: vec![NONE; count], number: 0 };
     let (mut patches, mut front) = (Vec::new(), VecDeque::new());
     for seed in (0..count as u32).map(FaceId) {
         if numbering.has(seed) {

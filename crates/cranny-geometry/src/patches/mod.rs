@@ -29,7 +29,7 @@ use std::collections::BTreeSet;
 
 use cranny_exact::{Aabb, DVec3};
 
-pub(crate) use self::codec::FoldedPatches;
+pub(crate) use self::codec::StoredPatches;
 pub use self::cone::NormalCone;
 use self::cone::{Measured, Normals};
 pub use self::slab::Slab;

@@ -78,7 +78,7 @@ pub(crate) fn mend(
     let Welded { mesh, new_id: mut vertex_of, .. } = welded;
     let mesh = weld_near(mesh, &mut vertex_of, weld_distance, &mut records);
     let splits = splits(filed, &mesh, weld_distance, &mut records);
-    let mut work = Work::part(&mesh, &splits, &mut records);
+    let mut work = WorkingMesh::part(&mesh, &splits, &mut records);
     work.drop_coincident(&mut records);
     let sheets = orient::orient(&mut work, full, &mut records);
 
@@ -96,13 +96,13 @@ pub(crate) fn mend(
 }
 
 /// The mesh in work: all welded vertices, used or not, and faces with the filed face of each.
-struct Work {
+struct WorkingMesh {
     mesh: Mesh,
     origin: Vec<FaceId>,
     filed_faces: usize,
 }
 
-impl Work {
+impl WorkingMesh {
     fn is_as_filed(&self) -> bool {
         self.mesh.faces().len() == self.filed_faces
             && self.origin.iter().enumerate().all(|(i, f)| f.index() == i)

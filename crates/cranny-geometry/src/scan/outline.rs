@@ -22,7 +22,7 @@ const PAIRS_A_FACE: usize = 16;
 
 /// A side of the rim, from one point to another, and the box around it.
 #[derive(Clone, Copy)]
-struct Side {
+struct RimSide {
     ends: [u32; 2],
     low: DVec2,
     high: DVec2,
@@ -33,7 +33,7 @@ pub(super) struct Outline {
     /// Where the side that begins at a vertex ends; [`NONE`] between searches.
     next: Vec<u32>,
     points: Vec<DVec2>,
-    sides: Vec<Side>,
+    sides: Vec<RimSide>,
     loops: Vec<usize>,
 }
 
@@ -134,7 +134,7 @@ impl Outline {
                 let ends = [i, if i + 1 == end { first } else { i + 1 }];
                 let [p, q] = ends.map(|end| self.points[end]);
                 let (low, high) = (p.min(q), p.max(q));
-                self.sides.push(Side { ends: ends.map(|end| end as u32), low, high });
+                self.sides.push(RimSide { ends: ends.map(|end| end as u32), low, high });
             }
         }
     }
@@ -143,7 +143,8 @@ impl Outline {
     /// the longer axis; gives up after so many pairs.
     fn sides_are_apart(&mut self, signs: &Signs, mut pairs_left: usize) -> bool {
         let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let box_of_all = |(low, high): (DVec2, DVec2), s: &Side| (low.min(s.low), high.max(s.high));
+        let box_of_all =
+            |(low, high): (DVec2, DVec2), s: &RimSide| (low.min(s.low), high.max(s.high));
         let (low, high) = self.sides.iter().fold(none, box_of_all);
         let along = (high - low).max_position();
         self.sides.sort_unstable_by(|s, t| {
@@ -167,7 +168,7 @@ impl Outline {
         true
     }
 
-    fn are_apart(&self, signs: &Signs, s: &Side, t: &Side) -> bool {
+    fn are_apart(&self, signs: &Signs, s: &RimSide, t: &RimSide) -> bool {
         let [a, b] = s.ends.map(|end| self.points[end as usize]);
         let [p, q] = t.ends.map(|end| self.points[end as usize]);
         match (s.ends[1] == t.ends[0], t.ends[1] == s.ends[0]) {

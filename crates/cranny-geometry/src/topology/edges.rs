@@ -70,9 +70,9 @@ impl HalfEdgeId {
 
 /// How a half-edge runs, in one word: where from, where to.
 #[derive(Clone, Copy)]
-struct Run(u64);
+struct DirectedEdge(u64);
 
-impl Run {
+impl DirectedEdge {
     fn new((from, to): (u32, u32)) -> Self {
         Self(u64::from(from) << 32 | u64::from(to))
     }
@@ -128,7 +128,7 @@ impl Edges {
 
     /// In short steps, where all edges are between two faces and two vertices, and sorted.
     fn of_pairs(
-        runs: &[Run],
+        runs: &[DirectedEdge],
         around: &[HalfEdgeId],
         join: &mut impl FnMut(FaceId, FaceId),
     ) -> Option<Self> {
@@ -159,7 +159,7 @@ impl Edges {
 
     /// In any case.
     fn of_groups(
-        runs: &[Run],
+        runs: &[DirectedEdge],
         around: &[HalfEdgeId],
         join: &mut impl FnMut(FaceId, FaceId),
     ) -> Self {
@@ -196,8 +196,8 @@ impl Edges {
 }
 
 /// How the half-edges of each face run.
-fn runs_of(mesh: &Mesh) -> Vec<[Run; 3]> {
-    let of_face = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(Run::new);
+fn runs_of(mesh: &Mesh) -> Vec<[DirectedEdge; 3]> {
+    let of_face = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(DirectedEdge::new);
     mesh.faces().iter().map(of_face).collect()
 }
 

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use cranny_exact::Aabb;
 
-use super::lattice::{Extent, Frame, Item, Lows};
+use super::lattice::{Extent, LatticeBox, LatticeFrame, LatticeItem};
 use super::{Content, Node};
 
 /// Bins per split at most. Fewer: worse trees; more: slower building for less than 1 % fewer tests.
@@ -56,8 +56,8 @@ pub(crate) struct Grower<I> {
     boxes: Vec<Aabb>,
     /// Numbers of things alone and of the first of each pair.
     names: Vec<u32>,
-    items: Vec<Item>,
-    aside: Vec<Item>,
+    items: Vec<LatticeItem>,
+    aside: Vec<LatticeItem>,
     tasks: Vec<Task>,
     /// Inner nodes above twigs, whose boxes are not fitted yet.
     stem: Vec<usize>,
@@ -87,7 +87,7 @@ impl<I: Copy> Grower<I> {
         nodes: &mut Vec<Node>,
         leaves: &mut Vec<I>,
     ) {
-        let frame = Frame::of(&self.list(things));
+        let frame = LatticeFrame::of(&self.list(things));
         if self.names.is_empty() {
             return;
         }
@@ -178,7 +178,7 @@ struct Twigs<'a, I> {
 
 impl<I: Copy> Twigs<'_, I> {
     /// Appends the tree over at most [`FEW`] items, or a leaf; the box of all.
-    fn grow(&mut self, items: &mut [Item], things: usize, mut scale: f64) -> Aabb {
+    fn grow(&mut self, items: &mut [LatticeItem], things: usize, mut scale: f64) -> Aabb {
         if things <= self.leaf_size {
             return self.leaf(items);
         }
@@ -193,12 +193,12 @@ impl<I: Copy> Twigs<'_, I> {
         }
         let mut cut = 1;
         if items.len() > 2 {
-            let mut centers = Lows::of_centers(items);
+            let mut centers = LatticeBox::of_centers(items);
             if lay_anew(items, self.boxes, &centers, &mut scale) {
-                centers = Lows::of_centers(items);
+                centers = LatticeBox::of_centers(items);
             }
             sort(items, centers.longest());
-            cut = cheapest_cut(items.len(), |k| (items[k].lows(), items[k].things()));
+            cut = cheapest_cut(items.len(), |k| (items[k].bounds(), items[k].things()));
         }
         let (left, right) = items.split_at_mut(cut);
         let on_left = left.iter().map(|item| item.things() as usize).sum();
@@ -214,7 +214,7 @@ impl<I: Copy> Twigs<'_, I> {
         both
     }
 
-    fn leaf(&mut self, items: &[Item]) -> Aabb {
+    fn leaf(&mut self, items: &[LatticeItem]) -> Aabb {
         if let [item] = items
             && item.things() == 1
         {
@@ -242,15 +242,20 @@ impl<I: Copy> Twigs<'_, I> {
 
 /// Lays a finer lattice over items that hardly differ on theirs, given the box of their middles; whether it did.
 #[inline]
-fn lay_anew(items: &mut [Item], boxes: &[Aabb], centers: &Lows, scale: &mut f64) -> bool {
+fn lay_anew(
+    items: &mut [LatticeItem],
+    boxes: &[Aabb],
+    centers: &LatticeBox,
+    scale: &mut f64,
+) -> bool {
     centers.size(centers.longest()) < LEAST_SPREAD && lay_finer(items, boxes, scale)
 }
 
 /// The same, if the lattice would be much finer.
-fn lay_finer(items: &mut [Item], boxes: &[Aabb], scale: &mut f64) -> bool {
-    let exact = |item: &Item| exact_box(boxes, item.name() as u32);
+fn lay_finer(items: &mut [LatticeItem], boxes: &[Aabb], scale: &mut f64) -> bool {
+    let exact = |item: &LatticeItem| exact_box(boxes, item.name() as u32);
     let whole = items.iter().fold(Aabb::EMPTY, |all, item| all.union(&exact(item)));
-    let frame = Frame::of(&whole);
+    let frame = LatticeFrame::of(&whole);
     let is_finer = frame.scale >= FINER * *scale;
     if is_finer {
         for item in items.iter_mut() {
@@ -262,7 +267,7 @@ fn lay_finer(items: &mut [Item], boxes: &[Aabb], scale: &mut f64) -> bool {
 }
 
 /// Orders more than [`FEW`] items so that the two parts are cheap to keep apart.
-fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent; 2] {
+fn split(items: &mut [LatticeItem], extent: &Extent, aside: &mut Vec<LatticeItem>) -> [Extent; 2] {
     let axis = extent.centers.longest();
     let (low, spread) = (extent.centers.low(axis), extent.centers.size(axis));
     if spread == 0 {
@@ -287,7 +292,7 @@ fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent;
 }
 
 /// By the middles along an axis, in place: there are few.
-fn sort(items: &mut [Item], axis: usize) {
+fn sort(items: &mut [LatticeItem], axis: usize) {
     for end in 1..items.len() {
         let item = items[end];
         let key = item.center(axis);
@@ -302,19 +307,19 @@ fn sort(items: &mut [Item], axis: usize) {
 
 /// The part before which to cut so that the sum of area times count is least, of at most [`BINS`] parts with
 /// their boxes and counts; the first and the last hold something.
-fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a Lows, u32)) -> usize {
-    let join = |(bounds, count): &mut (Lows, u32), cut: usize| {
+fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a LatticeBox, u32)) -> usize {
+    let join = |(bounds, count): &mut (LatticeBox, u32), cut: usize| {
         let (of_part, number) = part(cut);
         bounds.join(of_part);
         *count += number;
         bounds.half_area() * u64::from(*count)
     };
     let mut right_costs = [0; BINS];
-    let mut right = (Lows::NONE, 0);
+    let mut right = (LatticeBox::NONE, 0);
     for cut in (1..parts).rev() {
         right_costs[cut % BINS] = join(&mut right, cut);
     }
-    let mut left = (Lows::NONE, 0);
+    let mut left = (LatticeBox::NONE, 0);
     let (mut least, mut best) = (u64::MAX, 1);
     for cut in 1..parts {
         let both = join(&mut left, cut - 1) + right_costs[cut % BINS];

@@ -1,11 +1,13 @@
-//! Trees as the shape of their nodes and the order of their faces; boxes are made again.
+//! Trees as they are stored: the shape of their nodes and the order of their faces. Boxes are made
+//! again.
 //!
 //! Nodes stand in depth-first order, so the number of faces at each node, 0 for an inner one, says
-//! all about their shape. They are gone through from the last to the first: whatever is beneath a node is whole
-//! when the node's turn comes. To check a shape takes no nodes; so a tree is read folded, as checked counts, and
-//! unfolded when somebody asks for it.
+//! all about their shape. They are gone through from the last to the first: whatever is beneath a
+//! node is whole when the node's turn comes. To check a shape takes no nodes; so a tree is read as
+//! checked counts, and rebuilt at its first use.
 //!
-//! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and faces.
+//! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and
+//! faces.
 
 use std::ops::Range;
 
@@ -55,28 +57,28 @@ impl FaceTree {
 
 /// A tree over all faces of a mesh without its boxes, whose shape was checked.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FoldedTree {
+pub(crate) struct StoredTree {
     faces: Vec<FaceId>,
     counts: Vec<u32>,
 }
 
-impl FoldedTree {
+impl StoredTree {
     /// Reads a tree over all faces of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let folded = Self { faces: input.list()?, counts: input.list()? };
-        let Self { faces, counts } = &folded;
+        let stored = Self { faces: input.list()?, counts: input.list()? };
+        let Self { faces, counts } = &stored;
         check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
         check_each_once(faces.iter().map(|face| face.0), faces.len())?;
         check_shape(counts, faces.len())?;
-        Ok(folded)
+        Ok(stored)
     }
 
     /// The tree. What it keeps is taken out.
-    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> FaceTree {
+    pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceTree {
         let Self { faces, counts } = self;
         // In the order of leaves, in a loop without branches: what it fetches from here and there overlaps.
         let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
-        let mut nodes = Unfolded::of(counts);
+        let mut nodes = NodesFromCounts::of(counts);
         nodes.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]));
         let nodes = nodes.into_nodes();
         counts.clear();
@@ -94,14 +96,14 @@ impl FaceForest {
 
 /// Trees over faces of a mesh without their boxes, whose shape was checked.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FoldedForest {
+pub(crate) struct StoredForest {
     faces: Vec<FaceId>,
     counts: Vec<u32>,
     /// As in [`FaceForest`].
     starts: Vec<[u32; 2]>,
 }
 
-impl FoldedForest {
+impl StoredForest {
     /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
     /// [`NOBODY`](crate::rows::NOBODY).
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
@@ -115,11 +117,11 @@ impl FoldedForest {
         let held = starts.windows(2).map(|pair| &faces[pair[0][1] as usize..pair[1][1] as usize]);
         let owners = owners(mesh.faces().len(), held)?;
         let faces = faces.into_iter().map(FaceId).collect();
-        let folded = Self { faces, counts, starts };
-        folded
+        let stored = Self { faces, counts, starts };
+        stored
             .trees()
-            .try_for_each(|[nodes, held]| check_shape(&folded.counts[nodes], held.len()))?;
-        Ok((folded, owners))
+            .try_for_each(|[nodes, held]| check_shape(&stored.counts[nodes], held.len()))?;
+        Ok((stored, owners))
     }
 
     /// The nodes and the faces of each tree.
@@ -145,8 +147,8 @@ impl FoldedForest {
     }
 
     /// The trees. What they keep is taken out.
-    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> FaceForest {
-        let mut nodes = Unfolded::of(&self.counts);
+    pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceForest {
+        let mut nodes = NodesFromCounts::of(&self.counts);
         for [range, held] in self.trees() {
             nodes.tree(range, held, |leaf| box_around(mesh, &self.faces[leaf]));
         }
@@ -179,14 +181,14 @@ pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
 
 /// Nodes in the making, by how many things each leaf holds; 0 for an inner node. The shape was
 /// [checked](check_shape).
-pub(crate) struct Unfolded<'a> {
+pub(crate) struct NodesFromCounts<'a> {
     counts: &'a [u32],
     nodes: Vec<Node>,
     /// The roots of finished trees that wait for a parent, but for the one that was finished last.
     waiting: Vec<u32>,
 }
 
-impl<'a> Unfolded<'a> {
+impl<'a> NodesFromCounts<'a> {
     pub(crate) fn of(counts: &'a [u32]) -> Self {
         // All zero: memory is filled at once.
         let blank = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
@@ -242,7 +244,7 @@ mod tests {
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
         let faces: Vec<FaceId> = (0..size as u32).map(FaceId).collect();
         check_shape(counts, size).map_err(|Flaw(what)| what)?;
-        let tree = FoldedTree { faces: faces.clone(), counts: counts.to_vec() }.unfold(&mesh);
+        let tree = StoredTree { faces: faces.clone(), counts: counts.to_vec() }.rebuild(&mesh);
         tree.validate(&mesh, &faces)?;
         Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
     }

@@ -29,7 +29,7 @@ impl Front {
 }
 
 #[derive(Clone, Copy)]
-struct Node {
+struct FrontNode {
     site: u32,
     below: u32,
     above: u32,
@@ -38,7 +38,7 @@ struct Node {
 /// The nodes of all fronts, and the triangles that fronts have passed over.
 pub(super) struct Fronts<'a> {
     sites: &'a [DVec2],
-    nodes: Vec<Node>,
+    nodes: Vec<FrontNode>,
     triangles: Vec<Layer>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Fronts<'a> {
         if front.tip == NONE {
             return (front, front);
         }
-        let Node { site, above, .. } = self.nodes[front.tip as usize];
+        let FrontNode { site, above, .. } = self.nodes[front.tip as usize];
         let double = self.node(site, NONE, above);
         self.nodes[front.tip as usize].above = NONE;
         let top = if front.top == front.tip { double } else { front.top };
@@ -125,7 +125,7 @@ impl<'a> Fronts<'a> {
 
         let mut pending = vec![kept];
         while let Some(n) = pending.pop() {
-            let Node { below, above, .. } = self.nodes[n as usize];
+            let FrontNode { below, above, .. } = self.nodes[n as usize];
             if below != NONE && above != NONE && self.turns_left(n, above, self.site(below)) {
                 self.emit([n, above], self.site(below), united.winding);
                 self.link(below, above);
@@ -179,7 +179,7 @@ impl<'a> Fronts<'a> {
 
     fn node(&mut self, site: u32, below: u32, above: u32) -> u32 {
         let node = self.nodes.len() as u32;
-        self.nodes.push(Node { site, below: NONE, above: NONE });
+        self.nodes.push(FrontNode { site, below: NONE, above: NONE });
         self.link(below, node);
         self.link(node, above);
         node

@@ -11,7 +11,7 @@ use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::Real;
 use rapier3d::prelude::{IntegrationParameters, QueryFilter};
 
-use super::{Known, Motions, PairAhead, World, longest};
+use super::{KnownMotions, Motions, PairAhead, World, longest};
 use crate::dispatcher::Dispatcher;
 use std::sync::PoisonError;
 
@@ -53,7 +53,7 @@ impl Motions {
 }
 
 struct Passes<'a> {
-    known: &'a Known,
+    known: &'a KnownMotions,
     world: &'a World<'a>,
 }
 

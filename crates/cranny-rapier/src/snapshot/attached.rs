@@ -12,7 +12,7 @@ use rapier3d::prelude::{
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
-use super::mask::{Masked, is_stand_in};
+use super::stand_in::{Writing, is_stand_in};
 use crate::pair::ours;
 use crate::shape::MeshShape;
 
@@ -103,20 +103,20 @@ impl Prints {
     }
 }
 
-/// All shapes of ours in a set, which wear their masks as long as these are kept.
-pub(super) fn attached(colliders: &ColliderSet) -> (Vec<Attached>, Vec<Masked<'_>>) {
-    let (mut prints, mut found, mut masked) = (Prints::default(), Vec::new(), Vec::new());
+/// All shapes of ours in a set, with a stand-in each for as long as these are kept.
+pub(super) fn attached(colliders: &ColliderSet) -> (Vec<Attached>, Vec<Writing<'_>>) {
+    let (mut prints, mut found, mut writing) = (Prints::default(), Vec::new(), Vec::new());
     for (collider, holder) in colliders.iter() {
         for (part, shape) in parts(holder.shape()) {
             let Some(shape) = ours(shape) else { continue };
-            masked.push(Masked::new(shape));
+            writing.push(Writing::new(shape));
             let (place, model) = (Place { collider, part }, prints.of(shape.model()));
             let crease_angle = shape.smooth_normals().map(|normals| normals.crease_angle());
             let (tag, walkable) = (shape.tag(), shape.is_walkable());
             found.push(Attached { place, tag, model, crease_angle, walkable });
         }
     }
-    (found, masked)
+    (found, writing)
 }
 
 /// A shape, or the parts of a compound. parry has no compounds of compounds.
@@ -225,9 +225,9 @@ mod tests {
         let compound = SharedShape::compound(vec![(Pose::IDENTITY, ours)]);
         colliders.insert(ColliderBuilder::new(compound));
         colliders.take_modified();
-        let (list, masked) = attached(&colliders);
+        let (list, writing) = attached(&colliders);
         let bytes = postcard::to_stdvec(&colliders).unwrap();
-        drop(masked);
+        drop(writing);
         (postcard::from_bytes(&bytes).unwrap(), list, model)
     }
 
@@ -251,9 +251,9 @@ mod tests {
         let ground = MeshShape::new(&model, 7).unwrap().walkable();
         colliders.insert(ColliderBuilder::new(SharedShape::new(ground)));
         colliders.take_modified();
-        let (list, masked) = attached(&colliders);
+        let (list, writing) = attached(&colliders);
         let bytes = postcard::to_stdvec(&colliders).unwrap();
-        drop(masked);
+        drop(writing);
         let mut colliders: ColliderSet = postcard::from_bytes(&bytes).unwrap();
         attach(&mut colliders, &list, &[model]).unwrap();
         let (_, holder) = colliders.iter().next().unwrap();
@@ -290,11 +290,11 @@ mod tests {
         let (mut colliders, list, model) = read_back();
         attach(&mut colliders, &list, &[model]).unwrap();
         assert!(postcard::to_stdvec(&colliders).is_err());
-        let (_, masked) = attached(&colliders);
+        let (_, writing) = attached(&colliders);
         assert!(postcard::to_stdvec(&colliders).is_ok());
         let in_another_thread = || postcard::to_stdvec(&colliders).is_err();
         assert!(std::thread::scope(|scope| scope.spawn(in_another_thread).join().unwrap()));
-        drop(masked);
+        drop(writing);
         assert!(postcard::to_stdvec(&colliders).is_err());
     }
 }

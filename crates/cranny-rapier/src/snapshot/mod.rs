@@ -48,8 +48,8 @@
 
 mod attached;
 mod frame;
-mod mask;
 mod simulation;
+mod stand_in;
 
 use cranny_geometry::Model;
 use rapier3d::math::Vector;
@@ -65,7 +65,7 @@ use self::attached::{Attached, attach, attached};
 pub use self::attached::{ModelPrint, Place};
 pub use self::frame::FrameError;
 use self::frame::{Kind, content, framed};
-pub(crate) use self::mask::Mask;
+pub(crate) use self::stand_in::StandIn;
 use crate::dispatcher::Dispatcher;
 use crate::shape::ShapeError;
 
@@ -242,9 +242,9 @@ fn written(kind: Kind, sets: &Sets, more: &impl Serialize) -> Result<Vec<u8>, Sn
     if changed > 0 {
         return Err(SnapshotError::Unsettled { changed });
     }
-    let (attached, masked) = attached(sets.colliders);
+    let (attached, writing) = attached(sets.colliders);
     let bytes = postcard::to_stdvec(&(rapier3d::VERSION, more, attached, sets));
-    drop(masked);
+    drop(writing);
     Ok(framed(kind, &bytes.map_err(SnapshotError::Write)?))
 }
 

@@ -7,6 +7,7 @@
 //! ([`cranny_geometry::split_polygon`]); what is no flat, simple polygon is split too, with a note. Indexing is kept as filed,
 //! except for STL, which has none: there, equal positions become one vertex.
 
+mod affine;
 mod builder;
 mod collada;
 mod gltf;

@@ -14,7 +14,7 @@ use cranny_geometry::{FaceId, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
 use self::descent::pairs_of_leaves;
-use self::level::{NodePair, Work};
+use self::level::{LevelWork, NodePair};
 use self::levels::Levels;
 use super::prepared;
 use super::scenes::{Built, golf_balls, nut_on_bolt, tori};
@@ -70,7 +70,7 @@ fn row(name: &str, models: &[Model; 2], poses: &[Pose], quick: bool) -> Vec<Cell
     let mut levels = Levels::of(trees);
     let mut memory = PairMemory::default();
     let sort = |levels: &mut Levels| {
-        let mut all = (0, Work::default());
+        let mut all = (0, LevelWork::default());
         for pose in poses {
             let map = pose.world_from_body();
             let (leaves, work) = levels.update(&map);

@@ -3,13 +3,13 @@
 use cranny_exact::DVec3;
 use serde::Serialize;
 
-use super::method::{Name, Told};
+use super::method::{Name, PoseAnswer};
 use super::series::Reply;
 use super::truth::Truth;
 
 /// A row of the report. Lengths are in units of the meshes; `None`: nothing that could be told or judged.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Figures {
+pub(super) struct MethodFigures {
     #[serde(flatten)]
     pub(super) name: Name,
     pub(super) poses: usize,
@@ -41,7 +41,7 @@ pub(super) struct Figures {
     pub(super) note: Option<String>,
 }
 
-impl Figures {
+impl MethodFigures {
     /// Of a method that could not be asked.
     pub(super) fn none(name: Name, note: String) -> Self {
         Self { note: Some(note), ..Self::of(name, &[], &[]) }
@@ -51,7 +51,7 @@ impl Figures {
     pub(super) fn judged(
         truths: &[Truth],
         name: Name,
-        distances: &[Reply<Told>],
+        distances: &[Reply<PoseAnswer>],
         contacts: &[Reply<Vec<DVec3>>],
     ) -> Self {
         let row = Self::of(name, distances, contacts);
@@ -61,7 +61,7 @@ impl Figures {
     }
 
     /// With times only.
-    fn of(name: Name, distances: &[Reply<Told>], contacts: &[Reply<Vec<DVec3>>]) -> Self {
+    fn of(name: Name, distances: &[Reply<PoseAnswer>], contacts: &[Reply<Vec<DVec3>>]) -> Self {
         let (times, contact_times) = (micros(distances), micros(contacts));
         Self {
             name,
@@ -90,7 +90,7 @@ impl Figures {
         }
     }
 
-    fn with_verdicts(mut self, truths: &[Truth], replies: &[Reply<Told>]) -> Self {
+    fn with_verdicts(mut self, truths: &[Truth], replies: &[Reply<PoseAnswer>]) -> Self {
         for (truth, told) in beside_truth(truths, replies) {
             match told.meets {
                 None => self.open += 1,
@@ -104,9 +104,9 @@ impl Figures {
         self
     }
 
-    fn with_lengths(self, truths: &[Truth], replies: &[Reply<Told>]) -> Self {
+    fn with_lengths(self, truths: &[Truth], replies: &[Reply<PoseAnswer>]) -> Self {
         let widths: Vec<f64> = replies.iter().filter_map(|r| Some(r.told.held?.width())).collect();
-        let of = |error: fn(&Truth, &Told) -> Option<f64>| -> Vec<f64> {
+        let of = |error: fn(&Truth, &PoseAnswer) -> Option<f64>| -> Vec<f64> {
             beside_truth(truths, replies).filter_map(|(truth, told)| error(truth, told)).collect()
         };
         let (distances, witnesses) = (of(distance_error), of(witness_error));
@@ -142,21 +142,21 @@ impl Figures {
 
 fn beside_truth<'a>(
     truths: &'a [Truth],
-    replies: &'a [Reply<Told>],
-) -> impl Iterator<Item = (&'a Truth, &'a Told)> {
+    replies: &'a [Reply<PoseAnswer>],
+) -> impl Iterator<Item = (&'a Truth, &'a PoseAnswer)> {
     replies.iter().map(|reply| (&truths[reply.pose], &reply.told))
 }
 
 /// Of the distance between the surfaces. Who takes bodies for solids tells 0 where one lies within the other,
 /// which is no error.
-fn distance_error(truth: &Truth, told: &Told) -> Option<f64> {
+fn distance_error(truth: &Truth, told: &PoseAnswer) -> Option<f64> {
     let distance = told.distance?;
     let is_of_solids = truth.contained && distance == 0.0;
     (!is_of_solids).then(|| (distance - truth.distance).abs())
 }
 
 /// How far witness points are from the exact ones, the farther of the two.
-pub(super) fn witness_error(truth: &Truth, told: &Told) -> Option<f64> {
+pub(super) fn witness_error(truth: &Truth, told: &PoseAnswer) -> Option<f64> {
     let ([p, q], [v, w]) = (truth.witnesses?, told.witnesses?);
     Some(p.distance(v).max(q.distance(w)))
 }
@@ -228,18 +228,18 @@ mod tests {
         vec![apart, meeting, within]
     }
 
-    fn judged(told: [Told; 3], contacts: Vec<Vec<DVec3>>) -> Figures {
+    fn judged(told: [PoseAnswer; 3], contacts: Vec<Vec<DVec3>>) -> MethodFigures {
         let reply = |pose, told| Reply { pose, time: Duration::from_micros(7), told };
         let replies: Vec<_> =
             told.into_iter().enumerate().map(|(pose, told)| reply(pose, told)).collect();
         let time = Duration::from_micros(9);
         let contacts: Vec<_> =
             contacts.into_iter().map(|told| Reply { pose: 1, time, told }).collect();
-        Figures::judged(&truths(), Name::of_peer("it"), &replies, &contacts)
+        MethodFigures::judged(&truths(), Name::of_peer("it"), &replies, &contacts)
     }
 
-    fn told(meets: Option<bool>, distance: f64) -> Told {
-        Told { meets, distance: Some(distance), ..Told::default() }
+    fn told(meets: Option<bool>, distance: f64) -> PoseAnswer {
+        PoseAnswer { meets, distance: Some(distance), ..PoseAnswer::default() }
     }
 
     #[test]
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn intervals_that_do_not_hold_the_distance_are_counted() {
-        let holding = |lo, hi| Told { held: Some(Interval { lo, hi }), ..told(None, hi) };
+        let holding = |lo, hi| PoseAnswer { held: Some(Interval { lo, hi }), ..told(None, hi) };
         let row = judged([holding(1.0, 1.5), holding(0.0, 0.75), holding(0.25, 0.5)], Vec::new());
         assert_eq!((row.outside, row.width_mean, row.width_max), (1, Some(0.5), Some(0.75)));
         let row = judged([holding(2.5, 3.0), holding(0.0, 0.0), holding(0.0, 1.0)], Vec::new());
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn witnesses_are_compared_where_bodies_are_apart() {
-        let with = |points| Told { witnesses: Some(points), ..told(None, 0.0) };
+        let with = |points| PoseAnswer { witnesses: Some(points), ..told(None, 0.0) };
         let points = [3.0 * DVec3::Y, DVec3::X];
         let row = judged([with(points), with(points), with(points)], Vec::new());
         assert_eq!((row.witness_error_mean, row.witness_error_max), (Some(3.0), Some(3.0)));

@@ -20,7 +20,7 @@ pub(super) trait Method {
     fn begin(&mut self, _models: [&Model; 2]) {}
 
     /// Whether the bodies meet, and how far they are apart.
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told;
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer;
 
     /// Where it tells that bodies are in contact.
     fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3>;
@@ -28,7 +28,7 @@ pub(super) trait Method {
 
 /// What a method told at one pose.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Told {
+pub(super) struct PoseAnswer {
     /// Whether the bodies share a point; `None`: it does not say.
     pub(super) meets: Option<bool>,
     /// Its distance, or the upper end of where that lies.

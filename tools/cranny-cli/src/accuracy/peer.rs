@@ -10,7 +10,7 @@ use parry3d::query::{
 };
 use parry3d::shape::SharedShape;
 
-use super::method::{Method, Name, Told};
+use super::method::{Method, Name, PoseAnswer};
 use super::smaller_size;
 use crate::parry::{double, single};
 use crate::pose_file::PosePair;
@@ -56,7 +56,7 @@ impl Method for Peer {
         Self::name_of(self.kind)
     }
 
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told {
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer {
         let reach = 2.0 * (models[0].radius() + models[1].radius())
             + poses[0].translation.distance(poses[1].translation);
         let [p, q] = poses.map(single);
@@ -64,20 +64,22 @@ impl Method for Peer {
         // One call tells verdict, distance and points.
         match closest_points(&p, a, &q, b, reach as f32) {
             Ok(ClosestPoints::Intersecting) => {
-                Told { meets: Some(true), distance: Some(0.0), ..Told::default() }
+                PoseAnswer { meets: Some(true), distance: Some(0.0), ..PoseAnswer::default() }
             }
             Ok(ClosestPoints::WithinMargin(v, w)) => {
                 let witnesses = [double(v), double(w)];
                 let distance = witnesses[0].distance(witnesses[1]);
-                Told {
+                PoseAnswer {
                     meets: Some(distance == 0.0),
                     distance: Some(distance),
                     witnesses: Some(witnesses),
-                    ..Told::default()
+                    ..PoseAnswer::default()
                 }
             }
-            Ok(ClosestPoints::Disjoint) => Told { meets: Some(false), ..Told::default() },
-            Err(_) => Told::default(),
+            Ok(ClosestPoints::Disjoint) => {
+                PoseAnswer { meets: Some(false), ..PoseAnswer::default() }
+            }
+            Err(_) => PoseAnswer::default(),
         }
     }
 

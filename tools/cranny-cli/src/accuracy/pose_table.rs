@@ -1,7 +1,7 @@
 //! What each method told at each pose: a table for programs.
 
 use super::figures::witness_error;
-use super::method::{Name, Told};
+use super::method::{Name, PoseAnswer};
 use super::series::Reply;
 use super::truth::Truth;
 use crate::csv::cell;
@@ -18,7 +18,7 @@ impl PoseTable {
     }
 
     /// Adds a line for each pose that a method was asked at.
-    pub(super) fn add(&mut self, name: &Name, replies: &[Reply<Told>], truths: &[Truth]) {
+    pub(super) fn add(&mut self, name: &Name, replies: &[Reply<PoseAnswer>], truths: &[Truth]) {
         let name = name.csv();
         for reply in replies {
             self.0 += &format!("{name},{}\n", row(reply, &truths[reply.pose]));
@@ -30,7 +30,7 @@ impl PoseTable {
     }
 }
 
-fn row(reply: &Reply<Told>, truth: &Truth) -> String {
+fn row(reply: &Reply<PoseAnswer>, truth: &Truth) -> String {
     let told = &reply.told;
     [
         reply.pose.to_string(),

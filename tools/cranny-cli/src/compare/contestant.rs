@@ -8,10 +8,10 @@ use cranny_ecs::{
 use cranny_rapier::{Detector, ShapeError, SimulationError, SimulationOptions};
 use cranny_world::description::SceneDescription;
 
-use super::figures::{Figures, Setting, StepTimes};
+use super::figures::{RunFigures, Setting, StepTimes};
 
 /// The scene under one detector.
-pub(super) struct Contestant {
+pub(super) struct DetectorRun {
     detector: Detector,
     recycling: bool,
     substeps: usize,
@@ -27,7 +27,7 @@ enum State {
     Failed(String),
 }
 
-impl Contestant {
+impl DetectorRun {
     /// Prepares the scene. A peer may refuse a mesh; that is told in its row.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl Contestant {
     /// # Errors
     ///
     /// Where our own run cannot be ended.
-    pub(super) fn finish(self) -> Result<Figures, SceneAppError> {
+    pub(super) fn finish(self) -> Result<RunFigures, SceneAppError> {
         let (summary, failure): (Option<RunSummary>, _) = match self.state {
             State::Failed(why) => (None, Some(why)),
             State::Running(app) => (Some(app.finish()?), None),
@@ -122,7 +122,7 @@ impl Contestant {
             substeps: self.substeps,
             prepared_s: self.prepared_s,
         };
-        Ok(Figures::new(setting, self.steps, summary, failure))
+        Ok(RunFigures::new(setting, self.steps, summary, failure))
     }
 }
 

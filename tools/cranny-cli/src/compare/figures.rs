@@ -38,7 +38,7 @@ pub(super) struct Setting {
 
 /// A row.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Figures {
+pub(super) struct RunFigures {
     #[serde(flatten)]
     pub(super) setting: Setting,
     pub(super) steps: usize,
@@ -103,7 +103,7 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-impl Figures {
+impl RunFigures {
     pub(super) fn new(
         setting: Setting,
         times: Vec<StepTimes>,
@@ -219,8 +219,8 @@ const HEADINGS: [[&str; 2]; 18] = [
 ];
 
 /// The table for people. Columns of which nobody knows anything are left out.
-pub(super) fn text(rows: &[Figures]) -> String {
-    let cells: Vec<Vec<String>> = rows.iter().map(Figures::cells).collect();
+pub(super) fn text(rows: &[RunFigures]) -> String {
+    let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
     let shown: Vec<usize> = (0..HEADINGS.len())
         .filter(|&column| cells.iter().any(|row| !row[column].is_empty()))
         .collect();
@@ -247,7 +247,7 @@ pub(super) fn text(rows: &[Figures]) -> String {
 }
 
 /// What does not fit into a table.
-fn notes(rows: &[Figures]) -> Vec<String> {
+fn notes(rows: &[RunFigures]) -> Vec<String> {
     let mut notes = Vec::new();
     for row in rows {
         let name = row.name();
@@ -280,7 +280,7 @@ fn notes(rows: &[Figures]) -> Vec<String> {
 }
 
 /// All rows, a line each.
-pub(super) fn csv(rows: &[Figures]) -> String {
+pub(super) fn csv(rows: &[RunFigures]) -> String {
     let mut text = String::from(
         "detector,recycling,substeps,prepared_s,dt,steps,step_ms_mean,step_ms_median,step_ms_p99,\
          step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,carried_share,deepest,contained_steps,\
@@ -324,7 +324,7 @@ pub(super) fn csv(rows: &[Figures]) -> String {
 }
 
 /// Every step of every row.
-pub(super) fn steps_csv(rows: &[Figures]) -> String {
+pub(super) fn steps_csv(rows: &[RunFigures]) -> String {
     let mut text = String::from("detector,recycling,step,broad_ms,narrow_ms,solver_ms\n");
     for row in rows {
         let Setting { detector, recycling, .. } = row.setting;
@@ -341,11 +341,11 @@ mod tests {
     use super::*;
     use cranny_rapier::Detector;
 
-    fn row(detector: Detector, recycling: bool, ms: &[f64]) -> Figures {
+    fn row(detector: Detector, recycling: bool, ms: &[f64]) -> RunFigures {
         let times = ms.iter().map(|&narrow| StepTimes { narrow, ..StepTimes::default() });
         let detector = detector.name();
         let setting = Setting { detector, recycling, substeps: 4, prepared_s: 0.5 };
-        Figures::new(setting, times.collect(), None, None)
+        RunFigures::new(setting, times.collect(), None, None)
     }
 
     #[test]

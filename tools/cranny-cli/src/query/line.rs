@@ -9,7 +9,7 @@ use crate::args::DemandArg;
 
 /// What decides which fields are filled.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown {
+pub(super) struct ShownFields {
     /// What was asked.
     pub(super) demand: DemandArg,
     /// Whether A and B are closed.
@@ -66,7 +66,7 @@ struct PlaceLine {
 
 impl Line {
     /// The line of what was found.
-    pub(super) fn new(pose: usize, found: &Estimate, micros: f64, shown: Shown) -> Self {
+    pub(super) fn new(pose: usize, found: &Estimate, micros: f64, shown: ShownFields) -> Self {
         let asks = |least: DemandArg| shown.demand as u8 >= least as u8;
         let witness = |i: usize| {
             let of = |witnesses: &[Witness; 2]| witnesses[i].point.to_array();

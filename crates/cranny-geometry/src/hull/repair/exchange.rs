@@ -5,16 +5,16 @@
 //!
 //! Source: none. Cost: O(n log n).
 
-use super::super::quickhull::Surface;
-use super::Repair;
+use super::super::quickhull::HullSurface;
+use super::HullRepair;
 use crate::ids::VertexId;
 
-impl Repair<'_> {
+impl HullRepair<'_> {
     /// Exchanges the surface, to which nothing has been done yet, for another one, over the points; `moved`, ascending,
     /// are elsewhere than when it was made. `None` where the inner point is not within the new one.
     pub(in crate::hull) fn exchange(
         &mut self,
-        surface: &Surface,
+        surface: &HullSurface,
         moved: &[VertexId],
     ) -> Option<()> {
         let number = |repair: &mut Self, point: u32| {

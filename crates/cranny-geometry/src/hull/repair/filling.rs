@@ -4,11 +4,11 @@
 
 use std::collections::BTreeSet;
 
-use super::super::quickhull::Surface;
+use super::super::quickhull::HullSurface;
 
 /// The triangles of the hull of some points that lie within a rim; `None` where an edge of that is none of the hull.
 pub(super) fn within(
-    surface: &Surface,
+    surface: &HullSurface,
     some: &[u32],
     rim: &[(u32, u32, u32)],
 ) -> Option<Vec<[u32; 3]>> {

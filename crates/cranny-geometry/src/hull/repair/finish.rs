@@ -9,18 +9,18 @@ use cranny_exact::{DVec3, Sign};
 
 use super::super::canonical::halved;
 use super::super::numbering::Numbering;
-use super::super::quickhull::{Surface, previous};
+use super::super::quickhull::{HullSurface, previous};
 use super::super::span::collinear;
-use super::{NONE, Repair};
+use super::{HullRepair, NONE};
 use crate::ids::VertexId;
-use crate::rows::closing_ranks;
+use crate::rows::compaction_moves;
 
 /// A surface that follows another one. Triangles that are there still have the numbers that they had, but for those
 /// that fill gaps.
 pub(in crate::hull) struct Repaired {
     pub(in crate::hull) sources: Vec<VertexId>,
     pub(in crate::hull) positions: Vec<DVec3>,
-    pub(in crate::hull) surface: Surface,
+    pub(in crate::hull) surface: HullSurface,
     pub(in crate::hull) leaving: Vec<u32>,
     pub(in crate::hull) numbering: Numbering,
     /// Vertices that have moved or come.
@@ -35,7 +35,7 @@ pub(in crate::hull) struct Repaired {
     pub(in crate::hull) moved: BTreeMap<u32, u32>,
 }
 
-impl Repair<'_> {
+impl HullRepair<'_> {
     /// The triangles that are new, ascending.
     fn made(&self) -> Vec<u32> {
         (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect()
@@ -47,7 +47,7 @@ impl Repair<'_> {
         let mut dead: Vec<u32> = self.dead.iter().map(|d| d.0).collect();
         dead.retain(|&t| t < self.first_new);
         dead.sort_unstable();
-        let moves = closing_ranks(self.first_new, &dead, &alive);
+        let moves = compaction_moves(self.first_new, &dead, &alive);
         self.close_ranks(&moves, self.first_new as usize + alive.len() - dead.len());
         let (made, old): (Vec<_>, Vec<_>) =
             moves.into_iter().partition(|&(from, _)| from >= self.first_new);
@@ -56,7 +56,7 @@ impl Repair<'_> {
         let gone = self.gone();
         let lost = gone.iter().map(|&v| self.at(v)).collect();
         let (numbering, new) = self.number(&fresh, gone);
-        let surface = Surface { triangles: self.triangles, twins: self.twins };
+        let surface = HullSurface { triangles: self.triangles, twins: self.twins };
         Repaired {
             sources: self.sources,
             positions: self.positions,
