@@ -1,17 +1,20 @@
 //! Chores of the repository.
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
-//! which, and that the crates which compute do nothing but compute. `check-docs` checks that links of
-//! Markdown files resolve and that pages keep their bounds. `instructions` counts the instructions of
-//! fixed pieces of work, and compares them with those on file.
+//! which, that the crates which compute do nothing but compute, and that a type name means one thing in
+//! a crate. `check-docs` checks that links of Markdown files resolve, and that pages and comments keep
+//! their bounds. `instructions` counts the instructions of fixed pieces of work, and compares them with
+//! those on file.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 
 mod bans;
+mod comments;
 mod directions;
 mod documents;
 mod instructions;
 mod literals;
+mod names;
 mod report;
 mod sources;
 mod strip;
@@ -56,7 +59,7 @@ fn tell_deps() -> ExitCode {
 
 fn tell_docs() -> ExitCode {
     let checked = root().and_then(|root| documents::check(&root));
-    tell("check-docs", "links resolve, pages keep their bounds", checked)
+    tell("check-docs", "links resolve, pages and comments keep their bounds", checked)
 }
 
 /// Prints what a check found in so many files.
@@ -93,7 +96,8 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
     let mut violations = graph.check();
     let root = Path::new(graph.workspace_root());
     let mut files = 0;
-    for package in graph.members().filter(|package| package.name != "xtask") {
+    for package in graph.members() {
+        let mut type_names = names::TypeNames::of(&package.name);
         let is_pure = directions::PURE_CRATES.contains(&package.name.as_str());
         for file in sources::of_crate(Path::new(&package.folder))? {
             files += 1;
@@ -102,10 +106,12 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
             if is_pure {
                 violations.extend(bans::check(&shown, &tokens));
             }
-            if package.name != "cranny-exact" {
+            if !matches!(package.name.as_str(), "cranny-exact" | "xtask") {
                 violations.extend(literals::check(&shown, &tokens));
             }
+            type_names.add(&shown, &tokens);
         }
+        violations.extend(type_names.check());
     }
     Ok((files, violations))
 }
