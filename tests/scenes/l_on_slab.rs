@@ -6,13 +6,13 @@ use cranny_exact::{DVec3, Pose};
 use crate::overlap::Judge;
 use crate::run::{asset, body, lowest, tilt, watch};
 
-/// Where they end: on the slab's top, z = 0. The solver lets bodies overlap by 0.001 of what it takes for a
-/// metre (0.17 here) and holds them within 0.02 of that.
+/// Where they end: on the slab's top, z = 0. The solver lets bodies overlap by 0.001 of what it
+/// takes for a metre (0.17 here) and holds them within 0.02 of that.
 const REST: f64 = 4e-3;
 
-/// Degrees from the start's pose, ever. The way out is straight up for all of them: upright Ls are nearest
-/// to the top by 0.3 of 1 and by 0.8 of 1.2 (down, they would have to go by 1 + 1 − 0.8), the one inside by
-/// 0.65 of 0.85. So nothing has a reason to turn.
+/// Degrees from the start's pose, ever. The way out is straight up for all of them: upright Ls are
+/// nearest to the top by 0.3 of 1 and by 0.8 of 1.2 (down, they would have to go by 1 + 1 − 0.8),
+/// the one inside by 0.65 of 0.85. So nothing has a reason to turn.
 const TILT: f64 = 2.0;
 
 /// Metres a second, of any corner: what nobody calls an explosion.

@@ -28,8 +28,8 @@
 //! All three report the same pairs and events; every back end must pass the conformance suite in
 //! `tests/conformance.rs`, pair for pair.
 //!
-//! Each back end notices by itself that the boxes of a pair have parted, `pairs` drops the pair, and
-//! the caller forgets what it keeps about it: the header of `pairs` names the places.
+//! Each back end notices by itself that the boxes of a pair have parted, `pairs` drops the pair,
+//! and the caller forgets what it keeps about it: the header of `pairs` names the places.
 //!
 //! ```
 //! use cranny_broad_phase::{BroadPhase, Motion, OverlapEvent, ProxyId, SweepAndPrune};
@@ -155,8 +155,8 @@ pub trait BroadPhase {
     /// # Errors
     ///
     /// [`UnknownProxy`](BroadPhaseError::UnknownProxy), or a box that is
-    /// [empty](BroadPhaseError::EmptyBox) or holds [`NaN`](BroadPhaseError::NotANumber). The old box
-    /// stays then.
+    /// [empty](BroadPhaseError::EmptyBox) or holds [`NaN`](BroadPhaseError::NotANumber). The old
+    /// box stays then.
     fn set_box(&mut self, id: ProxyId, aabb: Aabb) -> Result<(), BroadPhaseError>;
 
     /// Says whether a proxy moves from now on.

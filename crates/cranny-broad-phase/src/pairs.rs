@@ -44,9 +44,9 @@ impl PairSet {
     /// Takes out what is in `ended`, then puts in what is in `began`, and writes the *difference*
     /// of the set after and before to `events`, sorted.
     ///
-    /// Both lists may be unsorted, hold a pair many times, and hold pairs that are absent or present
-    /// already; a pair in both is present afterwards. So a caller need only see to it that `began`
-    /// holds nothing but true pairs and all new ones, and `ended` all that are gone.
+    /// Both lists may be unsorted, hold a pair many times, and hold pairs that are absent or
+    /// present already; a pair in both is present afterwards. So a caller need only see to it that
+    /// `began` holds nothing but true pairs and all new ones, and `ended` all that are gone.
     pub(crate) fn apply(
         &mut self,
         began: &mut Vec<u64>,

@@ -1,4 +1,5 @@
-//! What the fuzz targets `nearly_flat` and `deform` ask, of bytes drawn from seeds: asked without fuzzing too.
+//! What the fuzz targets `nearly_flat` and `deform` ask, of bytes drawn from seeds: asked without
+//! fuzzing too.
 
 #[path = "from_bytes/asked.rs"]
 mod asked;
@@ -35,13 +36,15 @@ fn a_flange_as_thin_as_two_slabs_is_skin() {
 
 #[test]
 fn two_caps_back_to_back_are_no_opening() {
-    // Needles wider than slabs, on either side: what rounding left of the volume between them was an opening.
+    // Needles wider than slabs, on either side: what rounding left of the volume between them was
+    // an opening.
     [24_883, 52_571].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
 }
 
 #[test]
 fn caps_back_to_back_hold_more_than_their_difference_says() {
-    // Needles at the rim of a side that two caps cover and one uncovers: of half a unit of area each, 2e-7 in sum.
+    // Needles at the rim of a side that two caps cover and one uncovers: of half a unit of area
+    // each, 2e-7 in sum.
     asked::nearly_flat(&[
         39, 11, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123,
         123, 123, 123, 123, 123, 123, 123, 123, 123, 12, 10, 255, 123, 123, 255, 255, 123, 123,
@@ -61,13 +64,15 @@ fn caps_back_to_back_hold_more_than_their_difference_says() {
 
 #[test]
 fn a_lid_all_around_opens_nowhere() {
-    // What rounding left of the sum of its caps was an opening before a deformation and none after it.
+    // What rounding left of the sum of its caps was an opening before a deformation and none after
+    // it.
     [914, 1123, 2295, 4255].into_iter().for_each(|seed| asked::deform(&bytes(seed)));
 }
 
 #[test]
 fn facets_of_nearly_flat_sides_cover_what_a_rebuild_covers() {
-    // Planes triangulated otherwise than in a rebuild made other facets, and concavities covered other edges.
+    // Planes triangulated otherwise than in a rebuild made other facets, and concavities covered
+    // other edges.
     asked::deform(&[
         255, 97, 97, 97, 97, 12, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 0, 0, 0, 0, 0,
         80, 0, 0, 10, 75, 97, 97, 97, 12, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 0, 0,
@@ -97,13 +102,13 @@ fn a_solid_without_volume_comes_back_from_its_file() {
 
 #[test]
 fn a_body_without_volume_has_none_up_to_what_its_sum_may_be_off_by() {
-    // A sheet just thicker than skin that is told to have no volume; shells as small as rounding a length apart, between
-    // which the hull is a needle.
+    // A sheet just thicker than skin that is told to have no volume; shells as small as rounding a
+    // length apart, between which the hull is a needle.
     [1_006_005, 1_023_061].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
 }
 
-/// Two sides at 60 degrees, rough by rounding, share caps: seen along the axis nearest the larger one's normal the other is
-/// edge-on, and triangles of half its size were turned over by rounding.
+/// Two sides at 60 degrees, rough by rounding, share caps: seen along the axis nearest the larger
+/// one's normal the other is edge-on, and triangles of half its size were turned over by rounding.
 #[test]
 fn sides_that_share_caps_are_not_seen_edge_on() {
     asked::nearly_flat(&EDGE_ON);

@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use cranny_exact::DVec3;
 
-/// How often an arc is halved before its series is summed: a quotient of at most 1 comes below 0.099 so, where
-/// eight terms leave less than a thousandth of an ulp.
+/// How often an arc is halved before its series is summed: a quotient of at most 1 comes below
+/// 0.099 so, where eight terms leave less than a thousandth of an ulp.
 const HALVINGS: i32 = 3;
 
 /// Odd denominators of the arctangent's series (Gregory's), the last first.

@@ -1,9 +1,9 @@
 //! Parts of a model that are made at their first use.
 //!
-//! Some follow from what was read, and few callers need them: to read and check them, or to make them
-//! while loading, would be time that most never get back. So they are made of the rest at their first
-//! use, as building makes them. `OnceLock` sees to it that threads which come at once get the same;
-//! it is a field of its owner, nothing is shared beyond that.
+//! Some follow from what was read, and few callers need them: to read and check them, or to make
+//! them while loading, would be time that most never get back. So they are made of the rest at
+//! their first use, as building makes them. `OnceLock` sees to it that threads which come at once
+//! get the same; it is a field of its owner, nothing is shared beyond that.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 

@@ -1,8 +1,8 @@
 //! The one prepared thing: everything that is known of a body before it moves.
 //!
 //! A [`Model`] is shared (`Arc` inside) and never changes but by [`Model::deform`]. It is filled in
-//! stages, each a module of this crate; the stages of the full method stand here in order, so that one
-//! sees where the next belongs:
+//! stages, each a module of this crate; the stages of the full method stand here in order, so that
+//! one sees where the next belongs:
 //!
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
 //!    ([`topology`](Model::topology)), 3. mass ([`mass_properties`](Model::mass_properties)), 4.
@@ -126,11 +126,13 @@ impl Model {
         Ok((Self(Arc::new(parts)), report))
     }
 
-    /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it, for a
-    /// model that was loaded. What was mended before the model was saved is not known any more.
+    /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it,
+    /// for a model that was loaded. What was mended before the model was saved is not known any
+    /// more.
     ///
-    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`]; without a tolerance, how finely a mesh was
-    /// stored is read off its coordinates, as with [`Flatness::Auto`].
+    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`]; without a
+    /// tolerance, how finely a mesh was stored is read off its coordinates, as with
+    /// [`Flatness::Auto`].
     ///
     /// # Errors
     ///
@@ -153,8 +155,9 @@ impl Model {
     }
 
     /// The mended mesh. Face ids are those that were filed unless repairs other than
-    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face). **Vertices are numbered anew**,
-    /// in the order in which faces use them first: [`Provenance::vertex`] tells what became of each filed one.
+    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face). **Vertices
+    /// are numbered anew**, in the order in which faces use them first: [`Provenance::vertex`]
+    /// tells what became of each filed one.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.0.mesh
@@ -210,8 +213,9 @@ impl Model {
 
     /// The search tree that questions about pairs go down.
     ///
-    /// Made at the first call, and anew at the first call after a [deformation](Self::deform): O(n log n), about
-    /// 3 microseconds a face. Call it where a body is made if no first query is to wait for it.
+    /// Made at the first call, and anew at the first call after a [deformation](Self::deform): O(n
+    /// log n), about 3 microseconds a face. Call it where a body is made if no first query is to
+    /// wait for it.
     #[inline]
     pub fn clusters(&self) -> &ClusterTree {
         self.0.clusters()
@@ -241,8 +245,8 @@ impl Model {
         self.0.radius
     }
 
-    /// A hash of the prepared geometry: equal meshes have equal digests on every machine. Of a loaded model,
-    /// what was saved.
+    /// A hash of the prepared geometry: equal meshes have equal digests on every machine. Of a
+    /// loaded model, what was saved.
     #[must_use]
     pub fn digest(&self) -> [u8; 32] {
         self.0.digest

@@ -5,14 +5,15 @@
 //! Detection', 2005, chapter 5, counts them so).
 //!
 //! Needles and edges that are nearly parallel make barycentric coordinates, and the parameters of
-//! nearest points, lose all their digits. What is done about it: every candidate is a pair of points
-//! that lie on the triangles to rounding, so none is too near; and a candidate is sought in
+//! nearest points, lose all their digits. What is done about it: every candidate is a pair of
+//! points that lie on the triangles to rounding, so none is too near; and a candidate is sought in
 //! orthogonal steps, first along the longer direction, then across what is left, so that what is
 //! lost moves it across by no more than `w` (a needle's width, or how far near-parallel edges
-//! diverge) and by no more than about `h ε L / w` (`h` the distance, `L` the largest length). Moving
-//! it by `δ` adds at most `δ² / 2h` to a distance of `h`, and `min(w, h ε L / w)² / 2h <= ε L / 2`.
-//! Measured against exact rationals over needles and near-parallel edges, the error stays below
-//! 2 ε times the largest coordinate (`tests/suite/distances.rs`).
+//! diverge) and by no more than about `h ε L / w` (`h` the distance, `L` the largest length).
+//! Moving it by `δ` adds at most `δ² / 2h` to a distance of `h`, and
+//! `min(w, h ε L / w)² / 2h <= ε L / 2`. Measured against exact rationals over needles and
+//! near-parallel edges, the error stays below 2 ε times the largest coordinate
+//! (`tests/suite/distances.rs`).
 
 use cranny_exact::DVec3;
 /// A part of a triangle.
@@ -235,8 +236,8 @@ pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
 const ALL_CORNERS: u8 = 0b111;
 
 impl Prepared {
-    /// The nearest points of two triangles that do not intersect, if these lie at some of their corners, a bit each, or on
-    /// sides that end there, or inside.
+    /// The nearest points of two triangles that do not intersect, if these lie at some of their
+    /// corners, a bit each, or on sides that end there, or inside.
     pub fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
         let mut best = Nearest {
             squared: f64::INFINITY,

@@ -1,12 +1,12 @@
 //! How often closed components wind around a point. Exact: signed crossings of a segment that leads
 //! out, each decided by sign predicates.
 //!
-//! A segment that meets an edge or a vertex is given up for another direction. The walk ends because
-//! finitely many edges block only a null set of directions; after [`DIRECTIONS`] a point is called
-//! undecided all the same.
+//! A segment that meets an edge or a vertex is given up for another direction. The walk ends
+//! because finitely many edges block only a null set of directions; after [`DIRECTIONS`] a point is
+//! called undecided all the same.
 //!
-//! Source: crossings are counted after Linhart (1990, "A quick point-in-polyhedron test"); to try other directions
-//! is this crate's own. Cost: with the function.
+//! Source: crossings are counted after Linhart (1990, "A quick point-in-polyhedron test"); to try
+//! other directions is this crate's own. Cost: with the function.
 
 use cranny_exact::{
     DVec3, Piercing, SegmentFeature, Sign, TriangleFeature, classify_segment_triangle,
@@ -19,8 +19,8 @@ use crate::near::segment_may_meet;
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 
-/// Directions tried. Fewer: a point before a fine regular grid may stay undecided; more is of no use,
-/// as the first one almost always serves.
+/// Directions tried. Fewer: a point before a fine regular grid may stay undecided; more is of no
+/// use, as the first one almost always serves.
 const DIRECTIONS: u32 = 32;
 
 /// What winds around a point.

@@ -155,7 +155,8 @@ fn deformed_models_come_back() {
     }
 }
 
-/// Moves a few vertices by a tenth of the body's size, some of them onto a plane through the origin.
+/// Moves a few vertices by a tenth of the body's size, some of them onto a plane through the
+/// origin.
 fn a_few_moves(model: &Body, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
     let size = 0.1 * model.radius();
     let first = rng.below(model.mesh().vertices().len());

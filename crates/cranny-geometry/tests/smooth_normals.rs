@@ -1,4 +1,5 @@
-//! Smooth normals: near those of the surface that a mesh stands for, and the faces' own where it is flat.
+//! Smooth normals: near those of the surface that a mesh stands for, and the faces' own where it is
+//! flat.
 
 mod meshes;
 
@@ -51,7 +52,8 @@ fn inside(triangle: [DVec3; 3], rng: &mut Rng) -> DVec3 {
     (a * triangle[0] + b * triangle[1] + c * triangle[2]) / (a + b + c)
 }
 
-/// The largest angles to the true normals, of smooth normals and of the faces', at points of all faces.
+/// The largest angles to the true normals, of smooth normals and of the faces', at points of all
+/// faces.
 fn worst(model: &Model, truth: impl Fn(DVec3) -> DVec3) -> [f64; 2] {
     let (normals, mut rng) = (smooth(model, CREASE), Rng::new(5));
     let mut worst = [0.0f64; 2];
@@ -67,8 +69,8 @@ fn worst(model: &Model, truth: impl Fn(DVec3) -> DVec3) -> [f64; 2] {
     worst
 }
 
-/// Facets of a ball are off by as much as they span: an edge of the 320 is about 0.3 of the radius long, its triangle's
-/// corners lie 0.17 from its middle.
+/// Facets of a ball are off by as much as they span: an edge of the 320 is about 0.3 of the radius
+/// long, its triangle's corners lie 0.17 from its middle.
 #[test]
 fn normals_of_a_ball_are_radial() {
     let ball = shape(GolfBall { dimples: 0, triangles: 320, ..GolfBall::default() });
@@ -118,8 +120,8 @@ fn a_cube_stays_flat_to_the_bit() {
     }
 }
 
-/// The mean at a cube's corner is along its diagonal, however its sides are cut: three right angles, not three to six
-/// faces.
+/// The mean at a cube's corner is along its diagonal, however its sides are cut: three right
+/// angles, not three to six faces.
 #[test]
 fn a_mean_does_not_depend_on_how_faces_are_cut() {
     let cube = model(cuboid([0.0; 3], [1.0; 3]));
@@ -191,7 +193,8 @@ fn an_edge_is_smooth_below_the_crease_and_sharp_from_there_on() {
     }
 }
 
-/// A ball one of whose edges is a needle: two faces on one side of it, and a face without area between.
+/// A ball one of whose edges is a needle: two faces on one side of it, and a face without area
+/// between.
 #[test]
 fn a_face_without_area_parts_nothing() {
     let ball = GolfBall { dimples: 0, triangles: 80, ..GolfBall::default() }.build().unwrap();

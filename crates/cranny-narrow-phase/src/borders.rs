@@ -17,7 +17,8 @@ impl Borders {
         let border = |&s: &usize| {
             let s = &intersection.segments[s];
             let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);
-            // Seen against its own normal, the first's piece is left of the segment; the second's right.
+            // Seen against its own normal, the first's piece is left of the segment; the second's
+            // right.
             match side {
                 Side::First => (s.faces[0], [p, q]),
                 Side::Second => (s.faces[1], [q, p]),

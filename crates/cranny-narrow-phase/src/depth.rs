@@ -2,10 +2,10 @@
 //!
 //! Moving the second body by t along n parts the pieces as soon as no line along n meets the first
 //! piece more than t ahead of the second. The largest such depth is attained over a vertex of one
-//! piece and a face of the other, or over two edges that cross when seen along n; the curves' points
-//! and segments are vertices and edges of both. They bound faces that reach beyond the piece: an
-//! answer off the piece is refused. What lies over what is told by footprints, so the cost is near
-//! linear in the pieces.
+//! piece and a face of the other, or over two edges that cross when seen along n; the curves'
+//! points and segments are vertices and edges of both. They bound faces that reach beyond the
+//! piece: an answer off the piece is refused. What lies over what is told by footprints, so the
+//! cost is near linear in the pieces.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
@@ -27,10 +27,10 @@ pub(crate) struct Depths {
     pub(crate) deepest: Option<Contact>,
     /// Whether all are wanted, not the largest alone.
     keeps: bool,
-    /// One for every vertex of the pieces that is ahead, and for crossing edges while they are few. A
-    /// vertex that comes out just beside the other piece (no farther than it is deep) counts as well:
-    /// of a box that has sunk in askew, the sides lean, and three corners of four come out past the
-    /// curve.
+    /// One for every vertex of the pieces that is ahead, and for crossing edges while they are few.
+    /// A vertex that comes out just beside the other piece (no farther than it is deep) counts as
+    /// well: of a box that has sunk in askew, the sides lean, and three corners of four come out
+    /// past the curve.
     pub(crate) all: Vec<Contact>,
 }
 

@@ -4,18 +4,20 @@ use crate::query::Demand;
 
 /// The fields of an [`Answer`](crate::Answer) that somebody reads.
 ///
-/// What several readers read is their [`join`](Self::join). A reader does not care which question brought the
-/// answer: [`told_by`](Self::told_by) says whether an answer that is there already will do, as a solver's own.
+/// What several readers read is their [`join`](Self::join). A reader does not care which question
+/// brought the answer: [`told_by`](Self::told_by) says whether an answer that is there already will
+/// do, as a solver's own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fields {
     /// How the surfaces meet, whether the solids do, containment.
     pub verdict: bool,
     /// Distance and witness points.
     pub distance: bool,
-    /// How deep the bodies overlap: the depth of regions where there are any, otherwise minus the separation of the
-    /// deepest contact, which is at most that.
+    /// How deep the bodies overlap: the depth of regions where there are any, otherwise minus the
+    /// separation of the deepest contact, which is at most that.
     pub depth: bool,
-    /// Contacts up to this far apart, >= 0: those for a solver, or the points of regions where regions are read too.
+    /// Contacts up to this far apart, >= 0: those for a solver, or the points of regions where
+    /// regions are read too.
     pub contacts: Option<f64>,
     /// Regions up to this far apart, >= 0: curves, depth, area, names.
     pub regions: Option<f64>,
@@ -68,7 +70,8 @@ impl Fields {
         of_flags.chain(contacts).chain(regions).fold(Demand::None, Demand::join)
     }
 
-    /// Whether an answer to this demand holds these fields. What lies beyond a margin is the reader's to leave out.
+    /// Whether an answer to this demand holds these fields. What lies beyond a margin is the
+    /// reader's to leave out.
     #[must_use]
     pub fn told_by(&self, demand: Demand) -> bool {
         let regions = match demand {

@@ -1,8 +1,9 @@
 //! Regions across a gap: contacts within a margin, gathered by what they lie on.
 //!
 //! A vertex over a face, and two convex edges whose nearest points lie between their ends, are what
-//! two polyhedra touch with next; a vertex before an edge or another vertex is where sharp parts are
-//! nearest (`contacts`). Contacts of which a face of each body has both features belong to one region.
+//! two polyhedra touch with next; a vertex before an edge or another vertex is where sharp parts
+//! are nearest (`contacts`). Contacts of which a face of each body has both features belong to one
+//! region.
 
 #[cfg(test)]
 mod oracle;
@@ -45,7 +46,8 @@ pub(crate) fn near_regions(
     regions(pair, contacts)
 }
 
-/// A contact's features, that of the face's rim in place of the face where a vertex stands before the rim.
+/// A contact's features, that of the face's rim in place of the face where a vertex stands before
+/// the rim.
 fn by_foot(pair: &Pair, contact: &Contact) -> (Feature, Feature) {
     let before = |side: Side, p, face| {
         let part = closest_on_triangle(p, &pair.triangle(side, face)).1;

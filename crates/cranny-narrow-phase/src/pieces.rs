@@ -31,8 +31,8 @@ pub(crate) struct RegionPieces {
     pub(crate) pieces: [Piece; 2],
 }
 
-/// What belongs to exactly one region has a number: nodes first, then the vertices inside, the first body's
-/// before the second's.
+/// What belongs to exactly one region has a number: nodes first, then the vertices inside, the
+/// first body's before the second's.
 type Member = usize;
 
 /// Splits a generic intersection into regions.
@@ -95,7 +95,8 @@ struct Inside {
     edges: Vec<(EdgeId, [DVec3; 2], Member)>,
 }
 
-/// The passages of a body's edges through the other surface: by edge, then along it; and the nodes there.
+/// The passages of a body's edges through the other surface: by edge, then along it; and the nodes
+/// there.
 fn passages(side: Side, intersection: &Intersection) -> Vec<(EdgeId, EdgePassage, usize)> {
     let mut passages: Vec<(EdgeId, EdgePassage, usize)> = Vec::new();
     for (node, n) in intersection.nodes.iter().enumerate() {

@@ -16,9 +16,9 @@ use crate::surface::FacePair;
 use crate::touch::touch_regions;
 use cranny_geometry::triangle_distance::Prepared;
 
-/// How far the second body is moved or grown to read the regions of a special position (faces flush,
-/// edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as
-/// much. Smaller: rounding decides what is inside; larger: figures suffer.
+/// How far the second body is moved or grown to read the regions of a special position (faces
+/// flush, edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then
+/// off by as much. Smaller: rounding decides what is inside; larger: figures suffer.
 const NUDGE: f64 = 9.313_225_746_154_785e-10;
 
 /// Directions of the nudge: generic, so that no plane of a modelled part holds them.
@@ -28,9 +28,9 @@ const NUDGES: [DVec3; 3] = [
     DVec3::new(0.701, -0.529, 0.478),
 ];
 
-/// By how much a depth read beside a special position may be off, as a fraction of the pair's scale.
-/// Vertices move by no more than two nudges; a face that leans from the normal by up to 60 degrees
-/// doubles that.
+/// By how much a depth read beside a special position may be off, as a fraction of the pair's
+/// scale. Vertices move by no more than two nudges; a face that leans from the normal by up to 60
+/// degrees doubles that.
 const BESIDE_ERROR: f64 = 4.0 * NUDGE;
 
 /// A body that shrinks or grows also moves, by this share of it: enough to leave special positions,
@@ -45,14 +45,15 @@ const ENCLOSES_NOTHING: f64 = 1e-6;
 /// has one normal; others are read direction by direction.
 const FLAT: f64 = 0.9;
 
-/// The cosine of how far from a direction a face may look that stops what comes along it: 60 degrees.
+/// The cosine of how far from a direction a face may look that stops what comes along it: 60
+/// degrees.
 const LOOKS_ALONG: f64 = 0.5;
 
 /// Vertices of a curved region that are measured at most; more are sampled evenly.
 const MAX_SAMPLES: usize = 256;
 
-/// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much their
-/// depths may be off.
+/// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much
+/// their depths may be off.
 pub(crate) fn meeting_regions(
     pair: &Pair,
     posed: &mut PosedVertices,
@@ -90,8 +91,8 @@ fn is_closed(pair: &Pair) -> bool {
 ///
 /// Where faces are flush, the strip that they share belongs to one body's piece or the other's, as
 /// the bodies are moved, and tilts the normal if it is the wrong one. So the second body is once
-/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on one
-/// side does not count against one on the other. The smaller depth wins. Bodies that coincide
+/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on
+/// one side does not count against one on the other. The smaller depth wins. Bodies that coincide
 /// part both ways; then a mere shift has to do.
 fn regions_beside(
     pair: &Pair,
@@ -199,8 +200,8 @@ fn closed_region(
     };
     let mut deepest =
         deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
-    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way is
-    // longer, the one past an edge was left out.
+    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
+    // is longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
     // Of corners that are equally deep but for rounding, the one that is told is the deepest.
     let key = |c: &Contact| (c.separation, c.id);
@@ -290,7 +291,8 @@ fn least_deep_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
     best.1
 }
 
-/// Whether some face of the first body's piece looks along `n`, and some of the second's against it, within 60 degrees.
+/// Whether some face of the first body's piece looks along `n`, and some of the second's against
+/// it, within 60 degrees.
 fn face_each_other(pair: &Pair, region: &MeasuredRegion, n: DVec3) -> bool {
     Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
         let faces = &region.cut.pieces[side.index()].faces;

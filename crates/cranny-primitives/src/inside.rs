@@ -16,8 +16,8 @@ pub(crate) struct NearestPoint {
     pub(crate) squared: f64,
 }
 
-/// Whether a point (model's frame) lies inside a closed component of the model or on its surface, to
-/// rounding. Surfaces that are not closed have no inside.
+/// Whether a point (model's frame) lies inside a closed component of the model or on its surface,
+/// to rounding. Surfaces that are not closed have no inside.
 ///
 /// Cost: the faces about as near as the nearest one.
 #[must_use]

@@ -2,8 +2,8 @@
 //!
 //! What rests is found to rest in each step anew, and a search costs as much as for what moves. So
 //! a pair keeps the contacts of its last search, and of the search its relative pose and reach.
-//! While the [drift](cranny_narrow_phase::drift) since that pose stays within [`CARRIED_WITHIN`], the
-//! same features make the solver's contacts, each told at the present pose (`refreshed`):
+//! While the [drift](cranny_narrow_phase::drift) since that pose stays within [`CARRIED_WITHIN`],
+//! the same features make the solver's contacts, each told at the present pose (`refreshed`):
 //!
 //! - of a vertex on a face, the face's plane and the vertex, both where they are now;
 //! - of two edges, the cross product of their directions and the points nearest to each other;
@@ -301,8 +301,8 @@ mod tests {
         contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min)
     }
 
-    /// One body slides and rocks on another: as long as it is carried on, a new search finds the same
-    /// depth but for the drift; and it is carried on until the drift is spent.
+    /// One body slides and rocks on another: as long as it is carried on, a new search finds the
+    /// same depth but for the drift; and it is carried on until the drift is spent.
     #[test]
     fn a_carried_list_is_a_new_search_but_for_the_drift() {
         let (slab, cup) = (built(Cuboid { size: [4.0, 4.0, 1.0] }), built(Cup::default()));

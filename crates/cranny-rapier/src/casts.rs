@@ -1,7 +1,9 @@
-//! Shape casts of polyhedra, by the certified time of impact: nothing is passed through, whatever the speed.
+//! Shape casts of polyhedra, by the certified time of impact: nothing is passed through, whatever
+//! the speed.
 //!
-//! parry's cast of a hollow mesh goes from triangle to triangle, and tells a body inside a solid that it is free. Here
-//! a cast is free for certain before the time told, and at that time the surfaces are within a tolerance of each other.
+//! parry's cast of a hollow mesh goes from triangle to triangle, and tells a body inside a solid
+//! that it is free. Here a cast is free for certain before the time told, and at that time the
+//! surfaces are within a tolerance of each other.
 
 use cranny_exact::{DVec3, Pose as ExactPose};
 use cranny_geometry::Model;
@@ -12,12 +14,13 @@ use rapier3d::parry::query::{Contact, ShapeCastHit, ShapeCastStatus};
 
 use crate::convert::{narrow, pose_from_rapier, wide};
 
-/// How far apart surfaces may be where a cast ends, as a share of the smaller body's radius: some ten steps of f32.
-/// Larger: bodies stop visibly short; smaller: f32 cannot tell, and it takes longer.
+/// How far apart surfaces may be where a cast ends, as a share of the smaller body's radius: some
+/// ten steps of f32. Larger: bodies stop visibly short; smaller: f32 cannot tell, and it takes
+/// longer.
 const TOLERANCE: f64 = 1e-6;
 
-/// Elementary tests of a cast: half a second. More: what slides along a thread stalls whoever casts; fewer: casts among
-/// many faces end before they have to.
+/// Elementary tests of a cast: half a second. More: what slides along a thread stalls whoever
+/// casts; fewer: casts among many faces end before they have to.
 const BUDGET: u64 = 1_000_000;
 
 /// Two bodies that move for a while.
@@ -93,7 +96,8 @@ impl<'a> Cast<'a> {
         TOLERANCE * self.models[0].radius().min(self.models[1].radius())
     }
 
-    /// When they meet; `None` inside where they do not, outside where the motion is none that can be followed.
+    /// When they meet; `None` inside where they do not, outside where the motion is none that can
+    /// be followed.
     pub(crate) fn meet(
         &self,
         initial: impl FnOnce() -> InitialOverlap,

@@ -14,9 +14,9 @@
 //! `compounds` takes compounds apart for them. Between polyhedra they are exact too; distances of
 //! primitives and of what has a border are right to rounding. Of half-spaces and shapes of an app's
 //! own parry measures how far the surfaces are; that one lies wholly inside our solid is seen here.
-//! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through, and
-//! a body that begins inside a solid meets it at once. Those of other partners, and those that are to
-//! stop at a distance, use the parry mesh of the same triangles.
+//! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through,
+//! and a body that begins inside a solid meets it at once. Those of other partners, and those that
+//! are to stop at a distance, use the parry mesh of the same triangles.
 
 use std::time::{Duration, Instant};
 
@@ -42,8 +42,8 @@ use crate::manifolds::{Manifold, SolverContact, rebuild};
 use crate::pair::{Answered, PairWorkspace, Reach, for_parry, ours};
 use crate::shape::MeshShape;
 
-/// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact may have moved
-/// and still be the same: beyond, its impulse belongs to another place.
+/// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact
+/// may have moved and still be the same: beyond, its impulse belongs to another place.
 const SAME_PLACE: f64 = 1.0;
 
 /// Puts the detector into rapier: `NarrowPhase::with_query_dispatcher(Dispatcher::default())`.
@@ -82,8 +82,8 @@ impl Dispatcher {
 }
 
 impl Dispatcher {
-    /// Fills the manifolds of a pair in which ours takes part, and returns the time that the log's reader
-    /// cost besides; `None` where parry must fill them.
+    /// Fills the manifolds of a pair in which ours takes part, and returns the time that the log's
+    /// reader cost besides; `None` where parry must fill them.
     fn fill(
         &self,
         pos12: &Pose,
@@ -119,9 +119,9 @@ impl Dispatcher {
         Some(read)
     }
 
-    /// How the pair approaches, where its contacts serve this step alone: it has moved since the step
-    /// before by more than they are carried on over. What moves less is searched for later steps
-    /// too.
+    /// How the pair approaches, where its contacts serve this step alone: it has moved since the
+    /// step before by more than they are carried on over. What moves less is searched for later
+    /// steps too.
     fn approaching(
         &self,
         asked: &Asked,
@@ -168,8 +168,8 @@ impl Dispatcher {
         Some((found.contacts, found.answer))
     }
 
-    /// Logs an answer at the present pose that holds what the log's reader reads, and returns the time of
-    /// asking for it. A solver's answer is logged whoever reads; none is made for nobody.
+    /// Logs an answer at the present pose that holds what the log's reader reads, and returns the
+    /// time of asking for it. A solver's answer is logged whoever reads; none is made for nobody.
     fn told_to_reader(
         &self,
         asked: &Asked,

@@ -13,7 +13,8 @@ const MOTOR_STIFFNESS: Real = 1000.0;
 /// Damping of a joint's motor, per second: critical for the stiffness.
 const MOTOR_DAMPING: Real = 63.0;
 
-/// Which motions a joint leaves free. Axes are unit vectors in the joint's frame; angles in radians.
+/// Which motions a joint leaves free. Axes are unit vectors in the joint's frame; angles in
+/// radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointSpec {
     /// None.

@@ -11,8 +11,8 @@ use cranny_narrow_phase::{Answer, Fields, Query};
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
 pub struct LoggedAnswer {
-    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by) reads
-    /// fields that it does not hold.
+    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by)
+    /// reads fields that it does not hold.
     pub answer: Arc<Answer>,
     /// The relative pose that it was computed from.
     pub first_from_second: Pose,
@@ -98,9 +98,9 @@ impl AnswerLog {
         self.len() == 0
     }
 
-    /// Says which fields a reader of the log reads about a pair of tags, in either order, from now on. Where the
-    /// solver's answer does not [hold](Fields::told_by) them, a second question is asked in the same step, at the same
-    /// pose; the solver's contacts do not depend on it.
+    /// Says which fields a reader of the log reads about a pair of tags, in either order, from now
+    /// on. Where the solver's answer does not [hold](Fields::told_by) them, a second question is
+    /// asked in the same step, at the same pose; the solver's contacts do not depend on it.
     pub fn read_by(&self, fields: impl Fn(u32, u32) -> Fields + Send + Sync + 'static) {
         self.entries().reader = Reader(Some(Arc::new(fields)));
     }

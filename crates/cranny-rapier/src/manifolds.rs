@@ -1,9 +1,9 @@
 //! From contacts to rapier's manifolds.
 //!
-//! A manifold has one normal, and rapier solves at most four of its points. So contacts whose normals
-//! agree share a manifold, and every other contact gets one of its own: no normal is ever averaged.
-//! Impulses of the last step are carried over by ids (for two meshes those of their patches, which
-//! stay while the nearest features change) and place, or else by place alone.
+//! A manifold has one normal, and rapier solves at most four of its points. So contacts whose
+//! normals agree share a manifold, and every other contact gets one of its own: no normal is ever
+//! averaged. Impulses of the last step are carried over by ids (for two meshes those of their
+//! patches, which stay while the nearest features change) and place, or else by place alone.
 
 use std::collections::HashMap;
 
@@ -75,7 +75,8 @@ pub(crate) fn rebuild(
         }
     }
     let inverse = first_from_second.world_from_body().inverse();
-    // What rests has the same contacts as in the step before: they keep their impulses where they stand.
+    // What rests has the same contacts as in the step before: they keep their impulses where they
+    // stand.
     if groups.len() == manifolds.len()
         && groups.iter().zip(&*manifolds).all(|((_, members), manifold)| is_of(manifold, members))
     {
@@ -140,7 +141,8 @@ fn tracked(contact: &SolverContact, second_from_first: &RigidMap) -> TrackedCont
     )
 }
 
-/// Two bits of rapier's ids say what kind a feature is; meshes of more than 2^30 features do not exist.
+/// Two bits of rapier's ids say what kind a feature is; meshes of more than 2^30 features do not
+/// exist.
 pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
     match feature {
         Feature::Vertex(v) => PackedFeatureId::vertex(v.0),

@@ -1,6 +1,8 @@
-//! The contacts of a pair of shapes in which ours takes part, and what is kept of the pair between steps.
+//! The contacts of a pair of shapes in which ours takes part, and what is kept of the pair between
+//! steps.
 //!
-//! Compounds are taken apart: each part meets each part near it as a pair of its own, with memory of its own.
+//! Compounds are taken apart: each part meets each part near it as a pair of its own, with memory
+//! of its own.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -31,10 +33,11 @@ use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
-/// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
-/// time is lost on what patches tell as well; smaller: sides that overlap lose the contacts where an edge of one
-/// passes over an edge of the other, since patches then tell vertices inside only. A hook of 20 faces keeps the
-/// contacts at its tip, tips over and slips off (`a_hook_holds_at_an_edge`).
+/// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch.
+/// Larger: time is lost on what patches tell as well; smaller: sides that overlap lose the contacts
+/// where an edge of one passes over an edge of the other, since patches then tell vertices inside
+/// only. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
+/// (`a_hook_holds_at_an_edge`).
 const FINE: usize = 64;
 
 /// Our shape, where it is one.
@@ -82,7 +85,8 @@ impl Clone for PairWorkspace {
 }
 
 impl WorkspaceData for PairWorkspace {
-    /// A snapshot holds an empty one in its place: what a pair keeps saves time and changes no answer.
+    /// A snapshot holds an empty one in its place: what a pair keeps saves time and changes no
+    /// answer.
     #[cfg(feature = "snapshot")]
     fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
         TypedWorkspaceData::VoxelsShapeContactManifoldsWorkspace(&self.stand_in)
@@ -191,8 +195,8 @@ impl PairWorkspace {
         self.memory.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The contacts within a reach (> 0); `None` where parry must answer: ours takes no part in the pair,
-    /// or what its partner is, is not known here.
+    /// The contacts within a reach (> 0); `None` where parry must answer: ours takes no part in the
+    /// pair, or what its partner is, is not known here.
     pub(crate) fn found(
         &mut self,
         pose: &ExactPose,
@@ -312,7 +316,8 @@ impl PairWorkspace {
     }
 }
 
-/// A contact of two cores as a solver gets it: of what they are rounded to, and by their smooth normals if wanted.
+/// A contact of two cores as a solver gets it: of what they are rounded to, and by their smooth
+/// normals if wanted.
 fn told(
     contact: &Contact,
     ids: (PackedFeatureId, PackedFeatureId),
@@ -378,8 +383,8 @@ fn features_of(contact: &Contact) -> (PackedFeatureId, PackedFeatureId) {
     (packed(contact.id.0), packed(contact.id.1))
 }
 
-/// Contacts of a pair of which one shape is ours and the other has no core, in the first shape's frame;
-/// `None` where parry must answer.
+/// Contacts of a pair of which one shape is ours and the other has no core, in the first shape's
+/// frame; `None` where parry must answer.
 fn partner_contacts(
     pose: &ExactPose,
     g1: &dyn Shape,
@@ -409,7 +414,8 @@ fn primitive_contacts(
     }))
 }
 
-/// What parry says of two parts, of which either may be the mesh of our triangles: in the first part's frame.
+/// What parry says of two parts, of which either may be the mesh of our triangles: in the first
+/// part's frame.
 fn parry_contacts(
     pose: &ExactPose,
     g1: &dyn Shape,

@@ -1,7 +1,7 @@
 //! A rapier world of models: all of rapier's sets behind body numbers.
 //!
-//! [`SimulationOptions`] holds the one table of rapier's settings, each with its argument. `stepping`
-//! makes a step, and a step report says what came of it.
+//! [`SimulationOptions`] holds the one table of rapier's settings, each with its argument.
+//! `stepping` makes a step, and a step report says what came of it.
 
 mod body;
 mod options;
@@ -170,8 +170,8 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, a pose is none, or
-    /// another number is out of range. Nothing is inserted then.
+    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, a pose is
+    /// none, or another number is out of range. Nothing is inserted then.
     pub fn insert(&mut self, spec: &BodySpec) -> Result<BodyIndex, SimulationError> {
         check_numbers(spec)?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
@@ -192,7 +192,8 @@ impl Simulation {
             BodyKind::Kinematic => RigidBodyType::KinematicVelocityBased,
             BodyKind::Dynamic => RigidBodyType::Dynamic,
         };
-        // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning of the step.
+        // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning
+        // of the step.
         let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let body = RigidBodyBuilder::new(kind)
             .soft_ccd_prediction(if own { spec.model.radius() as Real } else { 0.0 })

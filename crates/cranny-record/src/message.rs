@@ -216,7 +216,8 @@ pub struct StatsMessage {
     pub triangle_tests: u64,
     /// Points classified against solids.
     pub inside_tests: u64,
-    /// Pairs of triangles whose meeting or parting plain floating point settled; 0 in recordings made before these were told.
+    /// Pairs of triangles whose meeting or parting plain floating point settled; 0 in recordings
+    /// made before these were told.
     #[serde(default)]
     pub triangles_filtered: u64,
     /// Pairs of triangles of which adaptive arithmetic had to decide a sign.

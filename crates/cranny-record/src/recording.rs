@@ -79,8 +79,8 @@ impl Recording {
         self.complete
     }
 
-    /// Whether the run was broken off: by a signal, as its end says, or by a kill, so that it has no
-    /// end.
+    /// Whether the run was broken off: by a signal, as its end says, or by a kill, so that it has
+    /// no end.
     #[must_use]
     pub fn was_interrupted(&self) -> bool {
         let end = self.metadata(topic::METADATA_END);

@@ -1,4 +1,5 @@
-//! Polygons of every format that has them: their own area, and a note on what is no flat, simple polygon.
+//! Polygons of every format that has them: their own area, and a note on what is no flat, simple
+//! polygon.
 
 use cranny_exact::DVec3;
 use cranny_geometry::Mesh;

@@ -35,8 +35,8 @@ pub struct Family {
 }
 
 impl Family {
-    /// Makes and judges all cases. Families do not share random numbers: one gives the same cases alone.
-    /// A panic is a case that failed.
+    /// Makes and judges all cases. Families do not share random numbers: one gives the same cases
+    /// alone. A panic is a case that failed.
     #[must_use]
     pub fn run(&self, settings: &Settings, peer: Option<&mut dyn Peer>) -> Outcome {
         let mut trial = Trial::new(self.name, settings, peer);

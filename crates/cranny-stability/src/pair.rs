@@ -1,8 +1,8 @@
 //! Two bodies, asked about in every way and judged by exact rationals.
 //!
-//! The oracle reads world coordinates, the product those in the frame of the pair's first body. They are the
-//! same where posing rounds nothing: families use poses that turn axes to axes and move by numbers with room
-//! to spare, or put the pair's first body where its mesh has it.
+//! The oracle reads world coordinates, the product those in the frame of the pair's first body.
+//! They are the same where posing rounds nothing: families use poses that turn axes to axes and
+//! move by numbers with room to spare, or put the pair's first body where its mesh has it.
 
 use cranny_exact::{Interval, Meeting, Pose};
 use cranny_geometry::Model;
@@ -33,11 +33,12 @@ pub(crate) struct Truth {
 /// What a posed coordinate or a constructed point may be off by, in scales: some hundred roundings.
 const LENGTH_ERROR: f64 = 64.0 * f64::EPSILON;
 
-/// A claimed interval of more than so many length errors says too little. One that is honest to both sides
-/// takes two.
+/// A claimed interval of more than so many length errors says too little. One that is honest to
+/// both sides takes two.
 const WIDEST: f64 = 4.0;
 
-/// Of a depth, in scales: where faces lie flush it is read beside there, 2^-28 to each side; twice that passes.
+/// Of a depth, in scales: where faces lie flush it is read beside there, 2^-28 to each side; twice
+/// that passes.
 const WIDEST_DEPTH: f64 = 1.0 / (1u64 << 26) as f64;
 
 impl Truth {
@@ -283,7 +284,8 @@ fn judge_depth(case: &mut Case, answer: &Answer, depth: f64, scale: f64) {
     judge_claim(case, "depth", -deepest, (deepest - depth).abs(), claim, widest);
 }
 
-/// What was told lies in its own interval, this is narrow, and the error is no larger than it allows.
+/// What was told lies in its own interval, this is narrow, and the error is no larger than it
+/// allows.
 fn judge_claim(case: &mut Case, what: &str, told: f64, error: f64, claim: Interval, widest: f64) {
     let width = claim.width();
     if !claim.contains(told) {

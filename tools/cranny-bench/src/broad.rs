@@ -1,8 +1,10 @@
-//! Overlapping boxes from frame to frame: our back ends against parry's `Bvh`, exact and with a skin.
+//! Overlapping boxes from frame to frame: our back ends against parry's `Bvh`, exact and with a
+//! skin.
 //!
-//! Unit cubes at random, 2.8 partners each. All see the same boxes in every frame, and keep the list of
-//! pairs: ours the exact ones, sorted, with what began and ended; parry's tree the pairs of its own
-//! boxes, unsorted where it keeps none (exact), the difference merged in where it does (skin).
+//! Unit cubes at random, 2.8 partners each. All see the same boxes in every frame, and keep the
+//! list of pairs: ours the exact ones, sorted, with what began and ended; parry's tree the pairs of
+//! its own boxes, unsorted where it keeps none (exact), the difference merged in where it does
+//! (skin).
 
 use cpu_time::ThreadTime;
 use cranny_broad_phase::{
@@ -183,8 +185,8 @@ impl CubeScene {
 /// The boxes that are elsewhere in a frame.
 type Step = Vec<(u32, Aabb)>;
 
-/// Frames that a contestant runs before the next one has its turn on the same frames: what it keeps is
-/// in the caches, as in a program that has one.
+/// Frames that a contestant runs before the next one has its turn on the same frames: what it keeps
+/// is in the caches, as in a program that has one.
 const BLOCK: usize = 20;
 
 /// What is timed: one frame's boxes in, pairs up to date.
@@ -215,8 +217,8 @@ impl<B: BroadPhase> BroadContestant for B {
     }
 }
 
-/// So many frames of so many cubes, of which one in `one_in` moves by up to 1 % of its size, after a block of
-/// frames to choose a back end in.
+/// So many frames of so many cubes, of which one in `one_in` moves by up to 1 % of its size, after
+/// a block of frames to choose a back end in.
 pub(crate) fn work(boxes: usize, one_in: usize, frames: usize) -> Option<Work> {
     let case = BroadCase { boxes, one_in, gait: Gait::Random(0.01) };
     let mut scene = CubeScene::new(boxes);
@@ -249,7 +251,8 @@ struct ExactTree {
     pairs: Vec<(u32, u32)>,
 }
 
-/// The same with a skin: only what changed is walked; pairs are kept, and dropped when the fat boxes part.
+/// The same with a skin: only what changed is walked; pairs are kept, and dropped when the fat
+/// boxes part.
 struct SkinTree {
     tree: Bvh,
     workspace: BvhWorkspace,

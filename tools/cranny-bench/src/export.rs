@@ -1,4 +1,5 @@
-//! Pairs in motion as files, for `cranny accuracy` and `cranny query`: two meshes and a list of poses.
+//! Pairs in motion as files, for `cranny accuracy` and `cranny query`: two meshes and a list of
+//! poses.
 //!
 //! Each motion leads from apart to overlapping and back, slowly enough for memory to help.
 
@@ -99,7 +100,8 @@ fn golf_balls(frames: usize) -> Result<ExportedMotion, ShapeError> {
     })
 }
 
-/// Two links of a chain: rings of diameter 1 through each other, pulled until they overlap a little.
+/// Two links of a chain: rings of diameter 1 through each other, pulled until they overlap a
+/// little.
 fn linked_tori(frames: usize) -> Result<ExportedMotion, ShapeError> {
     let ring =
         Torus { major_radius: 0.4, minor_radius: 0.1, major_segments: 44, minor_segments: 12 };
@@ -120,8 +122,8 @@ fn linked_tori(frames: usize) -> Result<ExportedMotion, ShapeError> {
     })
 }
 
-/// An M16 nut screwed along its bolt, half a degree a frame, while it is shifted along the axis by up to
-/// a twentieth of the pitch: more than the flanks' clearance.
+/// An M16 nut screwed along its bolt, half a degree a frame, while it is shifted along the axis by
+/// up to a twentieth of the pitch: more than the flanks' clearance.
 fn nut_on_bolt(frames: usize) -> Result<ExportedMotion, ShapeError> {
     let (bolt, nut) = (IsoBolt::default(), IsoNut::default());
     let pitch = bolt.pitch;

@@ -183,8 +183,8 @@ fn book(begun: &[(String, ThreadTime)], stages: &mut Vec<(String, Vec<f64>)>) {
     }
 }
 
-/// Golf balls of growing size: the slope is the exponent of growth since the row before; n log n has
-/// 1.1 to 1.07 at these sizes.
+/// Golf balls of growing size: the slope is the exponent of growth since the row before; n log n
+/// has 1.1 to 1.07 at these sizes.
 fn growth(quick: bool) -> Table {
     let sizes: &[u32] = if quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
     let mut rows: Vec<Vec<Cell>> = Vec::new();

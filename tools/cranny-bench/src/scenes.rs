@@ -1,7 +1,7 @@
 //! A step of whole scenes under our detector, beside rapier's own, and how fast scenes run.
 //!
-//! `cranny compare` and `cranny run` do the work, one process a scene: all detectors of a scene take
-//! their steps in turn.
+//! `cranny compare` and `cranny run` do the work, one process a scene: all detectors of a scene
+//! take their steps in turn.
 
 use std::io;
 use std::path::Path;

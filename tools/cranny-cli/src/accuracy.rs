@@ -1,10 +1,10 @@
 //! `cranny accuracy`: what certainty costs in time, and what haste costs in certainty.
 //!
-//! Every method is asked at the same poses, in this process and on this thread, in rounds (a spell in which the
-//! machine is busy slows one run of each), and judged by exact answers: `truth` has those; `ours` and `peer` are
-//! the methods; a `contestant` is one of them with a `series` of replies to each question, at poses that
-//! `visits` chooses; `figures` judges these, and `table` and `pose_table` tell them. `refinement` asks bodies at rest
-//! again and again. `chart` draws.
+//! Every method is asked at the same poses, in this process and on this thread, in rounds (a spell
+//! in which the machine is busy slows one run of each), and judged by exact answers: `truth` has
+//! those; `ours` and `peer` are the methods; a `contestant` is one of them with a `series` of
+//! replies to each question, at poses that `visits` chooses; `figures` judges these, and `table`
+//! and `pose_table` tell them. `refinement` asks bodies at rest again and again. `chart` draws.
 
 mod chart;
 mod contestant;

@@ -55,7 +55,8 @@ pub(crate) enum Command {
     Query(QueryArgs),
     /// What certainty costs: time and errors of each level and budget, beside parry's
     Accuracy(AccuracyArgs),
-    /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's answers
+    /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's
+    /// answers
     Stability(StabilityArgs),
     /// What is known of a mesh: defects and repairs, hull, concavities, sizes and times
     Inspect(InspectArgs),
@@ -135,11 +136,13 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "N", value_parser = budget, allow_hyphen_values = true)]
     pub(crate) budget: Option<u64>,
 
-    /// How the triangles that meet are found at level exact, for all demands but contacts: the same answers
+    /// How the triangles that meet are found at level exact, for all demands but contacts: the same
+    /// answers
     #[arg(long, value_enum, value_name = "METHOD", default_value = "boxes")]
     pub(crate) method: MethodArg,
 
-    /// Forget everything between one pose and the next: the same answers, slower where poses are close
+    /// Forget everything between one pose and the next: the same answers, slower where poses are
+    /// close
     #[arg(long)]
     pub(crate) cold: bool,
 
@@ -153,7 +156,8 @@ pub(crate) struct QueryArgs {
 pub(crate) enum MethodArg {
     /// Trees of boxes over all triangles, kept from pose to pose.
     Boxes,
-    /// The concavities that the other hull reaches, by the layers of their envelopes; mostly slower.
+    /// The concavities that the other hull reaches, by the layers of their envelopes; mostly
+    /// slower.
     Envelopes,
 }
 
@@ -209,15 +213,15 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_enum, value_name = "POLICY", default_value = "none")]
     pub(crate) repair: RepairArg,
 
-    /// What 'the same place' means, in units of the mesh; 0 for exactly the same, at most a hundredth
-    /// of the mesh's diagonal [default: from how finely its coordinates are stored]
+    /// What 'the same place' means, in units of the mesh; 0 for exactly the same, at most a
+    /// hundredth of the mesh's diagonal [default: from how finely its coordinates are stored]
     #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_hyphen_values = true)]
     pub(crate) weld: Option<f64>,
 
     /// How far from a plane points may lie that are meant to lie in it, as a share of the largest
-    /// coordinate, at most 0.01; marks no deeper are taken for rounding. Less than 9e-16 counts as that: planes
-    /// are not known more finely [default: from how finely its coordinates are stored, which a mesh
-    /// that was turned since does not show]
+    /// coordinate, at most 0.01; marks no deeper are taken for rounding. Less than 9e-16 counts as
+    /// that: planes are not known more finely [default: from how finely its coordinates are stored,
+    /// which a mesh that was turned since does not show]
     #[arg(long, value_name = "SHARE", value_parser = flat, allow_hyphen_values = true)]
     pub(crate) flat: Option<f64>,
 
@@ -225,17 +229,18 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
 
-    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:DEPTH or findings (see below)
-    /// [default: classes]
+    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:DEPTH or findings (see
+    /// below) [default: classes]
     #[arg(long, value_name = "WHAT", value_parser = show, requires = "render")]
     pub(crate) show: Option<Show>,
 
-    /// Which axis points up in the picture [default: y for glTF, whose own rule that is; z for all others]
+    /// Which axis points up in the picture [default: y for glTF, whose own rule that is; z for all
+    /// others]
     #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
     pub(crate) up: Option<Up>,
 
-    /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without preparing it
-    /// again
+    /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without
+    /// preparing it again
     #[arg(long, value_name = "MODEL.cranny")]
     pub(crate) save: Option<PathBuf>,
 }

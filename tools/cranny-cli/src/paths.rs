@@ -1,5 +1,5 @@
-//! Names of files, looked at before any work is done, so that all commands refuse them in the same words;
-//! and folders of reports.
+//! Names of files, looked at before any work is done, so that all commands refuse them in the same
+//! words; and folders of reports.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
@@ -26,8 +26,8 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// A file that is to be written by `option`, and must have one of the extensions by which its format is
-/// known.
+/// A file that is to be written by `option`, and must have one of the extensions by which its
+/// format is known.
 ///
 /// # Errors
 ///

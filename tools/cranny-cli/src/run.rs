@@ -107,7 +107,8 @@ pub(crate) fn failure(error: SceneAppError) -> Failure {
     }
 }
 
-/// Set by Ctrl-C, and by the signal that ends jobs: the step at hand is completed, then the run ends in order.
+/// Set by Ctrl-C, and by the signal that ends jobs: the step at hand is completed, then the run
+/// ends in order.
 pub(crate) fn stop_flag() -> Arc<AtomicBool> {
     let stop = Arc::new(AtomicBool::new(false));
     let set = stop.clone();

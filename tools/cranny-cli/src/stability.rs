@@ -1,7 +1,8 @@
 //! `cranny stability`: the hard cases, what was asked, what came out, pass or fail.
 //!
-//! `cranny_stability` has the families and the judges; here they are run and told: `rows` for a line a family
-//! and the files of numbers, `page` for the page, `chart` for its drawing. `peer` asks parry the same.
+//! `cranny_stability` has the families and the judges; here they are run and told: `rows` for a
+//! line a family and the files of numbers, `page` for the page, `chart` for its drawing. `peer`
+//! asks parry the same.
 
 mod chart;
 mod page;

@@ -3,8 +3,8 @@
 use crate::report::Violation;
 use std::path::Path;
 
-/// The most columns of a line of prose, in comments and in pages. Tables and code are as wide as they
-/// are.
+/// The most columns of a line of prose, in comments and in pages. Tables and code are as wide as
+/// they are.
 pub(crate) const COLUMNS: usize = 100;
 
 /// Folders and files whose comments are broken once the work on them has ended.

@@ -1,4 +1,5 @@
-//! Markdown files: links that resolve, bounds that hold. And the bounds of comments in source files.
+//! Markdown files: links that resolve, bounds that hold. And the bounds of comments in source
+//! files.
 //!
 //! A page that grows past its bound has become a diary: what was tried goes to `docs/notebook`.
 
@@ -108,7 +109,8 @@ fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// The targets of inline links and pictures, `[text](target)`, with their lines. Spans of code hold none.
+/// The targets of inline links and pictures, `[text](target)`, with their lines. Spans of code hold
+/// none.
 fn links(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for (number, line) in prose(text) {
@@ -144,7 +146,8 @@ fn broken(page: &Path, link: &str) -> Result<Option<&'static str>, String> {
     Ok((!known).then_some("no such heading in that page"))
 }
 
-/// The anchors that a viewer makes of headings: lower case, blanks as hyphens, punctuation left out.
+/// The anchors that a viewer makes of headings: lower case, blanks as hyphens, punctuation left
+/// out.
 fn anchors(text: &str) -> BTreeSet<String> {
     let headings = prose(text).filter_map(|(_, line)| {
         let title = line.trim_start_matches('#');

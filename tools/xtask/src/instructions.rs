@@ -1,8 +1,9 @@
 //! Counts the instructions of fixed pieces of work, and compares them with what they were.
 //!
-//! The work is `cranny-bench count`; valgrind's callgrind counts what happens in one function of it. The file
-//! stands for the development profile, in which the crates that compute are optimised: it is what tests have
-//! built already. It counts assertions too, and says nothing of other profiles but that less became more.
+//! The work is `cranny-bench count`; valgrind's callgrind counts what happens in one function of
+//! it. The file stands for the development profile, in which the crates that compute are optimised:
+//! it is what tests have built already. It counts assertions too, and says nothing of other
+//! profiles but that less became more.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -23,9 +24,10 @@ const HEADING: &str = "\
 # makes them more has to justify.
 ";
 
-/// What of a processor glibc does not use while instructions are counted. It copies memory and computes sines
-/// with what it finds, and the same copy takes ten times the instructions on one machine than on another: a
-/// verdict of 3,400 instructions differed by 3.6 %. Names that glibc does not know it passes over.
+/// What of a processor glibc does not use while instructions are counted. It copies memory and
+/// computes sines with what it finds, and the same copy takes ten times the instructions on one
+/// machine than on another: a verdict of 3,400 instructions differed by 3.6 %. Names that glibc
+/// does not know it passes over.
 const TUNABLES: &str = "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-AVX512VL,-AVX_Fast_Unaligned_Load,-ERMS,-FSRM,\
                         -FMA,-FMA4,-SSSE3,-Prefer_ERMS,-Prefer_FSRM";
 
@@ -39,8 +41,8 @@ struct Verdict {
     notes: Vec<String>,
 }
 
-/// Counts; writes the figures down where `update`, else compares. Tells what is to be known; `Ok(false)` where
-/// something takes more than it did.
+/// Counts; writes the figures down where `update`, else compares. Tells what is to be known;
+/// `Ok(false)` where something takes more than it did.
 ///
 /// # Errors
 ///
@@ -128,7 +130,8 @@ fn output(command: &mut Command) -> Result<(String, String), String> {
     }
 }
 
-/// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not found.
+/// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not
+/// found.
 fn collected(told: &str) -> Option<u64> {
     let (_, number) = told.lines().find_map(|line| line.split_once("Collected :"))?;
     number.trim().parse().ok().filter(|&count| count > 0)

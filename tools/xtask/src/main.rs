@@ -1,10 +1,10 @@
 //! Chores of the repository.
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
-//! which, that the crates which compute do nothing but compute, and that a type name means one thing in
-//! a crate. `check-docs` checks that links of Markdown files resolve, and that pages and comments keep
-//! their bounds. `instructions` counts the instructions of fixed pieces of work, and compares them with
-//! those on file.
+//! which, that the crates which compute do nothing but compute, and that a type name means one
+//! thing in a crate. `check-docs` checks that links of Markdown files resolve, and that pages and
+//! comments keep their bounds. `instructions` counts the instructions of fixed pieces of work, and
+//! compares them with those on file.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 

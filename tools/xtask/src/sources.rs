@@ -10,7 +10,8 @@ pub(crate) struct SourceFile {
 }
 
 /// Every `.rs` file under `src/`, stripped, in order of paths; without the files of modules that
-/// are declared `#[cfg(test)]`. None of a crate that is built from the sources of another, where they are seen.
+/// are declared `#[cfg(test)]`. None of a crate that is built from the sources of another, where
+/// they are seen.
 pub(crate) fn of_crate(folder: &Path) -> Result<Vec<SourceFile>, String> {
     let mut paths = Vec::new();
     if shares_sources(folder)? {

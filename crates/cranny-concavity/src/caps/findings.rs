@@ -14,9 +14,9 @@ use cranny_geometry::hull::{ConvexHull, Facet, FacetId, HullKind};
 use cranny_geometry::{Finding, FindingKind};
 
 impl CapSurface {
-    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each group
-    /// of facets with such caps that is crossed, and for a closed body that is no thicker than slabs. O(n), and the square
-    /// of the facets told.
+    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each
+    /// group of facets with such caps that is crossed, and for a closed body that is no thicker
+    /// than slabs. O(n), and the square of the facets told.
     pub(crate) fn findings(
         &self,
         mesh: &Mesh,
@@ -63,8 +63,8 @@ impl CapSurface {
     }
 }
 
-/// Told where the hull of a body has a volume, but is as thin as that. A flat one has two sides, and faces that look up
-/// lie on the upper one.
+/// Told where the hull of a body has a volume, but is as thin as that. A flat one has two sides,
+/// and faces that look up lie on the upper one.
 fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
     let (volume, area) = (hull.volume(), hull.area());
     if hull.kind() != HullKind::Volume || volume > depth * area {

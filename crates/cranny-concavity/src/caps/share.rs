@@ -1,20 +1,23 @@
 //! Facets that are covered together.
 //!
-//! Where the surface bends by about as little as rounding does, hull and mesh divide it differently: an edge of the
-//! hull runs across a face. The face lies on one of the two facets, to within its slab, and reaches into
-//! the other. The first is then covered beyond its rim, which counts negative, and the second not enough;
-//! each once only together. So a facet whose caps are negative or cross is joined with those that its
-//! caps reach into. The sum of their chains, in which the edges between them cancel, is triangulated in
-//! one projection, and each triangle is filed under the facet beneath its middle.
+//! Where the surface bends by about as little as rounding does, hull and mesh divide it
+//! differently: an edge of the hull runs across a face. The face lies on one of the two facets, to
+//! within its slab, and reaches into the other. The first is then covered beyond its rim, which
+//! counts negative, and the second not enough; each once only together. So a facet whose caps are
+//! negative or cross is joined with those that its caps reach into. The sum of their chains, in
+//! which the edges between them cancel, is triangulated in one projection, and each triangle is
+//! filed under the facet beneath its middle.
 //!
-//! What the caps bound is the same, joined or not; how far something reaches is therefore measured in
-//! rounded lengths. But where caps run is not: slivers along an edge of the hull lead from one side to the
-//! next, and caps over both would cut the corner between them off. So no facet joins that turns far away from the
-//! largest of its group, and a group stays joined only where all its caps lie near the hull and less area
-//! is negative than before. If it does not, it is tried once more without its slivers.
+//! What the caps bound is the same, joined or not; how far something reaches is therefore measured
+//! in rounded lengths. But where caps run is not: slivers along an edge of the hull lead from one
+//! side to the next, and caps over both would cut the corner between them off. So no facet joins
+//! that turns far away from the largest of its group, and a group stays joined only where all its
+//! caps lie near the hull and less area is negative than before. If it does not, it is tried once
+//! more without its slivers.
 //!
-//! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log n) in the chains of
-//! groups, and for each group the product of its rim and its negative caps, up to [`MOST_LOOKS`].
+//! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log
+//! n) in the chains of groups, and for each group the product of its rim and its negative caps, up
+//! to [`MOST_LOOKS`].
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,30 +32,33 @@ use cranny_geometry::Mesh;
 use cranny_geometry::hull::{ConvexHull, Facet, FacetId};
 use cranny_geometry::{HalfEdgeId, VertexId};
 
-/// How often a group grows. A face reaches over one facet as a rule, over several where these are slim;
-/// smaller, and some of those stay negative; larger, and faces that lie twice in one place, which no
-/// group mends, are looked at in vain.
+/// How often a group grows. A face reaches over one facet as a rule, over several where these are
+/// slim; smaller, and some of those stay negative; larger, and faces that lie twice in one place,
+/// which no group mends, are looked at in vain.
 const ROUNDS: usize = 4;
 
-/// Comparisons of a place with an edge that a group may cost, a millisecond or so. Smaller, and large
-/// sides with many negative caps are left as they are; larger, and a soup of coincident faces takes long.
+/// Comparisons of a place with an edge that a group may cost, a millisecond or so. Smaller, and
+/// large sides with many negative caps are left as they are; larger, and a soup of coincident faces
+/// takes long.
 const MOST_LOOKS: usize = 1 << 18;
 
-/// The least cosine of the angle between a facet and the largest of its group. Smaller than 0, and sides that
-/// bend away from each other meet in one projection; above 0.7, and the slivers that cut off a right edge
-/// remain apart, and negative.
+/// The least cosine of the angle between a facet and the largest of its group. Smaller than 0, and
+/// sides that bend away from each other meet in one projection; above 0.7, and the slivers that cut
+/// off a right edge remain apart, and negative.
 const MOST_TURNED: f64 = 0.5;
 
-/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by far.
+/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by
+/// far.
 const HARDLY_TURNED: f64 = 0.99;
 
-/// The least component of the normal of any facet of a group along the axis that is looked along. Nearer to 0, and facets are
-/// seen edge-on, where rounding turns triangles over; larger, and some that fit together are seen along no axis.
+/// The least component of the normal of any facet of a group along the axis that is looked along.
+/// Nearer to 0, and facets are seen edge-on, where rounding turns triangles over; larger, and some
+/// that fit together are seen along no axis.
 const LEAST_SEEN: f64 = 0.25;
 
-/// How many slabs deep a group's caps may lie beneath the hull. Smaller than 4, and sides rough by a few
-/// flatnesses are left with negative caps, at 4 a bolt that bends a little as well; larger, and volumes may
-/// be off by that much more.
+/// How many slabs deep a group's caps may lie beneath the hull. Smaller than 4, and sides rough by
+/// a few flatnesses are left with negative caps, at 4 a bolt that bends a little as well; larger,
+/// and volumes may be off by that much more.
 const DEEPEST: f64 = 16.0;
 
 /// What is looked at.
@@ -150,8 +156,8 @@ impl Sharing<'_> {
         all
     }
 
-    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the normal of the largest,
-    /// whose area vector is given, as there is one.
+    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the
+    /// normal of the largest, whose area vector is given, as there is one.
     fn projection<'f>(
         &self,
         facets: impl Iterator<Item = &'f u32> + Clone,
@@ -236,8 +242,9 @@ impl Sharing<'_> {
         (members.len() < count).then(|| self.group(members)).filter(is_kept)
     }
 
-    /// Whether each triangle lies beneath some member, no deeper than [`DEEPEST`] slabs. Those of a facet alone
-    /// always do, since its chain lies in its slab; so volumes are right up to layers as thin.
+    /// Whether each triangle lies beneath some member, no deeper than [`DEEPEST`] slabs. Those of a
+    /// facet alone always do, since its chain lies in its slab; so volumes are right up to layers
+    /// as thin.
     fn is_near_hull(&self, group: &FacetGroup) -> bool {
         let is_near = |facet: u32, corners: [DVec3; 3]| {
             let Facet { normal, offset, thickness, .. } = self.hull.facet(FacetId(facet));
@@ -250,7 +257,8 @@ impl Sharing<'_> {
         })
     }
 
-    /// Whether less is negative than where each facet is covered alone, or as little and nothing crosses.
+    /// Whether less is negative than where each facet is covered alone, or as little and nothing
+    /// crosses.
     fn is_better(&self, group: &FacetGroup, alone: &CapSurface) -> bool {
         let area = |corners: [u32; 3]| {
             let [a, b, c] = corners.map(|v| self.mesh.position(VertexId(v)));
@@ -305,8 +313,9 @@ impl Sharing<'_> {
     }
 }
 
-/// The longer of two vectors. Of those equal to the bit neither the first nor the last, which would depend on how facets
-/// are numbered; sums over the triangles of equal facets may still differ by rounding.
+/// The longer of two vectors. Of those equal to the bit neither the first nor the last, which would
+/// depend on how facets are numbered; sums over the triangles of equal facets may still differ by
+/// rounding.
 fn larger(a: DVec3, b: DVec3) -> DVec3 {
     let by_place = || b.to_array().partial_cmp(&a.to_array()).unwrap_or(Ordering::Equal);
     let by_length = b.length_squared().total_cmp(&a.length_squared());

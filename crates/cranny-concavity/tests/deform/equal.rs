@@ -31,8 +31,8 @@ pub(crate) fn assert_equals_rebuild(model: &Body, what: &str) {
     assert_equal(model, &rebuilt, what);
 }
 
-/// Pairs of points and triangles up to which hulls are validated here, every pair of which is looked at: those of the
-/// largest mesh of this crate's tests of deformation.
+/// Pairs of points and triangles up to which hulls are validated here, every pair of which is
+/// looked at: those of the largest mesh of this crate's tests of deformation.
 const LARGEST_HULL: usize = 400_000_000;
 
 fn all_faces(model: &Body) -> impl Iterator<Item = FaceId> + use<> {
@@ -117,8 +117,8 @@ fn hulls(model: &Body, rebuilt: &Body, what: &str) {
     }
 }
 
-/// A facet: its triangles, by the vertices of the mesh, and its plane, to the bit. Numbers of triangles and facets are
-/// left out, which say nothing.
+/// A facet: its triangles, by the vertices of the mesh, and its plane, to the bit. Numbers of
+/// triangles and facets are left out, which say nothing.
 type ToldFacet = (Vec<[VertexId; 3]>, [u64; 5]);
 
 fn facet(model: &Body, id: FacetId) -> ToldFacet {
@@ -254,8 +254,8 @@ pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change,
         let is_same = old.is_some_and(|old| {
             let places = |model: &Body, c: &Concavity<'_>| {
                 let faces = c.faces.iter().map(|&f| model.mesh().triangle(f));
-                // Caps of other corners are others, even in the same places: where a vertex comes to lie on a corner of
-                // the hull, the lesser number stands for both.
+                // Caps of other corners are others, even in the same places: where a vertex comes
+                // to lie on a corner of the hull, the lesser number stands for both.
                 let caps = c.caps.iter().map(|&cap| {
                     let corners = model.concavities().cap(cap).corners;
                     (corners, corners.map(|v| model.mesh().position(v)))

@@ -1,5 +1,5 @@
-//! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are made again, and
-//! the graph when it is asked for.
+//! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are
+//! made again, and the graph when it is asked for.
 
 use cranny_exact::{Aabb, DVec3};
 
@@ -39,8 +39,9 @@ impl ConvexHull {
         out.list(excluded);
     }
 
-    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked exactly, and that its
-    /// box, which is the body's, holds the other vertices; not that it does. Its graph is made when it is first asked for.
+    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked
+    /// exactly, and that its box, which is the body's, holds the other vertices; not that it does.
+    /// Its graph is made when it is first asked for.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;
@@ -67,8 +68,8 @@ impl ConvexHull {
     }
 }
 
-/// That each half-edge is the twin of its twin, which runs the opposite way, and that every triangle has three
-/// corners.
+/// That each half-edge is the twin of its twin, which runs the opposite way, and that every
+/// triangle has three corners.
 fn check_twins(surface: &HullSurface) -> Result<(), Flaw> {
     let HullSurface { triangles, twins } = surface;
     let corners = triangles.as_flattened();
@@ -78,7 +79,8 @@ fn check_twins(surface: &HullSurface) -> Result<(), Flaw> {
     for ((first, &[a, b, c]), own) in (0..).step_by(3).zip(triangles).zip(of_triangles) {
         do_match &= (a != b) & (b != c) & (c != a);
         for ((half_edge, to), &twin) in (first..).zip([b, c, a]).zip(own) {
-            // Where its twin begins, it ends; that this holds of the twin as well is seen at the twin.
+            // Where its twin begins, it ends; that this holds of the twin as well is seen at the
+            // twin.
             match (corners.get(twin as usize), twins.get(twin as usize)) {
                 (Some(&from), Some(&back)) => do_match &= (from == to) & (back == half_edge),
                 _ => are_there = false,

@@ -1,13 +1,16 @@
-//! Whether a closed surface is the boundary of a convex body, exactly: what is asked of a hull that was read.
+//! Whether a closed surface is the boundary of a convex body, exactly: what is asked of a hull that
+//! was read.
 //!
-//! No edge that bends inwards is not enough: the sides of a pyramid over a five-pointed star go twice around
-//! its axis and bend outwards everywhere. After Mehlhorn, Näher, Seel, Seidel, Schilz, Schirra and Uhrig
-//! ('Checking geometric programs or verification of geometric structures', 1999) it is enough that no edge
-//! bends inwards, that some point is strictly beneath every triangle, and that a ray from it meets one
-//! triangle only: seen from the point, the surface covers the sphere as often as it covers the ray.
+//! No edge that bends inwards is not enough: the sides of a pyramid over a five-pointed star go
+//! twice around its axis and bend outwards everywhere. After Mehlhorn, Näher, Seel, Seidel, Schilz,
+//! Schirra and Uhrig ('Checking geometric programs or verification of geometric structures', 1999)
+//! it is enough that no edge bends inwards, that some point is strictly beneath every triangle, and
+//! that a ray from it meets one triangle only: seen from the point, the surface covers the sphere
+//! as often as it covers the ray.
 //!
-//! The point is the mean of the vertices. Where the body is so thin that rounding puts it outside, the hull
-//! is built again, and its edges compared. Cost: linear, but for such bodies and for plates.
+//! The point is the mean of the vertices. Where the body is so thin that rounding puts it outside,
+//! the hull is built again, and its edges compared. Cost: linear, but for such bodies and for
+//! plates.
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 
@@ -63,8 +66,9 @@ fn nearly_on(triangle: [DVec3; 3], extent: DVec3, p: DVec3) -> Sign {
     by_pairs.unwrap_or_else(|| side.sign(height, p, || triangle))
 }
 
-/// Whether the ray from a point along x meets a triangle that it is beneath: whether it does so seen along x,
-/// and comes out. A corner or edge that the ray hits counts for one of the triangles around it.
+/// Whether the ray from a point along x meets a triangle that it is beneath: whether it does so
+/// seen along x, and comes out. A corner or edge that the ray hits counts for one of the triangles
+/// around it.
 fn is_crossed(triangle: [DVec3; 3], from: DVec3) -> bool {
     let is_right = triangle.map(|p| p.y >= from.y);
     if is_right[0] == is_right[1] && is_right[1] == is_right[2] {
@@ -145,7 +149,8 @@ mod tests {
         surface
     }
 
-    /// Two apexes above and below a regular pentagon, around which the sides step by `step` corners.
+    /// Two apexes above and below a regular pentagon, around which the sides step by `step`
+    /// corners.
     fn bipyramid(step: u32) -> (Vec<DVec3>, HullSurface) {
         let corners = [[10.0, 0.0], [3.1, 9.5], [-8.1, 5.9], [-8.1, -5.9], [3.1, -9.5]];
         let mut positions: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();

@@ -1,6 +1,7 @@
 //! Which edges of a surface are flat, and which of its vertices are therefore not extreme.
 //!
-//! No source: signs alone. Cost: O(n), an exact sign for each edge of which the filter does not tell.
+//! No source: signs alone. Cost: O(n), an exact sign for each edge of which the filter does not
+//! tell.
 
 use cranny_exact::{DVec3, Sign};
 
@@ -8,16 +9,16 @@ use super::quickhull::{HullSurface, previous};
 
 /// What is flat of a surface.
 pub(super) struct Flat {
-    /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly convex; inside an
-    /// edge of the hull two are, inside a facet none.
+    /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
+    /// convex; inside an edge of the hull two are, inside a facet none.
     pub(super) vertices: Vec<u32>,
     /// One half-edge of each flat edge, if all vertices are extreme; else of some.
     pub(super) edges: Vec<u32>,
 }
 
 impl Flat {
-    /// Of a surface over `points` points. `edge_sign` is the exact [`edge_sign`] of a half-edge; it takes longest for
-    /// zeros, so it is not asked of those that `is_surely_bent` names.
+    /// Of a surface over `points` points. `edge_sign` is the exact [`edge_sign`] of a half-edge; it
+    /// takes longest for zeros, so it is not asked of those that `is_surely_bent` names.
     pub(super) fn of(
         points: usize,
         surface: &HullSurface,

@@ -1,11 +1,11 @@
 //! Outlines of merged facets, with collinear corners dropped on both sides of an edge alike.
 //!
-//! A vertex where three or more facets meet is a corner. Between two corners an outline is a *chain*
-//! along which the same two facets meet; each chain is simplified once (Douglas and Peucker 1973) by
-//! the merging tolerance, so both facets see the same corners.
+//! A vertex where three or more facets meet is a corner. Between two corners an outline is a
+//! *chain* along which the same two facets meet; each chain is simplified once (Douglas and
+//! Peucker 1973) by the merging tolerance, so both facets see the same corners.
 //!
-//! Cost: O(n) for the loops; for a chain of k edges O(k log k) as a rule and O(k²) at worst, as for Douglas and
-//! Peucker.
+//! Cost: O(n) for the loops; for a chain of k edges O(k log k) as a rule and O(k²) at worst, as for
+//! Douglas and Peucker.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -72,8 +72,8 @@ impl Outlines {
         outlines
     }
 
-    /// The outlines of facets that are one triangle each, of a hull that is no plate: at each vertex three of them
-    /// meet, or more.
+    /// The outlines of facets that are one triangle each, of a hull that is no plate: at each
+    /// vertex three of them meet, or more.
     fn of_triangles(surface: &HullSurface, facet_of: &[u32], triangles: &[u32]) -> Self {
         let corners = |&t: &u32| surface.triangles[t as usize].map(HullVertexId);
         let neighbours = |&t: &u32| {
@@ -87,11 +87,13 @@ impl Outlines {
         }
     }
 
-    /// The outlines of facets that follow those before, `fresh` of which are new or have another number.
+    /// The outlines of facets that follow those before, `fresh` of which are new or have another
+    /// number.
     ///
-    /// Whether a vertex is a corner depends on the facets that meet there, on the chain that it lies on, whose ends
-    /// depend on the same, and on whether one of its facets is thin, which depends on the corners of that. So other
-    /// outlines than before have the facets that share a vertex with one that shares a vertex with a new one, at most.
+    /// Whether a vertex is a corner depends on the facets that meet there, on the chain that it
+    /// lies on, whose ends depend on the same, and on whether one of its facets is thin, which
+    /// depends on the corners of that. So other outlines than before have the facets that share a
+    /// vertex with one that shares a vertex with a new one, at most.
     pub(super) fn followed(
         self,
         region: &Region<'_>,
@@ -204,8 +206,8 @@ fn across(surface: &HullSurface, facet_of: &[u32], half_edge: u32) -> u32 {
     facet_of[surface.twins[half_edge as usize] as usize / 3]
 }
 
-/// The boundary half-edges of each facet, in order: one loop each, for facets are disks. Each begins with the
-/// lowest.
+/// The boundary half-edges of each facet, in order: one loop each, for facets are disks. Each
+/// begins with the lowest.
 struct Loops<'a> {
     facet_of: &'a [u32],
     starts: Vec<u32>,
@@ -288,12 +290,13 @@ impl<'a> Loops<'a> {
 struct Chain {
     /// Where in the outline its first edge stands.
     first: usize,
-    /// From the end with the lower vertex, whichever way the outline runs: so both facets beside it see the same.
+    /// From the end with the lower vertex, whichever way the outline runs: so both facets beside it
+    /// see the same.
     vertices: Vec<u32>,
 }
 
-/// The chains of an outline that have vertices between their ends; one that is closed, if the outline has no corner,
-/// starts at its lowest vertex.
+/// The chains of an outline that have vertices between their ends; one that is closed, if the
+/// outline has no corner, starts at its lowest vertex.
 fn chains(outline: &[u32], is_corner: impl Fn(usize) -> bool) -> Vec<Chain> {
     let count = outline.len();
     let mut anchors: Vec<usize> = (0..count).filter(|&i| is_corner(i)).collect();
@@ -328,7 +331,8 @@ fn walk(
     let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
     let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
     let mut h = start;
-    // Each half-edge of the facet is come by once. Were signs not exact, the triangles might not make a surface.
+    // Each half-edge of the facet is come by once. Were signs not exact, the triangles might not
+    // make a surface.
     let mut left = 3 * triangles.len();
     let mut follow = |h: u32| {
         assert!(left > 0, "the outline of a facet of {} triangles does not end", triangles.len());

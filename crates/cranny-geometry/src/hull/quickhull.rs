@@ -1,17 +1,17 @@
 //! The exact triangulated hull: quickhull (Barber, Dobkin and Huhdanpaa 1996) on exact signs.
 //!
 //! Every point that lies strictly above some triangle waits in the conflict list of one such
-//! triangle. A step takes the highest point of a list, removes the triangles that it sees and closes
-//! the hole with a fan. Heights are `f64` and only choose *which* point comes next.
+//! triangle. A step takes the highest point of a list, removes the triangles that it sees and
+//! closes the hole with a fan. Heights are `f64` and only choose *which* point comes next.
 //!
 //! # Coplanar points
 //!
 //! A point *sees* a triangle when it lies **strictly** above its plane. A point in the plane of a
-//! facet and outside it does not see that facet, but it strictly sees the neighbour across each edge
-//! that it lies beyond, so it waits in a list all the same; its fan then extends the facet in its own
-//! plane, across a flat edge. What is seen is what a point moved a little towards the interior would
-//! see in general position: a disk, bounded by one simple cycle, the horizon; and no new triangle is
-//! degenerate, for its apex lies strictly above a plane through its base.
+//! facet and outside it does not see that facet, but it strictly sees the neighbour across each
+//! edge that it lies beyond, so it waits in a list all the same; its fan then extends the facet in
+//! its own plane, across a flat edge. What is seen is what a point moved a little towards the
+//! interior would see in general position: a disk, bounded by one simple cycle, the horizon; and no
+//! new triangle is degenerate, for its apex lies strictly above a plane through its base.
 //!
 //! A waiting point `q` that is above a removed triangle and still outside afterwards is above a new
 //! one: what `q` sees is connected across edges, so it reaches the outside over a horizon edge, and
@@ -21,14 +21,14 @@
 //!
 //! # Only extreme points
 //!
-//! A vertex may come to lie inside an edge or a facet of the final hull. Such vertices are found from
-//! the exact convexity of the edges, and the hull is built once more from the others.
+//! A vertex may come to lie inside an edge or a facet of the final hull. Such vertices are found
+//! from the exact convexity of the edges, and the hull is built once more from the others.
 //!
 //! # Cost
 //!
-//! A step costs the triangles that its point sees and, at worst, the product of the points that waited above them
-//! and the new triangles. In all O(n log n) on the clouds measured, as is usual for quickhull; no such bound holds
-//! at worst.
+//! A step costs the triangles that its point sees and, at worst, the product of the points that
+//! waited above them and the new triangles. In all O(n log n) on the clouds measured, as is usual
+//! for quickhull; no such bound holds at worst.
 
 use cranny_exact::{Aabb, DVec3, Sign};
 
@@ -49,8 +49,9 @@ pub(super) struct HullSurface {
     pub(super) twins: Vec<u32>,
 }
 
-/// The hull of points that are not coplanar: a surface over their indices, whose vertices are exactly
-/// the extreme points (the lowest index of each), in the [one form](super::canonical) that these decide.
+/// The hull of points that are not coplanar: a surface over their indices, whose vertices are
+/// exactly the extreme points (the lowest index of each), in the [one form](super::canonical) that
+/// these decide.
 pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> HullSurface {
     let (mut surface, mut flat) = triangulate(points, simplex);
     if !flat.vertices.is_empty() {
@@ -81,7 +82,8 @@ pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (HullSurface, Flat)
     HullBuilder::new(points, simplex).run()
 }
 
-/// [`triangulate`] of some of the points, ascending, over the indices of all; `None` if they are coplanar.
+/// [`triangulate`] of some of the points, ascending, over the indices of all; `None` if they are
+/// coplanar.
 fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(HullSurface, Flat)> {
     let subset: Vec<DVec3> = indices.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&subset) else { return None };
@@ -160,8 +162,8 @@ impl Waiting {
     const NOBODY: Self = Self { apex: NONE, list: NONE, apex_height: f64::NEG_INFINITY };
 }
 
-/// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they become more; more,
-/// and room is asked for that large clouds of few vertices never use.
+/// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they
+/// become more; more, and room is asked for that large clouds of few vertices never use.
 const MOST_FACES_AT_FIRST: usize = 1 << 12;
 
 struct HullBuilder<'a> {
@@ -275,7 +277,8 @@ impl<'a> HullBuilder<'a> {
         self.links[face as usize].vertices.map(|v| self.points[v as usize])
     }
 
-    /// Takes the removed faces out of the surface; the points that waited above them become orphans.
+    /// Takes the removed faces out of the surface; the points that waited above them become
+    /// orphans.
     fn release_removed(&mut self) {
         for &face in &self.removed {
             self.links[face as usize].vertices = [NONE; 3];
@@ -292,8 +295,8 @@ impl<'a> HullBuilder<'a> {
         self.free.extend(&self.removed);
     }
 
-    /// Joins every horizon edge to `apex` and links the new faces. The horizon is a simple cycle, so
-    /// each of its vertices starts one edge.
+    /// Joins every horizon edge to `apex` and links the new faces. The horizon is a simple cycle,
+    /// so each of its vertices starts one edge.
     fn close_hole(&mut self, apex: u32) {
         self.fan.clear();
         let horizon = std::mem::take(&mut self.horizon);
@@ -333,9 +336,10 @@ impl<'a> HullBuilder<'a> {
         (face, side)
     }
 
-    /// Hands every orphan to the first new face that it lies above. One that lies above none is inside
-    /// or on the hull and leaves, remembered only where it coincides with a new vertex: equal points
-    /// always wait in the same list, so they leave when the first of them becomes a vertex.
+    /// Hands every orphan to the first new face that it lies above. One that lies above none is
+    /// inside or on the hull and leaves, remembered only where it coincides with a new vertex:
+    /// equal points always wait in the same list, so they leave when the first of them becomes a
+    /// vertex.
     fn assign_orphans(&mut self, vertices: &[u32]) {
         let orphans = std::mem::take(&mut self.orphans);
         for &point in &orphans {

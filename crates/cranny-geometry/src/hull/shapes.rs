@@ -1,8 +1,9 @@
-//! The triangles of a hull one by one: areas, which are needles, and which of their edges bend clearly.
+//! The triangles of a hull one by one: areas, which are needles, and which of their edges bend
+//! clearly.
 //!
-//! Cost: O(n), a look at each triangle and each edge. No source: areas are lengths of cross products, and an edge
-//! bends clearly where neither of its triangles is a needle, whose normal is made of rounding, and each has the other's
-//! apex deeper below its plane than the tolerance.
+//! Cost: O(n), a look at each triangle and each edge. No source: areas are lengths of cross
+//! products, and an edge bends clearly where neither of its triangles is a needle, whose normal is
+//! made of rounding, and each has the other's apex deeper below its plane than the tolerance.
 
 use cranny_exact::DVec3;
 
@@ -10,7 +11,8 @@ use super::quickhull::HullSurface;
 
 /// What merging asks of each triangle.
 pub(super) struct Shapes {
-    /// The triangles that were looked at, ascending, where these are not all; an entry that says nothing comes first.
+    /// The triangles that were looked at, ascending, where these are not all; an entry that says
+    /// nothing comes first.
     some: Option<Vec<u32>>,
     /// Twice the area vector.
     area_vectors: Vec<DVec3>,
@@ -93,7 +95,8 @@ impl Shapes {
         }
     }
 
-    /// Tells both triangles at an edge if it bends clearly; each with the corner that the edge leaves.
+    /// Tells both triangles at an edge if it bends clearly; each with the corner that the edge
+    /// leaves.
     #[inline]
     fn bend(
         &mut self,
@@ -133,8 +136,8 @@ impl Shapes {
         self.bends[self.place(h / 3)] >> (h % 3) & 1 == 1
     }
 
-    /// Whether all edges of the triangle bend clearly, so that it is a facet of its own. This spares most triangles of a
-    /// smooth hull the growth.
+    /// Whether all edges of the triangle bend clearly, so that it is a facet of its own. This
+    /// spares most triangles of a smooth hull the growth.
     #[inline]
     pub(super) fn is_apart(&self, t: u32) -> bool {
         self.bends[self.place(t)] == 0b111
@@ -155,8 +158,8 @@ pub(super) fn bends_clearly(
     are_wide && are_apart(positions, surface, tolerance, sides, shapes)
 }
 
-/// Whether each of two triangles at an edge has the other's apex deeper below its plane than the tolerance; each with the
-/// corner that the edge leaves, its area vector and its area, twice.
+/// Whether each of two triangles at an edge has the other's apex deeper below its plane than the
+/// tolerance; each with the corner that the edge leaves, its area vector and its area, twice.
 #[inline]
 fn are_apart(
     positions: &[DVec3],
@@ -166,7 +169,8 @@ fn are_apart(
     shapes: [(DVec3, f64); 2],
 ) -> bool {
     let corner = |t: u32, k: u32| positions[surface.triangles[t as usize][k as usize % 3] as usize];
-    // Each from its own side, so that it is told alike from whichever triangle the edge is looked at.
+    // Each from its own side, so that it is told alike from whichever triangle the edge is looked
+    // at.
     let is_deep = |(area_vector, area): (DVec3, f64), [t, k]: [u32; 2], [u, l]: [u32; 2]| {
         area_vector.dot(corner(t, k) - corner(u, l + 2)) > tolerance * area
     };

@@ -17,10 +17,11 @@ pub struct BuildOptions {
     /// What may be mended. Default: [`Repair::None`], which keeps the surface as it was filed.
     pub repair: Repair,
     /// What 'the same place' means for findings and repairs: at most
-    /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from how
-    /// finely the coordinates were stored: twice the step of a grid that holds them all, in any unit,
-    /// or eight times the step of single precision (also where [`flatness`](Self::flatness) says that) or double precision at
-    /// the largest coordinate, but never more than a ten-thousandth of the diagonal.
+    /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from
+    /// how finely the coordinates were stored: twice the step of a grid that holds them all, in any
+    /// unit, or eight times the step of single precision (also where [`flatness`](Self::flatness)
+    /// says that) or double precision at the largest coordinate, but never more than a
+    /// ten-thousandth of the diagonal.
     pub tolerance: Option<Tolerance>,
     /// Whether faces that cross, touch or overlap each other are searched for. Default: yes.
     pub self_intersections: bool,

@@ -30,8 +30,8 @@ pub(crate) struct Parts {
     pub(crate) flatness: f64,
     /// Faces per leaf of the tree.
     pub(crate) leaf_size: usize,
-    /// Whether it was read from bytes and never deformed, so that of what was prepared only the mesh is
-    /// sure.
+    /// Whether it was read from bytes and never deformed, so that of what was prepared only the
+    /// mesh is sure.
     pub(crate) only_read: bool,
     /// What deformations need beside; none before the first.
     pub(crate) workshop: Option<Box<Workshop>>,

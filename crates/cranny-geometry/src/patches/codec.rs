@@ -1,5 +1,5 @@
-//! Patches as bytes: what was measured of them, the cones of the tree over them, and the shape of all trees. Boxes
-//! are made again, when somebody asks for patches.
+//! Patches as bytes: what was measured of them, the cones of the tree over them, and the shape of
+//! all trees. Boxes are made again, when somebody asks for patches.
 
 use cranny_exact::{Aabb, DVec3};
 

@@ -1,7 +1,7 @@
 //! Which way faces look: consistently, outwards, and by parity where shells lie in each other.
 //!
-//! No source: this crate's own; the parity of what encloses a shell says whether solid lies within it. Cost: that of
-//! `shells`; for each pair of opposite faces in one place that of `winding`.
+//! No source: this crate's own; the parity of what encloses a shell says whether solid lies within
+//! it. Cost: that of `shells`; for each pair of opposite faces in one place that of `winding`.
 
 use cranny_exact::{DVec3, Sign};
 
@@ -111,8 +111,8 @@ fn turn_components(
 }
 
 /// Drops pairs of opposite faces in one place that have solid on both sides: the rest of the mesh
-/// winds around the middle of the face. What such a pair adds to its edges cancels, so all closes as
-/// before, and the winding number of no point changes.
+/// winds around the middle of the face. What such a pair adds to its edges cancels, so all closes
+/// as before, and the winding number of no point changes.
 fn drop_inner_sheets(
     work: &mut WorkingMesh,
     topology: &Topology,

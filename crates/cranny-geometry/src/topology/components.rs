@@ -14,8 +14,8 @@ pub struct Component {
     pub closed: bool,
 }
 
-/// Numbers the sets of faces that hang together, by their least members; all closed, for now. Where there is one,
-/// no face is told its own.
+/// Numbers the sets of faces that hang together, by their least members; all closed, for now. Where
+/// there is one, no face is told its own.
 pub(super) fn components(sets: &DisjointSets) -> (Vec<ComponentId>, Vec<Component>) {
     let mut components: Vec<Component> = Vec::new();
     let mut component_of: Vec<ComponentId> = Vec::with_capacity(sets.0.len());
@@ -61,11 +61,11 @@ pub(super) fn components_of_runs(
     Ok((component_of, components))
 }
 
-/// Union–find with path halving; the representative of a set is its least member, and each member but that
-/// leads to a lesser one.
+/// Union–find with path halving; the representative of a set is its least member, and each member
+/// but that leads to a lesser one.
 ///
-/// Source: Tarjan and van Leeuwen (1984, "Worst-case analysis of set union algorithms"). Cost: O(log n) a call at
-/// most, on average over all calls: sets are joined by number, not by rank.
+/// Source: Tarjan and van Leeuwen (1984, "Worst-case analysis of set union algorithms"). Cost:
+/// O(log n) a call at most, on average over all calls: sets are joined by number, not by rank.
 #[derive(Clone, Debug)]
 pub struct DisjointSets(Vec<u32>);
 

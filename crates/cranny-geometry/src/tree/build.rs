@@ -1,14 +1,14 @@
 //! Growing one tree: top-down, by the surface-area heuristic on binned centroids (Wald 2007).
 //!
 //! Items are moved, not indexed, so that every pass reads memory in order; the bins know the boxes
-//! of what falls into them, so that no pass is spent on the boxes of the children. All this happens on a
-//! `lattice`, which is laid anew where a part has become small for it. The exact boxes are fitted
-//! from the leaves up: those of twigs while they grow, those above in the end.
+//! of what falls into them, so that no pass is spent on the boxes of the children. All this happens
+//! on a `lattice`, which is laid anew where a part has become small for it. The exact boxes are
+//! fitted from the leaves up: those of twigs while they grow, those above in the end.
 //!
-//! Source: the heuristic is that of MacDonald and Booth (1990, "Heuristics for ray tracing using space
-//! subdivision"), bins are Wald's (2007, "On fast construction of SAH-based bounding volume hierarchies"); the
-//! lattice is this crate's own. Cost: O(n) for each level of the tree, so O(n log n) as a rule; nothing but the way
-//! in which boxes are spread bounds the number of levels.
+//! Source: the heuristic is that of MacDonald and Booth (1990, "Heuristics for ray tracing using
+//! space subdivision"), bins are Wald's (2007, "On fast construction of SAH-based bounding volume
+//! hierarchies"); the lattice is this crate's own. Cost: O(n) for each level of the tree, so O(n
+//! log n) as a rule; nothing but the way in which boxes are spread bounds the number of levels.
 
 use std::ops::Range;
 
@@ -24,8 +24,8 @@ const BINS: usize = 16;
 /// sorting them takes longer than binning.
 const FEW: usize = 8;
 
-/// A part whose middles spread over fewer half steps of the lattice is laid on one of its own. Smaller, and
-/// rounding decides how it is divided; larger, and time is spent on ever new lattices.
+/// A part whose middles spread over fewer half steps of the lattice is laid on one of its own.
+/// Smaller, and rounding decides how it is divided; larger, and time is spent on ever new lattices.
 const LEAST_SPREAD: i32 = 32;
 
 /// How much finer a new lattice must be. Smaller, and parts of long boxes about one middle are laid
@@ -80,7 +80,8 @@ impl<I: Copy> Grower<I> {
         self.grow_pairs(boxes.map(|own| (own, None)), nodes, leaves);
     }
 
-    /// The same over things alone and in pairs, which are parted last, where leaves are smaller than pairs.
+    /// The same over things alone and in pairs, which are parted last, where leaves are smaller
+    /// than pairs.
     pub(crate) fn grow_pairs(
         &mut self,
         things: impl Iterator<Item = ((I, Aabb), Option<(I, Aabb)>)>,
@@ -240,7 +241,8 @@ impl<I: Copy> Twigs<'_, I> {
     }
 }
 
-/// Lays a finer lattice over items that hardly differ on theirs, given the box of their middles; whether it did.
+/// Lays a finer lattice over items that hardly differ on theirs, given the box of their middles;
+/// whether it did.
 #[inline]
 fn lay_anew(
     items: &mut [LatticeItem],
@@ -275,7 +277,8 @@ fn split(items: &mut [LatticeItem], extent: &Extent, aside: &mut Vec<LatticeItem
         let halves = items.split_at(items.len() / 2);
         return [Extent::of(halves.0), Extent::of(halves.1)];
     }
-    // With no more bins than steps, the least middle falls into the first and the greatest into the last.
+    // With no more bins than steps, the least middle falls into the first and the greatest into the
+    // last.
     let count = (items.len() / 2).min(BINS).min(spread as usize + 1);
     let scale = ((count as u64) << 32) / (spread as u64 + 1);
     let mut bins = [Extent::NONE; BINS];
@@ -305,8 +308,8 @@ fn sort(items: &mut [LatticeItem], axis: usize) {
     }
 }
 
-/// The part before which to cut so that the sum of area times count is least, of at most [`BINS`] parts with
-/// their boxes and counts; the first and the last hold something.
+/// The part before which to cut so that the sum of area times count is least, of at most [`BINS`]
+/// parts with their boxes and counts; the first and the last hold something.
 fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a LatticeBox, u32)) -> usize {
     let join = |(bounds, count): &mut (LatticeBox, u32), cut: usize| {
         let (of_part, number) = part(cut);
@@ -330,8 +333,8 @@ fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a LatticeBox, u32))
     best
 }
 
-/// Moves what satisfies `first` to the front and keeps the order otherwise, without a branch an item.
-/// Their number. `aside` is memory to be used again.
+/// Moves what satisfies `first` to the front and keeps the order otherwise, without a branch an
+/// item. Their number. `aside` is memory to be used again.
 pub fn partition<T: Copy>(
     items: &mut [T],
     aside: &mut Vec<T>,

@@ -76,7 +76,8 @@ impl StoredTree {
     /// The tree. What it keeps is taken out.
     pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceTree {
         let Self { faces, counts } = self;
-        // In the order of leaves, in a loop without branches: what it fetches from here and there overlaps.
+        // In the order of leaves, in a loop without branches: what it fetches from here and there
+        // overlaps.
         let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
         let mut nodes = NodesFromCounts::of(counts);
         nodes.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]));
@@ -104,8 +105,8 @@ pub(crate) struct StoredForest {
 }
 
 impl StoredForest {
-    /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
-    /// [`NOBODY`](crate::rows::NOBODY).
+    /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that
+    /// holds it, or [`NOBODY`](crate::rows::NOBODY).
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
         let faces: Vec<u32> = input.list()?;
         let counts: Vec<u32> = input.list()?;
@@ -160,11 +161,11 @@ impl StoredForest {
     }
 }
 
-/// Whether counts in depth-first order are those of a tree whose leaves hold so many things in all, or of none where
-/// there is nothing to hold.
+/// Whether counts in depth-first order are those of a tree whose leaves hold so many things in all,
+/// or of none where there is nothing to hold.
 ///
-/// From the last to the first: a leaf is a finished tree, an inner node makes one of the two that were finished last,
-/// and all are one in the end.
+/// From the last to the first: a leaf is a finished tree, an inner node makes one of the two that
+/// were finished last, and all are one in the end.
 pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
     let (mut finished, mut in_leaves, mut lacks) = (0_i64, 0_u64, false);
     // No way out of the loop, so that it stays short.
@@ -200,11 +201,11 @@ impl<'a> NodesFromCounts<'a> {
         self.nodes
     }
 
-    /// Fills a range of nodes with a tree over a range of things: no nodes where there are none. `box_of` is
-    /// asked for those of each leaf.
+    /// Fills a range of nodes with a tree over a range of things: no nodes where there are none.
+    /// `box_of` is asked for those of each leaf.
     ///
-    /// From the last node to the first: the tree finished last begins right behind an inner node, which makes it
-    /// the left child, and the one that has waited least is the right one.
+    /// From the last node to the first: the tree finished last begins right behind an inner node,
+    /// which makes it the left child, and the one that has waited least is the right one.
     #[inline]
     pub(crate) fn tree(
         &mut self,
@@ -214,7 +215,8 @@ impl<'a> NodesFromCounts<'a> {
     ) {
         let Some(first) = range.end.checked_sub(1).filter(|_| !range.is_empty()) else { return };
         let mut first_held = held.end;
-        // The root of the tree finished last, and what is around it; none at first, which nobody takes up again.
+        // The root of the tree finished last, and what is around it; none at first, which nobody
+        // takes up again.
         let (mut finished, mut bounds) = (first as u32, Aabb::EMPTY);
         self.waiting.clear();
         for index in range.rev() {
@@ -249,7 +251,8 @@ mod tests {
         Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
     }
 
-    /// The rest of some counts behind those of one tree, and what its leaves hold; by what a tree is.
+    /// The rest of some counts behind those of one tree, and what its leaves hold; by what a tree
+    /// is.
     fn tree_of(counts: &[u32]) -> Option<(&[u32], u32)> {
         let (&root, rest) = counts.split_first()?;
         if root > 0 {

@@ -1,15 +1,15 @@
 //! Boxes on a coarse lattice, to plan trees with.
 //!
-//! Which boxes to part from which is a matter of taste, so rounded boxes may decide it: eight numbers
-//! of 16 bits, a quarter of the exact ones, joined by one operation. The tree's own boxes are exact
-//! all the same; they are made from the faces when the tree's shape is known.
+//! Which boxes to part from which is a matter of taste, so rounded boxes may decide it: eight
+//! numbers of 16 bits, a quarter of the exact ones, joined by one operation. The tree's own boxes
+//! are exact all the same; they are made from the faces when the tree's shape is known.
 //!
 //! No source: this crate's own. Cost: O(1) to round a box or to join two.
 
 use cranny_exact::{Aabb, DVec3};
 
-/// Steps of the lattice along the longest side of a frame. Twice as many, and the sum of two coordinates
-/// no longer fits 16 bits; fewer, and frames are laid anew more often.
+/// Steps of the lattice along the longest side of a frame. Twice as many, and the sum of two
+/// coordinates no longer fits 16 bits; fewer, and frames are laid anew more often.
 const STEPS: f64 = 16_383.0;
 
 /// Where a lattice lies. All its sides have the same step, so that areas keep their proportions.
@@ -35,8 +35,8 @@ impl LatticeFrame {
     }
 }
 
-/// A box as numbers of which the least counts: the least corner, and the greatest one negated; the fourth
-/// and the eighth are spare. So two boxes are joined by one kind of operation on the whole.
+/// A box as numbers of which the least counts: the least corner, and the greatest one negated; the
+/// fourth and the eighth are spare. So two boxes are joined by one kind of operation on the whole.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
 pub(super) struct LatticeBox([i16; 8]);
@@ -97,8 +97,8 @@ impl LatticeBox {
     }
 }
 
-/// Something on its way into a leaf: its box, and its name in the spare places. The highest bit of the name tells
-/// one thing from two.
+/// Something on its way into a leaf: its box, and its name in the spare places. The highest bit of
+/// the name tells one thing from two.
 #[derive(Clone, Copy)]
 pub(super) struct LatticeItem(LatticeBox);
 

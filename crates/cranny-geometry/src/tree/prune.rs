@@ -1,11 +1,11 @@
 //! What is left of a tree when some of its faces are taken out.
 //!
 //! A concavity may have nearly all faces of a body (the thread of a bolt). A tree of its own would
-//! be grown by nearly the same cuts as the tree over all faces, so that one is pruned instead: nodes without
-//! a face are left out, those with few become leaves, and boxes are fitted anew.
+//! be grown by nearly the same cuts as the tree over all faces, so that one is pruned instead:
+//! nodes without a face are left out, those with few become leaves, and boxes are fitted anew.
 //!
-//! No source: this crate's own. The order of faces stays, and boxes are those of what is left, so what comes out is
-//! a tree over it. Cost: O(n) for n faces before pruning.
+//! No source: this crate's own. The order of faces stays, and boxes are those of what is left, so
+//! what comes out is a tree over it. Cost: O(n) for n faces before pruning.
 
 use cranny_exact::Aabb;
 
@@ -17,7 +17,8 @@ use crate::mesh::Mesh;
 /// At least so many of four faces must be kept, or cuts between the others spoil the tree.
 const LEAST_KEPT: usize = 3;
 
-/// A part of the tree to come: what is left of it beneath a node, and how many faces that node holds.
+/// A part of the tree to come: what is left of it beneath a node, and how many faces that node
+/// holds.
 struct PruneTask {
     place: NodePlace,
     held: usize,
@@ -38,8 +39,8 @@ impl FaceTree {
         self.nodes.len() + 1 == 2 * self.faces.len()
     }
 
-    /// The children of an inner node, where every leaf holds one face. Nodes beneath the left one, of which one
-    /// more than half are leaves, stand between them.
+    /// The children of an inner node, where every leaf holds one face. Nodes beneath the left one,
+    /// of which one more than half are leaves, stand between them.
     fn children(&self, NodePlace { node, first }: NodePlace) -> Option<[NodePlace; 2]> {
         match self.content(node) {
             Content::Inner { left, right } => {
@@ -58,8 +59,8 @@ impl FaceTree {
         4 * kept >= LEAST_KEPT * self.faces.len() && self.has_single_faces()
     }
 
-    /// Appends what is left of this tree, whose leaves hold one face each, to `arena` when only `kept` remain,
-    /// each named once; at least one. Leaves hold at most `leaf_size >= 1`.
+    /// Appends what is left of this tree, whose leaves hold one face each, to `arena` when only
+    /// `kept` remain, each named once; at least one. Leaves hold at most `leaf_size >= 1`.
     ///
     /// Cost: O(n) for n faces of this tree.
     pub(super) fn prune(&self, mesh: &Mesh, kept: &[FaceId], leaf_size: usize, arena: &mut Self) {

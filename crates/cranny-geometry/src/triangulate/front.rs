@@ -1,10 +1,10 @@
 //! Fronts: how far the plane between two edges is triangulated.
 //!
-//! A front is a list of sites, from the left end of the edge below to the left end of the edge above,
-//! joined by edges of triangles; what lies to its right is open. **Invariant:** seen from the open
-//! side, the angle at every inner site is at least a straight one. So the front has a single rightmost
-//! site, its *tip*, which every site to come in this gap sees; and the sites that a new one sees
-//! follow one another from the tip, or from the end of an edge on which it lies.
+//! A front is a list of sites, from the left end of the edge below to the left end of the edge
+//! above, joined by edges of triangles; what lies to its right is open. **Invariant:** seen from
+//! the open side, the angle at every inner site is at least a straight one. So the front has a
+//! single rightmost site, its *tip*, which every site to come in this gap sees; and the sites that
+//! a new one sees follow one another from the tip, or from the end of an edge on which it lies.
 //!
 //! Source: Hertel and Mehlhorn (1983). Cost: O(1) for each site and each triangle made.
 
@@ -79,14 +79,16 @@ impl<'a> Fronts<'a> {
         }
     }
 
-    /// Joins `v` to the sites that it sees from the top of a front downwards, and ends the front in it.
+    /// Joins `v` to the sites that it sees from the top of a front downwards, and ends the front in
+    /// it.
     pub(super) fn end_in(&mut self, front: Front, v: u32) -> Front {
         let seen = self.sweep_down(front, v);
         let tip = self.node(v, seen, NONE);
         Front { bottom: if seen == NONE { tip } else { front.bottom }, top: tip, tip, ..front }
     }
 
-    /// Joins `v` to the sites that it sees from the bottom of a front upwards, and starts the front in it.
+    /// Joins `v` to the sites that it sees from the bottom of a front upwards, and starts the front
+    /// in it.
     pub(super) fn start_in(&mut self, front: Front, v: u32, winding: i64) -> Front {
         let seen = self.sweep_up(front, v);
         let tip = self.node(v, NONE, seen);
@@ -114,7 +116,8 @@ impl<'a> Fronts<'a> {
 
     /// Makes one front of two whose common edge is given up; both contain its left end.
     ///
-    /// The angle there may be less than a straight one: triangles fill it until the invariant holds.
+    /// The angle there may be less than a straight one: triangles fill it until the invariant
+    /// holds.
     pub(super) fn unite(&mut self, lower: Front, upper: Front) -> Front {
         let (kept, double) = (lower.top, upper.bottom);
         let above = self.nodes[double as usize].above;

@@ -75,7 +75,8 @@ fn copies_of_faces_go() {
         );
         assert!(after.closed);
 
-        // One copy too many, the wrong way round, and before the one that fits; on the hull and off it.
+        // One copy too many, the wrong way round, and before the one that fits; on the hull and off
+        // it.
         for f in [0, 7, 11] {
             let back =
                 edited(&base, |_, faces| faces.insert(0, [faces[f][1], faces[f][0], faces[f][2]]));

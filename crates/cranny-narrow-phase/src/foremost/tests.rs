@@ -32,8 +32,8 @@ fn told(found: Option<Closest>) -> String {
     format!("{found:?}")
 }
 
-/// Along random directions, at all gaps; every other pose along the axes, where faces lie flush and ties abound. One
-/// memory for all: what it says stems from other bodies, at other poses.
+/// Along random directions, at all gaps; every other pose along the axes, where faces lie flush and
+/// ties abound. One memory for all: what it says stems from other bodies, at other poses.
 #[test]
 fn finds_what_a_search_of_all_faces_finds() {
     let bodies = bodies();
@@ -70,7 +70,9 @@ fn offer_all(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
     }
 }
 
-/// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest elsewhere: how often they were told, as a search of all tells them; and which they are, if surfaces do not meet.
+/// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest
+/// elsewhere: how often they were told, as a search of all tells them; and which they are, if
+/// surfaces do not meet.
 fn agrees(
     foremost: &mut Foremost,
     [a, b]: [Placed; 2],
@@ -106,8 +108,8 @@ fn unmended(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Option<Model> {
     Some(Model::build(Mesh::new(vertices, faces).ok()?, &options).ok()?.0)
 }
 
-/// Some triangles over points of a lattice, each in a plane of it or slanted: needles and triangles without area among
-/// them.
+/// Some triangles over points of a lattice, each in a plane of it or slanted: needles and triangles
+/// without area among them.
 fn soup(rng: &mut Rng) -> Option<Model> {
     let count = 1 + rng.below(4) as u32;
     let mut vertices = Vec::new();
@@ -182,7 +184,8 @@ fn faces_that_are_lines_are_near() {
     assert!(told > 2_000, "{told}");
 }
 
-/// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them that is told.
+/// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them
+/// that is told.
 #[test]
 fn what_a_thin_layer_leaves_out_does_not_show() {
     let torus = Torus { major_segments: 14, minor_segments: 6, ..Torus::default() };
@@ -220,7 +223,8 @@ fn layers_of_many_vertices_are_left_at_once() {
     assert_eq!([layer.vertices.len(), layer.points.len()], [1, 2_001]);
 }
 
-/// Over a dish, whose lid is nearer than its floor: nothing of the floor is in a layer that is too thin.
+/// Over a dish, whose lid is nearer than its floor: nothing of the floor is in a layer that is too
+/// thin.
 #[test]
 fn looks_beneath_lids() {
     let dish = Cup { radius: 1.0, wall: 0.02, height: 0.3, floor: 0.1, segments: 8 };

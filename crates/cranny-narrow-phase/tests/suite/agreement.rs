@@ -151,8 +151,8 @@ fn quaternions_a_little_off_unit_length_are_normalised() {
 
 #[test]
 fn boxes_within_the_stretch_of_a_quaternion_that_is_not_unit_are_answered_alike() {
-    // Unnormalised, the matrix would stretch by the squared length: the boxes would meet, and a cull
-    // that takes the transpose for the inverse would not see it.
+    // Unnormalised, the matrix would stretch by the squared length: the boxes would meet, and a
+    // cull that takes the transpose for the inverse would not see it.
     let cube = model(crate::solids::cuboid([-1.0; 3], [1.0; 3]));
     for (excess, gap, meets) in [(9e-6, 1e-5, false), (3e-8, 4e-8, false), (9e-6, -1e-12, true)] {
         let rotation = DQuat::from_xyzw(0.0, 0.0, (1.0f64 + excess).sqrt(), 0.0);

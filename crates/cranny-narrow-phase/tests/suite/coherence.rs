@@ -1,4 +1,5 @@
-//! Warm = cold = brute force on every frame, whatever the motion and whatever is done to the memory.
+//! Warm = cold = brute force on every frame, whatever the motion and whatever is done to the
+//! memory.
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::{Mesh, Model};
@@ -156,8 +157,8 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     assert!((1..50_000).contains(&held), "{held}");
 }
 
-/// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross twice; slowly, the
-/// same ones do for long.
+/// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross
+/// twice; slowly, the same ones do for long.
 #[test]
 fn faces_that_crossed_are_asked_again_only_where_that_pays() {
     let shape = shape(Torus {
@@ -211,7 +212,8 @@ fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     let b = Placed { model: &nut, pose: posed(0.1, 0.5) };
     let answer = query(a, b, &Query::of(Demand::Regions { margin: 0.0 }), &mut memory).unwrap();
     assert!(answer.triangle_pairs > 100, "{}", answer.triangle_pairs);
-    // With the clearance of 0.1 that it has unless told otherwise, a tenth of the pitch of 2 is enough.
+    // With the clearance of 0.1 that it has unless told otherwise, a tenth of the pitch of 2 is
+    // enough.
     let (bolt, nut) = (
         shape(IsoBolt { length: Some(16.0), ..IsoBolt::default() }),
         shape(IsoNut { height: Some(6.0), ..IsoNut::default() }),
@@ -224,8 +226,8 @@ fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     }
 }
 
-/// Boxes do not part a thread's flanks: the verdict is then sought among patches. Regions, whose pairs of faces
-/// come from boxes, know nothing of that.
+/// Boxes do not part a thread's flanks: the verdict is then sought among patches. Regions, whose
+/// pairs of faces come from boxes, know nothing of that.
 #[test]
 fn a_verdict_among_patches_is_that_of_boxes() {
     let bolt = shape(IsoBolt { length: Some(16.0), ..IsoBolt::default() });
@@ -304,8 +306,8 @@ fn block_in_an_open_box() -> Model {
     model(mesh.unwrap())
 }
 
-/// What lies inside what is carried from pose to pose: not into a block by a jump, nor out of it; and
-/// not into an open box, which a body enters without crossing any face.
+/// What lies inside what is carried from pose to pose: not into a block by a jump, nor out of it;
+/// and not into an open box, which a body enters without crossing any face.
 #[test]
 fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
     let (open, speck) = (block_in_an_open_box(), shape(Cuboid { size: [0.06, 0.05, 0.04] }));
@@ -335,8 +337,9 @@ fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
     }
 }
 
-/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little lower,
-/// in the hole. That it was inside in the tube means nothing there, however short the last step was.
+/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little
+/// lower, in the hole. That it was inside in the tube means nothing there, however short the last
+/// step was.
 #[test]
 fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
     let ring =

@@ -1,5 +1,5 @@
-//! Open combs: every prong of one passes closely over every prong of the other, so that all pairs are near,
-//! and few touch. What a frame costs with memory must follow the few.
+//! Open combs: every prong of one passes closely over every prong of the other, so that all pairs
+//! are near, and few touch. What a frame costs with memory must follow the few.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,7 +26,8 @@ fn comb(teeth: u32) -> Model {
     })
 }
 
-/// The second comb across the first, its nearest prong `gap` above, the others rising by `tilt` radians.
+/// The second comb across the first, its nearest prong `gap` above, the others rising by `tilt`
+/// radians.
 fn across(teeth: u32, gap: f64, tilt: f64, slide: f64) -> Pose {
     let width = PITCH * f64::from(teeth) - GAP;
     let turn = DQuat::from_rotation_x(tilt) * DQuat::from_rotation_z(FRAC_PI_2);

@@ -49,8 +49,8 @@ fn check(a: Placed, b: Placed, margin: f64, answer: &Answer) {
     assert!(answer.contacts.is_sorted_by(|x, y| x.separation <= y.separation));
 }
 
-/// Two points, each nearest to the other in the whole of the other's surface: such contacts cannot be
-/// left out.
+/// Two points, each nearest to the other in the whole of the other's surface: such contacts cannot
+/// be left out.
 struct Mutual {
     patches: (PatchId, PatchId),
     separation: f64,
@@ -343,7 +343,8 @@ fn a_nut_along_its_helix_has_contacts_all_around_and_none_is_off() {
     }
 }
 
-/// Leaves of patches are kept from query to query, and posed anew: whatever happens in between must not show.
+/// Leaves of patches are kept from query to query, and posed anew: whatever happens in between must
+/// not show.
 #[test]
 fn what_is_kept_of_patches_changes_no_answer() {
     let bolt = shape(IsoBolt { segments: 24, length: Some(20.0), ..IsoBolt::default() });
@@ -354,7 +355,8 @@ fn what_is_kept_of_patches_changes_no_answer() {
     let mut angle = 0.0;
     let mut found = 0;
     for step in 0..48 {
-        // Along the helix, mostly; at times a freeze, a reversal, a jump, or off the helix into the thread.
+        // Along the helix, mostly; at times a freeze, a reversal, a jump, or off the helix into the
+        // thread.
         angle += match step % 12 {
             5 => 0.0,
             7 => -0.3,
@@ -396,8 +398,8 @@ fn what_is_kept_of_patches_changes_no_answer() {
     assert!(4 * memory.bytes() < before, "{} of {before} bytes", memory.bytes());
 }
 
-/// A model whose vertices were moved and moved back has the same mesh, and other patches: memory of the one must
-/// not speak for the other.
+/// A model whose vertices were moved and moved back has the same mesh, and other patches: memory of
+/// the one must not speak for the other.
 #[test]
 fn memory_of_a_model_says_nothing_of_one_with_other_patches() {
     let original = shape(GolfBall::default());
@@ -466,8 +468,9 @@ fn memory_of_contacts_follows_what_is_near() {
     assert!(kept < 3 * fresh, "{kept} bytes after a turn, {fresh} here");
 }
 
-/// Bodies that wander slowly, rest, jump and are asked about with other margins: what is kept of features near each
-/// other changes no answer, and while they move little it is all that is looked at.
+/// Bodies that wander slowly, rest, jump and are asked about with other margins: what is kept of
+/// features near each other changes no answer, and while they move little it is all that is looked
+/// at.
 #[test]
 fn what_is_near_is_kept_and_changes_no_answer() {
     let bodies = [

@@ -1,5 +1,5 @@
-//! What an observer is shown is what queries use: all faces, with bounds that hold, that motion spends and splits
-//! renew; and of a walk every state that is counted.
+//! What an observer is shown is what queries use: all faces, with bounds that hold, that motion
+//! spends and splits renew; and of a walk every state that is counted.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,5 @@
-//! Smooth normals of contacts: near those of the curved surfaces that meshes stand for; all else of an answer stays.
+//! Smooth normals of contacts: near those of the curved surfaces that meshes stand for; all else of
+//! an answer stays.
 
 use std::f64::consts::TAU;
 
@@ -37,8 +38,9 @@ fn turn(rng: &mut Rng) -> DQuat {
     DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), rng.unit() + 1.5).normalize()
 }
 
-/// Whatever is asked: points, separations and verdicts are those of the meshes; normals are unit, no farther from the
-/// meshes' own than the crease; the order of the bodies and what was asked before do not matter.
+/// Whatever is asked: points, separations and verdicts are those of the meshes; normals are unit,
+/// no farther from the meshes' own than the crease; the order of the bodies and what was asked
+/// before do not matter.
 #[test]
 fn only_normals_change_and_none_is_far_off() {
     let bodies = [
@@ -94,8 +96,9 @@ fn between_flat_faces_nothing_changes() {
     assert!(some > 100, "{some}");
 }
 
-/// Two balls of radius 1 and 320 faces that touch, but for what facets lack: edges subtend 0.3, so facets lean by up
-/// to 0.17. What one vertex is off the line of centres, the other body's normal is off the other way.
+/// Two balls of radius 1 and 320 faces that touch, but for what facets lack: edges subtend 0.3, so
+/// facets lean by up to 0.17. What one vertex is off the line of centres, the other body's normal
+/// is off the other way.
 #[test]
 fn balls_push_along_their_centres() {
     let ball = ball(320);
@@ -189,8 +192,9 @@ fn a_shaft_in_its_bore_pushes_along_radii() {
     assert!(told_worst < 0.1 * flat_worst, "{told_worst} {flat_worst}");
 }
 
-/// Flanks of a nut on its bolt: the helicoid's normals. Facets of 48 a turn, on flanks at 30 degrees, lean by up to 1.9.
-/// The crease lies between what flanks' facets meet at (3.8 degrees) and flank and chamfer do (15).
+/// Flanks of a nut on its bolt: the helicoid's normals. Facets of 48 a turn, on flanks at 30
+/// degrees, lean by up to 1.9. The crease lies between what flanks' facets meet at (3.8 degrees)
+/// and flank and chamfer do (15).
 #[test]
 fn flanks_push_as_helicoids_do() {
     let (bolt, nut) = (
@@ -217,7 +221,8 @@ fn flanks_push_as_helicoids_do() {
         for (own, told) in flat.contacts.iter().zip(&ask(a, b, smooth(0.02, 0.17)).contacts) {
             let p = 0.5 * (own.point_a + own.point_b);
             let (radius, height) = (p.truncate().length(), own.normal.z.abs());
-            // Flanks lie between the crest of the nut and that of the bolt; threads end in chamfers.
+            // Flanks lie between the crest of the nut and that of the bolt; threads end in
+            // chamfers.
             if !(7.1..7.9).contains(&radius) || !(0.7..0.95).contains(&height) {
                 continue;
             }
@@ -237,7 +242,8 @@ fn flanks_push_as_helicoids_do() {
     assert!(told_sum < 0.25 * flat_sum, "{told_sum} {flat_sum}");
 }
 
-/// Bodies without smooth normals are the polyhedra that they are, and neither smooth is the contact's own.
+/// Bodies without smooth normals are the polyhedra that they are, and neither smooth is the
+/// contact's own.
 #[test]
 fn a_body_may_be_smooth_alone() {
     let (ball, cube) = (ball(320), shape(Cuboid::default()));

@@ -1,4 +1,5 @@
-//! Solids of revolution, judged by nested searches that know of a core only how wide it is at a height.
+//! Solids of revolution, judged by nested searches that know of a core only how wide it is at a
+//! height.
 
 use cranny_exact::{Aabb, DVec2, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
@@ -133,7 +134,8 @@ fn feet_of_points_are_the_nearest() {
     for told in solids(&mut rng) {
         let solid = told.solid();
         for k in 0..300 {
-            // At random; and on planes, circles and lines where one part of the core gives way to another.
+            // At random; and on planes, circles and lines where one part of the core gives way to
+            // another.
             let p = match k % 3 {
                 0 => told.middle + vector(&mut rng) * 1.2,
                 1 => told.middle + told.axis * (rng.unit() * 1.2),
@@ -226,7 +228,8 @@ fn triangles_are_as_far_as_a_search_says() {
     assert!(apart > 100 && through > 80, "{apart} {through}");
 }
 
-/// Where a triangle cuts the core, the least is that of all its points: sampled, and at the sides' own.
+/// Where a triangle cuts the core, the least is that of all its points: sampled, and at the sides'
+/// own.
 #[test]
 fn no_point_of_a_triangle_is_deeper() {
     let mut rng = Rng::new(64);
@@ -294,8 +297,8 @@ fn the_nearest_face_is_that_of_all_faces() {
     assert!(apart > 100 && meeting > 40, "{apart} {meeting}");
 }
 
-/// A cylinder holds the prism that is inscribed in it, and is held by the one around it: between the exact distances
-/// of both.
+/// A cylinder holds the prism that is inscribed in it, and is held by the one around it: between
+/// the exact distances of both.
 #[test]
 fn a_cylinder_lies_between_two_prisms() {
     let slab = built(Cuboid { size: [1.0, 0.6, 0.4] }.build().expect("a cuboid"));
@@ -344,7 +347,8 @@ fn a_cylinder_lies_between_two_prisms() {
     assert!(apart > 50, "{apart}");
 }
 
-/// The border is not in the way of a point far off: boxes of a far model are judged by where they are.
+/// The border is not in the way of a point far off: boxes of a far model are judged by where they
+/// are.
 #[test]
 fn an_empty_window_has_no_face() {
     let slab = built(Cuboid { size: [1.0, 1.0, 1.0] }.build().expect("a cuboid"));

@@ -39,8 +39,10 @@ pub struct BodySpec<'a> {
     pub friction: f64,
     /// 0 to 1.
     pub restitution: f64,
-    /// Whose normals its contacts have for the solver: its facets' or, opted in, those of the curved surface that they
-    /// stand for ([`MeshShape::with_smooth_normals`](crate::MeshShape::with_smooth_normals)). Our detector only.
+    /// Whose normals its contacts have for the solver: its facets' or, opted in, those of the
+    /// curved surface that they stand for
+    /// ([`MeshShape::with_smooth_normals`](crate::MeshShape::with_smooth_normals)). Our detector
+    /// only.
     pub normals: Normals,
     /// Bodies meet where their bits overlap.
     pub groups: u32,

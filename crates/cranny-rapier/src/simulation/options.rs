@@ -49,8 +49,8 @@ pub struct SimulationOptions {
     /// [`CARRIED_WITHIN`](crate::CARRIED_WITHIN), with rapier's own by its `contact_recycling`.
     /// `None`: they are.
     pub recycling: Option<bool>,
-    /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough for
-    /// [`SOLVER_SUBSTEP`] for ours.
+    /// Solver substeps a step, at least 1. `None`: rapier's default for its own detectors, enough
+    /// for [`SOLVER_SUBSTEP`] for ours.
     pub solver_iterations: Option<usize>,
     /// Into how many parts a step is divided at most in which two bodies near each other move
     /// farther than the thinner one is thick; contacts are found at the beginning of each. 1:

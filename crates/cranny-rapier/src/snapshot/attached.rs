@@ -35,8 +35,8 @@ impl fmt::Display for Place {
     }
 }
 
-/// What tells one prepared model from another: a hash of all that was prepared, so that the same mesh prepared
-/// otherwise is another model.
+/// What tells one prepared model from another: a hash of all that was prepared, so that the same
+/// mesh prepared otherwise is another model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelPrint {
     hash: [u8; 32],
@@ -130,8 +130,8 @@ fn parts(shape: &dyn Shape) -> Vec<(Option<u32>, &dyn Shape)> {
     }
 }
 
-/// Puts shapes back where they were, each of the model that it was of, and changes nothing else: no collider counts
-/// as modified, since a modified one wakes what it touches.
+/// Puts shapes back where they were, each of the model that it was of, and changes nothing else: no
+/// collider counts as modified, since a modified one wakes what it touches.
 ///
 /// No collider may be modified at the beginning.
 pub(super) fn attach(
@@ -189,8 +189,8 @@ pub(super) fn attach(
     left.map_or(Ok(()), |place| Err(RestoreError::Unattached { place }))
 }
 
-/// Sets a collider's shape and takes the marks of that away again, which only a step of rapier's can do: one in
-/// which this collider is the only one that changed, alone in a world.
+/// Sets a collider's shape and takes the marks of that away again, which only a step of rapier's
+/// can do: one in which this collider is the only one that changed, alone in a world.
 fn exchange(colliders: &mut ColliderSet, handle: ColliderHandle, shape: SharedShape) {
     if let Some(collider) = colliders.get_mut(handle) {
         collider.set_shape(shape);
@@ -258,7 +258,8 @@ mod tests {
         attach(&mut colliders, &list, &[model]).unwrap();
         let (_, holder) = colliders.iter().next().unwrap();
         assert!(ours(holder.shape()).unwrap().is_walkable());
-        // Nobody can have written such a part of a compound; whoever made one up gets no panic of parry's.
+        // Nobody can have written such a part of a compound; whoever made one up gets no panic of
+        // parry's.
         let (mut colliders, list, model) = read_back();
         attach(&mut colliders, &[Attached { walkable: true, ..list[0] }], &[model]).unwrap();
     }

@@ -122,8 +122,8 @@ impl WrittenDemand {
 }
 
 impl Simulation {
-    /// The simulation between two steps as bytes, of which [`restore`](Self::restore) makes one that goes on to the bit
-    /// as this one. See [`snapshot`](mod@crate::snapshot).
+    /// The simulation between two steps as bytes, of which [`restore`](Self::restore) makes one
+    /// that goes on to the bit as this one. See [`snapshot`](mod@crate::snapshot).
     ///
     /// # Errors
     ///
@@ -189,9 +189,9 @@ impl Simulation {
         written(Kind::Simulation, &sets, &kept)
     }
 
-    /// A simulation from the bytes of [`snapshot`](Self::snapshot). `models` are those of its bodies, in any order. Body
-    /// numbers stay; [`read_by`](Self::read_by) has to be said again, and what it asks beyond the solver's question is
-    /// asked from the next step on.
+    /// A simulation from the bytes of [`snapshot`](Self::snapshot). `models` are those of its
+    /// bodies, in any order. Body numbers stay; [`read_by`](Self::read_by) has to be said again,
+    /// and what it asks beyond the solver's question is asked from the next step on.
     ///
     /// # Errors
     ///
@@ -266,7 +266,8 @@ impl Simulation {
         self.soft_bodies = soft_bodies;
     }
 
-    /// Fills the log again, which tells of bodies asleep what was said when they were last asked about.
+    /// Fills the log again, which tells of bodies asleep what was said when they were last asked
+    /// about.
     fn ask_again(&self, written: &WrittenAnswer) -> Result<(), RestoreError> {
         let flaw = RestoreError::Content { flaw: "an answer is of no pair of bodies" };
         let model = |tag: u32| {

@@ -14,8 +14,8 @@ use crate::shape::MeshShape;
 const NO_BALL: Real = -1.0;
 
 /// A ball that is none, shown to a thread that writes a snapshot in place of the shape. Everybody
-/// else sees the shape, so that what is written without a snapshot is refused by rapier's serde, and
-/// never comes back as a ball.
+/// else sees the shape, so that what is written without a snapshot is refused by rapier's serde,
+/// and never comes back as a ball.
 pub(crate) struct StandIn {
     ball: Ball,
     /// Once for each snapshot that is being written.

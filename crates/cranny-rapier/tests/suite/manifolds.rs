@@ -65,8 +65,9 @@ fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: Real, siz
     }
 }
 
-/// How many contacts the exact query makes: per region, at most 17 a direction. `None` where the bodies overlap by
-/// half of what the thinner one is thick (2·V/A), or one is inside the other: then a way out takes their place.
+/// How many contacts the exact query makes: per region, at most 17 a direction. `None` where the
+/// bodies overlap by half of what the thinner one is thick (2·V/A), or one is inside the other:
+/// then a way out takes their place.
 fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option<usize> {
     let margin = f64::from(margin as Real);
     let (a, b) = (

@@ -135,7 +135,8 @@ fn round_partners_agree_with_parrys_box() {
                 let ours = dispatcher();
                 let what = format!("{name}, swapped {swap}");
                 let told = ours.distance(&pose, g1, g2).expect("ours").distance;
-                // parry's search ends early on what is flat; points on both surfaces prove that ours are not too small.
+                // parry's search ends early on what is flat; points on both surfaces prove that
+                // ours are not too small.
                 let near = truth - 5e-3..truth + 1e-4;
                 assert!(near.contains(&told), "{what}: {told} is not {truth}");
                 let meets = ours.intersection_test(&pose, g1, g2).expect("ours").intersecting;
@@ -298,8 +299,8 @@ fn conversions_keep_what_rapier_can_hold() {
     assert_eq!(narrow(DVec3::X), Vector::X);
 }
 
-/// Unit cubes side by side, overlapping by more and more: a question is answered with the depth that there is,
-/// also where the solver is told less so as to be led out slowly.
+/// Unit cubes side by side, overlapping by more and more: a question is answered with the depth
+/// that there is, also where the solver is told less so as to be led out slowly.
 #[test]
 fn a_deep_contact_is_told_as_deep_as_it_is() {
     let cube = shape(&cuboid(1.0, 1.0, 1.0));

@@ -32,8 +32,8 @@ const MAX_DEPTH: usize = 256;
 /// XML elements nest at most so deep: nodes, and what is in and around them.
 const MAX_NESTING: usize = MAX_DEPTH + 16;
 
-/// A file may show at most so many nodes and geometries. More, and instances of instances (a file of
-/// a few lines) would fill the memory; fewer, and large assemblies are refused.
+/// A file may show at most so many nodes and geometries. More, and instances of instances (a file
+/// of a few lines) would fill the memory; fewer, and large assemblies are refused.
 const MAX_VISITS: usize = 1 << 16;
 
 /// How the up-axis that a COLLADA file states is treated.

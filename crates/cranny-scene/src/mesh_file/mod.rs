@@ -4,8 +4,9 @@
 //! their type, since every exact decision later reads these numbers. Positions are kept as filed;
 //! only formats that carry a scene (glTF, COLLADA) apply its node transforms, and COLLADA its unit
 //! and up-axis. Polygons are split into triangles that cover them once
-//! ([`cranny_geometry::split_polygon`]); what is no flat, simple polygon is split too, with a note. Indexing is kept as filed,
-//! except for STL, which has none: there, equal positions become one vertex.
+//! ([`cranny_geometry::split_polygon`]); what is no flat, simple polygon is split too, with a note.
+//! Indexing is kept as filed, except for STL, which has none: there, equal positions become one
+//! vertex.
 
 mod affine;
 mod builder;
@@ -94,8 +95,9 @@ pub struct MeshFile {
     pub format: MeshFormat,
     /// One sentence each: polygons split, lines skipped, solids joined, units applied.
     pub notes: Vec<String>,
-    /// How flat is flat ([`BuildOptions::flatness`](cranny_geometry::BuildOptions::flatness)): [`Flatness::Single`] where single
-    /// precision was transformed since, as by nodes of glTF, which coordinates no longer show.
+    /// How flat is flat ([`BuildOptions::flatness`](cranny_geometry::BuildOptions::flatness)):
+    /// [`Flatness::Single`] where single precision was transformed since, as by nodes of glTF,
+    /// which coordinates no longer show.
     pub flatness: Flatness,
 }
 

@@ -1,4 +1,5 @@
-//! Faces with more than three corners: kept as read, split at the end, and what is to be said of it.
+//! Faces with more than three corners: kept as read, split at the end, and what is to be said of
+//! it.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{Flatness, Mesh, split_polygon};
@@ -27,8 +28,8 @@ impl Polygons {
         self.polygons.push(Polygon { before, end: self.corners.len(), place });
     }
 
-    /// All faces in the file's order, polygons split among the triangles. An index out of range is left for
-    /// the mesh to refuse.
+    /// All faces in the file's order, polygons split among the triangles. An index out of range is
+    /// left for the mesh to refuse.
     pub(super) fn split(
         self,
         vertices: &[DVec3],
@@ -76,7 +77,8 @@ pub(super) struct Splits {
 }
 
 impl Splits {
-    /// One sentence each. What the coordinates' rounding explains, as of facets of the hull, is flat.
+    /// One sentence each. What the coordinates' rounding explains, as of facets of the hull, is
+    /// flat.
     pub(super) fn notes(&self, mesh: &Mesh) -> Vec<String> {
         let mut notes = Vec::new();
         if self.count > 0 {

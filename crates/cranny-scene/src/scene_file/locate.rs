@@ -21,8 +21,8 @@ pub(super) fn byte_at(text: &str, line: usize, column: usize) -> usize {
     start + rest.chars().take(column.saturating_sub(1)).map(char::len_utf8).sum::<usize>()
 }
 
-/// The `nth` place (from 0) where `field: "value"` stands in RON text, as the range of the value with
-/// its quotes. Comments and longer strings that contain it do not count.
+/// The `nth` place (from 0) where `field: "value"` stands in RON text, as the range of the value
+/// with its quotes. Comments and longer strings that contain it do not count.
 pub(super) fn find(text: &str, field: &str, value: &str, nth: usize) -> Option<Range<usize>> {
     let tokens = tokens(text);
     let mut matches = tokens.windows(3).filter_map(|window| {

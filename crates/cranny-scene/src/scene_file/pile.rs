@@ -1,9 +1,9 @@
 //! Piles: many bodies in a region, apart from each other at the start.
 //!
 //! Every body's bounding sphere has a cell of a grid to itself, so bodies cannot overlap whatever
-//! their orientation. Layers fill from the bottom; cells are as low as the largest sphere allows and
-//! as wide as the region allows, and each sphere lies anywhere in the middle of its cell that leaves
-//! half the gap to the walls.
+//! their orientation. Layers fill from the bottom; cells are as low as the largest sphere allows
+//! and as wide as the region allows, and each sphere lies anywhere in the middle of its cell that
+//! leaves half the gap to the walls.
 
 use std::sync::Arc;
 

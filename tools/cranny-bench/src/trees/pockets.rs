@@ -148,8 +148,8 @@ fn opened(cases: &[PocketCase]) -> Table {
     Table { title: "envelopes beside a box tree (leaves of 4 in both)", columns, rows }
 }
 
-/// How far below the unit sphere a vertex lies at least that belongs to a dimple. Smaller: rounding makes
-/// dimples of the sphere; larger: their rims are lost.
+/// How far below the unit sphere a vertex lies at least that belongs to a dimple. Smaller: rounding
+/// makes dimples of the sphere; larger: their rims are lost.
 const BELOW_THE_SPHERE: f64 = 1e-9;
 
 /// All dimples of a golf ball.

@@ -7,7 +7,8 @@ use super::method::{Name, PoseAnswer};
 use super::series::Reply;
 use super::truth::Truth;
 
-/// A row of the report. Lengths are in units of the meshes; `None`: nothing that could be told or judged.
+/// A row of the report. Lengths are in units of the meshes; `None`: nothing that could be told or
+/// judged.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct MethodFigures {
     #[serde(flatten)]
@@ -147,8 +148,8 @@ fn beside_truth<'a>(
     replies.iter().map(|reply| (&truths[reply.pose], &reply.told))
 }
 
-/// Of the distance between the surfaces. Who takes bodies for solids tells 0 where one lies within the other,
-/// which is no error.
+/// Of the distance between the surfaces. Who takes bodies for solids tells 0 where one lies within
+/// the other, which is no error.
 fn distance_error(truth: &Truth, told: &PoseAnswer) -> Option<f64> {
     let distance = told.distance?;
     let is_of_solids = truth.contained && distance == 0.0;

@@ -15,8 +15,9 @@ use super::smaller_size;
 use crate::parry::{double, single};
 use crate::pose_file::PosePair;
 
-/// What manifolds are asked to foresee, as a share of the smaller body's size: next to nothing, as our regions do.
-/// Smaller: single precision loses surfaces that touch; larger: gaps count as contacts.
+/// What manifolds are asked to foresee, as a share of the smaller body's size: next to nothing, as
+/// our regions do. Smaller: single precision loses surfaces that touch; larger: gaps count as
+/// contacts.
 const PREDICTION: f64 = 1e-4;
 
 /// A kind of shape of parry's.

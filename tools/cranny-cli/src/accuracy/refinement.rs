@@ -31,8 +31,8 @@ pub(super) struct Rested {
     median_us: Option<f64>,
 }
 
-/// Asks at each of some poses frame after frame, from no memory on. Ends early where that takes longer than
-/// `patience`.
+/// Asks at each of some poses frame after frame, from no memory on. Ends early where that takes
+/// longer than `patience`.
 pub(super) fn rested(scene: &Scene, budget: u64, patience: Duration) -> Vec<Rested> {
     let poses: Vec<usize> = centers(scene.poses.len(), POSES).collect();
     let new = |_| {

@@ -1,13 +1,15 @@
 //! Which poses a method is asked at: all of interest, or as many as there is time for.
 //!
-//! One that keeps no memory is asked at poses that are evenly spread. One that does must see the motion as it is:
-//! it is asked at stretches of consecutive poses, evenly spread, and led into each by the poses before.
+//! One that keeps no memory is asked at poses that are evenly spread. One that does must see the
+//! motion as it is: it is asked at stretches of consecutive poses, evenly spread, and led into each
+//! by the poses before.
 
-/// Poses of a stretch that are told of. Fewer: more of the time goes into leading in; more: fewer places of the motion
-/// are seen.
+/// Poses of a stretch that are told of. Fewer: more of the time goes into leading in; more: fewer
+/// places of the motion are seen.
 const STRETCH: usize = 8;
 
-/// Poses that lead into a stretch: one to which memory has come from afar, one to which it has followed.
+/// Poses that lead into a stretch: one to which memory has come from afar, one to which it has
+/// followed.
 const LEAD: usize = 2;
 
 /// A pose that a method is asked at.

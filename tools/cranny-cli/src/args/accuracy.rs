@@ -39,11 +39,13 @@ pub(crate) struct AccuracyArgs {
     #[arg(long, value_name = "N", default_value = "3", value_parser = runs, allow_hyphen_values = true)]
     pub(crate) runs: NonZeroU32,
 
-    /// Seconds that a method may take to be asked once at all poses; one that is slower is asked at some of them
+    /// Seconds that a method may take to be asked once at all poses; one that is slower is asked at
+    /// some of them
     #[arg(long, value_name = "S", default_value = "4", value_parser = patience, allow_hyphen_values = true)]
     pub(crate) patience: f64,
 
-    /// Leave parry out: its triangle mesh and its convex decomposition (which may take minutes to make)
+    /// Leave parry out: its triangle mesh and its convex decomposition (which may take minutes to
+    /// make)
     #[arg(long)]
     pub(crate) no_peers: bool,
 }

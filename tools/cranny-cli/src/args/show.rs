@@ -32,8 +32,8 @@ pub(crate) enum Up {
 }
 
 impl Up {
-    /// glTF says that y points up (2.0, section 3.4); no other format here says anything that its reader
-    /// has not already applied.
+    /// glTF says that y points up (2.0, section 3.4); no other format here says anything that its
+    /// reader has not already applied.
     pub(crate) fn of_format(format: &str) -> Self {
         if format == MeshFormat::Gltf.name() { Self::Y } else { Self::Z }
     }

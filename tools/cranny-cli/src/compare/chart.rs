@@ -11,7 +11,8 @@ use crate::failure::Failure;
 
 const SIZE: (u32, u32) = (1180, 540);
 
-/// Steps that take no time that a clock sees are drawn here: there is no zero on a logarithmic axis.
+/// Steps that take no time that a clock sees are drawn here: there is no zero on a logarithmic
+/// axis.
 const FLOOR_MS: f64 = 1e-3;
 
 /// Points a line at most; each is the median of the steps that it stands for.

@@ -130,8 +130,9 @@ fn times(app: &SceneApp) -> PhaseTimes {
     app.app().world().get_resource::<PhaseTimes>().copied().unwrap_or_default()
 }
 
-/// What a peer may fail at: a mesh that rapier refuses, a step in which it panics or loses bodies. That is
-/// told as a reason, so that the others go on. Ours has no such grace, nor has whatever else goes wrong.
+/// What a peer may fail at: a mesh that rapier refuses, a step in which it panics or loses bodies.
+/// That is told as a reason, so that the others go on. Ours has no such grace, nor has whatever
+/// else goes wrong.
 fn excused<T>(
     detector: Detector,
     outcome: Result<T, SceneAppError>,

@@ -43,7 +43,8 @@ pub(super) struct RunFigures {
     pub(super) setting: Setting,
     pub(super) steps: usize,
     pub(super) dt: Option<f64>,
-    /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a step.
+    /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a
+    /// step.
     pub(super) step_ms: Option<Spread>,
     /// Means.
     pub(super) broad_ms: Option<f64>,
@@ -78,7 +79,8 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    /// Quantiles are values that occur: the least that so many of a hundred do not exceed. `None` of nothing.
+    /// Quantiles are values that occur: the least that so many of a hundred do not exceed. `None`
+    /// of nothing.
     fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
         let quantile = |percent: usize| {

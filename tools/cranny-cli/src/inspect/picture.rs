@@ -1,4 +1,5 @@
-//! The picture of `cranny inspect --render`: the body in colours, and what is asked to be shown with it.
+//! The picture of `cranny inspect --render`: the body in colours, and what is asked to be shown
+//! with it.
 
 mod canvas;
 mod classes;
@@ -56,7 +57,8 @@ pub(super) fn check(concavities: &Concavities, show: Show) -> Result<(), String>
     }
 }
 
-/// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours mean.
+/// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours
+/// mean.
 pub(super) fn draw(
     model: &Model,
     concavities: &Concavities,

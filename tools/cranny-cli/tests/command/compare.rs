@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use crate::harness::{Folder, argument, run};
 
-/// Two links of a chain, the lower one falling into the upper; and nothing asked but that it happens.
+/// Two links of a chain, the lower one falling into the upper; and nothing asked but that it
+/// happens.
 const LINKS: &str = r#"(
     step: 0.004166666666666667, duration: 0.25,
     bodies: [

@@ -55,14 +55,16 @@ impl Pair {
         order
     }
 
-    /// The poses in an order that leads back and forth: each the multiple of a number without a common divisor.
+    /// The poses in an order that leads back and forth: each the multiple of a number without a
+    /// common divisor.
     fn shuffled(&self) -> Vec<usize> {
         let count = self.poses().len();
         assert_ne!(count % 17, 0);
         (0..count).map(|k| (17 * k + 5) % count).collect()
     }
 
-    /// What the command takes for the pair's two bodies as A and B in this order, and its poses in a file.
+    /// What the command takes for the pair's two bodies as A and B in this order, and its poses in
+    /// a file.
     fn arguments(&self, [first, second]: [&str; 2], folder: &Folder) -> Vec<String> {
         let entry = |pose: &Value| match first {
             "a" => json!({"a": null, "b": pose["b"]}),
@@ -212,8 +214,8 @@ fn answers_do_not_depend_on_the_order_of_poses() {
     assert_eq!(poses, 2 * 240);
 }
 
-/// The M12 nut meets nothing anywhere along the helix of its bolt, and a tenth of the pitch aside it is thousands of
-/// triangles deep in the thread.
+/// The M12 nut meets nothing anywhere along the helix of its bolt, and a tenth of the pitch aside
+/// it is thousands of triangles deep in the thread.
 #[test]
 fn the_nut_of_twelve_millimetres_follows_its_bolt() {
     /// Of M12, in metres.
@@ -253,8 +255,8 @@ fn the_nut_of_twelve_millimetres_follows_its_bolt() {
     }
 }
 
-/// No level and no budget, of tests or of time, with memory or without, excludes what others found, and the intervals
-/// hold the distances that they measured.
+/// No level and no budget, of tests or of time, with memory or without, excludes what others found,
+/// and the intervals hold the distances that they measured.
 #[test]
 fn levels_and_budgets_contradict_no_answer_of_others() {
     let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {

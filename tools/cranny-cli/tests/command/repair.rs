@@ -37,7 +37,8 @@ fn with_t_vertex(folder: &Folder) -> String {
     folder.mesh("cracked.obj", &Mesh::new(vertices, faces).unwrap())
 }
 
-/// Triangles of a cup, each with corners of its own that are a little off: repairs join them, and leave dents in what was flat.
+/// Triangles of a cup, each with corners of its own that are a little off: repairs join them, and
+/// leave dents in what was flat.
 #[test]
 fn dents_that_repairs_leave_are_told_with_the_flatness_that_undoes_them() {
     let folder = Folder::new();

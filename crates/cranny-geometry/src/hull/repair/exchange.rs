@@ -1,7 +1,9 @@
-//! A hull whose surface was built anew, where it could not be repaired: what both surfaces have stays what it was.
+//! A hull whose surface was built anew, where it could not be repaired: what both surfaces have
+//! stays what it was.
 //!
-//! Whatever follows a hull follows its new triangles. So triangles of the new surface that the one before has too, with
-//! corners that have not moved, keep their numbers, and only the others are exchanged.
+//! Whatever follows a hull follows its new triangles. So triangles of the new surface that the one
+//! before has too, with corners that have not moved, keep their numbers, and only the others are
+//! exchanged.
 //!
 //! Source: none. Cost: O(n log n).
 
@@ -10,8 +12,9 @@ use super::HullRepair;
 use crate::ids::VertexId;
 
 impl HullRepair<'_> {
-    /// Exchanges the surface, to which nothing has been done yet, for another one, over the points; `moved`, ascending,
-    /// are elsewhere than when it was made. `None` where the inner point is not within the new one.
+    /// Exchanges the surface, to which nothing has been done yet, for another one, over the points;
+    /// `moved`, ascending, are elsewhere than when it was made. `None` where the inner point is not
+    /// within the new one.
     pub(in crate::hull) fn exchange(
         &mut self,
         surface: &HullSurface,

@@ -1,7 +1,8 @@
-//! What a repair leaves: whether it is sound, the one form that its points decide, triangles that fill the gaps, vertices
-//! numbered by their points.
+//! What a repair leaves: whether it is sound, the one form that its points decide, triangles that
+//! fill the gaps, vertices numbered by their points.
 //!
-//! Source: none. Cost: that of what is new, and copying; where vertices come or go, all corners are renamed.
+//! Source: none. Cost: that of what is new, and copying; where vertices come or go, all corners are
+//! renamed.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,8 +16,8 @@ use super::{HullRepair, NONE};
 use crate::ids::VertexId;
 use crate::rows::compaction_moves;
 
-/// A surface that follows another one. Triangles that are there still have the numbers that they had, but for those
-/// that fill gaps.
+/// A surface that follows another one. Triangles that are there still have the numbers that they
+/// had, but for those that fill gaps.
 pub(in crate::hull) struct Repaired {
     pub(in crate::hull) sources: Vec<VertexId>,
     pub(in crate::hull) positions: Vec<DVec3>,
@@ -71,8 +72,8 @@ impl HullRepair<'_> {
         }
     }
 
-    /// Whether new triangles have an area, and around their corners every edge is convex or flat and every vertex
-    /// extreme: then the vertices are exactly the extreme points.
+    /// Whether new triangles have an area, and around their corners every edge is convex or flat
+    /// and every vertex extreme: then the vertices are exactly the extreme points.
     pub(in crate::hull) fn is_sound(&self) -> bool {
         let new = self.made();
         let touched: BTreeSet<u32> = new.iter().flat_map(|&t| self.triangles[t as usize]).collect();
@@ -95,8 +96,8 @@ impl HullRepair<'_> {
         touched.iter().all(is_extreme) && !new.iter().any(is_flat)
     }
 
-    /// Brings the surface, which [is sound](Self::is_sound), into the [one form](super::super::canonical) that its points
-    /// decide. `None` where that cannot be done.
+    /// Brings the surface, which [is sound](Self::is_sound), into the [one
+    /// form](super::super::canonical) that its points decide. `None` where that cannot be done.
     pub(in crate::hull) fn make_canonical(&mut self) -> Option<()> {
         let mut left: BTreeSet<u32> = self.made().into_iter().collect();
         while let Some(t) = left.pop_first() {
@@ -155,8 +156,8 @@ impl HullRepair<'_> {
         corners.filter(is_gone).collect()
     }
 
-    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which are returned too, and
-    /// `gone` the vertices that [are](Self::gone).
+    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which
+    /// are returned too, and `gone` the vertices that [are](Self::gone).
     fn number(&mut self, fresh: &[u32], mut gone: BTreeSet<u32>) -> (Numbering, Vec<u32>) {
         let mut come = Vec::new();
         let mut back = BTreeMap::new();

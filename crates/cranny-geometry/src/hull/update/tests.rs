@@ -44,8 +44,8 @@ fn assert_same(followed: &ConvexHull, rebuilt: &ConvexHull, what: &str) {
     assert_eq!(told(followed), told(rebuilt), "{what}");
 }
 
-/// Every facet hangs together over edges that do not bend clearly: on that it rests that facets elsewhere do not
-/// matter.
+/// Every facet hangs together over edges that do not bend clearly: on that it rests that facets
+/// elsewhere do not matter.
 fn assert_hanging_together(hull: &ConvexHull, what: &str) {
     let is_open = |&h: &u32| !bends_clearly(&hull.positions, &hull.surface, hull.flatness(), h);
     for facet in hull.facets() {

@@ -73,7 +73,8 @@ fn a_model_that_is_missing_or_another_is_named_with_its_collider() {
     let told = refusal(restore(&bytes, &[models[0].clone(), otherwise]));
     assert!(told.contains("part 1 of collider 1"), "{told}");
 
-    // A model that was saved and loaded is the same; so is one that is built again, and the order does not matter.
+    // A model that was saved and loaded is the same; so is one that is built again, and the order
+    // does not matter.
     let loaded = Model::decode(&models[1].encode()).unwrap();
     assert!(restore(&bytes, &[loaded, cuboid(4.0, 4.0, 1.0)]).is_ok());
 }

@@ -29,7 +29,8 @@ fn state(simulation: &Simulation) -> Vec<([u64; 4], [[u64; 3]; 3])> {
     bodies.map(of).collect()
 }
 
-/// What is told of all pairs, written out; but for the names of regions, which are history and begin anew.
+/// What is told of all pairs, written out; but for the names of regions, which are history and
+/// begin anew.
 fn told(simulation: &Simulation) -> String {
     let pairs = simulation.contact_pairs();
     let told = pairs.iter().map(|pair| {

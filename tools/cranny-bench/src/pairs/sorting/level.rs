@@ -1,4 +1,5 @@
-//! One level of two box trees: the boxes that are active on it, sorted along three axes, and which of them overlap.
+//! One level of two box trees: the boxes that are active on it, sorted along three axes, and which
+//! of them overlap.
 
 use std::collections::HashSet;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -18,7 +19,8 @@ pub(super) struct Member {
 /// Numbers of two nodes, the first tree's first.
 pub(super) type NodePair = [u32; 2];
 
-/// Pairs are looked up at every swap: one multiplication (Knuth's, of the golden ratio) is hash enough.
+/// Pairs are looked up at every swap: one multiplication (Knuth's, of the golden ratio) is hash
+/// enough.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PairHasher(u64);
 
@@ -78,8 +80,8 @@ impl Level {
             + self.pairs.capacity() * (size_of::<NodePair>() + 1)
     }
 
-    /// Makes these nodes, ascending, the active ones, with boxes as they are now. `candidates` are pairs of active
-    /// nodes among which all that overlap are; asked for where nodes are new.
+    /// Makes these nodes, ascending, the active ones, with boxes as they are now. `candidates` are
+    /// pairs of active nodes among which all that overlap are; asked for where nodes are new.
     pub(super) fn update(
         &mut self,
         active: [Vec<u32>; 2],

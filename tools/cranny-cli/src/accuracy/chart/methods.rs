@@ -57,7 +57,8 @@ fn series(all: &[MethodFigures], size: f64) -> Vec<ChartSeries<'_>> {
     all.into_iter().filter(|series| !series.points.is_empty()).collect()
 }
 
-/// Microseconds, and what stays unknown as a share of the smaller body's size; `None` where nothing is known.
+/// Microseconds, and what stays unknown as a share of the smaller body's size; `None` where nothing
+/// is known.
 fn place(row: &MethodFigures, size: f64) -> Option<(f64, f64)> {
     Some((row.median_us?, share(row.width_mean.or(row.distance_error_mean), size)?))
 }
@@ -112,7 +113,8 @@ fn draw(area: &Area<'_>, all: &[MethodFigures], size: f64) -> Result<(), Failed>
             color.mix(if *filled { 0.9 } else { 0.4 }).stroke_width(2),
         ))?;
         chart.draw_series(points.iter().map(|(_, at)| Circle::new(*at, 4, style)))?;
-        // Warm ones stand beside the cold ones of the same name; where there is no room a dot has none.
+        // Warm ones stand beside the cold ones of the same name; where there is no room a dot has
+        // none.
         let text = ("sans-serif", 13).into_font().color(color);
         for (row, at) in points.iter().filter(|(row, _)| names_dot(row)) {
             let (name, pixel) = (row.name.label(), chart.backend_coord(at));

@@ -64,15 +64,16 @@ impl<'m> Canvas<'m> {
         }
     }
 
-    /// Draws only some faces as they are and the others as glass, so that one sees what these surround.
+    /// Draws only some faces as they are and the others as glass, so that one sees what these
+    /// surround.
     pub(super) fn lay_bare(&mut self, shown: impl Fn(FaceId) -> bool) {
         for (face, is_glass) in (0..).map(FaceId).zip(&mut self.is_glass) {
             *is_glass = !shown(face);
         }
     }
 
-    /// Paints each face in the colour of its region, neighbours in different ones; faces of no region
-    /// keep their colour. Returns the colours of the regions, as numbers of the palette.
+    /// Paints each face in the colour of its region, neighbours in different ones; faces of no
+    /// region keep their colour. Returns the colours of the regions, as numbers of the palette.
     pub(super) fn paint(
         &mut self,
         region: impl Fn(FaceId) -> Option<u32>,

@@ -19,8 +19,8 @@ struct Shown {
     polygon: Vec<DVec3>,
 }
 
-/// The facets of the layers at a depth, and the faces in the colours of the facets that they lie beneath;
-/// where an envelope ends before, its last layer.
+/// The facets of the layers at a depth, and the faces in the colours of the facets that they lie
+/// beneath; where an envelope ends before, its last layer.
 pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
     let envelopes = canvas.concavities.envelopes();
     let mut shown = Vec::new();
