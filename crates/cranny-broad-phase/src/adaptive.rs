@@ -1,9 +1,9 @@
 //! Sorted axes while little is out of order, a tree of fat boxes while much is.
 //!
 //! What an update costs the axes is the number of swaps, and they count them. While the tree is in
-//! use nobody swaps; then their number is told from how far the boxes moved, at as many swaps for a
-//! way as were counted last. Some updates in a row must agree before the index is changed, and the
-//! way back begins at half the load: a scene between the two keeps what it has.
+//! use nobody swaps; then their number is estimated from how far the boxes moved, at as many swaps
+//! for a way as were counted last. Some updates in a row must agree before the index is changed,
+//! and the way back begins at half the load: a scene between the two keeps what it has.
 
 use crate::InvariantError;
 use crate::box_tree::FatTree;

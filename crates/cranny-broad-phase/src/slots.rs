@@ -70,7 +70,7 @@ pub struct Slots {
     /// As of the last update; equal to `boxes` unless the slot awaits the next one.
     pub(crate) boxes_before: Vec<Aabb>,
     vacant: Vec<Slot>,
-    /// That was asked for last.
+    /// The slot looked up last.
     last: Slot,
     /// Slots that were inserted, moved, removed or switched since the last update.
     changed: Vec<Slot>,

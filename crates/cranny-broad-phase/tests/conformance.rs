@@ -319,7 +319,7 @@ fn replace_one<B: BroadPhase + Default>() {
     assert_eq!(twins.update(), [OverlapEvent::Ended(ProxyId(1), ProxyId(2))]);
 }
 
-/// A box of which a face moved by less than single precision tells of leaves its fat box all the
+/// A box of which a face moved by less than single precision shows leaves its fat box all the
 /// same.
 #[test]
 fn the_smallest_of_steps_loses_no_pair() {

@@ -1,4 +1,4 @@
-//! What the fuzz targets `nearly_flat` and `deform` ask, of bytes drawn from seeds: asked without
+//! What the fuzz targets `nearly_flat` and `deform` check, on bytes drawn from seeds: run without
 //! fuzzing too.
 
 #[path = "from_bytes/asked.rs"]
@@ -102,8 +102,8 @@ fn a_solid_without_volume_comes_back_from_its_file() {
 
 #[test]
 fn a_body_without_volume_has_none_up_to_what_its_sum_may_be_off_by() {
-    // A sheet just thicker than skin that is told to have no volume; shells as small as rounding a
-    // length apart, between which the hull is a needle.
+    // A sheet just thicker than skin that is reported to have no volume; shells as small as
+    // rounding a length apart, between which the hull is a needle.
     [1_006_005, 1_023_061].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
 }
 

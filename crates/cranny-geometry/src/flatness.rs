@@ -36,7 +36,7 @@ pub enum Flatness {
 
 impl Flatness {
     /// How exactly a plane is measured that points lie on. Smaller, and rounding of the measurement
-    /// alone tells sides apart that are flat to the last digit
+    /// alone distinguishes sides that are flat to the last digit
     /// (`drawn_sides_are_flat_at_any_flatness`); larger, and a quarter of [`FLATNESS`], which tests
     /// ask for, is not to be had.
     pub const LEAST: f64 = 4.0 * f64::EPSILON;

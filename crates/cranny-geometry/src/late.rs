@@ -7,7 +7,7 @@
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Something that is there, or will be once it is asked for.
+/// Something that is there, or will be at its first use.
 #[derive(Clone, Debug)]
 pub(crate) struct Late<T>(OnceLock<T>);
 

@@ -157,7 +157,7 @@ impl Model {
     /// The mended mesh. Face ids are those that were filed unless repairs other than
     /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face). **Vertices
     /// are numbered anew**, in the order in which faces use them first: [`Provenance::vertex`]
-    /// tells what became of each filed one.
+    /// says what became of each filed one.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.0.mesh
@@ -190,7 +190,7 @@ impl Model {
         self.0.tree()
     }
 
-    /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
+    /// Makes what a model that was [loaded](Self::decode) would otherwise make at their first use:
     /// [`tree`](Self::tree) and [`patches`](Self::patches), the [search tree](Self::clusters), the
     /// graph over the vertices of the [`hull`](Self::hull), and the faces at vertices. For whoever
     /// wants no late cost.

@@ -32,7 +32,7 @@ pub(crate) struct Foot {
 }
 
 /// The nearest point of the segment `[a, b]`. Ends that coincide are a point. A vertex that was
-/// rounded once off its edge is told as near as that: what would be lost in differences is kept
+/// rounded once off its edge is reported as near as that: what would be lost in differences is kept
 /// beside them (`two_sum` of Knuth 1969, The Art of Computer Programming 2, 4.2.2), and of
 /// `to − parameter * along`, which all but cancels, only the result is rounded.
 pub(crate) fn foot(p: DVec3, [a, b]: [DVec3; 2]) -> Foot {

@@ -89,7 +89,7 @@ impl Report {
 /// How far the search for faces that cross, touch or overlap each other went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeetingScan {
-    /// Not asked for: such faces are not reported.
+    /// Not wanted: such faces are not reported.
     #[default]
     Skipped,
     /// Every pair was judged.
@@ -107,7 +107,7 @@ pub struct Finding {
     /// What it is.
     pub kind: FindingKind,
     /// What is concerned: numbers of the prepared mesh's vertices, faces or components, as
-    /// [`FindingKind::element`] says, in the order that [`FindingKind::concerned`] tells. In a
+    /// [`FindingKind::element`] says, in the order that [`FindingKind::concerned`] gives. In a
     /// finding that sums up many, of the largest.
     pub ids: Vec<u32>,
     /// A point of it, in the body's frame.

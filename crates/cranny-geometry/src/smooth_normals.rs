@@ -7,9 +7,9 @@
 //! lies between those of its corners. An edge that is no flatter than the crease has no normal, nor
 //! has a vertex where faces are not all reached from one another: there the part is sharp. Sharp
 //! edges that run on from one to the next without turning by as much are pieces of one curve, whose
-//! tangent is told.
+//! tangent is known.
 //!
-//! Nothing of this moves a point: it tells directions only. Each comes with how much the surface
+//! Nothing of this moves a point: it gives directions only. Each comes with how much the surface
 //! bends about it, for whoever has to choose between the normals of two surfaces that meet.
 //!
 //! Source of the weights: Thürmer and Wüthrich (1998, "Computing vertex normals from polygonal

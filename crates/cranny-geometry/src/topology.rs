@@ -154,7 +154,7 @@ impl Topology {
 
     #[inline]
     fn all_faces_at(&self) -> &VertexFaces {
-        // Nearly always it is there: nothing but that is asked in the loops that call this.
+        // Nearly always it is there: nothing but that is tested in the loops that call this.
         match self.faces_at.if_made() {
             Some(made) => made,
             None => self.make_faces_at(),

@@ -113,7 +113,7 @@ impl TriangleSide {
     }
 
     /// The parameter of the point nearest to the one whose offset from the start has this inner
-    /// product with the segment. Ends are told without dividing.
+    /// product with the segment. Ends are recognized without dividing.
     #[inline]
     fn parameter(&self, product: f64) -> f64 {
         if product <= 0.0 {

@@ -28,7 +28,7 @@ const DIRECTIONS: u32 = 32;
 pub(crate) enum Winding {
     /// Closed components with their winding numbers, those other than 0, by ascending id.
     Around(Vec<(ComponentId, i64)>),
-    /// The point lies on one of the faces asked about.
+    /// The point lies on one of the faces that count.
     On,
     /// No direction was free of edges.
     Undecided,

@@ -254,7 +254,7 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Body::decode(&other).unwrap_err()
     };
-    // A whole file of another version is told from a damaged one: its sections are others.
+    // A whole file of another version is distinguished from a damaged one: its sections are others.
     assert_eq!(with(8, 10), DecodeError::Head { field: "version" });
     let mut foreign = bytes.clone();
     (foreign[8], foreign[HEAD]) = (10, b'X');

@@ -12,7 +12,7 @@ use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
 /// share other points only, co-planar overlap included.
 pub type Surface = Meeting;
 
-/// Everything that was asked about a pair, in world coordinates and in the caller's order.
+/// All that a query wants to know about a pair, in world coordinates and in the caller's order.
 ///
 /// Every field is a pure function of models, poses and query, but [`counters`](Self::counters), and
 /// the names of [regions](Region::id).
@@ -32,7 +32,7 @@ pub struct Answer {
     /// `solid`, since one of the sides looks the same way.
     pub contained: Option<Containment>,
     /// Least distance between the surfaces: 0 where they meet, also >= 0 when contained. `None` if
-    /// not asked for; [`f64::INFINITY`] if it is no less than the asked bound.
+    /// not demanded; [`f64::INFINITY`] if it is no less than the demanded bound.
     pub distance: Option<f64>,
     /// Where the distance is known to lie: the rounding error of `distance` taken outward.
     pub separation: Interval,
@@ -229,12 +229,12 @@ pub struct Curve {
 pub struct Counters {
     /// Directions along which the two hulls were compared, two support points each.
     pub planes_tried: u64,
-    /// Queries for which a plane was found that parts the hulls as far as was asked.
+    /// Queries for which a plane was found that parts the hulls as far as was demanded.
     pub planes_parted: u64,
     /// Pairs of tree nodes compared, of the search tree each of eight side by side.
     pub node_tests: u64,
     /// Pairs of triangles classified exactly or measured: the sum of the next two, and of those of
-    /// which only the distance was asked.
+    /// which only the distance was demanded.
     pub triangle_tests: u64,
     /// Pairs of triangles whose meeting or parting plain floating point settled, by a gap larger
     /// than its error or by signs of determinants larger than theirs.
@@ -249,7 +249,7 @@ pub struct Counters {
     pub front_tested: u64,
     /// Of these, boxes that had come within reach.
     pub front_split: u64,
-    /// Cuts that were given up: outrun by motion, outgrown by what was asked, or grown too fine.
+    /// Cuts that were given up: outrun by motion, outgrown by the demand, or grown too fine.
     pub front_rebuilt: u64,
     /// Blocks of eight boxes fewer than before, where a cut was built anew.
     pub front_merged: u64,
@@ -316,7 +316,7 @@ impl Answer {
         self
     }
 
-    /// The same answer told in another frame: every point and direction is moved. Lengths stay.
+    /// The same answer in another frame: every point and direction is moved. Lengths stay.
     #[must_use]
     pub fn moved(mut self, map: &RigidMap) -> Self {
         for witness in self.witnesses.iter_mut().flatten() {

@@ -8,7 +8,7 @@ use crate::pair::{Pair, Side};
 use crate::pieces::RegionPieces;
 use cranny_geometry::triangle_distance::closest_on_segment;
 
-/// Where the curves run through each face, so that a point of the face can be told on or off the
+/// Where the curves run through each face, so that a point of the face can be judged on or off the
 /// piece: it is on the side of the nearest curve segment that the piece lies on. By ascending face.
 pub(crate) struct Borders(Vec<(FaceId, [DVec3; 2])>);
 

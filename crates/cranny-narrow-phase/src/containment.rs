@@ -1,20 +1,20 @@
 //! Do the interiors meet, and is one body wholly inside the other? Exact.
 //!
 //! Where the surfaces share no point, each component lies wholly inside or wholly outside the other
-//! solid, and one vertex of it tells. Where they cross, closed solids share interior points. Where
-//! they only touch, what the other body has in common with a face cuts it into *cells*: open pieces
-//! all of whose points (but for isolated ones) are inside the other solid, or outside, or flush
-//! with a face of it that looks the *same* or the *opposite* way. Then
+//! solid, and one vertex of it decides. Where they cross, closed solids share interior points.
+//! Where they only touch, what the other body has in common with a face cuts it into *cells*: open
+//! pieces all of whose points (but for isolated ones) are inside the other solid, or outside, or
+//! flush with a face of it that looks the *same* or the *opposite* way. Then
 //!
 //! - the interiors meet if and only if some cell lies inside the other solid or flush the same way;
 //! - A lies in B if and only if no cell of A lies outside B or flush the opposite way, and no cell
 //!   of B lies inside A.
 //!
-//! No cell is constructed. A face with a single cell is told by a point of it that is not on the
+//! No cell is constructed. A face with a single cell is judged by a point of it that is not on the
 //! other surface: a corner, or a mean of the corners, which is not rounded. Otherwise every cell
 //! borders, within the face, on edges of the other body that lie in the face's plane (no face
 //! crosses it, so what reaches it from one side ends there), and the [wedge](crate::wedge) of such
-//! an edge tells.
+//! an edge decides.
 
 use cranny_exact::{DVec2, DVec3, Meeting, Sign, WeightedPoint, orient2d, orient3d};
 use cranny_geometry::{DisjointSets, EdgeId, FaceId};

@@ -4,7 +4,7 @@
 //! piece more than t ahead of the second. The largest such depth is attained over a vertex of one
 //! piece and a face of the other, or over two edges that cross when seen along n; the curves'
 //! points and segments are vertices and edges of both. They bound faces that reach beyond the
-//! piece: an answer off the piece is refused. What lies over what is told by footprints, so the
+//! piece: an answer off the piece is refused. What lies over what is found by footprints, so the
 //! cost is near linear in the pieces.
 
 use cranny_exact::DVec3;

@@ -273,7 +273,7 @@ fn measure(
         out.distance = Some(0.0);
         out.separation = Interval::point(0.0);
         // One that is the same whatever is remembered: of surfaces that cross, a verdict may have
-        // been told by any.
+        // been reported by any.
         let witness = match out.surface {
             Surface::Cross => coherent.first_crossing(pair, counters),
             _ => pairs.first().copied(),

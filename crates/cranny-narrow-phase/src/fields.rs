@@ -1,4 +1,4 @@
-//! Which fields of an answer somebody reads, and the least demand that tells them.
+//! Which fields of an answer somebody reads, and the least demand that computes them.
 
 use crate::query::Demand;
 

@@ -147,7 +147,7 @@ impl Foremost {
                 }
                 counters.triangle_tests += 1;
                 let found = f.triangle.nearest(f.corners, &g.triangle, g.corners);
-                // What wins is told as whenever faces are measured, whatever was left out here.
+                // What wins is reported as whenever faces are measured, whatever was left out here.
                 if nearest.would_win([f.face, g.face], &found) {
                     nearest.take([f.face, g.face], triangle_distance(&f.posed, &g.posed));
                 }

@@ -150,7 +150,7 @@ impl Simplex {
         }
     }
 
-    /// Leaves some of the points; tells the first.
+    /// Leaves some of the points; returns the first.
     fn keep<const N: usize>(&mut self, which: [usize; N]) -> DVec3 {
         let (points, tops) = (which.map(|i| self.points[i]), which.map(|i| self.tops[i]));
         self.points[..N].copy_from_slice(&points);
@@ -160,7 +160,7 @@ impl Simplex {
     }
 
     /// Of some of its faces, leaves the part of the nearest one that holds the point nearest to the
-    /// origin; tells that.
+    /// origin; returns that.
     fn keep_nearest(&mut self, faces: &[[usize; 3]]) -> DVec3 {
         let mut best = (f64::INFINITY, [0; 3], DVec3::ZERO, Part::Inside);
         for &face in faces {

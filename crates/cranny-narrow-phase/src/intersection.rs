@@ -7,13 +7,13 @@
 //!
 //! Every segment runs along n × m, n and m being the normals of the first and the second body's
 //! face. Seen against n, the part of the first face that lies inside the second body is then on the
-//! left. The direction too is told by signs: where the first body's edge, run through as its face
-//! has it, goes inward through the other surface, the segment ends; where it goes outward, it
+//! left. The direction too is decided by signs: where the first body's edge, run through as its
+//! face has it, goes inward through the other surface, the segment ends; where it goes outward, it
 //! begins.
 //!
-//! In general position the signs that told that two faces cross also tell which edges make the ends
-//! ([`cross_triangles`](cranny_exact::cross_triangles)); only what is not in general position is
-//! looked at feature by feature.
+//! In general position the signs that decide that two faces cross also decide which edges make the
+//! ends ([`cross_triangles`](cranny_exact::cross_triangles)); only what is not in general position
+//! is looked at feature by feature.
 
 use std::collections::HashMap;
 

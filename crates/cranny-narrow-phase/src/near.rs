@@ -40,7 +40,7 @@ pub(crate) fn near_regions(
     for contact in &mut contacts {
         contact.id = by_foot(pair, contact);
     }
-    // What stands before the rim between two faces was told before each of them.
+    // What stands before the rim between two faces was offered before each of them.
     contacts.sort_unstable_by(|x, y| x.id.cmp(&y.id).then(x.separation.total_cmp(&y.separation)));
     contacts.dedup_by_key(|contact| contact.id);
     regions(pair, contacts)

@@ -348,7 +348,7 @@ impl<'a> Pair<'a> {
         if self.swapped { moved.swapped() } else { moved }
     }
 
-    /// A contact told in the pair's frame and order, as the caller wants it.
+    /// A contact of the pair's frame and order, as the caller wants it.
     pub(crate) fn world_contact(&self, contact: Contact) -> Contact {
         let c = if self.swapped { contact.swapped() } else { contact };
         Contact {

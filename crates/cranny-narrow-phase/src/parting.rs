@@ -54,7 +54,7 @@ impl Parting {
     /// A lower bound of how far the surfaces are apart, or 0 if none was found; no bound beyond
     /// `wanted` is sought.
     ///
-    /// What it tells exceeds every rounding of the pair: no computed distance is below it.
+    /// What it returns exceeds every rounding of the pair: no computed distance is below it.
     pub(crate) fn gap(&mut self, pair: &Pair, wanted: f64, counters: &mut Counters) -> f64 {
         let hulls = Side::BOTH.map(|side| pair.model(side).hull());
         let Some(mut tops) = self.starts(hulls) else { return 0.0 };

@@ -1,4 +1,4 @@
-//! What is asked about a pair.
+//! A query: what of a pair is computed.
 
 use cranny_exact::Pose;
 use cranny_geometry::{Model, check_crease_angle};
@@ -16,7 +16,7 @@ pub struct Placed<'a> {
     pub pose: Pose,
 }
 
-/// How much is asked. Each demand does only its own work.
+/// How much is computed. Each demand does only its own work.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Demand {
     /// Nothing.
@@ -32,7 +32,7 @@ pub enum Demand {
     },
     /// The verdict of `Intersects`, and contacts for a solver: for each pair of patches that come
     /// within the margin the nearest points, with the normal of their own place, or as many as span
-    /// a patch that is large. No distance is measured, and regions are told only where solids
+    /// a patch that is large. No distance is measured, and regions are reported only where solids
     /// overlap in a way that no vertex or edge can say.
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
@@ -64,7 +64,7 @@ pub enum Normals {
 }
 
 impl Normals {
-    /// Of two wishes about the same contacts. The mesh's own come first: what is told smooth is no
+    /// Of two wishes about the same contacts. The mesh's own come first: what is smooth is no
     /// longer known exactly. Of two creases, the one that leaves more of it.
     fn join(self, other: Self) -> Self {
         match (self, other) {
@@ -127,7 +127,7 @@ impl Demand {
         }
     }
 
-    /// Whether an answer to this demand tells all that the other asks. A larger margin covers a
+    /// Whether an answer to this demand holds all that the other demands. A larger margin covers a
     /// smaller one: what lies beyond is the reader's to leave out.
     #[must_use]
     pub fn covers(self, other: Self) -> bool {
@@ -149,7 +149,7 @@ impl Demand {
         }
     }
 
-    /// The margin up to which contacts are asked for, if they are.
+    /// The margin up to which contacts are demanded, if they are.
     #[must_use]
     pub fn margin(&self) -> Option<f64> {
         match *self {
@@ -175,7 +175,7 @@ pub enum Method {
 /// A question about a pair of placed models.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Query {
-    /// How much is asked.
+    /// How much is computed.
     pub demand: Demand,
     /// How faces that meet are found.
     pub method: Method,

@@ -203,7 +203,7 @@ fn closed_region(
     // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
     // is longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
-    // Of corners that are equally deep but for rounding, the one that is told is the deepest.
+    // Of corners that are equally deep but for rounding, the one that is reported is the deepest.
     let key = |c: &Contact| (c.separation, c.id);
     for &contact in &contacts {
         if key(&contact) < key(&deepest) {

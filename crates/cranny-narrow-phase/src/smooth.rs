@@ -1,7 +1,7 @@
 //! Normals of contacts as the curved surfaces have them that the meshes stand for.
 //!
 //! A contact's own normal is that of the facets, or of the way across a gap. On a finely cut thread
-//! it is off by degrees from the helicoid's, which brakes a nut. [`smooth_normal`] tells, for a
+//! it is off by degrees from the helicoid's, which brakes a nut. [`smooth_normal`] returns, for a
 //! contact that is known, the normal of the curved surfaces ([`SmoothNormals`]) instead. Points and
 //! separation are the contact's own and stay; no contact comes or goes.
 //!
@@ -10,7 +10,7 @@
 //! normal is wrong by that times the bend of its surface. They are mixed in inverse measure of
 //! their bends: a ball on a flat floor has the floor's normal, two flanks that fit each other the
 //! mean. Where one body is sharp, the other's normal counts, made square to the sharp curve if that
-//! runs on; where two sharp curves cross, what is square to both. Where neither tells anything, or
+//! runs on; where two sharp curves cross, what is square to both. Where neither says anything, or
 //! they contradict each other or the contact's own normal by more than the crease, the contact's
 //! own stays: no normal is ever farther from it than the crease.
 
@@ -67,7 +67,7 @@ pub fn smooth_normal(
 
 /// Normals that differ by less, as chords of the unit sphere, differ by rounding: the contact's own
 /// stays to the bit. Smaller: contacts of flat faces change in their last bits; larger: very fine
-/// meshes are told flat.
+/// meshes stay flat.
 const SAME: f64 = 1e-10;
 
 /// What a body is at a point, in world coordinates.

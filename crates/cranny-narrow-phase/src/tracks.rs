@@ -41,7 +41,7 @@ impl RegionTracks {
         self.regions.capacity() * size_of::<Tracked>() + faces.sum::<usize>()
     }
 
-    /// Names the regions of an answer, each after the one that it continues, and tells which ones
+    /// Names the regions of an answer, each after the one that it continues, and returns which ones
     /// it has a share of.
     ///
     /// Cost: near-linear in the faces of all regions, quadratic in the regions that share none.
@@ -72,9 +72,9 @@ impl RegionTracks {
         RegionId(self.next - 1)
     }
 
-    /// Brings what is kept into the order of these bodies, and tells how much of it each new region
-    /// shares. Of other models, nothing is kept; two bodies of one model may have changed places,
-    /// if that fits better.
+    /// Brings what is kept into the order of these bodies, and returns how much of it each new
+    /// region shares. Of other models, nothing is kept; two bodies of one model may have changed
+    /// places, if that fits better.
     fn turned_to(&mut self, [a, b]: [Placed; 2], now: &[Tracked]) -> Links {
         let [as_told, exchanged] = match &self.whose {
             Some([first, second]) => [[a, b], [b, a]]

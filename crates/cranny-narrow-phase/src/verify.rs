@@ -1,4 +1,4 @@
-//! The debug switch: every answer is asked for a second time without memory, and the two are
+//! The debug switch: every query is answered a second time without memory, and the two are
 //! compared.
 
 use crate::answer::{Answer, Counters};
@@ -10,9 +10,9 @@ use crate::query::{Placed, Query};
 /// reported, and looked into.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
-    /// What was told with memory.
+    /// The answer with memory.
     pub warm: Answer,
-    /// What is told without.
+    /// The answer without.
     pub cold: Answer,
 }
 

@@ -36,7 +36,7 @@ impl Wedge {
 
     /// Where the half-plane from the edge's line through `p` begins: in the solid, out of it or in
     /// a face. `view` is that of the plane through the edge and `p`. `On` also where nothing can be
-    /// told: `p` is on the edge's line, or a face around the edge has no area.
+    /// decided: `p` is on the edge's line, or a face around the edge has no area.
     pub(crate) fn locate(&self, p: DVec3, view: Projection) -> Location {
         let hand = |x: DVec3| view.turn(&[self.ends[0], self.ends[1], x]);
         let hand_of_p = hand(p);

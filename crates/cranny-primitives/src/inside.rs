@@ -68,7 +68,7 @@ pub(crate) fn leaves(model: &Model, feature: Feature, way: DVec3) -> bool {
 }
 
 /// Sum of the unit normals around a feature, weighted by the angle at a vertex: the sign of its
-/// product with the way to a point tells inside from outside (Bærentzen and Aanæs 2005).
+/// product with the way to a point distinguishes inside from outside (Bærentzen and Aanæs 2005).
 pub(crate) fn outward_normal(model: &Model, feature: Feature) -> DVec3 {
     let mesh = model.mesh();
     let unit = |f: FaceId| mesh.area_vector(f).normalize_or_zero();

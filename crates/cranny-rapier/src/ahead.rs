@@ -165,7 +165,7 @@ impl PairAhead {
         !swept.loosened(self.base).intersects(&b.bounds)
     }
 
-    /// Whether the bodies may come together at a contact (told in the frame of the first).
+    /// Whether the bodies may come together at a contact (in the frame of the first).
     pub(crate) fn may_close(&self, contact: &SolverContact) -> bool {
         let ([a, b], may) = (&self.motions, self.may());
         let point = a.pose * narrow(contact.on_first);
@@ -246,7 +246,7 @@ impl Motions {
     }
 
     /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the
-    /// prediction distance that rapier has to be told: no contact that a pair's reach holds is
+    /// prediction distance that rapier needs: no contact that a pair's reach holds is
     /// farther.
     ///
     /// `settled`: whether the broad phase has boxes of all bodies where they are.

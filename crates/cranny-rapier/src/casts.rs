@@ -1,9 +1,9 @@
 //! Shape casts of polyhedra, by the certified time of impact: nothing is passed through, whatever
 //! the speed.
 //!
-//! parry's cast of a hollow mesh goes from triangle to triangle, and tells a body inside a solid
-//! that it is free. Here a cast is free for certain before the time told, and at that time the
-//! surfaces are within a tolerance of each other.
+//! parry's cast of a hollow mesh goes from triangle to triangle, and reports of a body inside a
+//! solid that it is free. Here a cast is free for certain before the time returned, and at that
+//! time the surfaces are within a tolerance of each other.
 
 use cranny_exact::{DVec3, Pose as ExactPose};
 use cranny_geometry::Model;
@@ -91,7 +91,7 @@ impl<'a> Cast<'a> {
         Self { models, motions, begin, seconds }
     }
 
-    /// How far apart the surfaces may be when they are told to meet.
+    /// How far apart the surfaces may be when they are reported to meet.
     pub(crate) fn tolerance(&self) -> f64 {
         TOLERANCE * self.models[0].radius().min(self.models[1].radius())
     }

@@ -64,7 +64,7 @@ pub fn dispatcher() -> Dispatcher {
 }
 
 impl Dispatcher {
-    /// A dispatcher that tells a log what it answers and how long it took.
+    /// A dispatcher that logs what it answers and how long it took.
     #[must_use]
     pub fn with_log(log: AnswerLog) -> Self {
         Self { log: Some(log), ..Self::default() }
@@ -75,7 +75,7 @@ impl Dispatcher {
         Self { motions, ..self }
     }
 
-    /// The same, counting searches, and carrying contacts on if asked.
+    /// The same, counting searches, and carrying contacts on where `carries` says so.
     pub(crate) fn carrying(self, searches: Searches, carries: bool) -> Self {
         Self { searches: Some(searches), carries, ..self }
     }

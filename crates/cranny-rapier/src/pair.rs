@@ -33,7 +33,7 @@ use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
-/// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch.
+/// Pairs with a mesh of fewer faces get the regions of their contact, the others patch by patch.
 /// Larger: time is lost on what patches tell as well; smaller: sides that overlap lose the contacts
 /// where an edge of one passes over an edge of the other, since patches then tell vertices inside
 /// only. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
@@ -56,9 +56,9 @@ pub(crate) struct PairWorkspace {
     memory: Mutex<PairMemory>,
     /// What the pair's last search found, if its contacts may be carried on.
     carried: Option<CarriedList>,
-    /// What is asked about of each side: a model, where both have one.
+    /// What is queried of each side: a model, where both have one.
     cores: Option<[Core; 2]>,
-    /// Whether deep overlaps are told as a solver is led out of them, not as they are.
+    /// Whether deep overlaps are reported as a solver is led out of them, not as they are.
     leads_out: bool,
     /// Of pairs of a compound's parts, by the parts' numbers; of those alone that are near.
     parts: BTreeMap<(usize, usize), Self>,
@@ -102,7 +102,7 @@ impl WorkspaceData for PairWorkspace {
     }
 }
 
-/// An answer and what was asked.
+/// An answer and its query.
 pub(crate) type Answered = (Answer, Query);
 
 /// How far a pair's contacts count.
@@ -125,7 +125,7 @@ impl Reach {
 pub(crate) struct Found {
     /// Within reach, in the first shape's frame, from first to second.
     pub(crate) contacts: Vec<SolverContact>,
-    /// The whole answer and what it was asked, where the pair was asked about as two models.
+    /// The whole answer and its query, where the pair was queried as two models.
     pub(crate) answer: Option<Answered>,
     /// What the contacts were made of, where a list of it can be carried on: not of one way out.
     searched: Option<Vec<Contact>>,
@@ -142,7 +142,7 @@ impl Found {
     }
 }
 
-/// What a shape is asked about as; `None` where parry has to be asked.
+/// What stands for a shape in a query; `None` where parry has to answer.
 fn core(shape: &dyn Shape) -> Option<Core> {
     match ours(shape) {
         Some(shape) => Some(Core::of_ours(shape)),
@@ -151,12 +151,12 @@ fn core(shape: &dyn Shape) -> Option<Core> {
 }
 
 impl PairWorkspace {
-    /// Of a pair that has not been asked about yet, for a solver.
+    /// Of a pair that has not been queried yet, for a solver.
     pub(crate) fn for_solver(g1: &dyn Shape, g2: &dyn Shape) -> Self {
         Self::new(g1, g2, true)
     }
 
-    /// Of a pair that is asked about once, by somebody who wants to know how it is.
+    /// Of a pair that is queried once, for somebody who wants to know how it is.
     pub(crate) fn for_question(g1: &dyn Shape, g2: &dyn Shape) -> Self {
         Self::new(g1, g2, false)
     }

@@ -101,8 +101,9 @@ impl MeshShape {
     /// The same as ground that rapier's `KinematicCharacterController` feels. The controller asks
     /// its casts of the query pipeline's dispatcher, and parry's own whether it stands on
     /// something; that one is then shown the parry mesh of the same triangles. Without this nothing
-    /// but a ball is ever told to be grounded on the shape, snaps to it, is carried by it or pushes
-    /// it. Nothing else changes, but that parry panics where such a shape is put into a compound.
+    /// but a ball is ever reported to be grounded on the shape, snaps to it, is carried by it or
+    /// pushes it. Nothing else changes, but that parry panics where such a shape is put into a
+    /// compound.
     #[must_use]
     pub fn walkable(self) -> Self {
         Self { walkable: true, ..self }
@@ -227,7 +228,7 @@ impl Shape for MeshShape {
     }
 
     /// Its own, so that rapier's serde refuses to write it: what it could read back would be
-    /// another shape. Only a `snapshot` is told of one that it can.
+    /// another shape. Only a `snapshot` is shown one that it can.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         #[cfg(feature = "snapshot")]
         if let Some(ball) = self.stand_in.shown() {

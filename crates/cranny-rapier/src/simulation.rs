@@ -155,7 +155,7 @@ impl Simulation {
         }
     }
 
-    /// What puts the detector into rapier, and tells this simulation.
+    /// What puts the detector into rapier, and logs to this simulation.
     #[cfg(feature = "snapshot")]
     pub(crate) fn dispatcher(&self) -> Dispatcher {
         dispatcher_of(&self.options, &self.log, &self.motions, &self.searches)

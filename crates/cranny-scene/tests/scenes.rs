@@ -1,4 +1,4 @@
-//! What scene files may say, and what they are told when they say something else.
+//! What scene files may say, and the errors when they say something else.
 
 use std::path::Path;
 
@@ -270,7 +270,7 @@ fn no_prefix_and_no_changed_character_panics() {
     }
 }
 
-/// Flat unless asked for; of bodies, piles and robots alike.
+/// Flat unless stated; of bodies, piles and robots alike.
 #[test]
 fn normals_are_smooth_where_a_scene_says_so() {
     let body = |normals: &str| {

@@ -14,7 +14,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What is run unless told otherwise: some seconds in all.
+    /// What is run by default: some seconds in all.
     pub const DEFAULT: Self = Self { seed: 1, variants: 4 };
 }
 
@@ -23,7 +23,7 @@ impl Settings {
 pub struct Family {
     /// A word, as on the command line.
     pub name: &'static str,
-    /// What is asked.
+    /// The question.
     pub asked: &'static str,
     /// How cases are made, and how their truth is known.
     pub made: &'static str,

@@ -9,7 +9,7 @@
 //!   penetration depth, which is held against all faces of the set of differences in `f64`; and
 //!   what memory changes, which is the product against itself: without memory, and by its own brute
 //!   force over all pairs of faces.
-//! - A [`Peer`] is asked the same; what it gets wrong is told beside ours and fails nobody.
+//! - A [`Peer`] answers the same questions; its errors stand beside ours and fail nobody.
 //!
 //! # Non-promises
 //!
@@ -20,7 +20,7 @@
 //!
 //! [`FAMILIES`] is the table: whoever has a new family adds a file to `families` and a line to the
 //! table. A [`Family`] fills a `trial` with cases; `pair` judges two bodies, [`hull_judge`] two
-//! hulls by what [`HullTruth`] knows of them, and [`Peer`] is whoever else is asked. [`Outcome`]
+//! hulls by what [`HullTruth`] knows of them, and [`Peer`] is another detector. [`Outcome`]
 //! sums up.
 //!
 //! ```

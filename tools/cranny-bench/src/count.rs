@@ -1,7 +1,7 @@
 //! Fixed pieces of work, whose instructions somebody else counts:
 //! `cargo run -p xtask -- instructions`.
 //!
-//! A clock tells how busy a machine is as much as how much there was to do; the instructions of the
+//! A clock shows how busy a machine is as much as how much there was to do; the instructions of the
 //! same work are the same to a thousandth, so that a slow-down is seen by comparing two numbers.
 
 use std::hint::black_box;

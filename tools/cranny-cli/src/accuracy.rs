@@ -1,6 +1,6 @@
 //! `cranny accuracy`: what certainty costs in time, and what haste costs in certainty.
 //!
-//! Every method is asked at the same poses, in this process and on this thread, in rounds (a spell
+//! Every method answers at the same poses, in this process and on this thread, in rounds (a spell
 //! in which the machine is busy slows one run of each), and judged by exact answers: `truth` has
 //! those; `ours` and `peer` are the methods; a `contestant` is one of them with a `series` of
 //! replies to each question, at poses that `visits` chooses; `figures` judges these, and `table`
@@ -39,7 +39,7 @@ use pose_table::PoseTable;
 use refinement::{Rested, rested};
 use truth::Truth;
 
-/// Two bodies and where they are asked about.
+/// Two bodies and the poses at which they are queried.
 struct Scene<'a> {
     models: [&'a Model; 2],
     poses: &'a [PosePair],
@@ -66,7 +66,7 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
     let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
     let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
-    // What cannot be written is told before the long work.
+    // What cannot be written is reported before the long work.
     make_folder(&args.out)?;
     FILES.iter().try_for_each(|name| check_writable(&args.out.join(name)))?;
     let truths = truth::truths([&a, &b], &poses)

@@ -1,4 +1,4 @@
-//! What can be asked: the arguments of each command.
+//! The arguments of each command.
 
 mod accuracy;
 mod scene;
@@ -22,7 +22,7 @@ pub(crate) use stability::StabilityArgs;
 /// Exact collision detection for bodies that are not convex.
 ///
 /// Results go to standard output; errors, logs and progress to standard error, the latter two only
-/// where that is a terminal or they are asked for.
+/// where that is a terminal or a flag says so.
 #[derive(Debug, Parser)]
 #[command(name = "cranny", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 pub(crate) struct Cli {
@@ -225,7 +225,7 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_name = "SHARE", value_parser = flat, allow_hyphen_values = true)]
     pub(crate) flat: Option<f64>,
 
-    /// Draw the mesh; what the colours mean is told in the report
+    /// Draw the mesh; the report says what the colours mean
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
 
@@ -356,7 +356,8 @@ fn level(text: &str) -> Result<Accuracy, String> {
     }
 }
 
-/// Reads a level of accuracy for scenes; the levels of later versions are told from typing errors.
+/// Reads a level of accuracy for scenes; the levels of later versions get another error than
+/// misspelt ones.
 fn accuracy(text: &str) -> Result<AccuracyArg, String> {
     match text.split(':').next() {
         Some("exact") if text == "exact" => Ok(AccuracyArg::Exact),

@@ -1,7 +1,7 @@
 //! `cranny compare`: one scene under several detectors, in one process, judged by exact answers.
 //!
 //! All take their steps in turn, so that what else the machine does meets all alike. `contestant`
-//! is one of them, `figures` what is told of it, `chart` the drawing.
+//! is one of them, `figures` what is reported of it, `chart` the drawing.
 
 mod chart;
 mod contestant;
@@ -34,7 +34,7 @@ const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
 /// # Errors
 ///
 /// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What
-/// a peer cannot do is told in its row.
+/// a peer cannot do stands in its row.
 pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), Failure> {
     let mut scene = load(&args.scene, args.instead.seed)?;
     let (helices, rings) = (helices(&scene), rings(&scene));
@@ -46,7 +46,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         check_outputs(&outputs.each_ref().map(|path| &**path), &inputs).map_err(failure)?;
     }
     // Depths are exact answers at the poses that each detector led to, whatever the scene asks to
-    // be told.
+    // be reported.
     let description = &mut scene.description;
     if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
         description.effects.push(Effect::Contacts { margin: 0.0 });

@@ -1,4 +1,5 @@
-//! Logs on standard error: warnings on a terminal, nothing elsewhere, more where it is asked for.
+//! Logs on standard error: warnings on a terminal, nothing elsewhere, more where the environment
+//! says so.
 
 use std::io::{self, IsTerminal};
 

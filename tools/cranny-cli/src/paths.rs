@@ -17,7 +17,7 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::input(format!("{what} {name}: it is a folder. Name a file in it.")));
     }
-    // Whatever else keeps it from being read is told by who reads it.
+    // Whatever else keeps it from being read is reported by who reads it.
     match path.try_exists() {
         Ok(false) => Err(Failure::input(format!(
             "{what} {name}: there is no such file. Check the name and the folder."

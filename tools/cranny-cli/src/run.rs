@@ -18,7 +18,7 @@ use crate::output::Output;
 use crate::paths::check_output;
 use crate::scene_file::load;
 
-/// Bodies whose motion the text summary tells; the JSON tells all.
+/// Bodies whose motion the text summary lists; the JSON lists all.
 const MOTIONS_TOLD: usize = 8;
 
 /// How often progress is drawn, at most.

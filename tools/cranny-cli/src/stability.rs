@@ -1,6 +1,6 @@
-//! `cranny stability`: the hard cases, what was asked, what came out, pass or fail.
+//! `cranny stability`: the hard cases, their questions and answers, pass or fail.
 //!
-//! `cranny_stability` has the families and the judges; here they are run and told: `rows` for a
+//! `cranny_stability` has the families and the judges; here they are run and reported: `rows` for a
 //! line a family and the files of numbers, `page` for the page, `chart` for its drawing. `peer`
 //! asks parry the same.
 
@@ -21,7 +21,7 @@ use crate::progress;
 use peer::Parry;
 use rows::Row;
 
-/// How many failed cases of a family are told on standard output; files have them all.
+/// How many failed cases of a family are printed on standard output; files have them all.
 const TOLD: usize = 5;
 
 /// Runs the command.

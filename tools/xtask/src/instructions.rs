@@ -15,7 +15,7 @@ use std::{fs, thread};
 /// Where the figures are kept, relative to the workspace.
 const FILE: &str = "tools/instructions.txt";
 
-/// What may be more without being told: a hash map's order, another layout of the code.
+/// What may be more without a report: a hash map's order, another layout of the code.
 const TOLERANCE: f64 = 0.03;
 
 const HEADING: &str = "\

@@ -20,7 +20,7 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// A new candidate, judged; a pair is told to `found`.
+    /// A new candidate, judged; a pair is added to `found`.
     pub(super) fn found(a: Slot, b: Slot, travel: f64, slots: &Slots, found: &mut Found) -> Self {
         let mut candidate = Self { slots: [a.min(b), a.max(b)], held: false, due: travel };
         candidate.judge(travel, slots);

@@ -9,7 +9,7 @@
 //! speed makes leaving rare for slow things and candidates few for quick ones.
 //!
 //! Candidates are judged by the boxes themselves, in double precision, and only when they may have
-//! changed: by how much two boxes overlap, or are apart, tells how far they can move before they
+//! changed: by how much two boxes overlap, or are apart, says how far they can move before they
 //! do. Bodies that move about as far as most need no word of their own: a common *travel* is summed
 //! up, and a candidate is due when the travel has reached its mark. Quicker ones are judged in
 //! every update.

@@ -248,7 +248,7 @@ impl Axis {
     }
 
     /// Sorted; each place on record; `slots` boxes listed with their faces `(lower, upper)` as
-    /// told by `faces`, which is `None` for slots that must not be listed.
+    /// given by `faces`, which is `None` for slots that must not be listed.
     pub(super) fn validate(
         &self,
         name: char,

@@ -1,6 +1,6 @@
 //! What is wrong with caps, as findings.
 //!
-//! Strips no wider than a slab is deep are rounding, as skin is, and not told.
+//! Strips no wider than a slab is deep are rounding, as skin is, and not reported.
 
 use std::collections::BTreeSet;
 
@@ -16,7 +16,7 @@ use cranny_geometry::{Finding, FindingKind};
 impl CapSurface {
     /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each
     /// group of facets with such caps that is crossed, and for a closed body that is no thicker
-    /// than slabs. O(n), and the square of the facets told.
+    /// than slabs. O(n), and the square of the facets reported.
     pub(crate) fn findings(
         &self,
         mesh: &Mesh,

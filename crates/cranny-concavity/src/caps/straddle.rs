@@ -7,7 +7,7 @@
 //! sides are then each other's opposites: together they bound nothing, and both are dropped.
 //!
 //! Both sides of a plate have opposite pieces too where it has a hole. There both are uncovered;
-//! here one is covered too often. What tells them apart is the areas, each measured along the
+//! here one is covered too often. What distinguishes them is the areas, each measured along the
 //! normal of its own facet: only pieces whose areas add up to nothing are dropped.
 //!
 //! Where sides are rough by as much as slabs are deep, a piece may have the opposites of several

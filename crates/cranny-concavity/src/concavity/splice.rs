@@ -218,7 +218,7 @@ impl ConcavitySet {
             cover: Vec::new(),
             skin: Skin::default(),
         };
-        // Faces of disturbed concavities belong to none until they are told.
+        // Faces of disturbed concavities belong to none until they are assigned.
         for c in self.iter().filter(|c| disturbed[c.id().index()]) {
             c.faces.iter().for_each(|f| all.concavity_of_face[f.index()] = NONE);
         }

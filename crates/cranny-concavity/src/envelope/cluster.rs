@@ -186,7 +186,7 @@ impl Cut {
     }
 }
 
-/// Two parts of some items: the sums over them, and what they cost, if that was asked.
+/// Two parts of some items: the sums over them, and what they cost, where that is wanted.
 struct Halves {
     moments: [Moments; 2],
     costs: Option<[f64; 2]>,

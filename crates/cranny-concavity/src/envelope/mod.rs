@@ -20,7 +20,7 @@
 //! the thinner layers beneath the planes; the thickest part is divided first (`cluster`). Nothing
 //! is assumed of the pocket: voids have no lid, openings may be flat, faces may face anywhere.
 //!
-//! **Cells.** The facet with the least slack, `least(normal · x) − offset`, tells where in the core
+//! **Cells.** The facet with the least slack, `least(normal · x) − offset`, says where in the core
 //! a thing is: for a point, its cell in the Voronoi diagram of the layer's planes; for a body,
 //! pseudo-Voronoi (after Ponamgi, Manocha and Lin 1997, who walk exterior regions; here planes
 //! replace features, so that a concavity needs as few of them as one likes). [`Envelope::track`]

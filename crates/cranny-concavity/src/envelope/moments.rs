@@ -105,7 +105,7 @@ impl Opening {
 
 /// What part of its size adds to a part's thickness: a flat wall is divided too, once thicker parts
 /// are thin. Smaller: walls stay whole and one offence opens them all; larger: sides are cut before
-/// they are told apart.
+/// they are distinguished.
 const SPREAD: f64 = 0.125;
 
 /// The thickness of an even layer over its standard deviation: the root of 12.

@@ -155,7 +155,7 @@ impl Assignment {
         (self.starts, self.facets) = replaced(&self.starts, &self.facets, count, &moved, |f| f);
     }
 
-    /// Places faces that are not needles; `facet_of_equal` tells the facet of the triangle of the
+    /// Places faces that are not needles; `facet_of_equal` returns the facet of the triangle of the
     /// hull that has these corners; returns the needles among those whose corners are on the hull.
     pub(super) fn assign_wide(
         &mut self,

@@ -78,7 +78,7 @@ impl Node {
 
     /// Whether a point may lie in one of the slabs.
     fn may_hold(&self, p: DVec3) -> bool {
-        // All that is asked is computed, without a branch: nobody could predict it.
+        // All comparisons are made, without a branch: nobody could predict it.
         let within = self.bounds.min.cmple(p) & p.cmple(self.bounds.max);
         let highest = (self.normals.min * p).max(self.normals.max * p);
         (within.bitmask() == 0b111) & (highest.x + highest.y + highest.z >= self.floor)
@@ -134,7 +134,7 @@ impl Slabs {
         self.build_levels();
     }
 
-    /// Follows a hull whose facets have changed. Where slabs are that are other than before, tells
+    /// Follows a hull whose facets have changed. Where slabs differ from those before, reports
     /// in boxes.
     ///
     /// Cost: copying, the levels above the lowest, and O(m log m) for the m facets that are new;

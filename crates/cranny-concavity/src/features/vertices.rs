@@ -2,9 +2,9 @@
 //!
 //! The facets of an extreme vertex are those of the hull's triangles around it. Any other vertex
 //! may lie in the slab of a facet, and where there are many, most lie in none, in company: so the
-//! tree over the faces is asked first. A box beneath all slabs holds no vertex on the hull; where
-//! that cannot be said of a box, its children look at what is left of the facets, and a vertex in
-//! the end at a handful.
+//! tree over the faces is searched first. A box beneath all slabs holds no vertex on the hull;
+//! where that cannot be said of a box, its children look at what is left of the facets, and a
+//! vertex in the end at a handful.
 //!
 //! Cost: near-linear; O(log n) for a vertex near the hull, less for those that lie deep.
 //!
@@ -43,7 +43,7 @@ pub(super) fn facets_of_vertices(
     slabs: &Slabs,
 ) -> (Vec<u32>, Vec<u32>) {
     let count = mesh.vertices().len();
-    // Where facets are as many, vertices lie near them as a rule, and are asked for one by one as
+    // Where facets are as many, vertices lie near them as a rule, and are searched one by one as
     // quickly.
     let in_company = count - hull.vertex_count() > hull.facet_count();
     let mut found = Vec::new();

@@ -45,7 +45,7 @@ enum Peak {
     Proved(f64),
     /// A neighbour is higher, rounding and all.
     Refuted,
-    /// A neighbour is as high, as far as f64 tells.
+    /// A neighbour is as high, as far as f64 can say.
     Open,
 }
 

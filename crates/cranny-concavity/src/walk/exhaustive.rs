@@ -100,7 +100,7 @@ fn candidates(pieces: &[Piece], corner: impl Fn(DVec3) -> bool) -> Vec<&Piece> {
 }
 
 /// Whether a hull lies in the interior of the other. Their surfaces share no point, so any vertex
-/// tells.
+/// decides.
 fn one_holds_the_other(sides: &Sides, pieces: &[Vec<Piece>; 2]) -> bool {
     let in_first = sides.hulls[0].hull.locate(pieces[1][0].corners[0]) == Location::Inside;
     let p = pieces[0][0].corners[0];

@@ -167,8 +167,8 @@ fn made_square([p, q]: [DVec3; 2], edges: [DVec3; 2]) -> DVec3 {
 /// Turns a direction across an edge of the first hull so that it points out of that hull. What is
 /// normal to an edge and points outward lies between the normals of its facets, hence on the
 /// positive side of their sum and of that of the directions out of the facets; one of the sums
-/// never vanishes. The difference of the points tells only where there are no facets: it may be all
-/// rounding.
+/// never vanishes. The difference of the points serves only where there are no facets: it may be
+/// all rounding.
 fn outward(sides: &Sides, edge: HullEdgeId, across: DVec3, difference: DVec3) -> DVec3 {
     let graph = sides.graph(0);
     let [left, right] = graph.both_halves(edge);

@@ -33,7 +33,8 @@ pub(super) enum Search {
     Overlap(Portal, f64),
     /// A direction along which the supports, at this pair, are apart, as computed.
     Apart(DVec3, SupportPair),
-    /// The origin lies on the boundary of the set, as nearly as f64 tells; about there a direction.
+    /// The origin lies on the boundary of the set, as nearly as f64 can say; about there a
+    /// direction.
     Boundary(DVec3),
 }
 
@@ -102,7 +103,7 @@ fn support(sides: &Sides, direction: DVec3, near: Option<SupportPair>) -> Corner
 
 /// Seeks the portal before which the origin lies, or the plane beyond which it does. Every portal
 /// is a set of vertices and lies further out than the one before; where rounding says otherwise,
-/// the origin is on the boundary as far as f64 tells. So the search ends.
+/// the origin is on the boundary as far as f64 can say. So the search ends.
 pub(super) fn search(sides: &Sides, trail: &mut Trail<impl WalkObserver>) -> Search {
     let center = center_of(sides);
     if let Some(depth) = depth_of_balls(sides) {

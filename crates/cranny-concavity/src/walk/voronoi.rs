@@ -249,7 +249,7 @@ fn nearest_rim(sides: &Sides, side: usize, facet: FacetId, [q, w]: [DVec3; 2]) -
 /// How a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// At a pair that is closest as far as f64 tells.
+    /// At a pair that is closest as far as f64 can say.
     Closest([HullFeature; 2]),
     /// At a pair one of which reaches into the other hull.
     Inside([HullFeature; 2]),

@@ -22,15 +22,15 @@ pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Body {
     model
 }
 
-/// [`closed_checked`], and what is told of the mesh; but whether each facet is covered once is not
-/// asked.
+/// [`closed_checked`], and what is reported of the mesh; but whether each facet is covered once is
+/// not checked.
 pub(crate) fn checked_told(mesh: &Mesh) -> (Body, Vec<Finding>) {
     let (model, findings) = built_with(mesh, &BuildOptions::default());
     check_sums(&model);
     (model, findings)
 }
 
-/// Builds and validates, but whether each facet is covered once is not asked.
+/// Builds and validates, but whether each facet is covered once is not checked.
 pub(crate) fn built_with(mesh: &Mesh, options: &BuildOptions) -> (Body, Vec<Finding>) {
     let (model, report) = Body::build(mesh.clone(), options).unwrap();
     model.features().validate(model.mesh(), model.topology()).unwrap();
@@ -119,8 +119,8 @@ impl Rounding {
             sums.1 += a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
         };
         (0..mesh.faces().len() as u32).for_each(|f| add(&mut sums, mesh.triangle(FaceId(f))));
-        // A sum of faces no larger than this is told as 0 (`MassProperties`), and may have been as
-        // large.
+        // A sum of faces no larger than this is reported as 0 (`MassProperties`), and may have been
+        // as large.
         let is_none = model.mass_properties().is_some_and(|mass| mass.volume == 0.0);
         let roundings = 16.0 + mesh.faces().len() as f64;
         let left_out = if is_none { 0.5 * f64::EPSILON * roundings * sums.0 / 6.0 } else { 0.0 };

@@ -319,7 +319,7 @@ fn t_vertices_on_edges_of_the_hull_are_stitched_and_change_no_count() {
         for every in [1, 2, 3, 7] {
             let cut = with_t_vertices(&mesh, every);
             for cut in [cut.clone(), moved(&cut, |p| 2f64.powi(-40) * p), turned(&cut)] {
-                // As filed: open along the cuts, which is told, but as sound as it can be.
+                // As filed: open along the cuts, which is reported, but as sound as it can be.
                 checked_with(&cut, &BuildOptions::default());
                 let options = BuildOptions { repair: Repair::Safe, ..BuildOptions::default() };
                 let model = checked_with(&cut, &options);

@@ -21,8 +21,8 @@ use crate::meshes::turned;
 /// Seeds that always run: a second's worth.
 const SEEDS: Range<u64> = 0..60;
 
-/// And some that alone showed a fault: a cap with a corner that had moved was told as it was, where
-/// no face of the concavity had moved.
+/// And some that alone showed a fault: a cap with a corner that had moved was reported as it was,
+/// where no face of the concavity had moved.
 const TELLING: [u64; 2] = [487, 883];
 
 /// Deformations of each solid.
@@ -117,7 +117,7 @@ fn moves(model: &Body, home: &Mesh, coincides: bool, rng: &mut Rng) -> Vec<(Vert
     all
 }
 
-/// The seeds asked for; those above if none are.
+/// The seeds given; those above if there are none.
 fn seeds() -> Vec<u64> {
     let Ok(text) = std::env::var("CRANNY_SEEDS") else { return SEEDS.chain(TELLING).collect() };
     let ends = text.split_once("..").and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));

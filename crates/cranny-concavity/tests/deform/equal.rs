@@ -237,7 +237,7 @@ pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change,
     assert_eq!(change.beneath.concavities.len(), before.concavities().len(), "{what}");
     for (old, new) in (0..).map(ConcavityId).zip(&change.beneath.concavities) {
         let old = before.concavities().get(old);
-        // Those without faces are told by their caps.
+        // Those without faces are named by their caps.
         let caps = |model: &Body, c: &Concavity<'_>| -> BTreeSet<[VertexId; 3]> {
             let caps = c.caps.iter().map(|&cap| model.concavities().cap(cap).corners);
             caps.map(lowest_first).collect()

@@ -32,7 +32,7 @@ const LEVELS: [Accuracy; 9] = [
     Accuracy::Exact,
 ];
 
-/// Those that are asked warm and cold, and such as only levels tell apart.
+/// Those that are queried warm and cold, and such as only levels distinguish.
 fn bodies() -> Vec<(&'static str, Model)> {
     let mut bodies = small_models();
     bodies.extend([
@@ -103,7 +103,7 @@ impl Truth {
         }
     }
 
-    /// Whether an estimate tells nothing that is not so.
+    /// Whether an estimate claims nothing that is not so.
     fn check(&self, found: &Estimate, demand: Demand, what: &str) {
         let exact = &self.regions;
         match found.verdict {

@@ -41,7 +41,7 @@ pub fn judge_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Arithmetic) 
 /// it took.
 ///
 /// No crossing where they do not cross, or where a corner of one lies in the plane of the other or
-/// an edge meets an edge: [`locate_piercing`](super::locate_piercing) tells which features meet
+/// an edge meets an edge: [`locate_piercing`](super::locate_piercing) says which features meet
 /// there.
 #[must_use]
 pub fn cross_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Option<Crossing>, Arithmetic) {

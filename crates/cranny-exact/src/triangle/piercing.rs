@@ -1,4 +1,4 @@
-//! Where a segment meets a triangle, told by features instead of by coordinates.
+//! Where a segment meets a triangle, named by features instead of by coordinates.
 
 use glam::DVec3;
 

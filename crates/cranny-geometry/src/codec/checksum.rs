@@ -1,4 +1,4 @@
-//! What tells a damaged file from a whole one, at the speed of memory.
+//! What distinguishes a damaged file from a whole one, at the speed of memory.
 //!
 //! The bytes, filled up with zeros to a multiple of 64, are words of 64 bits, dealt out in turn to
 //! eight lanes. A lane takes a word by exclusive or, is multiplied by [`FACTOR`] and turned by half
@@ -73,7 +73,7 @@ mod tests {
     fn no_bytes_leave_the_lanes_as_they_begin() {
         let lanes = (1..=8u64).map(|i| FACTOR.wrapping_mul(i));
         assert_eq!(checksum(&[]), lanes.fold(0, step));
-        // Zeros that fill up are words like others: the file's length tells them apart.
+        // Zeros that fill up are words like others: the file's length distinguishes them.
         assert_eq!(checksum(&[7]), checksum(&[7, 0]));
         assert_ne!(checksum(&[]), checksum(&[0]));
     }

@@ -5,7 +5,7 @@
 //! beside the structure it is of. What is written is what cannot be had more cheaply from what was
 //! read before: boxes, owners and adjacency are made again while loading, so they cannot lie.
 //!
-//! **Nothing that is read is believed.** A checksum tells accidents, not malice: whoever writes a
+//! **Nothing that is read is believed.** A checksum shows accidents, not malice: whoever writes a
 //! file can write its checksum. So every index, range, order and float is checked where it is read,
 //! with the structure's own needs in mind: no later code may panic, or run in circles, for what a
 //! file says. Memory is bounded by the bytes present: a list is as long as the bytes that follow

@@ -16,7 +16,7 @@ use super::quickhull::{HullSurface, next};
 /// The corners of a triangle from each of them on.
 pub(super) const TURNED: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
 
-/// The corner of a triangle, 0 to 2, from which on its vertices are told: the lowest. Without
+/// The corner of a triangle, 0 to 2, from which on its vertices are listed: the lowest. Without
 /// branches, which nobody could foretell.
 #[inline]
 pub(super) fn lowest_corner([a, b, c]: [u32; 3]) -> u32 {

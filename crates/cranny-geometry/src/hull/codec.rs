@@ -1,5 +1,5 @@
 //! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are
-//! made again, and the graph when it is asked for.
+//! made again, and the graph at its first use.
 
 use cranny_exact::{Aabb, DVec3};
 
@@ -41,7 +41,7 @@ impl ConvexHull {
 
     /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked
     /// exactly, and that its box, which is the body's, holds the other vertices; not that it does.
-    /// Its graph is made when it is first asked for.
+    /// Its graph is made at its first use.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;

@@ -1,5 +1,5 @@
-//! Whether a closed surface is the boundary of a convex body, exactly: what is asked of a hull that
-//! was read.
+//! Whether a closed surface is the boundary of a convex body, exactly: what is demanded of a hull
+//! that was read.
 //!
 //! No edge that bends inwards is not enough: the sides of a pyramid over a five-pointed star go
 //! twice around its axis and bend outwards everywhere. After Mehlhorn, Näher, Seel, Seidel, Schilz,

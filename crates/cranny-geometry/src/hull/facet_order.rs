@@ -3,10 +3,10 @@
 //!
 //! Facets are numbered in no order that means anything, and planes of the same facet may differ by
 //! rounding. What is the same however a hull came about is which vertices of the mesh a facet has.
-//! So where nothing else tells two facets apart, the one whose vertices, ascending, come first in
+//! So where nothing else distinguishes two facets, the one whose vertices, ascending, come first in
 //! the order of dictionaries is taken.
 //!
-//! No source: this crate's own. Cost: O(k log k) for a facet of k triangles when it is first asked
+//! No source: this crate's own. Cost: O(k log k) for a facet of k triangles when it is first needed
 //! for.
 
 use std::cmp::Ordering;

@@ -18,7 +18,7 @@ pub(super) struct Flat {
 
 impl Flat {
     /// Of a surface over `points` points. `edge_sign` is the exact [`edge_sign`] of a half-edge; it
-    /// takes longest for zeros, so it is not asked of those that `is_surely_bent` names.
+    /// takes longest for zeros, so it is not tried for those that `is_surely_bent` names.
     pub(super) fn of(
         points: usize,
         surface: &HullSurface,

@@ -376,7 +376,7 @@ impl ConvexHull {
     }
 
     /// How deep below its plane a vertex of a facet could be and still be merged into it: the
-    /// flatness asked for times the largest coordinate magnitude.
+    /// flatness given times the largest coordinate magnitude.
     #[must_use]
     pub fn flatness(&self) -> f64 {
         self.facets.tolerance

@@ -134,7 +134,7 @@ impl HullSurface {
     }
 }
 
-/// What is asked of a face that may be seen: a cache line.
+/// What a test of a face that may be seen reads: a cache line.
 #[repr(align(64))]
 struct Facing {
     side: Side,
@@ -163,7 +163,7 @@ impl Waiting {
 }
 
 /// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they
-/// become more; more, and room is asked for that large clouds of few vertices never use.
+/// become more; more, and room is reserved that large clouds of few vertices never use.
 const MOST_FACES_AT_FIRST: usize = 1 << 12;
 
 struct HullBuilder<'a> {

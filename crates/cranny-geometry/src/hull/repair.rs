@@ -143,8 +143,8 @@ impl<'a> HullRepair<'a> {
     }
 
     /// Takes the vertices that have moved out, and puts all points that have moved, ascending, in
-    /// at their new places; `near` tells the points that lie in a box. `None` where that cannot be
-    /// done.
+    /// at their new places; `near` returns the points that lie in a box. `None` where that cannot
+    /// be done.
     pub(super) fn move_points(
         &mut self,
         moved: &[VertexId],
@@ -170,8 +170,8 @@ impl<'a> HullRepair<'a> {
         Some(())
     }
 
-    /// Takes a vertex of the hull before out; `near` tells the points that may come out, which lie
-    /// in a box: no moved ones. `None` where the hole cannot be filled.
+    /// Takes a vertex of the hull before out; `near` returns the points that may come out, which
+    /// lie in a box: no moved ones. `None` where the hole cannot be filled.
     fn take_out(&mut self, d: u32, near: impl Fn(&Aabb) -> Vec<u32>) -> Option<()> {
         let region = self.facets_around(d);
         let rim = self.rim_of(&region)?;

@@ -169,7 +169,7 @@ fn are_apart(
     shapes: [(DVec3, f64); 2],
 ) -> bool {
     let corner = |t: u32, k: u32| positions[surface.triangles[t as usize][k as usize % 3] as usize];
-    // Each from its own side, so that it is told alike from whichever triangle the edge is looked
+    // Each from its own side, so that it is judged alike from whichever triangle the edge is looked
     // at.
     let is_deep = |(area_vector, area): (DVec3, f64), [t, k]: [u32; 2], [u, l]: [u32; 2]| {
         area_vector.dot(corner(t, k) - corner(u, l + 2)) > tolerance * area

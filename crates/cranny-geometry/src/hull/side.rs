@@ -8,7 +8,7 @@
 //! from the subtraction in the cross product, one from the product with `fₖ`, two from the sums.
 //! Hence (Higham 2002, lemma 3.1) the computed value is off by at most `γ₈ M`,
 //! `γ₈ = 8u / (1 − 8u)`, `M` being the sum of the monomials' magnitudes. Now `|fₖ| ≤ wₖ`, the
-//! extent of the box that holds all points asked about, so with `mₖ = |dᵢ eⱼ| + |dⱼ eᵢ|` the number
+//! extent of the box that holds all points tested, so with `mₖ = |dᵢ eⱼ| + |dⱼ eᵢ|` the number
 //! `M ≤ m · w`, which depends on the triangle alone. Computing `m · w` loses at most nine further
 //! factors; [`FILTER`]` = 16 u` covers both with room.
 //!
@@ -22,7 +22,7 @@
 //! arithmetic for computational geometry") and Shewchuk (1997, "Adaptive precision floating-point
 //! arithmetic and fast robust geometric predicates"); the bound above is derived for this use.
 //! Cost: O(1), a dot product and a comparison, but near the plane, where the exact predicate is
-//! asked.
+//! tested.
 
 use cranny_exact::{DVec3, Sign, orient3d};
 

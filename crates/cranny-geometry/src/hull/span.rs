@@ -1,7 +1,7 @@
 //! Which dimension a point set has, exactly, and the planar and linear hulls.
 //!
 //! Source: Andrew (1979) for the planar hull. None for the span: far points are only guesses, exact
-//! signs decide, and where a guess fails each point is asked. Cost: O(n), and O(n log n) for the
+//! signs decide, and where a guess fails each point is tested. Cost: O(n), and O(n log n) for the
 //! planar hull.
 
 use std::cmp::Ordering;

@@ -102,11 +102,11 @@ impl Model {
     /// # What is left for later
     ///
     /// The boxes of [`tree`](Self::tree) and [`patches`](Self::patches) are made when they are
-    /// first asked for, in linear time: by the first query whose bodies no plane between their
+    /// first used, in linear time: by the first query whose bodies no plane between their
     /// hulls parts. What the file says of both is checked here.
     ///
     /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is
-    /// made when it is first asked for, in linear time: by the first query that looks for a plane
+    /// made when it is first used, in linear time: by the first query that looks for a plane
     /// between two hulls.
     ///
     /// The faces at each vertex ([`Topology::faces_at`](crate::Topology::faces_at)) likewise: by

@@ -1,4 +1,4 @@
-//! How a model is prepared, what refuses to be, and what is told meanwhile.
+//! How a model is prepared, what refuses to be, and what is reported meanwhile.
 
 use cranny_exact::Tolerance;
 use thiserror::Error;
@@ -38,7 +38,7 @@ impl BuildOptions {
     pub const LARGEST_WELD_SHARE: f64 = 0.01;
 }
 
-/// The weld distance asked for, or the default for a mesh.
+/// The weld distance given, or the default for a mesh.
 pub(super) fn weld_distance(
     tolerance: Option<Tolerance>,
     flatness: Flatness,
@@ -89,7 +89,7 @@ pub enum BuildError {
         "the weld distance {weld_distance:?} is not between 0 and {limit:?}, a hundredth of the mesh's diagonal"
     )]
     WeldDistance {
-        /// The distance asked for.
+        /// The distance.
         weld_distance: f64,
         /// The largest for this mesh.
         limit: f64,
@@ -102,7 +102,7 @@ pub enum BuildError {
     NotProved(#[from] ProofError),
 }
 
-/// A stage of preparation, told to whoever measures times (this crate reads no clock).
+/// A stage of preparation, reported to whoever measures times (this crate reads no clock).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Weld, repair, adjacency.

@@ -269,8 +269,8 @@ pub(super) fn divided(
     patches
 }
 
-/// Grows one patch, breadth-first. `face` tells the unit normal, but for needles, and the box of a
-/// face; `front` is memory to be used again.
+/// Grows one patch, breadth-first. `face` returns the unit normal, but for needles, and the box of
+/// a face; `front` is memory to be used again.
 fn grow_from(
     seed: FaceId,
     topology: &Topology,
@@ -446,7 +446,7 @@ fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Borde
 }
 
 /// Calls `visit` with the lesser of the two half-edges of each edge between two patches, in
-/// ascending order. Most edges lie within a patch, and a pass over edges tells that quicker than
+/// ascending order. Most edges lie within a patch, and a pass over edges finds that quicker than
 /// one over faces.
 fn for_each_side_on_a_border(
     pairs: &[[HalfEdgeId; 2]],

@@ -41,7 +41,7 @@ use crate::rows::rows;
 use crate::topology::Topology;
 use crate::tree::{FaceForest, Mates};
 
-/// What is known of a patch, in the body's frame. Its faces are asked from [`Patches`].
+/// What is known of a patch, in the body's frame. [`Patches`] has its faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Holds the normal of every face but [`needles`](Self::needles).

@@ -56,7 +56,7 @@ impl Slab {
         Self::with(mesh, arena, [nodes], last)
     }
 
-    /// `last` tells the leaf before in which a vertex was a corner, and takes the one in which it
+    /// `last` returns the leaf before in which a vertex was a corner, and takes the one in which it
     /// is.
     fn with(
         mesh: &Mesh,

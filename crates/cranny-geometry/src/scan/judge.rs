@@ -1,15 +1,15 @@
 //! Two faces of one mesh: do they meet where they should not?
 //!
-//! Faces that share a vertex or an edge meet there by right, and are asked whether they meet
+//! Faces that share a vertex or an edge meet there by right, and are tested for whether they meet
 //! *elsewhere*: two triangles with a common corner do so exactly if the side opposite to it, of one
 //! or the other, meets the other triangle (what they share is convex, so it reaches an opposite
 //! side if it is more than the corner); two with a common side do so exactly if they lie in one
 //! plane, on the same side of it. Decided by signs.
 //!
 //! Sources: triangles against triangles and segments are judged in `cranny-exact`, which cites its
-//! own; what faces with a common corner or side are asked is argued above, and is this crate's own.
-//! Cost: O(1) a pair; a few comparisons where a coordinate or a view along an axis parts the two,
-//! else some signs, which are filtered.
+//! own; which tests faces with a common corner or side get is argued above, and is this crate's
+//! own. Cost: O(1) a pair; a few comparisons where a coordinate or a view along an axis parts the
+//! two, else some signs, which are filtered.
 
 use cranny_exact::{
     DVec2, DVec3, Meeting, Sign, classify_segment_triangle, classify_triangles, orient2d, orient3d,
@@ -19,8 +19,8 @@ use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::FindingKind;
 
-/// How two faces with area meet, apart from what they share by right. Not asked of faces that share
-/// a vertex at which `settled` knows that all faces were judged.
+/// How two faces with area meet, apart from what they share by right. Not called for faces that
+/// share a vertex at which `settled` knows that all faces were judged.
 pub(super) fn judge(
     mesh: &Mesh,
     [f, g]: [FaceId; 2],

@@ -11,7 +11,7 @@ use crate::ids::FaceId;
 use crate::tree::{Content, Node};
 
 /// Calls `visit` with every two faces of different leaves, or of one, whose leaves' boxes overlap:
-/// each pair once. `opens` is asked of a node before its faces are paired with each other (twice
+/// each pair once. `opens` is called for a node before its faces are paired with each other (twice
 /// the same node), and before those of two nodes are; what it refuses is passed over. `visit` may
 /// end the search.
 pub(super) fn overlapping_pairs(

@@ -25,7 +25,7 @@ pub(super) struct Row {
     order: Vec<(f64, VertexId)>,
     /// By vertex; `usize::MAX` for others.
     rank: Vec<usize>,
-    /// What is within the distance asked for is within this distance in the row.
+    /// What is within the distance wanted is within this distance in the row.
     reach: f64,
 }
 

@@ -3,8 +3,8 @@
 //!
 //! Source: windings are those of `winding`; what rounding may do to a volume is bounded as in
 //! Higham (2002, "Accuracy and stability of numerical algorithms"). Which faces disagree needs
-//! none: a walk over edges tells. Cost: O(n log n) as a rule, with questions to the tree only where
-//! there are several shells.
+//! none: a walk over edges decides. Cost: O(n log n) as a rule, with questions to the tree only
+//! where there are several shells.
 
 use cranny_exact::{Aabb, DVec3, Meeting, Sign, classify_triangles};
 

@@ -1,7 +1,7 @@
 //! The faces around each vertex: whether they are one ring, and whether that ring lies spread out.
 //!
 //! No source: definitions, decided by exact signs. Cost: O(n) for the rings; O(k) for k faces when
-//! it is asked whether a ring is spread out.
+//! it is tested whether a ring is spread out.
 
 use cranny_exact::{DVec2, DVec3, orient2d};
 
@@ -28,7 +28,7 @@ enum Star {
 pub(super) struct Stars<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
-    /// Seen when first asked for.
+    /// Seen when first needed.
     stars: Vec<Star>,
     ring: Vec<VertexId>,
 }
@@ -53,7 +53,7 @@ impl<'a> Stars<'a> {
     /// Whether the faces at a vertex are one ring that, seen along an axis, goes around it once
     /// without turning back. Seen so, the faces lie side by side: two of them share the side that
     /// they have in common, or else the vertex, and nothing more. O(k) for k faces, when first
-    /// asked.
+    /// checked.
     pub(super) fn is_spread(&mut self, vertex: VertexId) -> bool {
         let Self { mesh, topology, stars, ring } = self;
         let star = &mut stars[vertex.index()];
@@ -67,7 +67,7 @@ impl<'a> Stars<'a> {
     }
 }
 
-/// Whether Euler's formula tells that the faces at each vertex are one ring, which it does of
+/// Whether Euler's formula shows that the faces at each vertex are one ring, which it does of
 /// bodies without handles.
 ///
 /// Where all edges are between two faces, the faces at a vertex make one ring or several. Were a

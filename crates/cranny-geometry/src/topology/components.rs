@@ -15,7 +15,7 @@ pub struct Component {
 }
 
 /// Numbers the sets of faces that hang together, by their least members; all closed, for now. Where
-/// there is one, no face is told its own.
+/// there is one, no face is listed with its own.
 pub(super) fn components(sets: &DisjointSets) -> (Vec<ComponentId>, Vec<Component>) {
     let mut components: Vec<Component> = Vec::new();
     let mut component_of: Vec<ComponentId> = Vec::with_capacity(sets.0.len());

@@ -117,7 +117,7 @@ pub(super) struct Edges {
 
 impl Edges {
     /// From all half-edges of a mesh, by edge, along an edge by number; in the end it is known
-    /// whether they are sorted so. `join` is told of faces that share an edge. Near linear.
+    /// whether they are sorted so. `join` is called for faces that share an edge. Near linear.
     pub(super) fn of(
         mesh: &Mesh,
         around: &[HalfEdgeId],

@@ -202,7 +202,7 @@ impl<'a> NodesFromCounts<'a> {
     }
 
     /// Fills a range of nodes with a tree over a range of things: no nodes where there are none.
-    /// `box_of` is asked for those of each leaf.
+    /// `box_of` is called for those of each leaf.
     ///
     /// From the last node to the first: the tree finished last begins right behind an inner node,
     /// which makes it the left child, and the one that has waited least is the right one.

@@ -98,7 +98,7 @@ impl LatticeBox {
 }
 
 /// Something on its way into a leaf: its box, and its name in the spare places. The highest bit of
-/// the name tells one thing from two.
+/// the name distinguishes one thing from two.
 #[derive(Clone, Copy)]
 pub(super) struct LatticeItem(LatticeBox);
 

@@ -63,8 +63,8 @@ impl<'a> Detours<'a> {
         found
     }
 
-    /// Walks along a segment, from each site on it to the next, and tells the way there around the
-    /// corridor (last the site itself), and the site.
+    /// Walks along a segment, from each site on it to the next, and returns the way there around
+    /// the corridor (last the site itself), and the site.
     fn walk(&self, segment: Segment, mut tell: impl FnMut(&[u32], u32)) -> Option<()> {
         let mut at = segment.left;
         while at != segment.right {

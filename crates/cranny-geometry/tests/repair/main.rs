@@ -419,7 +419,7 @@ fn shells_in_shells_are_cavities_or_solids() {
 fn components_that_look_inwards_are_turned_with_what_they_hold() {
     let hollow = cuboid().joined(&turned(&cuboid().scaled(DVec3::splat(0.5)).unwrap()));
     let aside = moved(&cuboid().scaled(DVec3::splat(2.0)).unwrap(), DVec3::new(40.0, 0.0, 0.0));
-    // All in all the volume is positive, so nothing is turned unless asked for.
+    // All in all the volume is positive, so nothing is turned by default.
     let seeded = turned(&hollow).joined(&aside);
     let (_, before) = built(&seeded, Repair::None);
     let expected = [("inside_out", 1), ("nested_solid", 1), ("several_shells", 3)];

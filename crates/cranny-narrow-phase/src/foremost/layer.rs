@@ -34,7 +34,7 @@ impl Layer {
         self.vertices.clear();
         self.points.clear();
         self.vertices.push(top);
-        // Lower than is asked for: a vertex about as high as the floor is taken in, and the cuts
+        // Lower than needed: a vertex about as high as the floor is taken in, and the cuts
         // lie beyond those sought.
         let cut = floor - 2.0 * error;
         let mut next = 0;

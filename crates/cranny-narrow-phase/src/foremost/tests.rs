@@ -27,7 +27,7 @@ fn bodies() -> Vec<Model> {
     meshes.into_iter().map(|mesh| Model::build(mesh, &options).unwrap().0).collect()
 }
 
-/// All that is told: faces, features, and bits of lengths.
+/// The whole result: faces, features, and bits of lengths.
 fn told(found: Option<Closest>) -> String {
     format!("{found:?}")
 }
@@ -71,7 +71,7 @@ fn offer_all(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
 }
 
 /// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest
-/// elsewhere: how often they were told, as a search of all tells them; and which they are, if
+/// elsewhere: how often they were found, as a search of all finds them; and which they are, if
 /// surfaces do not meet.
 fn agrees(
     foremost: &mut Foremost,
@@ -124,7 +124,7 @@ fn soup(rng: &mut Rng) -> Option<Model> {
     unmended(vertices, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-/// Ties of all kinds; whatever was measured before the trees are asked, the answer is theirs.
+/// Ties of all kinds; whatever was measured before the trees are searched, the answer is theirs.
 #[test]
 fn ties_are_told_as_a_search_tells_them() {
     let mut rng = Rng::new(11);
@@ -185,7 +185,7 @@ fn faces_that_are_lines_are_near() {
 }
 
 /// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them
-/// that is told.
+/// that is reported.
 #[test]
 fn what_a_thin_layer_leaves_out_does_not_show() {
     let torus = Torus { major_segments: 14, minor_segments: 6, ..Torus::default() };

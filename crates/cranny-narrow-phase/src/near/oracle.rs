@@ -72,7 +72,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         }
     }
 
-    /// Finds or makes the contact of two features; `make` is asked once.
+    /// Finds or makes the contact of two features; `make` is called once.
     fn once(
         &mut self,
         id: (Feature, Feature),

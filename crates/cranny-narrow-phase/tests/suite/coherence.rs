@@ -212,7 +212,7 @@ fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     let b = Placed { model: &nut, pose: posed(0.1, 0.5) };
     let answer = query(a, b, &Query::of(Demand::Regions { margin: 0.0 }), &mut memory).unwrap();
     assert!(answer.triangle_pairs > 100, "{}", answer.triangle_pairs);
-    // With the clearance of 0.1 that it has unless told otherwise, a tenth of the pitch of 2 is
+    // With the clearance of 0.1 that it has unless stated, a tenth of the pitch of 2 is
     // enough.
     let (bolt, nut) = (
         shape(IsoBolt { length: Some(16.0), ..IsoBolt::default() }),

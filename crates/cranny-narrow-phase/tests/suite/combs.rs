@@ -90,7 +90,8 @@ fn the_cost_of_open_combs_follows_their_contacts_not_their_prongs_squared() {
     }
 }
 
-/// The honest worst case: all n² places touch, and are told; a verdict stays as quick as it was.
+/// The honest worst case: all n² places touch, and are reported; a verdict stays as quick as it
+/// was.
 #[test]
 fn combs_that_touch_everywhere_cost_what_they_tell() {
     let [few, many] =

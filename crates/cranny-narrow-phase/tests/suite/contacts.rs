@@ -272,7 +272,8 @@ fn what_dips_into_a_plate_is_sent_back_whence_it_came() {
         assert!((c.separation + depth).abs() < 1e-12, "{c:?}");
         assert_eq!(answer.solid, depth > 0.0);
     }
-    // Past the middle the far side is nearer, but no face at the tip looks back: the region tells.
+    // Past the middle the far side is nearer, but no face at the tip looks back: the region
+    // decides.
     let answer = contacts(at(&plate, 0.0, 0.0, 0.0), at(&spike, 0.3, 0.2, 1.05 - 0.07), 0.05);
     assert!((answer.contacts[0].normal - DVec3::Z).length() < 1e-9);
     assert!((answer.contacts[0].separation + 0.07).abs() < 1e-9);
@@ -379,7 +380,7 @@ fn what_is_kept_of_patches_changes_no_answer() {
         (warm.counters, swapped.counters) = (cold.counters, cold.counters);
         assert_eq!(warm, cold, "step {step}");
         assert_eq!(swapped, cold, "step {step}");
-        // One model twice, asked about in either order.
+        // One model twice, queried in either order.
         let places = [0.0, 0.99 + 0.02 * rng.unit()].map(|x| Pose {
             rotation: DQuat::from_rotation_y(x * angle),
             translation: (1.0 - 2.0 * x) * ball.radius() * DVec3::new(1.0, 0.1, 0.0),
@@ -468,7 +469,7 @@ fn memory_of_contacts_follows_what_is_near() {
     assert!(kept < 3 * fresh, "{kept} bytes after a turn, {fresh} here");
 }
 
-/// Bodies that wander slowly, rest, jump and are asked about with other margins: what is kept of
+/// Bodies that wander slowly, rest, jump and are queried with other margins: what is kept of
 /// features near each other changes no answer, and while they move little it is all that is looked
 /// at.
 #[test]

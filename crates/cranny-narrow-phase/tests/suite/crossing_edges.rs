@@ -62,8 +62,8 @@ fn with_copy(mesh: &Mesh, place: impl Fn(DVec3) -> DVec3) -> Model {
     Model::build(Mesh::new(vertices, faces).unwrap(), &BuildOptions::default()).unwrap().0
 }
 
-/// Where nothing else overlaps, the crossing is told for want of a contact; here a corner dips in
-/// elsewhere.
+/// Where nothing else overlaps, the crossing is reported for want of a contact; here a corner dips
+/// in elsewhere.
 #[test]
 fn oblique_edges_have_their_contact_beside_others() {
     let cube = shape(Cuboid::default());

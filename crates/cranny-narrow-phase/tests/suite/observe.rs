@@ -205,7 +205,7 @@ fn every_state_of_a_walk_is_shown_and_none_changes() {
     assert!(kinds.iter().all(|&times| times > 10), "{kinds:?}");
 }
 
-/// What a query by envelopes tells of parts.
+/// What a query by envelopes reports of parts.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Parts {
     cases: BTreeSet<PartsCase>,

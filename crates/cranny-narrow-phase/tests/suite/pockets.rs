@@ -189,7 +189,7 @@ fn bodies_that_have_parted_are_told_by_a_plane_again() {
     for method in [Method::Boxes, Method::Envelopes] {
         assert_eq!(at(0.4, method).surface, Meeting::Cross);
     }
-    // Hulls that overlapped are asked about again after a wait.
+    // Hulls that overlapped are queried again after a wait.
     let parted = (0..100).filter(|_| at(10.0, Method::Envelopes).counters.planes_parted == 1);
     assert!(parted.count() > 90);
 }

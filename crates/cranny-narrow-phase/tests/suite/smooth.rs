@@ -38,8 +38,8 @@ fn turn(rng: &mut Rng) -> DQuat {
     DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), rng.unit() + 1.5).normalize()
 }
 
-/// Whatever is asked: points, separations and verdicts are those of the meshes; normals are unit,
-/// no farther from the meshes' own than the crease; the order of the bodies and what was asked
+/// Whatever the demand: points, separations and verdicts are those of the meshes; normals are unit,
+/// no farther from the meshes' own than the crease; the order of the bodies and what was demanded
 /// before do not matter.
 #[test]
 fn only_normals_change_and_none_is_far_off() {

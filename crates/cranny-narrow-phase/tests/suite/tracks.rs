@@ -109,7 +109,7 @@ fn names_outlast_rest_exchange_and_skipped_queries_but_not_the_memory() {
                 0 => ask(a, b, 0.0, &mut memory),
                 _ => ask(b, a, 0.0, &mut memory).swapped(),
             };
-            // What else is asked in between takes no names away.
+            // What else is queried in between takes no names away.
             query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
             assert_eq!(ends(&answer), ends(&first), "step {step}");
             let cold = ask(a, b, 0.0, &mut PairMemory::default());

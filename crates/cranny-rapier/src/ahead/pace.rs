@@ -38,7 +38,7 @@ impl Pass {
 }
 
 impl Motions {
-    /// How many parts the next step needs, from 1 to `most`; asked after [`look`](Self::look).
+    /// How many parts the next step needs, from 1 to `most`; called after [`look`](Self::look).
     pub(crate) fn parts(
         &self,
         world: &World,

@@ -35,8 +35,8 @@ impl fmt::Display for Place {
     }
 }
 
-/// What tells one prepared model from another: a hash of all that was prepared, so that the same
-/// mesh prepared otherwise is another model.
+/// What distinguishes one prepared model from another: a hash of all that was prepared, so that the
+/// same mesh prepared otherwise is another model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelPrint {
     hash: [u8; 32],

@@ -16,7 +16,7 @@
 //!
 //! # Non-promises
 //!
-//! - The checksum tells damage, not malice: rapier believes what a forger gives a right checksum.
+//! - The checksum shows damage, not malice: rapier believes what a forger gives a right checksum.
 //! - What rapier's serde leaves out is left out: hooks, event handlers, and the changes of joints
 //!   since the last step. So step once after the last change.
 //! - Snapshots are read by the versions of Cranny and rapier that wrote them.

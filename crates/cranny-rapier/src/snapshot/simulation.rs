@@ -58,7 +58,7 @@ impl WrittenPose {
     }
 }
 
-/// An answer of the log as a question: asked again, it is the same.
+/// An answer of the log as its query: computed again, it is the same.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 struct WrittenAnswer {
     tags: (u32, u32),
@@ -191,7 +191,7 @@ impl Simulation {
 
     /// A simulation from the bytes of [`snapshot`](Self::snapshot). `models` are those of its
     /// bodies, in any order. Body numbers stay; [`read_by`](Self::read_by) has to be said again,
-    /// and what it asks beyond the solver's question is asked from the next step on.
+    /// and what it reads beyond the solver's answer is computed from the next step on.
     ///
     /// # Errors
     ///
@@ -266,8 +266,8 @@ impl Simulation {
         self.soft_bodies = soft_bodies;
     }
 
-    /// Fills the log again, which tells of bodies asleep what was said when they were last asked
-    /// about.
+    /// Fills the log again, which has for bodies asleep what was answered when they were last
+    /// queried.
     fn ask_again(&self, written: &WrittenAnswer) -> Result<(), RestoreError> {
         let flaw = RestoreError::Content { flaw: "an answer is of no pair of bodies" };
         let model = |tag: u32| {

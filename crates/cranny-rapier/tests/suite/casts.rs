@@ -51,7 +51,7 @@ fn cubes_that_fly_at_a_cube_meet_it_in_time() {
         assert!((hit.normal2 + Vector::Z).length() < EXACT, "{name}: {}", hit.normal2);
         assert!((hit.witness1.z - 0.5).abs() < EXACT, "{name}: {}", hit.witness1);
         assert!((hit.witness2.z + 0.5).abs() < EXACT, "{name}: {}", hit.witness2);
-        // The other order, and told in the other's frame.
+        // The other order, in the other's frame.
         let hit = straight(&partner, &cube, up(-2.0), Vector::new(0.0, 0.0, 4.0)).expect(name);
         assert!((hit.time_of_impact - 0.25).abs() < EXACT, "{name}: {}", hit.time_of_impact);
         // Past it, away from it, and not at all.

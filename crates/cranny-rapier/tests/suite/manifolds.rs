@@ -74,7 +74,7 @@ fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option
         Placed { model: a, pose: Pose::IDENTITY },
         Placed { model: b, pose: pose_from_rapier(pose) },
     );
-    // Meshes of few faces are asked for regions.
+    // Of meshes of few faces regions are computed.
     let fine = [a.model, b.model].iter().all(|m| m.mesh().faces().len() >= 64);
     let ask = Query::of(if fine { Demand::contacts(margin) } else { Demand::Regions { margin } });
     let answer = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
@@ -207,7 +207,7 @@ fn primitives_in_all_positions() {
                         _ => assert_eq!(nearest, Real::INFINITY, "{what}"),
                     }
                 }
-                // The other way round: the same, told from the other side.
+                // The other way round: the same, seen from the other side.
                 let back = pose.inverse();
                 let swapped = manifolds(&back, &*partner.0, &shape, 0.05);
                 check(&swapped, &back, 0.05, 2.0);

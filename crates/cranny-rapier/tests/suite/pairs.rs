@@ -1,4 +1,4 @@
-//! What a simulation tells of its pairs.
+//! What a simulation reports of its pairs.
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_narrow_phase::{Demand, Fields, PairMemory, Placed, Query, query};
@@ -47,7 +47,7 @@ fn compare_with_direct_queries(read: bool) {
 }
 
 fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
-    // A reader is told the answer of each step; nobody, what a search left.
+    // A reader gets the answer of each step; nobody, what a search left.
     let recycling = Some(read);
     let options = SimulationOptions { most_parts, recycling, ..SimulationOptions::default() };
     let (mut simulation, models) = heap(options);
@@ -98,7 +98,7 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
             assert_eq!(told.surface, direct.surface, "step {step}");
             assert_eq!((told.solid, told.contained), (direct.solid, direct.contained));
             if read {
-                // Everything that a reader asked for.
+                // Everything that a reader reads.
                 let meeting: Vec<_> = told.regions.iter().filter(|r| r.depth.is_some()).collect();
                 let expected: Vec<_> =
                     direct.regions.iter().filter(|r| r.depth.is_some()).collect();

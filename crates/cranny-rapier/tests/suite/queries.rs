@@ -300,7 +300,7 @@ fn conversions_keep_what_rapier_can_hold() {
 }
 
 /// Unit cubes side by side, overlapping by more and more: a question is answered with the depth
-/// that there is, also where the solver is told less so as to be led out slowly.
+/// that there is, also where the solver gets less so as to be led out slowly.
 #[test]
 fn a_deep_contact_is_told_as_deep_as_it_is() {
     let cube = shape(&cuboid(1.0, 1.0, 1.0));

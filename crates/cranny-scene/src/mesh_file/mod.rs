@@ -41,13 +41,13 @@ pub use problem::{DecodeError, Place, Problem};
 pub enum MeshFormat {
     /// Wavefront OBJ.
     Obj,
-    /// Stereolithography, ASCII or binary (told apart by content).
+    /// Stereolithography, ASCII or binary (recognized by content).
     Stl,
     /// Polygon file format, ASCII or binary of either byte order.
     Ply,
     /// Object file format of Geomview, ASCII.
     Off,
-    /// glTF 2.0, JSON or GLB (told apart by content).
+    /// glTF 2.0, JSON or GLB (recognized by content).
     Gltf,
     /// COLLADA 1.4 and 1.5.
     Collada,
@@ -108,7 +108,7 @@ pub enum MeshFileError {
     /// The file cannot be opened or read.
     #[error("mesh file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
     Unreadable {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What the system said.
         source: io::Error,
@@ -119,7 +119,7 @@ pub enum MeshFileError {
         path.display()
     )]
     UnknownExtension {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// Its extension; empty where it has none.
         extension: String,
@@ -127,7 +127,7 @@ pub enum MeshFileError {
     /// The content is not a mesh of its format.
     #[error("mesh file {}: {source}", path.display())]
     Decode {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// Where and what.
         source: DecodeError,

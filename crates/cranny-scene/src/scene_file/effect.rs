@@ -19,7 +19,7 @@ const AVAILABLE: [&str; 3] = ["Trigger", "Contacts", "Response"];
 const LATER: [&str; 6] =
     ["Proximity", "Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"];
 
-/// What is asked for elsewhere: the effect and how.
+/// What a scene gets by other means: the effect and how.
 const ELSEWHERE: [(&str, &str); 5] = [
     ("Friction", "by the `friction` of a body's `material`; Response uses it"),
     ("Restitution", "by the `restitution` of a body's `material`; Response uses it"),

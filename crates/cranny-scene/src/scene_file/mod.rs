@@ -56,7 +56,7 @@ pub struct LoadedScene {
     pub description: SceneDescription,
     /// The file's text as read, for recordings and hashes.
     pub source_text: String,
-    /// Path asked for.
+    /// The path.
     pub path: PathBuf,
     /// Every further file read: meshes, robots and their meshes; each once, in order.
     pub files: Vec<PathBuf>,

@@ -19,7 +19,7 @@ pub enum SceneError {
     /// The file cannot be opened or read.
     #[error("scene file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
     Unreadable {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What the system said.
         source: io::Error,
@@ -34,7 +34,7 @@ pub enum SceneError {
 #[derive(Debug, Error, Diagnostic)]
 #[error("scene file {}{}: {problem}", path.display(), at(*place))]
 pub struct Located {
-    /// Path asked for.
+    /// The path.
     pub path: PathBuf,
     /// Line and column from 1, columns counting characters; `None` where the file has no place for
     /// it.

@@ -1,7 +1,7 @@
 //! Sorting level by level, beside the kept front and beside a descent from the top.
 //!
 //! The proposal's other method: the boxes of each level of both trees that are of interest stay
-//! sorted along the axes from frame to frame, and what passes what tells which overlap. It is
+//! sorted along the axes from frame to frame, and what passes what decides which overlap. It is
 //! measured at what it does, the search for all pairs of faces that meet; it is no part of the
 //! narrow phase.
 

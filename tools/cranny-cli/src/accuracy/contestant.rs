@@ -1,4 +1,4 @@
-//! A method and what it was asked, or why it could not be.
+//! A method and its questions, or why it could not be run.
 
 use std::time::Duration;
 
@@ -52,7 +52,7 @@ impl MethodContestant {
         }
     }
 
-    /// What it told, judged.
+    /// Its answers, judged.
     pub(super) fn figures(&self, scene: &Scene) -> MethodFigures {
         let name = self.name.clone();
         match &self.state {
@@ -63,7 +63,7 @@ impl MethodContestant {
         }
     }
 
-    /// What it told at each pose.
+    /// Its answer at each pose.
     pub(super) fn replies(&self) -> (&Name, &[Reply<PoseAnswer>]) {
         (&self.name, self.state.as_ref().map_or(&[], |measured| &measured.distances.replies))
     }

@@ -1,4 +1,4 @@
-//! One method's figures over all poses: what it told, judged by what is so.
+//! One method's figures over all poses: its answers, judged by what is so.
 
 use cranny_exact::DVec3;
 use serde::Serialize;
@@ -7,7 +7,7 @@ use super::method::{Name, PoseAnswer};
 use super::series::Reply;
 use super::truth::Truth;
 
-/// A row of the report. Lengths are in units of the meshes; `None`: nothing that could be told or
+/// A row of the report. Lengths are in units of the meshes; `None`: nothing that could be said or
 /// judged.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct MethodFigures {
@@ -28,13 +28,13 @@ pub(super) struct MethodFigures {
     pub(super) distance_error_max: Option<f64>,
     pub(super) witness_error_mean: Option<f64>,
     pub(super) witness_error_max: Option<f64>,
-    /// Poses at which bodies are in contact, and where that is was asked.
+    /// Poses at which bodies are in contact, and where that is was demanded.
     pub(super) contact_poses: usize,
     pub(super) contact_median_us: Option<f64>,
     pub(super) contact_p99_us: Option<f64>,
-    /// Places told, a pose.
+    /// Places reported, a pose.
     pub(super) contacts_mean: Option<f64>,
-    /// Regions of contact at poses where no place was told.
+    /// Regions of contact at poses where no place was reported.
     pub(super) contacts_missed: usize,
     pub(super) contact_error_mean: Option<f64>,
     pub(super) contact_error_max: Option<f64>,
@@ -43,12 +43,12 @@ pub(super) struct MethodFigures {
 }
 
 impl MethodFigures {
-    /// Of a method that could not be asked.
+    /// Of a method that could not be run.
     pub(super) fn none(name: Name, note: String) -> Self {
         Self { note: Some(note), ..Self::of(name, &[], &[]) }
     }
 
-    /// Judges what was told of distances, and of contacts.
+    /// Judges answers about distances, and about contacts.
     pub(super) fn judged(
         truths: &[Truth],
         name: Name,
@@ -122,7 +122,7 @@ impl MethodFigures {
         }
     }
 
-    /// How far each region's deepest contact is from the nearest place told.
+    /// How far each region's deepest contact is from the nearest place reported.
     fn with_contacts(mut self, truths: &[Truth], replies: &[Reply<Vec<DVec3>>]) -> Self {
         let mut errors = Vec::new();
         for reply in replies {
@@ -148,8 +148,8 @@ fn beside_truth<'a>(
     replies.iter().map(|reply| (&truths[reply.pose], &reply.told))
 }
 
-/// Of the distance between the surfaces. Who takes bodies for solids tells 0 where one lies within
-/// the other, which is no error.
+/// Of the distance between the surfaces. Who takes bodies for solids reports 0 where one lies
+/// within the other, which is no error.
 fn distance_error(truth: &Truth, told: &PoseAnswer) -> Option<f64> {
     let distance = told.distance?;
     let is_of_solids = truth.contained && distance == 0.0;

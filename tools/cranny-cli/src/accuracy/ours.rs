@@ -70,7 +70,7 @@ impl Ours {
             },
         };
         let effort = Effort { accuracy: self.accuracy, budget };
-        // Poses were found good when the truth was asked.
+        // Poses were found good when the truth was computed.
         estimate(a, b, &Query::of(demand), &effort, &mut self.memory).ok()
     }
 }

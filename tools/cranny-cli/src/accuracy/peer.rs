@@ -15,7 +15,7 @@ use super::smaller_size;
 use crate::parry::{double, single};
 use crate::pose_file::PosePair;
 
-/// What manifolds are asked to foresee, as a share of the smaller body's size: next to nothing, as
+/// How far manifolds foresee, as a share of the smaller body's size: next to nothing, as
 /// our regions do. Smaller: single precision loses surfaces that touch; larger: gaps count as
 /// contacts.
 const PREDICTION: f64 = 1e-4;
@@ -27,7 +27,7 @@ pub(super) struct Peer {
 }
 
 impl Peer {
-    /// Those that are asked.
+    /// Those that are queried.
     pub(super) const KINDS: [Detector; 2] =
         [Detector::RapierTrimesh, Detector::RapierDecomposition];
 
@@ -62,7 +62,7 @@ impl Method for Peer {
             + poses[0].translation.distance(poses[1].translation);
         let [p, q] = poses.map(single);
         let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
-        // One call tells verdict, distance and points.
+        // One call returns verdict, distance and points.
         match closest_points(&p, a, &q, b, reach as f32) {
             Ok(ClosestPoints::Intersecting) => {
                 PoseAnswer { meets: Some(true), distance: Some(0.0), ..PoseAnswer::default() }

@@ -1,4 +1,4 @@
-//! What each method told at each pose: a table for programs.
+//! Each method's answer at each pose: a table for programs.
 
 use super::figures::witness_error;
 use super::method::{Name, PoseAnswer};
@@ -17,7 +17,7 @@ impl PoseTable {
         Self(format!("{},{COLUMNS}\n", Name::COLUMNS))
     }
 
-    /// Adds a line for each pose that a method was asked at.
+    /// Adds a line for each pose that a method answered at.
     pub(super) fn add(&mut self, name: &Name, replies: &[Reply<PoseAnswer>], truths: &[Truth]) {
         let name = name.csv();
         for reply in replies {

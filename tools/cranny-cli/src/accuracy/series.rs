@@ -1,4 +1,4 @@
-//! A method asked one question at many poses, several times.
+//! One question to a method at many poses, several times.
 
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ const TRIALS: usize = 5;
 /// Puts a question to a method, at the pose of an index.
 pub(super) type Ask<T> = fn(&mut dyn Method, &Scene, usize) -> T;
 
-/// What was told at a pose, in the shortest time of all runs.
+/// The answer at a pose, in the shortest time of all runs.
 #[derive(Clone, Debug)]
 pub(super) struct Reply<T> {
     pub(super) pose: usize,
@@ -50,7 +50,7 @@ impl<T> Series<T> {
         Self { ask, visits, replies: Vec::new() }
     }
 
-    /// Asks at all poses; of what was told before, only that stays which took no longer.
+    /// Queries all poses; of the answers before, only that stays which took no longer.
     pub(super) fn run(&mut self, scene: &Scene, method: &mut dyn Method) {
         let mut index = 0;
         for (i, visit) in self.visits.iter().enumerate() {

@@ -35,11 +35,11 @@ pub(crate) struct AccuracyArgs {
     #[arg(long, value_name = "LIST", value_parser = deadlines, allow_hyphen_values = true, default_value = "10,100,1000")]
     pub(crate) deadlines: List<u64>,
 
-    /// How many times each method is asked at each pose; the shortest time counts
+    /// How many times each method answers at each pose; the shortest time counts
     #[arg(long, value_name = "N", default_value = "3", value_parser = runs, allow_hyphen_values = true)]
     pub(crate) runs: NonZeroU32,
 
-    /// Seconds that a method may take to be asked once at all poses; one that is slower is asked at
+    /// Seconds that a method may take to answer once at all poses; one that is slower answers at
     /// some of them
     #[arg(long, value_name = "S", default_value = "4", value_parser = patience, allow_hyphen_values = true)]
     pub(crate) patience: f64,
@@ -88,7 +88,7 @@ fn runs(text: &str) -> Result<NonZeroU32, String> {
     text.parse().map_err(|_| "a number of runs is 1 or more, such as 3".to_owned())
 }
 
-/// Seconds. Smaller: nothing is quick enough to be asked twice, whatever the machine.
+/// Seconds. Smaller: nothing is quick enough to answer twice, whatever the machine.
 const LEAST_PATIENCE: f64 = 1e-5;
 
 fn patience(text: &str) -> Result<f64, String> {

@@ -28,7 +28,7 @@ enum State {
 }
 
 impl DetectorRun {
-    /// Prepares the scene. A peer may refuse a mesh; that is told in its row.
+    /// Prepares the scene. A peer may refuse a mesh; its row says so.
     ///
     /// # Errors
     ///
@@ -131,7 +131,7 @@ fn times(app: &SceneApp) -> PhaseTimes {
 }
 
 /// What a peer may fail at: a mesh that rapier refuses, a step in which it panics or loses bodies.
-/// That is told as a reason, so that the others go on. Ours has no such grace, nor has whatever
+/// Its row gives the reason, so that the others go on. Ours has no such grace, nor has whatever
 /// else goes wrong.
 fn excused<T>(
     detector: Detector,

@@ -1,4 +1,4 @@
-//! What is told of a contestant, as a row of text, of CSV and of JSON.
+//! What is reported of a contestant, as a row of text, of CSV and of JSON.
 
 use std::fmt::Write;
 
@@ -51,10 +51,10 @@ pub(super) struct RunFigures {
     pub(super) narrow_ms: Option<f64>,
     pub(super) solver_ms: Option<f64>,
     pub(super) contacts: Option<CountSummary>,
-    /// Of the pairs that our detector was asked about, the part whose contacts were carried on.
+    /// Of the pairs that our detector answered about, the part whose contacts were carried on.
     pub(super) carried_share: Option<f64>,
     pub(super) deepest: Option<DeepestSummary>,
-    /// Bodies wholly within others, whose depth nothing tells.
+    /// Bodies wholly within others, whose depth nothing gives.
     pub(super) contained: Option<ContainedSummary>,
     pub(super) energy: Option<EnergySummary>,
     /// The greatest gain of energy over the start, relative to its scale.
@@ -168,7 +168,7 @@ impl RunFigures {
 
     /// The texts of its columns; empty where nothing is known.
     fn cells(&self) -> Vec<String> {
-        // 0 is added so that nothing lost is not told as -0.
+        // 0 is added so that nothing lost is not printed as -0.
         let end = self.energy.as_ref().map(|energy| -100.0 * energy.loss + 0.0);
         let gained = self.energy_drift.map(|drift| 100.0 * drift);
         let (spread, helix) = (self.step_ms, self.helices.first());

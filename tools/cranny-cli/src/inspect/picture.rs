@@ -1,4 +1,4 @@
-//! The picture of `cranny inspect --render`: the body in colours, and what is asked to be shown
+//! The picture of `cranny inspect --render`: the body in colours, and what `--show` names
 //! with it.
 
 mod canvas;

@@ -92,7 +92,7 @@ fn as_filed(count: usize, filed: Option<usize>) -> String {
 }
 
 /// That repairs moved the surface by more than counts as flat, so that what they left of planes is
-/// told as concavities.
+/// reported as concavities.
 fn dents(summary: &Summary) -> Option<String> {
     let moved = summary.deviation?;
     let largest = summary.bounds.iter().flatten().fold(0.0, |most, x| x.abs().max(most));

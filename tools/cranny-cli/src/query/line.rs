@@ -10,13 +10,13 @@ use crate::args::DemandArg;
 /// What decides which fields are filled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShownFields {
-    /// What was asked.
+    /// The question.
     pub(super) demand: DemandArg,
     /// Whether A and B are closed.
     pub(super) closed: [bool; 2],
 }
 
-/// An answer as it is printed, in world coordinates. What was not asked for is `None`.
+/// An answer as it is printed, in world coordinates. What was not demanded is `None`.
 #[derive(Debug, Serialize)]
 pub(super) struct Line {
     pose: usize,

@@ -1,4 +1,4 @@
-//! The page: what was asked, what came out, pass or fail; for whoever has not read anything else.
+//! The page: the questions, the answers, pass or fail; for whoever has not read anything else.
 
 use cranny_stability::{Outcome, Settings};
 

@@ -1,4 +1,4 @@
-//! What `compare` tells of a scene under several detectors.
+//! What `compare` reports of a scene under several detectors.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::harness::{Folder, argument, run};
 
-/// Two links of a chain, the lower one falling into the upper; and nothing asked but that it
+/// Two links of a chain, the lower one falling into the upper; and nothing wanted but that it
 /// happens.
 const LINKS: &str = r#"(
     step: 0.004166666666666667, duration: 0.25,

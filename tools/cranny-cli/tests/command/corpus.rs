@@ -13,7 +13,7 @@ use crate::harness::{Folder, argument, run};
 /// The recorded distances come from `f64` libraries; ours and theirs agree to about 1e-15.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
-/// What a line tells that is not of its pose alone.
+/// What a line says that is not of its pose alone.
 const HISTORY: [&str; 3] = ["pose", "micros", "tests"];
 
 struct Pair {
@@ -185,7 +185,7 @@ fn six_pairs_agree_on_all_poses_either_way_round() {
     assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
 }
 
-/// With memory, what was asked before changes nothing: to the bit, in sorted and in shuffled order.
+/// With memory, earlier queries change nothing: to the bit, in sorted and in shuffled order.
 #[test]
 fn answers_do_not_depend_on_the_order_of_poses() {
     let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {

@@ -1,4 +1,4 @@
-//! What `stability` tells and writes.
+//! What `stability` prints and writes.
 
 use std::fs;
 

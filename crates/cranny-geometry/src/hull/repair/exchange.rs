@@ -27,7 +27,7 @@ impl HullRepair<'_> {
         };
         let mut new: Vec<[u32; 3]> =
             surface.triangles.iter().map(|t| t.map(|point| number(self, point))).collect();
-        // Both are in the one form, so a triangle of both is told the same way.
+        // Both are in the one form, so a triangle of both is written the same way.
         let mut old: Vec<([u32; 3], u32)> =
             (0..).zip(&self.triangles).map(|(t, &corners)| (corners, t)).collect();
         old.sort_unstable();

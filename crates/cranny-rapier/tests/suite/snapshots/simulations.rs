@@ -29,7 +29,7 @@ fn state(simulation: &Simulation) -> Vec<([u64; 4], [[u64; 3]; 3])> {
     bodies.map(of).collect()
 }
 
-/// What is told of all pairs, written out; but for the names of regions, which are history and
+/// What is reported of all pairs, written out; but for the names of regions, which are history and
 /// begin anew.
 fn told(simulation: &Simulation) -> String {
     let pairs = simulation.contact_pairs();
@@ -166,7 +166,7 @@ fn steps_in_parts() {
     assert_eq!([push(&mut one), push(&mut other)], [3, 3]);
 }
 
-/// What is asked by a reader is asked again of the reader that is given anew.
+/// What a reader reads is computed again for the reader that is given anew.
 #[test]
 fn readers_read_on() {
     let (_, models) = pile(Detector::Cranny);

@@ -27,7 +27,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Sorts by insertion; tells of every begin and end of opposite trees' boxes that passed each
+    /// Sorts by insertion; reports every begin and end of opposite trees' boxes that passed each
     /// other, which are so found to overlap along the axis (`true`) or not. Breaks off after `most`
     /// swaps, in no order: how many were made.
     pub(super) fn sort(
@@ -56,7 +56,7 @@ impl Axis {
         ControlFlow::Continue(swaps)
     }
 
-    /// Sorts without regard to what was, and tells of nothing.
+    /// Sorts without regard to what was, and reports nothing.
     pub(super) fn sort_anew(&mut self) {
         self.ends.sort_unstable_by(|x, y| x.at.total_cmp(&y.at).then(x.is_max.cmp(&y.is_max)));
     }

@@ -81,7 +81,7 @@ impl Level {
     }
 
     /// Makes these nodes, ascending, the active ones, with boxes as they are now. `candidates` are
-    /// pairs of active nodes among which all that overlap are; asked for where nodes are new.
+    /// pairs of active nodes among which all that overlap are; called where nodes are new.
     pub(super) fn update(
         &mut self,
         active: [Vec<u32>; 2],

@@ -32,7 +32,7 @@ const GLASS: u8 = 84;
 /// So many things of one colour are named in a legend; the others are counted.
 const SPELT: usize = 4;
 
-/// Half way to white, so that a cap is told from what lies beneath it.
+/// Half way to white, so that a cap is distinguished from what lies beneath it.
 pub(super) fn lightened(color: Color) -> Color {
     let [r, g, b] = [color.r, color.g, color.b].map(|channel| channel.midpoint(u8::MAX));
     Color { r, g, b, ..color }
