@@ -1,11 +1,11 @@
 //! Exact, incremental collision detection for bodies that are not convex.
 //!
-//! Rings that hang in rings, hooks, cups, threads, teeth: Cranny answers on the triangles that a body
-//! really has, holes and hollows included. Nothing is replaced by a convex hull or by convex pieces,
-//! and no epsilon decides what meets what.
+//! Rings that hang in rings, hooks, cups, threads, teeth: Cranny answers on the triangles that a
+//! body really has, holes and hollows included. Nothing is replaced by a convex hull or by convex
+//! pieces, and no epsilon decides what meets what.
 //!
-//! This crate is the façade: it re-exports the workspace's crates under one roof and adds nothing but
-//! a [`prelude`]. What follows is a tour in five stops; each crate's own page has its promises.
+//! This crate is the façade: it re-exports the workspace's crates under one roof and adds nothing
+//! but a [`prelude`]. What follows is a tour in five stops; each crate's own page has its promises.
 //!
 //! # 1. A body: mesh to model
 //!
@@ -160,9 +160,9 @@ pub use cranny_shapes as shapes;
 
 /// What most programs that ask about pairs want.
 ///
-/// Names that several crates use for things of their own (`BodySpec`, `BodyKind`, `Detector`) are left
-/// to their crates. rapier's prelude has a `Pose` of its own: beside that one, name which is meant
-/// (`use cranny::exact::Pose;`).
+/// Names that several crates use for things of their own (`BodySpec`, `BodyKind`, `Detector`) are
+/// left to their crates. rapier's prelude has a `Pose` of its own: beside that one, name which is
+/// meant (`use cranny::exact::Pose;`).
 pub mod prelude {
     pub use cranny_exact::{Aabb, DQuat, DVec3, Pose};
     pub use cranny_geometry::{BuildOptions, Mesh, Model};

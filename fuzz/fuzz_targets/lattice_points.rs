@@ -1,4 +1,5 @@
-//! Hulls of lattice points, many of them coplanar, collinear or coincident: every invariant, exactly.
+//! Hulls of lattice points, many of them coplanar, collinear or coincident: every invariant,
+//! exactly.
 
 #![no_main]
 

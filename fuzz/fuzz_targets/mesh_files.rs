@@ -1,4 +1,5 @@
-//! Every reader of meshes on any bytes: a mesh that keeps its promises, or an error that can be shown.
+//! Every reader of meshes on any bytes: a mesh that keeps its promises, or an error that can be
+//! shown.
 
 #![no_main]
 

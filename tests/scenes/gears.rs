@@ -35,7 +35,8 @@ fn the_ratio_is_that_of_the_teeth() {
     assert_eq!(judge.overlap(&start, driver, driven), 0.0, "they start free");
     let mut turned = [driver, driven].map(|k| angle(&start[k]));
     let begun = turned;
-    // Along the pitch circles both move alike, but for the play; a skipped tooth would be 0.1 π = 0.314.
+    // Along the pitch circles both move alike, but for the play; a skipped tooth would be 0.1
+    // π = 0.314.
     let (mut off, mut deepest, mut most) = ([0.0f64; 2], 0.0f64, 0.0f64);
     let ended = watch(&scene, &RunOptions::default(), |now| {
         for (turned, k) in turned.iter_mut().zip([driver, driven]) {

@@ -47,14 +47,16 @@ fn the_right_key_enters_and_turns_and_the_wrong_one_does_not() {
         at(enters),
         at(barred)
     );
-    // An L turned in an L that is wider by c meets it first at the corner farthest along a side from the
-    // centroid: 0.8 − (0.24 · 0.4 + 0.15 · 0.15) / 0.39 = 0.496, and the angle is c / 0.496.
+    // An L turned in an L that is wider by c meets it first at the corner farthest along a side
+    // from the centroid: 0.8 − (0.24 · 0.4 + 0.15 · 0.15) / 0.39 = 0.496, and the angle is
+    // c / 0.496.
     let lever = 0.8 - (0.24 * 0.4 + 0.15 * 0.15) / 0.39;
     let play = (CLEARANCE + OVERLAP) / lever;
     assert!((angle(&ended.poses[key]) - FRAC_PI_2).abs() < 0.01, "a quarter of a turn");
     assert!(behind < play, "{behind}, at most {play}");
     assert!((angle(&ended.poses[plug]) - FRAC_PI_2).abs() < play + 0.01);
-    // Down to the plate, at z = −0.3, with half its length above; leaning within the 0.5 of the plug.
+    // Down to the plate, at z = −0.3, with half its length above; leaning within the 0.5 of the
+    // plug.
     assert!(
         (at(enters) - DVec3::new(0.0, 0.0, 0.3)).length() < CLEARANCE + OVERLAP,
         "{}",

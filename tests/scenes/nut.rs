@@ -37,9 +37,10 @@ const GRAVITY: f64 = 9810.0;
 /// Height gained in a turn by a radian.
 const LEAD: f64 = 2.0 / TAU;
 
-/// The closed form of a nut on a smooth thread that goes down at so many radians a second at first: turns after some
-/// seconds. Flanks are inclined by 30 degrees; they bear between the radii 7.02 and 8, on the mean at 7.5, where the
-/// helix is inclined by the lead over that. `gyration`: moment of inertia about the axis over mass.
+/// The closed form of a nut on a smooth thread that goes down at so many radians a second at first:
+/// turns after some seconds. Flanks are inclined by 30 degrees; they bear between the radii 7.02
+/// and 8, on the mean at 7.5, where the helix is inclined by the lead over that. `gyration`: moment
+/// of inertia about the axis over mass.
 fn closed_form(gyration: f64, friction: f64, [rate, seconds]: [f64; 2]) -> f64 {
     let radius = 7.5;
     let incline = (LEAD / radius).atan();
@@ -115,7 +116,8 @@ impl Descent {
     }
 }
 
-/// A smooth thread would let it make 11.1 turns in the 2 s; facets of 2.5 degrees may cost a quarter.
+/// A smooth thread would let it make 11.1 turns in the 2 s; facets of 2.5 degrees may cost a
+/// quarter.
 #[test]
 fn under_gravity_it_runs_down() {
     let came = descend("nut_under_gravity.ron", None);
@@ -124,8 +126,9 @@ fn under_gravity_it_runs_down() {
     assert!(came.turns >= 9.0 && came.turns <= 1.01 * came.closed, "{}", came.turns);
 }
 
-/// With friction of 0.02 it slips: 1.04 turns in the first second on a smooth thread, never more than a tenth beyond. How
-/// much facets cost is told, and stands in the README of `cranny-rapier`.
+/// With friction of 0.02 it slips: 1.04 turns in the first second on a smooth thread, never more
+/// than a tenth beyond. How much facets cost is printed, and stands in the README of
+/// `cranny-rapier`.
 #[test]
 fn with_little_friction_it_slips() {
     let came = descend("nut_slips.ron", None);
@@ -162,7 +165,8 @@ fn with_smooth_normals_it_slips_at_its_rate() {
     assert!((came.turns / came.closed - 1.0).abs() <= 0.1, "{}", came.turns);
 }
 
-/// With friction of 0.1 it stays: by less than 0.01 turn in 10 s, which `tools/soak` runs; here by a tenth of that in one.
+/// With friction of 0.1 it stays: by less than 0.01 turn in 10 s, which `tools/soak` runs; here by
+/// a tenth of that in one.
 #[test]
 fn with_more_friction_it_stays() {
     let came = descend("nut_holds.ron", Some(1.0));
@@ -171,9 +175,10 @@ fn with_more_friction_it_stays() {
     assert!(came.turns.abs() < 1e-3, "{}", came.turns);
 }
 
-/// Started by hand, above the tip and askew: it engages, or it cross-threads and jams; which of the two is told. It
-/// engages if in the end it stands in its thread: 2 mm lower for each turn, upright, with one turn of thread or more over the
-/// bolt's. It jams if it leans, and has come to rest. It never goes through the thread.
+/// Started by hand, above the tip and askew: it engages, or it cross-threads and jams; which of the
+/// two is printed. It engages if in the end it stands in its thread: 2 mm lower for each turn,
+/// upright, with one turn of thread or more over the bolt's. It jams if it leans, and has come to
+/// rest. It never goes through the thread.
 #[test]
 fn a_screw_started_by_hand_engages_or_jams() {
     let scene = asset("screw_by_hand.ron").description;

@@ -14,7 +14,8 @@ impl Judge {
         Self(scene.bodies.iter().map(|body| built(&body.collision)).collect())
     }
 
-    /// The deepest overlap of two bodies at these poses; infinite where one is wholly inside the other.
+    /// The deepest overlap of two bodies at these poses; infinite where one is wholly inside the
+    /// other.
     pub(crate) fn overlap(&self, poses: &[Pose], a: usize, b: usize) -> f64 {
         let placed = |k: usize| Placed { model: &self.0[k], pose: poses[k] };
         let ask = Query::of(Demand::Regions { margin: 0.0 });

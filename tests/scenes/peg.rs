@@ -9,11 +9,12 @@ use crate::run::{asset, body, lowest, tilt, watch};
 /// Millimetres, all around.
 const CLEARANCE: f64 = 0.05;
 
-/// Length of the peg that is in the hole at the start, its chamfer left out, and at the end: the well is 15 deep.
+/// Length of the peg that is in the hole at the start, its chamfer left out, and at the end: the
+/// well is 15 deep.
 const ENGAGED: [f64; 2] = [1.0, 15.0 - 2.0 * 0.5];
 
-/// Of the exact overlap, mm: a fifth of the clearance. The solver takes the peg's 2·V/A = 4.2 mm for a metre and
-/// leaves 0.001 of that.
+/// Of the exact overlap, mm: a fifth of the clearance. The solver takes the peg's 2·V/A = 4.2 mm
+/// for a metre and leaves 0.001 of that.
 const OVERLAP: f64 = 0.01;
 
 #[test]

@@ -1,4 +1,5 @@
-//! At rest nothing creeps and nothing gains energy; and a simulation that is written then goes on the same.
+//! At rest nothing creeps and nothing gains energy; and a simulation that is written then goes on
+//! the same.
 //!
 //! `tools/soak` has ten minutes of it: `CRANNY_REST_SECONDS=600`.
 

@@ -68,8 +68,8 @@ fn all_links_hold_at_60_hz() {
     assert_eq!(ended.summary.steps, 300);
 }
 
-/// Of wire of 0.06: two wires on each other are 0.12 thick, and through is out. The chain snaps taut within one step, which is made in
-/// parts: undivided it is 0.038 deep.
+/// Of wire of 0.06: two wires on each other are 0.12 thick, and through is out. The chain snaps
+/// taut within one step, which is made in parts: undivided it is 0.038 deep.
 #[test]
 fn all_links_of_thin_wire_hold_at_60_hz() {
     let ended = hang("ring_of_thin_tori.ron", 0.06, 1.0 / 60.0);

@@ -1,9 +1,9 @@
 //! Sorted axes while little is out of order, a tree of fat boxes while much is.
 //!
 //! What an update costs the axes is the number of swaps, and they count them. While the tree is in
-//! use nobody swaps; then their number is told from how far the boxes moved, at as many swaps for a way
-//! as were counted last. Some updates in a row must agree before the index is changed, and the way back
-//! begins at half the load: a scene between the two keeps what it has.
+//! use nobody swaps; then their number is estimated from how far the boxes moved, at as many swaps
+//! for a way as were counted last. Some updates in a row must agree before the index is changed,
+//! and the way back begins at half the load: a scene between the two keeps what it has.
 
 use crate::InvariantError;
 use crate::box_tree::FatTree;
@@ -16,20 +16,21 @@ use crate::sweep_and_prune::SortedAxes;
 /// [`SweepAndPrune`](crate::SweepAndPrune) that turns into a [`BoxTree`](crate::BoxTree) where many
 /// boxes move past many others, and back.
 ///
-/// Which of the two is in use depends on the calls alone, never on a clock, and pairs and events do not
-/// depend on it. A change costs about what inserting all boxes does.
+/// Which of the two is in use depends on the calls alone, never on a clock, and pairs and events do
+/// not depend on it. A change costs about what inserting all boxes does.
 pub type AdaptiveBroadPhase = crate::PairKeeper<Adaptive>;
 
 /// Swaps a box and update from which the tree is the better index. Smaller: trees in calm scenes,
-/// where a pass over the candidates costs more than the swaps; larger: axes that are mostly sorting.
-/// Measured by `cargo run --release -p cranny-bench -- broad`.
+/// where a pass over the candidates costs more than the swaps; larger: axes that are mostly
+/// sorting. Measured by `cargo run --release -p cranny-bench -- broad`.
 const TREE_FROM: f64 = 0.4;
 
 /// Swaps a box and update up to which the axes are, once the tree is in use.
 const AXES_UP_TO: f64 = 0.5 * TREE_FROM;
 
-/// How many times the load from which the tree is better a sorting anew is taken to stand for, in case
-/// swaps were never counted. Smaller: back to the axes while things still fly about; larger: never back.
+/// How many times the load from which the tree is better a sorting anew is taken to stand for, in
+/// case swaps were never counted. Smaller: back to the axes while things still fly about; larger:
+/// never back.
 const UNCOUNTED: f64 = 8.0;
 
 /// Updates in a row that must agree. Smaller: one jolt changes the index; larger: it follows late.
@@ -82,8 +83,8 @@ impl Adaptive {
     }
 }
 
-/// How far the boxes moved in this update, summed over boxes, axes and faces. A box that went from or
-/// to infinity counts for nothing.
+/// How far the boxes moved in this update, summed over boxes, axes and faces. A box that went from
+/// or to infinity counts for nothing.
 fn way(slots: &Slots) -> f64 {
     let mut way = 0.0;
     for slot in slots.moved() {

@@ -11,13 +11,13 @@ pub enum BroadPhaseError {
     /// No proxy of this id is present.
     #[error("proxy {} is not in the broad phase: insert it first", .id.0)]
     UnknownProxy {
-        /// The id asked for.
+        /// The id.
         id: ProxyId,
     },
     /// A proxy of this id is present already.
     #[error("proxy {} is in the broad phase already: remove it first, or set its box", .id.0)]
     DuplicateProxy {
-        /// The id asked for.
+        /// The id.
         id: ProxyId,
     },
     /// A face of the box is `NaN`.

@@ -24,8 +24,8 @@ pub trait Index: Clone + Debug + Default {
 
 /// What an update has found so far, as packed pairs.
 ///
-/// Pairs may be named too often, never wrongly: `began` receives only pairs that hold by now and all
-/// of them that are new; `ended` all that are gone, and nothing else but pairs that `began` has
+/// Pairs may be named too often, never wrongly: `began` receives only pairs that hold by now and
+/// all of them that are new; `ended` all that are gone, and nothing else but pairs that `began` has
 /// too, or that were never held. The pair set takes care of the rest.
 #[derive(Clone, Debug, Default)]
 pub struct Found {

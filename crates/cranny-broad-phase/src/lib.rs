@@ -25,8 +25,11 @@
 //! [`SweepAndPrune`] costs about the number of moved boxes plus the number of end points that pass
 //! each other: best when few boxes move. [`BoxTree`] costs about the number of boxes, however they
 //! move: best when many do. [`AdaptiveBroadPhase`] is the one or the other, by the swaps it counts.
-//! All three tell the same pairs and events; every back end must pass the conformance suite in
+//! All three report the same pairs and events; every back end must pass the conformance suite in
 //! `tests/conformance.rs`, pair for pair.
+//!
+//! Each back end notices by itself that the boxes of a pair have parted, `pairs` drops the pair,
+//! and the caller forgets what it keeps about it: the header of `pairs` names the places.
 //!
 //! ```
 //! use cranny_broad_phase::{BroadPhase, Motion, OverlapEvent, ProxyId, SweepAndPrune};
@@ -152,8 +155,8 @@ pub trait BroadPhase {
     /// # Errors
     ///
     /// [`UnknownProxy`](BroadPhaseError::UnknownProxy), or a box that is
-    /// [empty](BroadPhaseError::EmptyBox) or holds [`NaN`](BroadPhaseError::NotANumber). The old box
-    /// stays then.
+    /// [empty](BroadPhaseError::EmptyBox) or holds [`NaN`](BroadPhaseError::NotANumber). The old
+    /// box stays then.
     fn set_box(&mut self, id: ProxyId, aabb: Aabb) -> Result<(), BroadPhaseError>;
 
     /// Says whether a proxy moves from now on.

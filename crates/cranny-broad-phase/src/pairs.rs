@@ -1,4 +1,14 @@
 //! The sorted set of overlapping pairs, and its change from one update to the next.
+//!
+//! A pair is dropped when its boxes part, in three steps of three owners:
+//!
+//! 1. An index notices it: `SweepAndPrune` at a crossing of end points (`Crossing::Parted`, in
+//!    `sweep_and_prune`), `BoxTree` where a candidate no longer overlaps (`judge`, in `box_tree`).
+//!    `PairKeeper` ends the pairs of what was removed or has become stationary.
+//! 2. [`PairSet::apply`] takes it out of the set and makes [`OverlapEvent::Ended`] of it.
+//! 3. Whoever keeps something about pairs forgets it: `World::update_pairs` of `cranny-world` the
+//!    memory of its queries. rapier has a broad phase of its own, so `Simulation::forget_parted` of
+//!    `cranny-rapier` drops answers and searches of the pairs that rapier has dropped.
 
 use crate::{OverlapEvent, OverlapPair, ProxyId};
 
@@ -34,9 +44,9 @@ impl PairSet {
     /// Takes out what is in `ended`, then puts in what is in `began`, and writes the *difference*
     /// of the set after and before to `events`, sorted.
     ///
-    /// Both lists may be unsorted, hold a pair many times, and hold pairs that are absent or present
-    /// already; a pair in both is present afterwards. So a caller need only see to it that `began`
-    /// holds nothing but true pairs and all new ones, and `ended` all that are gone.
+    /// Both lists may be unsorted, hold a pair many times, and hold pairs that are absent or
+    /// present already; a pair in both is present afterwards. So a caller need only see to it that
+    /// `began` holds nothing but true pairs and all new ones, and `ended` all that are gone.
     pub(crate) fn apply(
         &mut self,
         began: &mut Vec<u64>,

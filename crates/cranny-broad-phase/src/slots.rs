@@ -1,5 +1,5 @@
-//! Where the boxes are kept: a dense array of slots, the way from a caller's id to its slot, and what
-//! happened to each since the last update.
+//! Where the boxes are kept: a dense array of slots, the way from a caller's id to its slot, and
+//! what happened to each since the last update.
 
 use crate::pairs::pack;
 use crate::{BroadPhaseError, Motion, ProxyId};
@@ -70,7 +70,7 @@ pub struct Slots {
     /// As of the last update; equal to `boxes` unless the slot awaits the next one.
     pub(crate) boxes_before: Vec<Aabb>,
     vacant: Vec<Slot>,
-    /// That was asked for last.
+    /// The slot looked up last.
     last: Slot,
     /// Slots that were inserted, moved, removed or switched since the last update.
     changed: Vec<Slot>,
@@ -87,8 +87,8 @@ impl Slots {
         self.slot_of.get(&id).copied()
     }
 
-    /// Tries the slot behind the last one first: callers go through their bodies in order, and mostly in
-    /// the order in which they inserted them.
+    /// Tries the slot behind the last one first: callers go through their bodies in order, and
+    /// mostly in the order in which they inserted them.
     pub(crate) fn get(&mut self, id: ProxyId) -> Result<Slot, BroadPhaseError> {
         let next = Slot(self.last.0 + 1);
         let is_next = self.ids.get(next.index()) == Some(&id)

@@ -319,7 +319,8 @@ fn replace_one<B: BroadPhase + Default>() {
     assert_eq!(twins.update(), [OverlapEvent::Ended(ProxyId(1), ProxyId(2))]);
 }
 
-/// A box of which a face moved by less than single precision tells of leaves its fat box all the same.
+/// A box of which a face moved by less than single precision shows leaves its fat box all the
+/// same.
 #[test]
 fn the_smallest_of_steps_loses_no_pair() {
     the_smallest_of_steps::<SweepAndPrune>();
@@ -339,7 +340,8 @@ fn the_smallest_of_steps<B: BroadPhase + Default>() {
     }
     twins.insert(3, slab((-infinity, 0.0), (0.0, 0.0)), Motion::Moving);
     assert_eq!(twins.update().len(), 6);
-    // Of infinite steps no room is made, so that the last box is out of the fat one by the smallest number there is.
+    // Of infinite steps no room is made, so that the last box is out of the fat one by the smallest
+    // number there is.
     let least = f64::from_bits(1);
     for slab in [slab((-2.0, infinity), (-1.0, 0.0)), slab((0.0, 0.0), (0.0, least))] {
         twins.set_box(3, slab);

@@ -1,10 +1,10 @@
 //! Closed chains of directed edges, split into simple loops.
 //!
 //! A chain that is a boundary enters each vertex as often as it leaves it, so it is a sum of loops
-//! (Euler 1736). Where it touches itself, at a vertex that it leaves more than once, several
-//! sums are possible; the one taken here follows the edge to the lowest vertex, and cuts a loop off
-//! whenever it comes back to a vertex that it has passed. Every loop is simple: it passes each vertex
-//! once.
+//! (Euler 1736). Where it touches itself, at a vertex that it leaves more than once, several sums
+//! are possible; the one taken here follows the edge to the lowest vertex, and cuts a loop off
+//! whenever it comes back to a vertex that it has passed. Every loop is simple: it passes each
+//! vertex once.
 //!
 //! Cost: O(n log n) for n edges, which are sorted by where they begin.
 
@@ -54,8 +54,8 @@ impl Loops {
         self.starts.push(self.vertices.len() as u32);
     }
 
-    /// Splits a closed chain and appends its loops, each from its lowest vertex, in the order of these.
-    /// O(n log n). Edges that are on no loop, which a closed chain has not, are left out.
+    /// Splits a closed chain and appends its loops, each from its lowest vertex, in the order of
+    /// these. O(n log n). Edges that are on no loop, which a closed chain has not, are left out.
     pub(crate) fn split(&mut self, edges: &mut [[u32; 2]]) {
         edges.sort_unstable();
         let mut vertices: Vec<u32> = edges.iter().map(|e| e[0]).collect();

@@ -261,7 +261,8 @@ fn an_open_surface_follows_too() {
 
 #[test]
 fn openings_without_faces_keep_their_order_however_facets_are_numbered() {
-    // A divided cube, of two opposite sides of which faces are missing: openings that no face lies beneath.
+    // A divided cube, of two opposite sides of which faces are missing: openings that no face lies
+    // beneath.
     let whole = split_edges(&split_edges(&Cuboid::default().build().unwrap()));
     let mut rng = Rng::new(5);
     let (mut faceless, mut followed) = (0, 0);
@@ -281,7 +282,8 @@ fn openings_without_faces_keep_their_order_however_facets_are_numbered() {
     assert!(faceless > 20 && followed > 20, "{faceless}, {followed}");
 }
 
-/// A dimple of a golf ball, pressed: how much is looked at does not depend on how large the ball is.
+/// A dimple of a golf ball, pressed: how much is looked at does not depend on how large the ball
+/// is.
 #[test]
 fn work_follows_the_dent_not_the_mesh() {
     let pressed = |triangles: u32, radius_in_edges: f64| {

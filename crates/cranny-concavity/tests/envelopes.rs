@@ -14,8 +14,8 @@ use cranny_shapes::{Cup, GolfBall, IsoBolt, IsoNut, Shape, Torus};
 use cranny_testkit::{Q, Q3, Rng};
 use meshes::{scaled, soup, turned};
 
-/// Faces that do not lie in a facet of the hull, in groups that share edges: near enough to concavities
-/// for these tests, which would hold for any groups.
+/// Faces that do not lie in a facet of the hull, in groups that share edges: near enough to
+/// concavities for these tests, which would hold for any groups.
 fn pockets(mesh: &Mesh) -> Vec<Vec<FaceId>> {
     let hull = ConvexHull::of_points(mesh.vertices());
     let near = 1e-9 * mesh.bounds().diagonal();

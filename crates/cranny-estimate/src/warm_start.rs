@@ -74,7 +74,7 @@ impl WarmStart {
         let Interval { lo, hi } = self.distance;
         self.outrun = step > hi - lo;
         // Surfaces that do not meet on the screw that joins the poses change no containment.
-        let way = motion.way_factor().map_or(f64::INFINITY, |factor| factor * step);
+        let way = motion.arc_over_chord().map_or(f64::INFINITY, |factor| factor * step);
         self.apart = self.apart.filter(|_| lo > way + 4.0 * pair.culling_error());
         let lo = (lo - step).next_down().max(0.0);
         self.distance = Interval { lo, hi: (hi + step).next_up() };

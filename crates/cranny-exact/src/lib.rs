@@ -23,6 +23,7 @@
 //! ```
 
 mod aabb;
+mod direction;
 pub mod domain;
 mod expansion;
 mod interval;
@@ -33,6 +34,7 @@ mod triangle;
 mod weighted;
 
 pub use aabb::Aabb;
+pub use direction::generic_direction;
 pub use domain::{DomainError, check_point, is_in_domain};
 pub use glam::{DMat3, DQuat, DVec2, DVec3};
 pub use interval::Interval;

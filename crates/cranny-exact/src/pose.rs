@@ -1,4 +1,5 @@
-//! Where bodies are, and the one function that poses a vertex.
+//! Where bodies are, and the one function that poses a vertex ([`RigidMap::apply`]). Its rounding
+//! is bounded by [`RigidMap::posing_error`].
 
 use glam::{DMat3, DQuat, DVec3};
 use thiserror::Error;
@@ -15,9 +16,10 @@ use crate::domain::{DomainError, check_point};
 /// the [`domain`](crate::domain) relies.
 const SNAP: f64 = 4.0 * f64::EPSILON;
 
-/// By how much the squared length of a rotation quaternion may differ from 1 before a pose is refused.
-/// What is accepted is normalised. Larger, and what was never meant to be a rotation passes for one;
-/// smaller, and quaternions that an engine kept in f32, or a file with six digits, are refused.
+/// By how much the squared length of a rotation quaternion may differ from 1 before a pose is
+/// refused. What is accepted is normalised. Larger, and what was never meant to be a rotation
+/// passes for one; smaller, and quaternions that an engine kept in f32, or a file with six digits,
+/// are refused.
 const UNIT_SLACK: f64 = 1e-5;
 
 /// By how much `RᵀR` of an accepted matrix may differ from 1. Larger, and a scaled or sheared body
@@ -58,9 +60,9 @@ pub enum PoseError {
 
 /// Position and orientation of a body: `world_from_body`, a rotation followed by a translation.
 ///
-/// The fields are free, so a quaternion may be anything. Whoever takes poses from outside passes them
-/// through [`accepted`](Self::accepted); a world and the pair query do, and everything else relies
-/// on unit length to rounding.
+/// The fields are free, so a quaternion may be anything. Whoever takes poses from outside passes
+/// them through [`accepted`](Self::accepted); a world and the pair query do, and everything else
+/// relies on unit length to rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Unit quaternion (x, y, z, w), see [`accepted`](Self::accepted).
@@ -79,8 +81,8 @@ impl Pose {
         Self { rotation: DQuat::IDENTITY, translation }
     }
 
-    /// The pose as a world or a query takes it: kept to the bit where its quaternion is of unit length
-    /// to rounding, so that a pose survives being read and set again; else normalised.
+    /// The pose as a world or a query takes it: kept to the bit where its quaternion is of unit
+    /// length to rounding, so that a pose survives being read and set again; else normalised.
     ///
     /// # Errors
     ///
@@ -134,7 +136,8 @@ impl Pose {
         Ok(Self { rotation: rotation * (1.0 / rotation.length()), translation })
     }
 
-    /// Twelve numbers and a last row, row-major: the inverse of [`from_row_major`](Self::from_row_major).
+    /// Twelve numbers and a last row, row-major: the inverse of
+    /// [`from_row_major`](Self::from_row_major).
     #[must_use]
     pub fn to_row_major(&self) -> [f64; 16] {
         let m = self.world_from_body();
@@ -151,7 +154,8 @@ impl Pose {
         RigidMap { linear: snapped(DMat3::from_quat(self.rotation)), translation: self.translation }
     }
 
-    /// The pose of a body that is fixed in another: `world_from_inner = world_from_self · self_from_inner`.
+    /// The pose of a body that is fixed in another:
+    /// `world_from_inner = world_from_self · self_from_inner`.
     #[must_use]
     pub fn compose(&self, inner: &Self) -> Self {
         let rotation = self.rotation * inner.rotation;
@@ -161,7 +165,8 @@ impl Pose {
         }
     }
 
-    /// The seven numbers that define the pose, as bits: a total order for canonical pairs and hashes.
+    /// The seven numbers that define the pose, as bits: a total order for canonical pairs and
+    /// hashes.
     #[must_use]
     pub fn bits(&self) -> [u64; 7] {
         let (q, t) = (self.rotation, self.translation);
@@ -176,7 +181,8 @@ impl Default for Pose {
     }
 }
 
-/// A rigid motion between two frames, ready to be applied: `p_in_a = linear · p_in_b + translation`.
+/// A rigid motion between two frames, ready to be applied:
+/// `p_in_a = linear · p_in_b + translation`.
 ///
 /// `linear` is a rotation to rounding. [`apply`](Self::apply) is *the* posing function: the exact
 /// contract of Cranny reads the points that it returns, rounded as they are.
@@ -225,8 +231,11 @@ impl RigidMap {
         Self { linear, translation: -(linear * self.translation) }
     }
 
-    /// An upper bound of the distance between [`apply`](Self::apply)'s rounded result and the exact
-    /// image, for points at most `radius` from the origin.
+    /// The rounding of posing: an upper bound of the distance between [`apply`](Self::apply)'s
+    /// rounded result and the exact image, for points at most `radius` from the origin.
+    ///
+    /// `Pair::culling_error` of `cranny-narrow-phase` bounds all that rounds in a query's culls,
+    /// this included.
     ///
     /// A coordinate takes three products and three sums. Each partial result is at most
     /// `√3·radius + |t|`, each operation adds half an ulp of it; six operations, three coordinates.
@@ -238,8 +247,9 @@ impl RigidMap {
 
     /// A box that holds the rounded image of every point of `b`.
     ///
-    /// Three things round, each by at most [`posing_error`](Self::posing_error): the image of a point,
-    /// that of the box's center, and the half extents, which round like a point that is posed.
+    /// Three things round, each by at most [`posing_error`](Self::posing_error): the image of a
+    /// point, that of the box's center, and the half extents, which round like a point that is
+    /// posed.
     #[must_use]
     pub fn bounds(&self, b: &Aabb) -> Aabb {
         let (center, h, m) = (self.apply(b.center()), b.half_extents(), self.linear);

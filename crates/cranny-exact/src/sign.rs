@@ -61,9 +61,10 @@ pub enum Arithmetic {
     Adaptive,
 }
 
-/// Relative error of a determinant of four points as [`orient3d`] computes it (Shewchuk 1997, "Adaptive precision
-/// floating-point arithmetic and fast robust geometric predicates", `o3derrboundA`; his ε is half of ours). Smaller, and
-/// signs may be wrong; larger, and more points take the long way.
+/// Relative error of a determinant of four points as [`orient3d`] computes it (Shewchuk 1997,
+/// "Adaptive precision floating-point arithmetic and fast robust geometric predicates",
+/// `o3derrboundA`; his ε is half of ours). Smaller, and signs may be wrong; larger, and more points
+/// take the long way.
 const FILTER: f64 = (7.0 + 28.0 * f64::EPSILON) * (0.5 * f64::EPSILON);
 
 /// On which side of the plane through `a`, `b`, `c` the point `d` lies.
@@ -103,13 +104,14 @@ fn orient3d_near(points: [DVec3; 4]) -> Sign {
     Sign::of(robust::orient3d(a, b, c, d)).flipped()
 }
 
-/// Whether four points lie in a plane square to an axis. The predicate takes longest for zeros, and many sides of
-/// bodies are square to one, or stand along one.
+/// Whether four points lie in a plane square to an axis. The predicate takes longest for zeros, and
+/// many sides of bodies are square to one, or stand along one.
 fn is_level(points: &[DVec3; 4], axis: usize) -> bool {
     points.iter().all(|p| p[axis] == points[0][axis])
 }
 
-/// Whether four points are seen in one or two places along an axis: then a plane that stands along it holds them all.
+/// Whether four points are seen in one or two places along an axis: then a plane that stands along
+/// it holds them all.
 fn stands_in_two_places(points: &[DVec3; 4], axis: usize) -> bool {
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let together = |p: &DVec3, q: &DVec3| p[u] == q[u] && p[v] == q[v];
@@ -153,7 +155,8 @@ mod tests {
 
     #[test]
     fn points_that_stand_along_an_axis_are_coplanar_and_their_neighbours_are_not() {
-        // Two uprights of a wall that is square to no axis, whose determinant rounds to something else than 0.
+        // Two uprights of a wall that is square to no axis, whose determinant rounds to something
+        // else than 0.
         let (here, there) = ([0.1, 0.7], [0.3, 0.2]);
         let wall = [(here, 0.3), (here, 1.1), (there, 0.9), (there, 0.25)];
         for axis in 0..3 {

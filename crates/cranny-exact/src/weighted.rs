@@ -52,8 +52,8 @@ impl WeightedPoint {
 
     /// An upper bound of the distance between [`rounded`](Self::rounded) and the mean itself.
     ///
-    /// A coordinate takes three quotients, three products and two sums of numbers no larger than the
-    /// largest coordinate, half an ulp each; three coordinates.
+    /// A coordinate takes three quotients, three products and two sums of numbers no larger than
+    /// the largest coordinate, half an ulp each; three coordinates.
     #[must_use]
     pub fn rounding(&self) -> f64 {
         let largest = self.points.iter().fold(0.0f64, |m, p| m.max(p.abs().max_element()));
@@ -62,9 +62,9 @@ impl WeightedPoint {
 
     /// [`orient3d`]`(a, b, c, self)`: on which side of a plane the mean lies. Exact.
     ///
-    /// The volume that `orient3d` is the sign of is affine in its last point, so that of the mean is
-    /// the mean of the volumes of the points. Where these do not all have one sign (rare), they are
-    /// summed without rounding, which takes some ten microseconds.
+    /// The volume that `orient3d` is the sign of is affine in its last point, so that of the mean
+    /// is the mean of the volumes of the points. Where these do not all have one sign (rare), they
+    /// are summed without rounding, which takes some ten microseconds.
     #[must_use]
     pub fn side_of(&self, a: DVec3, b: DVec3, c: DVec3) -> Sign {
         let of = |i: usize| match self.weights[i] {

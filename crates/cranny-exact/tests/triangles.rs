@@ -83,7 +83,8 @@ fn crossings_are_made_by_the_edges_that_rationals_find() {
             let mut found = ends.to_vec();
             found.sort_unstable();
             assert_eq!(found, expected, "{}", place());
-            // The other way round the normals' product is turned over, and so it is where one triangle is.
+            // The other way round the normals' product is turned over, and so it is where one
+            // triangle is.
             let renamed = |end: CrossingEnd| CrossingEnd { owner: 1 - end.owner, ..end };
             let backward = [renamed(ends[1]), renamed(ends[0])];
             assert_eq!(cross_triangles(&b, &a).1, Some(Crossing { ends: backward }), "{}", place());

@@ -1,10 +1,13 @@
-//! The name of a mesh's geometry: a hash of its coordinates and faces, and how it follows vertices that move.
+//! The name of a mesh's geometry: a hash of its coordinates and faces, and how it follows vertices
+//! that move.
 //!
-//! BLAKE3 (O'Connor, Aumasson, Neves and Wilcox-O'Hearn 2020, section 2) hashes blocks into the leaves of a binary
-//! tree whose shape depends on the length alone. So it is enough to keep the values of blocks: where a few have
-//! changed these are hashed again, and the tree above is put together, to the same digest.
+//! BLAKE3 (O'Connor, Aumasson, Neves and Wilcox-O'Hearn 2020, section 2) hashes blocks into the
+//! leaves of a binary tree whose shape depends on the length alone. So it is enough to keep the
+//! values of blocks: where a few have changed these are hashed again, and the tree above is put
+//! together, to the same digest.
 //!
-//! Cost: the bytes of the mesh; afterwards those of the blocks that have changed, and 32 bytes a block.
+//! Cost: the bytes of the mesh; afterwards those of the blocks that have changed, and 32 bytes a
+//! block.
 
 use std::ops::Range;
 
@@ -16,9 +19,9 @@ use blake3::hazmat::{
 use crate::ids::VertexId;
 use crate::mesh::Mesh;
 
-/// Bytes that are hashed together: a power of two, and at least the 1024 of one leaf of BLAKE3's tree. Fewer, and
-/// hashing is several times slower; more, and memory is filled that nobody uses again, and more is hashed for each
-/// vertex that moves.
+/// Bytes that are hashed together: a power of two, and at least the 1024 of one leaf of BLAKE3's
+/// tree. Fewer, and hashing is several times slower; more, and memory is filled that nobody uses
+/// again, and more is hashed for each vertex that moves.
 const BLOCK: usize = 1 << 15;
 
 /// In front of the vertices: how many there are.
@@ -78,8 +81,8 @@ impl BlockHashes {
     }
 }
 
-/// How many of some blocks, two or more, are beneath the left child of their root: the largest power of two that is
-/// less than all.
+/// How many of some blocks, two or more, are beneath the left child of their root: the largest
+/// power of two that is less than all.
 fn left_half(blocks: usize) -> usize {
     blocks.next_power_of_two() / 2
 }
@@ -148,8 +151,8 @@ fn bytes_of<'a>(mesh: &Mesh, range: Range<usize>, bytes: &'a mut Vec<u8>) -> &'a
     &bytes[range.start - from..range.end - from]
 }
 
-/// As many pieces more at the end of some bytes, to be written over: at once, for to ask for each whether there is room
-/// takes longer than to write it.
+/// As many pieces more at the end of some bytes, to be written over: at once, for to ask for each
+/// whether there is room takes longer than to write it.
 fn room<const SIZE: usize>(bytes: &mut Vec<u8>, count: usize) -> &mut [[u8; SIZE]] {
     let from = bytes.len();
     bytes.resize(from + SIZE * count, 0);
@@ -179,7 +182,8 @@ mod tests {
 
     #[test]
     fn blocks_make_the_same_digest_before_and_after_vertices_have_moved() {
-        // Less than a block, exactly one and two, and a little more; five, of which the last is the shortest.
+        // Less than a block, exactly one and two, and a little more; five, of which the last is the
+        // shortest.
         let whole = |blocks: usize| ((blocks * BLOCK - HEAD - 4 * FACE) / VERTEX) as u32;
         for (vertices, faces) in
             [(3, 1), (whole(1), 4), (whole(1), 5), (whole(2), 4), (whole(2), 6), (whole(4), 90)]

@@ -1,28 +1,29 @@
 //! The grid that all coordinates of a mesh lie on, whatever its unit.
 //!
-//! A mesh written with few decimals, or quantised to integers, shows it by its digits. Once it is scaled (from
-//! millimetres to metres, from inches, by a power of two) the digits are gone, but coordinates are still
-//! whole multiples of one step. Euclid's algorithm finds it: the quotients of two coordinates, as a
-//! continued fraction, end where the step divides both. In floating point the fraction is known to end when a
-//! remainder is far below any step that is looked for; as the numerator and denominator of the fraction are
-//! whole numbers, the step is then known to a rounding, however many quotients it took. One division
-//! a coordinate; a mesh without a grid is known by its first few.
+//! A mesh written with few decimals, or quantised to integers, shows it by its digits. Once it is
+//! scaled (from millimetres to metres, from inches, by a power of two) the digits are gone, but
+//! coordinates are still whole multiples of one step. Euclid's algorithm finds it: the quotients of
+//! two coordinates, as a continued fraction, end where the step divides both. In floating point the
+//! fraction is known to end when a remainder is far below any step that is looked for; as the
+//! numerator and denominator of the fraction are whole numbers, the step is then known to a
+//! rounding, however many quotients it took. One division a coordinate; a mesh without a grid is
+//! known by its first few.
 //!
-//! Source: Knuth (1969, section 4.5.3) for Euclid's algorithm and continued fractions. Cost: O(n), a division a number,
-//! and for one that refines the step as many more as Euclid's algorithm takes.
+//! Source: Knuth (1969, section 4.5.3) for Euclid's algorithm and continued fractions. Cost: O(n),
+//! a division a number, and for one that refines the step as many more as Euclid's algorithm takes.
 
-/// Steps looked for are no smaller than this share of the largest coordinate. Smaller, and errors of rounding,
-/// which grow with the square of the count of steps, come near the step; larger, and grids that are coarser
-/// than single precision stay unseen.
+/// Steps looked for are no smaller than this share of the largest coordinate. Smaller, and errors
+/// of rounding, which grow with the square of the count of steps, come near the step; larger, and
+/// grids that are coarser than single precision stay unseen.
 const LEAST_SHARE: f64 = 1e-7;
 
-/// What is left of a division that comes out even is at most this share of the least step: numbers of `n` steps
-/// leave up to `n` roundings of the largest, a hundredth of the step for the finest grid. Larger, and numbers
-/// without a grid seem to have one by chance.
+/// What is left of a division that comes out even is at most this share of the least step: numbers
+/// of `n` steps leave up to `n` roundings of the largest, a hundredth of the step for the finest
+/// grid. Larger, and numbers without a grid seem to have one by chance.
 const EVEN: f64 = 0.02;
 
-/// The largest step of which all numbers, none of which is 0, are multiples up to rounding; `largest` is the
-/// greatest magnitude among them.
+/// The largest step of which all numbers, none of which is 0, are multiples up to rounding;
+/// `largest` is the greatest magnitude among them.
 pub(crate) fn common_step(numbers: impl Iterator<Item = f64>, largest: f64) -> Option<f64> {
     let least = LEAST_SHARE * largest;
     let mut step = None;
@@ -37,8 +38,8 @@ pub(crate) fn common_step(numbers: impl Iterator<Item = f64>, largest: f64) -> O
     step
 }
 
-/// The denominator of `x / step` as a fraction of whole numbers: how many parts `step` has to be divided into
-/// to measure `x` as well. Nothing where such a part would be smaller than `least`.
+/// The denominator of `x / step` as a fraction of whole numbers: how many parts `step` has to be
+/// divided into to measure `x` as well. Nothing where such a part would be smaller than `least`.
 fn denominator(x: f64, step: f64, least: f64) -> Option<f64> {
     let (mut dividend, mut divisor) = (x, step);
     let (mut before, mut now) = (1.0, 0.0);

@@ -5,7 +5,7 @@
 //! - Any triangle mesh is accepted whose coordinates lie in the [`domain`](cranny_exact::domain)
 //!   and of which one face at least has an area, open and non-manifold ones included; the
 //!   [`Report`] names every defect that limits answers.
-//! - Preparation moves nothing unless asked to [`Repair`]: vertices in the same place are welded,
+//! - Preparation moves nothing unless [`Repair`] says so: vertices in the same place are welded,
 //!   unreferenced ones dropped, and a closed body that is inside out is turned round, which the
 //!   report says. A repaired surface is proved to be the filed one within the weld distance.
 //! - The hull is exactly convex, and the tree's boxes hold their faces exactly.

@@ -12,16 +12,18 @@ use crate::chunks::{CHUNK, touched};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
-/// Roundings of a tetrahedron's volume, each by at most half an ulp of the sum of its products' magnitudes: three
-/// differences, two products and two sums a term, and the division. Fewer, and sheets back to back may have a volume,
-/// of either sign; more, and thin solids whose faces lie slanted have none.
+/// Roundings of a tetrahedron's volume, each by at most half an ulp of the sum of its products'
+/// magnitudes: three differences, two products and two sums a term, and the division. Fewer, and
+/// sheets back to back may have a volume, of either sign; more, and thin solids whose faces lie
+/// slanted have none.
 const ROUNDINGS: f64 = 16.0;
 
-/// Of a solid of density 1, in the body's frame. What holds no more than rounding could have left of nothing has
-/// volume and inertia 0, and its centre is that of its box.
+/// Of a solid of density 1, in the body's frame. What holds no more than rounding could have left
+/// of nothing has volume and inertia 0, and its centre is that of its box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
-    /// Volume, negative where the mesh is inside out, which that of a [`Model`](crate::Model) is not. Unit: length^3.
+    /// Volume, negative where the mesh is inside out, which that of a [`Model`](crate::Model) is
+    /// not. Unit: length^3.
     pub volume: f64,
     /// Centre of mass.
     pub center: DVec3,
@@ -39,7 +41,8 @@ impl MassProperties {
     }
 }
 
-/// What is added up over faces: integrals over the tetrahedra that these make with a reference point.
+/// What is added up over faces: integrals over the tetrahedra that these make with a reference
+/// point.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     volume: f64,
@@ -109,7 +112,8 @@ impl Sums {
     }
 }
 
-/// The sums of a mesh, chunk by chunk of its faces: nothing is ever taken away from a sum, so that errors do not gather.
+/// The sums of a mesh, chunk by chunk of its faces: nothing is ever taken away from a sum, so that
+/// errors do not gather.
 #[derive(Clone, Debug)]
 pub(crate) struct MassSums {
     reference: DVec3,
@@ -123,8 +127,8 @@ impl MassSums {
         Self { reference, of_chunks: mesh.faces().chunks(CHUNK).map(of_chunk).collect() }
     }
 
-    /// Follows faces that have moved, which ascend; `reference` is where the centre of the box is now. Returns how many
-    /// faces were added up.
+    /// Follows faces that have moved, which ascend; `reference` is where the centre of the box is
+    /// now. Returns how many faces were added up.
     pub(crate) fn update(&mut self, mesh: &Mesh, reference: DVec3, moved: &[FaceId]) -> usize {
         if reference != self.reference {
             *self = Self::of(mesh, reference);

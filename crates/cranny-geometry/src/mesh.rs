@@ -6,8 +6,8 @@ use thiserror::Error;
 use crate::ids::{FaceId, VertexId};
 
 /// Vertices and triangles. Faces are counter-clockwise seen from outside where the mesh bounds a
-/// solid. Every index is in range and every coordinate inside the
-/// [`domain`](cranny_exact::domain); nothing else is promised (faces may be degenerate, edges open).
+/// solid. Every index is in range and every coordinate inside the [`domain`](cranny_exact::domain);
+/// nothing else is promised (faces may be degenerate, edges open).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     vertices: Vec<DVec3>,
@@ -74,7 +74,8 @@ impl Mesh {
         if faces.is_empty() {
             return Err(MeshError::NoFaces { vertices: vertices.len() });
         }
-        // Short loops over all; whoever offends is searched for when it is known that somebody does.
+        // Short loops over all; whoever offends is searched for when it is known that somebody
+        // does.
         let is_inside = vertices.iter().fold(true, |all, &p| all & is_in_domain(p));
         if !is_inside {
             for (vertex, &p) in vertices.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! The one prepared thing: everything that is known of a body before it moves.
 //!
 //! A [`Model`] is shared (`Arc` inside) and never changes but by [`Model::deform`]. It is filled in
-//! stages, each a module of this crate; the stages of the full method stand here in order, so that one
-//! sees where the next belongs:
+//! stages, each a module of this crate; the stages of the full method stand here in order, so that
+//! one sees where the next belongs:
 //!
 //! 1. weld, repair and scan ([`mesh`](Model::mesh), [`Report`]), 2. adjacency
 //!    ([`topology`](Model::topology)), 3. mass ([`mass_properties`](Model::mass_properties)), 4.
@@ -26,7 +26,7 @@ use crate::digest::digest;
 use crate::flatness::Flatness;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{Late, Unfolding};
+use crate::late::{FromStored, Late};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::patches::Patches;
@@ -76,7 +76,7 @@ impl Model {
         observe(Stage::Repair);
         let weld_distance = weld_distance(options.tolerance, options.flatness, &mesh)?;
         let mut report = Report { weld_distance, ..Report::default() };
-        let Mended { mut mesh, filed_faces, mut provenance } =
+        let PreparedMesh { mut mesh, filed_faces, mut provenance } =
             mended(mesh, options.repair, weld_distance)?;
         if (0..mesh.faces().len() as u32).all(|f| has_no_area(&mesh, FaceId(f))) {
             return Err(BuildError::OnlyDegenerateFaces { faces: mesh.faces().len() });
@@ -111,8 +111,8 @@ impl Model {
             mesh,
             topology,
             hull,
-            tree: Unfolding::made(tree),
-            patches: Unfolding::made(patches),
+            tree: FromStored::made(tree),
+            patches: FromStored::made(patches),
             clusters: Late::default(),
             mass,
             radius,
@@ -126,11 +126,13 @@ impl Model {
         Ok((Self(Arc::new(parts)), report))
     }
 
-    /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it, for a
-    /// model that was loaded. What was mended before the model was saved is not known any more.
+    /// Scans the prepared mesh once more: the report that [`build`](Self::build) would make of it,
+    /// for a model that was loaded. What was mended before the model was saved is not known any
+    /// more.
     ///
-    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`]; without a tolerance, how finely a mesh was
-    /// stored is read off its coordinates, as with [`Flatness::Auto`].
+    /// `tolerance` and `self_intersections` mean what they mean in [`BuildOptions`]; without a
+    /// tolerance, how finely a mesh was stored is read off its coordinates, as with
+    /// [`Flatness::Auto`].
     ///
     /// # Errors
     ///
@@ -153,8 +155,9 @@ impl Model {
     }
 
     /// The mended mesh. Face ids are those that were filed unless repairs other than
-    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face). **Vertices are numbered anew**,
-    /// in the order in which faces use them first: [`Provenance::vertex`] tells what became of each filed one.
+    /// [`Repair::None`] parted or dropped faces; see [`filed_face`](Self::filed_face). **Vertices
+    /// are numbered anew**, in the order in which faces use them first: [`Provenance::vertex`]
+    /// says what became of each filed one.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
         &self.0.mesh
@@ -187,7 +190,7 @@ impl Model {
         self.0.tree()
     }
 
-    /// Makes what a model that was [loaded](Self::decode) would otherwise make when first asked:
+    /// Makes what a model that was [loaded](Self::decode) would otherwise make at their first use:
     /// [`tree`](Self::tree) and [`patches`](Self::patches), the [search tree](Self::clusters), the
     /// graph over the vertices of the [`hull`](Self::hull), and the faces at vertices. For whoever
     /// wants no late cost.
@@ -210,8 +213,9 @@ impl Model {
 
     /// The search tree that questions about pairs go down.
     ///
-    /// Made at the first call, and anew at the first call after a [deformation](Self::deform): O(n log n), about
-    /// 3 microseconds a face. Call it where a body is made if no first query is to wait for it.
+    /// Made at the first call, and anew at the first call after a [deformation](Self::deform): O(n
+    /// log n), about 3 microseconds a face. Call it where a body is made if no first query is to
+    /// wait for it.
     #[inline]
     pub fn clusters(&self) -> &ClusterTree {
         self.0.clusters()
@@ -241,8 +245,8 @@ impl Model {
         self.0.radius
     }
 
-    /// A hash of the prepared geometry: equal meshes have equal digests on every machine. Of a loaded model,
-    /// what was saved.
+    /// A hash of the prepared geometry: equal meshes have equal digests on every machine. Of a
+    /// loaded model, what was saved.
     #[must_use]
     pub fn digest(&self) -> [u8; 32] {
         self.0.digest
@@ -275,7 +279,7 @@ fn describe(mesh: &Mesh, topology: &Topology, mass: Option<&MassProperties>, rep
 }
 
 /// A mesh that may have been mended.
-struct Mended {
+struct PreparedMesh {
     mesh: Mesh,
     /// The filed face of each face, where these are not the same.
     filed_faces: Option<Vec<FaceId>>,
@@ -283,7 +287,7 @@ struct Mended {
 }
 
 /// Welds what is in exactly the same place, then mends as far as the policy goes.
-fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<Mended, BuildError> {
+fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<PreparedMesh, BuildError> {
     let mut provenance = Provenance {
         vertices: mesh.vertices().len(),
         faces: mesh.faces().len(),
@@ -301,11 +305,11 @@ fn mended(mesh: Mesh, policy: Repair, weld_distance: f64) -> Result<Mended, Buil
     }
     if policy == Repair::None {
         provenance.new_ids = welded.new_id;
-        return Ok(Mended { mesh: welded.mesh, filed_faces: None, provenance });
+        return Ok(PreparedMesh { mesh: welded.mesh, filed_faces: None, provenance });
     }
     let mended = mend(&mesh, welded, policy == Repair::Full, weld_distance)?;
     provenance.repairs.extend(mended.records);
     provenance.deviation = mended.deviation;
     provenance.new_ids = mended.new_id;
-    Ok(Mended { mesh: mended.mesh, filed_faces: mended.filed_face, provenance })
+    Ok(PreparedMesh { mesh: mended.mesh, filed_faces: mended.filed_face, provenance })
 }

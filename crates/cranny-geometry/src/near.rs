@@ -3,8 +3,8 @@
 //! Distances that a repair relies on are rounded upward, so that 'within' is certain. At distance 0
 //! 'on the edge' is decided by signs.
 //!
-//! Source: the slab test is that of Kay and Kajiya (1986, "Ray tracing complex scenes"). Cost: the nodes of the tree
-//! that lie near, O(log n) as a rule where few faces do.
+//! Source: the slab test is that of Kay and Kajiya (1986, "Ray tracing complex scenes"). Cost: the
+//! nodes of the tree that lie near, O(log n) as a rule where few faces do.
 
 use cranny_exact::{Aabb, DVec2, DVec3, orient2d};
 
@@ -31,10 +31,10 @@ pub(crate) struct Foot {
     pub(crate) parameter: f64,
 }
 
-/// The nearest point of the segment `[a, b]`. Ends that coincide are a point. A vertex that was rounded once off its
-/// edge is told as near as that: what would be lost in differences is kept beside them (`two_sum` of Knuth 1969, The
-/// Art of Computer Programming 2, 4.2.2), and of `to − parameter * along`, which all but cancels, only the result is
-/// rounded.
+/// The nearest point of the segment `[a, b]`. Ends that coincide are a point. A vertex that was
+/// rounded once off its edge is reported as near as that: what would be lost in differences is kept
+/// beside them (`two_sum` of Knuth 1969, The Art of Computer Programming 2, 4.2.2), and of
+/// `to − parameter * along`, which all but cancels, only the result is rounded.
 pub(crate) fn foot(p: DVec3, [a, b]: [DVec3; 2]) -> Foot {
     let ([to, to_rest], [along, along_rest]) = (difference(p, a), difference(b, a));
     let length_squared = along.length_squared();

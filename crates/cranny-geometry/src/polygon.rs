@@ -1,12 +1,13 @@
 //! Polygons of any number of corners in triangles, as mesh files need it.
 //!
-//! A polygon is seen along the greatest component of its normal (Newell's: the sum over its corners), so
-//! nothing is rounded: a coordinate is left out. A convex one becomes a fan from its first corner. Any other is
-//! triangulated by the sweep that also makes caps, on exact signs, and that keeps every corner and every
-//! edge: a corner in the midst of a straight side stays one, so that neighbours still fit.
+//! A polygon is seen along the greatest component of its normal (Newell's: the sum over its
+//! corners), so nothing is rounded: a coordinate is left out. A convex one becomes a fan from its
+//! first corner. Any other is triangulated by the sweep that also makes caps, on exact signs, and
+//! that keeps every corner and every edge: a corner in the midst of a straight side stays one, so
+//! that neighbours still fit.
 //!
-//! Source: the normal is Newell's (Tampieri 1992, "Newell's method for computing the plane equation of a polygon"),
-//! the sweep that of Hertel and Mehlhorn (1983). Cost: with [`split_polygon`].
+//! Source: the normal is Newell's (Tampieri 1992, "Newell's method for computing the plane equation
+//! of a polygon"), the sweep that of Hertel and Mehlhorn (1983). Cost: with [`split_polygon`].
 
 use std::cmp::Ordering;
 
@@ -14,14 +15,16 @@ use cranny_exact::{DVec2, DVec3, Sign, orient2d};
 
 use crate::triangulate::triangulate;
 
-/// Newell's sum shows the plane where it is more than this share of the sum of its terms. Smaller, and the
-/// plane of lobes that cancel is read off rounding; larger is only a plane chosen by lobes one by one.
+/// Newell's sum shows the plane where it is more than this share of the sum of its terms. Smaller,
+/// and the plane of lobes that cancel is read off rounding; larger is only a plane chosen by lobes
+/// one by one.
 const SHOWS_PLANE: f64 = 1e-6;
 
 /// A polygon in triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SplitPolygon {
-    /// Numbers of corners, turning as the polygon does. Together they have the polygon's sides for boundary.
+    /// Numbers of corners, turning as the polygon does. Together they have the polygon's sides for
+    /// boundary.
     pub triangles: Vec<[u32; 3]>,
     /// Whether they cover what the polygon encloses, each place once. If not, the polygon crosses
     /// itself, a corner lies on a side of its, or it has no area, seen along its normal.
@@ -32,13 +35,13 @@ pub struct SplitPolygon {
 
 /// Splits a polygon into triangles.
 ///
-/// A simple one of `n` corners, convex or not, gives `n - 2` triangles that cover it once, the same for
-/// every first corner and, turned over, for either direction, unless it is convex: then they are a fan from
-/// the first. Corners in one place count as the first of them: so a polygon that is led to a hole and
-/// back along the same way is triangulated around the hole.
+/// A simple one of `n` corners, convex or not, gives `n - 2` triangles that cover it once, the same
+/// for every first corner and, turned over, for either direction, unless it is convex: then they
+/// are a fan from the first. Corners in one place count as the first of them: so a polygon that is
+/// led to a hole and back along the same way is triangulated around the hole.
 ///
-/// Where the polygon crosses itself, triangles overlap or are turned over, such that its sides still are their
-/// boundary; one whose sides all cancel is a fan. Coordinates must lie in the
+/// Where the polygon crosses itself, triangles overlap or are turned over, such that its sides
+/// still are their boundary; one whose sides all cancel is a fan. Coordinates must lie in the
 /// [`domain`](cranny_exact::domain). Fewer than three corners give nothing.
 ///
 /// Cost: `O(n)` if convex, else `O(n log n)`, more where it crosses itself.
@@ -58,7 +61,7 @@ pub fn split_polygon(corners: &[DVec3]) -> SplitPolygon {
         return SplitPolygon::default();
     }
     let walk = Walk::new(corners);
-    let (plane, thickness) = Plane::of(&walk);
+    let (plane, thickness) = ViewAxis::of(&walk);
     let seen: Vec<DVec2> = corners.iter().map(|&p| plane.project(p)).collect();
     if is_convex(&seen) {
         return SplitPolygon { triangles: fan(corners.len()), simple: true, thickness };
@@ -80,8 +83,9 @@ fn fan(corners: usize) -> Vec<[u32; 3]> {
     (2..corners as u32).map(|k| [0, k - 1, k]).collect()
 }
 
-/// The corners from the lexicographically first on, towards the lesser of its neighbours: in an order that does
-/// not depend on where and in which direction the polygon was begun, so that sums over it do not either.
+/// The corners from the lexicographically first on, towards the lesser of its neighbours: in an
+/// order that does not depend on where and in which direction the polygon was begun, so that sums
+/// over it do not either.
 struct Walk<'a> {
     corners: &'a [DVec3],
     start: usize,
@@ -141,13 +145,13 @@ fn lexicographic(p: DVec3, q: DVec3) -> Ordering {
 }
 
 /// From which side a polygon is seen: along an axis, from its positive end.
-struct Plane {
+struct ViewAxis {
     axis: usize,
     /// Whether the walk goes counter-clockwise so.
     turns_left: bool,
 }
 
-impl Plane {
+impl ViewAxis {
     /// The plane of a walk, and how far its corners lie off the one through their mean.
     fn of(walk: &Walk<'_>) -> (Self, f64) {
         let origin = walk.corners[walk.start];
@@ -178,7 +182,8 @@ impl Plane {
     }
 }
 
-/// Whether a polygon goes around once, never turning to the other side, and its fan has no triangle without area.
+/// Whether a polygon goes around once, never turning to the other side, and its fan has no triangle
+/// without area.
 fn is_convex(polygon: &[DVec2]) -> bool {
     let n = polygon.len();
     let at = |k: usize| polygon[k % n];

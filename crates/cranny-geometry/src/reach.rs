@@ -7,8 +7,8 @@ pub(crate) fn farthest(points: &[DVec3]) -> f64 {
     points.iter().map(|p| p.length_squared()).fold(0.0, f64::max)
 }
 
-/// No point is farther than this, whose distance squared is at most `farthest`. The root of a larger number is no
-/// smaller: one root, of the largest, is the largest root.
+/// No point is farther than this, whose distance squared is at most `farthest`. The root of a
+/// larger number is no smaller: one root, of the largest, is the largest root.
 pub(crate) fn radius(farthest: f64) -> f64 {
     farthest.sqrt().next_up()
 }

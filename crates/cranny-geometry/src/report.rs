@@ -15,11 +15,13 @@ pub use repair_record::{RepairKind, RepairRecord};
 /// The outcome of preparing a mesh, or of surveying a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// What was filed and what was mended; `None` of a model that was loaded, whose file does not say.
+    /// What was filed and what was mended; `None` of a model that was loaded, whose file does not
+    /// say.
     pub provenance: Option<Provenance>,
     /// Vertices of the prepared mesh.
     pub vertices: usize,
-    /// Faces of the prepared mesh; [`Model::filed_face`](crate::Model::filed_face) says whence each came.
+    /// Faces of the prepared mesh; [`Model::filed_face`](crate::Model::filed_face) says whence each
+    /// came.
     pub faces: usize,
     /// Components that hang together over edges.
     pub components: usize,
@@ -43,8 +45,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether no finding limits any answer. Harmless ones (edges between faces in one plane, several
-    /// shells) may remain.
+    /// Whether no finding limits any answer. Harmless ones (edges between faces in one plane,
+    /// several shells) may remain.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         self.findings.iter().all(|finding| finding.kind.limits().is_empty())
@@ -87,7 +89,7 @@ impl Report {
 /// How far the search for faces that cross, touch or overlap each other went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MeetingScan {
-    /// Not asked for: such faces are not reported.
+    /// Not wanted: such faces are not reported.
     #[default]
     Skipped,
     /// Every pair was judged.
@@ -105,8 +107,8 @@ pub struct Finding {
     /// What it is.
     pub kind: FindingKind,
     /// What is concerned: numbers of the prepared mesh's vertices, faces or components, as
-    /// [`FindingKind::element`] says, in the order that [`FindingKind::concerned`] tells. In a finding that sums
-    /// up many, of the largest.
+    /// [`FindingKind::element`] says, in the order that [`FindingKind::concerned`] gives. In a
+    /// finding that sums up many, of the largest.
     pub ids: Vec<u32>,
     /// A point of it, in the body's frame.
     pub at: DVec3,

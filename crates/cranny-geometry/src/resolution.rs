@@ -1,13 +1,13 @@
 //! How finely a mesh was stored, and what 'the same place' therefore means by default.
 //!
 //! Writers round coordinates: to so many decimals, to single or to double precision. Two vertices
-//! meant to be one, or a vertex meant to lie on an edge, then miss each other by what rounding does,
-//! and no weld distance below that can join them. Measured on real meshes: a nut of 30.7 mm diagonal
-//! stored in metres with six decimals has vertices up to 0.79 micrometres off the edges that they
-//! were meant for, with a step of 1 micrometre.
+//! meant to be one, or a vertex meant to lie on an edge, then miss each other by what rounding
+//! does, and no weld distance below that can join them. Measured on real meshes: a nut of 30.7 mm
+//! diagonal stored in metres with six decimals has vertices up to 0.79 micrometres off the edges
+//! that they were meant for, with a step of 1 micrometre.
 //!
-//! No source: this crate's own. Cost: O(n), some passes over the coordinates, most of which end at the first number
-//! that does not fit.
+//! No source: this crate's own. Cost: O(n), some passes over the coordinates, most of which end at
+//! the first number that does not fit.
 
 use cranny_exact::DVec3;
 
@@ -23,16 +23,17 @@ const GRID_STEPS: f64 = 2.0;
 /// products). Smaller, and the turned copy of a vertex misses its twin; larger is of no use.
 const BINARY_STEPS: f64 = 8.0;
 
-/// The default is never more than this share of the diagonal: on a coarse lattice (whole numbers) the
-/// step says nothing of precision. Smaller, and the nut above (2 steps = 6.5e-5 of its diagonal)
-/// stays open; larger, and features of a thousandth of the body come within reach of repairs.
+/// The default is never more than this share of the diagonal: on a coarse lattice (whole numbers)
+/// the step says nothing of precision. Smaller, and the nut above (2 steps = 6.5e-5 of its
+/// diagonal) stays open; larger, and features of a thousandth of the body come within reach of
+/// repairs.
 const MAX_SHARE: f64 = 1e-4;
 
 /// Decimals looked for; files with more digits are as fine as single precision.
 const MAX_DECIMALS: i32 = 9;
 
-/// Significant digits looked for: no writer uses fewer, and a few round numbers (a plate of 300,000 with a
-/// pocket of 80) have less without having been rounded.
+/// Significant digits looked for: no writer uses fewer, and a few round numbers (a plate of 300,000
+/// with a pocket of 80) have less without having been rounded.
 const MIN_DIGITS: i32 = 5;
 
 /// Significant digits looked for: single precision shows itself by nine.
@@ -41,8 +42,8 @@ const MAX_DIGITS: i32 = 9;
 /// So many coordinates, spread over all, are looked at to see which powers of two are likely.
 const SAMPLE: usize = 64;
 
-/// Numbers of fewer steps may be drawn. Smaller, and shallow pockets in large drawings are taken for rounding;
-/// larger, and numbers that were rounded to few digits pass for drawn.
+/// Numbers of fewer steps may be drawn. Smaller, and shallow pockets in large drawings are taken
+/// for rounding; larger, and numbers that were rounded to few digits pass for drawn.
 const FEW_STEPS: f64 = 1000.0;
 
 /// Powers of two by which written numbers are thought to have been scaled since.
@@ -72,14 +73,15 @@ pub(crate) fn is_single(mesh: &Mesh) -> bool {
     coordinates(mesh).all(|x| x.to_bits() & ((1 << SINGLE_CUT) - 1) == 0)
 }
 
-/// The step between numbers as they were written, at the largest coordinate: the coarser of that of a grid
-/// and that of so many significant digits, of which a writer uses either. Nothing where the
+/// The step between numbers as they were written, at the largest coordinate: the coarser of that of
+/// a grid and that of so many significant digits, of which a writer uses either. Nothing where the
 /// coordinates are neither.
 pub(crate) fn written_step(mesh: &Mesh) -> Option<f64> {
     steps(mesh).reduce(f64::max)
 }
 
-/// [`written_step`] if numbers were rounded to it: nothing where they were drawn at round multiples.
+/// [`written_step`] if numbers were rounded to it: nothing where they were drawn at round
+/// multiples.
 pub(crate) fn rounding_step(mesh: &Mesh) -> Option<f64> {
     steps(mesh).filter(|&step| !is_drawn(mesh, step)).reduce(f64::max)
 }
@@ -88,9 +90,9 @@ fn steps(mesh: &Mesh) -> impl Iterator<Item = f64> {
     [grid_step(mesh), digit_step(mesh)].into_iter().flatten()
 }
 
-/// Whether every coordinate is a multiple of ten steps, or only a few steps, from 0 or from the corner of the
-/// body's box, which may have been moved away from 0 since: rounding leaves numbers of many steps, one in ten of which
-/// is round.
+/// Whether every coordinate is a multiple of ten steps, or only a few steps, from 0 or from the
+/// corner of the body's box, which may have been moved away from 0 since: rounding leaves numbers
+/// of many steps, one in ten of which is round.
 fn is_drawn(mesh: &Mesh, step: f64) -> bool {
     let is_round = |x: f64| {
         let tens = x / (10.0 * step);
@@ -101,8 +103,8 @@ fn is_drawn(mesh: &Mesh, step: f64) -> bool {
     })
 }
 
-/// The step of the grid that holds every coordinate: in any unit if it is coarse, otherwise of 0 to 9
-/// decimal places, which single precision may have rounded since.
+/// The step of the grid that holds every coordinate: in any unit if it is coarse, otherwise of 0 to
+/// 9 decimal places, which single precision may have rounded since.
 fn grid_step(mesh: &Mesh) -> Option<f64> {
     let largest = largest(mesh);
     let written = written(mesh, largest);
@@ -184,9 +186,9 @@ fn power_of_ten(exponent: i32) -> f64 {
     (0..exponent).fold(1.0, |power, _| 10.0 * power)
 }
 
-/// Decimals that single precision has rounded are looked for if their step is so many of its own. Fewer, and
-/// numbers of a coarse single precision pass for decimal ones by chance; more, and six decimals of a body that
-/// reaches to 1 are missed.
+/// Decimals that single precision has rounded are looked for if their step is so many of its own.
+/// Fewer, and numbers of a coarse single precision pass for decimal ones by chance; more, and six
+/// decimals of a body that reaches to 1 are missed.
 const LEAST_SINGLE_STEPS: f64 = 4.0;
 
 /// Binary digits that single precision has less than double precision.

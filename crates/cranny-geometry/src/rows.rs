@@ -1,7 +1,7 @@
 //! Compressed rows: the members of each owner, one owner behind the other.
 //!
-//! Source: they are filled by counting (Knuth 1973, section 5.2). Cost: O(n). Where few rows change, the others
-//! are copied in one piece between them.
+//! Source: they are filled by counting (Knuth 1973, section 5.2). Cost: O(n). Where few rows
+//! change, the others are copied in one piece between them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -9,11 +9,12 @@ use std::ops::Range;
 /// In a list of owners: nobody.
 pub const NOBODY: u32 = u32::MAX;
 
-/// Where the row of each of `count` owners begins, and one more, where the last ends; and the members,
-/// ascending within each row. `owners` names the owner of each member; those of [`NOBODY`] are left out.
+/// Where the row of each of `count` owners begins, and one more, where the last ends; and the
+/// members, ascending within each row. `owners` names the owner of each member; those of [`NOBODY`]
+/// are left out.
 ///
-/// While the owner stays the same, as it often does, its count and place stay in registers: from one member to
-/// the next they would have to come back from memory. O(n).
+/// While the owner stays the same, as it often does, its count and place stay in registers: from
+/// one member to the next they would have to come back from memory. O(n).
 pub fn rows(owners: &[u32], count: usize) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0u32; count + 1];
     for run in owners.chunk_by(|a, b| a == b).filter(|run| run[0] != NOBODY) {
@@ -75,7 +76,8 @@ pub(crate) fn joined<'a, T: Copy + 'a>(
     (new_starts, new_members)
 }
 
-/// The first `count` rows, those in `changed` being others; rows beyond those before must be among them.
+/// The first `count` rows, those in `changed` being others; rows beyond those before must be among
+/// them.
 pub fn replaced<T: Copy>(
     starts: &[u32],
     members: &[T],
@@ -97,7 +99,8 @@ pub fn replaced<T: Copy>(
     joined(starts, members, pieces.into_iter(), map)
 }
 
-/// As [`replaced`]; where each row that is another is as long as it was, nothing is copied but these.
+/// As [`replaced`]; where each row that is another is as long as it was, nothing is copied but
+/// these.
 pub(crate) fn overwritten<T: Copy>(
     starts: Vec<u32>,
     mut members: Vec<T>,
@@ -115,10 +118,10 @@ pub(crate) fn overwritten<T: Copy>(
     (starts, members)
 }
 
-/// Which members of a list move where, so that it has no gaps: of `before` members those in `free`, ascending, are
-/// gone, and `new` have been appended. The new ones, and then the last of the others, take the places that are free.
-/// Pairs of places, in that order.
-pub(crate) fn closing_ranks(before: u32, free: &[u32], new: &[u32]) -> Vec<(u32, u32)> {
+/// Compacts a list: which members move where, so that it has no gaps. Of `before` members those in
+/// `free`, ascending, are gone, and `new` have been appended. The new ones, and then the last of
+/// the others, take the places that are free. Pairs of places, in that order.
+pub(crate) fn compaction_moves(before: u32, free: &[u32], new: &[u32]) -> Vec<(u32, u32)> {
     let count = before + new.len() as u32 - free.len() as u32;
     let others = (count..before).filter(|i| free.binary_search(i).is_err());
     let places = free.iter().copied().filter(|&i| i < count).chain(before..count);
@@ -145,12 +148,12 @@ mod tests {
     }
 
     #[test]
-    fn ranks_are_closed() {
-        assert_eq!(closing_ranks(5, &[1, 3], &[5, 7]), [(5, 1), (7, 3)]);
-        assert_eq!(closing_ranks(5, &[1], &[6, 7]), [(6, 1), (7, 5)]);
-        assert_eq!(closing_ranks(5, &[1, 4], &[5]), [(5, 1)]);
-        assert_eq!(closing_ranks(5, &[0, 1, 4], &[5]), [(5, 0), (3, 1)]);
-        assert_eq!(closing_ranks(5, &[0], &[]), [(4, 0)]);
+    fn gaps_are_filled() {
+        assert_eq!(compaction_moves(5, &[1, 3], &[5, 7]), [(5, 1), (7, 3)]);
+        assert_eq!(compaction_moves(5, &[1], &[6, 7]), [(6, 1), (7, 5)]);
+        assert_eq!(compaction_moves(5, &[1, 4], &[5]), [(5, 1)]);
+        assert_eq!(compaction_moves(5, &[0, 1, 4], &[5]), [(5, 0), (3, 1)]);
+        assert_eq!(compaction_moves(5, &[0], &[]), [(4, 0)]);
     }
 
     #[test]

@@ -1,19 +1,21 @@
 //! Normals of the curved surface that a mesh stands for, where its edges are flat enough.
 //!
-//! A turned part is stored in facets, and a facet's normal is the part's at one point only. Faces that meet over
-//! edges flatter than a *crease angle* are taken as pieces of one curved surface. At a corner its normal is the mean
-//! of the normals of the faces around the vertex that are reached over such edges, weighted by the angles that
-//! they have there; at other points of a face, what lies between those of its corners. An edge that is no flatter
-//! than the crease has no normal, nor has a vertex where faces are not all reached from one another: there the
-//! part is sharp. Sharp edges that run on from one to the next without turning by as much are pieces of one curve,
-//! whose tangent is told.
+//! A turned part is stored in facets, and a facet's normal is the part's at one point only. Faces
+//! that meet over edges flatter than a *crease angle* are taken as pieces of one curved surface. At
+//! a corner its normal is the mean of the normals of the faces around the vertex that are reached
+//! over such edges, weighted by the angles that they have there; at other points of a face, what
+//! lies between those of its corners. An edge that is no flatter than the crease has no normal, nor
+//! has a vertex where faces are not all reached from one another: there the part is sharp. Sharp
+//! edges that run on from one to the next without turning by as much are pieces of one curve, whose
+//! tangent is known.
 //!
-//! Nothing of this moves a point: it tells directions only. Each comes with how much the surface bends about it,
-//! for whoever has to choose between the normals of two surfaces that meet.
+//! Nothing of this moves a point: it gives directions only. Each comes with how much the surface
+//! bends about it, for whoever has to choose between the normals of two surfaces that meet.
 //!
-//! Source of the weights: Thürmer and Wüthrich (1998, "Computing vertex normals from polygonal facets"): the mean
-//! does not depend on how the faces of a flat piece are cut into triangles. Cost: linear, memory too: 12 bytes
-//! a face and 32 a corner normal, of which a smooth body has one a vertex.
+//! Source of the weights: Thürmer and Wüthrich (1998, "Computing vertex normals from polygonal
+//! facets"): the mean does not depend on how the faces of a flat piece are cut into triangles.
+//! Cost: linear, memory too: 12 bytes a face and 32 a corner normal, of which a smooth body has one
+//! a vertex.
 
 use cranny_exact::DVec3;
 use thiserror::Error;
@@ -24,12 +26,13 @@ use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::topology::{DisjointSets, Edge, Topology};
 
-/// Faces around a vertex whose normals differ by less, as chords of the unit sphere, lie in one plane. Smaller: a
-/// plane whose normals are rounded bends; larger: the faces of a very fine sphere are flat.
+/// Faces around a vertex whose normals differ by less, as chords of the unit sphere, lie in one
+/// plane. Smaller: a plane whose normals are rounded bends; larger: the faces of a very fine sphere
+/// are flat.
 const FLAT: f64 = 1e-10;
 
-/// Normals of a model's surface, smooth over edges flatter than a crease angle. They are of this model alone, not of
-/// what a deformation makes of it.
+/// Normals of a model's surface, smooth over edges flatter than a crease angle. They are of this
+/// model alone, not of what a deformation makes of it.
 ///
 /// # Panics
 ///
@@ -45,7 +48,8 @@ pub struct SmoothNormals {
     creases: Vec<(VertexId, Crease)>,
 }
 
-/// A sharp curve at a point: where sharp edges run on from one to the next, turning by less than the crease angle.
+/// A sharp curve at a point: where sharp edges run on from one to the next, turning by less than
+/// the crease angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crease {
     /// Along it: unit, in the body's frame; either way.
@@ -59,7 +63,8 @@ pub struct Crease {
 pub struct SurfaceNormal {
     /// Unit, outward, in the body's frame.
     pub normal: DVec3,
-    /// By how many radians the normal turns along a unit of length, about; 0 where the surface is flat.
+    /// By how many radians the normal turns along a unit of length, about; 0 where the surface is
+    /// flat.
     pub bend: f64,
 }
 
@@ -78,8 +83,9 @@ pub fn check_crease_angle(angle: f64) -> Result<(), CreaseAngleError> {
 }
 
 impl SmoothNormals {
-    /// Of a model: smooth where normals of neighbouring faces differ by less than the crease angle, in radians from 0
-    /// to π. A face without area is no neighbour: over it, those on its other sides are.
+    /// Of a model: smooth where normals of neighbouring faces differ by less than the crease angle,
+    /// in radians from 0 to π. A face without area is no neighbour: over it, those on its other
+    /// sides are.
     ///
     /// # Errors
     ///
@@ -127,8 +133,8 @@ impl SmoothNormals {
         is_one.then(|| self.corner_normal(number))?
     }
 
-    /// On an edge of the model, a share (0 to 1) of the way from its lesser to its greater vertex; `None` where it is
-    /// sharp, or not between two faces.
+    /// On an edge of the model, a share (0 to 1) of the way from its lesser to its greater vertex;
+    /// `None` where it is sharp, or not between two faces.
     #[must_use]
     pub fn on_edge(&self, model: &Model, edge: EdgeId, share: f64) -> Option<SurfaceNormal> {
         let topology = model.topology();
@@ -159,16 +165,16 @@ impl SmoothNormals {
         self.corner_normal(self.of_corner[HalfEdgeId::of(face, corner).index()])
     }
 
-    /// The sharp curve through a vertex; `None` where there is none, or it turns there as much as the crease angle, or meets
-    /// others.
+    /// The sharp curve through a vertex; `None` where there is none, or it turns there as much as
+    /// the crease angle, or meets others.
     #[must_use]
     pub fn crease_at_vertex(&self, vertex: VertexId) -> Option<Crease> {
         let found = self.creases.binary_search_by_key(&vertex, |(v, _)| *v);
         found.ok().map(|i| self.creases[i].1)
     }
 
-    /// The sharp curve at a share (0 to 1) of the way along an edge of the model, from its lesser to its greater vertex;
-    /// `None` where the edge is smooth, or runs on over neither end.
+    /// The sharp curve at a share (0 to 1) of the way along an edge of the model, from its lesser
+    /// to its greater vertex; `None` where the edge is smooth, or runs on over neither end.
     #[must_use]
     pub fn crease_on_edge(&self, model: &Model, edge: EdgeId, share: f64) -> Option<Crease> {
         if self.on_edge(model, edge, share).is_some() {
@@ -223,7 +229,8 @@ fn faces_of(mesh: &Mesh) -> impl Iterator<Item = FaceId> {
     (0..mesh.faces().len() as u32).map(FaceId)
 }
 
-/// The corners (half-edges, where they begin) of faces that are reached from each other around a vertex.
+/// The corners (half-edges, where they begin) of faces that are reached from each other around a
+/// vertex.
 fn joined_corners(topology: &Topology, faces: &[DVec3], crease_angle: f64) -> DisjointSets {
     let mut sets = DisjointSets::new(3 * faces.len());
     let has_area = |corner: HalfEdgeId| faces[corner.face().index()] != DVec3::ZERO;
@@ -306,8 +313,8 @@ fn means(mesh: &Mesh, faces: &[DVec3], of_corner: &[u32], count: usize) -> Vec<S
     found
 }
 
-/// The shares of a triangle's corners in a point of it; `None` where it has no area. Points beside it, as rounding
-/// makes them, have shares of its rim.
+/// The shares of a triangle's corners in a point of it; `None` where it has no area. Points beside
+/// it, as rounding makes them, have shares of its rim.
 fn shares(triangle: &[DVec3; 3], point: DVec3) -> Option<[f64; 3]> {
     let [a, b, c] = triangle.map(|corner| corner - point);
     let normal = direction((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]));

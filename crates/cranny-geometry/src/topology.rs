@@ -3,15 +3,15 @@
 //! Half-edge `3f + c` runs from corner `c` of face `f` to the next corner. Topology knows vertex
 //! numbers only, never positions.
 //!
-//! An edge is *balanced* when as many half-edges run one way along it as the other. A component
-//! all of whose edges are balanced is an oriented cycle: it has no boundary, and every point off it
-//! has a winding number. That is what *closed* means here; it holds for two boxes that share an edge
+//! An edge is *balanced* when as many half-edges run one way along it as the other. A component all
+//! of whose edges are balanced is an oriented cycle: it has no boundary, and every point off it has
+//! a winding number. That is what *closed* means here; it holds for two boxes that share an edge
 //! (four faces around it), which a test for 'exactly two faces' would refuse.
 //!
-//! Source: half-edges are those of Muller and Preparata (1978, "Finding the intersection of two convex polyhedra"),
-//! here numbered by face and corner; they are sorted by counting (Knuth 1973, section 5.2). Cycles are those of
-//! Munkres (1984, "Elements of algebraic topology", section 5). Cost: O(n), and for components that of
-//! [`DisjointSets`].
+//! Source: half-edges are those of Muller and Preparata (1978, "Finding the intersection of two
+//! convex polyhedra"), here numbered by face and corner; they are sorted by counting (Knuth 1973,
+//! section 5.2). Cycles are those of Munkres (1984, "Elements of algebraic topology", section 5).
+//! Cost: O(n), and for components that of [`DisjointSets`].
 
 mod codec;
 mod components;
@@ -34,7 +34,8 @@ pub struct Topology {
     edges: Vec<Edge>,
     /// Half-edges sorted by edge.
     around: Vec<HalfEdgeId>,
-    /// Where those of each edge begin, and one more, where the last end; none where they stand in pairs.
+    /// Where those of each edge begin, and one more, where the last end; none where they stand in
+    /// pairs.
     starts: Vec<u32>,
     edge_of: Vec<EdgeId>,
     /// Every edge is a manifold one between two vertices: its half-edges stand in pairs.
@@ -49,7 +50,8 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// Builds the adjacency of a mesh. Near linear, O(n log n) in any case: all but components is linear.
+    /// Builds the adjacency of a mesh. Near linear, O(n log n) in any case: all but components is
+    /// linear.
     #[must_use]
     pub fn of(mesh: &Mesh) -> Self {
         let around = sorted_half_edges(mesh);
@@ -134,15 +136,16 @@ impl Topology {
         let Edge { from, to, kind, .. } = self.edges[edge.index()];
         match *self.half_edges(edge) {
             [g, h] if kind == EdgeKind::Manifold && from != to => {
-                // It is one of the two; which is a coin's throw that no branch should have to guess.
+                // It is one of the two; which is a coin's throw that no branch should have to
+                // guess.
                 Some(HalfEdgeId(g.0 ^ h.0 ^ half_edge.0))
             }
             _ => None,
         }
     }
 
-    /// The faces at a vertex, by ascending id. Those of a mesh that was loaded are looked for at the first call, in
-    /// linear time.
+    /// The faces at a vertex, by ascending id. Those of a mesh that was loaded are looked for at
+    /// the first call, in linear time.
     #[must_use]
     #[inline]
     pub fn faces_at(&self, vertex: VertexId) -> &[FaceId] {
@@ -151,7 +154,7 @@ impl Topology {
 
     #[inline]
     fn all_faces_at(&self) -> &VertexFaces {
-        // Nearly always it is there: nothing but that is asked in the loops that call this.
+        // Nearly always it is there: nothing but that is tested in the loops that call this.
         match self.faces_at.if_made() {
             Some(made) => made,
             None => self.make_faces_at(),

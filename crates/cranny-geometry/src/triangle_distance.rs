@@ -5,14 +5,15 @@
 //! Detection', 2005, chapter 5, counts them so).
 //!
 //! Needles and edges that are nearly parallel make barycentric coordinates, and the parameters of
-//! nearest points, lose all their digits. What is done about it: every candidate is a pair of points
-//! that lie on the triangles to rounding, so none is too near; and a candidate is sought in
+//! nearest points, lose all their digits. What is done about it: every candidate is a pair of
+//! points that lie on the triangles to rounding, so none is too near; and a candidate is sought in
 //! orthogonal steps, first along the longer direction, then across what is left, so that what is
 //! lost moves it across by no more than `w` (a needle's width, or how far near-parallel edges
-//! diverge) and by no more than about `h ε L / w` (`h` the distance, `L` the largest length). Moving
-//! it by `δ` adds at most `δ² / 2h` to a distance of `h`, and `min(w, h ε L / w)² / 2h <= ε L / 2`.
-//! Measured against exact rationals over needles and near-parallel edges, the error stays below
-//! 2 ε times the largest coordinate (`tests/suite/distances.rs`).
+//! diverge) and by no more than about `h ε L / w` (`h` the distance, `L` the largest length).
+//! Moving it by `δ` adds at most `δ² / 2h` to a distance of `h`, and
+//! `min(w, h ε L / w)² / 2h <= ε L / 2`. Measured against exact rationals over needles and
+//! near-parallel edges, the error stays below 2 ε times the largest coordinate
+//! (`tests/suite/distances.rs`).
 
 use cranny_exact::DVec3;
 /// A part of a triangle.
@@ -41,8 +42,8 @@ pub struct Nearest {
 #[derive(Clone, Debug)]
 pub struct Prepared {
     corners: [DVec3; 3],
-    /// Side `i` runs from corner `i` to corner `(i + 1) % 3`.
-    sides: [Side; 3],
+    /// TriangleSide `i` runs from corner `i` to corner `(i + 1) % 3`.
+    sides: [TriangleSide; 3],
     longest: usize,
     /// In the plane, at right angles to the sides, inward; as long as the side times the normal.
     inward: [DVec3; 3],
@@ -57,7 +58,7 @@ impl Prepared {
         Self::with(*corners, sides(corners))
     }
 
-    fn with(corners: [DVec3; 3], sides: [Side; 3]) -> Self {
+    fn with(corners: [DVec3; 3], sides: [TriangleSide; 3]) -> Self {
         let longer = |i: usize, j: usize| if sides[j].squared > sides[i].squared { j } else { i };
         let longest = longer(longer(0, 1), 2);
         // The shorter sides lose least.
@@ -93,7 +94,7 @@ impl Prepared {
 
 /// A segment, ready to be measured against many.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct TriangleSide {
     start: DVec3,
     end: DVec3,
     along: DVec3,
@@ -102,7 +103,7 @@ struct Side {
     over_squared: f64,
 }
 
-impl Side {
+impl TriangleSide {
     #[inline]
     fn of(start: DVec3, end: DVec3) -> Self {
         let along = end - start;
@@ -112,7 +113,7 @@ impl Side {
     }
 
     /// The parameter of the point nearest to the one whose offset from the start has this inner
-    /// product with the segment. Ends are told without dividing.
+    /// product with the segment. Ends are recognized without dividing.
     #[inline]
     fn parameter(&self, product: f64) -> f64 {
         if product <= 0.0 {
@@ -162,8 +163,8 @@ impl Side {
     }
 }
 
-fn sides(&[a, b, c]: &[DVec3; 3]) -> [Side; 3] {
-    [Side::of(a, b), Side::of(b, c), Side::of(c, a)]
+fn sides(&[a, b, c]: &[DVec3; 3]) -> [TriangleSide; 3] {
+    [TriangleSide::of(a, b), TriangleSide::of(b, c), TriangleSide::of(c, a)]
 }
 
 /// The part of a triangle that holds the point of its side `i` at a parameter.
@@ -212,7 +213,7 @@ pub fn closest_on_triangle(p: DVec3, triangle: &[DVec3; 3]) -> (DVec3, Part) {
 /// The point of a segment nearest to another point.
 #[inline]
 pub fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
-    let side = Side::of(ends[0], ends[1]);
+    let side = TriangleSide::of(ends[0], ends[1]);
     side.at(side.parameter(side.along.dot(p - ends[0])))
 }
 
@@ -223,7 +224,7 @@ pub fn closest_on_segment(p: DVec3, ends: &[DVec3; 2]) -> DVec3 {
 #[must_use]
 #[inline]
 pub fn closest_on_segments(p: &[DVec3; 2], q: &[DVec3; 2]) -> (f64, f64) {
-    Side::of(p[0], p[1]).nearest(&Side::of(q[0], q[1]))
+    TriangleSide::of(p[0], p[1]).nearest(&TriangleSide::of(q[0], q[1]))
 }
 
 /// The nearest points of two triangles. They must not intersect, or the answer is too large.
@@ -235,8 +236,8 @@ pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> Nearest {
 const ALL_CORNERS: u8 = 0b111;
 
 impl Prepared {
-    /// The nearest points of two triangles that do not intersect, if these lie at some of their corners, a bit each, or on
-    /// sides that end there, or inside.
+    /// The nearest points of two triangles that do not intersect, if these lie at some of their
+    /// corners, a bit each, or on sides that end there, or inside.
     pub fn nearest(&self, own: u8, other: &Self, its: u8) -> Nearest {
         let mut best = Nearest {
             squared: f64::INFINITY,

@@ -13,12 +13,13 @@
 //! 3. One pass of a sweep line (`sweep`; Hertel and Mehlhorn 1983) triangulates between the edges.
 //!    An edge that passes through a site is split there; a triangle of zero area keeps the chain's
 //!    edge whole.
-//! 4. Of two edges that cross properly, the longer is left out. It takes a detour along edges of the
-//!    triangulation beside it (`detour`), and the strip between edge and detour is triangulated
-//!    for itself. These triangles overlap others, with signs such that the winding numbers stay right.
+//! 4. Of two edges that cross properly, the longer is left out. It takes a detour along edges of
+//!    the triangulation beside it (`detour`), and the strip between edge and detour is triangulated
+//!    for itself. These triangles overlap others, with signs such that the winding numbers stay
+//!    right.
 //!
-//! Cost: `O(m log m)` for `m` edges that do not cross, however many loops. Where edges cross, two more sweeps at most,
-//! and the detours, whose search is bounded.
+//! Cost: `O(m log m)` for `m` edges that do not cross, however many loops. Where edges cross, two
+//! more sweeps at most, and the detours, whose search is bounded.
 
 mod detour;
 mod front;
@@ -42,7 +43,8 @@ use sweep::{Segment, Swept, sweep};
 pub struct Triangulation {
     /// Indices of points. Clockwise triangles count negative; some may have zero area.
     pub triangles: Vec<[u32; 3]>,
-    /// Whether triangles overlap only as the winding numbers demand: no two edges of the chain cross.
+    /// Whether triangles overlap only as the winding numbers demand: no two edges of the chain
+    /// cross.
     pub exact: bool,
     /// Whether some forced edge is none, because it crosses another edge.
     pub missed: bool,
@@ -55,11 +57,11 @@ pub struct Triangulation {
 /// (in pieces, where they pass through vertices). No vertex is added, and points that neither list
 /// names play no part. The result does not depend on the order of either list.
 ///
-/// Degenerate input is answered, not refused: vertices at one place, collinear ones, and vertices on
-/// an edge give triangles of zero area. Where edges of the chain cross, triangles overlap and
-/// `exact` is false; a forced edge that crosses another is left out, and `missed` true.
-/// Where coordinates are missing or outside the [`domain`](cranny_exact::domain), or crossings so
-/// many that detours would outgrow the chain by far, each connected part is a fan about its lowest
+/// Degenerate input is answered, not refused: vertices at one place, collinear ones, and vertices
+/// on an edge give triangles of zero area. Where edges of the chain cross, triangles overlap and
+/// `exact` is false; a forced edge that crosses another is left out, and `missed` true. Where
+/// coordinates are missing or outside the [`domain`](cranny_exact::domain), or crossings so many
+/// that detours would outgrow the chain by far, each connected part is a fan about its lowest
 /// vertex. A chain that is not closed bounds nothing: its fan has extra edges at that vertex.
 pub fn triangulate(points: &[DVec2], chain: &[[u32; 2]], forced: &[[u32; 2]]) -> Triangulation {
     let chain = net(chain);
@@ -107,8 +109,8 @@ fn exact_or_detoured(
     let mut segments = Vec::with_capacity(chain.len() + forced.len());
     for &(edge, count) in chain {
         let [a, b] = edge.map(|v| sites.vertex_at(v));
-        // [u, v] = [u, a] + [a, b] + [b, v] plus these boundaries; the chain being closed, the edges
-        // between vertices of one place cancel.
+        // [u, v] = [u, a] + [a, b] + [b, v] plus these boundaries; the chain being closed, the
+        // edges between vertices of one place cancel.
         layers(&mut made.triangles, [edge[0], edge[1], a], i64::from(count));
         layers(&mut made.triangles, [edge[1], b, a], i64::from(count));
         segments.extend(Segment::new(edge.map(|v| sites.site_of(v)), i64::from(count), false));

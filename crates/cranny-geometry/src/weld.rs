@@ -38,7 +38,8 @@ pub(crate) fn weld(mesh: &Mesh) -> Welded {
         for corner in &mut corners {
             let old = *corner;
             if new_id[old as usize] == UNREFERENCED {
-                // No zero keeps a sign: boxes then do not depend on the order in which zeros of both signs are met.
+                // No zero keeps a sign: boxes then do not depend on the order in which zeros of
+                // both signs are met.
                 let p = mesh.vertices()[old as usize] + DVec3::ZERO;
                 let count = vertices.len();
                 let id = places.id_of(p, &mut vertices);
@@ -57,9 +58,9 @@ pub(crate) fn weld(mesh: &Mesh) -> Welded {
     Welded { mesh: Mesh::from_trusted(vertices, faces), duplicates, unreferenced, new_id }
 }
 
-/// Who is where: a table of ids, searched from the place that a hash names (linear probing). Hashed by folded
-/// multiplications (Wang Yi, wyhash, 2019) of the bits of coordinates; the seed differs from table to table, so
-/// that nobody can file vertices that all collide.
+/// Who is where: a table of ids, searched from the place that a hash names (linear probing). Hashed
+/// by folded multiplications (Wang Yi, wyhash, 2019) of the bits of coordinates; the seed differs
+/// from table to table, so that nobody can file vertices that all collide.
 struct Places {
     /// Less than half full.
     ids: Vec<u32>,

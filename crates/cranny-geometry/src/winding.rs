@@ -1,16 +1,16 @@
 //! How often closed components wind around a point. Exact: signed crossings of a segment that leads
 //! out, each decided by sign predicates.
 //!
-//! A segment that meets an edge or a vertex is given up for another direction. The walk ends because
-//! finitely many edges block only a null set of directions; after [`DIRECTIONS`] a point is called
-//! undecided all the same.
+//! A segment that meets an edge or a vertex is given up for another direction. The walk ends
+//! because finitely many edges block only a null set of directions; after [`DIRECTIONS`] a point is
+//! called undecided all the same.
 //!
-//! Source: crossings are counted after Linhart (1990, "A quick point-in-polyhedron test"); to try other directions
-//! is this crate's own. Cost: with the function.
+//! Source: crossings are counted after Linhart (1990, "A quick point-in-polyhedron test"); to try
+//! other directions is this crate's own. Cost: with the function.
 
 use cranny_exact::{
     DVec3, Piercing, SegmentFeature, Sign, TriangleFeature, classify_segment_triangle,
-    locate_piercing, orient3d,
+    generic_direction, locate_piercing, orient3d,
 };
 
 use crate::ids::{ComponentId, FaceId};
@@ -19,8 +19,8 @@ use crate::near::segment_may_meet;
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 
-/// Directions tried. Fewer: a point before a fine regular grid may stay undecided; more is of no use,
-/// as the first one almost always serves.
+/// Directions tried. Fewer: a point before a fine regular grid may stay undecided; more is of no
+/// use, as the first one almost always serves.
 const DIRECTIONS: u32 = 32;
 
 /// What winds around a point.
@@ -28,7 +28,7 @@ const DIRECTIONS: u32 = 32;
 pub(crate) enum Winding {
     /// Closed components with their winding numbers, those other than 0, by ascending id.
     Around(Vec<(ComponentId, i64)>),
-    /// The point lies on one of the faces asked about.
+    /// The point lies on one of the faces that count.
     On,
     /// No direction was free of edges.
     Undecided,
@@ -46,7 +46,7 @@ pub(crate) fn winding(
     let bounds = tree.node(0).bounds;
     let reach = 2.0 * (bounds.diagonal() + (p - bounds.center()).length());
     for attempt in 0..DIRECTIONS {
-        let segment = [p, p + direction(attempt) * reach];
+        let segment = [p, p + generic_direction(attempt) * reach];
         let mut crossings: Vec<(ComponentId, i64)> = Vec::new();
         let (mut on, mut blocked) = (false, false);
         let visit = |face: FaceId| {
@@ -87,20 +87,6 @@ fn summed(mut crossings: Vec<(ComponentId, i64)>) -> Vec<(ComponentId, i64)> {
         .map(|group| (group[0].0, group.iter().map(|c| c.1).sum()))
         .filter(|&(_, sum): &(ComponentId, i64)| sum != 0)
         .collect()
-}
-
-/// An equidistributed sequence of directions, at least 0.6 long, the first ones far from axes.
-fn direction(attempt: u32) -> DVec3 {
-    // Fractional parts of multiples of the plastic number's inverse powers (Roberts 2018).
-    let n = f64::from(attempt) + 1.0;
-    let (u, v) = ((n * 0.754_877_666_246_692_7).fract(), (n * 0.569_840_290_998_053_2).fract());
-    // On the cube's surface rather than the sphere's: no transcendental function is needed.
-    let p = DVec3::new(2.0 * u - 1.0, 2.0 * v - 1.0, 0.618_033_988_749_894_9);
-    match attempt % 3 {
-        0 => p,
-        1 => DVec3::new(p.z, p.x, p.y),
-        _ => DVec3::new(p.y, -p.z, p.x),
-    }
 }
 
 #[cfg(test)]

@@ -336,7 +336,8 @@ fn wide_fans_take_no_quadratic_time() {
         assert_eq!((hull.vertex_count(), hull.facet_count()), (702, 1400));
         assert!(hull.thickness_max() < 1e-13);
     }
-    // Measured, 50,000 neighbours for each of 100,000 triangles would take the better part of a minute.
+    // Measured, 50,000 neighbours for each of 100,000 triangles would take the better part of a
+    // minute.
     assert_eq!(ConvexHull::of_points(&bipyramid(50_000)).triangle_count(), 100_000);
 }
 

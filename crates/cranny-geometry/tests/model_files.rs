@@ -155,7 +155,8 @@ fn deformed_models_come_back() {
     }
 }
 
-/// Moves a few vertices by a tenth of the body's size, some of them onto a plane through the origin.
+/// Moves a few vertices by a tenth of the body's size, some of them onto a plane through the
+/// origin.
 fn a_few_moves(model: &Body, rng: &mut Rng) -> Vec<(VertexId, DVec3)> {
     let size = 0.1 * model.radius();
     let first = rng.below(model.mesh().vertices().len());
@@ -190,7 +191,7 @@ fn what_is_made_late_is_made_once_and_as_it_was_built() {
                 )
             };
             let asking: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
-            asking.into_iter().map(|asked| asked.join().unwrap()).collect()
+            asking.into_iter().map(|wanted| wanted.join().unwrap()).collect()
         });
         assert!(places.iter().all(|place| *place == places[0]));
         // Known before any tree is.
@@ -216,7 +217,7 @@ fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
     for model in bodies().iter().map(built) {
         let bytes = model.encode();
         let moves = a_few_moves(&model, &mut rng);
-        let [asked, fresh] = [true, false].map(|ask| {
+        let [wanted, fresh] = [true, false].map(|ask| {
             let mut back = Body::decode(&bytes).unwrap();
             if ask {
                 back.prepare_all();
@@ -224,7 +225,7 @@ fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
             let change = back.deform(&moves);
             (format!("{change:?}"), shown(&back))
         });
-        assert!(asked == fresh);
+        assert!(wanted == fresh);
         // All is made again as building makes it, so the same comes of the one that was built.
         let mut own = model.clone();
         let change = own.deform(&moves);
@@ -253,14 +254,14 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
         other[at] = byte;
         Body::decode(&other).unwrap_err()
     };
-    // A whole file of another version is told from a damaged one: its sections are others.
+    // A whole file of another version is distinguished from a damaged one: its sections are others.
     assert_eq!(with(8, 10), DecodeError::Head { field: "version" });
     let mut foreign = bytes.clone();
     (foreign[8], foreign[HEAD]) = (10, b'X');
     let expected = DecodeError::Version { found: 10, supported: 9 };
     assert_eq!(Body::decode(&sealed(foreign)).unwrap_err(), expected);
-    let told = with(17, !bytes[17]).to_string();
-    assert!(told.contains("damaged") && told.contains("length in its head"), "{told}");
+    let reported = with(17, !bytes[17]).to_string();
+    assert!(reported.contains("damaged") && reported.contains("length in its head"), "{reported}");
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
     assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;

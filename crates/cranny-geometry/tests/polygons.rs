@@ -52,8 +52,8 @@ fn places(corners: &[DVec3], split: &SplitPolygon, turn_over: bool) -> Vec<Strin
     all
 }
 
-/// Checks a simple polygon in the plane z = 0, from every `step`th first corner and in both directions; those that
-/// are not convex give the same triangles each time.
+/// Checks a simple polygon in the plane z = 0, from every `step`th first corner and in both
+/// directions; those that are not convex give the same triangles each time.
 fn check(corners: &[DVec3], step: usize) -> SplitPolygon {
     let first = split_polygon(corners);
     let turns = (0..corners.len() as u32).map(|k| {
@@ -158,7 +158,8 @@ impl Random {
     }
 }
 
-/// A simple polygon of `n` corners on a lattice: heights over a row of columns, there above and back below.
+/// A simple polygon of `n` corners on a lattice: heights over a row of columns, there above and
+/// back below.
 fn ragged(random: &mut Random, columns: u64, high: u64) -> Vec<DVec3> {
     let mut height = |sign: f64| sign * (1 + random.below(high)) as f64;
     let above: Vec<[f64; 2]> = (0..columns).map(|x| [x as f64, height(1.0)]).collect();

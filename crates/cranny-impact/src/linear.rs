@@ -10,7 +10,7 @@
 //!
 //! Departures:
 //! - A box is also tested along the common normal and along the value in its middle. Slanted
-//!   surfaces that slide past each other are told apart at once instead of being paved with boxes
+//!   surfaces that slide past each other are separated at once instead of being paved with boxes
 //!   as small as their gap.
 //! - Along every direction that parts the two at the beginning of a box, the beginning is moved up
 //!   to where the first of the four corners arrives. Whatever approaches flat, as parallel edges

@@ -12,10 +12,10 @@ use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Model, VertexId};
 /// share other points only, co-planar overlap included.
 pub type Surface = Meeting;
 
-/// Everything that was asked about a pair, in world coordinates and in the caller's order.
+/// All that a query wants to know about a pair, in world coordinates and in the caller's order.
 ///
-/// Every field is a pure function of models, poses and query, but [`counters`](Self::counters), and the names of
-/// [regions](Region::id).
+/// Every field is a pure function of models, poses and query, but [`counters`](Self::counters), and
+/// the names of [regions](Region::id).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Answer {
     /// How the surfaces meet.
@@ -24,15 +24,15 @@ pub struct Answer {
     /// where it enters a closed solid or crosses another surface.
     pub solid: bool,
     /// One wholly inside the other; the surfaces may touch. The outer one must be
-    /// [closed](cranny_geometry::Model::is_closed); the inner one may be anything: an open sheet in a
-    /// closed cube counts. Bodies that coincide contain neither the other.
+    /// [closed](cranny_geometry::Model::is_closed); the inner one may be anything: an open sheet in
+    /// a closed cube counts. Bodies that coincide contain neither the other.
     ///
-    /// Closed is what every edge says, not volume: a triangle with both its sides is a closed body of
-    /// volume 0. It lies in others and nothing lies in it; but what lies flush on it counts as `solid`,
-    /// since one of the sides looks the same way.
+    /// Closed is what every edge says, not volume: a triangle with both its sides is a closed body
+    /// of volume 0. It lies in others and nothing lies in it; but what lies flush on it counts as
+    /// `solid`, since one of the sides looks the same way.
     pub contained: Option<Containment>,
     /// Least distance between the surfaces: 0 where they meet, also >= 0 when contained. `None` if
-    /// not asked for; [`f64::INFINITY`] if it is no less than the asked bound.
+    /// not demanded; [`f64::INFINITY`] if it is no less than the demanded bound.
     pub distance: Option<f64>,
     /// Where the distance is known to lie: the rounding error of `distance` taken outward.
     pub separation: Interval,
@@ -139,17 +139,20 @@ pub struct RegionId(pub u32);
 
 /// A connected region of contact.
 ///
-/// Two are equal that are the same place: [`id`](Self::id) and [`from`](Self::from) tell history, and are not compared.
+/// Two are equal that are the same place: [`id`](Self::id) and [`from`](Self::from) tell history,
+/// and are not compared.
 #[derive(Clone, Debug)]
 pub struct Region {
-    /// Stays the same from query to query with one memory while the region lasts. Of a region that splits, the part with
-    /// most pairs of faces in common keeps it; of regions that merge, so does that one's.
+    /// Stays the same from query to query with one memory while the region lasts. Of a region that
+    /// splits, the part with most pairs of faces in common keeps it; of regions that merge, so does
+    /// that one's.
     pub id: RegionId,
-    /// The regions of the last query of which it has a share, ascending: itself alone while nothing happens, none where it is
-    /// new, several where they merged.
+    /// The regions of the last query of which it has a share, ascending: itself alone while nothing
+    /// happens, none where it is new, several where they merged.
     pub from: Vec<RegionId>,
-    /// The pairs of faces, of A and of B, that meet in it, or that hold the features of its contacts where it lies across a gap;
-    /// ascending. Of special positions (faces flush, edges crossing edges), those that meet right beside it.
+    /// The pairs of faces, of A and of B, that meet in it, or that hold the features of its
+    /// contacts where it lies across a gap; ascending. Of special positions (faces flush, edges
+    /// crossing edges), those that meet right beside it.
     pub faces: Vec<[FaceId; 2]>,
     /// The contact of least separation.
     pub deepest: Contact,
@@ -226,25 +229,27 @@ pub struct Curve {
 pub struct Counters {
     /// Directions along which the two hulls were compared, two support points each.
     pub planes_tried: u64,
-    /// Queries for which a plane was found that parts the hulls as far as was asked.
+    /// Queries for which a plane was found that parts the hulls as far as was demanded.
     pub planes_parted: u64,
     /// Pairs of tree nodes compared, of the search tree each of eight side by side.
     pub node_tests: u64,
-    /// Pairs of triangles classified exactly or measured: the sum of the next two, and of those of which only the
-    /// distance was asked.
+    /// Pairs of triangles classified exactly or measured: the sum of the next two, and of those of
+    /// which only the distance was demanded.
     pub triangle_tests: u64,
-    /// Pairs of triangles whose meeting or parting plain floating point settled, by a gap larger than its error or by
-    /// signs of determinants larger than theirs.
+    /// Pairs of triangles whose meeting or parting plain floating point settled, by a gap larger
+    /// than its error or by signs of determinants larger than theirs.
     pub triangles_filtered: u64,
-    /// Pairs of triangles of which some sign was too near zero for that: adaptive arithmetic decided it.
+    /// Pairs of triangles of which some sign was too near zero for that: adaptive arithmetic
+    /// decided it.
     pub triangles_adaptive: u64,
     /// Points classified against a solid.
     pub inside_tests: u64,
-    /// Boxes at which the last search had ended, and which had to be tested again: motion had spent their slack.
+    /// Boxes at which the last search had ended, and which had to be tested again: motion had spent
+    /// their slack.
     pub front_tested: u64,
     /// Of these, boxes that had come within reach.
     pub front_split: u64,
-    /// Cuts that were given up: outrun by motion, outgrown by what was asked, or grown too fine.
+    /// Cuts that were given up: outrun by motion, outgrown by the demand, or grown too fine.
     pub front_rebuilt: u64,
     /// Blocks of eight boxes fewer than before, where a cut was built anew.
     pub front_merged: u64,
@@ -252,11 +257,12 @@ pub struct Counters {
     pub front_held: u64,
     /// Times that a search from the top was cheaper than what memory had to offer.
     pub bypassed: u64,
-    /// Concavities whose faces were looked for, since the other body's hull may reach them; this and what follows is
-    /// counted by [`Method::Envelopes`](crate::Method::Envelopes) only.
+    /// Concavities whose faces were looked for, since the other body's hull may reach them; this
+    /// and what follows is counted by [`Method::Envelopes`](crate::Method::Envelopes) only.
     pub pockets_opened: u64,
-    /// Concavities whose box overlaps that of the other hull, but none of whose faces the hull reaches: it is beyond a lid, its
-    /// box misses theirs, it is in the core of the pocket, or offends no facet of the first layer.
+    /// Concavities whose box overlaps that of the other hull, but none of whose faces the hull
+    /// reaches: it is beyond a lid, its box misses theirs, it is in the core of the pocket, or
+    /// offends no facet of the first layer.
     pub pockets_passed: u64,
     /// Facets of envelopes that a box was held against.
     pub facets_compared: u64,
@@ -310,7 +316,7 @@ impl Answer {
         self
     }
 
-    /// The same answer told in another frame: every point and direction is moved. Lengths stay.
+    /// The same answer in another frame: every point and direction is moved. Lengths stay.
     #[must_use]
     pub fn moved(mut self, map: &RigidMap) -> Self {
         for witness in self.witnesses.iter_mut().flatten() {

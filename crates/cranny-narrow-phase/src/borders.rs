@@ -5,19 +5,20 @@ use cranny_geometry::FaceId;
 
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
-use crate::pieces::Cut;
+use crate::pieces::RegionPieces;
 use cranny_geometry::triangle_distance::closest_on_segment;
 
-/// Where the curves run through each face, so that a point of the face can be told on or off the
+/// Where the curves run through each face, so that a point of the face can be judged on or off the
 /// piece: it is on the side of the nearest curve segment that the piece lies on. By ascending face.
 pub(crate) struct Borders(Vec<(FaceId, [DVec3; 2])>);
 
 impl Borders {
-    pub(crate) fn of(side: Side, intersection: &Intersection, cut: &Cut) -> Self {
+    pub(crate) fn of(side: Side, intersection: &Intersection, cut: &RegionPieces) -> Self {
         let border = |&s: &usize| {
             let s = &intersection.segments[s];
             let [p, q] = s.nodes.map(|n| intersection.nodes[n].point);
-            // Seen against its own normal, the first's piece is left of the segment; the second's right.
+            // Seen against its own normal, the first's piece is left of the segment; the second's
+            // right.
             match side {
                 Side::First => (s.faces[0], [p, q]),
                 Side::Second => (s.faces[1], [q, p]),

@@ -1,7 +1,7 @@
 //! The slow, obviously right version: every face against every face, no trees, no memory.
 //!
-//! An oracle for tests and for doubt. It shares the posing function and the predicates with the fast
-//! version (both have oracles of their own) and nothing of its search.
+//! An oracle for tests and for doubt. It shares the posing function and the predicates with the
+//! fast version (both have oracles of their own) and nothing of its search.
 
 use cranny_exact::{Meeting, classify_triangles};
 use cranny_geometry::FaceId;

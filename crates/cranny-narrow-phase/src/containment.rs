@@ -1,19 +1,20 @@
 //! Do the interiors meet, and is one body wholly inside the other? Exact.
 //!
 //! Where the surfaces share no point, each component lies wholly inside or wholly outside the other
-//! solid, and one vertex of it tells. Where they cross, closed solids share interior points. Where
-//! they only touch, what the other body has in common with a face cuts it into *cells*: open pieces
-//! all of whose points (but for isolated ones) are inside the other solid, or outside, or flush with
-//! a face of it that looks the *same* or the *opposite* way. Then
+//! solid, and one vertex of it decides. Where they cross, closed solids share interior points.
+//! Where they only touch, what the other body has in common with a face cuts it into *cells*: open
+//! pieces all of whose points (but for isolated ones) are inside the other solid, or outside, or
+//! flush with a face of it that looks the *same* or the *opposite* way. Then
 //!
 //! - the interiors meet if and only if some cell lies inside the other solid or flush the same way;
-//! - A lies in B if and only if no cell of A lies outside B or flush the opposite way, and no cell of
-//!   B lies inside A.
+//! - A lies in B if and only if no cell of A lies outside B or flush the opposite way, and no cell
+//!   of B lies inside A.
 //!
-//! No cell is constructed. A face with a single cell is told by a point of it that is not on the
-//! other surface: a corner, or a mean of the corners, which is not rounded. Otherwise every cell borders, within the face, on edges of the other body that lie
-//! in the face's plane (no face crosses it, so what reaches it from one side ends there), and the
-//! [wedge](crate::wedge) of such an edge tells.
+//! No cell is constructed. A face with a single cell is judged by a point of it that is not on the
+//! other surface: a corner, or a mean of the corners, which is not rounded. Otherwise every cell
+//! borders, within the face, on edges of the other body that lie in the face's plane (no face
+//! crosses it, so what reaches it from one side ends there), and the [wedge](crate::wedge) of such
+//! an edge decides.
 
 use cranny_exact::{DVec2, DVec3, Meeting, Sign, WeightedPoint, orient2d, orient3d};
 use cranny_geometry::{DisjointSets, EdgeId, FaceId};
@@ -57,7 +58,7 @@ pub(crate) fn solidity(
         Meeting::Touch => {
             let mut parts = Side::BOTH.map(|side| sampled(pair, side, touching, counters));
             for side in Side::BOTH {
-                told_by_edges(pair, side, touching, &mut parts[side.index()]);
+                judge_by_edges(pair, side, touching, &mut parts[side.index()]);
             }
             verdict(pair, parts, flush(pair, touching))
         }
@@ -169,8 +170,8 @@ fn sampled(pair: &Pair, side: Side, touching: &[FacePair], counters: &mut Counte
     parts
 }
 
-/// Points of a face of which `touches` isolated ones may be taken: its corners, then distinct points
-/// of its inside, on the line between the middles of two sides.
+/// Points of a face of which `touches` isolated ones may be taken: its corners, then distinct
+/// points of its inside, on the line between the middles of two sides.
 fn samples(corners: [DVec3; 3], touches: u32) -> impl Iterator<Item = WeightedPoint> {
     let steps = touches + 2;
     let inner = (1..steps).map(move |k| WeightedPoint::new(corners, [k, steps, steps - k]));
@@ -219,9 +220,10 @@ fn view_of_overlap(pair: &Pair, t: &FacePair) -> Option<Projection> {
     (in_plane && overlap_in_plane(&a, &b, view)).then_some(view)
 }
 
-/// Which cells of `side`'s faces lie where, as the edges of the other body tell that run through the
-/// inside of a face in its plane: on each hand of such an edge lies a cell, along it to a corner.
-fn told_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
+/// Which cells of `side`'s faces lie where, as the edges of the other body tell that run through
+/// the inside of a face in its plane: on each hand of such an edge lies a cell, along it to a
+/// corner.
+fn judge_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
     let others = side.other();
     for t in touching {
         let (own, other) = (face_on(t, side), face_on(t, others));
@@ -245,8 +247,8 @@ fn told_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Par
     }
 }
 
-/// Whether a segment in a triangle's plane shares a point with the triangle's inside: no line through
-/// a side of either separates them (separating axes of convex sets in the plane).
+/// Whether a segment in a triangle's plane shares a point with the triangle's inside: no line
+/// through a side of either separates them (separating axes of convex sets in the plane).
 fn runs_through(segment: &[DVec3; 2], triangle: &[DVec3; 3], view: Projection) -> bool {
     let s = segment.map(|p| view.apply(p));
     let t = view.counter_clockwise(triangle);

@@ -1,11 +1,11 @@
 //! How deep a region is along a direction: the least translation that parts its two pieces.
 //!
 //! Moving the second body by t along n parts the pieces as soon as no line along n meets the first
-//! piece more than t ahead of the second. The largest such lead is attained over a vertex of one
-//! piece and a face of the other, or over two edges that cross when seen along n; the curves' points
-//! and segments are vertices and edges of both. They bound faces that reach beyond the piece: an
-//! answer off the piece is refused. What lies over what is told by footprints, so the cost is near
-//! linear in the pieces.
+//! piece more than t ahead of the second. The largest such depth is attained over a vertex of one
+//! piece and a face of the other, or over two edges that cross when seen along n; the curves'
+//! points and segments are vertices and edges of both. They bound faces that reach beyond the
+//! piece: an answer off the piece is refused. What lies over what is found by footprints, so the
+//! cost is near linear in the pieces.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId};
@@ -15,36 +15,41 @@ use crate::borders::Borders;
 use crate::footprints::Footprints;
 use crate::intersection::Intersection;
 use crate::pair::{Pair, Side};
-use crate::pieces::Cut;
+use crate::pieces::RegionPieces;
 
 /// Which pairs of edges at most are measured for contacts; the deepest one is always found.
 const MAX_EDGE_PAIRS_KEPT: usize = 4096;
 
-/// The leads of a region's first piece over its second along a direction.
+/// The depths of a region along a direction: by how much the first piece is ahead of the second.
 #[derive(Default)]
-pub(crate) struct Leads {
+pub(crate) struct Depths {
     /// The largest, if the pieces overlap along the direction at all.
     pub(crate) deepest: Option<Contact>,
     /// Whether all are wanted, not the largest alone.
     keeps: bool,
-    /// One for every vertex of the pieces that leads, and for crossing edges while they are few. A vertex that comes out just
-    /// beside the other piece (no farther than it is deep) counts as well: of a box that has sunk in askew, the sides lean, and
-    /// three corners of four come out past the curve.
+    /// One for every vertex of the pieces that is ahead, and for crossing edges while they are few.
+    /// A vertex that comes out just beside the other piece (no farther than it is deep) counts as
+    /// well: of a box that has sunk in askew, the sides lean, and three corners of four come out
+    /// past the curve.
     pub(crate) all: Vec<Contact>,
 }
 
 /// A region and what measuring it along any direction needs.
-pub(crate) struct Ground<'a, 'b> {
+pub(crate) struct MeasuredRegion<'a, 'b> {
     pair: &'a Pair<'b>,
     intersection: &'a Intersection,
-    pub(crate) cut: &'a Cut,
+    pub(crate) cut: &'a RegionPieces,
     /// The corners of each piece's faces, in their order.
     pub(crate) triangles: [Vec<[DVec3; 3]>; 2],
     borders: [Borders; 2],
 }
 
-impl<'a, 'b> Ground<'a, 'b> {
-    pub(crate) fn of(pair: &'a Pair<'b>, intersection: &'a Intersection, cut: &'a Cut) -> Self {
+impl<'a, 'b> MeasuredRegion<'a, 'b> {
+    pub(crate) fn of(
+        pair: &'a Pair<'b>,
+        intersection: &'a Intersection,
+        cut: &'a RegionPieces,
+    ) -> Self {
         let triangles = Side::BOTH.map(|side| {
             let faces = cut.pieces[side.index()].faces.iter();
             faces.map(|&f| pair.triangle(side, f)).collect()
@@ -55,31 +60,36 @@ impl<'a, 'b> Ground<'a, 'b> {
 }
 
 /// Measures a region along `normal` (unit, from first to second, pair's frame).
-pub(crate) fn leads(ground: &Ground, normal: DVec3) -> Leads {
-    let mut leads = Leads { keeps: true, ..Leads::default() };
-    measure(&View { ground, normal }, f64::INFINITY, &mut leads);
-    leads
+pub(crate) fn depths_along(region: &MeasuredRegion, normal: DVec3) -> Depths {
+    let mut depths = Depths { keeps: true, ..Depths::default() };
+    measure(&View { region, normal }, f64::INFINITY, &mut depths);
+    depths
 }
 
-/// The largest of [`leads`] alone, which is found with less work; or, where one is at least `enough`, any such.
-pub(crate) fn deepest_lead(ground: &Ground, normal: DVec3, enough: f64) -> Option<Contact> {
-    let mut leads = Leads::default();
-    measure(&View { ground, normal }, enough, &mut leads);
-    leads.deepest
+/// The largest of [`depths_along`] alone, which is found with less work; or, where one is at least
+/// `enough`, any such.
+pub(crate) fn deepest_along(
+    region: &MeasuredRegion,
+    normal: DVec3,
+    enough: f64,
+) -> Option<Contact> {
+    let mut depths = Depths::default();
+    measure(&View { region, normal }, enough, &mut depths);
+    depths.deepest
 }
 
-fn measure(view: &View, enough: f64, leads: &mut Leads) {
+fn measure(view: &View, enough: f64, depths: &mut Depths) {
     for side in Side::BOTH {
-        view.vertices_over_faces(side, leads);
-        if leads.largest() >= enough {
+        view.vertices_over_faces(side, depths);
+        if depths.largest() >= enough {
             return;
         }
     }
-    view.edges_over_edges(leads);
+    view.edges_over_edges(depths);
 }
 
 struct View<'g, 'a, 'b> {
-    ground: &'g Ground<'a, 'b>,
+    region: &'g MeasuredRegion<'a, 'b>,
     normal: DVec3,
 }
 
@@ -111,7 +121,7 @@ impl<T> Ranged<T> {
     }
 }
 
-impl Leads {
+impl Depths {
     fn offer(&mut self, contact: Contact, keep: bool) {
         if contact.separation > 0.0 {
             return;
@@ -128,7 +138,7 @@ impl Leads {
         self.deepest.map_or(0.0, |d| -d.separation)
     }
 
-    /// What leads by less is not wanted.
+    /// What is less deep is not wanted.
     fn floor(&self) -> f64 {
         if self.keeps { 0.0 } else { self.largest() }
     }
@@ -139,23 +149,23 @@ impl View<'_, '_, '_> {
         self.normal.dot(p)
     }
 
-    /// For each vertex of `side`'s piece the face of the other that it leads most.
-    fn vertices_over_faces(&self, side: Side, leads: &mut Leads) {
-        let Ground { cut, .. } = *self.ground;
+    /// For each vertex of `side`'s piece the face of the other that it is deepest behind.
+    fn vertices_over_faces(&self, side: Side, depths: &mut Depths) {
+        let MeasuredRegion { cut, .. } = *self.region;
         let other = side.other();
         // How far ahead of the second body the first is: a vertex of the first wants low faces.
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let corners = &self.ground.triangles[other.index()];
+        let corners = &self.region.triangles[other.index()];
         let mut faces: Vec<Seen> = (cut.pieces[other.index()].faces.iter().zip(corners))
             .map(|(&f, t)| Ranged::new((f, t), t.map(|p| sign * self.height(p))))
             .collect();
         let mut vertices: Vec<Above> = self.vertices(side, sign).collect();
         let by_height = |x: &Above, y: &Above| x.height.total_cmp(&y.height);
         let Some(&highest) = vertices.iter().max_by(|x, y| by_height(x, y)) else { return };
-        if !leads.keeps {
-            // The highest leads by most or nearly so: few others are left.
-            self.offer_lead(side, highest, faces.iter(), leads);
-            let floor = leads.floor();
+        if !depths.keeps {
+            // The highest is the deepest or nearly so: few others are left.
+            self.offer_depth(side, highest, faces.iter(), depths);
+            let floor = depths.floor();
             let lowest = faces.iter().map(|f| f.low).fold(f64::INFINITY, f64::min);
             vertices.retain(|v| v.height - lowest >= floor);
             faces.retain(|f| highest.height - f.low >= floor);
@@ -165,15 +175,15 @@ impl View<'_, '_, '_> {
         for vertex in vertices {
             let over = footprints.over(vertex.point).iter().map(|&i| &faces[i as usize]);
             let high = vertex.height;
-            let floor = leads.floor();
+            let floor = depths.floor();
             let low_enough = over.take_while(|f| high - f.low >= floor);
-            self.offer_lead(side, vertex, low_enough, leads);
+            self.offer_depth(side, vertex, low_enough, depths);
         }
     }
 
     /// Vertices of a side's piece, and of its curves.
     fn vertices(&self, side: Side, sign: f64) -> impl Iterator<Item = Above> {
-        let Ground { pair, intersection, cut, .. } = *self.ground;
+        let MeasuredRegion { pair, intersection, cut, .. } = *self.region;
         let vertices = cut.pieces[side.index()].vertices.iter();
         let inner = vertices.map(move |&v| (Feature::Vertex(v), pair.position(side, v), true));
         // Every node of closed curves is the start of a segment.
@@ -188,18 +198,19 @@ impl View<'_, '_, '_> {
         })
     }
 
-    /// Offers what a vertex leads most of the faces that may be beneath it, by ascending lows for speed.
-    fn offer_lead<'f>(
+    /// Offers a vertex's largest depth over the faces that may be beneath it, by ascending lows for
+    /// speed.
+    fn offer_depth<'f>(
         &self,
         side: Side,
         vertex: Above,
         faces: impl Iterator<Item = &'f Seen<'f>>,
-        leads: &mut Leads,
+        depths: &mut Depths,
     ) {
         let other = side.other();
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let borders = &self.ground.borders[other.index()];
-        let (p, keep) = (vertex.point, vertex.is_inner && leads.keeps);
+        let borders = &self.region.borders[other.index()];
+        let (p, keep) = (vertex.point, vertex.is_inner && depths.keeps);
         let mut best: Option<(f64, FaceId, DVec3)> = None;
         let mut beside: Option<(f64, FaceId, DVec3)> = None;
         for face in faces {
@@ -208,28 +219,28 @@ impl View<'_, '_, '_> {
                 continue;
             }
             let Some(foot) = self.foot(p, triangle) else { continue };
-            let lead = vertex.height - sign * self.height(foot);
-            if lead <= best.map_or(0.0, |b| b.0) {
+            let depth = vertex.height - sign * self.height(foot);
+            if depth <= best.map_or(0.0, |b| b.0) {
                 continue;
             }
-            let off = borders.off_piece(self.ground.pair, other, id, foot);
+            let off = borders.off_piece(self.region.pair, other, id, foot);
             if off == 0.0 {
-                best = Some((lead, id, foot));
-            } else if keep && off <= lead && beside.is_none_or(|b| lead < b.0) {
-                beside = Some((lead, id, foot));
+                best = Some((depth, id, foot));
+            } else if keep && off <= depth && beside.is_none_or(|b| depth < b.0) {
+                beside = Some((depth, id, foot));
             }
         }
-        let contact = |(lead, face, foot)| {
-            self.contact(side, vertex.feature, Feature::Face(face), p, foot, lead)
+        let contact = |(depth, face, foot)| {
+            self.contact(side, vertex.feature, Feature::Face(face), p, foot, depth)
         };
         if let Some(best) = best {
-            leads.offer(contact(best), keep);
+            depths.offer(contact(best), keep);
         } else if let Some(beside) = beside {
-            leads.all.push(contact(beside));
+            depths.all.push(contact(beside));
         }
     }
 
-    fn edges_over_edges(&self, leads: &mut Leads) {
+    fn edges_over_edges(&self, depths: &mut Depths) {
         let ranged = |side: Side| -> Vec<Ranged<(Feature, [DVec3; 2])>> {
             self.edges(side)
                 .map(|(feature, ends)| Ranged::new((feature, ends), ends.map(|p| self.height(p))))
@@ -237,10 +248,10 @@ impl View<'_, '_, '_> {
         };
         let (mut first, mut second) = (ranged(Side::First), ranged(Side::Second));
         let few = first.len().saturating_mul(second.len()) <= MAX_EDGE_PAIRS_KEPT;
-        let keep = few && leads.keeps;
-        let least = |leads: &Leads| if keep { 0.0 } else { leads.largest() };
-        // What cannot lead by more than is known need not be sought.
-        let floor = least(leads);
+        let keep = few && depths.keeps;
+        let least = |depths: &Depths| if keep { 0.0 } else { depths.largest() };
+        // What cannot be deeper than what is known need not be sought.
+        let floor = least(depths);
         let highest = first.iter().map(|e| e.high).fold(f64::NEG_INFINITY, f64::max);
         let lowest = second.iter().map(|g| g.low).fold(f64::INFINITY, f64::min);
         first.retain(|e| e.high - lowest > floor);
@@ -251,21 +262,21 @@ impl View<'_, '_, '_> {
         let mut beside: Vec<u32> = Vec::new();
         for e in &first {
             // Edges are by ascending lows: those before this one are low enough.
-            let floor = least(leads);
+            let floor = least(depths);
             let low_enough = second.partition_point(|g| e.high - g.low > floor);
             if low_enough == 0 {
                 break;
             }
             footprints.beside(&e.what.1, low_enough as u32, &mut beside);
             for g in beside.iter().map(|&i| &second[i as usize]) {
-                if e.high - g.low <= least(leads) {
+                if e.high - g.low <= least(depths) {
                     break;
                 }
                 let Some((p, q)) = self.crossing(&e.what.1, &g.what.1) else { continue };
-                let lead = self.height(p) - self.height(q);
-                if lead > 0.0 {
-                    let contact = self.contact(Side::First, e.what.0, g.what.0, p, q, lead);
-                    leads.offer(contact, keep);
+                let depth = self.height(p) - self.height(q);
+                if depth > 0.0 {
+                    let contact = self.contact(Side::First, e.what.0, g.what.0, p, q, depth);
+                    depths.offer(contact, keep);
                 }
             }
         }
@@ -273,7 +284,7 @@ impl View<'_, '_, '_> {
 
     /// Edges of a piece and the curve segments that bound it.
     fn edges(&self, side: Side) -> impl Iterator<Item = (Feature, [DVec3; 2])> {
-        let Ground { intersection, cut, .. } = *self.ground;
+        let MeasuredRegion { intersection, cut, .. } = *self.region;
         let edge = |&(e, ends): &(EdgeId, [DVec3; 2])| (Feature::Edge(e), ends);
         let rim = move |&s: &usize| {
             let s = &intersection.segments[s];
@@ -289,14 +300,14 @@ impl View<'_, '_, '_> {
         its: Feature,
         p: DVec3,
         q: DVec3,
-        lead: f64,
+        depth: f64,
     ) -> Contact {
         let contact = Contact {
             id: (own, its),
             point_a: p,
             point_b: q,
             normal: self.normal,
-            separation: -lead,
+            separation: -depth,
         };
         match side {
             Side::First => contact,
@@ -347,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn the_deepest_lead_is_the_largest_of_all_and_enough_ends_the_search_only_beyond_it() {
+    fn the_deepest_is_the_largest_of_all_and_enough_ends_the_search_only_beyond_it() {
         let bodies = [
             shape(GolfBall { dimples: 12, triangles: 320, ..GolfBall::default() }),
             shape(Torus { major_segments: 16, minor_segments: 9, ..Torus::default() }),
@@ -364,11 +375,11 @@ mod tests {
             let pair = Pair::of_accepted(a, b);
             let intersection = intersect(&pair, &meeting_pairs(&pair, &mut Counters::default()));
             for cut in &cut(&pair, &intersection) {
-                let ground = Ground::of(&pair, &intersection, cut);
+                let region = MeasuredRegion::of(&pair, &intersection, cut);
                 let normal = DVec3::new(rng.unit(), rng.unit(), rng.unit()).normalize();
-                let lead = |c: Option<Contact>| c.map_or(0.0, |c| -c.separation);
-                let largest = lead(leads(&ground, normal).deepest);
-                let alone = |enough| lead(deepest_lead(&ground, normal, enough));
+                let depth = |c: Option<Contact>| c.map_or(0.0, |c| -c.separation);
+                let largest = depth(depths_along(&region, normal).deepest);
+                let alone = |enough| depth(deepest_along(&region, normal, enough));
                 assert_eq!(alone(f64::INFINITY), largest);
                 assert_eq!(alone(largest.next_up()), largest);
                 let half = alone(0.5 * largest);

@@ -1,17 +1,17 @@
 //! Things by where they stand, seen along a direction: a grid in the plane at right angles to it.
 //!
-//! A thing is listed in every cell that its footprint's box meets. The grid has about as many cells as
-//! things, or fewer if these are long: no more than [`LISTINGS`] listings a thing. So what stands over a
-//! point is found in constant time where things are of a size and in no crowd.
+//! A thing is listed in every cell that its footprint's box meets. The grid has about as many cells
+//! as things, or fewer if these are long: no more than [`LISTINGS`] listings a thing. So what
+//! stands over a point is found in constant time where things are of a size and in no crowd.
 
 use cranny_exact::DVec3;
 
 /// Listings a thing on average, at most. More: memory; fewer: coarser grids around long things.
 const LISTINGS: usize = 12;
 
-/// By what part of the plane's extent a box is grown: far more than rounding moves a coordinate, far less
-/// than a cell. Smaller, and a point on a rim could be sought in the next cell; larger, and cells hold
-/// what stands beside them.
+/// By what part of the plane's extent a box is grown: far more than rounding moves a coordinate,
+/// far less than a cell. Smaller, and a point on a rim could be sought in the next cell; larger,
+/// and cells hold what stands beside them.
 const SLACK: f64 = 1e-9;
 
 /// Things listed by the cells of a plane.
@@ -103,14 +103,15 @@ impl Footprints {
         &self.listed[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
-    /// Numbers, ascending, of all things whose footprints may hold that of a point, and of some more.
+    /// Numbers, ascending, of all things whose footprints may hold that of a point, and of some
+    /// more.
     pub(crate) fn over(&self, p: DVec3) -> &[u32] {
         let [[column, _], [row, _]] = self.span(&seen(&self.axes, &[p]));
         self.cell(row * self.cells + column)
     }
 
-    /// Replaces `found` by the numbers below `end`, ascending, of all things whose footprints may meet that of
-    /// an outline, and of some more.
+    /// Replaces `found` by the numbers below `end`, ascending, of all things whose footprints may
+    /// meet that of an outline, and of some more.
     pub(crate) fn beside(&self, outline: &[DVec3], end: u32, found: &mut Vec<u32>) {
         found.clear();
         let [[left, right], [bottom, top]] = self.span(&seen(&self.axes, outline));

@@ -1,17 +1,21 @@
 //! The nearest faces of bodies that a plane parts: they are among those that lie foremost.
 //!
-//! Along any direction d (of length 1, from the first body to the second), let the hulls be apart by L, and some pair of
-//! faces by D. Points p and q no farther from each other than D have d · (q − p) <= D. No point of the first body lies
-//! higher than its hull's top, none of the second lower than its hull's bottom. So p lies in the *layer* of the first
-//! body that reaches D − L below the top, q in that of the second, and their difference leaves d sideways by at most the
-//! root of D² − L². Along the line between the nearest points of convex parts D = L, and the layers are two features of
-//! the hulls: last frame's, or some beside them. Wherever they face each other, faces are measured: every face that
-//! reaches there, whatever it is part of. So the answer is that of a search of all.
+//! Along any direction d (of length 1, from the first body to the second), let the hulls be apart
+//! by L, and some pair of faces by D. Points p and q no farther from each other than D have
+//! d · (q − p) <= D. No point of the first body lies higher than its hull's top, none of the second
+//! lower than its hull's bottom. So p lies in the *layer* of the first body that reaches D − L
+//! below the top, q in that of the second, and their difference leaves d sideways by at most the
+//! root of D² − L². Along the line between the nearest points of convex parts D = L, and the layers
+//! are two features of the hulls: last frame's, or some beside them. Wherever they face each other,
+//! faces are measured: every face that reaches there, whatever it is part of. So the answer is that
+//! of a search of all.
 //!
-//! Where a lid is foremost D is more than L, the layers hold much, and the search is left to the trees.
+//! Where a lid is foremost D is more than L, the layers hold much, and the search is left to the
+//! trees.
 //!
-//! Cost: two support points, climbed to from the last ones; the vertices of the hulls in the layers; a descent of each
-//! tree to one place; the pairs of faces found. No heap, once lists have grown.
+//! Cost: two support points, climbed to from the last ones; the vertices of the hulls in the
+//! layers; a descent of each tree to one place; the pairs of faces found. No heap, once lists have
+//! grown.
 
 mod layer;
 #[cfg(test)]
@@ -25,12 +29,12 @@ use self::layer::Layer;
 use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::closest::NearestFaces;
-use crate::gjk::{Sight, Simplex};
+use crate::gjk::{HullGap, Simplex};
 use crate::pair::{Pair, Side};
 use cranny_geometry::triangle_distance::{Prepared, triangle_distance};
 
-/// Faces of a body that are looked at, at most. Fewer: where a vertex has more faces, all is searched; more: over
-/// lids a search of the trees is cheaper.
+/// Faces of a body that are looked at, at most. Fewer: where a vertex has more faces, all is
+/// searched; more: over lids a search of the trees is cheaper.
 const MOST_FACES: usize = 64;
 
 /// What is kept of where two bodies were nearest. All of it is a guess to begin with.
@@ -47,13 +51,14 @@ pub(crate) struct Foremost {
     stack: Vec<u32>,
 }
 
-/// By what part of the distance known the hulls may be nearer for the layers to be looked at as they are. Larger: they
-/// hold more; smaller: a better direction is sought in vain.
+/// By what part of the distance known the hulls may be nearer for the layers to be looked at as
+/// they are. Larger: they hold more; smaller: a better direction is sought in vain.
 const SETTLED: f64 = 1e-6;
 
 impl Foremost {
-    /// Offers all pairs of faces that may be as near as the nearest that were offered before; whether these were few enough.
-    /// `parting` is a direction along which the bodies are apart, for the first query; of no length if there is none.
+    /// Offers all pairs of faces that may be as near as the nearest that were offered before;
+    /// whether these were few enough. `parting` is a direction along which the bodies are apart,
+    /// for the first query; of no length if there is none.
     pub(crate) fn offer(
         &mut self,
         pair: &Pair,
@@ -90,7 +95,8 @@ impl Foremost {
             };
             nearest.offer(at(Side::First)?, at(Side::Second)?, counters);
         }
-        // As if the bodies were no farther apart than their hulls, and if they are, as far as is known then.
+        // As if the bodies were no farther apart than their hulls, and if they are, as far as is
+        // known then.
         let close = (sight.least * (1.0 + SETTLED)).min(nearest.limit());
         self.gather(pair, &sight, close, counters)?;
         self.measure(pair, &sight, nearest, counters);
@@ -101,25 +107,27 @@ impl Foremost {
         Some(())
     }
 
-    /// The line along which to look: that between the nearest faces known, if hulls are as far apart along it as these are.
-    fn sight(&mut self, pair: &Pair, parting: DVec3, nearest: &NearestFaces) -> Option<Sight> {
-        let known = nearest.toward().and_then(|toward| Sight::along(pair, toward, self.tops));
+    /// The line along which to look: that between the nearest faces known, if hulls are as far
+    /// apart along it as these are.
+    fn sight(&mut self, pair: &Pair, parting: DVec3, nearest: &NearestFaces) -> Option<HullGap> {
+        let known = nearest.toward().and_then(|toward| HullGap::along(pair, toward, self.tops));
         let limit = nearest.limit();
         if let Some(sight) = known.filter(|s| limit - s.least <= SETTLED * s.least) {
             return Some(sight);
         }
         let start = match known.filter(|sight| sight.least > 0.0) {
             Some(sight) => sight,
-            None => Sight::along(pair, parting, self.tops)?,
+            None => HullGap::along(pair, parting, self.tops)?,
         };
         Some(start.farthest(pair, SETTLED, &mut self.simplex)).filter(|sight| sight.least > 0.0)
     }
 
-    /// Offers the pairs of faces that were gathered, but those that are certainly not as near as what is known.
+    /// Offers the pairs of faces that were gathered, but those that are certainly not as near as
+    /// what is known.
     fn measure(
         &self,
         pair: &Pair,
-        sight: &Sight,
+        sight: &HullGap,
         nearest: &mut NearestFaces,
         counters: &mut Counters,
     ) {
@@ -139,7 +147,7 @@ impl Foremost {
                 }
                 counters.triangle_tests += 1;
                 let found = f.triangle.nearest(f.corners, &g.triangle, g.corners);
-                // What wins is told as whenever faces are measured, whatever was left out here.
+                // What wins is reported as whenever faces are measured, whatever was left out here.
                 if nearest.would_win([f.face, g.face], &found) {
                     nearest.take([f.face, g.face], triangle_distance(&f.posed, &g.posed));
                 }
@@ -151,13 +159,13 @@ impl Foremost {
     fn gather(
         &mut self,
         pair: &Pair,
-        sight: &Sight,
+        sight: &HullGap,
         limit: f64,
         counters: &mut Counters,
     ) -> Option<()> {
         let hulls = Side::BOTH.map(|side| pair.model(side).hull());
         let map = &pair.first_from_second;
-        let &Sight { directions, tops, least, .. } = sight;
+        let &HullGap { directions, tops, least, .. } = sight;
         // The limit may be off by a constructed length, and the distance sought by another.
         let error = pair.culling_error();
         let most = limit + 2.0 * pair.length_error() + error;
@@ -173,8 +181,9 @@ impl Foremost {
         let maps = [[&RigidMap::IDENTITY, map], [&back, &RigidMap::IDENTITY]];
         for side in Side::BOTH {
             let i = side.index();
-            // The other's layer, moved over this one's by L: from there, points at most D apart are no farther than the
-            // root of D² − L², since (s − L)² + D² − s² is no more for a part s >= L along the line.
+            // The other's layer, moved over this one's by L: from there, points at most D apart are
+            // no farther than the root of D² − L², since (s − L)² + D² − s² is no more for a part
+            // s >= L along the line.
             let [own, its] = [i, 1 - i].map(|j| self.layers[j].bounds(maps[i][j]));
             let over = least * directions[i];
             let place = Aabb { min: its.min - over, max: its.max - over }.grown(aside);
@@ -195,8 +204,8 @@ impl Foremost {
         Some(())
     }
 
-    /// Lists the faces of a body that reach into its layer at a place, a box in its own frame; more than enough
-    /// are not listed.
+    /// Lists the faces of a body that reach into its layer at a place, a box in its own frame; more
+    /// than enough are not listed.
     fn find(
         &mut self,
         pair: &Pair,
@@ -272,14 +281,15 @@ struct Face {
 }
 
 impl Face {
-    /// Square of a lower bound of how far the difference of two points leaves the direction sideways.
+    /// Square of a lower bound of how far the difference of two points leaves the direction
+    /// sideways.
     fn aside_squared(&self, other: &Self) -> f64 {
         let [gap, back] = [other.across[0] - self.across[1], self.across[0] - other.across[1]];
         gap.max(back).max(DVec2::ZERO).length_squared()
     }
 
-    /// Whether a triangle lies farther off along the face's normal, on one side, than `most`. A needle's normal may be noise:
-    /// what the face reaches along it counts.
+    /// Whether a triangle lies farther off along the face's normal, on one side, than `most`. A
+    /// needle's normal may be noise: what the face reaches along it counts.
     fn is_beyond(&self, its: &[DVec3; 3], most: f64) -> bool {
         let range = |corners: &[DVec3; 3]| {
             let [a, b, c] = corners.map(|p| self.normal.dot(p - self.posed[0]));

@@ -1,12 +1,14 @@
 //! The line along which two hulls are farthest apart: that between their nearest points.
 //!
-//! The hulls' difference is the set of all q − p, its point nearest to the origin their distance. A simplex of it is
-//! kept, at most a tetrahedron of differences of vertices; its nearest point gives a direction, and the support along that
-//! joins what of the simplex holds the point (Gilbert, Johnson and Keerthi, 'A fast procedure for computing the distance
-//! between complex objects in three-dimensional space', 1988). Each direction proves a lower bound of the distance on
-//! its own, so rounding costs a thinner bound at worst.
+//! The hulls' difference is the set of all q − p, its point nearest to the origin their distance. A
+//! simplex of it is kept, at most a tetrahedron of differences of vertices; its nearest point gives
+//! a direction, and the support along that joins what of the simplex holds the point (Gilbert,
+//! Johnson and Keerthi, 'A fast procedure for computing the distance between complex objects in
+//! three-dimensional space', 1988). Each direction proves a lower bound of the distance on its own,
+//! so rounding costs a thinner bound at worst.
 //!
-//! Cost: two support points a step, climbed to from the last; few steps from a start nearby. No heap.
+//! Cost: two support points a step, climbed to from the last; few steps from a start nearby. No
+//! heap.
 
 use cranny_exact::DVec3;
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
@@ -14,13 +16,13 @@ use cranny_geometry::hull::{ConvexHull, HullVertexId};
 use crate::pair::{Pair, Side};
 use cranny_geometry::triangle_distance::{Part, closest_on_segments, closest_on_triangle};
 
-/// Steps at most. Fewer: hulls of many facets are seen along a line that is a little off; more: what rounding keeps from
-/// ending is repeated.
+/// Steps at most. Fewer: hulls of many facets are seen along a line that is a little off; more:
+/// what rounding keeps from ending is repeated.
 const MOST_STEPS: u32 = 32;
 
 /// Two hulls seen along a line.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sight {
+pub(crate) struct HullGap {
     /// From the first to the second, in the first's frame, and back, in the second's; of length 1.
     pub(crate) directions: [DVec3; 2],
     /// Where the hulls reach farthest along these.
@@ -31,8 +33,9 @@ pub(crate) struct Sight {
     between: DVec3,
 }
 
-impl Sight {
-    /// Looks along a direction of length 1; `starts` are where to climb from. `None` of hulls without vertices.
+impl HullGap {
+    /// Looks along a direction of length 1; `starts` are where to climb from. `None` of hulls
+    /// without vertices.
     pub(crate) fn along(
         pair: &Pair,
         toward: DVec3,
@@ -52,8 +55,9 @@ impl Sight {
         Some(Self { directions, tops, least, between })
     }
 
-    /// The line along which the hulls were seen farthest apart, from this one on; `accuracy` is by what share of the distance
-    /// it may fall short. Begins at the simplex where the last search ended, and leaves the one where this does.
+    /// The line along which the hulls were seen farthest apart, from this one on; `accuracy` is by
+    /// what share of the distance it may fall short. Begins at the simplex where the last search
+    /// ended, and leaves the one where this does.
     pub(crate) fn farthest(self, pair: &Pair, accuracy: f64, simplex: &mut Simplex) -> Self {
         let (mut best, mut seen) = (self, self);
         simplex.place(pair);
@@ -84,8 +88,8 @@ fn hulls<'a>(pair: &Pair<'a>) -> [&'a ConvexHull; 2] {
     Side::BOTH.map(|side| pair.model(side).hull())
 }
 
-/// At most four points of the hulls' difference, and the vertices that they are the differences of. Of a former query, a
-/// guess to begin with.
+/// At most four points of the hulls' difference, and the vertices that they are the differences of.
+/// Of a former query, a guess to begin with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Simplex {
     points: [DVec3; 4],
@@ -117,7 +121,7 @@ impl Simplex {
     }
 
     /// Takes in a point; whether it was not there.
-    fn join(&mut self, seen: &Sight) -> bool {
+    fn join(&mut self, seen: &HullGap) -> bool {
         let is_new = !self.tops[..self.len].contains(&seen.tops);
         if is_new {
             (self.points[self.len], self.tops[self.len]) = (seen.between, seen.tops);
@@ -146,7 +150,7 @@ impl Simplex {
         }
     }
 
-    /// Leaves some of the points; tells the first.
+    /// Leaves some of the points; returns the first.
     fn keep<const N: usize>(&mut self, which: [usize; N]) -> DVec3 {
         let (points, tops) = (which.map(|i| self.points[i]), which.map(|i| self.tops[i]));
         self.points[..N].copy_from_slice(&points);
@@ -155,7 +159,8 @@ impl Simplex {
         points[0]
     }
 
-    /// Of some of its faces, leaves the part of the nearest one that holds the point nearest to the origin; tells that.
+    /// Of some of its faces, leaves the part of the nearest one that holds the point nearest to the
+    /// origin; returns that.
     fn keep_nearest(&mut self, faces: &[[usize; 3]]) -> DVec3 {
         let mut best = (f64::INFINITY, [0; 3], DVec3::ZERO, Part::Inside);
         for &face in faces {
@@ -184,7 +189,8 @@ mod tests {
     use cranny_shapes::{Cuboid, GolfBall, Shape};
     use cranny_testkit::Rng;
 
-    /// Of convex bodies the hulls' distance is that of the surfaces; a simplex of other bodies to begin with.
+    /// Of convex bodies the hulls' distance is that of the surfaces; a simplex of other bodies to
+    /// begin with.
     #[test]
     fn the_line_between_nearest_points_is_found() {
         let ball = GolfBall { triangles: 320, dimples: 0, ..GolfBall::default() };
@@ -208,7 +214,7 @@ mod tests {
             let distance = brute_force(a, b).unwrap().distance;
             let pair = Pair::of_accepted(a, b);
             let way = pair.first_from_second.translation.normalize();
-            let start = Sight::along(&pair, way, [None; 2]).unwrap();
+            let start = HullGap::along(&pair, way, [None; 2]).unwrap();
             let found = start.farthest(&pair, 1e-6, &mut simplex);
             assert!(found.least >= start.least && found.least <= distance, "round {round}");
             if distance > 0.0 && start.least > 0.0 {

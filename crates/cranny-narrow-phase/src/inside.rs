@@ -9,7 +9,7 @@
 //! and could be on the wrong side of what the face touches. So it is a mean of exact points, and all
 //! predicates read the mean. Only culling reads it rounded.
 
-use cranny_exact::{Aabb, DVec3, Sign, WeightedPoint, orient3d};
+use cranny_exact::{Aabb, DVec3, Sign, WeightedPoint, generic_direction, orient3d};
 use cranny_geometry::FaceId;
 
 use crate::answer::Counters;
@@ -43,7 +43,7 @@ pub(crate) fn locate(
     loop {
         // Surely out of the bounds, also where these are no larger than the rounding of `p`.
         let reach = 4.0 * bounds.diagonal() + 64.0 * p.rounding();
-        let end = near + direction(attempt) * reach;
+        let end = near + generic_direction(attempt) * reach;
         if let Some(location) = along(pair, side, p, end) {
             return location;
         }
@@ -172,20 +172,6 @@ impl Ray {
         }
         // Three roundings of parameters in [0, 1].
         enter <= leave + 8.0 * f64::EPSILON
-    }
-}
-
-/// An equidistributed sequence of directions, none of them near an axis or a diagonal at first.
-fn direction(attempt: u32) -> DVec3 {
-    // Fractional parts of multiples of the plastic number's powers (Roberts 2018) in two dimensions.
-    let n = f64::from(attempt) + 1.0;
-    let (u, v) = ((n * 0.754_877_666_246_692_7).fract(), (n * 0.569_840_290_998_053_2).fract());
-    // On the cube's surface rather than the sphere's: no transcendental function is needed.
-    let p = DVec3::new(2.0 * u - 1.0, 2.0 * v - 1.0, 0.618_033_988_749_894_9);
-    match attempt % 3 {
-        0 => p,
-        1 => DVec3::new(p.z, p.x, p.y),
-        _ => DVec3::new(p.y, -p.z, p.x),
     }
 }
 

@@ -7,12 +7,13 @@
 //!
 //! Every segment runs along n × m, n and m being the normals of the first and the second body's
 //! face. Seen against n, the part of the first face that lies inside the second body is then on the
-//! left. The direction too is told by signs: where the first body's edge, run through as its face
-//! has it, goes inward through the other surface, the segment ends; where it goes outward, it begins.
+//! left. The direction too is decided by signs: where the first body's edge, run through as its
+//! face has it, goes inward through the other surface, the segment ends; where it goes outward, it
+//! begins.
 //!
-//! In general position the signs that told that two faces cross also tell which edges make the ends
-//! ([`cross_triangles`](cranny_exact::cross_triangles)); only what is not in general position is looked at
-//! feature by feature.
+//! In general position the signs that decide that two faces cross also decide which edges make the
+//! ends ([`cross_triangles`](cranny_exact::cross_triangles)); only what is not in general position
+//! is looked at feature by feature.
 
 use std::collections::HashMap;
 
@@ -36,12 +37,13 @@ pub(crate) struct Node {
     /// In the pair's frame.
     pub(crate) point: DVec3,
     /// Where an edge pierces a face, how it does.
-    pub(crate) passage: Option<Passage>,
+    pub(crate) passage: Option<EdgePassage>,
 }
 
-/// How an edge, in its own direction (from its lesser to its greater vertex), passes through a face.
+/// How an edge, in its own direction (from its lesser to its greater vertex), passes through a
+/// face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Passage {
+pub(crate) struct EdgePassage {
     /// How far along the edge, from 0 to 1.
     pub(crate) parameter: f64,
     /// It goes from the front to the back.
@@ -136,7 +138,8 @@ fn pierced_node(
     let (own, other) = (&triangles[owner], &triangles[1 - owner]);
     let corners = pair.mesh(Side::BOTH[owner]).corners(faces[owner]);
     let along = corners[i] <= corners[(i + 1) % 3];
-    // As the first's face has its edge, it goes inward where the segment ends; as the second's, where it begins.
+    // As the first's face has its edge, it goes inward where the segment ends; as the second's,
+    // where it begins.
     let inward = (is_end == (owner == 0)) == along;
     let ends = if along { [own[i], own[(i + 1) % 3]] } else { [own[(i + 1) % 3], own[i]] };
     let parameter = piercing_parameter(&ends, other);
@@ -145,7 +148,7 @@ fn pierced_node(
         _ => (Feature::Face(faces[0]), Feature::Edge(edge)),
     };
     let point = ends[0] + (ends[1] - ends[0]) * parameter;
-    Node { features, point, passage: Some(Passage { parameter, inward }) }
+    Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
 }
 
 struct Builder<'a, 'b> {
@@ -275,7 +278,7 @@ fn on_edge(
     let parameter = piercing_parameter(&ends, &triangle);
     let inward = orient3d(triangle[0], triangle[1], triangle[2], ends[0]) == Sign::Positive;
     let point = ends[0] + (ends[1] - ends[0]) * parameter;
-    Node { features, point, passage: Some(Passage { parameter, inward }) }
+    Node { features, point, passage: Some(EdgePassage { parameter, inward }) }
 }
 
 /// How far along a segment, from 0 to 1, it pierces the plane of a triangle.
@@ -319,8 +322,8 @@ impl<'i> Chains<'i> {
         Self { intersection, rest, leaving, surplus }
     }
 
-    /// Polylines of a set of segments that hang together with no others, each traversed once; closed ones
-    /// first appear as found. Of a set once followed, nothing is left.
+    /// Polylines of a set of segments that hang together with no others, each traversed once;
+    /// closed ones first appear as found. Of a set once followed, nothing is left.
     pub(crate) fn follow(&mut self, segments: &[usize]) -> Vec<(Vec<usize>, bool)> {
         let all = &self.intersection.segments;
         let starts = || segments.iter().map(|&s| all[s].nodes[0]);

@@ -130,8 +130,8 @@ pub use verify::{Mismatch, query_verified};
 /// [`FacePair::of`](operations::FacePair::of), measures them by
 /// [`NearestFaces`](operations::NearestFaces), and decides about solids whose surfaces are disjoint
 /// by [`Solidity`](operations::Solidity). What it keeps for the next pose of the pair is valid as
-/// far as [`RelativeMotion`](operations::RelativeMotion) bounds what has changed, and for the models
-/// of its [`PairTag`](operations::PairTag).
+/// far as [`RelativeMotion`](operations::RelativeMotion) bounds what has changed, and for the
+/// models of its [`PairTag`](operations::PairTag).
 ///
 /// ```
 /// use cranny_exact::{DVec3, Pose};

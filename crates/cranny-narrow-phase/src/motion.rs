@@ -82,7 +82,7 @@ impl RelativeMotion {
     /// the factor is below 1 + stretch² / 16 up to a stretch of 1 (a turn of 60 degrees), doubled
     /// here.
     #[must_use]
-    pub fn way_factor(&self) -> Option<f64> {
+    pub fn arc_over_chord(&self) -> Option<f64> {
         (self.stretch <= 1.0).then_some(1.0 + 0.125 * self.stretch * self.stretch)
     }
 

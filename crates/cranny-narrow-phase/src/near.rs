@@ -1,8 +1,9 @@
 //! Regions across a gap: contacts within a margin, gathered by what they lie on.
 //!
 //! A vertex over a face, and two convex edges whose nearest points lie between their ends, are what
-//! two polyhedra touch with next; a vertex before an edge or another vertex is where sharp parts are
-//! nearest (`contacts`). Contacts of which a face of each body has both features belong to one region.
+//! two polyhedra touch with next; a vertex before an edge or another vertex is where sharp parts
+//! are nearest (`contacts`). Contacts of which a face of each body has both features belong to one
+//! region.
 
 #[cfg(test)]
 mod oracle;
@@ -39,13 +40,14 @@ pub(crate) fn near_regions(
     for contact in &mut contacts {
         contact.id = by_foot(pair, contact);
     }
-    // What stands before the rim between two faces was told before each of them.
+    // What stands before the rim between two faces was offered before each of them.
     contacts.sort_unstable_by(|x, y| x.id.cmp(&y.id).then(x.separation.total_cmp(&y.separation)));
     contacts.dedup_by_key(|contact| contact.id);
     regions(pair, contacts)
 }
 
-/// A contact's features, that of the face's rim in place of the face where a vertex stands before the rim.
+/// A contact's features, that of the face's rim in place of the face where a vertex stands before
+/// the rim.
 fn by_foot(pair: &Pair, contact: &Contact) -> (Feature, Feature) {
     let before = |side: Side, p, face| {
         let part = closest_on_triangle(p, &pair.triangle(side, face)).1;
@@ -111,7 +113,7 @@ mod tests {
     }
 
     /// Regions by the features of their contacts, each with its separation.
-    fn told(regions: &[Vec<Contact>]) -> Vec<Vec<((Feature, Feature), f64)>> {
+    fn by_features(regions: &[Vec<Contact>]) -> Vec<Vec<((Feature, Feature), f64)>> {
         let mut all: Vec<Vec<_>> = regions
             .iter()
             .map(|region| {
@@ -150,9 +152,10 @@ mod tests {
             // Nearer by no more than they are apart.
             for _ in 0..8 {
                 let at = |model, pose| Placed { model, pose };
-                let asked = Query::of(Demand::Distance { below: None });
+                let query_of_distance = Query::of(Demand::Distance { below: None });
                 let memory = &mut PairMemory::default();
-                let answer = query(at(a, Pose::IDENTITY), at(b, pose), &asked, memory).unwrap();
+                let answer =
+                    query(at(a, Pose::IDENTITY), at(b, pose), &query_of_distance, memory).unwrap();
                 pose.translation -= (answer.distance.unwrap() - 0.03) * direction;
             }
             let pace = [0.0, 0.002, 0.01, 0.05][rng.below(4)];
@@ -174,7 +177,7 @@ mod tests {
                 };
                 let found: Vec<Vec<Contact>> =
                     found.into_iter().map(|found| found.contacts).collect();
-                let (found, truth) = (told(&found), told(&truth));
+                let (found, truth) = (by_features(&found), by_features(&truth));
                 let (ours, theirs) = (flat(&found), flat(&truth));
                 let ids = |all: &[((Feature, Feature), f64)]| -> Vec<_> {
                     all.iter().map(|c| c.0).collect()

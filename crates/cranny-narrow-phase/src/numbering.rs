@@ -1,8 +1,8 @@
 //! Numbers for keys, by the order in which they are first named.
 //!
-//! What few features of large meshes a query comes across gets numbers of its own, so that what is known of
-//! them stands in arrays as long as they are many. Open addressing; no order but that of the numbers is
-//! ever read, so the scatter of keys cannot show in an answer.
+//! What few features of large meshes a query comes across gets numbers of its own, so that what is
+//! known of them stands in arrays as long as they are many. Open addressing; no order but that of
+//! the numbers is ever read, so the scatter of keys cannot show in an answer.
 
 /// A slot without a key.
 const EMPTY: u32 = u32::MAX;
@@ -19,8 +19,8 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
-    /// The number of a key, and whether it was named for the first time: it then is the number of keys
-    /// named before.
+    /// The number of a key, and whether it was named for the first time: it then is the number of
+    /// keys named before.
     pub(crate) fn number(&mut self, key: u64) -> (u32, bool) {
         if 2 * (self.len as usize + 1) > self.slots.len() {
             self.grow();

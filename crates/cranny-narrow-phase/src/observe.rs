@@ -20,7 +20,7 @@ pub trait PairObserver {
     /// distance.
     fn nearest(&mut self, _faces: [FaceId; 2]) {}
 
-    /// Parts of A and of B that [`Method::Envelopes`](crate::Method::Envelopes) asked against each
+    /// Parts of A and of B that [`Method::Envelopes`](crate::Method::Envelopes) compared with each
     /// other.
     fn parts(&mut self, _met: MetParts) {}
 

@@ -288,6 +288,7 @@ impl<'a> Pair<'a> {
     /// In units of half an ulp of the same scale as [`length_error`](Self::length_error): a posed
     /// vertex rounds 8 times, a box's center and extents, doubled, 30 times together; a rotation
     /// matrix made of accepted quaternions is off by at most 64. A hundred in all; 256 leave room.
+    /// [`RigidMap::posing_error`] bounds what posing one point rounds.
     #[must_use]
     pub fn culling_error(&self) -> f64 {
         2.0 * self.length_error() + self.bulge.abs()
@@ -347,7 +348,7 @@ impl<'a> Pair<'a> {
         if self.swapped { moved.swapped() } else { moved }
     }
 
-    /// A contact told in the pair's frame and order, as the caller wants it.
+    /// A contact of the pair's frame and order, as the caller wants it.
     pub(crate) fn world_contact(&self, contact: Contact) -> Contact {
         let c = if self.swapped { contact.swapped() } else { contact };
         Contact {

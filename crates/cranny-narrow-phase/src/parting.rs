@@ -1,20 +1,22 @@
-//! A plane that parts the hulls of two bodies, followed from query to query: what is beyond it need not be
-//! looked for.
+//! A plane that parts the hulls of two bodies, followed from query to query: what is beyond it need
+//! not be looked for.
 //!
-//! The hulls hold all vertices, so whatever lies between two hulls along a direction lies between the
-//! surfaces too, and between the solids; nothing can then contain anything. The direction that parted the hulls
-//! last mostly parts them still: two support points, climbed to from the last ones, prove it. If not, it is
-//! mirrored at the difference of the support points, which brings it nearer to one that parts them, if
-//! any does (Chung and Wang, 'Quick elimination of non-interference polytopes in virtual environments', 1996).
-//! To part them by more than a margin, that is taken off their gap as if the bodies had grown.
+//! The hulls hold all vertices, so whatever lies between two hulls along a direction lies between
+//! the surfaces too, and between the solids; nothing can then contain anything. The direction that
+//! parted the hulls last mostly parts them still: two support points, climbed to from the last
+//! ones, prove it. If not, it is mirrored at the difference of the support points, which brings it
+//! nearer to one that parts them, if any does (Chung and Wang, 'Quick elimination of
+//! non-interference polytopes in virtual environments', 1996). To part them by more than a margin,
+//! that is taken off their gap as if the bodies had grown.
 //!
-//! Where hulls overlap, as a nut's and its bolt's do for good, no direction parts them: what is not found after a
-//! few turns is left to the search among faces, and sought again after twice as long a wait. So memory decides
-//! who answers, never what: each proof stands on its own, with all rounding on its safe side.
+//! Where hulls overlap, as a nut's and its bolt's do for good, no direction parts them: what is not
+//! found after a few turns is left to the search among faces, and sought again after twice as long
+//! a wait. So memory decides who answers, never what: each proof stands on its own, with all
+//! rounding on its safe side.
 //!
 //! Cost: two support points a query where the last plane still parts; a search from the line of
-//! centres in the first. No heap. The walk over features ([`crate::walk`]) would tell the hulls' distance as well, which a verdict
-//! does not need, and wants tables of its own for each hull.
+//! centres in the first. No heap. The walk over features ([`crate::walk`]) would tell the hulls'
+//! distance as well, which a verdict does not need, and wants tables of its own for each hull.
 
 use cranny_exact::DVec3;
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
@@ -23,23 +25,25 @@ use crate::answer::Counters;
 use crate::backoff::Backoff;
 use crate::pair::{Pair, Side};
 
-/// Directions tried in one query. Fewer: hulls that are just apart are parted later, since the search goes on in the
-/// next query; more: hulls that overlap cost more before that is given up.
+/// Directions tried in one query. Fewer: hulls that are just apart are parted later, since the
+/// search goes on in the next query; more: hulls that overlap cost more before that is given up.
 const MOST_TRIALS: u32 = 8;
 
-/// Directions tried in the first query: the line of centres, and one more. Fewer: the first query searches among
-/// faces where centres mislead; more: a query without memory about hulls that overlap, where a trial climbs
-/// across both, pays for nothing.
+/// Directions tried in the first query: the line of centres, and one more. Fewer: the first query
+/// searches among faces where centres mislead; more: a query without memory about hulls that
+/// overlap, where a trial climbs across both, pays for nothing.
 const FIRST_TRIALS: u32 = 2;
 
-/// Cosine between two directions below which a climb begins anew, not at the last support point. Smaller: climbs across
-/// half the hull; larger: climbs from a distant vertex where the last one was near.
+/// Cosine between two directions below which a climb begins anew, not at the last support point.
+/// Smaller: climbs across half the hull; larger: climbs from a distant vertex where the last one
+/// was near.
 const SAME_SIDE: f64 = 0.75;
 
 /// What is kept of the plane between two hulls. All of it is a guess to begin with.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Parting {
-    /// Of length 1, from the first body to the second, in the first's frame; zero before the first query.
+    /// Of length 1, from the first body to the second, in the first's frame; zero before the first
+    /// query.
     direction: DVec3,
     /// Where the hulls reach farthest towards each other.
     tops: [Option<HullVertexId>; 2],
@@ -47,10 +51,10 @@ pub(crate) struct Parting {
 }
 
 impl Parting {
-    /// A lower bound of how far the surfaces are apart, or 0 if none was found; no bound beyond `wanted` is
-    /// sought.
+    /// A lower bound of how far the surfaces are apart, or 0 if none was found; no bound beyond
+    /// `wanted` is sought.
     ///
-    /// What it tells exceeds every rounding of the pair: no computed distance is below it.
+    /// What it returns exceeds every rounding of the pair: no computed distance is below it.
     pub(crate) fn gap(&mut self, pair: &Pair, wanted: f64, counters: &mut Counters) -> f64 {
         let hulls = Side::BOTH.map(|side| pair.model(side).hull());
         let Some(mut tops) = self.starts(hulls) else { return 0.0 };
@@ -58,9 +62,9 @@ impl Parting {
             return 0.0;
         }
         let map = &pair.first_from_second;
-        // The heights of two support points round 8 times, turning the direction 11, a posed vertex 32, the
-        // sums and the direction's length a dozen, each by at most half an ulp of the scale, and what is compared
-        // with the bound, 128: the culling error has 256.
+        // The heights of two support points round 8 times, turning the direction 11, a posed vertex
+        // 32, the sums and the direction's length a dozen, each by at most half an ulp of the
+        // scale, and what is compared with the bound, 128: the culling error has 256.
         let error = pair.culling_error();
         let goal = wanted + error;
         let (mut direction, mut trials) = (self.direction, MOST_TRIALS);
@@ -105,8 +109,8 @@ impl Parting {
         self.direction
     }
 
-    /// Where the climb to the support points begins; `None` of hulls that have none. The last query may have been
-    /// about other models.
+    /// Where the climb to the support points begins; `None` of hulls that have none. The last query
+    /// may have been about other models.
     fn starts(&self, hulls: [&ConvexHull; 2]) -> Option<[Option<HullVertexId>; 2]> {
         let known = |i: usize| self.tops[i].filter(|v| v.index() < hulls[i].vertex_count());
         (hulls.iter().all(|hull| hull.vertex_count() > 0)).then(|| [0, 1].map(known))
@@ -176,7 +180,8 @@ mod tests {
         assert!(parted > 150 && overlapping > 50, "{parted} {overlapping}");
     }
 
-    /// Cubes face to face, edge to face and corner to face: touching is no gap, nor is what rounding could have made.
+    /// Cubes face to face, edge to face and corner to face: touching is no gap, nor is what
+    /// rounding could have made.
     #[test]
     fn gaps_below_rounding_are_none_and_those_above_are_found() {
         let cube = model(Cuboid { size: [2.0; 3] }.build().unwrap());
@@ -218,7 +223,8 @@ mod tests {
                 Placed { model: &bodies[0], pose: Pose::IDENTITY },
                 Placed { model: &bodies[1], pose },
             );
-            // Bodies that are convex are parted where they are apart, if by a hundredth of their size.
+            // Bodies that are convex are parted where they are apart, if by a hundredth of their
+            // size.
             if brute_force(a, b).unwrap().distance < 0.03 {
                 continue;
             }

@@ -9,7 +9,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, EdgeId, FaceId, HalfEdgeId, VertexId};
 
 use crate::answer::Feature;
-use crate::intersection::{Intersection, Passage};
+use crate::intersection::{EdgePassage, Intersection};
 use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 
@@ -26,17 +26,17 @@ pub(crate) struct Piece {
 
 /// A region: segments of the intersection and the two pieces that they bound.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Cut {
+pub(crate) struct RegionPieces {
     pub(crate) segments: Vec<usize>,
     pub(crate) pieces: [Piece; 2],
 }
 
-/// What belongs to exactly one region has a number: nodes first, then the vertices inside, the first body's
-/// before the second's.
+/// What belongs to exactly one region has a number: nodes first, then the vertices inside, the
+/// first body's before the second's.
 type Member = usize;
 
 /// Splits a generic intersection into regions.
-pub(crate) fn cut(pair: &Pair, intersection: &Intersection) -> Vec<Cut> {
+pub(crate) fn cut(pair: &Pair, intersection: &Intersection) -> Vec<RegionPieces> {
     let mut joins: Vec<[Member; 2]> = intersection.segments.iter().map(|s| s.nodes).collect();
     let first =
         spread_inside(pair, Side::First, intersection, intersection.nodes.len(), &mut joins);
@@ -47,19 +47,19 @@ pub(crate) fn cut(pair: &Pair, intersection: &Intersection) -> Vec<Cut> {
         sets.union(a, b);
     }
 
-    let mut cuts: Vec<Cut> = Vec::new();
+    let mut cuts: Vec<RegionPieces> = Vec::new();
     // Regions are numbered by their least node: all hang on a curve.
     let mut cut_of_set = vec![usize::MAX; intersection.nodes.len()];
     for node in 0..intersection.nodes.len() {
         let set = sets.find(node);
         if cut_of_set[set] == usize::MAX {
             cut_of_set[set] = cuts.len();
-            cuts.push(Cut::default());
+            cuts.push(RegionPieces::default());
         }
     }
     let mut cut_of = |member: Member| cut_of_set[sets.find(member)];
     let mut faces = [Numbering::default(), Numbering::default()];
-    let mut add_face = |cuts: &mut [Cut], cut: usize, side: Side, face: FaceId| {
+    let mut add_face = |cuts: &mut [RegionPieces], cut: usize, side: Side, face: FaceId| {
         let key = (cut as u64) << 32 | u64::from(face.0);
         if faces[side.index()].number(key).1 {
             cuts[cut].pieces[side.index()].faces.push(face);
@@ -95,9 +95,10 @@ struct Inside {
     edges: Vec<(EdgeId, [DVec3; 2], Member)>,
 }
 
-/// The passages of a body's edges through the other surface: by edge, then along it; and the nodes there.
-fn passages(side: Side, intersection: &Intersection) -> Vec<(EdgeId, Passage, usize)> {
-    let mut passages: Vec<(EdgeId, Passage, usize)> = Vec::new();
+/// The passages of a body's edges through the other surface: by edge, then along it; and the nodes
+/// there.
+fn passages(side: Side, intersection: &Intersection) -> Vec<(EdgeId, EdgePassage, usize)> {
+    let mut passages: Vec<(EdgeId, EdgePassage, usize)> = Vec::new();
     for (node, n) in intersection.nodes.iter().enumerate() {
         let edge = match (side, n.features) {
             (Side::First, (Feature::Edge(e), Feature::Face(_)))

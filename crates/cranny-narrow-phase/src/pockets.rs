@@ -113,7 +113,7 @@ impl PocketMemory {
     }
 
     /// Shows what the last query, if it was this one, has opened and closed, and which parts it
-    /// asked against each other.
+    /// compared with each other.
     pub(crate) fn show(&self, pair: &Pair, observer: &mut impl PairObserver) {
         let [ours, theirs] = Side::BOTH.map(|side| pair.bounds(side));
         let Some(both) = self.bodies.as_ref().filter(|_| self.is_at(pair)) else { return };

@@ -1,4 +1,4 @@
-//! What is asked about a pair.
+//! A query: what of a pair is computed.
 
 use cranny_exact::Pose;
 use cranny_geometry::{Model, check_crease_angle};
@@ -16,7 +16,7 @@ pub struct Placed<'a> {
     pub pose: Pose,
 }
 
-/// How much is asked. Each demand does only its own work.
+/// How much is computed. Each demand does only its own work.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Demand {
     /// Nothing.
@@ -32,13 +32,13 @@ pub enum Demand {
     },
     /// The verdict of `Intersects`, and contacts for a solver: for each pair of patches that come
     /// within the margin the nearest points, with the normal of their own place, or as many as span
-    /// a patch that is large. No distance is measured, and regions are told only where solids
+    /// a patch that is large. No distance is measured, and regions are reported only where solids
     /// overlap in a way that no vertex or edge can say.
     Contacts {
         /// Surfaces up to this far apart yield contacts, >= 0.
         margin: f64,
-        /// Whose normals the contacts have. Which contacts there are, their points and separations do not depend
-        /// on it, nor do regions.
+        /// Whose normals the contacts have. Which contacts there are, their points and separations
+        /// do not depend on it, nor do regions.
         normals: Normals,
     },
     /// Everything: the distance as well.
@@ -54,8 +54,9 @@ pub enum Normals {
     /// Those of the meshes: of a face, of two edges, of the way across a gap.
     #[default]
     Flat,
-    /// Those of the curved surfaces that the meshes stand for, see [`smooth_normal`](crate::smooth_normal).
-    /// A separation is still the meshes', and measured along their own normal.
+    /// Those of the curved surfaces that the meshes stand for, see
+    /// [`smooth_normal`](crate::smooth_normal). A separation is still the meshes', and measured
+    /// along their own normal.
     Smooth {
         /// Edges between normals that differ by less are smooth: radians, 0 to π.
         crease_angle: f64,
@@ -63,8 +64,8 @@ pub enum Normals {
 }
 
 impl Normals {
-    /// Of two wishes about the same contacts. The mesh's own come first: what is told smooth is no longer known
-    /// exactly. Of two creases, the one that leaves more of it.
+    /// Of two wishes about the same contacts. The mesh's own come first: what is smooth is no
+    /// longer known exactly. Of two creases, the one that leaves more of it.
     fn join(self, other: Self) -> Self {
         match (self, other) {
             (Self::Smooth { crease_angle: a }, Self::Smooth { crease_angle: b }) => {
@@ -102,8 +103,8 @@ impl Demand {
         Self::Contacts { margin, normals: Normals::Flat }
     }
 
-    /// The least demand that answers both: the union of their work, at the larger margin. Of contacts that are wanted
-    /// with different normals, those of the meshes.
+    /// The least demand that answers both: the union of their work, at the larger margin. Of
+    /// contacts that are wanted with different normals, those of the meshes.
     #[must_use]
     pub fn join(self, other: Self) -> Self {
         use Demand::{Contacts, Distance, Intersects, None, Regions};
@@ -126,8 +127,8 @@ impl Demand {
         }
     }
 
-    /// Whether an answer to this demand tells all that the other asks. A larger margin covers a smaller
-    /// one: what lies beyond is the reader's to leave out.
+    /// Whether an answer to this demand holds all that the other demands. A larger margin covers a
+    /// smaller one: what lies beyond is the reader's to leave out.
     #[must_use]
     pub fn covers(self, other: Self) -> bool {
         use Demand::{Contacts, Distance, Intersects, None, Regions};
@@ -148,7 +149,7 @@ impl Demand {
         }
     }
 
-    /// The margin up to which contacts are asked for, if they are.
+    /// The margin up to which contacts are demanded, if they are.
     #[must_use]
     pub fn margin(&self) -> Option<f64> {
         match *self {
@@ -158,22 +159,23 @@ impl Demand {
     }
 }
 
-/// By which of two complete ways the faces that meet are found. The answer is the same; so is all that does not
-/// need these faces: distances, and contacts for a solver.
+/// By which of two complete ways the faces that meet are found. The answer is the same; so is all
+/// that does not need these faces: distances, and contacts for a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Method {
     /// Trees of boxes over all faces, whose front is kept from query to query.
     #[default]
     Boxes,
-    /// The parts of the hulls that meet; concavities that the other hull may reach, by the layers of their envelopes.
-    /// Slower on nearly all that was measured (`docs/notebook`), so off by default.
+    /// The parts of the hulls that meet; concavities that the other hull may reach, by the layers
+    /// of their envelopes. Slower on nearly all that was measured (`docs/notebook`), so off by
+    /// default.
     Envelopes,
 }
 
 /// A question about a pair of placed models.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Query {
-    /// How much is asked.
+    /// How much is computed.
     pub demand: Demand,
     /// How faces that meet are found.
     pub method: Method,

@@ -1,14 +1,16 @@
 //! Few contacts that stand for many.
 //!
-//! Contacts are gathered by direction; of each direction the deepest stays, and those that would be deepest after a
-//! little turn about any of eight axes in their plane: a small turn, which leaves what a body rests on with all its
-//! corners, and a larger one, which leaves what a body lands on as it turns. Where these are few, the farthest of the
-//! others stay too. Every contact that stays is one that was there: none is averaged.
+//! Contacts are gathered by direction; of each direction the deepest stays, and those that would be
+//! deepest after a little turn about any of eight axes in their plane: a small turn, which leaves
+//! what a body rests on with all its corners, and a larger one, which leaves what a body lands on
+//! as it turns. Where these are few, the farthest of the others stay too. Every contact that stays
+//! is one that was there: none is averaged.
 //!
-//! What contacts of one direction can press and twist is the convex hull of their places. Those that bear alike keep
-//! the farthest along eight directions, of which none is farther than 45 degrees from the next: no corner that is left
-//! out reaches beyond the line between its neighbours by more than 0.21 (half the tangent of 22.5 degrees) of the
-//! extent. The eight do not depend on the contacts, so the choice changes only where another contact reaches as far.
+//! What contacts of one direction can press and twist is the convex hull of their places. Those
+//! that bear alike keep the farthest along eight directions, of which none is farther than 45
+//! degrees from the next: no corner that is left out reaches beyond the line between its neighbours
+//! by more than 0.21 (half the tangent of 22.5 degrees) of the extent. The eight do not depend on
+//! the contacts, so the choice changes only where another contact reaches as far.
 
 use cranny_exact::DVec3;
 
@@ -18,24 +20,26 @@ use crate::answer::Contact;
 /// contacts for a curved region; smaller: a curved region loses directions that it needs.
 const SAME_DIRECTION: f64 = 0.965_925_826_289_068_3;
 
-/// Tangents of the turns (1.1 and 8.5 degrees). Smaller than the first: what rests on a line or an area loses ends and
-/// corners as it rocks. Larger than the second: contacts that no solver's step comes to; without it, a coin that falls
-/// on its edge sinks in where its rim comes down.
+/// Tangents of the turns (1.1 and 8.5 degrees). Smaller than the first: what rests on a line or an
+/// area loses ends and corners as it rocks. Larger than the second: contacts that no solver's step
+/// comes to; without it, a coin that falls on its edge sinks in where its rim comes down.
 const TURNS: [f64; 2] = [0.02, 0.15];
 
-/// Cosine and sine of 22.5 degrees. So far from the axes that sides along them, or half-way between them, are not
-/// square to any of the directions: all their points would reach as far, and rounding would choose.
+/// Cosine and sine of 22.5 degrees. So far from the axes that sides along them, or half-way between
+/// them, are not square to any of the directions: all their points would reach as far, and rounding
+/// would choose.
 const ASKEW: [f64; 2] = [0.923_879_532_511_286_7, 0.382_683_432_365_089_8];
 
 /// Directions around a normal.
 const AROUND: usize = 8;
 
-/// Contacts of a direction that stay at least, where there are as many. More: a solver goes through them in vain; fewer:
-/// each of them gives way to a greater share of the load, and a key that is turned goes into its lock by a third more.
+/// Contacts of a direction that stay at least, where there are as many. More: a solver goes through
+/// them in vain; fewer: each of them gives way to a greater share of the load, and a key that is
+/// turned goes into its lock by a third more.
 const LEAST: usize = 4;
 
-/// Component of a normal along x from which y takes the place of x as what the directions around it begin with. No
-/// common angle has this cosine, so rounding does not turn them.
+/// Component of a normal along x from which y takes the place of x as what the directions around it
+/// begin with. No common angle has this cosine, so rounding does not turn them.
 const BEGINS_WITH_Y: f64 = 0.8;
 
 /// Cosine of the angle (0.03 degrees) within which normals are one. Larger angles: a curved flank
@@ -43,8 +47,8 @@ const BEGINS_WITH_Y: f64 = 0.8;
 /// flat contacts fall apart into single points by rounding.
 pub const SAME_NORMAL: f64 = 0.999_999_9;
 
-/// Reduces contacts to the deepest of each direction and those that span its extent, 17 at most; the deepest of all
-/// comes first. Any frame; ties go to the lowest ids.
+/// Reduces contacts to the deepest of each direction and those that span its extent, 17 at most;
+/// the deepest of all comes first. Any frame; ties go to the lowest ids.
 #[must_use]
 pub fn reduce(contacts: Vec<Contact>) -> Vec<Contact> {
     of_directions(contacts, SAME_DIRECTION)
@@ -154,7 +158,8 @@ mod tests {
         assert!(kept[1..].iter().all(corner), "{kept:?}");
     }
 
-    /// Whichever of equal ones rounding makes the deepest, in a corner or amid a face, the corners stay.
+    /// Whichever of equal ones rounding makes the deepest, in a corner or amid a face, the corners
+    /// stay.
     #[test]
     fn rounding_costs_no_corner() {
         for deepest in 0..100 {
@@ -184,8 +189,8 @@ mod tests {
         assert!(has(&kept, 0.0, 0.0) && has(&kept, 0.0, 1.0), "{kept:?}");
     }
 
-    /// A coin of many sides over a floor, on its edge: whichever way it turns on, by up to ten degrees, what was kept
-    /// goes in nearly as deep as all of it.
+    /// A coin of many sides over a floor, on its edge: whichever way it turns on, by up to ten
+    /// degrees, what was kept goes in nearly as deep as all of it.
     #[test]
     fn a_turn_brings_nothing_down_that_was_left_out() {
         let mut worst = 0.0f64;
@@ -214,7 +219,8 @@ mod tests {
         assert!(worst < 0.02, "{worst}");
     }
 
-    /// The most that contacts can press along a wrench's force and twist along its torque, with forces of 1 in all.
+    /// The most that contacts can press along a wrench's force and twist along its torque, with
+    /// forces of 1 in all.
     fn support(contacts: &[Contact], force: DVec3, torque: DVec3) -> f64 {
         let wrench = |c: &Contact| force.dot(c.normal) + torque.dot(c.point_a.cross(c.normal));
         contacts.iter().map(wrench).fold(f64::NEG_INFINITY, f64::max)
@@ -261,7 +267,8 @@ mod tests {
         assert!(worst > 0.1, "{worst}: blunt corners lose much");
     }
 
-    /// A box of fine sides slides over a floor: its corners bear from step to step, and nothing else comes or goes.
+    /// A box of fine sides slides over a floor: its corners bear from step to step, and nothing
+    /// else comes or goes.
     #[test]
     fn sliding_changes_nothing() {
         let at = |i: u32| (0.1 * f64::from(i % 11), 0.1 * f64::from(i / 11));

@@ -6,19 +6,19 @@ use cranny_exact::DVec3;
 use cranny_geometry::{DisjointSets, FaceId};
 
 use crate::answer::{Contact, Counters, Curve, Feature, Region, RegionId};
-use crate::depth::{Ground, deepest_lead, leads};
+use crate::depth::{MeasuredRegion, deepest_along, depths_along};
 use crate::intersection::{Chains, Intersection, intersect};
 use crate::pair::{Pair, PosedVertices, Side};
-use crate::pieces::{Cut, cut};
+use crate::pieces::{RegionPieces, cut};
 use crate::reduce::reduce;
 use crate::search::meeting_pairs;
 use crate::surface::FacePair;
 use crate::touch::touch_regions;
 use cranny_geometry::triangle_distance::Prepared;
 
-/// How far the second body is moved or grown to read the regions of a special position (faces flush,
-/// edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then off by as
-/// much. Smaller: rounding decides what is inside; larger: figures suffer.
+/// How far the second body is moved or grown to read the regions of a special position (faces
+/// flush, edges crossing edges), as a fraction of the pair's scale: 2^-30. Depth and area are then
+/// off by as much. Smaller: rounding decides what is inside; larger: figures suffer.
 const NUDGE: f64 = 9.313_225_746_154_785e-10;
 
 /// Directions of the nudge: generic, so that no plane of a modelled part holds them.
@@ -28,9 +28,9 @@ const NUDGES: [DVec3; 3] = [
     DVec3::new(0.701, -0.529, 0.478),
 ];
 
-/// By how much a depth read beside a special position may be off, as a fraction of the pair's scale.
-/// Vertices move by no more than two nudges; a face that leans from the normal by up to 60 degrees
-/// doubles that.
+/// By how much a depth read beside a special position may be off, as a fraction of the pair's
+/// scale. Vertices move by no more than two nudges; a face that leans from the normal by up to 60
+/// degrees doubles that.
 const BESIDE_ERROR: f64 = 4.0 * NUDGE;
 
 /// A body that shrinks or grows also moves, by this share of it: enough to leave special positions,
@@ -45,14 +45,15 @@ const ENCLOSES_NOTHING: f64 = 1e-6;
 /// has one normal; others are read direction by direction.
 const FLAT: f64 = 0.9;
 
-/// The cosine of how far from a direction a face may look that stops what comes along it: 60 degrees.
+/// The cosine of how far from a direction a face may look that stops what comes along it: 60
+/// degrees.
 const LOOKS_ALONG: f64 = 0.5;
 
 /// Vertices of a curved region that are measured at most; more are sampled evenly.
 const MAX_SAMPLES: usize = 256;
 
-/// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much their
-/// depths may be off.
+/// Regions of all pairs that meet, in world coordinates and the caller's order, and by how much
+/// their depths may be off.
 pub(crate) fn meeting_regions(
     pair: &Pair,
     posed: &mut PosedVertices,
@@ -90,8 +91,8 @@ fn is_closed(pair: &Pair) -> bool {
 ///
 /// Where faces are flush, the strip that they share belongs to one body's piece or the other's, as
 /// the bodies are moved, and tilts the normal if it is the wrong one. So the second body is once
-/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on one
-/// side does not count against one on the other. The smaller depth wins. Bodies that coincide
+/// shrunk, once grown: this moves all its faces to their backs, or to their fronts, and a strip on
+/// one side does not count against one on the other. The smaller depth wins. Bodies that coincide
 /// part both ways; then a mere shift has to do.
 fn regions_beside(
     pair: &Pair,
@@ -168,7 +169,7 @@ fn curves(
 
 fn closed_regions(pair: &Pair, intersection: &Intersection) -> Vec<Region> {
     let mut chains = Chains::of(intersection);
-    let region = |c: &Cut| closed_region(pair, intersection, &mut chains, c);
+    let region = |c: &RegionPieces| closed_region(pair, intersection, &mut chains, c);
     cut(pair, intersection).iter().map(region).collect()
 }
 
@@ -176,19 +177,19 @@ fn closed_region(
     pair: &Pair,
     intersection: &Intersection,
     chains: &mut Chains,
-    cut: &Cut,
+    cut: &RegionPieces,
 ) -> Region {
-    let ground = Ground::of(pair, intersection, cut);
+    let region = MeasuredRegion::of(pair, intersection, cut);
     let shape = Shape::of(intersection, &cut.segments);
     let normal = match shape.normal() {
         Some(normal) => normal,
-        None => least_deep_direction(pair, &ground),
+        None => least_deep_direction(pair, &region),
     };
     let (deepest, mut contacts) = if shape.is_flat() || shape.normal().is_none() {
-        let measured = leads(&ground, normal);
+        let measured = depths_along(&region, normal);
         (measured.deepest, measured.all)
     } else {
-        (deepest_lead(&ground, normal, f64::INFINITY), nearest_ways_out(pair, &ground))
+        (deepest_along(&region, normal, f64::INFINITY), nearest_ways_out(pair, &region))
     };
     let rim = |n: usize| Contact {
         id: intersection.nodes[n].features,
@@ -199,10 +200,10 @@ fn closed_region(
     };
     let mut deepest =
         deepest.unwrap_or_else(|| rim(intersection.segments[cut.segments[0]].nodes[0]));
-    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way is
-    // longer, the one past an edge was left out.
+    // On the way out of the whole piece a vertex has at most the depth to go; where its nearest way
+    // is longer, the one past an edge was left out.
     contacts.retain(|c| c.separation >= deepest.separation - pair.length_error());
-    // Of corners that are equally deep but for rounding, the one that is told is the deepest.
+    // Of corners that are equally deep but for rounding, the one that is reported is the deepest.
     let key = |c: &Contact| (c.separation, c.id);
     for &contact in &contacts {
         if key(&contact) < key(&deepest) {
@@ -260,12 +261,12 @@ impl Shape {
 
 /// Where the curves name no direction: of the pieces' own face normals, and the line between the
 /// bodies, the one along which the least translation parts them.
-fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
+fn least_deep_direction(pair: &Pair, region: &MeasuredRegion) -> DVec3 {
     let centers = pair.bounds(Side::Second).center() - pair.bounds(Side::First).center();
     let mut candidates: Vec<DVec3> = vec![centers.try_normalize().unwrap_or(DVec3::Z)];
     for side in Side::BOTH {
         let sign = if side == Side::First { 1.0 } else { -1.0 };
-        let mut faces = ground.cut.pieces[side.index()].faces.clone();
+        let mut faces = region.cut.pieces[side.index()].faces.clone();
         faces.sort_unstable();
         let stride = faces.len().div_ceil(MAX_SAMPLES / 4).max(1);
         for &f in faces.iter().step_by(stride) {
@@ -276,12 +277,12 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
         }
     }
     // How deep a piece is along a direction that none of its faces looks along, rays do not tell.
-    if candidates.iter().any(|&n| face_each_other(pair, ground, n)) {
-        candidates.retain(|&n| face_each_other(pair, ground, n));
+    if candidates.iter().any(|&n| face_each_other(pair, region, n)) {
+        candidates.retain(|&n| face_each_other(pair, region, n));
     }
     let mut best = (f64::INFINITY, candidates[0]);
     for n in candidates {
-        if let Some(deepest) = deepest_lead(ground, n, best.0)
+        if let Some(deepest) = deepest_along(region, n, best.0)
             && -deepest.separation < best.0
         {
             best = (-deepest.separation, n);
@@ -290,22 +291,23 @@ fn least_deep_direction(pair: &Pair, ground: &Ground) -> DVec3 {
     best.1
 }
 
-/// Whether some face of the first body's piece looks along `n`, and some of the second's against it, within 60 degrees.
-fn face_each_other(pair: &Pair, ground: &Ground, n: DVec3) -> bool {
+/// Whether some face of the first body's piece looks along `n`, and some of the second's against
+/// it, within 60 degrees.
+fn face_each_other(pair: &Pair, region: &MeasuredRegion, n: DVec3) -> bool {
     Side::BOTH.iter().zip([1.0, -1.0]).all(|(&side, sign)| {
-        let faces = &ground.cut.pieces[side.index()].faces;
+        let faces = &region.cut.pieces[side.index()].faces;
         faces.iter().any(|&f| sign * pair.normal(side, f).dot(n) >= LOOKS_ALONG)
     })
 }
 
 /// For each vertex inside the other body the nearest point of the other's piece: the way out.
-fn nearest_ways_out(pair: &Pair, ground: &Ground) -> Vec<Contact> {
+fn nearest_ways_out(pair: &Pair, region: &MeasuredRegion) -> Vec<Contact> {
     let mut contacts = Vec::new();
     for side in Side::BOTH {
-        let vertices = &ground.cut.pieces[side.index()].vertices;
+        let vertices = &region.cut.pieces[side.index()].vertices;
         let other = side.other().index();
-        let faces = &ground.cut.pieces[other].faces;
-        let triangles = &ground.triangles[other];
+        let faces = &region.cut.pieces[other].faces;
+        let triangles = &region.triangles[other];
         let standing: Vec<(DVec3, f64, Prepared)> = triangles.iter().map(prepared).collect();
         let stride = vertices.len().div_ceil(MAX_SAMPLES).max(1);
         // Neighbours have their ways out through neighbours: the last one bounds the next.

@@ -1,17 +1,18 @@
 //! Normals of contacts as the curved surfaces have them that the meshes stand for.
 //!
-//! A contact's own normal is that of the facets, or of the way across a gap. On a finely cut thread it is off by
-//! degrees from the helicoid's, which brakes a nut. [`smooth_normal`] tells, for a contact that is known, the normal
-//! of the curved surfaces ([`SmoothNormals`]) instead. Points and separation are the contact's own and stay; no
-//! contact comes or goes.
+//! A contact's own normal is that of the facets, or of the way across a gap. On a finely cut thread
+//! it is off by degrees from the helicoid's, which brakes a nut. [`smooth_normal`] returns, for a
+//! contact that is known, the normal of the curved surfaces ([`SmoothNormals`]) instead. Points and
+//! separation are the contact's own and stay; no contact comes or goes.
 //!
-//! Each body has a normal at its point, or none where it is sharp. Of two, neither is wholly right: the nearest
-//! points of two meshes lie beside those of the surfaces, by as much on either, so a normal is wrong by that
-//! times the bend of its surface. They are mixed in inverse measure of their bends: a ball on a flat floor
-//! has the floor's normal, two flanks that fit each other the mean. Where one body is sharp, the other's normal
-//! counts, made square to the sharp curve if that runs on; where two sharp curves cross, what is square to both.
-//! Where neither tells anything, or they contradict each other or the contact's own normal by more than the
-//! crease, the contact's own stays: no normal is ever farther from it than the crease.
+//! Each body has a normal at its point, or none where it is sharp. Of two, neither is wholly right:
+//! the nearest points of two meshes lie beside those of the surfaces, by as much on either, so a
+//! normal is wrong by that times the bend of its surface. They are mixed in inverse measure of
+//! their bends: a ball on a flat floor has the floor's normal, two flanks that fit each other the
+//! mean. Where one body is sharp, the other's normal counts, made square to the sharp curve if that
+//! runs on; where two sharp curves cross, what is square to both. Where neither says anything, or
+//! they contradict each other or the contact's own normal by more than the crease, the contact's
+//! own stays: no normal is ever farther from it than the crease.
 
 use std::sync::Arc;
 
@@ -23,8 +24,9 @@ use cranny_geometry::{
 use crate::answer::{Contact, Feature};
 use crate::query::Placed;
 
-/// The normal of a contact between two bodies as their curved surfaces have it; unit, from the first to the second. A body
-/// without smooth normals is the polyhedron that it is: flat in its faces, sharp at its edges and vertices.
+/// The normal of a contact between two bodies as their curved surfaces have it; unit, from the
+/// first to the second. A body without smooth normals is the polyhedron that it is: flat in its
+/// faces, sharp at its edges and vertices.
 ///
 /// `contact` is one of the bodies at these poses, in world coordinates.
 ///
@@ -42,7 +44,7 @@ pub fn smooth_normal(
     let Some(crease) = crease.reduce(f64::max) else { return own };
     let of_a = at(a, contact.id.0, contact.point_a, smooth_a);
     let of_b = at(b, contact.id.1, contact.point_b, smooth_b);
-    let told = match [of_a, of_b] {
+    let smooth_normal_at = match [of_a, of_b] {
         [Form::Corner, Form::Corner] => return own,
         [Form::Curve(p), Form::Curve(q)] => across(own, p.tangent, q.tangent),
         [Form::Curve(_) | Form::Corner, Form::Curve(_) | Form::Corner] => return own,
@@ -59,12 +61,13 @@ pub fn smooth_normal(
             (share * p.normal - (1.0 - share) * q.normal).normalize_or_zero()
         }
     };
-    let is_same = (told - own).length() <= SAME;
-    if is_same || radians_between(told, own) > crease { own } else { told }
+    let is_same = (smooth_normal_at - own).length() <= SAME;
+    if is_same || radians_between(smooth_normal_at, own) > crease { own } else { smooth_normal_at }
 }
 
-/// Normals that differ by less, as chords of the unit sphere, differ by rounding: the contact's own stays to the bit.
-/// Smaller: contacts of flat faces change in their last bits; larger: very fine meshes are told flat.
+/// Normals that differ by less, as chords of the unit sphere, differ by rounding: the contact's own
+/// stays to the bit. Smaller: contacts of flat faces change in their last bits; larger: very fine
+/// meshes stay flat.
 const SAME: f64 = 1e-10;
 
 /// What a body is at a point, in world coordinates.
@@ -76,9 +79,9 @@ enum Form {
     Corner,
 }
 
-/// Curves between whose tangents the sine is less run side by side: what is square to both says little but how far
-/// the tangents are off. Larger: edges that cross at a small angle keep part of their chords' normal; smaller: rounding
-/// and facets turn the normal about.
+/// Curves between whose tangents the sine is less run side by side: what is square to both says
+/// little but how far the tangents are off. Larger: edges that cross at a small angle keep part of
+/// their chords' normal; smaller: rounding and facets turn the normal about.
 const SIDE_BY_SIDE: f64 = 0.1;
 
 /// Square to two curves, as near to a normal as may be.
@@ -91,9 +94,10 @@ fn across(normal: DVec3, p: DVec3, q: DVec3) -> DVec3 {
     square.normalize() * square.dot(normal).signum()
 }
 
-/// The normal of a surface where a sharp curve of the other body is near: square to the curve, as it is where the two are
-/// nearest. Of facets the nearest points lie beside that place. Where the surface is flat, its normal is right all the
-/// same; where it bends half as much as the curve or more, it is the curve that counts.
+/// The normal of a surface where a sharp curve of the other body is near: square to the curve, as
+/// it is where the two are nearest. Of facets the nearest points lie beside that place. Where the
+/// surface is flat, its normal is right all the same; where it bends half as much as the curve or
+/// more, it is the curve that counts.
 fn beside(normal: DVec3, bend: f64, curve: Crease) -> DVec3 {
     let share = if curve.bend > 0.0 { (2.0 * bend / curve.bend).min(1.0) } else { 1.0 };
     let share = if bend > 0.0 { share } else { 0.0 };
@@ -135,7 +139,8 @@ fn at(
     }
 }
 
-/// The smooth normals of a pair's models, made at the first question and kept while it is about these.
+/// The smooth normals of a pair's models, made at the first question and kept while it is about
+/// these.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SmoothMemory(Option<[(ModelTag, Arc<SmoothNormals>); 2]>);
 
@@ -145,12 +150,12 @@ impl SmoothMemory {
         both.map(|(_, normals)| size_of::<SmoothNormals>() + normals.bytes()).sum()
     }
 
-    /// Tells contacts of two bodies with smooth normals.
+    /// Gives contacts of two bodies smooth normals.
     ///
     /// # Errors
     ///
     /// [`CreaseAngleError`].
-    pub(crate) fn retell(
+    pub(crate) fn replace_normals(
         &mut self,
         contacts: &mut [Contact],
         bodies: [Placed; 2],

@@ -19,7 +19,8 @@ pub(crate) struct TouchRegion {
     pub(crate) faces: Vec<[FaceId; 2]>,
 }
 
-/// Groups touching pairs into regions: pairs whose faces share a vertex on both bodies are neighbours.
+/// Groups touching pairs into regions: pairs whose faces share a vertex on both bodies are
+/// neighbours.
 pub(crate) fn touch_regions(pair: &Pair, touching: &[FacePair]) -> Vec<TouchRegion> {
     let mut sets = DisjointSets::new(touching.len());
     let mut seen: HashMap<(VertexId, VertexId), usize> = HashMap::new();
@@ -81,8 +82,8 @@ fn at_rest(id: (Feature, Feature), p: DVec3, normal: DVec3) -> Contact {
     Contact { id, point_a: p, point_b: p, normal, separation: 0.0 }
 }
 
-/// The normal where bodies touch in points or lines: the face's where one is part of it, else of two
-/// crossed edges their common perpendicular, else between the two bodies' mean normals there.
+/// The normal where bodies touch in points or lines: the face's where one is part of it, else of
+/// two crossed edges their common perpendicular, else between the two bodies' mean normals there.
 fn point_normal(pair: &Pair, intersection: &Intersection) -> DVec3 {
     let by_face = intersection.nodes.iter().find_map(|n| match n.features {
         (_, Feature::Face(f)) => Some(-pair.normal(Side::Second, f)),

@@ -1,8 +1,8 @@
 //! Regions followed from query to query: which of the last query's each one continues.
 //!
-//! A pair of faces meets in one place, so regions that share a pair of faces are the same place. What has slid past
-//! whole faces since is matched by what is left: faces of one body, or where it lies on either. Ids are history:
-//! no other part of an answer depends on them.
+//! A pair of faces meets in one place, so regions that share a pair of faces are the same place.
+//! What has slid past whole faces since is matched by what is left: faces of one body, or where it
+//! lies on either. Ids are history: no other part of an answer depends on them.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +41,8 @@ impl RegionTracks {
         self.regions.capacity() * size_of::<Tracked>() + faces.sum::<usize>()
     }
 
-    /// Names the regions of an answer, each after the one that it continues, and tells which ones it has a share of.
+    /// Names the regions of an answer, each after the one that it continues, and returns which ones
+    /// it has a share of.
     ///
     /// Cost: near-linear in the faces of all regions, quadratic in the regions that share none.
     pub(crate) fn follow(&mut self, bodies: [Placed; 2], regions: &mut [Region]) {
@@ -71,8 +72,9 @@ impl RegionTracks {
         RegionId(self.next - 1)
     }
 
-    /// Brings what is kept into the order of these bodies, and tells how much of it each new region shares. Of other models,
-    /// nothing is kept; two bodies of one model may have changed places, if that fits better.
+    /// Brings what is kept into the order of these bodies, and returns how much of it each new
+    /// region shares. Of other models, nothing is kept; two bodies of one model may have changed
+    /// places, if that fits better.
     fn turned_to(&mut self, [a, b]: [Placed; 2], now: &[Tracked]) -> Links {
         let [as_told, exchanged] = match &self.whose {
             Some([first, second]) => [[a, b], [b, a]]
@@ -124,8 +126,8 @@ impl RegionTracks {
         links
     }
 
-    /// The old region whose name each new one bears: that with which it shares most, and where it shares pairs of faces with
-    /// none, the nearest that nobody else continues.
+    /// The old region whose name each new one bears: that with which it shares most, and where it
+    /// shares pairs of faces with none, the nearest that nobody else continues.
     fn heirs(&self, now: &[Tracked], links: &Links) -> Vec<Option<usize>> {
         let mut heirs = vec![None; now.len()];
         let mut taken = vec![false; self.regions.len()];
@@ -168,8 +170,8 @@ impl Tracked {
         Self { id: region.id, faces: region.faces.clone(), place, extent }
     }
 
-    /// How far a later region lies from this one on the body on which they lie nearer, if it may be the same: they have a face of
-    /// either body in common, or reach each other.
+    /// How far a later region lies from this one on the body on which they lie nearer, if it may be
+    /// the same: they have a face of either body in common, or reach each other.
     fn apart(&self, later: &Self) -> Option<f64> {
         let along = |side: usize| (self.place[side] - later.place[side]).length();
         let nearer = along(0).min(along(1));

@@ -1,17 +1,18 @@
-//! The debug switch: every answer is asked for a second time without memory, and the two are compared.
+//! The debug switch: every query is answered a second time without memory, and the two are
+//! compared.
 
 use crate::answer::{Answer, Counters};
 use crate::evaluate::{QueryError, query};
 use crate::memory::PairMemory;
 use crate::query::{Placed, Query};
 
-/// Memory changed an answer: a fault of this crate. With models, poses and query it can be reported, and
-/// looked into.
+/// Memory changed an answer: a fault of this crate. With models, poses and query it can be
+/// reported, and looked into.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
-    /// What was told with memory.
+    /// The answer with memory.
     pub warm: Answer,
-    /// What is told without.
+    /// The answer without.
     pub cold: Answer,
 }
 
@@ -55,8 +56,8 @@ impl Mismatch {
     }
 }
 
-/// As [`query`], and then once more without memory: the first answer, whatever came of the comparison, so that
-/// looking changes nothing; and the difference, if there is one.
+/// As [`query`], and then once more without memory: the first answer, whatever came of the
+/// comparison, so that looking changes nothing; and the difference, if there is one.
 ///
 /// Cost: a query and a cold one.
 ///

@@ -34,17 +34,18 @@ impl Wedge {
         Self { ends: pair.segment(side, edge), spokes }
     }
 
-    /// Where the half-plane from the edge's line through `p` begins: in the solid, out of it or in a
-    /// face. `view` is that of the plane through the edge and `p`. `On` also where nothing can be told:
-    /// `p` is on the edge's line, or a face around the edge has no area.
+    /// Where the half-plane from the edge's line through `p` begins: in the solid, out of it or in
+    /// a face. `view` is that of the plane through the edge and `p`. `On` also where nothing can be
+    /// decided: `p` is on the edge's line, or a face around the edge has no area.
     pub(crate) fn locate(&self, p: DVec3, view: Projection) -> Location {
         let hand = |x: DVec3| view.turn(&[self.ends[0], self.ends[1], x]);
         let hand_of_p = hand(p);
         if hand_of_p.is_zero() {
             return Location::On;
         }
-        // The first face that a half-plane meets which turns counter-clockwise from p: less than half a
-        // turn away, or beyond. Two that are on the same half compare by the turn between them.
+        // The first face that a half-plane meets which turns counter-clockwise from p: less than
+        // half a turn away, or beyond. Two that are on the same half compare by the turn between
+        // them.
         let mut first: Option<(bool, Spoke)> = None;
         for &spoke in &self.spokes {
             let hand_of_spoke = hand(spoke.apex);

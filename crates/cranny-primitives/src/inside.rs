@@ -16,8 +16,8 @@ pub(crate) struct NearestPoint {
     pub(crate) squared: f64,
 }
 
-/// Whether a point (model's frame) lies inside a closed component of the model or on its surface, to
-/// rounding. Surfaces that are not closed have no inside.
+/// Whether a point (model's frame) lies inside a closed component of the model or on its surface,
+/// to rounding. Surfaces that are not closed have no inside.
 ///
 /// Cost: the faces about as near as the nearest one.
 #[must_use]
@@ -68,7 +68,7 @@ pub(crate) fn leaves(model: &Model, feature: Feature, way: DVec3) -> bool {
 }
 
 /// Sum of the unit normals around a feature, weighted by the angle at a vertex: the sign of its
-/// product with the way to a point tells inside from outside (Bærentzen and Aanæs 2005).
+/// product with the way to a point distinguishes inside from outside (Bærentzen and Aanæs 2005).
 pub(crate) fn outward_normal(model: &Model, feature: Feature) -> DVec3 {
     let mesh = model.mesh();
     let unit = |f: FaceId| mesh.area_vector(f).normalize_or_zero();

@@ -1,5 +1,5 @@
-//! What single precision cannot: a ring that falls into another a hundred kilometres from the origin moves as it does
-//! at the origin.
+//! What single precision cannot: a ring that falls into another a hundred kilometres from the
+//! origin moves as it does at the origin.
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};

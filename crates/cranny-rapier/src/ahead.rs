@@ -1,15 +1,17 @@
 //! How far ahead two bodies are looked at: as far as they may come nearer in the next step.
 //!
-//! rapier has one prediction distance for all pairs, and its way to widen it for a fast body leaves out pairs that do
-//! not approach at the beginning of a step: of two bodies that fall together the upper one would go into the lower one
-//! in the step in which that lands. So here each pair has a reach of its own. A body may go on as it moves, or be
-//! brought to the motion of what is near it, or to any motion in between: a box of motions ([`Motion::may`]). A pair's reach
-//! is what two motions of its boxes differ by at most, and a reserve for what is not foreseen; and of the contacts within
-//! it only those count that they may come to along the normal. rapier gets the longest reach of bodies that are near each
-//! other, at least its own prediction distance. So what lies at rest, or is lost far away, makes nothing else dearer.
+//! rapier has one prediction distance for all pairs, and its way to widen it for a fast body leaves
+//! out pairs that do not approach at the beginning of a step: of two bodies that fall together the
+//! upper one would go into the lower one in the step in which that lands. So here each pair has a
+//! reach of its own. A body may go on as it moves, or be brought to the motion of what is near it,
+//! or to any motion in between: a box of motions ([`Motion::may`]). A pair's reach is what two
+//! motions of its boxes differ by at most, and a reserve for what is not foreseen; and of the
+//! contacts within it only those count that they may come to along the normal. rapier gets the
+//! longest reach of bodies that are near each other, at least its own prediction distance. So what
+//! lies at rest, or is lost far away, makes nothing else dearer.
 //!
-//! Motions are those of centres of mass. What that leaves out, turning and features that change, is kept short by
-//! dividing steps (`pace`).
+//! Motions are those of centres of mass. What that leaves out, turning and features that change, is
+//! kept short by dividing steps (`pace`).
 
 mod pace;
 
@@ -31,8 +33,8 @@ use crate::convert::{narrow, wide};
 use crate::dispatcher::Dispatcher;
 use crate::manifolds::SolverContact;
 
-/// Through how many bodies a motion is handed on within a step. More: everything in a pile that one body falls on
-/// looks ahead; fewer: what stands close behind a body that is hit is not seen by it.
+/// Through how many bodies a motion is handed on within a step. More: everything in a pile that one
+/// body falls on looks ahead; fewer: what stands close behind a body that is hit is not seen by it.
 const HOPS: usize = 2;
 
 /// By how much more than their motions say two bodies may come nearer in a step, as a part of the
@@ -176,7 +178,7 @@ impl PairAhead {
         !swept.loosened(self.base).intersects(&b.bounds)
     }
 
-    /// Whether the bodies may come together at a contact (told in the frame of the first).
+    /// Whether the bodies may come together at a contact (in the frame of the first).
     pub(crate) fn may_close(&self, contact: &SolverContact) -> bool {
         let ([a, b], may) = (&self.motions, self.may());
         let point = a.pose * narrow(contact.on_first);
@@ -189,10 +191,10 @@ impl PairAhead {
 
 /// What all bodies do in the next step, by tags. Shared by a dispatcher and its owner.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Motions(Arc<RwLock<Known>>);
+pub(crate) struct Motions(Arc<RwLock<KnownMotions>>);
 
 #[derive(Debug, Default)]
-struct Known {
+struct KnownMotions {
     bodies: Vec<Motion>,
     base: Real,
     reserve: Real,
@@ -214,8 +216,8 @@ pub(crate) struct Tagged {
     pub(crate) center: Vector,
     /// About the centre of mass.
     pub(crate) radius: Real,
-    /// Twice its volume over its area, which is the radius of a long wire and the height of a wide sheet; infinite where a
-    /// model has no volume.
+    /// Twice its volume over its area, which is the radius of a long wire and the height of a wide
+    /// sheet; infinite where a model has no volume.
     pub(crate) thickness: Real,
 }
 
@@ -259,12 +261,13 @@ impl Motions {
     pub(crate) fn between(&self, first: u32, second: u32) -> Option<PairAhead> {
         let known = self.0.read().unwrap_or_else(PoisonError::into_inner);
         let of = |tag: u32| known.bodies.get(tag as usize).copied();
-        let Known { base, reserve, .. } = *known;
+        let KnownMotions { base, reserve, .. } = *known;
         Some(PairAhead { motions: [of(first)?, of(second)?], base, reserve })
     }
 
-    /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the prediction
-    /// distance that rapier has to be told: no contact that a pair's reach holds is farther.
+    /// Looks at what bodies are about to do, grows the boxes of fast ones, and returns the
+    /// prediction distance that rapier needs: no contact that a pair's reach holds is
+    /// farther.
     ///
     /// `settled`: whether the broad phase has boxes of all bodies where they are.
     pub(crate) fn look(
@@ -291,7 +294,8 @@ impl Motions {
             // rapier loosens boxes by half of it, but not those of what has long been there.
             2.0 * all.extents().length()
         };
-        *self.0.write().unwrap_or_else(PoisonError::into_inner) = Known { bodies, base, reserve };
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) =
+            KnownMotions { bodies, base, reserve };
         reach.max(base)
     }
 }
@@ -358,8 +362,8 @@ impl Neighbours<'_> {
         }
     }
 
-    /// How much of another's motion a body may take over: all where that is slower, since others may hold it,
-    /// otherwise as much as its mass says.
+    /// How much of another's motion a body may take over: all where that is slower, since others
+    /// may hold it, otherwise as much as its mass says.
     fn share(&self, motions: &[Motion], of: usize, by: usize) -> Real {
         let mass = |tag: usize| {
             let dynamic = self.world.body(tag).filter(|body| body.is_dynamic());

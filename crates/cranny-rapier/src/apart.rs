@@ -10,8 +10,8 @@ use crate::ask::logged;
 use crate::pair::{inverse, ours};
 use crate::partners::{measured, rounded_polyhedron};
 
-/// How far two shapes are apart, if no farther than `within`, in the first one's frame; `None` where
-/// neither is ours, where parry must answer, or where the pose is invalid.
+/// How far two shapes are apart, if no farther than `within`, in the first one's frame; `None`
+/// where neither is ours, where parry must answer, or where the pose is invalid.
 pub(crate) fn apart(
     pose: &Pose,
     g1: &dyn Shape,

@@ -2,8 +2,8 @@
 //!
 //! What rests is found to rest in each step anew, and a search costs as much as for what moves. So
 //! a pair keeps the contacts of its last search, and of the search its relative pose and reach.
-//! While the [drift](cranny_narrow_phase::drift) since that pose stays within [`CARRIED_WITHIN`], the
-//! same features make the solver's contacts, each told at the present pose (`refreshed`):
+//! While the [drift](cranny_narrow_phase::drift) since that pose stays within [`CARRIED_WITHIN`],
+//! the same features make the solver's contacts, each computed at the present pose (`refreshed`):
 //!
 //! - of a vertex on a face, the face's plane and the vertex, both where they are now;
 //! - of two edges, the cross product of their directions and the points nearest to each other;
@@ -42,8 +42,8 @@ pub const CARRIED_WITHIN: f64 = 0.1;
 const PARALLEL: f64 = 1e-6;
 
 /// By how much, squared, the normal of two edges may differ from what their cross product says and
-/// still be that. Larger: what is told along another direction turns with the edges; smaller: edges
-/// at a small angle are searched for their rounding.
+/// still be that. Larger: what is reported along another direction turns with the edges; smaller:
+/// edges at a small angle are searched for their rounding.
 const SAME_CROSS: f64 = 1e-12;
 
 /// Of what a pair's list of contacts follows.
@@ -59,10 +59,10 @@ pub(crate) struct Search {
 
 /// The searches whose contacts may be carried on, by tags. Shared by a dispatcher and its owner.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Searches(Arc<Mutex<Known>>);
+pub(crate) struct Searches(Arc<Mutex<KnownSearches>>);
 
 #[derive(Debug, Default)]
-struct Known {
+struct KnownSearches {
     step: u64,
     last: BTreeMap<(u32, u32), Search>,
     counts: PairCounts,
@@ -78,7 +78,7 @@ pub struct PairCounts {
 }
 
 impl Searches {
-    fn known(&self) -> MutexGuard<'_, Known> {
+    fn known(&self) -> MutexGuard<'_, KnownSearches> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -87,7 +87,7 @@ impl Searches {
         self.known().step += 1;
     }
 
-    /// Pairs since this was last asked.
+    /// Pairs since this was last read.
     pub(crate) fn take_counts(&self) -> PairCounts {
         std::mem::take(&mut self.known().counts)
     }
@@ -163,7 +163,7 @@ struct Carried {
     made_by: MadeBy,
 }
 
-/// What tells the normal of a contact.
+/// What determines the normal of a contact.
 #[derive(Clone, Debug)]
 enum MadeBy {
     /// The first body, in its frame.
@@ -301,8 +301,8 @@ mod tests {
         contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min)
     }
 
-    /// One body slides and rocks on another: as long as it is carried on, a new search finds the same
-    /// depth but for the drift; and it is carried on until the drift is spent.
+    /// One body slides and rocks on another: as long as it is carried on, a new search finds the
+    /// same depth but for the drift; and it is carried on until the drift is spent.
     #[test]
     fn a_carried_list_is_a_new_search_but_for_the_drift() {
         let (slab, cup) = (built(Cuboid { size: [4.0, 4.0, 1.0] }), built(Cup::default()));
@@ -352,7 +352,7 @@ mod tests {
         }
     }
 
-    /// A crossing of edges is told where they cross now, with the normal that they have now.
+    /// A crossing of edges is reported where they cross now, with the normal that they have now.
     #[test]
     fn edges_are_told_where_they_cross() {
         let e = [DVec3::new(-1.0, 0.0, 0.0), DVec3::X];

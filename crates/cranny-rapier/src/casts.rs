@@ -1,7 +1,9 @@
-//! Shape casts of polyhedra, by the certified time of impact: nothing is passed through, whatever the speed.
+//! Shape casts of polyhedra, by the certified time of impact: nothing is passed through, whatever
+//! the speed.
 //!
-//! parry's cast of a hollow mesh goes from triangle to triangle, and tells a body inside a solid that it is free. Here
-//! a cast is free for certain before the time told, and at that time the surfaces are within a tolerance of each other.
+//! parry's cast of a hollow mesh goes from triangle to triangle, and reports of a body inside a
+//! solid that it is free. Here a cast is free for certain before the time returned, and at that
+//! time the surfaces are within a tolerance of each other.
 
 use cranny_exact::{DVec3, Pose as ExactPose};
 use cranny_geometry::Model;
@@ -12,12 +14,13 @@ use rapier3d::parry::query::{Contact, ShapeCastHit, ShapeCastStatus};
 
 use crate::convert::{narrow, pose_from_rapier, wide};
 
-/// How far apart surfaces may be where a cast ends, as a share of the smaller body's radius: some ten steps of f32.
-/// Larger: bodies stop visibly short; smaller: f32 cannot tell, and it takes longer.
+/// How far apart surfaces may be where a cast ends, as a share of the smaller body's radius: some
+/// ten steps of f32. Larger: bodies stop visibly short; smaller: f32 cannot tell, and it takes
+/// longer.
 const TOLERANCE: f64 = 1e-6;
 
-/// Elementary tests of a cast: half a second. More: what slides along a thread stalls whoever casts; fewer: casts among
-/// many faces end before they have to.
+/// Elementary tests of a cast: half a second. More: what slides along a thread stalls whoever
+/// casts; fewer: casts among many faces end before they have to.
 const BUDGET: u64 = 1_000_000;
 
 /// Two bodies that move for a while.
@@ -31,7 +34,7 @@ pub(crate) struct Cast<'a> {
 }
 
 /// What bodies that meet at the beginning do there.
-pub(crate) struct AtOnce {
+pub(crate) struct InitialOverlap {
     /// Whether that counts also where they part.
     pub(crate) always: bool,
     /// Where they meet, in each one's frame.
@@ -88,19 +91,23 @@ impl<'a> Cast<'a> {
         Self { models, motions, begin, seconds }
     }
 
-    /// How far apart the surfaces may be when they are told to meet.
+    /// How far apart the surfaces may be when they are reported to meet.
     pub(crate) fn tolerance(&self) -> f64 {
         TOLERANCE * self.models[0].radius().min(self.models[1].radius())
     }
 
-    /// When they meet; `None` inside where they do not, outside where the motion is none that can be followed.
-    pub(crate) fn meet(&self, at_once: impl FnOnce() -> AtOnce) -> Option<Option<ShapeCastHit>> {
+    /// When they meet; `None` inside where they do not, outside where the motion is none that can
+    /// be followed.
+    pub(crate) fn meet(
+        &self,
+        initial: impl FnOnce() -> InitialOverlap,
+    ) -> Option<Option<ShapeCastHit>> {
         let options = ImpactOptions { tolerance: self.tolerance(), budget: BUDGET };
         let [a, b] = [0, 1].map(|k| Moving { model: self.models[k], motion: self.motions[k] });
         Some(match time_of_impact(a, b, &options) {
             Ok((Impact::None, _)) => None,
-            Ok((Impact::Initially { .. }, _)) => self.at_beginning(at_once()),
-            Ok((Impact::Hit(hit), _)) => Some(self.told(&hit)),
+            Ok((Impact::Initially { .. }, _)) => self.at_beginning(initial()),
+            Ok((Impact::Hit(hit), _)) => Some(self.shape_cast_hit(&hit)),
             Ok((Impact::Open { free_before }, _)) => Some(ShapeCastHit {
                 time_of_impact: self.time(free_before),
                 status: ShapeCastStatus::OutOfIterations,
@@ -113,7 +120,7 @@ impl<'a> Cast<'a> {
         })
     }
 
-    fn told(&self, hit: &Hit) -> ShapeCastHit {
+    fn shape_cast_hit(&self, hit: &Hit) -> ShapeCastHit {
         let inverses = self.motions.map(|m| m.pose_at(hit.time.hi).world_from_body().inverse());
         let [witness1, witness2] =
             [0, 1].map(|k| narrow(inverses[k].apply(hit.witnesses[k].point)));
@@ -130,7 +137,10 @@ impl<'a> Cast<'a> {
         }
     }
 
-    fn at_beginning(&self, AtOnce { always, contact }: AtOnce) -> Option<ShapeCastHit> {
+    fn at_beginning(
+        &self,
+        InitialOverlap { always, contact }: InitialOverlap,
+    ) -> Option<ShapeCastHit> {
         let hit = ShapeCastHit {
             time_of_impact: self.begin as Real,
             status: ShapeCastStatus::PenetratingOrWithinTargetDist,

@@ -1,5 +1,5 @@
-//! Between rapier's numbers, f32 or f64, and Cranny's f64. Poses are converted by functions, since neither side's
-//! types are ours.
+//! Between rapier's numbers, f32 or f64, and Cranny's f64. Poses are converted by functions, since
+//! neither side's types are ours.
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use rapier3d::math::{Pose as RapierPose, Real, Rotation, Vector};

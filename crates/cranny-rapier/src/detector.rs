@@ -52,8 +52,8 @@ impl Detector {
     ///
     /// # Errors
     ///
-    /// [`ShapeError::TriMesh`] where parry refuses the mesh, [`ShapeError::Decomposition`] where it fails
-    /// to decompose it.
+    /// [`ShapeError::TriMesh`] where parry refuses the mesh, [`ShapeError::Decomposition`] where it
+    /// fails to decompose it.
     pub fn shape(self, model: &Model, tag: u32) -> Result<SharedShape, ShapeError> {
         self.shape_with(model, Normals::Flat, tag)
     }
@@ -81,7 +81,8 @@ impl Detector {
                 faces,
                 TriMeshFlags::FIX_INTERNAL_EDGES | TriMeshFlags::ORIENTED,
             )?,
-            // Where a hull of its pieces fails, it panics; it holds nothing that could be left half done.
+            // Where a hull of its pieces fails, it panics; it holds nothing that could be left half
+            // done.
             Self::RapierDecomposition => {
                 catch_unwind(|| SharedShape::convex_decomposition(&vertices, &faces))
                     .map_err(|_| ShapeError::Decomposition)?

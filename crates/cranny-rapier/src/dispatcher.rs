@@ -14,9 +14,9 @@
 //! `compounds` takes compounds apart for them. Between polyhedra they are exact too; distances of
 //! primitives and of what has a border are right to rounding. Of half-spaces and shapes of an app's
 //! own parry measures how far the surfaces are; that one lies wholly inside our solid is seen here.
-//! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through, and
-//! a body that begins inside a solid meets it at once. Those of other partners, and those that are to
-//! stop at a distance, use the parry mesh of the same triangles.
+//! Shape casts between polyhedra, linear and nonlinear, are certified: nothing is passed through,
+//! and a body that begins inside a solid meets it at once. Those of other partners, and those that
+//! are to stop at a distance, use the parry mesh of the same triangles.
 
 use std::time::{Duration, Instant};
 
@@ -42,8 +42,8 @@ use crate::manifolds::{Manifold, SolverContact, rebuild};
 use crate::pair::{Answered, PairWorkspace, Reach, for_parry, ours};
 use crate::shape::MeshShape;
 
-/// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact may have moved
-/// and still be the same: beyond, its impulse belongs to another place.
+/// How far, as a multiple of the prediction distance or of what its pair moves in a step, a contact
+/// may have moved and still be the same: beyond, its impulse belongs to another place.
 const SAME_PLACE: f64 = 1.0;
 
 /// Puts the detector into rapier: `NarrowPhase::with_query_dispatcher(Dispatcher::default())`.
@@ -64,7 +64,7 @@ pub fn dispatcher() -> Dispatcher {
 }
 
 impl Dispatcher {
-    /// A dispatcher that tells a log what it answers and how long it took.
+    /// A dispatcher that logs what it answers and how long it took.
     #[must_use]
     pub fn with_log(log: AnswerLog) -> Self {
         Self { log: Some(log), ..Self::default() }
@@ -75,15 +75,15 @@ impl Dispatcher {
         Self { motions, ..self }
     }
 
-    /// The same, counting searches, and carrying contacts on if asked.
+    /// The same, counting searches, and carrying contacts on where `carries` says so.
     pub(crate) fn carrying(self, searches: Searches, carries: bool) -> Self {
         Self { searches: Some(searches), carries, ..self }
     }
 }
 
 impl Dispatcher {
-    /// Fills the manifolds of a pair in which ours takes part, and returns the time that the log's reader
-    /// cost besides; `None` where parry must fill them.
+    /// Fills the manifolds of a pair in which ours takes part, and returns the time that the log's
+    /// reader cost besides; `None` where parry must fill them.
     fn fill(
         &self,
         pos12: &Pose,
@@ -102,64 +102,67 @@ impl Dispatcher {
             return Some(Duration::ZERO);
         }
         let mut pair = taken(workspace, g1, g2);
-        let mut asked = Asked { pose, shapes: [g1, g2], reach: reach.into(), approaching: None };
-        asked.approaching = ahead.as_ref().and_then(|ahead| self.approaching(&asked, ahead, &pair));
-        let carried = ahead.and_then(|ahead| self.carried(&asked, &ahead, &mut pair));
+        let mut request =
+            PairRequest { pose, shapes: [g1, g2], reach: reach.into(), approaching: None };
+        request.approaching =
+            ahead.as_ref().and_then(|ahead| self.approaching(&request, ahead, &pair));
+        let carried = ahead.and_then(|ahead| self.carried(&request, &ahead, &mut pair));
         let (mut contacts, answer) = match carried {
             Some(contacts) => (contacts, None),
-            None => self.searched(&asked, &mut pair)?,
+            None => self.searched(&request, &mut pair)?,
         };
         if let Some(ahead) = &ahead {
             contacts.retain(|contact| ahead.may_close(contact));
         }
         let drift = ahead.as_ref().map_or(prediction, PairAhead::drift);
         rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
-        let read = self.told_to_reader(&asked, answer, &mut pair);
+        let read = self.log_for_reader(&request, answer, &mut pair);
         *workspace = Some(ContactManifoldsWorkspace::from(*pair));
         Some(read)
     }
 
-    /// How the pair approaches, where its contacts serve this step alone: it has moved since the step
-    /// before by more than they are carried on over. What moves less is searched for later steps
-    /// too.
+    /// How the pair approaches, where its contacts serve this step alone: it has moved since the
+    /// step before by more than they are carried on over. What moves less is searched for later
+    /// steps too.
     fn approaching(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         ahead: &PairAhead,
         pair: &PairWorkspace,
     ) -> Option<(f64, Approach)> {
-        let before = self.searches.as_ref()?.of_step_before(asked.tags()?)?;
+        let before = self.searches.as_ref()?.of_step_before(request.tags()?)?;
         let within = CARRIED_WITHIN * f64::from(ahead.base());
-        let has_moved = pair.drift_since(&before, &asked.pose)? > within;
+        let has_moved = pair.drift_since(&before, &request.pose)? > within;
         has_moved.then(|| ahead.approaching()).flatten()
     }
 
     /// The contacts of the pair's last search at its present pose, where they may be carried on.
     fn carried(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         ahead: &PairAhead,
         pair: &mut PairWorkspace,
     ) -> Option<Vec<SolverContact>> {
         let searches = self.searches.as_ref().filter(|_| self.carries)?;
-        let tags = asked.tags()?;
-        let search = searches.of_step_before(tags).filter(|search| asked.reach <= search.reach)?;
+        let tags = request.tags()?;
+        let search =
+            searches.of_step_before(tags).filter(|search| request.reach <= search.reach)?;
         let within = CARRIED_WITHIN * f64::from(ahead.base());
-        let mut contacts = pair.carried(&search, &asked.pose, within)?;
-        contacts.retain(|contact| contact.separation <= asked.reach);
+        let mut contacts = pair.carried(&search, &request.pose, within)?;
+        contacts.retain(|contact| contact.separation <= request.reach);
         searches.carry(tags);
         Some(contacts)
     }
 
-    /// The contacts of the pair at its present pose, searched; `None` where parry must tell them.
+    /// The contacts of the pair at its present pose, searched; `None` where parry must find them.
     fn searched(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         pair: &mut PairWorkspace,
     ) -> Option<(Vec<SolverContact>, Option<Answered>)> {
-        let Asked { pose, shapes: [g1, g2], reach, approaching } = *asked;
+        let PairRequest { pose, shapes: [g1, g2], reach, approaching } = *request;
         let found = pair.found(&pose, g1, g2, Reach { within: reach, approaching })?;
-        if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
+        if let Some((searches, tags)) = self.searches.as_ref().zip(request.tags()) {
             // Of what approached, all was searched that is as near as this.
             let search = (pose, approaching.map_or(reach, |(certain, _)| certain));
             let kept = self.carries && (approaching.is_some() || pair.keep(&found, search));
@@ -168,36 +171,36 @@ impl Dispatcher {
         Some((found.contacts, found.answer))
     }
 
-    /// Logs an answer at the present pose that holds what the log's reader reads, and returns the time of
-    /// asking for it. A solver's answer is logged whoever reads; none is made for nobody.
-    fn told_to_reader(
+    /// Logs an answer at the present pose that holds what the log's reader reads, and returns the
+    /// time of request for it. A solver's answer is logged whoever reads; none is made for nobody.
+    fn log_for_reader(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         answer: Option<Answered>,
         pair: &mut PairWorkspace,
     ) -> Duration {
-        let (Some(log), Some(tags), Some(models)) = (&self.log, asked.tags(), asked.models())
+        let (Some(log), Some(tags), Some(models)) = (&self.log, request.tags(), request.models())
         else {
             return Duration::ZERO;
         };
         let fields = log.fields(tags.0, tags.1);
         let have = answer.as_ref().map_or(Demand::None, |(_, question)| question.demand);
         let (begin, question) = (Instant::now(), Query::of(fields.demand()));
-        let (told, read) = if fields.told_by(have) {
+        let (logged, read) = if fields.held_by(have) {
             (answer, Duration::ZERO)
         } else {
-            let told = ask(models, asked.pose, &question, pair.memory());
-            (told.map(|answer| (answer, question)), begin.elapsed())
+            let logged = ask(models, request.pose, &question, pair.memory());
+            (logged.map(|answer| (answer, question)), begin.elapsed())
         };
-        if let Some(told) = told {
-            log.put(tags, told, asked.pose);
+        if let Some(logged) = logged {
+            log.put(tags, logged, request.pose);
         }
         read
     }
 }
 
-/// A question of rapier's about a pair.
-struct Asked<'a> {
+/// A request of rapier about a pair.
+struct PairRequest<'a> {
     /// Of the second shape in the first one's frame.
     pose: ExactPose,
     shapes: [&'a dyn Shape; 2],
@@ -206,7 +209,7 @@ struct Asked<'a> {
     approaching: Option<(f64, Approach)>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> PairRequest<'a> {
     /// Of two shapes of ours.
     fn ours(&self) -> Option<[&'a MeshShape; 2]> {
         let [g1, g2] = self.shapes;

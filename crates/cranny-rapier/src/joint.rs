@@ -19,7 +19,8 @@ const MOTOR_DAMPING: Real = 63.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JointIndex(pub(crate) ImpulseJointHandle);
 
-/// Which motions a joint leaves free. Axes are unit vectors in the joint's frame; angles in radians.
+/// Which motions a joint leaves free. Axes are unit vectors in the joint's frame; angles in
+/// radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointSpec {
     /// None.

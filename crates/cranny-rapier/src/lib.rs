@@ -2,24 +2,25 @@
 //!
 //! # Promises
 //!
-//! - `NarrowPhase::with_query_dispatcher(cranny_rapier::dispatcher())` and [`MeshShape`] are all that
-//!   a rapier app needs: contacts between meshes are then the ones that their triangles really make,
-//!   a bounded number of them, each with the normal of its own point.
-//! - 'Exact' refers to the relative pose that rapier hands over: of f32 in `cranny-rapier`, of f64 in `cranny-rapier-f64`,
-//!   which is built from the same sources.
+//! - `NarrowPhase::with_query_dispatcher(cranny_rapier::dispatcher())` and [`MeshShape`] are all
+//!   that a rapier app needs: contacts between meshes are then the ones that their triangles really
+//!   make, a bounded number of them, each with the normal of its own point.
+//! - 'Exact' refers to the relative pose that rapier hands over: of f32 in `cranny-rapier`, of f64
+//!   in `cranny-rapier-f64`, which is built from the same sources.
 //! - Mass, centre and inertia are those of the solid, computed in f64.
-//! - Normals are those of the meshes' facets; where a shape asks for it ([`MeshShape::with_smooth_normals`]), a solver gets
-//!   those of the curved surface that the facets stand for. Points and separations are exact all the same.
+//! - Normals are those of the meshes' facets; where a shape asks for it
+//!   ([`MeshShape::with_smooth_normals`]), a solver gets those of the curved surface that the
+//!   facets stand for. Points and separations are exact all the same.
 //! - Impulses are carried over from step to step by features, or by place.
-//! - With the feature `snapshot`, a world that was written and read again goes on to the bit as if nobody had stopped
-//!   it: `snapshot` and `restore`.
+//! - With the feature `snapshot`, a world that was written and read again goes on to the bit as if
+//!   nobody had stopped it: `snapshot` and `restore`.
 //!
 //! # Non-promises
 //!
-//! Shapes of an app's own meet our shape as a hollow parry mesh, and so do shape casts of all that is round: see
-//! [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
-//! its own meshes: look ahead of fast bodies, as [`simulation`] does. rapier's own
-//! settings matter: see [`simulation`].
+//! Shapes of an app's own meet our shape as a hollow parry mesh, and so do shape casts of all that
+//! is round: see [`Dispatcher`]. rapier's own continuous detection leaves our shape out, as it does
+//! its own meshes: look ahead of fast bodies, as [`simulation`] does. rapier's own settings matter:
+//! see [`simulation`].
 //!
 //! ```
 //! use cranny_exact::{DVec3, Pose};

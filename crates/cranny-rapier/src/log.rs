@@ -11,14 +11,14 @@ use cranny_narrow_phase::{Answer, Fields, Query};
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
 pub struct LoggedAnswer {
-    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by) reads
-    /// fields that it does not hold.
+    /// In the frame of the first shape. What the solver got, unless a [reader](AnswerLog::read_by)
+    /// reads fields that it does not hold.
     pub answer: Arc<Answer>,
     /// The relative pose that it was computed from.
     pub first_from_second: Pose,
     /// The step in which it was computed.
     pub step: u64,
-    /// What was asked. Beyond its demand's margin there are contacts that bodies approached.
+    /// The question. Beyond its demand's margin there are contacts that bodies approached.
     pub question: Query,
 }
 
@@ -31,7 +31,7 @@ struct Entries {
     step: u64,
     answers: BTreeMap<(u32, u32), LoggedAnswer>,
     reader: Reader,
-    /// For the solver, since last asked.
+    /// For the solver, since it was last read.
     spent: Duration,
     /// For the reader beyond that, in this step.
     reading: Duration,
@@ -69,7 +69,7 @@ impl AnswerLog {
         self.entries().step
     }
 
-    /// The latest answer about a pair, told in the order of the tags given at the call.
+    /// The latest answer about a pair, in the order of the tags given at the call.
     #[must_use]
     pub fn get(&self, first: u32, second: u32) -> Option<LoggedAnswer> {
         self.entries().answers.get(&(first, second)).cloned()
@@ -98,9 +98,9 @@ impl AnswerLog {
         self.len() == 0
     }
 
-    /// Says which fields a reader of the log reads about a pair of tags, in either order, from now on. Where the
-    /// solver's answer does not [hold](Fields::told_by) them, a second question is asked in the same step, at the same
-    /// pose; the solver's contacts do not depend on it.
+    /// Says which fields a reader of the log reads about a pair of tags, in either order, from now
+    /// on. Where the solver's answer does not [hold](Fields::held_by) them, a second question is
+    /// computed in the same step, at the same pose; the solver's contacts do not depend on it.
     pub fn read_by(&self, fields: impl Fn(u32, u32) -> Fields + Send + Sync + 'static) {
         self.entries().reader = Reader(Some(Arc::new(fields)));
     }
@@ -111,7 +111,7 @@ impl AnswerLog {
         reader.0.map_or(Fields::NONE, |fields| fields(first, second))
     }
 
-    /// Time spent in contact detection for the solver since this was last asked.
+    /// Time spent in contact detection for the solver since this was last read.
     pub fn take_time(&self) -> Duration {
         std::mem::take(&mut self.entries().spent)
     }

@@ -1,9 +1,9 @@
 //! From contacts to rapier's manifolds.
 //!
-//! A manifold has one normal, and rapier solves at most four of its points. So contacts whose normals
-//! agree share a manifold, and every other contact gets one of its own: no normal is ever averaged.
-//! Impulses of the last step are carried over by ids (for two meshes those of their patches, which
-//! stay while the nearest features change) and place, or else by place alone.
+//! A manifold has one normal, and rapier solves at most four of its points. So contacts whose
+//! normals agree share a manifold, and every other contact gets one of its own: no normal is ever
+//! averaged. Impulses of the last step are carried over by ids (for two meshes those of their
+//! patches, which stay while the nearest features change) and place, or else by place alone.
 
 use std::collections::HashMap;
 
@@ -75,7 +75,8 @@ pub(crate) fn rebuild(
         }
     }
     let inverse = first_from_second.world_from_body().inverse();
-    // What rests has the same contacts as in the step before: they keep their impulses where they stand.
+    // What rests has the same contacts as in the step before: they keep their impulses where they
+    // stand.
     if groups.len() == manifolds.len()
         && groups.iter().zip(&*manifolds).all(|((_, members), manifold)| is_of(manifold, members))
     {
@@ -140,7 +141,8 @@ fn tracked(contact: &SolverContact, second_from_first: &RigidMap) -> TrackedCont
     )
 }
 
-/// Two bits of rapier's ids say what kind a feature is; meshes of more than 2^30 features do not exist.
+/// Two bits of rapier's ids say what kind a feature is; meshes of more than 2^30 features do not
+/// exist.
 pub(crate) fn packed(feature: Feature) -> PackedFeatureId {
     match feature {
         Feature::Vertex(v) => PackedFeatureId::vertex(v.0),
@@ -156,11 +158,11 @@ pub(crate) fn packed_patch(patch: PatchId) -> PackedFeatureId {
 
 /// What the solver learned in the last step. Each impulse is handed on once at most.
 struct Impulses {
-    known: Vec<Known>,
+    known: Vec<KnownContact>,
     by_ids: HashMap<(PackedFeatureId, PackedFeatureId), Vec<usize>>,
 }
 
-struct Known {
+struct KnownContact {
     place: DVec3,
     normal: DVec3,
     data: ContactData,
@@ -173,7 +175,7 @@ impl Impulses {
         for manifold in manifolds {
             for point in &manifold.points {
                 out.by_ids.entry((point.fid1, point.fid2)).or_default().push(out.known.len());
-                out.known.push(Known {
+                out.known.push(KnownContact {
                     place: wide(point.local_p1),
                     normal: wide(manifold.local_n1),
                     data: point.data,
@@ -200,7 +202,7 @@ impl Impulses {
         let place = wide(point.local_p1);
         let near: Vec<usize> = (0..self.known.len())
             .filter(|&i| {
-                let Known { place: p, normal: n, .. } = &self.known[i];
+                let KnownContact { place: p, normal: n, .. } = &self.known[i];
                 n.dot(normal) >= SAME_WAY && (*p - place).length_squared() <= reach * reach
             })
             .collect();
@@ -210,7 +212,7 @@ impl Impulses {
 
 /// Takes what is nearest and not yet taken; nothing was learned where all is.
 fn take_nearest(
-    known: &mut [Known],
+    known: &mut [KnownContact],
     among: impl Iterator<Item = usize>,
     place: DVec3,
 ) -> ContactData {

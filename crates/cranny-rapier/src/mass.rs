@@ -21,7 +21,7 @@ pub enum MassError {
     NotPositive {
         /// Volume of the solid.
         volume: f64,
-        /// Density asked for.
+        /// The density.
         density: f64,
     },
 }

@@ -1,6 +1,8 @@
-//! The contacts of a pair of shapes in which ours takes part, and what is kept of the pair between steps.
+//! The contacts of a pair of shapes in which ours takes part, and what is kept of the pair between
+//! steps.
 //!
-//! Compounds are taken apart: each part meets each part near it as a pair of its own, with memory of its own.
+//! Compounds are taken apart: each part meets each part near it as a pair of its own, with memory
+//! of its own.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -31,10 +33,11 @@ use crate::manifolds::{Manifold, SolverContact, packed, packed_patch};
 use crate::partners::{Core, primitive};
 use crate::shape::MeshShape;
 
-/// Meshes of fewer faces are asked for the regions of their contact, the others patch by patch. Larger:
-/// time is lost on what patches tell as well; smaller: sides that overlap lose the contacts where an edge of one
-/// passes over an edge of the other, since patches then tell vertices inside only. A hook of 20 faces keeps the
-/// contacts at its tip, tips over and slips off (`a_hook_holds_at_an_edge`).
+/// Pairs with a mesh of fewer faces get the regions of their contact, the others patch by patch.
+/// Larger: time is lost on what patches tell as well; smaller: sides that overlap lose the contacts
+/// where an edge of one passes over an edge of the other, since patches then tell vertices inside
+/// only. A hook of 20 faces keeps the contacts at its tip, tips over and slips off
+/// (`a_hook_holds_at_an_edge`).
 const FINE: usize = 64;
 
 /// Our shape, where it is one.
@@ -53,9 +56,9 @@ pub(crate) struct PairWorkspace {
     memory: Mutex<PairMemory>,
     /// What the pair's last search found, if its contacts may be carried on.
     carried: Option<CarriedList>,
-    /// What is asked about of each side: a model, where both have one.
+    /// What is queried of each side: a model, where both have one.
     cores: Option<[Core; 2]>,
-    /// Whether deep overlaps are told as a solver is led out of them, not as they are.
+    /// Whether deep overlaps are reported as a solver is led out of them, not as they are.
     leads_out: bool,
     /// Of pairs of a compound's parts, by the parts' numbers; of those alone that are near.
     parts: BTreeMap<(usize, usize), Self>,
@@ -82,7 +85,8 @@ impl Clone for PairWorkspace {
 }
 
 impl WorkspaceData for PairWorkspace {
-    /// A snapshot holds an empty one in its place: what a pair keeps saves time and changes no answer.
+    /// A snapshot holds an empty one in its place: what a pair keeps saves time and changes no
+    /// answer.
     #[cfg(feature = "snapshot")]
     fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
         TypedWorkspaceData::VoxelsShapeContactManifoldsWorkspace(&self.stand_in)
@@ -98,7 +102,7 @@ impl WorkspaceData for PairWorkspace {
     }
 }
 
-/// An answer and what was asked.
+/// An answer and its query.
 pub(crate) type Answered = (Answer, Query);
 
 /// How far a pair's contacts count.
@@ -121,7 +125,7 @@ impl Reach {
 pub(crate) struct Found {
     /// Within reach, in the first shape's frame, from first to second.
     pub(crate) contacts: Vec<SolverContact>,
-    /// The whole answer and what it was asked, where the pair was asked about as two models.
+    /// The whole answer and its query, where the pair was queried as two models.
     pub(crate) answer: Option<Answered>,
     /// What the contacts were made of, where a list of it can be carried on: not of one way out.
     searched: Option<Vec<Contact>>,
@@ -138,7 +142,7 @@ impl Found {
     }
 }
 
-/// What a shape is asked about as; `None` where parry has to be asked.
+/// What stands for a shape in a query; `None` where parry has to answer.
 fn core(shape: &dyn Shape) -> Option<Core> {
     match ours(shape) {
         Some(shape) => Some(Core::of_ours(shape)),
@@ -147,12 +151,12 @@ fn core(shape: &dyn Shape) -> Option<Core> {
 }
 
 impl PairWorkspace {
-    /// Of a pair that has not been asked about yet, for a solver.
+    /// Of a pair that has not been queried yet, for a solver.
     pub(crate) fn for_solver(g1: &dyn Shape, g2: &dyn Shape) -> Self {
         Self::new(g1, g2, true)
     }
 
-    /// Of a pair that is asked about once, by somebody who wants to know how it is.
+    /// Of a pair that is queried once, for somebody who wants to know how it is.
     pub(crate) fn for_question(g1: &dyn Shape, g2: &dyn Shape) -> Self {
         Self::new(g1, g2, false)
     }
@@ -191,8 +195,8 @@ impl PairWorkspace {
         self.memory.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The contacts within a reach (> 0); `None` where parry must answer: ours takes no part in the pair,
-    /// or what its partner is, is not known here.
+    /// The contacts within a reach (> 0); `None` where parry must answer: ours takes no part in the
+    /// pair, or what its partner is, is not known here.
     pub(crate) fn found(
         &mut self,
         pose: &ExactPose,
@@ -232,9 +236,9 @@ impl PairWorkspace {
         let is_smooth = self.leads_out && led.is_none();
         let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
-        let contacts = listed
-            .iter()
-            .map(|contact| told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth));
+        let contacts = listed.iter().map(|contact| {
+            solver_contact(contact, ids_of(contact, models, demand), &cores, pose, is_smooth)
+        });
         Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
 
@@ -274,7 +278,12 @@ impl PairWorkspace {
         }
         let (cores, list) = (self.cores.as_ref()?, self.carried.as_ref()?);
         let contacts = list.refreshed(&map, within)?;
-        Some(contacts.iter().map(|(contact, ids)| told(contact, *ids, cores, pose, true)).collect())
+        Some(
+            contacts
+                .iter()
+                .map(|(contact, ids)| solver_contact(contact, *ids, cores, pose, true))
+                .collect(),
+        )
     }
 
     fn of_parts(
@@ -312,8 +321,9 @@ impl PairWorkspace {
     }
 }
 
-/// A contact of two cores as a solver gets it: of what they are rounded to, and by their smooth normals if wanted.
-fn told(
+/// A contact of two cores as a solver gets it: of what they are rounded to, and by their smooth
+/// normals if wanted.
+fn solver_contact(
     contact: &Contact,
     ids: (PackedFeatureId, PackedFeatureId),
     cores: &[Core; 2],
@@ -321,16 +331,16 @@ fn told(
     is_smooth: bool,
 ) -> SolverContact {
     let radii = cores.each_ref().map(|core| core.rounded.radius);
-    let told = SolverContact::of(&rounded(contact, radii), ids);
+    let plain = SolverContact::of(&rounded(contact, radii), ids);
     let smooth = cores.each_ref().map(|core| core.smooth.as_deref());
     if !is_smooth || smooth.iter().all(Option::is_none) {
-        return told;
+        return plain;
     }
     let bodies = [
         Placed { model: cores[0].model(), pose: ExactPose::IDENTITY },
         Placed { model: cores[1].model(), pose: *pose },
     ];
-    SolverContact { normal: smooth_normal(contact, bodies, smooth), ..told }
+    SolverContact { normal: smooth_normal(contact, bodies, smooth), ..plain }
 }
 
 pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
@@ -378,8 +388,8 @@ fn features_of(contact: &Contact) -> (PackedFeatureId, PackedFeatureId) {
     (packed(contact.id.0), packed(contact.id.1))
 }
 
-/// Contacts of a pair of which one shape is ours and the other has no core, in the first shape's frame;
-/// `None` where parry must answer.
+/// Contacts of a pair of which one shape is ours and the other has no core, in the first shape's
+/// frame; `None` where parry must answer.
 fn partner_contacts(
     pose: &ExactPose,
     g1: &dyn Shape,
@@ -409,7 +419,8 @@ fn primitive_contacts(
     }))
 }
 
-/// What parry says of two parts, of which either may be the mesh of our triangles: in the first part's frame.
+/// What parry says of two parts, of which either may be the mesh of our triangles: in the first
+/// part's frame.
 fn parry_contacts(
     pose: &ExactPose,
     g1: &dyn Shape,
@@ -419,10 +430,10 @@ fn parry_contacts(
     let pos12 = pose_to_rapier(pose);
     let (mut manifolds, reach): (Vec<Manifold>, _) = (Vec::new(), reach as Real);
     let (g1, g2) = (for_parry(g1), for_parry(g2));
-    let told =
+    let filled =
         DefaultQueryDispatcher.contact_manifolds(&pos12, g1, g2, reach, &mut manifolds, &mut None);
-    if told.is_err() {
-        // As rapier itself does with such a pair; no step can tell an error.
+    if filled.is_err() {
+        // As rapier itself does with such a pair; no step can report an error.
         tracing::debug!(
             "parts that nobody knows contacts of: {:?}",
             (g1.shape_type(), g2.shape_type())

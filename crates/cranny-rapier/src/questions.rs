@@ -19,7 +19,7 @@ use rapier3d::parry::shape::Shape;
 
 use crate::apart::apart;
 use crate::ask::ask;
-use crate::casts::{AtOnce, Cast};
+use crate::casts::{Cast, InitialOverlap};
 use crate::convert::{narrow, pose_from_rapier, wide};
 use crate::dispatcher::Dispatcher;
 use crate::pair::{PairWorkspace, Reach, for_parry, ours};
@@ -175,7 +175,7 @@ impl Dispatcher {
         if let Some([m1, m2]) = models(g1, g2).filter(|_| options.target_distance <= 0.0) {
             let seconds = options.max_time_of_impact;
             let cast = Cast::straight([&m1, &m2], pos12, velocity, seconds);
-            if let Some(hit) = cast.meet(|| AtOnce {
+            if let Some(hit) = cast.meet(|| InitialOverlap {
                 always: options.stop_at_penetration,
                 contact: self.touching(pos12, g1, g2, &cast),
             }) {
@@ -200,7 +200,7 @@ impl Dispatcher {
                 let [pose1, pose2] = [motion1, motion2].map(|m| m.position_at_time(start));
                 let pos12 = pose1.inv_mul(&pose2);
                 let contact = self.touching(&pos12, g1, g2, &cast);
-                AtOnce { always: stop_at_penetration, contact }
+                InitialOverlap { always: stop_at_penetration, contact }
             }) {
                 return Ok(hit);
             }

@@ -17,7 +17,7 @@ use thiserror::Error;
 use crate::convert::narrow;
 use crate::mass::{MassError, mass_properties};
 #[cfg(feature = "snapshot")]
-use crate::snapshot::Mask;
+use crate::snapshot::StandIn;
 
 /// A model that rapier cannot take.
 #[derive(Debug, Error)]
@@ -38,8 +38,8 @@ pub enum ShapeError {
 }
 
 /// A model, prepared for [`Dispatcher`](crate::Dispatcher). Contacts, intersections and distances
-/// between two of them are Cranny's, and so are shape casts; ray casts and point queries go to a parry mesh of
-/// the same triangles.
+/// between two of them are Cranny's, and so are shape casts; ray casts and point queries go to a
+/// parry mesh of the same triangles.
 #[derive(Clone)]
 pub struct MeshShape {
     model: Model,
@@ -48,7 +48,7 @@ pub struct MeshShape {
     smooth: Option<Arc<SmoothNormals>>,
     walkable: bool,
     #[cfg(feature = "snapshot")]
-    mask: Mask,
+    stand_in: StandIn,
 }
 
 impl MeshShape {
@@ -68,11 +68,12 @@ impl MeshShape {
             smooth: None,
             walkable: false,
             #[cfg(feature = "snapshot")]
-            mask: Mask::default(),
+            stand_in: StandIn::default(),
         })
     }
 
-    /// The same with normals as they are wanted, see [`with_smooth_normals`](Self::with_smooth_normals).
+    /// The same with normals as they are wanted, see
+    /// [`with_smooth_normals`](Self::with_smooth_normals).
     ///
     /// # Errors
     ///
@@ -84,10 +85,10 @@ impl MeshShape {
         }
     }
 
-    /// The same with smooth normals: a solver gets its contacts with the normals of the curved surface that the mesh
-    /// stands for, smooth over edges between normals that differ by less than `crease_angle` (radians, 0 to π). Points and
-    /// separations of contacts stay exact, as do all other answers.
-    /// See [`smooth_normal`](cranny_narrow_phase::smooth_normal).
+    /// The same with smooth normals: a solver gets its contacts with the normals of the curved
+    /// surface that the mesh stands for, smooth over edges between normals that differ by less than
+    /// `crease_angle` (radians, 0 to π). Points and separations of contacts stay exact, as do all
+    /// other answers. See [`smooth_normal`](cranny_narrow_phase::smooth_normal).
     ///
     /// # Errors
     ///
@@ -97,10 +98,12 @@ impl MeshShape {
         Ok(Self { smooth, ..self })
     }
 
-    /// The same as ground that rapier's `KinematicCharacterController` feels. The controller asks its casts of the query
-    /// pipeline's dispatcher, and parry's own whether it stands on something; that one is then shown the parry mesh of the
-    /// same triangles. Without this nothing but a ball is ever told to be grounded on the shape, snaps to it, is carried
-    /// by it or pushes it. Nothing else changes, but that parry panics where such a shape is put into a compound.
+    /// The same as ground that rapier's `KinematicCharacterController` feels. The controller asks
+    /// its casts of the query pipeline's dispatcher, and parry's own whether it stands on
+    /// something; that one is then shown the parry mesh of the same triangles. Without this nothing
+    /// but a ball is ever reported to be grounded on the shape, snaps to it, is carried by it or
+    /// pushes it. Nothing else changes, but that parry panics where such a shape is put into a
+    /// compound.
     #[must_use]
     pub fn walkable(self) -> Self {
         Self { walkable: true, ..self }
@@ -147,8 +150,8 @@ impl MeshShape {
 
     /// What it wears while it is written.
     #[cfg(feature = "snapshot")]
-    pub(crate) fn mask(&self) -> &Mask {
-        &self.mask
+    pub(crate) fn stand_in(&self) -> &StandIn {
+        &self.stand_in
     }
 }
 
@@ -214,8 +217,8 @@ impl Shape for MeshShape {
         mass_properties(&self.model, f64::from(density)).unwrap_or_default()
     }
 
-    /// For whoever asks parry's own dispatcher, as rapier's character controller does; not always, since parry makes no
-    /// compounds of what has parts.
+    /// For whoever asks parry's own dispatcher, as rapier's character controller does; not always,
+    /// since parry makes no compounds of what has parts.
     fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
         self.walkable.then_some(&self.mesh as &(dyn CompositeShape + Sync))
     }
@@ -224,20 +227,20 @@ impl Shape for MeshShape {
         ShapeType::Custom
     }
 
-    /// Its own, so that rapier's serde refuses to write it: what it could read back would be another shape. Only a
-    /// `snapshot` is told of one that it can.
+    /// Its own, so that rapier's serde refuses to write it: what it could read back would be
+    /// another shape. Only a `snapshot` is shown one that it can.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         #[cfg(feature = "snapshot")]
-        if let Some(worn) = self.mask.worn() {
-            return worn;
+        if let Some(ball) = self.stand_in.shown() {
+            return ball;
         }
         TypedShape::Custom(self)
     }
 
-    /// Infinite: rapier's own continuous detection never starts, as it never does for parry's meshes
-    /// and height fields. It would cast the hollow mesh, find contact at once, and hold a body that
-    /// slides along another where it is. A prediction distance as long as bodies move sees
-    /// fast ones ahead instead; [`Simulation`](crate::Simulation) sets it.
+    /// Infinite: rapier's own continuous detection never starts, as it never does for parry's
+    /// meshes and height fields. It would cast the hollow mesh, find contact at once, and hold a
+    /// body that slides along another where it is. A prediction distance as long as bodies move
+    /// sees fast ones ahead instead; [`Simulation`](crate::Simulation) sets it.
     fn ccd_thickness(&self) -> Real {
         Real::MAX
     }

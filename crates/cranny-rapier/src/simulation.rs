@@ -1,24 +1,13 @@
-//! A rapier world of models: all of rapier's sets behind body numbers, with the settings that the
-//! detector needs.
+//! A rapier world of models: all of rapier's sets behind body numbers.
 //!
-//! | rapier setting | here | why |
-//! |---|---|---|
-//! | `contact_clustering` | off with [`Detector::Cranny`] | it merges normals within 5 degrees and keeps the first; ours are few and exact at their own points |
-//! | `contact_recycling` | off with [`Detector::Cranny`] | rapier keeps contacts as they are while a pair drifts by several prediction distances; thin gaps do not forgive that. Ours are carried on, each told anew ([`CARRIED_WITHIN`](crate::CARRIED_WITHIN)) |
-//! | `friction_model` | Coulomb with [`Detector::Cranny`] | the simplified model rubs at a manifold's middle; most of ours have one point |
-//! | `num_solver_iterations` | enough for [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] unless asked for | they are rapier's substeps: at 1/60 s its default of 4 lets a falling chain sink in by half a link before it is stopped |
-//! | `contact_softness`, `static_contact_softness` | of as many more hertz as substeps are shorter than [`SOLVER_SUBSTEP`] with [`Detector::Cranny`] | 30 and 60 Hz give way under gravity in millimetres |
-//! | `normalized_prediction_distance` | with [`Detector::Cranny`] at each step at least as far as any two bodies near each other can come nearer in it; each pair is looked at as far as *its* bodies can | fast bodies are stopped before they overlap, also where one of two that fall together is stopped by a third |
-//! | `soft_ccd_prediction` of dynamic bodies | the body's radius with other detectors | rapier's own way to look ahead; it leaves out pairs that approach each other only once one of them is stopped |
-//! | the rest | rapier's defaults | |
-//!
-//! Other detectors run with rapier's defaults but for the last of these, recycling as the options say.
+//! [`SimulationOptions`] holds the one table of rapier's settings, each with its argument.
+//! `stepping` makes a step, and a step report says what came of it.
 
 mod body;
 mod changes;
 mod options;
+mod step_report;
 mod stepping;
-mod told;
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -37,7 +26,7 @@ use self::body::check_numbers;
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
 use self::changes::rapier_kind;
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
-pub use self::told::{Energy, PairContacts, Timings};
+pub use self::step_report::{Energy, PairContacts, Timings};
 use crate::ahead::{Motions, Tagged};
 use crate::carried::{PairCounts, Searches};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
@@ -172,7 +161,7 @@ impl Simulation {
         }
     }
 
-    /// What puts the detector into rapier, and tells this simulation.
+    /// What puts the detector into rapier, and logs to this simulation.
     #[cfg(feature = "snapshot")]
     pub(crate) fn dispatcher(&self) -> Dispatcher {
         dispatcher_of(&self.options, &self.log, &self.motions, &self.searches)
@@ -187,8 +176,8 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, a pose is none, or
-    /// another number is out of range. Nothing is inserted then.
+    /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, a pose is
+    /// none, or another number is out of range. Nothing is inserted then.
     pub fn insert(&mut self, spec: &BodySpec) -> Result<BodyIndex, SimulationError> {
         check_numbers(spec)?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
@@ -204,7 +193,8 @@ impl Simulation {
         if spec.kind == BodyKind::Dynamic {
             collider = collider.mass_properties(mass_properties(spec.model, spec.density)?);
         }
-        // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning of the step.
+        // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning
+        // of the step.
         let own = spec.kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let body = RigidBodyBuilder::new(rapier_kind(spec.kind))
             .soft_ccd_prediction(if own { spec.model.radius() as Real } else { 0.0 })

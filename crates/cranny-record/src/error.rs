@@ -14,7 +14,7 @@ pub enum RecordError {
     /// The path names a folder, or no file at all.
     #[error("cannot record to '{}': it names no file (a folder, a device or a pipe, or nothing); say e.g. 'out/run.mcap'", path.display())]
     NotAFile {
-        /// The path asked for.
+        /// The path.
         path: PathBuf,
     },
     /// The folder does not exist.
@@ -24,7 +24,7 @@ pub enum RecordError {
         folder.display()
     )]
     MissingFolder {
-        /// The path asked for.
+        /// The path.
         path: PathBuf,
         /// Its folder.
         folder: PathBuf,
@@ -95,7 +95,7 @@ pub enum RecordError {
     },
     /// An answer about a body that the world does not hold.
     #[error(
-        "the report tells of body {body}, which the world does not hold: record a step before bodies are removed"
+        "the report names body {body}, which the world does not hold: record a step before bodies are removed"
     )]
     UnknownBody {
         /// The body.

@@ -14,7 +14,7 @@ use crate::error::RecordError;
 pub struct RecordingInfo {
     /// The scene's name.
     pub scene: String,
-    /// A hash of the scene, in whatever form the caller tells it elsewhere.
+    /// A hash of the scene, in whatever form the caller writes it elsewhere.
     pub scene_hash: String,
     /// Who detects collisions.
     pub detector: String,
@@ -97,7 +97,7 @@ pub struct Frame<'a> {
     pub contacts: Vec<PairContacts<'a>>,
     /// What began and ended.
     pub events: Vec<RecordedEvent<'a>>,
-    /// Counts and sums; the deepest pair is told by [`deepest`](Self::deepest), by names.
+    /// Counts and sums; the deepest pair is named by [`deepest`](Self::deepest), by names.
     pub stats: StepStats,
     /// The deepest overlap.
     pub deepest: Option<RecordedDepth<'a>>,
@@ -158,8 +158,8 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// All that a world's last step told, under the report's own number; bodies and pairs in the
-    /// order of ids. Call it before bodies are moved or removed again.
+    /// All that a world's last step reported, under the report's own number; bodies and pairs in
+    /// the order of ids. Call it before bodies are moved or removed again.
     ///
     /// # Errors
     ///

@@ -2,9 +2,9 @@
 //!
 //! # Promises
 //!
-//! - **Every viewer finds something.** Meshes are written once and follow `/tf`; contacts are told
-//!   as a scene, as points and as poses, because no viewer shows all three; pictures are pictures.
-//!   The topics are constants in [`topic`].
+//! - **Every viewer finds something.** Meshes are written once and follow `/tf`; contacts are
+//!   written as a scene, as points and as poses, because no viewer shows all three; pictures are
+//!   pictures. The topics are constants in [`topic`].
 //! - **Bit-exact where it matters**: `/contacts` holds the very poses that contacts were computed
 //!   from; reading gives them back to the bit. `/tf` holds `f64` (a zero loses its sign).
 //! - **No half-written file under its final name.** A recording grows as `NAME.partial` and is

@@ -89,8 +89,8 @@ pub struct PairMessage {
     /// `A_in_B`, `B_in_A` or absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contained: Option<String>,
-    /// Least distance of the surfaces; absent where it was not asked for, and where it is beyond
-    /// what was asked for.
+    /// Least distance of the surfaces; absent where it was not demanded, and where it is beyond
+    /// what was demanded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance: Option<f64>,
     /// Where it is known to lie; below 0: depth.
@@ -118,7 +118,7 @@ pub struct WitnessMessage {
 /// A connected region of contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegionMessage {
-    /// Stays the same while the region lasts; 0 in recordings of before it was told.
+    /// Stays the same while the region lasts; 0 in recordings of before it was written.
     #[serde(default)]
     pub id: u32,
     /// The contact of least separation.
@@ -200,7 +200,7 @@ pub struct StatsMessage {
     pub boxes: usize,
     /// Pairs of boxes that overlap.
     pub candidate_pairs: usize,
-    /// Pairs that the narrow phase was asked about.
+    /// Pairs that the narrow phase answered.
     pub queried_pairs: usize,
     /// Pairs whose answer came from the solver's step.
     pub supplied_pairs: usize,
@@ -216,7 +216,8 @@ pub struct StatsMessage {
     pub triangle_tests: u64,
     /// Points classified against solids.
     pub inside_tests: u64,
-    /// Pairs of triangles whose meeting or parting plain floating point settled; 0 in recordings made before these were told.
+    /// Pairs of triangles whose meeting or parting plain floating point settled; 0 in recordings
+    /// made before these were written.
     #[serde(default)]
     pub triangles_filtered: u64,
     /// Pairs of triangles of which adaptive arithmetic had to decide a sign.

@@ -65,7 +65,7 @@ pub struct Recorder {
 /// large bodies; larger: they hide the region that they mark.
 const MARK_SIZE: f64 = 0.03;
 
-/// Diameter of a mark where no body was told, units of length.
+/// Diameter of a mark where no body was given, units of length.
 const LONE_MARK_SIZE: f64 = 0.02;
 
 /// What a PNG begins with.
@@ -107,11 +107,11 @@ impl Recorder {
     }
 
     /// Tells the bodies, in one message, at the time of the latest frame. Call it once, before the
-    /// first frame; bodies that come later may be told by a further call.
+    /// first frame; bodies that come later may be given by a further call.
     ///
     /// # Errors
     ///
-    /// A [name](RecordError::DuplicateBody) that was told before; [`RecordError::Write`].
+    /// A [name](RecordError::DuplicateBody) that was given before; [`RecordError::Write`].
     pub fn bodies(&mut self, bodies: &[RecordedBody]) -> Result<(), RecordError> {
         let mut names = self.names.clone();
         for body in bodies {

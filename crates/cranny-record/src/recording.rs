@@ -54,7 +54,7 @@ impl Recording {
         let path = path.as_ref().to_owned();
         let bytes =
             fs::read(&path).map_err(|source| ReadError::Open { path: path.clone(), source })?;
-        // The container's reader looks at nothing before the first record is asked for.
+        // The container's reader looks at nothing before the first record is read.
         let first = records(&bytes).and_then(|mut r| r.next().unwrap_or(Err(McapError::BadMagic)));
         if let Err(source) = first {
             return Err(ReadError::NotMcap { path, source });
@@ -79,8 +79,8 @@ impl Recording {
         self.complete
     }
 
-    /// Whether the run was broken off: by a signal, as its end says, or by a kill, so that it has no
-    /// end.
+    /// Whether the run was broken off: by a signal, as its end says, or by a kill, so that it has
+    /// no end.
     #[must_use]
     pub fn was_interrupted(&self) -> bool {
         let end = self.metadata(topic::METADATA_END);

@@ -124,7 +124,7 @@ fn cuboid(half: DVec3) -> Result<DrawMesh, DrawMeshError> {
     DrawMesh::new(&vertices, &faces)
 }
 
-/// Quads of a grid that is closed in `u` and, if asked, in `v`, split into triangles.
+/// Quads of a grid that is closed in `u` and, where stated, in `v`, split into triangles.
 fn grid_faces(u: u32, v: u32, closed: bool) -> Vec<[u32; 3]> {
     let columns = if closed { v } else { v + 1 };
     let at = |i: u32, j: u32| (i % u) * columns + if closed { j % v } else { j };

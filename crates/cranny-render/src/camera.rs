@@ -251,9 +251,10 @@ const VERTICAL_SINE: f64 = 1e-9;
 /// would be shown as a dot. `a_fitted_camera_fills_the_frame_and_cuts_nothing` has a small one.
 const POINT_RATIO: f64 = 1e-12;
 
-/// How far around a point a picture reaches, as part of the point's distance from the origin (half a
-/// unit near the origin). Smaller: the eye could not be told from its target. Larger: bodies beside
-/// the point would be lost in the picture. `empty_and_point_like_bounds_have_a_camera` looks at both.
+/// How far around a point a picture reaches, as part of the point's distance from the origin (half
+/// a unit near the origin). Smaller: the eye could not be distinguished from its target. Larger:
+/// bodies beside the point would be lost in the picture.
+/// `empty_and_point_like_bounds_have_a_camera` looks at both.
 const POINT_REACH: f64 = 1e-9;
 
 /// Right, up, backward; `None` where `backward` has no direction.

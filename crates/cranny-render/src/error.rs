@@ -39,9 +39,9 @@ pub enum RenderError {
         "a picture of {width} x {height} pixels is too large for the graphics adapter: at most {limit} a side"
     )]
     ImageTooLarge {
-        /// Width asked for.
+        /// The width.
         width: u32,
-        /// Height asked for.
+        /// The height.
         height: u32,
         /// The adapter's longest side.
         limit: u32,

@@ -21,9 +21,9 @@ pub enum ImageError {
         ImageSize::MAX_SIDE
     )]
     Size {
-        /// Width asked for.
+        /// The width.
         width: u32,
-        /// Height asked for.
+        /// The height.
         height: u32,
     },
     /// Not four bytes a pixel.

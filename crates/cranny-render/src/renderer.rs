@@ -50,9 +50,10 @@ struct Stream {
 
 impl Renderer {
     /// Opens an adapter: a graphics card before a software one. Nothing global is changed, and no
-    /// window system is needed. (A layer of Mesa's Vulkan drivers prints a line on standard error where the environment
-    /// variable `XDG_RUNTIME_DIR` names no folder; pictures come out all the same. Nothing but the environment keeps it
-    /// from that, which is the caller's: `NODEVICE_SELECT=1` leaves the layer out.)
+    /// window system is needed. (A layer of Mesa's Vulkan drivers prints a line on standard error
+    /// where the environment variable `XDG_RUNTIME_DIR` names no folder; pictures come out all the
+    /// same. Nothing but the environment keeps it from that, which is the caller's:
+    /// `NODEVICE_SELECT=1` leaves the layer out.)
     ///
     /// # Errors
     ///

@@ -5,9 +5,9 @@
 //! - Mesh files of seven kinds are read at full precision, each broken one refused with its file,
 //!   its line, byte or element, the value found and what to do ([`mesh_file`]). No input panics.
 //! - URDF robots become links, joints and poses ([`robot`]).
-//! - Scene files become the neutral descriptions of `cranny-world`, with every name, number and file
-//!   checked, and errors that carry line and column ([`scene_file`]). The same text, files and seed
-//!   give the same scene.
+//! - Scene files become the neutral descriptions of `cranny-world`, with every name, number and
+//!   file checked, and errors that carry line and column ([`scene_file`]). The same text, files and
+//!   seed give the same scene.
 //!
 //! # Non-promises
 //!

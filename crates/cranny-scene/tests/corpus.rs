@@ -104,8 +104,8 @@ fn the_staircase_stands_as_its_nodes_place_it() {
     assert!((bounds.max - high).abs().max_element() < 1e-12, "{bounds:?}");
 }
 
-/// Least and greatest corner of the staircase: 69 instances under their node matrices, multiplied out
-/// by another program.
+/// Least and greatest corner of the staircase: 69 instances under their node matrices, multiplied
+/// out by another program.
 const STAIRCASE: [[f64; 3]; 2] =
     [[-2.2775, -0.3000000218557, 0.0], [2.75, 1.7000000218557, 1.25167506]];
 

@@ -1,5 +1,5 @@
-//! The invariants of concavities and caps on every mesh of the corpus, where `CRANNY_CORPUS` names its
-//! folder: as stored, scaled, renumbered, turned.
+//! The invariants of concavities and caps on every mesh of the corpus, where `CRANNY_CORPUS` names
+//! its folder: as stored, scaled, renumbered, turned.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
 #[path = "../../cranny-concavity/tests/concavities/bodies.rs"]
@@ -26,7 +26,8 @@ use cranny_geometry::{
 use cranny_scene::read_mesh;
 use cranny_testkit::Rng;
 
-/// Every mesh with its name, and the options that take the flatness which was read off it as stored.
+/// Every mesh with its name, and the options that take the flatness which was read off it as
+/// stored.
 fn corpus() -> Vec<(String, Mesh, BuildOptions)> {
     let read = |path: PathBuf| {
         let mesh = read_mesh(&path).unwrap().mesh;
@@ -54,8 +55,9 @@ fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
     Mesh::new(mesh.vertices().iter().map(|&p| to(p)).collect(), mesh.faces().to_vec()).unwrap()
 }
 
-/// The faces of each concavity with its kind and its number of lids, by the names that `name` gives to
-/// faces; sorted. (Into how many loops a boundary that touches itself is split is a matter of numbers.)
+/// The faces of each concavity with its kind and its number of lids, by the names that `name` gives
+/// to faces; sorted. (Into how many loops a boundary that touches itself is split is a matter of
+/// numbers.)
 fn classes(model: &Body, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
     let class = |c: cranny_concavity::Concavity<'_>| {
         let mut class: Vec<usize> = c.faces.iter().map(|&f| name(f)).collect();
@@ -98,8 +100,8 @@ fn turned_the_pockets_hold_as_much() {
     }
 }
 
-/// Closed meshes of the corpus that lie upon themselves or pass through themselves on the hull, and how:
-/// their caps may overlap. All others are covered once.
+/// Closed meshes of the corpus that lie upon themselves or pass through themselves on the hull, and
+/// how: their caps may overlap. All others are covered once.
 const COVERED_TWICE: [(&str, &str); 1] = [(
     "openscad-nonmanifold-crash.obj",
     "hundreds of faces lie on others in the planes of its box",
@@ -151,14 +153,14 @@ fn soups_are_surfaces_whose_report_names_every_open_edge() {
         assert!(!model.is_closed() && model.mass_properties().is_none(), "{name}");
         assert!(report.volume.is_none() && !report.is_sound(), "{name}");
         assert_eq!(report.meetings, MeetingScan::Complete, "{name}");
-        let told = |kind| -> usize {
+        let reported = |kind| -> usize {
             report.findings.iter().filter(|f| f.kind == kind).map(|f| f.count).sum()
         };
         let edges = model.topology().edges().iter();
         let open = edges.filter(|e| e.kind == EdgeKind::Open).count();
-        assert_eq!(told(FindingKind::OpenEdge), open, "{name}");
+        assert_eq!(reported(FindingKind::OpenEdge), open, "{name}");
         let others = [FindingKind::ContradictoryEdge, FindingKind::NonManifoldEdge];
-        assert!(open + others.map(told).iter().sum::<usize>() > 0, "{name}");
+        assert!(open + others.map(reported).iter().sum::<usize>() > 0, "{name}");
         let bounds = model.bounds().grown(report.weld_distance);
         for finding in &report.findings {
             let limit = match finding.kind.element() {

@@ -191,7 +191,8 @@ fn every_format_reads_the_same_tetrahedron() {
     }
 }
 
-/// Two copies of a body, of which one node is turned: coordinates no longer show how finely they were stored.
+/// Two copies of a body, of which one node is turned: coordinates no longer show how finely they
+/// were stored.
 #[test]
 fn nodes_that_turn_a_mesh_say_that_it_had_single_precision() {
     let body = Torus::default().build().unwrap();
@@ -436,7 +437,8 @@ fn collada_applies_unit_axis_and_nodes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("t.dae");
     std::fs::write(&path, as_dae(&mesh, asset, node)).unwrap();
-    // Vertex 1 = (1, 0, 0) → scaled (2, 0, 0) → turned (0, 2, 0) → moved (10, 2, 0) cm; y up → z up.
+    // Vertex 1 = (1, 0, 0) → scaled (2, 0, 0) → turned (0, 2, 0) → moved (10, 2, 0) cm; y up → z
+    // up.
     let read = read_mesh(&path).unwrap();
     assert!((read.mesh.vertices()[1] - DVec3::new(0.1, 0.0, 0.02)).length() < 1e-15);
     assert_eq!(read.notes.len(), 2, "{:?}", read.notes);

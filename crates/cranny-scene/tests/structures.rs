@@ -1,5 +1,5 @@
-//! Trees, patches, envelopes, model files and deformation on every mesh of the corpus, where `CRANNY_CORPUS` names its
-//! folder: all formats, each mesh with its own concavities.
+//! Trees, patches, envelopes, model files and deformation on every mesh of the corpus, where
+//! `CRANNY_CORPUS` names its folder: all formats, each mesh with its own concavities.
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
 #[path = "../../cranny-concavity/tests/body/mod.rs"]
@@ -51,7 +51,8 @@ const FLAT_SIDED: [&str; 2] = ["mengerSponge3.glb", "staircases_koroibot_hr.dae"
 fn every_structure_keeps_its_promises() {
     for (name, model) in models() {
         equal::validate(model, name);
-        // Each flat side is a patch: a sponge and a flight of stairs consist of thousands and hundreds of squares.
+        // Each flat side is a patch: a sponge and a flight of stairs consist of thousands and
+        // hundreds of squares.
         let (count, faces) = (model.patches().len(), model.mesh().faces().len());
         let most = if FLAT_SIDED.iter().any(|part| name.ends_with(part)) { faces / 2 } else { 400 };
         assert!(count <= faces.min(most), "{name}: {count} patches");

@@ -11,8 +11,8 @@ use crate::{
     round::MAX_SEGMENTS,
 };
 
-/// A cylinder about z, centred at the origin; its vertices lie on the cylinder. `4 segments` triangles, and
-/// `4 segments` more with chamfers.
+/// A cylinder about z, centred at the origin; its vertices lie on the cylinder. `4 segments`
+/// triangles, and `4 segments` more with chamfers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cylinder {
@@ -20,8 +20,8 @@ pub struct Cylinder {
     pub radius: f64,
     /// Extent along z. Default: 1.
     pub height: f64,
-    /// What is cut off both rims at 45 degrees, along the radius and along z: less than the radius and than
-    /// half the height; 0 for none. Default: 0.
+    /// What is cut off both rims at 45 degrees, along the radius and along z: less than the radius
+    /// and than half the height; 0 for none. Default: 0.
     pub chamfer: f64,
     /// Segments around the axis, at least 3. Default: 64.
     pub segments: u32,

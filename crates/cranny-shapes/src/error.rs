@@ -56,7 +56,7 @@ pub enum ShapeError {
     TooCoarse {
         /// The generator.
         shape: &'static str,
-        /// How many were asked for.
+        /// How many are wanted.
         triangles: u32,
         /// What does not show.
         detail: &'static str,

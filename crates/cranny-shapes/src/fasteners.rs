@@ -12,8 +12,9 @@ use crate::{
 };
 
 /// A fully threaded hexagon bolt: a right-hand ISO 68-1 thread about z from the head's underside at
-/// `z = 0` to the tip at `z = length`, the head below, down to `z = -head_height`. The thread has the
-/// basic profile; all clearance is the nut's. Crests are centred at `z = pitch (angle / 2 pi + k)`.
+/// `z = 0` to the tip at `z = length`, the head below, down to `z = -head_height`. The thread has
+/// the basic profile; all clearance is the nut's. Crests are centred at
+/// `z = pitch (angle / 2 pi + k)`.
 ///
 /// Vertices lie on the ideal surface: between columns the mesh is inside by at most
 /// `diameter / 2 (1 - cos(pi / segments))`, 0.002 mm for M16 at 144 segments.
@@ -110,10 +111,10 @@ impl IsoBolt {
 }
 
 /// A hexagon nut for the [`IsoBolt`] of the same diameter and pitch: axis z, centred at the origin,
-/// from `z = -height / 2` to `z = height / 2`. Its thread is the bolt's, moved outward by the radial
-/// clearance (so flanks are `clearance / 2` apart when centred, measured along their normal), and in
-/// the same phase in its own frame: at a height that is a multiple of the pitch the nut fits
-/// unturned, elsewhere turned about z by `2 pi z / pitch`.
+/// from `z = -height / 2` to `z = height / 2`. Its thread is the bolt's, moved outward by the
+/// radial clearance (so flanks are `clearance / 2` apart when centred, measured along their
+/// normal), and in the same phase in its own frame: at a height that is a multiple of the pitch the
+/// nut fits unturned, elsewhere turned about z by `2 pi z / pitch`.
 ///
 /// With equal segments and flank segments, and turned by a whole number of segments, it fits with
 /// any clearance beyond rounding; otherwise the clearance must exceed the bolt's chord error (see

@@ -12,8 +12,9 @@ use crate::{
 /// The most squares along an axis.
 const MAX_SQUARES: u32 = 1 << 11;
 
-/// A slab whose top, at `z = 0`, is cut into equal squares (or oblongs) with diagonals that alternate; x and y
-/// are centred. All of the top is in one plane, to the bit. `2 n m` triangles on top, and as many below.
+/// A slab whose top, at `z = 0`, is cut into equal squares (or oblongs) with diagonals that
+/// alternate; x and y are centred. All of the top is in one plane, to the bit. `2 n m` triangles on
+/// top, and as many below.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Floor {

@@ -15,8 +15,9 @@ use crate::{
 /// Leaves room beside a part.
 const ALMOST: f64 = 1.0 - MIN_DETAIL;
 
-/// A hook: a prism over a J upside down. A long shank on the left, a bar across, a short tip on the right, all of
-/// one thickness; it hangs by the bar's lower side. The origin is the centroid, z the axis, y up. 28 triangles.
+/// A hook: a prism over a J upside down. A long shank on the left, a bar across, a short tip on the
+/// right, all of one thickness; it hangs by the bar's lower side. The origin is the centroid, z the
+/// axis, y up. 28 triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Hook {
@@ -68,8 +69,9 @@ impl Hook {
     }
 }
 
-/// Stairs that go down towards +x, as a solid block: a landing up to `x = 0`, where the first step down is, then the
-/// treads. y is up, the block stands on `y = 0`, z is the axis and centred. `8 steps + 12` triangles.
+/// Stairs that go down towards +x, as a solid block: a landing up to `x = 0`, where the first step
+/// down is, then the treads. y is up, the block stands on `y = 0`, z is the axis and centred.
+/// `8 steps + 12` triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Stairs {
@@ -124,9 +126,10 @@ impl Stairs {
     }
 }
 
-/// A lock's plug: a cylinder about z, centred at the origin, with a keyway through it along z. The keyway is that of an
-/// [`LPrism`](crate::LPrism) of the same width, height and thickness, with its centroid on the axis, and wider than
-/// that by the clearance on every side. The cylinder's vertices lie on it.
+/// A lock's plug: a cylinder about z, centred at the origin, with a keyway through it along z. The
+/// keyway is that of an [`LPrism`](crate::LPrism) of the same width, height and thickness, with its
+/// centroid on the axis, and wider than that by the clearance on every side. The cylinder's
+/// vertices lie on it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LockPlug {
@@ -193,7 +196,8 @@ impl LockPlug {
 
         let mut points: Vec<DVec2> = directions(n).iter().map(|&d| self.radius * d).collect();
         points.extend(&keyway);
-        // Two bridges cut the ring in two: from the outer corner, and from the end of the arm along y.
+        // Two bridges cut the ring in two: from the outer corner, and from the end of the arm along
+        // y.
         let rim = |p: DVec2| {
             let turn = p.to_angle().rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU;
             (turn * f64::from(n)).round() as u32 % n

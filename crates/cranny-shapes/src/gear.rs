@@ -33,8 +33,8 @@ pub struct Gear {
     pub module: f64,
     /// Extent along z. Default: 0.3.
     pub thickness: f64,
-    /// Radius of the bore, a regular polygon with a corner at the middle of each gap; 0 for none; less
-    /// than the root circle's. Default: 0.3.
+    /// Radius of the bore, a regular polygon with a corner at the middle of each gap; 0 for none;
+    /// less than the root circle's. Default: 0.3.
     pub bore: f64,
     /// What each tooth is thinner than half the circular pitch, along the pitch circle; less than
     /// makes the teeth pointed. Default: 0.
@@ -65,7 +65,8 @@ impl Gear {
         let checked = Checked { shape: "Gear" };
         self.check(&checked)?;
         let flank = self.flank();
-        // A sector per tooth: its contour from one gap's middle to just before the next, and the bore.
+        // A sector per tooth: its contour from one gap's middle to just before the next, and the
+        // bore.
         let contour = 2 * flank.len() as u32 + 1;
         let (mut points, mut outline, mut bore) = (Vec::new(), Vec::new(), Vec::new());
         for tooth in 0..self.teeth {

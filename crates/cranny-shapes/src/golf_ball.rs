@@ -15,11 +15,11 @@ use crate::{
 /// lattice (Swinbank and Purser, 2006) from pole to pole along z.
 ///
 /// The surface is a radius for every direction, so it cannot cross itself. Between dimples the
-/// vertices lie on the sphere; within one, the radius falls off quadratically from rim to middle. The
-/// mesh does not follow the rims: they are as sharp as its edges are short. A vertex so close to a rim
-/// that the ball's convex hull would pass through it stays on the sphere. So every dimple is one
-/// concavity while edges are shorter than the land between dimples, and dimples much deeper than the
-/// sphere rises above their rims.
+/// vertices lie on the sphere; within one, the radius falls off quadratically from rim to middle.
+/// The mesh does not follow the rims: they are as sharp as its edges are short. A vertex so close
+/// to a rim that the ball's convex hull would pass through it stays on the sphere. So every dimple
+/// is one concavity while edges are shorter than the land between dimples, and dimples much deeper
+/// than the sphere rises above their rims.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GolfBall {
@@ -97,8 +97,9 @@ impl GolfBall {
 }
 
 /// So many triangles of a sphere, divided by the square of a dimple's reach, put a vertex into the
-/// dimple: a triangle of area 4 pi / n reaches at most 1.3 times the radius of its circumcircle, were
-/// it regular, and that circle must fit into the dimple: n = 1.7 * 16 pi / (3 sqrt 3) / reach^2.
+/// dimple: a triangle of area 4 pi / n reaches at most 1.3 times the radius of its circumcircle,
+/// were it regular, and that circle must fit into the dimple: n = 1.7 * 16 pi / (3
+/// sqrt 3) / reach^2.
 const TRIANGLES: f64 = 16.5;
 
 /// Middles of dimples, by descending z, and how far each reaches.
@@ -127,10 +128,10 @@ impl Dimples {
 
     /// How near the rim vertices stay on the sphere, as a share of the dimple's area.
     ///
-    /// The hull bridges a dimple from vertices that lie up to an edge `m` beyond its rim, which is `a`
-    /// from the middle. At the rim it passes up to `((a + m)^2 - a^2) / 2` below the sphere of radius
-    /// 1; a share `t` within the rim the dimple is `t` times its depth below it. But no dimple shrinks
-    /// so far that it need not hold a vertex.
+    /// The hull bridges a dimple from vertices that lie up to an edge `m` beyond its rim, which is
+    /// `a` from the middle. At the rim it passes up to `((a + m)^2 - a^2) / 2` below the sphere of
+    /// radius 1; a share `t` within the rim the dimple is `t` times its depth below it. But no
+    /// dimple shrinks so far that it need not hold a vertex.
     fn margin(&self, depth: f64, sphere: &Geodesic) -> f64 {
         if self.middles.is_empty() {
             return 0.0;

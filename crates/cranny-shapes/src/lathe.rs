@@ -17,9 +17,9 @@ pub(crate) enum Profile {
 /// Sweeps a profile of points (radius, z) through the directions, joined by straight lines.
 ///
 /// The profile runs counter-clockwise about the section of the solid (radius to the right, z up).
-/// Between two directions `d` and `d'` the sweep maps (radius, z, t) to `radius ((1 - t) d + t d')` at
-/// height `z`, injectively off the axis; so a profile that does not cross itself gives a surface that
-/// does not either, whatever the number of directions (at least 3).
+/// Between two directions `d` and `d'` the sweep maps (radius, z, t) to `radius ((1 - t) d + t d')`
+/// at height `z`, injectively off the axis; so a profile that does not cross itself gives a surface
+/// that does not either, whatever the number of directions (at least 3).
 pub(crate) fn lathe(
     shape: &'static str,
     directions: &[DVec2],

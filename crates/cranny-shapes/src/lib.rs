@@ -3,9 +3,9 @@
 //! # Promises
 //!
 //! - Every mesh is one closed, oriented shell: each edge is shared by exactly two faces that run it
-//!   in opposite directions, faces are counter-clockwise seen from outside, no two vertices coincide,
-//!   every vertex is used and every face has area. It does not meet itself anywhere but at shared
-//!   edges and vertices. Tests decide all of this exactly.
+//!   in opposite directions, faces are counter-clockwise seen from outside, no two vertices
+//!   coincide, every vertex is used and every face has area. It does not meet itself anywhere but
+//!   at shared edges and vertices. Tests decide all of this exactly.
 //! - Parameters outside their documented range are refused by a [`ShapeError`] that names them.
 //! - Bodies lie in a documented frame: axes along z, the origin on the axis or at the centroid.
 //!   Lengths are in scene units, angles in radians.

@@ -55,9 +55,9 @@ impl Prism {
 /// always the one with the shortest diagonal. `None` where no ear is left: the polygon crosses
 /// itself.
 ///
-/// A corner is an ear only if its triangle is strictly counter-clockwise and no other corner lies in
-/// the *closed* triangle. So collinear corners never give a triangle without area: the diagonal meets
-/// no other corner, and what remains is again a simple polygon.
+/// A corner is an ear only if its triangle is strictly counter-clockwise and no other corner lies
+/// in the *closed* triangle. So collinear corners never give a triangle without area: the diagonal
+/// meets no other corner, and what remains is again a simple polygon.
 fn clip_ears(points: &[DVec2], mut polygon: Vec<u32>) -> Option<Vec<[u32; 3]>> {
     let mut triangles = Vec::with_capacity(polygon.len().saturating_sub(2));
     while polygon.len() > 3 {

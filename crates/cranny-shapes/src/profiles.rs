@@ -56,8 +56,8 @@ impl LPrism {
     }
 }
 
-/// A prism over a U that opens towards +y: a floor and two arms of the same thickness. The origin is
-/// the centroid, z the axis. 28 triangles.
+/// A prism over a U that opens towards +y: a floor and two arms of the same thickness. The origin
+/// is the centroid, z the axis. 28 triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct UPrism {
@@ -166,8 +166,8 @@ impl CPrism {
     }
 }
 
-/// A comb: a bar along x with equal, equally spaced prongs towards +y; the gaps are as wide as said.
-/// The bar's lower edge is `y = 0`, x and z are centred. `16 teeth + 4` triangles.
+/// A comb: a bar along x with equal, equally spaced prongs towards +y; the gaps are as wide as
+/// said. The bar's lower edge is `y = 0`, x and z are centred. `16 teeth + 4` triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Comb {

@@ -1,8 +1,8 @@
 //! The ISO 68-1 metric thread as a surface over (angle, z).
 //!
 //! The basic profile: flanks at 30 degrees to the radius, a fundamental triangle of height
-//! `H = sqrt(3) / 2 pitch`, of which `5/8 H` is used: flats of `pitch / 8` at the major diameter and
-//! `pitch / 4` at the minor one.
+//! `H = sqrt(3) / 2 pitch`, of which `5/8 H` is used: flats of `pitch / 8` at the major diameter
+//! and `pitch / 4` at the minor one.
 //!
 //! # Phase
 //!
@@ -16,8 +16,9 @@
 //!
 //! The radius is a single-valued function of angle and z. Each of `segments` columns (half planes
 //! through the axis) holds the exact polyline of that function over z, cut at both ends and bounded
-//! by the chamfers. Two neighbouring columns are joined by a strip that climbs both: it joins points
-//! of equal height *along the helix* where there are such, so crests and roots stay sharp helices.
+//! by the chamfers. Two neighbouring columns are joined by a strip that climbs both: it joins
+//! points of equal height *along the helix* where there are such, so crests and roots stay sharp
+//! helices.
 
 use cranny_exact::{DVec2, DVec3};
 
@@ -222,9 +223,9 @@ fn cut(nodes: &[Node], [low, high]: [f64; 2]) -> Vec<Node> {
     std::iter::once(end(low)).chain(inner).chain(std::iter::once(end(high))).collect()
 }
 
-/// The polyline bounded by a cone: crossings are added, and points beyond the cone move onto it. They
-/// stay, though a column is straight there, so that neighbouring columns have the same corners to
-/// join. Along the helix the surface is then interpolated on the side of its own solid: a nut's
+/// The polyline bounded by a cone: crossings are added, and points beyond the cone move onto it.
+/// They stay, though a column is straight there, so that neighbouring columns have the same corners
+/// to join. Along the helix the surface is then interpolated on the side of its own solid: a nut's
 /// facets never reach into the bolt where its lead-in cuts a corner of the thread.
 fn bound(nodes: &[Node], chamfer: &Chamfer) -> Vec<Node> {
     let cone = |z: f64| chamfer.radius + chamfer.slope * (z - chamfer.z);
@@ -270,8 +271,8 @@ pub(crate) fn hexagon(builder: &mut MeshBuilder, across_flats: f64, z: f64) -> V
 }
 
 /// The flat ring between a round hole (any number of vertices, evenly spread, the first at +x) and
-/// a hexagon around it, facing +z or -z. Each edge of the hole goes to the nearest corner, which sees
-/// it if the hexagon is wide enough: see [`MIN_FLATS`].
+/// a hexagon around it, facing +z or -z. Each edge of the hole goes to the nearest corner, which
+/// sees it if the hexagon is wide enough: see [`MIN_FLATS`].
 pub(crate) fn collar(builder: &mut MeshBuilder, hole: &[u32], hexagon: &[u32], up: bool) {
     let n = hole.len();
     let mut face = |a, b, c| if up { builder.triangle(a, b, c) } else { builder.triangle(a, c, b) };
@@ -288,9 +289,10 @@ pub(crate) fn collar(builder: &mut MeshBuilder, hole: &[u32], hexagon: &[u32], u
 }
 
 /// Least width of a hexagon across flats, in diameters of the round hole. At 1.2 the corner is 1.39
-/// radii away and sees 43 degrees of the circle on either side: the 30 that it needs, and 13 more for
-/// the slope of the thread (at most 7 degrees for `pitch = diameter / 4`). Narrower, and faces of the
-/// collar fold over; the test `threads_of_any_accepted_parameters_are_solids` tries the narrowest.
+/// radii away and sees 43 degrees of the circle on either side: the 30 that it needs, and 13 more
+/// for the slope of the thread (at most 7 degrees for `pitch = diameter / 4`). Narrower, and faces
+/// of the collar fold over; the test `threads_of_any_accepted_parameters_are_solids` tries the
+/// narrowest.
 pub(crate) const MIN_FLATS: f64 = 1.2;
 
 /// The tip of a bolt: a disc around the axis, facing +z.

@@ -59,8 +59,8 @@ impl Cup {
 }
 
 /// Concentric cylindrical shells of one height and decreasing diameter on a common floor: `shells`
-/// lips, `shells - 1` annular grooves between them, and a central well. Axis z, standing on `z = 0`.
-/// `8 segments shells` triangles; the vertices lie on the cylinders.
+/// lips, `shells - 1` annular grooves between them, and a central well. Axis z, standing on
+/// `z = 0`. `8 segments shells` triangles; the vertices lie on the cylinders.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NestedShells {

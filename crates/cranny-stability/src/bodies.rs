@@ -22,7 +22,8 @@ pub(crate) fn hollows() -> Vec<(&'static str, Mesh)> {
     ]
 }
 
-/// Convex bodies, their coordinates multiples of a quarter, at most half as large as a pocket of those above.
+/// Convex bodies, their coordinates multiples of a quarter, at most half as large as a pocket of
+/// those above.
 pub(crate) fn small_bodies(trial: &mut Trial<'_>) -> Vec<(&'static str, Mesh)> {
     let whole = [
         ("cube", cuboid([0.0; 3], [2.0; 3])),

@@ -1,4 +1,4 @@
-//! What was asked, what came out, pass or fail; and the sum of it.
+//! A case: the question, the answer, pass or fail; and the sum of all.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -6,11 +6,11 @@ use std::time::Duration;
 /// One case.
 #[derive(Clone, Debug, Default)]
 pub struct Case {
-    /// What was asked.
+    /// The question.
     pub name: String,
     /// What is so.
     pub truth: String,
-    /// What was told.
+    /// The answer.
     pub told: String,
     /// What is wrong with it; nothing: passed.
     pub faults: Vec<String>,
@@ -18,11 +18,11 @@ pub struct Case {
     pub figure: Option<f64>,
     /// The error as a share of what was claimed of it; above 1 it is a fault.
     pub of_claim: Option<f64>,
-    /// What the peer told.
+    /// The peer's answer.
     pub peer: Option<PeerCase>,
 }
 
-/// What the peer told of a case.
+/// The peer's answer to a case.
 #[derive(Clone, Debug)]
 pub struct PeerCase {
     /// In words.
@@ -68,7 +68,7 @@ impl Outcome {
         self.cases.iter().filter_map(|case| case.of_claim).reduce(f64::max)
     }
 
-    /// Cases that the peer was asked about.
+    /// Cases that the peer answered.
     pub fn peer_cases(&self) -> impl Iterator<Item = (&Case, &PeerCase)> {
         self.cases.iter().filter_map(|case| Some((case, case.peer.as_ref()?)))
     }

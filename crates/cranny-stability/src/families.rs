@@ -13,7 +13,7 @@ mod walk;
 
 use crate::family::Family;
 
-/// Every family, in the order in which they are told.
+/// Every family, in the order in which they are listed.
 pub const FAMILIES: [Family; 10] = [
     contacts::FAMILY,
     crossings::FAMILY,

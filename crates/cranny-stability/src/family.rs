@@ -14,7 +14,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// What is run unless told otherwise: some seconds in all.
+    /// What is run by default: some seconds in all.
     pub const DEFAULT: Self = Self { seed: 1, variants: 4 };
 }
 
@@ -23,7 +23,7 @@ impl Settings {
 pub struct Family {
     /// A word, as on the command line.
     pub name: &'static str,
-    /// What is asked.
+    /// The question.
     pub asked: &'static str,
     /// How cases are made, and how their truth is known.
     pub made: &'static str,
@@ -35,8 +35,8 @@ pub struct Family {
 }
 
 impl Family {
-    /// Makes and judges all cases. Families do not share random numbers: one gives the same cases alone.
-    /// A panic is a case that failed.
+    /// Makes and judges all cases. Families do not share random numbers: one gives the same cases
+    /// alone. A panic is a case that failed.
     #[must_use]
     pub fn run(&self, settings: &Settings, peer: Option<&mut dyn Peer>) -> Outcome {
         let mut trial = Trial::new(self.name, settings, peer);

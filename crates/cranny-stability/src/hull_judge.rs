@@ -1,10 +1,10 @@
 //! Hulls for the walk to compare, and judges of its answers that follow no features.
 //!
-//! [`faults_beside`] holds an answer against the truth, which [`HullTruth`](crate::HullTruth) has in exact
-//! rationals, and checks the proof of its lower end in rationals too; lengths are compared to
-//! [`rounding`]. [`faults`] takes [`brute_force`] for the truth: all pairs of triangles, fast, but by the same
-//! predicates and closest points of triangles that the walk falls back on. [`brute_force_depth`] tries
-//! all faces of the set of differences in `f64`.
+//! [`faults_beside`] holds an answer against the truth, which [`HullTruth`](crate::HullTruth) has
+//! in exact rationals, and checks the proof of its lower end in rationals too; lengths are compared
+//! to [`rounding`]. [`faults`] takes [`brute_force`] for the truth: all pairs of triangles, fast,
+//! but by the same predicates and closest points of triangles that the walk falls back on.
+//! [`brute_force_depth`] tries all faces of the set of differences in `f64`.
 
 use cranny_concavity::walk::{FeatureGraph, HullAnswer, Relation, WalkHull};
 use cranny_exact::{DVec3, Interval, Meeting, Pose, RigidMap, Sign, classify_triangles, orient3d};
@@ -16,7 +16,8 @@ use cranny_testkit::{Q, Q3, Rng};
 /// How far from length 1 a normal may be: a few roundings.
 const UNIT: f64 = 48.0 * f64::EPSILON;
 
-/// Below this share of their lengths' product the cross product of two edges is rounding: they are parallel.
+/// Below this share of their lengths' product the cross product of two edges is rounding: they are
+/// parallel.
 const PARALLEL: f64 = 1e-9;
 
 /// A hull with its features.
@@ -69,7 +70,8 @@ pub fn rounding(a: &Body, b: &Body, map: &RigidMap) -> f64 {
     256.0 * f64::EPSILON * (a.reach() + b.reach() + map.translation.length())
 }
 
-/// Least distance over all pairs of triangles, and whether any two meet or one hull holds the other.
+/// Least distance over all pairs of triangles, and whether any two meet or one hull holds the
+/// other.
 #[must_use]
 pub fn brute_force(a: &Body, b: &Body, map: &RigidMap) -> (bool, f64) {
     let (first, second) = (a.triangles(&RigidMap::IDENTITY), b.triangles(map));
@@ -105,8 +107,8 @@ fn overlap_along(a: &Body, b: &Body, map: &RigidMap, direction: DVec3) -> f64 {
     (top - low.fold(f64::MAX, f64::min)) / direction.length()
 }
 
-/// The penetration depth of two small volumes: over every face of the set of differences, whose normals are
-/// those of triangles and the cross products of edges.
+/// The penetration depth of two small volumes: over every face of the set of differences, whose
+/// normals are those of triangles and the cross products of edges.
 #[must_use]
 pub fn brute_force_depth(a: &Body, b: &Body, map: &RigidMap) -> f64 {
     let (first, second) = (a.triangles(&RigidMap::IDENTITY), b.triangles(map));
@@ -127,8 +129,8 @@ pub fn brute_force_depth(a: &Body, b: &Body, map: &RigidMap) -> f64 {
     directions.iter().map(|&d| overlap_along(a, b, map, d)).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether, in exact rationals, along the answer's normal the vertices, as stored and as posed and rounded,
-/// are apart by the lower end of the separation.
+/// Whether, in exact rationals, along the answer's normal the vertices, as stored and as posed and
+/// rounded, are apart by the lower end of the separation.
 #[must_use]
 pub fn proves_lower_end(a: &Body, b: &Body, map: &RigidMap, found: &HullAnswer) -> bool {
     let normal = Q3::exactly(found.normal);
@@ -157,7 +159,8 @@ pub fn faults(a: &Body, b: &Body, map: &RigidMap, found: &HullAnswer) -> Vec<Str
     faults_beside(a, b, map, found, brute_force(a, b, map))
 }
 
-/// What is wrong with an answer where hulls meet, or do not and are so far apart; nothing where it is right.
+/// What is wrong with an answer where hulls meet, or do not and are so far apart; nothing where it
+/// is right.
 #[must_use]
 pub fn faults_beside(
     a: &Body,

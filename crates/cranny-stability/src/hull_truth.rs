@@ -18,9 +18,9 @@ pub struct HullTruth {
 impl HullTruth {
     /// Of the first's vertices as stored and the second's as posed and rounded.
     ///
-    /// Triangles are constructed in rationals, pair by pair, nearest first, until the rest is certainly
-    /// farther. `towards`, of length 1 or so, roughly from the first to the second, bounds by how far a pair
-    /// is apart along it: a wrong one costs time, never the answer.
+    /// Triangles are constructed in rationals, pair by pair, nearest first, until the rest is
+    /// certainly farther. `towards`, of length 1 or so, roughly from the first to the second,
+    /// bounds by how far a pair is apart along it: a wrong one costs time, never the answer.
     #[must_use]
     pub fn of(a: &Body, b: &Body, map: &RigidMap, towards: DVec3) -> Self {
         let (first, second) = (a.triangles(&RigidMap::IDENTITY), b.triangles(map));

@@ -1,8 +1,8 @@
-//! Two bodies, asked about in every way and judged by exact rationals.
+//! Two bodies, queried in every way and judged by exact rationals.
 //!
-//! The oracle reads world coordinates, the product those in the frame of the pair's first body. They are the
-//! same where posing rounds nothing: families use poses that turn axes to axes and move by numbers with room
-//! to spare, or put the pair's first body where its mesh has it.
+//! The oracle reads world coordinates, the product those in the frame of the pair's first body.
+//! They are the same where posing rounds nothing: families use poses that turn axes to axes and
+//! move by numbers with room to spare, or put the pair's first body where its mesh has it.
 
 use cranny_exact::{Interval, Meeting, Pose};
 use cranny_geometry::Model;
@@ -33,11 +33,12 @@ pub(crate) struct Truth {
 /// What a posed coordinate or a constructed point may be off by, in scales: some hundred roundings.
 const LENGTH_ERROR: f64 = 64.0 * f64::EPSILON;
 
-/// A claimed interval of more than so many length errors says too little. One that is honest to both sides
-/// takes two.
+/// A claimed interval of more than so many length errors says too little. One that is honest to
+/// both sides takes two.
 const WIDEST: f64 = 4.0;
 
-/// Of a depth, in scales: where faces lie flush it is read beside there, 2^-28 to each side; twice that passes.
+/// Of a depth, in scales: where faces lie flush it is read beside there, 2^-28 to each side; twice
+/// that passes.
 const WIDEST_DEPTH: f64 = 1.0 / (1u64 << 26) as f64;
 
 impl Truth {
@@ -116,7 +117,7 @@ pub(crate) fn told(answer: Answer) -> Answer {
     Answer { counters: Default::default(), ..answer }
 }
 
-/// What may be asked about a pair.
+/// The demands of a pair.
 pub(crate) const DEMANDS: [Demand; 4] = [
     Demand::Intersects,
     Demand::Distance { below: None },
@@ -124,7 +125,7 @@ pub(crate) const DEMANDS: [Demand; 4] = [
     Demand::Regions { margin: 0.0 },
 ];
 
-/// One that is asked without history.
+/// One query without history.
 pub(crate) fn cold(a: Placed, b: Placed, demand: Demand) -> Result<Answer, QueryError> {
     query(a, b, &Query::of(demand), &mut PairMemory::default()).map(told)
 }
@@ -251,13 +252,14 @@ fn judge_lengths(case: &mut Case, answer: &Answer, demand: Demand, truth: &Truth
         (Demand::Regions { .. }, None) if is_deep => {}
         _ => judge_distance(case, answer.separation, demand, distance, truth),
     }
-    // The other way round, a gap far below the rounding of coordinates may be told to be 0.
+    // The other way round, a gap far below the rounding of coordinates may be reported as 0.
     if truth.verdict.surface.meets() && distance != 0.0 {
         case.faults.push(format!("{demand:?} tells {distance:e} of surfaces that meet"));
     }
 }
 
-/// The squared gap lies between the squares of the ends, and the told distance between the ends.
+/// The squared gap lies between the squares of the ends, and the reported distance between the
+/// ends.
 fn judge_distance(case: &mut Case, claim: Interval, demand: Demand, distance: f64, truth: &Truth) {
     let square = |x: f64| Q::try_from(x.max(0.0)).map_or(Q::ZERO, |x| &x * &x);
     if truth.gap < square(claim.lo) || square(claim.hi) < truth.gap {
@@ -283,7 +285,8 @@ fn judge_depth(case: &mut Case, answer: &Answer, depth: f64, scale: f64) {
     judge_claim(case, "depth", -deepest, (deepest - depth).abs(), claim, widest);
 }
 
-/// What was told lies in its own interval, this is narrow, and the error is no larger than it allows.
+/// The answer lies in its own interval, this is narrow, and the error is no larger than it
+/// allows.
 fn judge_claim(case: &mut Case, what: &str, told: f64, error: f64, claim: Interval, widest: f64) {
     let width = claim.width();
     if !claim.contains(told) {

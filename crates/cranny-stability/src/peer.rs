@@ -1,4 +1,4 @@
-//! Whoever else is asked the same questions.
+//! Another detector that answers the same questions.
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;

@@ -1,4 +1,4 @@
-//! A family at work: its random numbers, and the cases that it has told.
+//! A family at work: its random numbers, and the cases that it has reported.
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -62,7 +62,7 @@ impl<'p> Trial<'p> {
         self.push(case);
     }
 
-    /// A case that could not even be asked.
+    /// A case that could not even be posed.
     pub(crate) fn failed(&mut self, name: &str, fault: String) {
         self.push(Case { name: name.to_owned(), faults: vec![fault], ..Case::default() });
     }

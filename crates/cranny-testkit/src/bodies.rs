@@ -1,4 +1,5 @@
-//! Solids whose corners are small whole numbers, most of them with concavities, and turns that keep them so.
+//! Solids whose corners are small whole numbers, most of them with concavities, and turns that keep
+//! them so.
 
 use std::collections::HashMap;
 

@@ -9,8 +9,8 @@ use crate::triangle::rational_meeting;
 /// The *square* of the least distance of two closed triangles: 0 where they meet. Roots are
 /// irrational, so whoever has a distance compares its square.
 ///
-/// All fifteen pairs of features that can attain it are tried, whole: a segment's nearest point to a
-/// point by its parameter cut to \[0, 1\], a triangle's by barycentric coordinates where none is
+/// All fifteen pairs of features that can attain it are tried, whole: a segment's nearest point to
+/// a point by its parameter cut to \[0, 1\], a triangle's by barycentric coordinates where none is
 /// negative, two lines' by the parameters where the connection is at right angles to both.
 ///
 /// # Panics
@@ -39,8 +39,8 @@ pub fn rational_distance_squared(a: &[DVec3; 3], b: &[DVec3; 3]) -> Q {
 
 /// The *square* of the least distance of two posed surfaces: 0 where they meet.
 ///
-/// Pairs of faces whose boxes are certainly farther apart than some pair of corners are left out; all
-/// others are measured as [`rational_distance_squared`] does.
+/// Pairs of faces whose boxes are certainly farther apart than some pair of corners are left out;
+/// all others are measured as [`rational_distance_squared`] does.
 #[must_use]
 pub fn rational_gap_squared(a: &PosedMesh, b: &PosedMesh) -> Q {
     let mut order: Vec<(f64, usize, usize)> = Vec::new();
@@ -64,15 +64,16 @@ pub fn rational_gap_squared(a: &PosedMesh, b: &PosedMesh) -> Q {
     least.unwrap_or(Q::ZERO)
 }
 
-/// No more than the squared distance of the triangles' boxes: rounded, and then less by more than all of it.
+/// No more than the squared distance of the triangles' boxes: rounded, and then less by more than
+/// all of it.
 fn box_gap_squared(f: &[DVec3; 3], g: &[DVec3; 3]) -> f64 {
     let [f, g] = [f, g].map(|t| Aabb::of_points(*t));
     let apart = (f.min - g.max).max(g.min - f.max).max(DVec3::ZERO);
     apart.length_squared() * (1.0 - 16.0 * f64::EPSILON)
 }
 
-/// By how much `distance` misses the root of `squared`, to a few units in the last place of the error
-/// itself: the difference of the squares is exact.
+/// By how much `distance` misses the root of `squared`, to a few units in the last place of the
+/// error itself: the difference of the squares is exact.
 ///
 /// # Panics
 ///
@@ -168,7 +169,8 @@ mod tests {
             squared([[7.0, -4.0, 0.0], [9.0, -3.0, 9.0], [9.0, -9.0, 0.0]], &FLOOR);
         assert_eq!(beyond_a_corner, Q::from(25));
         let crossed = squared([[1.0, -2.0, -1.0], [1.0, -1.0, 2.0], [1.0, -9.0, 2.0]], &FLOOR);
-        // The side from (1, −2, −1) to (1, −1, 2): its line is 5/√10 off the origin of the y–z plane.
+        // The side from (1, −2, −1) to (1, −1, 2): its line is 5/√10 off the origin of the y–z
+        // plane.
         assert_eq!(crossed, Q::from(25) / Q::from(10));
         let edges = squared([[1.0, -1.0, 2.0], [1.0, 1.0, 2.0], [1.0, 0.0, 9.0]], &{
             [DVec3::ZERO, 4.0 * DVec3::X, DVec3::new(2.0, 0.0, -5.0)]

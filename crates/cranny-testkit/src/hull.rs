@@ -23,9 +23,9 @@ impl HullFault {
 
 /// What is wrong with triangles that are said to be the hull of `points`, outward; `None`: nothing.
 ///
-/// They must be closed (every edge run once in each direction), hang together, have the genus of a sphere,
-/// have area, and no point may lie above any of them. Then each lies in the hull's surface, and together
-/// they cover it. Points × triangles determinants, in rationals.
+/// They must be closed (every edge run once in each direction), hang together, have the genus of a
+/// sphere, have area, and no point may lie above any of them. Then each lies in the hull's surface,
+/// and together they cover it. Points × triangles determinants, in rationals.
 #[must_use]
 pub fn rational_hull_fault(points: &[DVec3], triangles: &[[DVec3; 3]]) -> Option<HullFault> {
     if triangles.is_empty() {

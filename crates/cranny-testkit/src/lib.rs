@@ -10,8 +10,8 @@
 //! # Non-promises
 //!
 //! Nothing here is fast (tens of microseconds a triangle pair), and nothing but tests, benches and
-//! `cranny stability` may depend on it. Solids must be embedded: closed meshes may have several shells, but no shell
-//! may pass through itself or another.
+//! `cranny stability` may depend on it. Solids must be embedded: closed meshes may have several
+//! shells, but no shell may pass through itself or another.
 //!
 //! ```
 //! use cranny_exact::{DVec3, Meeting, classify_triangles};

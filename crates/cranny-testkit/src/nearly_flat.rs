@@ -1,7 +1,8 @@
-//! Closed solids made of bytes, whose sides are flat but for about as much as rounding, and moves of their
-//! vertices: for fuzzing, and for tests that draw the bytes from a seed.
+//! Closed solids made of bytes, whose sides are flat but for about as much as rounding, and moves
+//! of their vertices: for fuzzing, and for tests that draw the bytes from a seed.
 //!
-//! Every solid is embedded but for what rounding and the smallest steps do, and there by no more than these.
+//! Every solid is embedded but for what rounding and the smallest steps do, and there by no more
+//! than these.
 
 use std::collections::BTreeMap;
 
@@ -47,8 +48,8 @@ enum Written {
     Single,
 }
 
-/// A closed solid: cells of a lattice with a few thin layers, or rings one upon the other; upright or turned;
-/// its vertices off their places by about the flatness; in double or single precision.
+/// A closed solid: cells of a lattice with a few thin layers, or rings one upon the other; upright
+/// or turned; its vertices off their places by about the flatness; in double or single precision.
 #[must_use]
 pub fn nearly_flat_solid(bytes: &mut Bytes<'_>) -> Mesh {
     let form = bytes.byte();
@@ -203,7 +204,8 @@ fn rings(bytes: &mut Bytes<'_>, unit: f64) -> Mesh {
     Mesh::new(vertices, faces).expect("indices of vertices")
 }
 
-/// Moves of up to eight vertices: by about the flatness, by a part of the body, onto the line between two others.
+/// Moves of up to eight vertices: by about the flatness, by a part of the body, onto the line
+/// between two others.
 pub fn few_moves(mesh: &Mesh, bytes: &mut Bytes<'_>) -> Vec<(VertexId, DVec3)> {
     let count = mesh.vertices().len();
     let largest = mesh.vertices().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);

@@ -8,15 +8,15 @@
 //! 1. Cut each face of A along everything that it shares with faces of B: segments, and the rims of
 //!    co-planar overlaps. Within a *cell*, the open 2-D pieces that remain, all points (but for
 //!    isolated ones, where a corner of B stands on it) are alike: strictly inside B, strictly
-//!    outside, or on faces of B that face the *same* or the *opposite* way. One rational sample each
-//!    decides. Likewise for the faces of B.
+//!    outside, or on faces of B that face the *same* or the *opposite* way. One rational sample
+//!    each decides. Likewise for the faces of B.
 //! 2. The open insides meet if and only if a cell of A lies inside B, or a cell of B inside A, or a
 //!    cell of A lies on B facing the same way. *If*: next to each point of a cell lies A's inside,
-//!    and there B's inside is on both sides, or on the same side. *Only if*: the intersection of the
-//!    insides is open and bounded, so its boundary has 2-D pieces; each lies in a cell of A or of B,
-//!    and has the intersection on one side, so it is one of the three.
-//! 3. A lies in B if and only if no cell of A lies outside B or on it facing the opposite way, and no
-//!    cell of B lies inside A. Then B's surface, which is 2-D at every point, does not enter A's
+//!    and there B's inside is on both sides, or on the same side. *Only if*: the intersection of
+//!    the insides is open and bounded, so its boundary has 2-D pieces; each lies in a cell of A or
+//!    of B, and has the intersection on one side, so it is one of the three.
+//! 3. A lies in B if and only if no cell of A lies outside B or on it facing the opposite way, and
+//!    no cell of B lies inside A. Then B's surface, which is 2-D at every point, does not enter A's
 //!    inside, so each component of it is wholly in B or wholly out; out, a cell at its boundary
 //!    would lie outside or face the opposite way.
 //!

@@ -24,8 +24,9 @@ pub fn rational_contact(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Vec<Q3>) {
     contact(&Region::of(&a.map(Q3::exactly)), &Region::of(&b.map(Q3::exactly)))
 }
 
-/// Clips A by the half-spaces whose intersection is B. What is left is convex. Where some point lies
-/// inside both triangles, the inside of what is left lies inside both, so its centroid tells.
+/// Clips A by the half-spaces whose intersection is B. What is left is convex. Where some point
+/// lies inside both triangles, the inside of what is left lies inside both, so its centroid
+/// decides.
 pub(crate) fn contact(a: &Region, b: &Region) -> (Meeting, Polygon) {
     let shared = b.clip(&a.corners);
     if shared.is_empty() {

@@ -8,7 +8,8 @@ use crate::random::Rng;
 /// slowest rest but for rounding; faster ones than the fastest are jumps.
 const PACES: [f64; 4] = [1e-9, 1e-4, 1e-3, 1e-2];
 
-/// A walk that keeps near a first body at the origin: it drifts, turns, rests, turns back and jumps.
+/// A walk that keeps near a first body at the origin: it drifts, turns, rests, turns back and
+/// jumps.
 #[derive(Clone, Copy, Debug)]
 pub struct Walk {
     /// Where the second body is: first_from_second.

@@ -93,7 +93,10 @@ impl Default for Material {
     }
 }
 
-/// What a scene asks for; nothing else is computed, allocated or scheduled.
+/// What a scene names; nothing else is computed, allocated or scheduled.
+///
+/// To add an effect, begin with a variant here and go on by CONTRIBUTING.md, 'An effect': it lists
+/// every place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Effect {

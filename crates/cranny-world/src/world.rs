@@ -307,7 +307,8 @@ impl World {
         self.memories.len()
     }
 
-    /// Updates the broad phase and forgets pairs whose boxes have parted.
+    /// Updates the broad phase and forgets pairs whose boxes have parted. `cranny-broad-phase`
+    /// decides that they have: the header of its `pairs` says where.
     fn update_pairs(&mut self) {
         for event in self.broad_phase.update() {
             if let OverlapEvent::Ended(a, b) = *event {

@@ -1,8 +1,10 @@
-//! Overlapping boxes from frame to frame: our back ends against parry's `Bvh`, exact and with a skin.
+//! Overlapping boxes from frame to frame: our back ends against parry's `Bvh`, exact and with a
+//! skin.
 //!
-//! Unit cubes at random, 2.8 partners each. All see the same boxes in every frame, and keep the list of
-//! pairs: ours the exact ones, sorted, with what began and ended; parry's tree the pairs of its own
-//! boxes, unsorted where it keeps none (exact), the difference merged in where it does (skin).
+//! Unit cubes at random, 2.8 partners each. All see the same boxes in every frame, and keep the
+//! list of pairs: ours the exact ones, sorted, with what began and ended; parry's tree the pairs of
+//! its own boxes, unsorted where it keeps none (exact), the difference merged in where it does
+//! (skin).
 
 use cpu_time::ThreadTime;
 use cranny_broad_phase::{
@@ -34,14 +36,14 @@ enum Gait {
     Straight(f64),
 }
 
-struct Case {
+struct BroadCase {
     boxes: usize,
     /// One in so many moves in a frame.
     one_in: usize,
     gait: Gait,
 }
 
-impl Case {
+impl BroadCase {
     fn name(&self) -> String {
         let who = if self.one_in == 1 { "all".into() } else { format!("1 in {}", self.one_in) };
         let how = match self.gait {
@@ -63,7 +65,7 @@ pub(crate) fn measure(quick: bool, only: &str) -> Report {
         (1, Gait::Random(0.1)),
     ];
     let cases = sizes.iter().flat_map(|&boxes| {
-        gaits.into_iter().map(move |(one_in, gait)| Case { boxes, one_in, gait })
+        gaits.into_iter().map(move |(one_in, gait)| BroadCase { boxes, one_in, gait })
     });
     let rows = cases
         .filter(|case| case.name().contains(only))
@@ -107,7 +109,7 @@ fn bulk(sizes: &[usize], only: &str) -> Table {
 
 fn bulk_row<B: BroadPhase + Default>(name: String, boxes: usize) -> Vec<Cell> {
     let mut broad = B::default();
-    let first = Scene::new(boxes).cubes;
+    let first = CubeScene::new(boxes).cubes;
     // Every box where another one was.
     let elsewhere = first.iter().rev();
     let ids = || (0..).map(ProxyId);
@@ -134,14 +136,14 @@ fn bulk_row<B: BroadPhase + Default>(name: String, boxes: usize) -> Vec<Cell> {
 }
 
 /// Cubes and how they go.
-struct Scene {
+struct CubeScene {
     cubes: Vec<Aabb>,
     ways: Vec<DVec3>,
     edge: f64,
     random: Random,
 }
 
-impl Scene {
+impl CubeScene {
     fn new(boxes: usize) -> Self {
         // Two unit cubes at random in a cube of edge L meet with probability (2 / L)^3.
         let edge = 2.0 * (boxes as f64 / PARTNERS).cbrt();
@@ -156,7 +158,7 @@ impl Scene {
     }
 
     /// Moves the cubes whose turn it is; their numbers, and where they are now.
-    fn step(&mut self, frame: usize, case: &Case) -> Step {
+    fn step(&mut self, frame: usize, case: &BroadCase) -> Step {
         let moved: Vec<usize> = (frame % case.one_in..case.boxes).step_by(case.one_in).collect();
         for &i in &moved {
             let by = match case.gait {
@@ -183,12 +185,12 @@ impl Scene {
 /// The boxes that are elsewhere in a frame.
 type Step = Vec<(u32, Aabb)>;
 
-/// Frames that a contestant runs before the next one has its turn on the same frames: what it keeps is
-/// in the caches, as in a program that has one.
+/// Frames that a contestant runs before the next one has its turn on the same frames: what it keeps
+/// is in the caches, as in a program that has one.
 const BLOCK: usize = 20;
 
 /// What is timed: one frame's boxes in, pairs up to date.
-trait Contestant {
+trait BroadContestant {
     fn frame(&mut self, step: &Step);
     fn pair_count(&self) -> usize;
 
@@ -197,7 +199,7 @@ trait Contestant {
     }
 }
 
-impl<B: BroadPhase> Contestant for B {
+impl<B: BroadPhase> BroadContestant for B {
     fn frame(&mut self, step: &Step) {
         for &(id, cube) in step {
             // Known ids and sound boxes: nothing is refused, and pairs are compared afterwards.
@@ -215,11 +217,11 @@ impl<B: BroadPhase> Contestant for B {
     }
 }
 
-/// So many frames of so many cubes, of which one in `one_in` moves by up to 1 % of its size, after a block of
-/// frames to choose a back end in.
+/// So many frames of so many cubes, of which one in `one_in` moves by up to 1 % of its size, after
+/// a block of frames to choose a back end in.
 pub(crate) fn work(boxes: usize, one_in: usize, frames: usize) -> Option<Work> {
-    let case = Case { boxes, one_in, gait: Gait::Random(0.01) };
-    let mut scene = Scene::new(boxes);
+    let case = BroadCase { boxes, one_in, gait: Gait::Random(0.01) };
+    let mut scene = CubeScene::new(boxes);
     let mut broad: AdaptiveBroadPhase = filled(&scene.cubes).ok()?;
     for frame in 0..BLOCK {
         broad.frame(&scene.step(frame, &case));
@@ -249,7 +251,8 @@ struct ExactTree {
     pairs: Vec<(u32, u32)>,
 }
 
-/// The same with a skin: only what changed is walked; pairs are kept, and dropped when the fat boxes part.
+/// The same with a skin: only what changed is walked; pairs are kept, and dropped when the fat
+/// boxes part.
 struct SkinTree {
     tree: Bvh,
     workspace: BvhWorkspace,
@@ -262,7 +265,7 @@ fn tree_of(cubes: &[Aabb], skin: f32) -> Bvh {
     Bvh::from_iter(BvhBuildStrategy::Binned, leaves)
 }
 
-impl Contestant for ExactTree {
+impl BroadContestant for ExactTree {
     fn frame(&mut self, step: &Step) {
         let Self { tree, workspace, pairs } = self;
         for (id, cube) in step {
@@ -278,7 +281,7 @@ impl Contestant for ExactTree {
     }
 }
 
-impl Contestant for SkinTree {
+impl BroadContestant for SkinTree {
     fn frame(&mut self, step: &Step) {
         let Self { tree, workspace, pairs, new } = self;
         for (id, cube) in step {
@@ -305,7 +308,7 @@ impl Contestant for SkinTree {
     }
 }
 
-fn row(case: &Case, frames: usize) -> Vec<Cell> {
+fn row(case: &BroadCase, frames: usize) -> Vec<Cell> {
     try_row(case, frames).unwrap_or_else(|error| {
         let mut cells = vec![Cell::Absent; 12];
         cells[0] = Cell::Text(error.to_string());
@@ -313,8 +316,8 @@ fn row(case: &Case, frames: usize) -> Vec<Cell> {
     })
 }
 
-fn try_row(case: &Case, frames: usize) -> Result<Vec<Cell>, BroadPhaseError> {
-    let mut scene = Scene::new(case.boxes);
+fn try_row(case: &BroadCase, frames: usize) -> Result<Vec<Cell>, BroadPhaseError> {
+    let mut scene = CubeScene::new(case.boxes);
     let mut sweep: SweepAndPrune = filled(&scene.cubes)?;
     let mut tree: BoxTree = filled(&scene.cubes)?;
     let mut adaptive: AdaptiveBroadPhase = filled(&scene.cubes)?;
@@ -338,7 +341,7 @@ fn try_row(case: &Case, frames: usize) -> Result<Vec<Cell>, BroadPhaseError> {
     // The adaptive one is given a block to choose in: what is timed is motion that goes on.
     for block in 0..=frames / BLOCK {
         let steps: Vec<Step> = (0..BLOCK).map(|n| scene.step(block * BLOCK + n, case)).collect();
-        let mut run = |contestant: &mut dyn Contestant, turn: usize| {
+        let mut run = |contestant: &mut dyn BroadContestant, turn: usize| {
             for step in &steps {
                 let start = ThreadTime::now();
                 contestant.frame(step);

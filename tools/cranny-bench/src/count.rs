@@ -1,7 +1,8 @@
-//! Fixed pieces of work, whose instructions somebody else counts: `cargo run -p xtask -- instructions`.
+//! Fixed pieces of work, whose instructions somebody else counts:
+//! `cargo run -p xtask -- instructions`.
 //!
-//! A clock tells how busy a machine is as much as how much there was to do; the instructions of the same
-//! work are the same to a thousandth, so that a slow-down is seen by comparing two numbers.
+//! A clock shows how busy a machine is as much as how much there was to do; the instructions of the
+//! same work are the same to a thousandth, so that a slow-down is seen by comparing two numbers.
 
 use std::hint::black_box;
 use std::io::{self, Write};
@@ -19,7 +20,7 @@ use crate::{broad, cloud, pairs, solid, walk};
 pub(crate) type Work = Box<dyn FnMut()>;
 
 /// A piece of work.
-struct Case {
+struct CountedWork {
     name: &'static str,
     /// Sets it up; `None` where its bodies cannot be made.
     made: fn() -> Option<Work>,
@@ -32,55 +33,79 @@ const REGIONS: Demand = Demand::Regions { margin: 0.0 };
 const THREAD: Demand = Demand::contacts(0.05);
 
 /// Names have no spaces at their ends and stay as they are: figures are kept by them.
-const CASES: &[Case] = &[
-    Case { name: "prepare golf 1k", made: || Some(preparing(solid::golf_ball(1_000).ok()?)) },
-    Case { name: "prepare bolt 28k", made: || Some(preparing(solid::bolt().ok()?)) },
-    Case { name: "load bolt 28k", made: loading },
-    Case {
+const CASES: &[CountedWork] = &[
+    CountedWork {
+        name: "prepare golf 1k",
+        made: || Some(preparing(solid::golf_ball(1_000).ok()?)),
+    },
+    CountedWork { name: "prepare bolt 28k", made: || Some(preparing(solid::bolt().ok()?)) },
+    CountedWork { name: "load bolt 28k", made: loading },
+    CountedWork {
         name: "concavities of golf 1k",
         made: || making_concavities(solid::golf_ball(1_000).ok()?),
     },
-    Case { name: "concavities of bolt 28k", made: || making_concavities(solid::bolt().ok()?) },
-    Case {
+    CountedWork {
+        name: "concavities of bolt 28k",
+        made: || making_concavities(solid::bolt().ok()?),
+    },
+    CountedWork {
         name: "deform golf 100k, 10 in a pocket",
         made: || deform::work(100_000, Place::Pocket, 10),
     },
-    Case { name: "deform golf 100k, 10 at a rim", made: || deform::work(100_000, Place::Rim, 10) },
-    Case {
+    CountedWork {
+        name: "deform golf 100k, 10 at a rim",
+        made: || deform::work(100_000, Place::Rim, 10),
+    },
+    CountedWork {
         name: "deform golf 100k, 10 outward",
         made: || deform::work(100_000, Place::Outward, 10),
     },
-    Case { name: "deform golf 100k, 1 outward", made: || deform::work(100_000, Place::Outward, 1) },
-    Case { name: "hull of 10k on a sphere", made: hull },
-    Case { name: "walk near 500 points", made: || walk::work(0.1, 500, 300) },
-    Case { name: "walk deep 500 points", made: || walk::work(-0.5, 500, 300) },
-    Case {
+    CountedWork {
+        name: "deform golf 100k, 1 outward",
+        made: || deform::work(100_000, Place::Outward, 1),
+    },
+    CountedWork { name: "hull of 10k on a sphere", made: hull },
+    CountedWork { name: "walk near 500 points", made: || walk::work(0.1, 500, 300) },
+    CountedWork { name: "walk deep 500 points", made: || walk::work(-0.5, 500, 300) },
+    CountedWork {
         name: "intersects near golf 1k",
         made: || warm("golf 1k near", Demand::Intersects, 100),
     },
-    Case {
+    CountedWork {
         name: "intersects near golf 10k",
         made: || warm("golf 10k near", Demand::Intersects, 100),
     },
-    Case { name: "distance near golf 10k", made: || warm("golf 10k near", DISTANCE, 100) },
-    Case { name: "distance near torus 10k, cold", made: || cold("torus 10k near", DISTANCE, 20) },
-    Case {
+    CountedWork { name: "distance near golf 10k", made: || warm("golf 10k near", DISTANCE, 100) },
+    CountedWork {
+        name: "distance near torus 10k, cold",
+        made: || cold("torus 10k near", DISTANCE, 20),
+    },
+    CountedWork {
         name: "intersects contact torus 10k",
         made: || warm("torus 10k contact", Demand::Intersects, 100),
     },
-    Case { name: "regions contact torus 10k", made: || warm("torus 10k contact", REGIONS, 20) },
-    Case { name: "regions contact golf 10k", made: || warm("golf 10k contact", REGIONS, 20) },
-    Case {
+    CountedWork {
+        name: "regions contact torus 10k",
+        made: || warm("torus 10k contact", REGIONS, 20),
+    },
+    CountedWork {
+        name: "regions contact golf 10k",
+        made: || warm("golf 10k contact", REGIONS, 20),
+    },
+    CountedWork {
         name: "contacts contact torus 10k",
         made: || warm("torus 10k contact", Demand::contacts(0.002), 20),
     },
-    Case {
+    CountedWork {
         name: "intersects nut 2 degrees",
         made: || warm("nut on bolt, 2 degrees", Demand::Intersects, 8),
     },
-    Case { name: "contacts nut 1.5 degrees", made: || warm("nut on bolt, 1.5 degrees", THREAD, 8) },
-    Case { name: "broad 2k, 1 in 100 moving", made: || broad::work(2_000, 100, 40) },
-    Case { name: "broad 2k, all moving 1 %", made: || broad::work(2_000, 1, 40) },
+    CountedWork {
+        name: "contacts nut 1.5 degrees",
+        made: || warm("nut on bolt, 1.5 degrees", THREAD, 8),
+    },
+    CountedWork { name: "broad 2k, 1 in 100 moving", made: || broad::work(2_000, 100, 40) },
+    CountedWork { name: "broad 2k, all moving 1 %", made: || broad::work(2_000, 1, 40) },
 ];
 
 /// Does the piece of work of that name; without a name, lists them.

@@ -12,8 +12,9 @@ use crate::report::{Cell, Report, Table};
 use crate::solid;
 use crate::stopwatch::{Patience, keep, race};
 
-/// How far vertices are moved, as a share of their distance from the body's middle. Larger, and patches of
-/// the smallest meshes are divided; smaller than slabs are deep (2⁻⁴⁰ or so), and nothing would leave the hull.
+/// How far vertices are moved, as a share of their distance from the body's middle. Larger, and
+/// patches of the smallest meshes are divided; smaller than slabs are deep (2⁻⁴⁰ or so), and
+/// nothing would leave the hull.
 const SHARE: f64 = 1e-5;
 
 const MOVED: [usize; 4] = [1, 10, 100, 1_000];
@@ -242,8 +243,8 @@ struct Swinging {
 }
 
 impl Swinging {
-    /// Of some vertices, which have been there and are back: what the first deformation makes is there. And how
-    /// much there was to look at on the way there.
+    /// Of some vertices, which have been there and are back: what the first deformation makes is
+    /// there. And how much there was to look at on the way there.
     fn of(
         model: &Model,
         place: Place,

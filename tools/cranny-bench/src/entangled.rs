@@ -1,8 +1,8 @@
 //! Pairs whose hulls overlap: ours warm and cold, parry's meshes and decompositions, and Coal.
 //!
-//! All contestants take turns on the same poses in one run. A frame is a step of one of our simulations
-//! or a number of degrees of motion. Its time is the thread's CPU time, summed over its pairs, at the
-//! best of some turns. A ratio divides medians over the frames of both contestants.
+//! All contestants take turns on the same poses in one run. A frame is a step of one of our
+//! simulations or a number of degrees of motion. Its time is the thread's CPU time, summed over its
+//! pairs, at the best of some turns. A ratio divides medians over the frames of both contestants.
 
 mod catalog;
 mod check;
@@ -39,7 +39,8 @@ use crate::report::Report;
 /// The cases to measure, and how.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct EntangledArgs {
-    /// Only cases whose name contains one of these; `pile of 500 late` and the like are named in full
+    /// Only cases whose name contains one of these; `pile of 500 late` and the like are named in
+    /// full
     #[arg(value_name = "CASE")]
     cases: Vec<String>,
 

@@ -1,4 +1,5 @@
-//! Pairs in motion as files, for `cranny accuracy` and `cranny query`: two meshes and a list of poses.
+//! Pairs in motion as files, for `cranny accuracy` and `cranny query`: two meshes and a list of
+//! poses.
 //!
 //! Each motion leads from apart to overlapping and back, slowly enough for memory to help.
 
@@ -15,7 +16,7 @@ use cranny_shapes::{GolfBall, IsoBolt, IsoNut, ShapeError, Torus};
 use crate::report::{Cell, Report, Table};
 
 /// Two meshes, the first at rest, and the second's poses.
-struct Motion {
+struct ExportedMotion {
     name: &'static str,
     meshes: [Mesh; 2],
     poses: Vec<Pose>,
@@ -75,7 +76,7 @@ fn swing(frame: usize, frames: usize) -> f64 {
 }
 
 /// Balls of diameter 1, a gap of 5 % to an overlap of 2 %, spinning half a degree a frame.
-fn golf_balls(frames: usize) -> Result<Motion, ShapeError> {
+fn golf_balls(frames: usize) -> Result<ExportedMotion, ShapeError> {
     let ball = GolfBall {
         triangles: 1_000,
         dimples: 36,
@@ -92,15 +93,16 @@ fn golf_balls(frames: usize) -> Result<Motion, ShapeError> {
             translation: (1.0 + gap) * DVec3::new(0.6, 0.64, 0.48),
         }
     };
-    Ok(Motion {
+    Ok(ExportedMotion {
         name: "golf-1k",
         meshes: [mesh.clone(), mesh],
         poses: (0..frames).map(pose).collect(),
     })
 }
 
-/// Two links of a chain: rings of diameter 1 through each other, pulled until they overlap a little.
-fn linked_tori(frames: usize) -> Result<Motion, ShapeError> {
+/// Two links of a chain: rings of diameter 1 through each other, pulled until they overlap a
+/// little.
+fn linked_tori(frames: usize) -> Result<ExportedMotion, ShapeError> {
     let ring =
         Torus { major_radius: 0.4, minor_radius: 0.1, major_segments: 44, minor_segments: 12 };
     let mesh = ring.build()?;
@@ -113,16 +115,16 @@ fn linked_tori(frames: usize) -> Result<Motion, ShapeError> {
             translation: pull * DVec3::new(1.0, 0.02, 0.03),
         }
     };
-    Ok(Motion {
+    Ok(ExportedMotion {
         name: "torus-link",
         meshes: [mesh.clone(), mesh],
         poses: (0..frames).map(pose).collect(),
     })
 }
 
-/// An M16 nut screwed along its bolt, half a degree a frame, while it is shifted along the axis by up to
-/// a twentieth of the pitch: more than the flanks' clearance.
-fn nut_on_bolt(frames: usize) -> Result<Motion, ShapeError> {
+/// An M16 nut screwed along its bolt, half a degree a frame, while it is shifted along the axis by
+/// up to a twentieth of the pitch: more than the flanks' clearance.
+fn nut_on_bolt(frames: usize) -> Result<ExportedMotion, ShapeError> {
     let (bolt, nut) = (IsoBolt::default(), IsoNut::default());
     let pitch = bolt.pitch;
     let pose = |frame| {
@@ -133,7 +135,7 @@ fn nut_on_bolt(frames: usize) -> Result<Motion, ShapeError> {
             translation: (12.0 + pitch * angle / TAU + shift) * DVec3::Z,
         }
     };
-    Ok(Motion {
+    Ok(ExportedMotion {
         name: "nut-on-bolt",
         meshes: [bolt.build()?, nut.build()?],
         poses: (0..frames).map(pose).collect(),

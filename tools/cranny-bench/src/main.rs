@@ -129,7 +129,7 @@ fn exit(outcome: io::Result<()>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
-            // Where standard error fails as well, the exit code is all that can be told.
+            // Where standard error fails as well, the exit code is all that can be reported.
             let _ = writeln!(io::stderr(), "error: {error}");
             ExitCode::FAILURE
         }

@@ -1,6 +1,8 @@
-//! Pairs of meshes in slow motion, for pieces of work that are counted and for methods side by side.
+//! Pairs of meshes in slow motion, for pieces of work that are counted and for methods side by
+//! side.
 //!
-//! A frame is a pose of the second body. Figures beside peers are [`entangled`](crate::entangled)'s.
+//! A frame is a pose of the second body. Figures beside peers are
+//! [`entangled`](crate::entangled)'s.
 
 pub(crate) mod methods;
 mod scenes;

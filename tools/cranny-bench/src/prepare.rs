@@ -34,7 +34,7 @@ pub(crate) fn measure(quick: bool) -> Report {
             "same run, same meshes, in turns; medians of thread CPU time; ratio = decomposition / cranny".into(),
             "load: Model::decode of what Model::encode made, in turns with building; build / load likewise".into(),
             "load all: the same and Model::prepare_all, which makes what a loaded model otherwise makes when it \
-             is first asked for it"
+             is first wanted for it"
                 .into(),
             "concavities: Concavities::of the model, which nobody pays for who does not ask for them".into(),
         ],
@@ -183,8 +183,8 @@ fn book(begun: &[(String, ThreadTime)], stages: &mut Vec<(String, Vec<f64>)>) {
     }
 }
 
-/// Golf balls of growing size: the slope is the exponent of growth since the row before; n log n has
-/// 1.1 to 1.07 at these sizes.
+/// Golf balls of growing size: the slope is the exponent of growth since the row before; n log n
+/// has 1.1 to 1.07 at these sizes.
 fn growth(quick: bool) -> Table {
     let sizes: &[u32] = if quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
     let mut rows: Vec<Vec<Cell>> = Vec::new();

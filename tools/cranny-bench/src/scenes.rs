@@ -1,7 +1,7 @@
 //! A step of whole scenes under our detector, beside rapier's own, and how fast scenes run.
 //!
-//! `cranny compare` and `cranny run` do the work, one process a scene: all detectors of a scene take
-//! their steps in turn.
+//! `cranny compare` and `cranny run` do the work, one process a scene: all detectors of a scene
+//! take their steps in turn.
 
 use std::io;
 use std::path::Path;
@@ -61,7 +61,7 @@ pub(crate) fn measure(quick: bool, args: &ScenesArgs) -> io::Result<Report> {
         progress(scene);
         let compared = cranny("compare", scene, seconds)?;
         let run = cranny("run", scene, seconds)?;
-        let row = Row::read(scene, &compared, run.last())
+        let row = SceneRow::read(scene, &compared, run.last())
             .ok_or_else(|| io::Error::other(format!("{scene}: `cranny` prints no such figures")))?;
         for (ratios, peer) in ratios.iter_mut().zip(&row.beside) {
             ratios.push(*peer);
@@ -94,7 +94,7 @@ const COLUMNS: [&str; 8] = [
     "report",
 ];
 
-struct Row {
+struct SceneRow {
     scene: String,
     /// Our mean step in multiples of each peer's.
     beside: [f64; 2],
@@ -105,7 +105,7 @@ struct Row {
     report: f64,
 }
 
-impl Row {
+impl SceneRow {
     /// Returns `None` if a figure is missing.
     fn read(scene: &str, compared: &[Value], run: Option<&Value>) -> Option<Self> {
         let of = |name: &str| compared.iter().find(|row| row["detector"] == name);
@@ -179,10 +179,10 @@ mod tests {
         };
         let compared = [row("cranny", 3.0, 8.0), row(PEERS[0], 2.0, 4.0), row(PEERS[1], 1.0, 4.0)];
         let run = json!({ "real_time_factor": 2.0, "wall_s": 0.5, "time_ms": { "report": 250.0 } });
-        let read = Row::read("gate", &compared, Some(&run)).unwrap();
+        let read = SceneRow::read("gate", &compared, Some(&run)).unwrap();
         assert_eq!((read.beside, read.contacts, read.report), ([1.5, 3.0], 2.0, 0.5));
         assert_eq!(read.cells().len(), COLUMNS.len());
-        assert!(Row::read("gate", &compared[..2], Some(&run)).is_none());
-        assert!(Row::read("gate", &compared, None).is_none());
+        assert!(SceneRow::read("gate", &compared[..2], Some(&run)).is_none());
+        assert!(SceneRow::read("gate", &compared, None).is_none());
     }
 }

@@ -3,7 +3,8 @@
 use cranny_geometry::Mesh;
 use cranny_shapes::{GolfBall, IsoBolt, ShapeError, Torus};
 
-/// A golf ball of about so many triangles, with as many dimples as it is fine enough for, up to 336.
+/// A golf ball of about so many triangles, with as many dimples as it is fine enough for, up
+/// to 336.
 pub(crate) fn golf_ball(triangles: u32) -> Result<Mesh, ShapeError> {
     let dimples = if triangles >= 10_000 { 336 } else { 36 };
     GolfBall { triangles, dimples, ..GolfBall::default() }.build()

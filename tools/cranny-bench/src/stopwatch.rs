@@ -4,8 +4,8 @@ use cpu_time::ThreadTime;
 use std::hint::black_box;
 use std::time::Duration;
 
-/// How often a thing is measured: until it has taken `budget` in all, but at least `least` times (once,
-/// if that took ten budgets) and at most `most` times.
+/// How often a thing is measured: until it has taken `budget` in all, but at least `least` times
+/// (once, if that took ten budgets) and at most `most` times.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patience {
     pub(crate) least: usize,
@@ -20,8 +20,8 @@ impl Patience {
     }
 }
 
-/// Runs the contestants in turn, as often as the patience with the slowest allows; the median seconds
-/// of each.
+/// Runs the contestants in turn, as often as the patience with the slowest allows; the median
+/// seconds of each.
 pub(crate) fn race<const N: usize>(
     patience: Patience,
     mut contestants: [&mut dyn FnMut(); N],

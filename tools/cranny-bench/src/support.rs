@@ -1,4 +1,5 @@
-//! Support queries on hulls: the direction turns a little between two, as a body does between frames.
+//! Support queries on hulls: the direction turns a little between two, as a body does between
+//! frames.
 
 use cranny_exact::DVec3;
 use cranny_geometry::ConvexHull;

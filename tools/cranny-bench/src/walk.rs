@@ -20,8 +20,8 @@ const FRAMES: usize = 1_000;
 /// Bisections of the gap between two boxes that are nearly parallel; see [`near_parallel`].
 const BISECTIONS: usize = 100_000;
 
-/// The smallest angle between those boxes, radians: smaller, and all of them are parallel to f64; larger, and
-/// angles that hide in rounding are left out. The largest is 1e9 times that.
+/// The smallest angle between those boxes, radians: smaller, and all of them are parallel to f64;
+/// larger, and angles that hide in rounding are left out. The largest is 1e9 times that.
 const LEAST_ANGLE: f64 = 1e-12;
 
 pub(crate) fn measure(quick: bool) -> Report {
@@ -134,8 +134,8 @@ fn single_pose(pose: &Pose) -> NarrowPose {
     )
 }
 
-/// Boxes turned by 1e-12 to 1e-3 radians against each other, the gap halved until `f64` has no number
-/// left: the poses on which feature walks are known to run in circles. Counted, not timed.
+/// Boxes turned by 1e-12 to 1e-3 radians against each other, the gap halved until `f64` has no
+/// number left: the poses on which feature walks are known to run in circles. Counted, not timed.
 fn near_parallel(bisections: usize) -> Table {
     let sign = |bit: u32| if bit & 1 == 1 { 1.0 } else { -1.0 };
     let corners: Vec<DVec3> =

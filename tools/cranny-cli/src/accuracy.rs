@@ -1,10 +1,10 @@
 //! `cranny accuracy`: what certainty costs in time, and what haste costs in certainty.
 //!
-//! Every method is asked at the same poses, in this process and on this thread, in rounds (a spell in which the
-//! machine is busy slows one run of each), and judged by exact answers: `truth` has those; `ours` and `peer` are
-//! the methods; a `contestant` is one of them with a `series` of replies to each question, at poses that
-//! `visits` chooses; `figures` judges these, and `table` and `pose_table` tell them. `refinement` asks bodies at rest
-//! again and again. `chart` draws.
+//! Every method answers at the same poses, in this process and on this thread, in rounds (a spell
+//! in which the machine is busy slows one run of each), and judged by exact answers: `truth` has
+//! those; `ours` and `peer` are the methods; a `contestant` is one of them with a `series` of
+//! replies to each question, at poses that `visits` chooses; `figures` judges these, and `table`
+//! and `pose_table` tell them. `refinement` asks bodies at rest again and again. `chart` draws.
 
 mod chart;
 mod contestant;
@@ -31,15 +31,15 @@ use crate::output::Output;
 use crate::paths::{check_writable, make_folder, write};
 use crate::pose_file::{PosePair, read_poses};
 use crate::progress;
-use contestant::Contestant;
-use figures::Figures;
+use contestant::MethodContestant;
+use figures::MethodFigures;
 use ours::{Allowance, Ours};
 use peer::Peer;
 use pose_table::PoseTable;
 use refinement::{Rested, rested};
 use truth::Truth;
 
-/// Two bodies and where they are asked about.
+/// Two bodies and the poses at which they are queried.
 struct Scene<'a> {
     models: [&'a Model; 2],
     poses: &'a [PosePair],
@@ -66,7 +66,7 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
     let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
     let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
-    // What cannot be written is told before the long work.
+    // What cannot be written is reported before the long work.
     make_folder(&args.out)?;
     FILES.iter().try_for_each(|name| check_writable(&args.out.join(name)))?;
     let truths = truth::truths([&a, &b], &poses)
@@ -74,11 +74,11 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
     let scene = Scene { models: [&a, &b], poses: &poses, truths };
 
     let contestants = measured(&scene, ours, args);
-    let all: Vec<Figures> = contestants.iter().map(|one| one.figures(&scene)).collect();
+    let all: Vec<MethodFigures> = contestants.iter().map(|one| one.figures(&scene)).collect();
     tell(&all, format.unwrap_or(Format::Text))?;
 
     let mut pose_table = PoseTable::new();
-    for (name, replies) in contestants.iter().map(Contestant::replies) {
+    for (name, replies) in contestants.iter().map(MethodContestant::replies) {
         pose_table.add(name, replies, &scene.truths);
     }
     let patience = Duration::from_secs_f64(args.patience);
@@ -108,18 +108,18 @@ fn ours(args: &AccuracyArgs) -> Vec<Ours> {
 }
 
 /// Asks all in rounds.
-fn measured(scene: &Scene, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<Contestant> {
+fn measured(scene: &Scene, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<MethodContestant> {
     let patience = Duration::from_secs_f64(args.patience);
     let bar = progress::bar(ours.len() as u64, "trying");
-    let mut all: Vec<Contestant> = Vec::new();
+    let mut all: Vec<MethodContestant> = Vec::new();
     for method in ours {
-        all.push(Contestant::ours(scene, method, patience));
+        all.push(MethodContestant::ours(scene, method, patience));
         bar.inc(1);
     }
     bar.finish_and_clear();
     for kind in if args.no_peers { &[][..] } else { &Peer::KINDS[..] } {
         let spinner = progress::spinner(format!("preparing {}", kind.name()));
-        all.push(Contestant::peer(scene, *kind, patience));
+        all.push(MethodContestant::peer(scene, *kind, patience));
         spinner.finish_and_clear();
     }
     let runs = args.runs.get();
@@ -134,7 +134,7 @@ fn measured(scene: &Scene, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<Contesta
     all
 }
 
-fn tell(all: &[Figures], format: Format) -> Result<(), Failure> {
+fn tell(all: &[MethodFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     if format == Format::Text {
         output.line(&table::heading())?;

@@ -1,4 +1,4 @@
-//! What can be asked: the arguments of each command.
+//! The arguments of each command.
 
 mod accuracy;
 mod scene;
@@ -22,7 +22,7 @@ pub(crate) use stability::StabilityArgs;
 /// Exact collision detection for bodies that are not convex.
 ///
 /// Results go to standard output; errors, logs and progress to standard error, the latter two only
-/// where that is a terminal or they are asked for.
+/// where that is a terminal or a flag says so.
 #[derive(Debug, Parser)]
 #[command(name = "cranny", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 pub(crate) struct Cli {
@@ -55,7 +55,8 @@ pub(crate) enum Command {
     Query(QueryArgs),
     /// What certainty costs: time and errors of each level and budget, beside parry's
     Accuracy(AccuracyArgs),
-    /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's answers
+    /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's
+    /// answers
     Stability(StabilityArgs),
     /// What is known of a mesh: defects and repairs, hull, concavities, sizes and times
     Inspect(InspectArgs),
@@ -135,11 +136,13 @@ pub(crate) struct QueryArgs {
     #[arg(long, value_name = "N", value_parser = budget, allow_hyphen_values = true)]
     pub(crate) budget: Option<u64>,
 
-    /// How the triangles that meet are found at level exact, for all demands but contacts: the same answers
+    /// How the triangles that meet are found at level exact, for all demands but contacts: the same
+    /// answers
     #[arg(long, value_enum, value_name = "METHOD", default_value = "boxes")]
     pub(crate) method: MethodArg,
 
-    /// Forget everything between one pose and the next: the same answers, slower where poses are close
+    /// Forget everything between one pose and the next: the same answers, slower where poses are
+    /// close
     #[arg(long)]
     pub(crate) cold: bool,
 
@@ -153,7 +156,8 @@ pub(crate) struct QueryArgs {
 pub(crate) enum MethodArg {
     /// Trees of boxes over all triangles, kept from pose to pose.
     Boxes,
-    /// The concavities that the other hull reaches, by the layers of their envelopes; mostly slower.
+    /// The concavities that the other hull reaches, by the layers of their envelopes; mostly
+    /// slower.
     Envelopes,
 }
 
@@ -209,33 +213,34 @@ pub(crate) struct InspectArgs {
     #[arg(long, value_enum, value_name = "POLICY", default_value = "none")]
     pub(crate) repair: RepairArg,
 
-    /// What 'the same place' means, in units of the mesh; 0 for exactly the same, at most a hundredth
-    /// of the mesh's diagonal [default: from how finely its coordinates are stored]
+    /// What 'the same place' means, in units of the mesh; 0 for exactly the same, at most a
+    /// hundredth of the mesh's diagonal [default: from how finely its coordinates are stored]
     #[arg(long, value_name = "DISTANCE", value_parser = weld, allow_hyphen_values = true)]
     pub(crate) weld: Option<f64>,
 
     /// How far from a plane points may lie that are meant to lie in it, as a share of the largest
-    /// coordinate, at most 0.01; marks no deeper are taken for rounding. Less than 9e-16 counts as that: planes
-    /// are not known more finely [default: from how finely its coordinates are stored, which a mesh
-    /// that was turned since does not show]
+    /// coordinate, at most 0.01; marks no deeper are taken for rounding. Less than 9e-16 counts as
+    /// that: planes are not known more finely [default: from how finely its coordinates are stored,
+    /// which a mesh that was turned since does not show]
     #[arg(long, value_name = "SHARE", value_parser = flat, allow_hyphen_values = true)]
     pub(crate) flat: Option<f64>,
 
-    /// Draw the mesh; what the colours mean is told in the report
+    /// Draw the mesh; the report says what the colours mean
     #[arg(long, value_name = "OUT.png")]
     pub(crate) render: Option<PathBuf>,
 
-    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:DEPTH or findings (see below)
-    /// [default: classes]
+    /// What the picture shows: classes, patches, boxes:LEVEL, envelope:DEPTH or findings (see
+    /// below) [default: classes]
     #[arg(long, value_name = "WHAT", value_parser = show, requires = "render")]
     pub(crate) show: Option<Show>,
 
-    /// Which axis points up in the picture [default: y for glTF, whose own rule that is; z for all others]
+    /// Which axis points up in the picture [default: y for glTF, whose own rule that is; z for all
+    /// others]
     #[arg(long, value_enum, value_name = "AXIS", requires = "render")]
     pub(crate) up: Option<Up>,
 
-    /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without preparing it
-    /// again
+    /// Save the prepared model; `query` and `inspect` load it in place of the mesh, without
+    /// preparing it again
     #[arg(long, value_name = "MODEL.cranny")]
     pub(crate) save: Option<PathBuf>,
 }
@@ -259,7 +264,7 @@ another's pocket; an opening has a lid and no faces beneath: the mesh is open th
   pocket_volume       between them; negative for an island; null where volumes_unknown says why
   parent              what surrounds one without a lid, or null
   tree_nodes          boxes of its tree; envelope_layers, envelope_depth, envelope_facets likewise
-Lengths are in the unit of the file, points in its frame; docs/inspect.md tells every key.
+Lengths are in the unit of the file, points in its frame; docs/inspect.md explains every key.
 skin_volume is what else lies between hull and body, pockets as thin as rounding; skin_area what the hull
 has more there than the body. flatness is the share of the largest coordinate that counted as rounding:
 see --flat.
@@ -351,7 +356,8 @@ fn level(text: &str) -> Result<Accuracy, String> {
     }
 }
 
-/// Reads a level of accuracy for scenes; the levels of later versions are told from typing errors.
+/// Reads a level of accuracy for scenes; the levels of later versions get another error than
+/// misspelt ones.
 fn accuracy(text: &str) -> Result<AccuracyArg, String> {
     match text.split(':').next() {
         Some("exact") if text == "exact" => Ok(AccuracyArg::Exact),

@@ -50,7 +50,8 @@ pub(crate) fn svg(
     Ok(svg)
 }
 
-/// Names lines in a column whose upper left corner is at a pixel: beside the drawing, where it covers nothing.
+/// Names lines in a column whose upper left corner is at a pixel: beside the drawing, where it
+/// covers nothing.
 ///
 /// # Errors
 ///

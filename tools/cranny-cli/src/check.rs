@@ -9,7 +9,7 @@ use crate::scene_file::load;
 
 /// What a right scene holds.
 #[derive(Debug, Serialize)]
-struct Summary<'a> {
+struct CheckSummary<'a> {
     version: u32,
     scene: String,
     ok: bool,
@@ -32,7 +32,7 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
     let what = &scene.description;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()
         + what.pairs.iter().map(|pair| pair.effects.len()).sum::<usize>();
-    let summary = Summary {
+    let summary = CheckSummary {
         version: 1,
         scene: args.scene.display().to_string(),
         ok: true,
@@ -51,7 +51,7 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
     }
 }
 
-fn text(summary: &Summary) -> String {
+fn text(summary: &CheckSummary) -> String {
     let counted = |count: usize, one: &str, many: &str| {
         format!("{count} {}", if count == 1 { one } else { many })
     };

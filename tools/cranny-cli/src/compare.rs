@@ -1,7 +1,7 @@
 //! `cranny compare`: one scene under several detectors, in one process, judged by exact answers.
 //!
-//! All take their steps in turn, so that what else the machine does meets all alike. `contestant` is one of
-//! them, `figures` what is told of it, `chart` the drawing.
+//! All take their steps in turn, so that what else the machine does meets all alike. `contestant`
+//! is one of them, `figures` what is reported of it, `chart` the drawing.
 
 mod chart;
 mod contestant;
@@ -23,8 +23,8 @@ use crate::paths::{make_folder, write};
 use crate::progress;
 use crate::run::{detector, failure, stop_flag};
 use crate::scene_file::load;
-use contestant::Contestant;
-use figures::Figures;
+use contestant::DetectorRun;
+use figures::RunFigures;
 
 /// What is written into the folder.
 const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
@@ -33,8 +33,8 @@ const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
 ///
 /// # Errors
 ///
-/// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What a peer
-/// cannot do is told in its row.
+/// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What
+/// a peer cannot do stands in its row.
 pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), Failure> {
     let mut scene = load(&args.scene, args.instead.seed)?;
     let (helices, rings) = (helices(&scene), rings(&scene));
@@ -45,13 +45,14 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         let outputs = FILES.map(|name| folder.join(name));
         check_outputs(&outputs.each_ref().map(|path| &**path), &inputs).map_err(failure)?;
     }
-    // Depths are exact answers at the poses that each detector led to, whatever the scene asks to be told.
+    // Depths are exact answers at the poses that each detector led to, whatever the scene asks to
+    // be reported.
     let description = &mut scene.description;
     if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
         description.effects.push(Effect::Contacts { margin: 0.0 });
     }
 
-    let asked = if args.detector.is_empty() {
+    let wanted = if args.detector.is_empty() {
         Detector::ALL.to_vec()
     } else {
         each_once(args.detector.iter().map(|&argument| detector(argument)))
@@ -63,7 +64,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     };
     let mut contestants = Vec::new();
     let ways = ways(args.recycling);
-    for (kind, recycling) in asked.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way))) {
+    for (kind, recycling) in wanted.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way))) {
         let spinner = progress::spinner(format!("preparing {kind}"));
         let options = RunOptions {
             plugins: PluginOptions {
@@ -81,7 +82,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
             source: Some(scene.source_text.clone()),
             ..RunOptions::default()
         };
-        let contestant = Contestant::new(description, &options);
+        let contestant = DetectorRun::new(description, &options);
         spinner.finish_and_clear();
         let contestant = contestant.map_err(failure)?;
         if !contestant.has_solver() {
@@ -94,11 +95,11 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     }
     // Until here Ctrl-C ends the command at once: nothing is lost.
     let stop = stop_flag();
-    let steps = contestants.iter().map(Contestant::steps_total).max().unwrap_or(0);
+    let steps = contestants.iter().map(DetectorRun::steps_total).max().unwrap_or(0);
     let bar = progress::bar(steps, "simulating");
     for _ in 0..steps {
         if stop.load(Ordering::Relaxed) {
-            contestants.iter_mut().for_each(Contestant::interrupt);
+            contestants.iter_mut().for_each(DetectorRun::interrupt);
             break;
         }
         for contestant in &mut contestants {
@@ -109,8 +110,8 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     bar.finish_and_clear();
     let rows = contestants
         .into_iter()
-        .map(Contestant::finish)
-        .collect::<Result<Vec<Figures>, SceneAppError>>()
+        .map(DetectorRun::finish)
+        .collect::<Result<Vec<RunFigures>, SceneAppError>>()
         .map_err(failure)?;
     tell(&rows, format.unwrap_or(Format::Text))?;
     if let Some(folder) = &args.out {
@@ -134,15 +135,15 @@ fn each_once(named: impl Iterator<Item = Detector>) -> Vec<Detector> {
 }
 
 /// With which recycling of contacts each detector runs.
-fn ways(asked: RecyclingArg) -> &'static [bool] {
-    match asked {
+fn ways(wanted: RecyclingArg) -> &'static [bool] {
+    match wanted {
         RecyclingArg::On => &[true],
         RecyclingArg::Off => &[false],
         RecyclingArg::Both => &[true, false],
     }
 }
 
-fn tell(rows: &[Figures], format: Format) -> Result<(), Failure> {
+fn tell(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     match format {
         Format::Json => rows.iter().try_for_each(|row| output.json(row)),

@@ -1,4 +1,4 @@
-//! How a command fails: what is told, and the exit code.
+//! How a command fails: the message, and the exit code.
 
 use std::fmt::{self, Display, Formatter};
 use std::io::{self, IsTerminal, Write};
@@ -86,7 +86,7 @@ impl Failure {
             && GraphicalReportHandler::new()
                 .render_report(&mut shown, self.report.as_ref())
                 .is_ok();
-        // Where standard error itself fails, the exit code is all that can be told.
+        // Where standard error itself fails, the exit code is all that can be reported.
         let _ = if drawn {
             write!(stderr, "{shown}")
         } else {

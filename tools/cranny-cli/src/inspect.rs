@@ -22,9 +22,9 @@ use summary::{Skipped, Summary};
 ///
 /// # Errors
 ///
-/// A mesh that cannot be read, a picture or a model that cannot be written (the report is printed all the same),
-/// standard output that cannot be written. Without a graphics adapter the report says that the
-/// picture was skipped.
+/// A mesh that cannot be read, a picture or a model that cannot be written (the report is printed
+/// all the same), standard output that cannot be written. Without a graphics adapter the report
+/// says that the picture was skipped.
 pub(crate) fn inspect(args: &InspectArgs, format: Option<Format>) -> Result<(), Failure> {
     let outputs: Vec<&Path> =
         [&args.render, &args.save].into_iter().flatten().map(|p| &**p).collect();

@@ -1,7 +1,7 @@
 //! The `cranny` command: results on standard output; logs, progress and errors on standard error.
 //!
 //! Exit codes: 0 all went well, 1 input/output or the work itself failed, 2 the arguments or the
-//! input are wrong. `args` says what can be asked; each command is a module of its name.
+//! input are wrong. `args` has the arguments; each command is a module of its name.
 
 mod accuracy;
 mod args;

@@ -1,5 +1,5 @@
-//! Names of files, looked at before any work is done, so that all commands refuse them in the same words;
-//! and folders of reports.
+//! Names of files, looked at before any work is done, so that all commands refuse them in the same
+//! words; and folders of reports.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
@@ -17,7 +17,7 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::input(format!("{what} {name}: it is a folder. Name a file in it.")));
     }
-    // Whatever else keeps it from being read is told by who reads it.
+    // Whatever else keeps it from being read is reported by who reads it.
     match path.try_exists() {
         Ok(false) => Err(Failure::input(format!(
             "{what} {name}: there is no such file. Check the name and the folder."
@@ -26,8 +26,8 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
     }
 }
 
-/// A file that is to be written by `option`, and must have one of the extensions by which its format is
-/// known.
+/// A file that is to be written by `option`, and must have one of the extensions by which its
+/// format is known.
 ///
 /// # Errors
 ///

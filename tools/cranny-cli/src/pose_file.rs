@@ -171,7 +171,8 @@ mod tests {
 
     #[test]
     fn numbers_are_read_to_the_last_bit() {
-        // `serde_json` misses this one, as one number in ten, without its feature `float_roundtrip`.
+        // `serde_json` misses this one, as one number in ten, without its feature
+        // `float_roundtrip`.
         let text = r#"[{"b": [1,0,0,0.9796215956506859, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]"#;
         let expected: f64 = "0.9796215956506859".parse().unwrap();
         assert_eq!(parse_poses(text).unwrap()[0][1].translation.x.to_bits(), expected.to_bits());

@@ -16,8 +16,8 @@ pub(crate) fn spinner(message: impl Into<Cow<'static, str>>) -> ProgressBar {
     bar
 }
 
-/// Work of `count` pieces that print a line each; nothing is shown where standard error is no terminal,
-/// nor where standard output is one: its lines show the progress.
+/// Work of `count` pieces that print a line each; nothing is shown where standard error is no
+/// terminal, nor where standard output is one: its lines show the progress.
 pub(crate) fn bar(count: u64, message: impl Into<Cow<'static, str>>) -> ProgressBar {
     if std::io::stdout().is_terminal() {
         return ProgressBar::hidden();

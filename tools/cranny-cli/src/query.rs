@@ -14,7 +14,7 @@ use crate::model_file::load;
 use crate::output::Output;
 use crate::pose_file::read_poses;
 use crate::progress;
-use line::{Line, Shown};
+use line::{Line, ShownFields};
 
 /// Runs the command.
 ///
@@ -27,7 +27,8 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
             "--certificate: certificates come with a later version; leave the option out",
         ));
     }
-    // Poses first: they are read in no time, and a mistake in them is told before the long work.
+    // Poses first: they are read in no time, and a mistake in them is reported before the long
+    // work.
     let poses = read_poses(&args.poses)?;
     // Nobody reads the report of preparation here.
     let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
@@ -54,12 +55,12 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         let placed = [Placed { model: &a, pose: pose_a }, Placed { model: &b, pose: pose_b }];
         let start = Instant::now();
         let found = estimate(placed[0], placed[1], &question, &effort, &mut memory);
-        // Whole nanoseconds: that is what the clock tells.
+        // Whole nanoseconds: that is what the clock gives.
         let micros = start.elapsed().as_nanos() as f64 / 1e3;
         let found = found.map_err(|error| {
             Failure::input(format!("pose file {}: pose {index}: {error}", args.poses.display()))
         })?;
-        let shown = Shown { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
+        let shown = ShownFields { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
         let line = Line::new(index, &found, micros, shown);
         match format {
             Format::Json => output.json(&line),

@@ -1,7 +1,8 @@
-//! `cranny stability`: the hard cases, what was asked, what came out, pass or fail.
+//! `cranny stability`: the hard cases, their questions and answers, pass or fail.
 //!
-//! `cranny_stability` has the families and the judges; here they are run and told: `rows` for a line a family
-//! and the files of numbers, `page` for the page, `chart` for its drawing. `peer` asks parry the same.
+//! `cranny_stability` has the families and the judges; here they are run and reported: `rows` for a
+//! line a family and the files of numbers, `page` for the page, `chart` for its drawing. `peer`
+//! asks parry the same.
 
 mod chart;
 mod page;
@@ -20,7 +21,7 @@ use crate::progress;
 use peer::Parry;
 use rows::Row;
 
-/// How many failed cases of a family are told on standard output; files have them all.
+/// How many failed cases of a family are printed on standard output; files have them all.
 const TOLD: usize = 5;
 
 /// Runs the command.
@@ -72,7 +73,7 @@ pub(crate) fn stability(args: &StabilityArgs, format: Option<Format>) -> Result<
 }
 
 /// A family and what came out of it.
-type Told = (&'static Family, Outcome);
+type FamilyOutcome = (&'static Family, Outcome);
 
 fn list(output: &mut Output, format: Format) -> Result<(), Failure> {
     for family in &FAMILIES {
@@ -100,7 +101,7 @@ fn tell(output: &mut Output, format: Format, outcome: &Outcome) -> Result<(), Fa
 }
 
 /// In one sentence, time included.
-fn summary(outcomes: &[Told]) -> String {
+fn summary(outcomes: &[FamilyOutcome]) -> String {
     let cases: usize = outcomes.iter().map(|(_, outcome)| outcome.cases.len()).sum();
     let failed: usize = outcomes.iter().map(|(_, outcome)| outcome.failed()).sum();
     let seconds: f64 = outcomes.iter().map(|(_, outcome)| outcome.time.as_secs_f64()).sum();
@@ -111,7 +112,7 @@ fn summary(outcomes: &[Told]) -> String {
     format!("{cases} cases in {seconds:.1} s: {result}")
 }
 
-fn verdict(outcomes: &[Told]) -> Result<(), Failure> {
+fn verdict(outcomes: &[FamilyOutcome]) -> Result<(), Failure> {
     let failed: Vec<&str> = outcomes
         .iter()
         .filter(|(_, outcome)| outcome.failed() > 0)
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
     use cranny_stability::Case;
 
-    fn told(faults: &[&str]) -> Told {
+    fn told(faults: &[&str]) -> FamilyOutcome {
         let faults = faults.iter().map(|&fault| fault.to_owned()).collect();
         let case = Case { name: "a case".to_owned(), faults, ..Case::default() };
         let outcome = Outcome {

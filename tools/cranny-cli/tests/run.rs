@@ -104,7 +104,8 @@ fn the_summary_has_every_field_of_the_contract() {
     let motion = &line["motion"][0];
     assert_eq!(motion["body"], "box");
     assert!((motion["displacement"][2].as_f64().unwrap() + 0.25).abs() < 0.02, "{motion}");
-    // The same command gives the same state; neither a seed that nothing reads nor threads change it.
+    // The same command gives the same state; neither a seed that nothing reads nor threads change
+    // it.
     let again = run_json(&scene, &["--seed", "7", "--threads", "3"]);
     assert_eq!(again["state_hash"], line["state_hash"]);
     assert_eq!(

@@ -167,8 +167,8 @@ fn is_f32(word: &str) -> bool {
 }
 
 /// What a folder or file may do though it is banned. Parry's tree and ours have boxes of single
-/// precision, which are rounded outward there and decide nothing. A model that was loaded makes some of its parts late: a field of its
-/// owner, which no static can be.
+/// precision, which are rounded outward there and decide nothing. A model that was loaded makes
+/// some of its parts late: a field of its owner, which no static can be.
 const EXEMPT: &[(&str, &str)] = &[
     ("crates/cranny-broad-phase/src/box_tree/", "f64-only"),
     ("crates/cranny-geometry/src/clusters/", "f64-only"),

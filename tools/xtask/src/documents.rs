@@ -1,7 +1,9 @@
-//! Markdown files: links that resolve, bounds that hold.
+//! Markdown files: links that resolve, bounds that hold. And the bounds of comments in source
+//! files.
 //!
 //! A page that grows past its bound has become a diary: what was tried goes to `docs/notebook`.
 
+use crate::comments::{self, COLUMNS};
 use crate::report::Violation;
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,13 +15,10 @@ const ARCHITECTURE_LINES: usize = 250;
 /// The most lines of a crate's README.
 const README_LINES: usize = 120;
 
-/// The most columns of a line of prose. Tables and code are as wide as they are.
-const COLUMNS: usize = 100;
-
 /// Folders that hold no pages of ours.
 const FOREIGN: [&str; 3] = [".git", "target", "out"];
 
-/// Returns the number of pages read, and everything that is wrong.
+/// Returns the number of files read, and everything that is wrong.
 pub(crate) fn check(root: &Path) -> Result<(usize, Vec<Violation>), String> {
     let mut paths = Vec::new();
     collect(root, &mut paths)?;
@@ -27,7 +26,12 @@ pub(crate) fn check(root: &Path) -> Result<(usize, Vec<Violation>), String> {
     let mut violations = Vec::new();
     for path in &paths {
         let text = read(path)?;
-        let shown = path.strip_prefix(root).unwrap_or(path).display().to_string();
+        let relative = path.strip_prefix(root).unwrap_or(path);
+        if path.extension().is_some_and(|extension| extension == "rs") {
+            violations.extend(comments::check(relative, &text));
+            continue;
+        }
+        let shown = relative.display().to_string();
         violations.extend(check_length(&shown, &text));
         violations.extend(check_columns(&shown, &text));
         for (line, link) in links(&text) {
@@ -48,7 +52,7 @@ fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Every Markdown file beneath a folder.
+/// Every Markdown file and source file beneath a folder.
 fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), String> {
     let wrong = |e: std::io::Error| format!("{}: {e}", folder.display());
     for entry in fs::read_dir(folder).map_err(wrong)? {
@@ -57,7 +61,7 @@ fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), String> {
         let name = entry.file_name();
         if kind.is_dir() && !FOREIGN.iter().any(|foreign| name == *foreign) {
             collect(&path, paths)?;
-        } else if kind.is_file() && path.extension().is_some_and(|extension| extension == "md") {
+        } else if kind.is_file() && path.extension().is_some_and(|e| e == "md" || e == "rs") {
             paths.push(path);
         }
     }
@@ -105,7 +109,8 @@ fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// The targets of inline links and pictures, `[text](target)`, with their lines. Spans of code hold none.
+/// The targets of inline links and pictures, `[text](target)`, with their lines. Spans of code hold
+/// none.
 fn links(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     for (number, line) in prose(text) {
@@ -141,7 +146,8 @@ fn broken(page: &Path, link: &str) -> Result<Option<&'static str>, String> {
     Ok((!known).then_some("no such heading in that page"))
 }
 
-/// The anchors that a viewer makes of headings: lower case, blanks as hyphens, punctuation left out.
+/// The anchors that a viewer makes of headings: lower case, blanks as hyphens, punctuation left
+/// out.
 fn anchors(text: &str) -> BTreeSet<String> {
     let headings = prose(text).filter_map(|(_, line)| {
         let title = line.trim_start_matches('#');

@@ -1,8 +1,9 @@
 //! Counts the instructions of fixed pieces of work, and compares them with what they were.
 //!
-//! The work is `cranny-bench count`; valgrind's callgrind counts what happens in one function of it. The file
-//! stands for the development profile, in which the crates that compute are optimised: it is what tests have
-//! built already. It counts assertions too, and says nothing of other profiles but that less became more.
+//! The work is `cranny-bench count`; valgrind's callgrind counts what happens in one function of
+//! it. The file stands for the development profile, in which the crates that compute are optimised:
+//! it is what tests have built already. It counts assertions too, and says nothing of other
+//! profiles but that less became more.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,7 +15,7 @@ use std::{fs, thread};
 /// Where the figures are kept, relative to the workspace.
 const FILE: &str = "tools/instructions.txt";
 
-/// What may be more without being told: a hash map's order, another layout of the code.
+/// What may be more without a report: a hash map's order, another layout of the code.
 const TOLERANCE: f64 = 0.03;
 
 const HEADING: &str = "\
@@ -23,9 +24,10 @@ const HEADING: &str = "\
 # makes them more has to justify.
 ";
 
-/// What of a processor glibc does not use while instructions are counted. It copies memory and computes sines
-/// with what it finds, and the same copy takes ten times the instructions on one machine than on another: a
-/// verdict of 3,400 instructions differed by 3.6 %. Names that glibc does not know it passes over.
+/// What of a processor glibc does not use while instructions are counted. It copies memory and
+/// computes sines with what it finds, and the same copy takes ten times the instructions on one
+/// machine than on another: a verdict of 3,400 instructions differed by 3.6 %. Names that glibc
+/// does not know it passes over.
 const TUNABLES: &str = "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-AVX512VL,-AVX_Fast_Unaligned_Load,-ERMS,-FSRM,\
                         -FMA,-FMA4,-SSSE3,-Prefer_ERMS,-Prefer_FSRM";
 
@@ -39,8 +41,8 @@ struct Verdict {
     notes: Vec<String>,
 }
 
-/// Counts; writes the figures down where `update`, else compares. Tells what is to be known; `Ok(false)` where
-/// something takes more than it did.
+/// Counts; writes the figures down where `update`, else compares. Tells what is to be known;
+/// `Ok(false)` where something takes more than it did.
 ///
 /// # Errors
 ///
@@ -113,9 +115,9 @@ fn instructions(bench: &Path, name: &str) -> Result<u64, String> {
         .arg("--toggle-collect=cranny_bench::count::counted*")
         .arg(bench)
         .args(["count", name]);
-    let (_, told) = output(&mut valgrind)?;
-    collected(&told)
-        .ok_or_else(|| format!("{name}: valgrind tells no count of instructions:\n{told}"))
+    let (_, found) = output(&mut valgrind)?;
+    collected(&found)
+        .ok_or_else(|| format!("{name}: valgrind reports no count of instructions:\n{found}"))
 }
 
 /// Standard output and standard error of a command that succeeded.
@@ -128,9 +130,10 @@ fn output(command: &mut Command) -> Result<(String, String), String> {
     }
 }
 
-/// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not found.
-fn collected(told: &str) -> Option<u64> {
-    let (_, number) = told.lines().find_map(|line| line.split_once("Collected :"))?;
+/// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not
+/// found.
+fn collected(found: &str) -> Option<u64> {
+    let (_, number) = found.lines().find_map(|line| line.split_once("Collected :"))?;
     number.trim().parse().ok().filter(|&count| count > 0)
 }
 

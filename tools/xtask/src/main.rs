@@ -1,17 +1,20 @@
 //! Chores of the repository.
 //!
 //! `cargo run -p xtask -- check-deps` checks what the compiler does not: which crate may depend on
-//! which, and that the crates which compute do nothing but compute. `check-docs` checks that links of
-//! Markdown files resolve and that pages keep their bounds. `instructions` counts the instructions of
-//! fixed pieces of work, and compares them with those on file.
+//! which, that the crates which compute do nothing but compute, and that a type name means one
+//! thing in a crate. `check-docs` checks that links of Markdown files resolve, and that pages and
+//! comments keep their bounds. `instructions` counts the instructions of fixed pieces of work, and
+//! compares them with those on file.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command speaks to a terminal")]
 
 mod bans;
+mod comments;
 mod directions;
 mod documents;
 mod instructions;
 mod literals;
+mod names;
 mod report;
 mod sources;
 mod strip;
@@ -28,10 +31,10 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
-        ["check-deps"] => tell_deps(),
-        ["check-docs"] => tell_docs(),
-        ["instructions"] => tell_instructions(false),
-        ["instructions", "--update"] => tell_instructions(true),
+        ["check-deps"] => run_check_deps(),
+        ["check-docs"] => run_check_docs(),
+        ["instructions"] => run_instructions(false),
+        ["instructions", "--update"] => run_instructions(true),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)
@@ -39,7 +42,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn tell_instructions(update: bool) -> ExitCode {
+fn run_instructions(update: bool) -> ExitCode {
     match root().and_then(|root| instructions::run(&root, update)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -50,17 +53,21 @@ fn tell_instructions(update: bool) -> ExitCode {
     }
 }
 
-fn tell_deps() -> ExitCode {
-    tell("check-deps", "crate directions hold, source files are clean", check_deps())
+fn run_check_deps() -> ExitCode {
+    report_result("check-deps", "crate directions hold, source files are clean", check_deps())
 }
 
-fn tell_docs() -> ExitCode {
+fn run_check_docs() -> ExitCode {
     let checked = root().and_then(|root| documents::check(&root));
-    tell("check-docs", "links resolve, pages keep their bounds", checked)
+    report_result("check-docs", "links resolve, pages and comments keep their bounds", checked)
 }
 
 /// Prints what a check found in so many files.
-fn tell(name: &str, good: &str, checked: Result<(usize, Vec<Violation>), String>) -> ExitCode {
+fn report_result(
+    name: &str,
+    good: &str,
+    checked: Result<(usize, Vec<Violation>), String>,
+) -> ExitCode {
     match checked {
         Ok((files, violations)) if violations.is_empty() => {
             println!("{name}: {good} ({files} files)");
@@ -93,7 +100,8 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
     let mut violations = graph.check();
     let root = Path::new(graph.workspace_root());
     let mut files = 0;
-    for package in graph.members().filter(|package| package.name != "xtask") {
+    for package in graph.members() {
+        let mut type_names = names::TypeNames::of(&package.name);
         let is_pure = directions::PURE_CRATES.contains(&package.name.as_str());
         for file in sources::of_crate(Path::new(&package.folder))? {
             files += 1;
@@ -102,10 +110,12 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
             if is_pure {
                 violations.extend(bans::check(&shown, &tokens));
             }
-            if package.name != "cranny-exact" {
+            if !matches!(package.name.as_str(), "cranny-exact" | "xtask") {
                 violations.extend(literals::check(&shown, &tokens));
             }
+            type_names.add(&shown, &tokens);
         }
+        violations.extend(type_names.check());
     }
     Ok((files, violations))
 }

@@ -58,7 +58,8 @@ fn word_end(chars: &[char], at: usize) -> usize {
     at + chars[at.min(chars.len())..].iter().take_while(|c| is_word(**c)).count()
 }
 
-/// The end of a number; `1.5e-3_f64` is one, `0..n`, `1.max(x)` and `t.0.x` are not read past theirs.
+/// The end of a number; `1.5e-3_f64` is one, `0..n`, `1.max(x)` and `t.0.x` are not read past
+/// theirs.
 fn number_end(chars: &[char], at: usize) -> usize {
     let peek = |at: usize| chars.get(at).copied().unwrap_or(' ');
     let is_float = chars[at] != '0' || !matches!(peek(at + 1), 'x' | 'b' | 'o');

@@ -4,8 +4,8 @@ use crate::index::Found;
 use crate::slots::{Slot, Slots};
 use cranny_exact::Aabb;
 
-/// The part of a slack that is counted on: sums of steps, and the slack itself, are rounded. Larger than
-/// one less rounding would be wrong, and much smaller wastes tests.
+/// The part of a slack that is counted on: sums of steps, and the slack itself, are rounded. Larger
+/// than one less rounding would be wrong, and much smaller wastes tests.
 const COUNTED_ON: f64 = 0.999;
 
 /// Two proxies whose fat boxes overlap and whose kinds can be a pair.
@@ -20,7 +20,7 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// A new candidate, judged; a pair is told to `found`.
+    /// A new candidate, judged; a pair is added to `found`.
     pub(super) fn found(a: Slot, b: Slot, travel: f64, slots: &Slots, found: &mut Found) -> Self {
         let mut candidate = Self { slots: [a.min(b), a.max(b)], held: false, due: travel };
         candidate.judge(travel, slots);
@@ -47,8 +47,8 @@ impl Candidate {
     }
 }
 
-/// By how much two boxes overlap along the axis on which they do least; negative where they are apart.
-/// Rounding never changes its sign.
+/// By how much two boxes overlap along the axis on which they do least; negative where they are
+/// apart. Rounding never changes its sign.
 fn overlap(a: &Aabb, b: &Aabb) -> f64 {
     let overlaps = a.max.min(b.max) - a.min.max(b.min);
     // Of `NaN` and a number, `min` takes the number.

@@ -4,17 +4,18 @@ use cranny_exact::{Aabb, DVec3};
 use parry3d::bounding_volume::Aabb as FatBox;
 use parry3d::math::Vector;
 
-/// Coordinates are cut to this size. The cut keeps their order, so what overlaps still does; beyond it,
-/// products of three of the tree's extents would overflow single precision. Boxes that are farther out
-/// than this are candidates of each other.
+/// Coordinates are cut to this size. The cut keeps their order, so what overlaps still does; beyond
+/// it, products of three of the tree's extents would overflow single precision. Boxes that are
+/// farther out than this are candidates of each other.
 const FARTHEST: f64 = (1u64 << 40) as f64;
 
 /// For how many updates like the last one the room should last. Smaller: boxes leave it often, and
-/// each time are searched for anew; larger: more pairs of boxes are looked at for nothing. The table in
-/// the crate's README has both ends.
+/// each time are searched for anew; larger: more pairs of boxes are looked at for nothing. The
+/// table in the crate's README has both ends.
 const UPDATES: f64 = 16.0;
 
-/// The most room, as a share of the box's largest extent. Larger, and what is fast is near everything.
+/// The most room, as a share of the box's largest extent. Larger, and what is fast is near
+/// everything.
 const LARGEST_SHARE: f64 = 0.25;
 
 /// The least room of what has moved or may, as such a share: single precision alone gives none.

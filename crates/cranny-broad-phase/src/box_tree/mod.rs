@@ -1,17 +1,18 @@
 //! A tree of fat boxes, and the pairs of them that overlap: parry's `Bvh`, made exact.
 //!
-//! Every proxy has a *fat box*: its own, in single precision rounded outward, with room to move in. As
-//! long as a box stays within its fat box neither the tree nor the list of *candidates* (pairs of
-//! proxies whose fat boxes overlap) is touched. A box that leaves gets a new fat box, with room for
-//! several updates like the last one, and its candidates are searched for anew: one by one where few
-//! have left, by one walk of the tree against itself where many have. The room is the usual idea (Catto
-//! 2019, 'Dynamic Bounding Volume Hierarchies'); that it follows each body's own speed makes leaving
-//! rare for slow things and candidates few for quick ones.
+//! Every proxy has a *fat box*: its own, in single precision rounded outward, with room to move in.
+//! As long as a box stays within its fat box neither the tree nor the list of *candidates* (pairs
+//! of proxies whose fat boxes overlap) is touched. A box that leaves gets a new fat box, with room
+//! for several updates like the last one, and its candidates are searched for anew: one by one
+//! where few have left, by one walk of the tree against itself where many have. The room is the
+//! usual idea (Catto 2019, 'Dynamic Bounding Volume Hierarchies'); that it follows each body's own
+//! speed makes leaving rare for slow things and candidates few for quick ones.
 //!
 //! Candidates are judged by the boxes themselves, in double precision, and only when they may have
-//! changed: by how much two boxes overlap, or are apart, tells how far they can move before they do.
-//! Bodies that move about as far as most need no word of their own: a common *travel* is summed up, and
-//! a candidate is due when the travel has reached its mark. Quicker ones are judged in every update.
+//! changed: by how much two boxes overlap, or are apart, says how far they can move before they
+//! do. Bodies that move about as far as most need no word of their own: a common *travel* is summed
+//! up, and a candidate is due when the travel has reached its mark. Quicker ones are judged in
+//! every update.
 
 mod candidate;
 mod fat;
@@ -30,26 +31,26 @@ use std::fmt;
 /// The box-tree back end of [`BroadPhase`](crate::BroadPhase).
 ///
 /// Costs of an update, with n boxes, c candidates and p pairs: c, if anything changed; for each box
-/// that comes or leaves its fat box, about log n; if many do, n; if very many do, n log n; any event, a
-/// copy of p. Memory follows n and c.
+/// that comes or leaves its fat box, about log n; if many do, n; if very many do, n log n; any
+/// event, a copy of p. Memory follows n and c.
 pub type BoxTree = crate::PairKeeper<FatTree>;
 
 /// New fat boxes are put into the tree and searched for one by one, unless more than one in so many
-/// is new: then the tree is walked against itself once. Smaller: single searches for many; larger: whole
-/// walks for few.
+/// is new: then the tree is walked against itself once. Smaller: single searches for many; larger:
+/// whole walks for few.
 const WALK_SHARE: usize = 12;
 
-/// The tree is built anew when the fat boxes that were put elsewhere have gone so many times their own
-/// size since, over all; a box that comes counts for one. Smaller: building where a refit would do;
-/// larger: walks through a tree whose boxes overlap.
+/// The tree is built anew when the fat boxes that were put elsewhere have gone so many times their
+/// own size since, over all; a box that comes counts for one. Smaller: building where a refit would
+/// do; larger: walks through a tree whose boxes overlap.
 const LARGEST_WEAR: f64 = 0.5;
 
-/// A body is quick if it moved more than so many times as far as bodies did on average. Smaller: many
-/// are judged in every update; larger: the common travel grows beyond what most move.
+/// A body is quick if it moved more than so many times as far as bodies did on average. Smaller:
+/// many are judged in every update; larger: the common travel grows beyond what most move.
 const QUICK: f64 = 1.5;
 
-/// The common travel is worth summing up if at least one in so many bodies moves; else those few are
-/// all called quick.
+/// The common travel is worth summing up if at least one in so many bodies moves; else those few
+/// are all called quick.
 const FEW_SHARE: usize = 8;
 
 /// What the tree grows a fat box by where it is to note the change; far below the room.
@@ -68,7 +69,8 @@ pub struct FatTree {
     fates: Vec<Fate>,
     /// How far fat boxes were put elsewhere since the tree was last built, in their sizes.
     wear: f64,
-    /// How far any body but the quick ones may have moved since the tree was built: faces, along an axis.
+    /// How far any body but the quick ones may have moved since the tree was built: faces, along an
+    /// axis.
     travel: f64,
     /// By moved slot, in this update.
     steps: Vec<f64>,
@@ -145,8 +147,8 @@ impl FatTree {
         Changes { renewed, woken }
     }
 
-    /// How far bodies may have moved in this update without being called quick; the common travel grows by
-    /// it. Leaves in `steps` how far each has.
+    /// How far bodies may have moved in this update without being called quick; the common travel
+    /// grows by it. Leaves in `steps` how far each has.
     fn stride(&mut self, moved: &[Slot], slots: &Slots) -> f64 {
         self.steps.clear();
         let step =
@@ -161,8 +163,9 @@ impl FatTree {
         stride
     }
 
-    /// Judges all candidates that are due or have a quick member, and drops those that are searched for
-    /// anew or can be no pair by now.
+    /// Judges all candidates that are due or have a quick member, and drops those that are searched
+    /// for anew or can be no pair by now. A pair whose boxes have parted ends here; the header of
+    /// `pairs` says what becomes of it.
     fn judge(&mut self, slots: &Slots, found: &mut Found) {
         let Self { candidates, fates, travel, .. } = self;
         let has_settled = !slots.switched_to(Motion::Stationary).is_empty();
@@ -192,7 +195,8 @@ impl FatTree {
         });
     }
 
-    /// Brings new fat boxes into the tree and finds the candidates of what is to be searched for anew.
+    /// Brings new fat boxes into the tree and finds the candidates of what is to be searched for
+    /// anew.
     fn renew(&mut self, changes: &Changes, slots: &Slots, found: &mut Found) {
         let Changes { renewed, woken } = changes;
         if self.wear > LARGEST_WEAR * slots.len() as f64 {
@@ -217,7 +221,8 @@ impl FatTree {
         let fat = self.fat[slot.index()];
         let status = self.tree.insert_or_update_partially(fat, slot.0, NOTED);
         if status == BvhLeafUpdateStatus::Unchanged {
-            // A box may leave its fat box by less than the tree had grown that. In none it is a change again.
+            // A box may leave its fat box by less than the tree had grown that. In none it is a
+            // change again.
             self.tree.insert_or_update_partially(FatBox::new_invalid(), slot.0, 0.0);
             self.tree.insert_or_update_partially(fat, slot.0, NOTED);
         }
@@ -239,7 +244,8 @@ impl FatTree {
         self.walk::<false>(slots, found);
     }
 
-    /// Finds candidates by walking the tree against itself: all, or those of slots with new fat boxes.
+    /// Finds candidates by walking the tree against itself: all, or those of slots with new fat
+    /// boxes.
     fn walk<const NEW_ONLY: bool>(&mut self, slots: &Slots, found: &mut Found) {
         let Self { tree, workspace, candidates, fates, travel, .. } = self;
         tree.traverse_bvtt_single_tree::<NEW_ONLY>(workspace, &mut |a, b| {

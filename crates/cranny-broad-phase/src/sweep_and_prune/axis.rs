@@ -34,7 +34,8 @@ impl End {
 pub(super) enum Crossing {
     /// The intervals meet along this axis now, and did not before.
     Met,
-    /// The intervals are apart along this axis now, and were not before.
+    /// The intervals are apart along this axis now, and were not before: a pair ends here if the
+    /// boxes overlapped. The header of `pairs` says what becomes of it.
     Parted,
 }
 
@@ -109,13 +110,13 @@ impl Axis {
     /// Restores the order after any number of [`set`](Self::set)s, and calls `visit` for every two
     /// unlike ends that change places. Returns the number of swaps.
     ///
-    /// Each inversion between the stale and the new order is swapped exactly once: bodies that
-    /// move together cost nothing. To that end the rising ends are moved first, from the top, then
-    /// the falling ones, from the bottom. An end in the way is compared by its new value, be it moved
+    /// Each inversion between the stale and the new order is swapped exactly once: bodies that move
+    /// together cost nothing. To that end the rising ends are moved first, from the top, then the
+    /// falling ones, from the bottom. An end in the way is compared by its new value, be it moved
     /// already or not. Why the first pass sorts all but the falling ends among each other: a rising
-    /// end e can stop early only at a falling end d that is not less than e by now; what
-    /// stands above d and does not fall is not less than d was, hence not less than e. The
-    /// second pass is then a plain insertion sort.
+    /// end e can stop early only at a falling end d that is not less than e by now; what stands
+    /// above d and does not fall is not less than d was, hence not less than e. The second pass is
+    /// then a plain insertion sort.
     ///
     /// Gives up, with `None`, when there are more than `budget` swaps: the lists are
     /// then consistent but not sorted, and [`sort_anew`](Self::sort_anew) is due.
@@ -247,7 +248,7 @@ impl Axis {
     }
 
     /// Sorted; each place on record; `slots` boxes listed with their faces `(lower, upper)` as
-    /// told by `faces`, which is `None` for slots that must not be listed.
+    /// given by `faces`, which is `None` for slots that must not be listed.
     pub(super) fn validate(
         &self,
         name: char,

@@ -2,8 +2,8 @@
 //!
 //! The end points of all boxes are kept sorted along x, y and z. When boxes move a little, few end
 //! points pass each other, and the old order is repaired by insertion sort; a pair can begin or end
-//! only where a lower and an upper end pass each other on some axis (Baraff 1992, section 2.3; Cohen,
-//! Lin, Manocha and Ponamgi 1995). Departures from these:
+//! only where a lower and an upper end pass each other on some axis (Baraff 1992, section 2.3;
+//! Cohen, Lin, Manocha and Ponamgi 1995). Departures from these:
 //!
 //! - All new boxes are known before any axis is sorted, so each crossing is judged once, against
 //!   the boxes before and the boxes now on all three axes. No count per axis is kept.
@@ -38,11 +38,11 @@ pub struct SortedAxes {
 
 /// How many swaps an axis of `ends` end points may take before sorting anew is the better bargain.
 ///
-/// Measured at 1,000, 10,000 and 100,000 boxes with 2.8 partners each (those of `cranny-bench broad`),
-/// the break-even lies at 4, 10 and 39 swaps an end on each axis: a tenth of the root of `ends`.
-/// Smaller: ordinary motion pays for sorting anew (all boxes moving by 1 % of their size take 2, 2
-/// and 10 swaps an end). Larger: a teleport of the whole world wastes more time before it is
-/// noticed. `a_world_that_teleports_is_sorted_anew` shows both sides.
+/// Measured at 1,000, 10,000 and 100,000 boxes with 2.8 partners each (those of
+/// `cranny-bench broad`), the break-even lies at 4, 10 and 39 swaps an end on each axis: a tenth of
+/// the root of `ends`. Smaller: ordinary motion pays for sorting anew (all boxes moving by 1 % of
+/// their size take 2, 2 and 10 swaps an end). Larger: a teleport of the whole world wastes more
+/// time before it is noticed. `a_world_that_teleports_is_sorted_anew` shows both sides.
 fn swap_budget(ends: usize) -> u64 {
     let ends = ends as u64;
     ends * ends.isqrt() / 10

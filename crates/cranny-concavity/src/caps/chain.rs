@@ -1,8 +1,8 @@
 //! Chains of directed edges, in which opposite edges cancel.
 //!
-//! The boundary of a set of oriented triangles is such a chain, with integer multiplicities: an edge
-//! that runs as often one way as the other is not in it. Boundaries are *closed*: as many edges enter
-//! each vertex as leave it. (Munkres 1984, sections 5 and 6, for the algebra.)
+//! The boundary of a set of oriented triangles is such a chain, with integer multiplicities: an
+//! edge that runs as often one way as the other is not in it. Boundaries are *closed*: as many
+//! edges enter each vertex as leave it. (Munkres 1984, sections 5 and 6, for the algebra.)
 //!
 //! Cost: O(n log n) for n edges, which are sorted.
 

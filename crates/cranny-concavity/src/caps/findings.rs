@@ -1,6 +1,6 @@
 //! What is wrong with caps, as findings.
 //!
-//! Strips no wider than a slab is deep are rounding, as skin is, and not told.
+//! Strips no wider than a slab is deep are rounding, as skin is, and not reported.
 
 use std::collections::BTreeSet;
 
@@ -14,9 +14,9 @@ use cranny_geometry::hull::{ConvexHull, Facet, FacetId, HullKind};
 use cranny_geometry::{Finding, FindingKind};
 
 impl CapSurface {
-    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each group
-    /// of facets with such caps that is crossed, and for a closed body that is no thicker than slabs. O(n), and the square
-    /// of the facets told.
+    /// A finding for each facet with negative caps wider than `depth`, that of the slabs, for each
+    /// group of facets with such caps that is crossed, and for a closed body that is no thicker
+    /// than slabs. O(n), and the square of the facets reported.
     pub(crate) fn findings(
         &self,
         mesh: &Mesh,
@@ -26,24 +26,24 @@ impl CapSurface {
     ) -> Vec<Finding> {
         let wide: Vec<CapId> =
             self.negative.iter().copied().filter(|&cap| self.width(mesh, cap) > depth).collect();
-        let mut told: Vec<Finding> =
+        let mut findings: Vec<Finding> =
             thin_body(mesh, hull, depth).filter(|_| is_closed).into_iter().collect();
         let mut facets = BTreeSet::new();
         for caps in wide.chunk_by(|&a, &b| self.facet_of(a) == self.facet_of(b)) {
             let corners = caps.iter().flat_map(|cap| self.triangles[cap.index()]).collect();
             let area = caps.iter().map(|&cap| 0.5 * self.twice_area(mesh, cap)).sum();
-            told.push(finding(FindingKind::NegativeCap, corners, mesh, area));
+            findings.push(finding(FindingKind::NegativeCap, corners, mesh, area));
             facets.insert(self.facet_of(caps[0]));
         }
-        let is_told =
+        let is_reported =
             |f: &FacetId| facets.contains(f) || self.sharing(*f).any(|g| facets.contains(&g));
-        for &facet in self.crossed.iter().filter(|f| is_told(f)) {
+        for &facet in self.crossed.iter().filter(|f| is_reported(f)) {
             let facet = hull.facet(facet);
             let corners = facet.corners.iter().map(|&v| hull.source(v).0).collect();
             let thickness = facet.thickness.max(hull.flatness());
-            told.push(finding(FindingKind::CrossedCap, corners, mesh, thickness));
+            findings.push(finding(FindingKind::CrossedCap, corners, mesh, thickness));
         }
-        told
+        findings
     }
 
     fn twice_area(&self, mesh: &Mesh, cap: CapId) -> f64 {
@@ -63,8 +63,8 @@ impl CapSurface {
     }
 }
 
-/// Told where the hull of a body has a volume, but is as thin as that. A flat one has two sides, and faces that look up
-/// lie on the upper one.
+/// Told where the hull of a body has a volume, but is as thin as that. A flat one has two sides,
+/// and faces that look up lie on the upper one.
 fn thin_body(mesh: &Mesh, hull: &ConvexHull, depth: f64) -> Option<Finding> {
     let (volume, area) = (hull.volume(), hull.area());
     if hull.kind() != HullKind::Volume || volume > depth * area {

@@ -1,12 +1,13 @@
 //! Edges of the hull, divided where the mesh divides them.
 //!
-//! The edge of a planar side may carry vertices of the mesh that are not extreme, or are so by rounding
-//! alone. The facets on both sides of an edge of the hull must divide it alike: then whatever one
-//! facet's cap gains by it the other's loses, and caps still close. An edge is divided only where it is
-//! left over on both sides, that is, where no edge of the mesh equals it.
+//! The edge of a planar side may carry vertices of the mesh that are not extreme, or are so by
+//! rounding alone. The facets on both sides of an edge of the hull must divide it alike: then
+//! whatever one facet's cap gains by it the other's loses, and caps still close. An edge is divided
+//! only where it is left over on both sides, that is, where no edge of the mesh equals it.
 //!
-//! No source: this crate's own, and right whatever is near or not, because both facets are given the same division.
-//! Cost: O(n log n) as a rule; an edge is compared with all vertices beside it along the sweep.
+//! No source: this crate's own, and right whatever is near or not, because both facets are given
+//! the same division. Cost: O(n log n) as a rule; an edge is compared with all vertices beside it
+//! along the sweep.
 
 use std::collections::BTreeMap;
 
@@ -17,15 +18,17 @@ use cranny_geometry::Mesh;
 use cranny_geometry::hull::ConvexHull;
 use cranny_geometry::{HalfEdgeId, VertexId};
 
-/// The vertices that divide edges of the hull, by the lesser of the two half-edges; from the lesser of the edge's ends on.
+/// The vertices that divide edges of the hull, by the lesser of the two half-edges; from the lesser
+/// of the edge's ends on.
 #[derive(Debug, Default)]
 pub(crate) struct Divisions(BTreeMap<u32, Vec<(f64, u32)>>);
 
 impl Divisions {
-    /// Finds for each edge of the hull that is left in a facet's chain the vertices of the mesh left
-    /// there, and `others`, that lie within `reach` of it.
+    /// Finds for each edge of the hull that is left in a facet's chain the vertices of the mesh
+    /// left there, and `others`, that lie within `reach` of it.
     ///
-    /// A sweep along the facet's widest axis: O(n log n) unless very many vertices lie side by side.
+    /// A sweep along the facet's widest axis: O(n log n) unless very many vertices lie side by
+    /// side.
     pub(crate) fn find(
         &mut self,
         mesh: &Mesh,
@@ -44,7 +47,8 @@ impl Divisions {
         for edge in left {
             let Origin::Hull(h) = edge.origin else { continue };
             let twin = hull.twin(HalfEdgeId(h)).0;
-            // From the lesser vertex on: numbers of half-edges mean nothing, and rounding may tell the two ways apart.
+            // From the lesser vertex on: numbers of half-edges mean nothing, and rounding may tell
+            // the two ways apart.
             let [from, to] = [edge.ends[0].min(edge.ends[1]), edge.ends[0].max(edge.ends[1])];
             let (p, q) = (at(from), at(to));
             let (low, high) = (p[axis].min(q[axis]) - reach, p[axis].max(q[axis]) + reach);

@@ -1,21 +1,23 @@
 //! The cap surface: the hull, minus the faces of the mesh that lie on it.
 //!
 //! Of every facet the *cap chain* is taken: the boundary of its triangles, divided where the mesh
-//! divides it ([`interface`]), minus the boundary of the faces that lie on it. Where nothing is left
-//! the facet is solid. What is left is a closed chain over vertices of the mesh, and is triangulated in
-//! the projection along the facet's dominant axis.
+//! divides it ([`interface`]), minus the boundary of the faces that lie on it. Where nothing is
+//! left the facet is solid. What is left is a closed chain over vertices of the mesh, and is
+//! triangulated in the projection along the facet's dominant axis.
 //!
 //! So caps close by construction, whatever rounding did: the boundary of all caps together is the
-//! boundary of the hull, which is none, minus that of the faces on it. It equals the boundary of the
-//! faces off the hull, if the mesh is closed. How *well* the triangles cover the facet is another
-//! matter: they do so exactly once where the chain does not cross itself in the projection. Facets into
-//! which faces of their neighbours reach are covered [together](share). Where faces lie on a facet twice,
-//! some triangles come out clockwise, negative: they count as such in all sums.
+//! boundary of the hull, which is none, minus that of the faces on it. It equals the boundary of
+//! the faces off the hull, if the mesh is closed. How *well* the triangles cover the facet is
+//! another matter: they do so exactly once where the chain does not cross itself in the projection.
+//! Facets into which faces of their neighbours reach are covered [together](share). Where faces lie
+//! on a facet twice, some triangles come out clockwise, negative: they count as such in all sums.
 //!
-//! Cost: passes over all faces and triangles, and O(n log n) in those of facets that are not wholly covered.
+//! Cost: passes over all faces and triangles, and O(n log n) in those of facets that are not wholly
+//! covered.
 //!
-//! Source: chains are those of Munkres (1984, "Elements of algebraic topology", sections 5 and 6), the triangulation
-//! that of Hertel and Mehlhorn (1983); to define caps as a difference of chains is this crate's own.
+//! Source: chains are those of Munkres (1984, "Elements of algebraic topology", sections 5 and 6),
+//! the triangulation that of Hertel and Mehlhorn (1983); to define caps as a difference of chains
+//! is this crate's own.
 
 mod chain;
 mod findings;
@@ -87,8 +89,8 @@ impl CapSurface {
         self.negative.is_empty() && self.crossed.is_empty()
     }
 
-    /// The facets that are covered together with this one, ascending, itself among them; none where it is
-    /// covered by itself. O(k) where it shares, of k facets that do.
+    /// The facets that are covered together with this one, ascending, itself among them; none where
+    /// it is covered by itself. O(k) where it shares, of k facets that do.
     pub(crate) fn sharing(&self, facet: FacetId) -> impl Iterator<Item = FacetId> + '_ {
         let place = self.shared.binary_search_by_key(&facet.0, |entry| entry[0]);
         let home = place.ok().map(|at| self.shared[at][1]);
@@ -223,7 +225,8 @@ fn as_swept(corners: [u32; 3], points: [DVec2; 3]) -> Option<[u32; 3]> {
     Some([2, 0, 1].map(|turn| corners[(last + turn) % 3]))
 }
 
-/// The chains of those among some facets, with the faces on them, that the mesh does not cover edge for edge, by facet.
+/// The chains of those among some facets, with the faces on them, that the mesh does not cover edge
+/// for edge, by facet.
 fn open_chains<'f>(
     mesh: &Mesh,
     topology: &Topology,

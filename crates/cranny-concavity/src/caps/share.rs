@@ -1,20 +1,23 @@
 //! Facets that are covered together.
 //!
-//! Where the surface bends by about as little as rounding does, hull and mesh divide it differently: an edge of the
-//! hull runs across a face. The face lies on one of the two facets, to within its slab, and reaches into
-//! the other. The first is then covered beyond its rim, which counts negative, and the second not enough;
-//! each once only together. So a facet whose caps are negative or cross is joined with those that its
-//! caps reach into. The sum of their chains, in which the edges between them cancel, is triangulated in
-//! one projection, and each triangle is filed under the facet beneath its middle.
+//! Where the surface bends by about as little as rounding does, hull and mesh divide it
+//! differently: an edge of the hull runs across a face. The face lies on one of the two facets, to
+//! within its slab, and reaches into the other. The first is then covered beyond its rim, which
+//! counts negative, and the second not enough; each once only together. So a facet whose caps are
+//! negative or cross is joined with those that its caps reach into. The sum of their chains, in
+//! which the edges between them cancel, is triangulated in one projection, and each triangle is
+//! filed under the facet beneath its middle.
 //!
-//! What the caps bound is the same, joined or not; how far something reaches is therefore measured in
-//! rounded lengths. But where caps run is not: slivers along an edge of the hull lead from one side to the
-//! next, and caps over both would cut the corner between them off. So no facet joins that turns far away from the
-//! largest of its group, and a group stays joined only where all its caps lie near the hull and less area
-//! is negative than before. If it does not, it is tried once more without its slivers.
+//! What the caps bound is the same, joined or not; how far something reaches is therefore measured
+//! in rounded lengths. But where caps run is not: slivers along an edge of the hull lead from one
+//! side to the next, and caps over both would cut the corner between them off. So no facet joins
+//! that turns far away from the largest of its group, and a group stays joined only where all its
+//! caps lie near the hull and less area is negative than before. If it does not, it is tried once
+//! more without its slivers.
 //!
-//! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log n) in the chains of
-//! groups, and for each group the product of its rim and its negative caps, up to [`MOST_LOOKS`].
+//! This way is the crate's own. Cost: nothing where all facets are covered once. Otherwise O(n log
+//! n) in the chains of groups, and for each group the product of its rim and its negative caps, up
+//! to [`MOST_LOOKS`].
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,30 +32,33 @@ use cranny_geometry::Mesh;
 use cranny_geometry::hull::{ConvexHull, Facet, FacetId};
 use cranny_geometry::{HalfEdgeId, VertexId};
 
-/// How often a group grows. A face reaches over one facet as a rule, over several where these are slim;
-/// smaller, and some of those stay negative; larger, and faces that lie twice in one place, which no
-/// group mends, are looked at in vain.
+/// How often a group grows. A face reaches over one facet as a rule, over several where these are
+/// slim; smaller, and some of those stay negative; larger, and faces that lie twice in one place,
+/// which no group mends, are looked at in vain.
 const ROUNDS: usize = 4;
 
-/// Comparisons of a place with an edge that a group may cost, a millisecond or so. Smaller, and large
-/// sides with many negative caps are left as they are; larger, and a soup of coincident faces takes long.
+/// Comparisons of a place with an edge that a group may cost, a millisecond or so. Smaller, and
+/// large sides with many negative caps are left as they are; larger, and a soup of coincident faces
+/// takes long.
 const MOST_LOOKS: usize = 1 << 18;
 
-/// The least cosine of the angle between a facet and the largest of its group. Smaller than 0, and sides that
-/// bend away from each other meet in one projection; above 0.7, and the slivers that cut off a right edge
-/// remain apart, and negative.
+/// The least cosine of the angle between a facet and the largest of its group. Smaller than 0, and
+/// sides that bend away from each other meet in one projection; above 0.7, and the slivers that cut
+/// off a right edge remain apart, and negative.
 const MOST_TURNED: f64 = 0.5;
 
-/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by far.
+/// The same where a group is tried without slivers. Sides that are rough by rounding turn less by
+/// far.
 const HARDLY_TURNED: f64 = 0.99;
 
-/// The least component of the normal of any facet of a group along the axis that is looked along. Nearer to 0, and facets are
-/// seen edge-on, where rounding turns triangles over; larger, and some that fit together are seen along no axis.
+/// The least component of the normal of any facet of a group along the axis that is looked along.
+/// Nearer to 0, and facets are seen edge-on, where rounding turns triangles over; larger, and some
+/// that fit together are seen along no axis.
 const LEAST_SEEN: f64 = 0.25;
 
-/// How many slabs deep a group's caps may lie beneath the hull. Smaller than 4, and sides rough by a few
-/// flatnesses are left with negative caps, at 4 a bolt that bends a little as well; larger, and volumes may
-/// be off by that much more.
+/// How many slabs deep a group's caps may lie beneath the hull. Smaller than 4, and sides rough by
+/// a few flatnesses are left with negative caps, at 4 a bolt that bends a little as well; larger,
+/// and volumes may be off by that much more.
 const DEEPEST: f64 = 16.0;
 
 /// What is looked at.
@@ -66,7 +72,7 @@ pub(super) struct Sharing<'a> {
 }
 
 /// Facets, ascending, and what is left of them together.
-struct Group {
+struct FacetGroup {
     members: BTreeSet<u32>,
     projection: Projection,
     covering: Covering,
@@ -78,18 +84,18 @@ impl Sharing<'_> {
     pub(super) fn share(&self, alone: CapSurface) -> CapSurface {
         let negative = alone.negative.iter().map(|&cap| alone.facet_of(cap).0);
         let bad: BTreeSet<u32> = negative.chain(alone.crossed.iter().map(|f| f.0)).collect();
-        let mut groups: Vec<Group> =
+        let mut groups: Vec<FacetGroup> =
             bad.into_iter().map(|facet| self.group(BTreeSet::from([facet]))).collect();
         for _ in 0..ROUNDS {
             groups = self.grown(groups);
         }
-        let mut groups: Vec<Group> =
+        let mut groups: Vec<FacetGroup> =
             groups.into_iter().filter_map(|group| self.kept(group, &alone)).collect();
         groups.sort_unstable_by_key(|group| group.members.first().copied());
         self.filed(&alone, &groups)
     }
 
-    fn group(&self, members: BTreeSet<u32>) -> Group {
+    fn group(&self, members: BTreeSet<u32>) -> FacetGroup {
         // What is seen along no axis is never joined; of one facet all is seen.
         let largest = self.largest(&members);
         let projection =
@@ -103,11 +109,11 @@ impl Sharing<'_> {
         ridges.sort_unstable_by_key(|ridge| ridge.ends);
         ridges.dedup_by_key(|ridge| ridge.ends);
         let covering = Covering::of(self.mesh, projection, &chain, &ridges);
-        Group { members, projection, covering, has_grown: true }
+        FacetGroup { members, projection, covering, has_grown: true }
     }
 
     /// Each group that is not covered once, with the facets that it reaches into.
-    fn grown(&self, groups: Vec<Group>) -> Vec<Group> {
+    fn grown(&self, groups: Vec<FacetGroup>) -> Vec<FacetGroup> {
         let mut home: BTreeMap<u32, usize> = BTreeMap::new();
         for (at, group) in groups.iter().enumerate() {
             home.extend(group.members.iter().map(|&f| (f, at)));
@@ -144,14 +150,14 @@ impl Sharing<'_> {
             if members.len() > group.members.len() {
                 all.push(self.group(members));
             } else if !members.is_empty() {
-                all.push(Group { has_grown: false, ..group });
+                all.push(FacetGroup { has_grown: false, ..group });
             }
         }
         all
     }
 
-    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the normal of the largest,
-    /// whose area vector is given, as there is one.
+    /// The projection along which no facet is seen from behind or nearly edge-on: as near to the
+    /// normal of the largest, whose area vector is given, as there is one.
     fn projection<'f>(
         &self,
         facets: impl Iterator<Item = &'f u32> + Clone,
@@ -181,7 +187,7 @@ impl Sharing<'_> {
     }
 
     /// Facets across the rim of a group over which its negative caps reach.
-    fn reached(&self, group: &Group) -> BTreeSet<u32> {
+    fn reached(&self, group: &FacetGroup) -> BTreeSet<u32> {
         let rim = self.rim(group);
         let at = |v: u32| self.mesh.position(VertexId(v));
         let mut places: Vec<DVec3> = Vec::new();
@@ -202,7 +208,7 @@ impl Sharing<'_> {
     }
 
     /// The edges of the hull between members of a group and other facets.
-    fn rim(&self, group: &Group) -> Vec<RimEdge> {
+    fn rim(&self, group: &FacetGroup) -> Vec<RimEdge> {
         let mut rim = Vec::new();
         for &facet in &group.members {
             let Facet { normal, triangles, .. } = self.hull.facet(FacetId(facet));
@@ -222,8 +228,8 @@ impl Sharing<'_> {
     }
 
     /// A group, or what of it hardly turns, that is the better for being covered together.
-    fn kept(&self, group: Group, alone: &CapSurface) -> Option<Group> {
-        let is_kept = |group: &Group| {
+    fn kept(&self, group: FacetGroup, alone: &CapSurface) -> Option<FacetGroup> {
+        let is_kept = |group: &FacetGroup| {
             group.members.len() > 1 && self.is_better(group, alone) && self.is_near_hull(group)
         };
         if is_kept(&group) {
@@ -236,9 +242,10 @@ impl Sharing<'_> {
         (members.len() < count).then(|| self.group(members)).filter(is_kept)
     }
 
-    /// Whether each triangle lies beneath some member, no deeper than [`DEEPEST`] slabs. Those of a facet alone
-    /// always do, since its chain lies in its slab; so volumes are right up to layers as thin.
-    fn is_near_hull(&self, group: &Group) -> bool {
+    /// Whether each triangle lies beneath some member, no deeper than [`DEEPEST`] slabs. Those of a
+    /// facet alone always do, since its chain lies in its slab; so volumes are right up to layers
+    /// as thin.
+    fn is_near_hull(&self, group: &FacetGroup) -> bool {
         let is_near = |facet: u32, corners: [DVec3; 3]| {
             let Facet { normal, offset, thickness, .. } = self.hull.facet(FacetId(facet));
             let floor = offset - DEEPEST * thickness.max(self.assignment.depth());
@@ -250,8 +257,9 @@ impl Sharing<'_> {
         })
     }
 
-    /// Whether less is negative than where each facet is covered alone, or as little and nothing crosses.
-    fn is_better(&self, group: &Group, alone: &CapSurface) -> bool {
+    /// Whether less is negative than where each facet is covered alone, or as little and nothing
+    /// crosses.
+    fn is_better(&self, group: &FacetGroup, alone: &CapSurface) -> bool {
         let area = |corners: [u32; 3]| {
             let [a, b, c] = corners.map(|v| self.mesh.position(VertexId(v)));
             (b - a).cross(c - a).length()
@@ -269,7 +277,7 @@ impl Sharing<'_> {
     }
 
     /// The surface with the caps of groups in place of those of their members.
-    fn filed(&self, alone: &CapSurface, groups: &[Group]) -> CapSurface {
+    fn filed(&self, alone: &CapSurface, groups: &[FacetGroup]) -> CapSurface {
         let mut of_member: BTreeMap<u32, Vec<([u32; 3], bool)>> = BTreeMap::new();
         let mut surface = CapSurface { facet_starts: vec![0], ..CapSurface::default() };
         let mut crossed = BTreeSet::new();
@@ -305,8 +313,9 @@ impl Sharing<'_> {
     }
 }
 
-/// The longer of two vectors. Of those equal to the bit neither the first nor the last, which would depend on how facets
-/// are numbered; sums over the triangles of equal facets may still differ by rounding.
+/// The longer of two vectors. Of those equal to the bit neither the first nor the last, which would
+/// depend on how facets are numbered; sums over the triangles of equal facets may still differ by
+/// rounding.
 fn larger(a: DVec3, b: DVec3) -> DVec3 {
     let by_place = || b.to_array().partial_cmp(&a.to_array()).unwrap_or(Ordering::Equal);
     let by_length = b.length_squared().total_cmp(&a.length_squared());
@@ -329,7 +338,7 @@ struct Places {
 }
 
 impl Places {
-    fn of(hull: &ConvexHull, group: &Group) -> Self {
+    fn of(hull: &ConvexHull, group: &FacetGroup) -> Self {
         let projection = group.projection;
         let placed = |t: u32| {
             let corners = hull.triangle(t as usize);

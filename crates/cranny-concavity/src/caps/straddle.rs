@@ -1,22 +1,22 @@
 //! Faces that straddle facets: what one facet is covered too much by, its neighbour is too little.
 //!
-//! Where the surface bends by about as little as the merging of facets ignores, mesh and hull may divide
-//! it differently: a quadrilateral whose two triangles on the hull went to different facets, while the
-//! mesh has the other diagonal. Each of its faces lies on one of the two facets, to within its slab, and
-//! reaches into the other. The pieces of cap chains that are left on both sides are then each other's
-//! opposites: together they bound nothing, and both are dropped.
+//! Where the surface bends by about as little as the merging of facets ignores, mesh and hull may
+//! divide it differently: a quadrilateral whose two triangles on the hull went to different facets,
+//! while the mesh has the other diagonal. Each of its faces lies on one of the two facets, to
+//! within its slab, and reaches into the other. The pieces of cap chains that are left on both
+//! sides are then each other's opposites: together they bound nothing, and both are dropped.
 //!
-//! Both sides of a plate have opposite pieces too where it has a hole. There both are uncovered; here one
-//! is covered too often. What tells them apart is the areas, each measured along the normal of its own
-//! facet: only pieces whose areas add up to nothing are dropped.
+//! Both sides of a plate have opposite pieces too where it has a hole. There both are uncovered;
+//! here one is covered too often. What distinguishes them is the areas, each measured along the
+//! normal of its own facet: only pieces whose areas add up to nothing are dropped.
 //!
-//! Where sides are rough by as much as slabs are deep, a piece may have the opposites of several facets. Then
-//! two are dropped that choose each other, each [the first](FacetOrder) of those it may choose from; the others
-//! stay. So pieces go in pairs, always.
+//! Where sides are rough by as much as slabs are deep, a piece may have the opposites of several
+//! facets. Then two are dropped that choose each other, each [the first](FacetOrder) of those it
+//! may choose from; the others stay. So pieces go in pairs, always.
 //!
-//! No source: this crate's own. What closes stays closed, for a piece and its opposite are dropped together. Cost:
-//! O(n log n) in the chains; a piece that has an opposite also looks along the outline of its facet and along its
-//! chain.
+//! No source: this crate's own. What closes stays closed, for a piece and its opposite are dropped
+//! together. Cost: O(n log n) in the chains; a piece that has an opposite also looks along the
+//! outline of its facet and along its chain.
 
 use std::cmp::Ordering;
 
@@ -26,8 +26,9 @@ use cranny_geometry::Mesh;
 use cranny_geometry::VertexId;
 use cranny_geometry::hull::{ConvexHull, FacetId, FacetOrder};
 
-/// Drops opposite pieces of the chains of two facets across an edge, which together cover nothing; `depth`
-/// is that of the slabs. Which facets have such pieces, dropped or not: each with every other.
+/// Drops opposite pieces of the chains of two facets across an edge, which together cover nothing;
+/// `depth` is that of the slabs. Which facets have such pieces, dropped or not: each with every
+/// other.
 pub(super) fn drop_straddled(
     mesh: &Mesh,
     hull: &ConvexHull,

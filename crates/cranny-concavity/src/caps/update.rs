@@ -1,13 +1,13 @@
 //! Caps after some facets have other faces on them, or faces that have moved, or are new.
 //!
 //! The cap of a facet depends on its own chain, on where its edges are divided, which the facets
-//! across these edges have a say in, and on which pieces of the chains of these are its own opposites. So
-//! the caps of the facets named and of two rings of facets around them are made again, from the
-//! chains of these and of two more rings.
+//! across these edges have a say in, and on which pieces of the chains of these are its own
+//! opposites. So the caps of the facets named and of two rings of facets around them are made
+//! again, from the chains of these and of two more rings.
 //!
-//! Which facets are covered together may depend on facets farther away, and so may which of several opposites a
-//! piece is dropped with. Where there are such facets, or opposites just where the second ring ends, or caps that
-//! count negative, all caps are made again.
+//! Which facets are covered together may depend on facets farther away, and so may which of several
+//! opposites a piece is dropped with. Where there are such facets, or opposites just where the
+//! second ring ends, or caps that count negative, all caps are made again.
 //!
 //! No source: this crate's own, for the reason above. Cost: with the function.
 
@@ -23,11 +23,13 @@ use cranny_geometry::rows::replaced;
 use cranny_geometry::{FaceId, HalfEdgeId};
 
 impl CapSurface {
-    /// The caps after the faces on the facets `stale`, or the ridges there, have changed or moved, or
-    /// these facets are new; those facets whose caps were made again, and how many were looked at. The others are what they were.
+    /// The caps after the faces on the facets `stale`, or the ridges there, have changed or moved,
+    /// or these facets are new; those facets whose caps were made again, and how many were looked
+    /// at. The others are what they were.
     ///
-    /// Cost: O(n log n) in the faces and triangles of these facets, a look at which facet each face is on, and
-    /// copying. Where caps are shared or negative, or pieces have opposites two rings away, that of building.
+    /// Cost: O(n log n) in the faces and triangles of these facets, a look at which facet each face
+    /// is on, and copying. Where caps are shared or negative, or pieces have opposites two rings
+    /// away, that of building.
     pub(crate) fn updated(
         &self,
         mesh: &Mesh,

@@ -61,12 +61,12 @@ pub struct FollowedConcavities {
     kept: Option<Vec<Option<usize>>>,
     /// The digest of the model that they are of.
     of: [u8; 32],
-    workshop: Workshop,
+    workshop: FollowedState,
 }
 
 /// What following needs beside.
 #[derive(Clone, Debug)]
-struct Workshop {
+struct FollowedState {
     assignment: Assignment,
     ridges: Vec<RidgeOnFacet>,
     trees: GrownAreas,
@@ -127,7 +127,7 @@ impl FollowedConcavities {
         let (concavities, assignment, ridges) =
             Concavities::with_assignment(model, leaf_size, nobody);
         let trees = GrownAreas::of(concavities.trees.arena().nodes());
-        let workshop = Workshop { assignment, ridges, trees, sums: SurfaceSums::default() };
+        let workshop = FollowedState { assignment, ridges, trees, sums: SurfaceSums::default() };
         Self { concavities, kept: None, of: model.digest(), workshop }
     }
 
@@ -175,8 +175,13 @@ impl FollowedConcavities {
             return self.make_anew(model, change);
         };
         self.of = model.digest();
-        let mut step =
-            Step { model, moved: change, trail, all: self, change: ConcavityChange::default() };
+        let mut step = FollowedDeformation {
+            model,
+            moved: change,
+            trail,
+            all: self,
+            change: ConcavityChange::default(),
+        };
         step.run();
         step.change
     }
@@ -201,14 +206,14 @@ impl FollowedConcavities {
             },
             ..ConcavityChange::default()
         };
-        tell_concavities(&mut change, moved, &self.concavities.set, set);
+        note_concavities(&mut change, moved, &self.concavities.set, set);
         *self = new;
         change
     }
 }
 
 /// One deformation that is followed.
-struct Step<'a> {
+struct FollowedDeformation<'a> {
     model: &'a Model,
     moved: &'a ChangeSet,
     trail: &'a Trail,
@@ -216,7 +221,7 @@ struct Step<'a> {
     change: ConcavityChange,
 }
 
-impl Step<'_> {
+impl FollowedDeformation<'_> {
     fn run(&mut self) {
         let sums = &mut self.all.workshop.sums;
         sums.touch_faces(&self.moved.faces);
@@ -240,7 +245,7 @@ impl Step<'_> {
     fn judge_on_hull(&mut self) -> Judged {
         let (model, Trail { facets, triangles, .. }) = (self.model, self.trail);
         let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
-        let Workshop { assignment, ridges, sums, .. } = workshop;
+        let FollowedState { assignment, ridges, sums, .. } = workshop;
         let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
         sums.touch_hull(triangles, hull.triangle_count());
         let near = |bounds: &Aabb| model.tree().vertices_within(mesh, bounds);
@@ -253,7 +258,7 @@ impl Step<'_> {
         let (model, facets) = (self.model, &self.trail.facets);
         let (mesh, topology, hull) = (model.mesh(), model.topology(), model.hull());
         let FollowedConcavities { concavities, workshop, .. } = &mut *self.all;
-        let Workshop { assignment, ridges, .. } = workshop;
+        let FollowedState { assignment, ridges, .. } = workshop;
         let Concavities { features, set, .. } = concavities;
         let isolated = features.isolated_vertices().to_vec();
         let mut stale = features.update(mesh, topology, assignment, judged, ridges);
@@ -316,7 +321,7 @@ impl Step<'_> {
         });
         self.change.work.grouped = grouped;
         let old = std::mem::replace(set, new);
-        let same = tell_concavities(&mut self.change, self.moved, &old, set);
+        let same = note_concavities(&mut self.change, self.moved, &old, set);
         let same: Vec<Option<usize>> = same.iter().map(|s| s.map(ConcavityId::index)).collect();
         self.follow_with_trees(&same);
         self.follow_with_envelopes(&same, &old.openings());
@@ -387,7 +392,7 @@ impl Step<'_> {
 
 /// Notes what has become of concavities. Returns for each of the new ones the old one that has the
 /// same faces; of those without faces, the same caps.
-fn tell_concavities(
+fn note_concavities(
     change: &mut ConcavityChange,
     moved: &ChangeSet,
     old: &ConcavitySet,

@@ -45,7 +45,7 @@ pub(crate) struct Disturbance<'a> {
 }
 
 /// A concavity in the new order.
-enum Origin {
+enum KeptOrMade {
     /// As it was.
     Kept(usize),
     Made(usize),
@@ -194,13 +194,13 @@ impl ConcavitySet {
         };
         let kept = self.iter().filter(|c| !disturbed[c.id().index()]).map(|c| {
             let mut own = c.caps.iter().map(|cap| ids[cap.index()] as usize);
-            (key(c.faces, &mut own), Origin::Kept(c.id().index()))
+            (key(c.faces, &mut own), KeptOrMade::Kept(c.id().index()))
         });
         let made = groups.iter().enumerate().map(|(i, group)| {
             let mut own = group.lids.iter().flatten().map(|cap| cap.index());
-            (key(&group.faces, &mut own), Origin::Made(i))
+            (key(&group.faces, &mut own), KeptOrMade::Made(i))
         });
-        let mut order: Vec<(Key, Origin)> = kept.chain(made).collect();
+        let mut order: Vec<(Key, KeptOrMade)> = kept.chain(made).collect();
         order.sort_unstable_by_key(|&(key, _)| key);
         let mut all = ConcavitySet {
             records: Vec::with_capacity(order.len()),
@@ -218,20 +218,20 @@ impl ConcavitySet {
             cover: Vec::new(),
             skin: Skin::default(),
         };
-        // Faces of disturbed concavities belong to none until they are told.
+        // Faces of disturbed concavities belong to none until they are assigned.
         for c in self.iter().filter(|c| disturbed[c.id().index()]) {
             c.faces.iter().for_each(|f| all.concavity_of_face[f.index()] = NONE);
         }
         let mut rims = Vec::new();
         for (id, (_, origin)) in order.iter().enumerate() {
             match origin {
-                Origin::Kept(before) => {
+                KeptOrMade::Kept(before) => {
                     let faces = self.get(ConcavityId(*before as u32)).faces;
                     if *before != id {
                         faces.iter().for_each(|f| all.concavity_of_face[f.index()] = id as u32);
                     }
                 }
-                Origin::Made(group) => groups[*group]
+                KeptOrMade::Made(group) => groups[*group]
                     .faces
                     .iter()
                     .for_each(|f| all.concavity_of_face[f.index()] = id as u32),
@@ -255,8 +255,10 @@ impl ConcavitySet {
             };
             all.records.push(record);
             match origin {
-                Origin::Kept(before) => all.append(&self.get(ConcavityId(*before as u32)), id, ids),
-                Origin::Made(group) => {
+                KeptOrMade::Kept(before) => {
+                    all.append(&self.get(ConcavityId(*before as u32)), id, ids);
+                }
+                KeptOrMade::Made(group) => {
                     let first = rims.partition_point(|&(c, _)| c < id.0);
                     let last = rims.partition_point(|&(c, _)| c <= id.0);
                     let rim = rims[first..last].iter().map(|&(_, ends)| ends).collect();

@@ -1,7 +1,8 @@
 //! Building envelopes: layer by layer, breadth-first.
 //!
-//! No source: this crate's own. A half-space holds its faces, for every corner is looked at and the rounding of its
-//! height bounded. Cost: O(n) for each depth of layers, so O(n log n) as a rule, given the trees.
+//! No source: this crate's own. A half-space holds its faces, for every corner is looked at and the
+//! rounding of its height bounded. Cost: O(n) for each depth of layers, so O(n log n) as a rule,
+//! given the trees.
 
 use std::collections::VecDeque;
 
@@ -15,7 +16,8 @@ use cranny_geometry::Mesh;
 use cranny_geometry::{FaceForest, FaceTree};
 
 impl HalfSpace {
-    /// The smallest half-space with this normal (a unit vector, to rounding) that certainly holds the points.
+    /// The smallest half-space with this normal (a unit vector, to rounding) that certainly holds
+    /// the points.
     pub(super) fn holding(normal: DVec3, points: impl Iterator<Item = DVec3>) -> Self {
         let (mut most, mut bounds) = (f64::NEG_INFINITY, Aabb::EMPTY);
         for p in points {
@@ -25,10 +27,11 @@ impl HalfSpace {
         Self::above(normal, most, &bounds)
     }
 
-    /// The same from the largest inner product of points with the normal, as computed, and their box.
+    /// The same from the largest inner product of points with the normal, as computed, and their
+    /// box.
     fn above(normal: DVec3, most: f64, bounds: &Aabb) -> Self {
-        // Three products and two sums round by half an ulp of at most the sum of absolute products; the
-        // last term stands for products that underflow.
+        // Three products and two sums round by half an ulp of at most the sum of absolute products;
+        // the last term stands for products that underflow.
         let size = bounds.min.abs().max(bounds.max.abs());
         let rounding = 2.0 * f64::EPSILON * normal.abs().dot(size) + f64::MIN_POSITIVE;
         Self { normal, offset: (most + rounding).next_up() }
@@ -131,8 +134,8 @@ impl Envelopes {
         self.faces.extend(workshop.crumbs.ordered_faces(&workshop.order));
     }
 
-    /// Divides a range of the order of crumbs, whose faces will stand from `face` on, and makes a facet of each part;
-    /// those with many faces are left waiting for a layer.
+    /// Divides a range of the order of crumbs, whose faces will stand from `face` on, and makes a
+    /// facet of each part; those with many faces are left waiting for a layer.
     fn add_layer(
         &mut self,
         mesh: &Mesh,

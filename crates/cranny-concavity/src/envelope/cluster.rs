@@ -1,19 +1,19 @@
 //! Dividing the crumbs beneath a facet into those of the next layer.
 //!
 //! Greedy: the costliest part is divided in two until the layer is full. A part costs its number of
-//! faces times its *thickness*, the depth of its faces beneath their plane: that is how many
-//! faces a thing within a random distance of the plane has to look at. Two ways to divide are tried, each at
-//! the middle of the widest range: by position in a frame along and around the opening direction, or
-//! by normal. The lesser sum of costs wins: on a thread, azimuths first and flanks later; in a box, its
-//! sides at once.
+//! faces times its *thickness*, the depth of its faces beneath their plane: that is how many faces
+//! a thing within a random distance of the plane has to look at. Two ways to divide are tried, each
+//! at the middle of the widest range: by position in a frame along and around the opening
+//! direction, or by normal. The lesser sum of costs wins: on a thread, azimuths first and flanks
+//! later; in a box, its sides at once.
 //!
-//! Costs follow from sums over crumbs (`moments`): both ways together divide a part into quarters, so one
-//! pass over its crumbs judges both.
+//! Costs follow from sums over crumbs (`moments`): both ways together divide a part into quarters,
+//! so one pass over its crumbs judges both.
 //!
-//! Source: to divide the worst part in two until there are enough is Heckbert's way with colours (1982, "Color image
-//! quantization for frame buffer display"); what a part costs and the two ways are this crate's own. Any division is
-//! right. Cost: for each division a pass or two over the crumbs of the part that is divided, and a glance at each
-//! part.
+//! Source: to divide the worst part in two until there are enough is Heckbert's way with colours
+//! (1982, "Color image quantization for frame buffer display"); what a part costs and the two ways
+//! are this crate's own. Any division is right. Cost: for each division a pass or two over the
+//! crumbs of the part that is divided, and a glance at each part.
 
 use super::EnvelopeOptions;
 use super::crumbs::Item;
@@ -47,7 +47,8 @@ pub(super) struct Scratch {
     aside: Vec<u32>,
 }
 
-/// Divides at least one item, named by `order`, into at most `options.width` parts and orders them by parts.
+/// Divides at least one item, named by `order`, into at most `options.width` parts and orders them
+/// by parts.
 pub(super) fn clusters(
     items: &[Item],
     order: &mut [u32],
@@ -101,8 +102,8 @@ pub(super) fn clusters(
     parts
 }
 
-/// Whether any two of some items have too many faces for a part that is not divided: then each becomes a part, in
-/// whichever way they are divided.
+/// Whether any two of some items have too many faces for a part that is not divided: then each
+/// becomes a part, in whichever way they are divided.
 fn no_two_stay_together(items: &[Item], order: &[u32], leaf_faces: usize) -> bool {
     let [mut least, mut next] = [usize::MAX; 2];
     for &item in order {
@@ -185,7 +186,7 @@ impl Cut {
     }
 }
 
-/// Two parts of some items: the sums over them, and what they cost, if that was asked.
+/// Two parts of some items: the sums over them, and what they cost, where that is wanted.
 struct Halves {
     moments: [Moments; 2],
     costs: Option<[f64; 2]>,
@@ -203,7 +204,8 @@ fn halves_of_two(items: &[Item], [a, b]: [u32; 2], order: &mut [u32]) -> (usize,
     (1, Halves { moments: ordered.map(|item| Moments::of([&items[item as usize]])), costs: None })
 }
 
-/// Divides more than two items in the better of two ways; the number of those on the left, and both parts.
+/// Divides more than two items in the better of two ways; the number of those on the left, and both
+/// parts.
 fn halves(
     items: &[Item],
     order: &mut [u32],

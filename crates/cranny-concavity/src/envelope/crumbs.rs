@@ -1,9 +1,9 @@
 //! The faces of a pocket in groups of a few that lie together and face the same way: crumbs.
 //!
-//! Layers are made of crumbs, not of faces: there are a third as many, and what is summed once over the
-//! faces of a crumb need not be looked at again in every layer. Crumbs are taken from the tree over the pocket's
-//! faces: the largest parts of it that are few enough and lie across no sharp edge. How layers divide crumbs is
-//! judged with more care (`cluster`).
+//! Layers are made of crumbs, not of faces: there are a third as many, and what is summed once over
+//! the faces of a crumb need not be looked at again in every layer. Crumbs are taken from the tree
+//! over the pocket's faces: the largest parts of it that are few enough and lie across no sharp
+//! edge. How layers divide crumbs is judged with more care (`cluster`).
 //!
 //! Cost: O(n), given the tree.
 //!
@@ -16,19 +16,19 @@ use cranny_geometry::Mesh;
 use cranny_geometry::{Content, FaceTree};
 use cranny_geometry::{FaceId, VertexId};
 
-/// Faces whose unit normals spread wider than this along an axis are no crumb: that is what lies on both
-/// sides of an edge of 45 degrees. Smaller, and crumbs of bent walls have single faces; larger, and crumbs lie
-/// across edges, where no plane is near to all of their faces.
+/// Faces whose unit normals spread wider than this along an axis are no crumb: that is what lies on
+/// both sides of an edge of 45 degrees. Smaller, and crumbs of bent walls have single faces;
+/// larger, and crumbs lie across edges, where no plane is near to all of their faces.
 const BENT: f64 = 0.75;
 
 /// A crumb, as layers divide it.
 #[derive(Clone, Copy)]
 pub(super) struct Item {
-    /// What it may be divided by: the mean of its faces' middles in the opening's frame, with the pocket's
-    /// size as unit, and its mean unit normal (zero where areas cancel).
+    /// What it may be divided by: the mean of its faces' middles in the opening's frame, with the
+    /// pocket's size as unit, and its mean unit normal (zero where areas cancel).
     pub(super) keys: [f64; 6],
-    /// Sums over its faces of the means over their corners of the products of coordinates: xx, yy, zz, xy,
-    /// yz, zx.
+    /// Sums over its faces of the means over their corners of the products of coordinates: xx, yy,
+    /// zz, xy, yz, zx.
     pub(super) products: [f64; 6],
     /// Length of the sum of area vectors.
     pub(super) area: f64,
@@ -57,18 +57,20 @@ pub(super) struct Crumbs {
     faces: Vec<FaceId>,
     /// Each once in a crumb.
     corners: Vec<VertexId>,
-    /// Of the crumb in the making: how often each of its corners is one of a face, and its area vectors.
+    /// Of the crumb in the making: how often each of its corners is one of a face, and its area
+    /// vectors.
     times: Vec<u32>,
     areas: Vec<DVec3>,
-    /// Of each vertex the last crumb that it is a corner of, counted through all pockets, and its place there.
+    /// Of each vertex the last crumb that it is a corner of, counted through all pockets, and its
+    /// place there.
     places: Vec<[u32; 2]>,
     /// How many crumbs have been made in all.
     made: u32,
 }
 
 impl Crumbs {
-    /// Takes the place of earlier ones: crumbs of at most `most` of the faces beneath a node of a tree. What is
-    /// too many or lies across an edge in a leaf falls into single faces.
+    /// Takes the place of earlier ones: crumbs of at most `most` of the faces beneath a node of a
+    /// tree. What is too many or lies across an edge in a leaf falls into single faces.
     pub(super) fn fill(
         &mut self,
         mesh: &Mesh,
@@ -88,7 +90,8 @@ impl Crumbs {
         self.items.reserve(crumbs);
         self.crumbs.reserve(crumbs);
         self.faces.reserve(faces.len());
-        // In depth-first order: the next node is the left child, or what follows all beneath this one.
+        // In depth-first order: the next node is the left child, or what follows all beneath this
+        // one.
         let mut node = nodes.start;
         while node < nodes.end {
             if tree.surely_has_more(node, most) {

@@ -1,30 +1,31 @@
 //! Envelopes: nested convex layers of a concavity, from the cap inwards.
 //!
-//! A **facet** is a half-space `normal · x <= offset` with some faces of the concavity beneath it: each
-//! of their vertices lies in it, as real numbers; the normal points into the pocket. A thing all of
-//! whose points have `normal · x > offset` touches nothing that lies beneath. A **layer** is a set of at
-//! most [`EnvelopeOptions::width`] facets. Those of the first layer divide the faces of the concavity among
-//! them; what is beyond all of them is the layer's **core**, a convex region that touches no face: a ball
-//! in a cup, a peg in a hole stay there nearly always, and a dozen planes say so. Where the thing
-//! **offends** a facet, the layer beneath is looked at: the same construction for the facet's faces
-//! alone, finer by a factor of a dozen. So layers nest down to a few faces, and each facet with what lies
-//! beneath is a sub-cavity.
+//! A **facet** is a half-space `normal · x <= offset` with some faces of the concavity beneath it:
+//! each of their vertices lies in it, as real numbers; the normal points into the pocket. A thing
+//! all of whose points have `normal · x > offset` touches nothing that lies beneath. A **layer** is
+//! a set of at most [`EnvelopeOptions::width`] facets. Those of the first layer divide the faces of
+//! the concavity among them; what is beyond all of them is the layer's **core**, a convex region
+//! that touches no face: a ball in a cup, a peg in a hole stay there nearly always, and a dozen
+//! planes say so. Where the thing **offends** a facet, the layer beneath is looked at: the same
+//! construction for the facet's faces alone, finer by a factor of a dozen. So layers nest down to a
+//! few faces, and each facet with what lies beneath is a sub-cavity.
 //!
-//! A half-space holds too much sideways (the far leg of a bent pocket lies beneath facets of the near
-//! one). So a facet has a box too, and a *reach*: how far towards the cap its faces come. Facets of a
-//! layer stand in the order of their reach, from the cap inwards, and a look at a layer ends at the first
-//! facet below the thing: a thing that enters meets slice after slice.
+//! A half-space holds too much sideways (the far leg of a bent pocket lies beneath facets of the
+//! near one). So a facet has a box too, and a *reach*: how far towards the cap its faces come.
+//! Facets of a layer stand in the order of their reach, from the cap inwards, and a look at a layer
+//! ends at the first facet below the thing: a thing that enters meets slice after slice.
 //!
-//! How faces are divided: into `crumbs` of a few that lie together and face the same way; and these by where
-//! they lie along and around the opening direction, or by their normals, whichever leaves the thinner layers
-//! beneath the planes; the thickest part is divided first (`cluster`).
-//! Nothing is assumed of the pocket: voids have no lid, openings may be flat, faces may face anywhere.
+//! How faces are divided: into `crumbs` of a few that lie together and face the same way; and these
+//! by where they lie along and around the opening direction, or by their normals, whichever leaves
+//! the thinner layers beneath the planes; the thickest part is divided first (`cluster`). Nothing
+//! is assumed of the pocket: voids have no lid, openings may be flat, faces may face anywhere.
 //!
-//! **Cells.** The facet with the least slack, `least(normal · x) − offset`, tells where in the core a thing
-//! is: for a point, its cell in the Voronoi diagram of the layer's planes; for a body, pseudo-Voronoi
-//! (after Ponamgi, Manocha and Lin 1997, who walk exterior regions; here planes replace features, so that a
-//! concavity needs as few of them as one likes). [`Envelope::track`] keeps it from frame to frame with
-//! one evaluation while the motion stays within what the other facets leave.
+//! **Cells.** The facet with the least slack, `least(normal · x) − offset`, says where in the core
+//! a thing is: for a point, its cell in the Voronoi diagram of the layer's planes; for a body,
+//! pseudo-Voronoi (after Ponamgi, Manocha and Lin 1997, who walk exterior regions; here planes
+//! replace features, so that a concavity needs as few of them as one likes). [`Envelope::track`]
+//! keeps it from frame to frame with one evaluation while the motion stays within what the other
+//! facets leave.
 //!
 //! All envelopes of a model lie in one set of flat arrays. Cost of building: O(n log n), a third
 //! to half a microsecond a face.
@@ -56,8 +57,8 @@ pub struct EnvelopeOptions {
 }
 
 impl EnvelopeOptions {
-    /// Fewer make a smaller core, so that things offend more; more are looked at in vain: in a cup and on
-    /// a thread 8, 16 and 32 differ by less than a third (`docs/notebook`).
+    /// Fewer make a smaller core, so that things offend more; more are looked at in vain: in a cup
+    /// and on a thread 8, 16 and 32 differ by less than a third (`docs/notebook`).
     pub const DEFAULT_WIDTH: usize = 16;
     /// Fewer make more facets than faces; more hand faces over that are far away.
     pub const DEFAULT_LEAF_FACES: usize = 4;
@@ -74,8 +75,8 @@ impl Default for EnvelopeOptions {
 pub struct Pocket<'a> {
     /// Its faces, each once; their normals point into the pocket.
     pub faces: &'a [FaceId],
-    /// For each lid a vector across it that points out of the pocket, of any length (its area vector,
-    /// say). None: a void, or unknown. Zero vectors count as none.
+    /// For each lid a vector across it that points out of the pocket, of any length (its area
+    /// vector, say). None: a void, or unknown. Zero vectors count as none.
     pub openings: &'a [DVec3],
 }
 
@@ -103,7 +104,8 @@ pub struct EnvelopeFacet {
     layer: u32,
 }
 
-/// Envelopes of concavities, in flat arrays. The layers and facets are numbered through all of them.
+/// Envelopes of concavities, in flat arrays. The layers and facets are numbered through all of
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Envelopes {
     heads: Vec<Head>,
@@ -206,8 +208,8 @@ impl<'a> Envelope<'a> {
         layer_id(self.head.layer)
     }
 
-    /// The direction out of the pocket: the sum of the openings; the largest where they cancel (a hole right
-    /// through); for a void the direction in which its box is shortest.
+    /// The direction out of the pocket: the sum of the openings; the largest where they cancel (a
+    /// hole right through); for a void the direction in which its box is shortest.
     #[must_use]
     pub fn axis(&self) -> DVec3 {
         self.head.axis

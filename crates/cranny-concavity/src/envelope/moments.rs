@@ -1,16 +1,18 @@
-//! What is known of a part from sums over its faces: which way its plane faces, and how thick it is.
+//! What is known of a part from sums over its faces: which way its plane faces, and how thick it
+//! is.
 //!
-//! The plane of a part faces as its faces do on average. A hole right through has no floor, though, and what
-//! is in it goes on in both directions: there the planes stand along the axis, where they can.
+//! The plane of a part faces as its faces do on average. A hole right through has no floor, though,
+//! and what is in it goes on in both directions: there the planes stand along the axis, where they
+//! can.
 //!
-//! The thickness of a part along a normal is read off the second moments of its faces' corners: their
-//! variance along it is that of an even layer so thick. Sums can be added, so a part costs one pass
-//! over its crumbs however many ways to divide it are judged, and no sorting. Only costs follow from it;
-//! the planes themselves hold every corner.
+//! The thickness of a part along a normal is read off the second moments of its faces' corners:
+//! their variance along it is that of an even layer so thick. Sums can be added, so a part costs
+//! one pass over its crumbs however many ways to divide it are judged, and no sorting. Only costs
+//! follow from it; the planes themselves hold every corner.
 //!
-//! Source: second moments of faces say how boxes lie in Gottschalk, Lin and Manocha (1996, "OBBTree: a hierarchical
-//! structure for rapid interference detection"); here a thickness alone is read off them. Cost: O(1) to add a crumb
-//! or two sums, and to ask for a normal or a cost.
+//! Source: second moments of faces say how boxes lie in Gottschalk, Lin and Manocha (1996,
+//! "OBBTree: a hierarchical structure for rapid interference detection"); here a thickness alone is
+//! read off them. Cost: O(1) to add a crumb or two sums, and to ask for a normal or a cost.
 
 use cranny_exact::{Aabb, DVec3};
 
@@ -29,14 +31,15 @@ pub(super) struct Opening {
     scale: f64,
 }
 
-/// A sum of unit vectors, weighted by areas, that is shorter than this part of the summed areas says
-/// nothing about a direction. Smaller, and rounding picks the axis of a hole right through; larger, and
-/// a nearly symmetrical one takes the axis of its largest lid though it has one of its own.
+/// A sum of unit vectors, weighted by areas, that is shorter than this part of the summed areas
+/// says nothing about a direction. Smaller, and rounding picks the axis of a hole right through;
+/// larger, and a nearly symmetrical one takes the axis of its largest lid though it has one of its
+/// own.
 const MEANINGLESS: f64 = 1.0 / 1024.0;
 
-/// A plane is made to stand along the axis of a hole right through if its normal is within 60 degrees of
-/// one that does. Larger: more planes that every long peg offends; smaller: planes far from their
-/// faces.
+/// A plane is made to stand along the axis of a hole right through if its normal is within 60
+/// degrees of one that does. Larger: more planes that every long peg offends; smaller: planes far
+/// from their faces.
 const LEAST_UPRIGHT: f64 = 0.5;
 
 pub(super) fn unit(v: DVec3) -> Option<DVec3> {
@@ -69,13 +72,14 @@ impl Opening {
         DVec3::from_array(self.frame.map(|direction| direction.dot(v)))
     }
 
-    /// From the frame's origin to a point, not turned yet; the longest side of the pocket is the unit.
+    /// From the frame's origin to a point, not turned yet; the longest side of the pocket is the
+    /// unit.
     pub(super) fn beside_origin(&self, p: DVec3) -> DVec3 {
         self.scale * (p - self.origin)
     }
 
-    /// Sums of products of coordinates in the frame (xx, yy, zz, xy, yz, zx), from those that were not turned:
-    /// xx, yy, zz and xy, yz, zx.
+    /// Sums of products of coordinates in the frame (xx, yy, zz, xy, yz, zx), from those that were
+    /// not turned: xx, yy, zz and xy, yz, zx.
     pub(super) fn turned_products(&self, squares: DVec3, mixed: DVec3) -> [f64; 6] {
         let [u, v, w] = self.frame;
         // The sums are a symmetric matrix.
@@ -88,8 +92,8 @@ impl Opening {
         [u.dot(of_u), v.dot(of_v), w.dot(of_w), u.dot(of_v), v.dot(of_w), w.dot(of_u)]
     }
 
-    /// What the plane of some faces faces, in the frame: by the sum of their area vectors and that of their
-    /// areas.
+    /// What the plane of some faces faces, in the frame: by the sum of their area vectors and that
+    /// of their areas.
     fn normal_of(&self, sum: DVec3, total: f64) -> DVec3 {
         // Where normals cancel (around a whole hole) no plane is good; the part is divided anyway.
         let mean = if sum.length() > MEANINGLESS * total { sum.normalize() } else { DVec3::X };
@@ -99,16 +103,16 @@ impl Opening {
     }
 }
 
-/// What part of its size adds to a part's thickness: a flat wall is divided too, once thicker parts are
-/// thin. Smaller: walls stay whole and one offence opens them all; larger: sides are cut before
-/// they are told apart.
+/// What part of its size adds to a part's thickness: a flat wall is divided too, once thicker parts
+/// are thin. Smaller: walls stay whole and one offence opens them all; larger: sides are cut before
+/// they are distinguished.
 const SPREAD: f64 = 0.125;
 
 /// The thickness of an even layer over its standard deviation: the root of 12.
 const EVEN: f64 = 3.464_101_615_137_754_4;
 
-/// Sums over faces: their number, area, area vector, middle, and the products of their corners' coordinates
-/// (xx, yy, zz, xy, yz, zx).
+/// Sums over faces: their number, area, area vector, middle, and the products of their corners'
+/// coordinates (xx, yy, zz, xy, yz, zx).
 #[derive(Clone, Copy)]
 pub(super) struct Moments([f64; 14]);
 

@@ -2,12 +2,12 @@
 
 use cranny_exact::{Aabb, DVec3};
 
-/// Something in the body's frame that is known by how far it comes in any direction: a body, its hull,
-/// its box, a point.
+/// Something in the body's frame that is known by how far it comes in any direction: a body, its
+/// hull, its box, a point.
 ///
-/// `least(n)` is at most the least of `n · x` over its points x, for unit vectors n. A bound
-/// that is too low is safe: more facets are opened. Bounds that posing may have rounded carry that rounding
-/// ([`RigidMap::posing_error`](cranny_exact::RigidMap::posing_error)).
+/// `least(n)` is at most the least of `n · x` over its points x, for unit vectors n. A bound that
+/// is too low is safe: more facets are opened. Bounds that posing may have rounded carry that
+/// rounding ([`RigidMap::posing_error`](cranny_exact::RigidMap::posing_error)).
 #[derive(Clone, Copy, Debug)]
 pub struct Thing<F> {
     least: F,
@@ -16,8 +16,8 @@ pub struct Thing<F> {
 }
 
 impl<F: Fn(DVec3) -> f64> Thing<F> {
-    /// From its support function; everything within `margin >= 0` of the thing counts as met. Cost: six
-    /// evaluations, for the box.
+    /// From its support function; everything within `margin >= 0` of the thing counts as met. Cost:
+    /// six evaluations, for the box.
     #[must_use]
     pub fn new(least: F, margin: f64) -> Self {
         let min = DVec3::new(least(DVec3::X), least(DVec3::Y), least(DVec3::Z));
@@ -44,8 +44,8 @@ impl<F: Fn(DVec3) -> f64> Thing<F> {
         self.is_above(self.least(direction), offset)
     }
 
-    /// Whether a thing whose `least` in some direction is `lowest` certainly misses all that comes no farther
-    /// than `reach` in that direction, the margin kept.
+    /// Whether a thing whose `least` in some direction is `lowest` certainly misses all that comes
+    /// no farther than `reach` in that direction, the margin kept.
     pub(super) fn is_above(&self, lowest: f64, reach: f64) -> bool {
         lowest > (reach + self.margin).next_up()
     }

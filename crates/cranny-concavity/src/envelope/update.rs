@@ -1,6 +1,7 @@
 //! Envelopes of concavities of which some have changed.
 //!
-//! No source: an envelope depends on its own pocket alone, so the others are copied. Cost: with the function.
+//! No source: an envelope depends on its own pocket alone, so the others are copied. Cost: with the
+//! function.
 
 use super::build::Workshop;
 use super::{EnvelopeFacet, Envelopes, Head, Pocket};
@@ -16,8 +17,9 @@ struct Place {
 }
 
 impl Envelopes {
-    /// The same envelopes but for those of some pockets: that of pocket `i` is envelope `kept(i)` of
-    /// these, where there is one; the others are built, given trees over the faces of each pocket.
+    /// The same envelopes but for those of some pockets: that of pocket `i` is envelope `kept(i)`
+    /// of these, where there is one; the others are built, given trees over the faces of each
+    /// pocket.
     ///
     /// Cost: copying, and O(n log n) for the faces of the pockets that are built.
     pub(crate) fn updated<'p>(

@@ -7,8 +7,8 @@ use crate::ids::{EnvelopeFacetId, LayerId};
 use cranny_geometry::Mesh;
 
 impl HalfSpace {
-    /// Whether the point certainly lies in it: by interval arithmetic, no rounding of which exceeds the room
-    /// that [`holding`](Self::holding) leaves.
+    /// Whether the point certainly lies in it: by interval arithmetic, no rounding of which exceeds
+    /// the room that [`holding`](Self::holding) leaves.
     fn certainly_holds(&self, p: DVec3) -> bool {
         let rounding = 1.5 * f64::EPSILON * self.normal.abs().dot(p.abs()) + f64::MIN_POSITIVE;
         self.normal.dot(p) + rounding <= self.offset

@@ -1,9 +1,10 @@
 //! A thing in a concavity: entry, offended facets, the cell it is in, exit.
 //!
-//! Source: cells are kept as Ponamgi, Manocha and Lin (1997) keep features, see the module; layers are this crate's
-//! own. Cost: at most two support evaluations a lid; then, in each layer opened, a comparison of boxes for each
-//! facet that comes as far as the thing and an evaluation for each whose box it meets. [`Opened`] counts them.
-//! Tracking costs one evaluation where the cell stays, else one a facet of the layer.
+//! Source: cells are kept as Ponamgi, Manocha and Lin (1997) keep features, see the module; layers
+//! are this crate's own. Cost: at most two support evaluations a lid; then, in each layer opened, a
+//! comparison of boxes for each facet that comes as far as the thing and an evaluation for each
+//! whose box it meets. [`Opened`] counts them. Tracking costs one evaluation where the cell stays,
+//! else one a facet of the layer.
 
 use cranny_exact::DVec3;
 
@@ -66,8 +67,8 @@ impl Envelope<'_> {
         lids.iter().position(crosses).map_or(Passage::Within, Passage::Through)
     }
 
-    /// Calls `visit` with each facet of a layer that the thing may offend: where it does not, it certainly
-    /// touches nothing beneath. From the cap inwards, no further than the thing comes.
+    /// Calls `visit` with each facet of a layer that the thing may offend: where it does not, it
+    /// certainly touches nothing beneath. From the cap inwards, no further than the thing comes.
     pub fn offended<F: Fn(DVec3) -> f64>(
         &self,
         layer: LayerId,
@@ -78,7 +79,8 @@ impl Envelope<'_> {
         self.offended_above(layer, thing, lowest, &mut Opened::default(), visit);
     }
 
-    /// Whether the thing may offend a facet; where it does not, it certainly touches nothing beneath.
+    /// Whether the thing may offend a facet; where it does not, it certainly touches nothing
+    /// beneath.
     #[must_use]
     pub fn is_offended<F: Fn(DVec3) -> f64>(
         &self,
@@ -128,8 +130,8 @@ impl Envelope<'_> {
         }
     }
 
-    /// Calls `visit` with the faces that lie beneath offended facets, layer by layer: all faces that meet the
-    /// thing are among them. Says what was looked at.
+    /// Calls `visit` with the faces that lie beneath offended facets, layer by layer: all faces
+    /// that meet the thing are among them. Says what was looked at.
     pub fn for_each_face<F: Fn(DVec3) -> f64>(
         &self,
         thing: &Thing<F>,
@@ -157,9 +159,10 @@ impl Envelope<'_> {
         opened
     }
 
-    /// The cell of a layer that the thing is in. With the cell of an earlier frame and a bound on how much
-    /// any `least` may have changed since (the motion of the thing's points, rounding included) one evaluation
-    /// mostly suffices; the facet and the slack are those of a cold look, to the bit.
+    /// The cell of a layer that the thing is in. With the cell of an earlier frame and a bound on
+    /// how much any `least` may have changed since (the motion of the thing's points, rounding
+    /// included) one evaluation mostly suffices; the facet and the slack are those of a cold look,
+    /// to the bit.
     #[must_use]
     pub fn track<F: Fn(DVec3) -> f64>(
         &self,

@@ -1,21 +1,21 @@
 //! Which facet of the hull each face of the mesh lies on, if any.
 //!
-//! A face lies on a facet when its three corners lie in the facet's [slab](super::slabs) and it does
-//! not look the other way. Of several such facets it takes the one whose normal agrees best with its
-//! own, and of those that do so but for rounding the first [by its vertices](FacetOrder): a face without area, along
-//! an edge of the hull, agrees with either side, and the numbers of facets are others once the hull has followed
-//! moved vertices. A face whose corners are all on the hull, but on no facet together, crosses the interior: it
-//! belongs to a concavity.
+//! A face lies on a facet when its three corners lie in the facet's [slab](super::slabs) and it
+//! does not look the other way. Of several such facets it takes the one whose normal agrees best
+//! with its own, and of those that do so but for rounding the first [by its vertices](FacetOrder):
+//! a face without area, along an edge of the hull, agrees with either side, and the numbers of
+//! facets are others once the hull has followed moved vertices. A face whose corners are all on the
+//! hull, but on no facet together, crosses the interior: it belongs to a concavity.
 //!
-//! A face that equals a triangle of the hull lies on that triangle's facet, whichever agrees better: so
-//! both cancel where caps are made.
+//! A face that equals a triangle of the hull lies on that triangle's facet, whichever agrees
+//! better: so both cancel where caps are made.
 //!
-//! A *needle*, not wider than the slab is deep, has a normal made of rounding. It goes where the face
-//! across its longest edge went, for there it belongs whichever way it was rounded.
+//! A *needle*, not wider than the slab is deep, has a normal made of rounding. It goes where the
+//! face across its longest edge went, for there it belongs whichever way it was rounded.
 //!
-//! The rules are this crate's own; that planes of given thickness, not exact ones, decide what is coplanar is
-//! common among hull codes (Barber, Dobkin, Huhdanpaa 1996, "The quickhull algorithm for convex hulls",
-//! on facets that are thick by rounding).
+//! The rules are this crate's own; that planes of given thickness, not exact ones, decide what is
+//! coplanar is common among hull codes (Barber, Dobkin, Huhdanpaa 1996, "The quickhull algorithm
+//! for convex hulls", on facets that are thick by rounding).
 //!
 //! Cost: near-linear, most of it for the facets of vertices (`vertices`).
 
@@ -37,17 +37,17 @@ use cranny_geometry::{FaceId, HalfEdgeId, VertexId};
 /// 'On no facet'.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// A list of facets this long is not searched but replaced by a question to the tree: a corner of very
-/// many facets, an apex, must not make a quadratic time of the faces around it.
+/// A list of facets this long is not searched but replaced by a question to the tree: a corner of
+/// very many facets, an apex, must not make a quadratic time of the faces around it.
 const LONG: usize = 64;
 
-/// One vertex in so many may have moved since rows were written. More often, and rows are written anew for little;
-/// more seldom, and vertices are looked up in a large tree.
+/// One vertex in so many may have moved since rows were written. More often, and rows are written
+/// anew for little; more seldom, and vertices are looked up in a large tree.
 const FULL: usize = 16;
 
-/// Facets agree as well with a face whose agreements differ by no more than this share of its area. Smaller, and the
-/// rounding of normals decides, which is other once a hull has followed moved vertices; larger, and facets are tied
-/// that turn by more than rounding.
+/// Facets agree as well with a face whose agreements differ by no more than this share of its area.
+/// Smaller, and the rounding of normals decides, which is other once a hull has followed moved
+/// vertices; larger, and facets are tied that turn by more than rounding.
 const TIED: f64 = 8.0 * f64::EPSILON;
 
 /// The facets of vertices and faces.
@@ -74,8 +74,8 @@ impl Assignment {
         assignment
     }
 
-    /// The facets that a vertex lies on, ascending; none off the hull. Of an extreme vertex those of
-    /// the triangles around it.
+    /// The facets that a vertex lies on, ascending; none off the hull. Of an extreme vertex those
+    /// of the triangles around it.
     pub(crate) fn facets_of(&self, vertex: VertexId) -> &[u32] {
         if !self.moved.is_empty()
             && let Some(facets) = self.moved.get(&vertex.0)
@@ -144,7 +144,8 @@ impl Assignment {
         self.assign_needles(mesh, topology, &needles, &mut order);
     }
 
-    /// Writes the facets of moved vertices into the rows, where these are many: a look-up is quicker there.
+    /// Writes the facets of moved vertices into the rows, where these are many: a look-up is
+    /// quicker there.
     pub(super) fn settle(&mut self) {
         if FULL * self.moved.len() < self.starts.len() {
             return;
@@ -154,8 +155,8 @@ impl Assignment {
         (self.starts, self.facets) = replaced(&self.starts, &self.facets, count, &moved, |f| f);
     }
 
-    /// Places faces that are not needles; `facet_of_equal` tells the facet of the triangle of the hull that has these
-    /// corners; returns the needles among those whose corners are on the hull.
+    /// Places faces that are not needles; `facet_of_equal` returns the facet of the triangle of the
+    /// hull that has these corners; returns the needles among those whose corners are on the hull.
     pub(super) fn assign_wide(
         &mut self,
         mesh: &Mesh,

@@ -1,7 +1,7 @@
 //! The triangles of a hull, by their corners.
 //!
-//! Rows are filled by counting (Knuth 1973, section 5.2). Cost: O(n) as a rule; a look-up is a binary search among
-//! the triangles of one corner.
+//! Rows are filled by counting (Knuth 1973, section 5.2). Cost: O(n) as a rule; a look-up is a
+//! binary search among the triangles of one corner.
 
 use super::NONE;
 use cranny_geometry::Mesh;

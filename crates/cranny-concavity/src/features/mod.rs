@@ -1,17 +1,19 @@
 //! Features: what lies on the hull, what does not, and what borders both.
 //!
 //! A **convex** face lies on a facet of the hull, to within its slab; every other face is part of a
-//! **concavity**, even where its corners are all on the hull (the flanks of a groove across a block are
-//! an example: their ends lie on the block's sides). An edge or vertex between faces of both classes is
-//! a **boundary** feature. Edges and vertices of off-hull faces alone count as convex where they lie on
-//! the hull: a *ridge* is such an edge (a tooth's crest as sharp as a knife), an *isolated* vertex such
-//! a vertex. The small stellated dodecahedron has no convex face and twelve isolated vertices.
+//! **concavity**, even where its corners are all on the hull (the flanks of a groove across a block
+//! are an example: their ends lie on the block's sides). An edge or vertex between faces of both
+//! classes is a **boundary** feature. Edges and vertices of off-hull faces alone count as convex
+//! where they lie on the hull: a *ridge* is such an edge (a tooth's crest as sharp as a knife), an
+//! *isolated* vertex such a vertex. The small stellated dodecahedron has no convex face and twelve
+//! isolated vertices.
 //!
 //! Convex faces that hang together over edges are a *convex set*: a golf ball has one.
 //!
 //! Cost: O(n log n), as a rule less than the hull itself.
 //!
-//! No source: the classes are this crate's own definitions, and each follows from what lies on which facet.
+//! No source: the classes are this crate's own definitions, and each follows from what lies on
+//! which facet.
 
 mod assign;
 mod corners;
@@ -198,8 +200,8 @@ impl Features {
         &self.ridges
     }
 
-    /// How deep beneath the hull a feature may lie and still be on it, at least: pockets no deeper are
-    /// skin. A facet thicker than that makes its own slab as deep as it is thick.
+    /// How deep beneath the hull a feature may lie and still be on it, at least: pockets no deeper
+    /// are skin. A facet thicker than that makes its own slab as deep as it is thick.
     #[must_use]
     pub fn slab_depth(&self) -> f64 {
         self.slab_depth

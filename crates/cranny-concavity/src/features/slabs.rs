@@ -4,14 +4,15 @@
 //! thick and at least [`SLAB`] times the hull's flatness. Whoever lies in it is as good as on the
 //! facet: nothing that rounding can make of a planar side lies deeper.
 //!
-//! Whether a point lies in a slab is one comparison of `f64` numbers that depend on the facet and the
-//! point alone, never on the order of visits, and scales with powers of two to the bit. The height of
-//! a point is rounded, by a bound that is a small part of the slab's depth; so the answer is sharp
-//! except within rounding of the slab's floor, where either is right.
+//! Whether a point lies in a slab is one comparison of `f64` numbers that depend on the facet and
+//! the point alone, never on the order of visits, and scales with powers of two to the bit. The
+//! height of a point is rounded, by a bound that is a small part of the slab's depth; so the answer
+//! is sharp except within rounding of the slab's floor, where either is right.
 //!
-//! Source: the tree is packed along Morton's curve (1966), as Kamel and Faloutsos (1993, "On packing R-trees") pack
-//! theirs along Hilbert's; what a node bounds are intervals (Moore 1966, "Interval analysis"). Cost: O(n log n) to
-//! make the tree. A point costs the nodes that may hold it and their children, O(log n) where few slabs lie near.
+//! Source: the tree is packed along Morton's curve (1966), as Kamel and Faloutsos (1993, "On
+//! packing R-trees") pack theirs along Hilbert's; what a node bounds are intervals (Moore 1966,
+//! "Interval analysis"). Cost: O(n log n) to make the tree. A point costs the nodes that may hold
+//! it and their children, O(log n) where few slabs lie near.
 
 use std::ops::Range;
 
@@ -19,9 +20,9 @@ use cranny_exact::{Aabb, DVec3};
 
 use cranny_geometry::hull::{ConvexHull, Facet, FacetChange, FacetId};
 
-/// Least depth of a slab in units of the hull's flatness. Facets are merged up to one flatness; points
-/// of the same planar side that are not extreme, rounded on their own, may lie as deep again. Smaller
-/// than 2, and the middle of a planar side stored in single precision is a dent
+/// Least depth of a slab in units of the hull's flatness. Facets are merged up to one flatness;
+/// points of the same planar side that are not extreme, rounded on their own, may lie as deep
+/// again. Smaller than 2, and the middle of a planar side stored in single precision is a dent
 /// (`sides_rounded_to_single_precision_are_flat`); larger, and pockets that much deeper are skin.
 const SLAB: f64 = 2.0;
 
@@ -56,9 +57,9 @@ impl Slab {
 
 /// What some facets have in common.
 ///
-/// A box around them is not enough: those of long, slanted facets hold most of the body. So a node also
-/// bounds normals and floors. Sums and products round monotonically: the bound of a height, computed as
-/// heights are, is no less than any height that it bounds, rounding included.
+/// A box around them is not enough: those of long, slanted facets hold most of the body. So a node
+/// also bounds normals and floors. Sums and products round monotonically: the bound of a height,
+/// computed as heights are, is no less than any height that it bounds, rounding included.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Aabb,
@@ -77,7 +78,7 @@ impl Node {
 
     /// Whether a point may lie in one of the slabs.
     fn may_hold(&self, p: DVec3) -> bool {
-        // All that is asked is computed, without a branch: nobody could predict it.
+        // All comparisons are made, without a branch: nobody could predict it.
         let within = self.bounds.min.cmple(p) & p.cmple(self.bounds.max);
         let highest = (self.normals.min * p).max(self.normals.max * p);
         (within.bitmask() == 0b111) & (highest.x + highest.y + highest.z >= self.floor)
@@ -133,10 +134,11 @@ impl Slabs {
         self.build_levels();
     }
 
-    /// Follows a hull whose facets have changed. Where slabs are that are other than before, tells in boxes.
+    /// Follows a hull whose facets have changed. Where slabs differ from those before, reports
+    /// in boxes.
     ///
-    /// Cost: copying, the levels above the lowest, and O(m log m) for the m facets that are new; where the box of the
-    /// hull is another, that of preparing, and the only box is that of all.
+    /// Cost: copying, the levels above the lowest, and O(m log m) for the m facets that are new;
+    /// where the box of the hull is another, that of preparing, and the only box is that of all.
     pub(crate) fn follow(&mut self, hull: &ConvexHull, change: &FacetChange) -> Vec<Aabb> {
         let (bounds, depth) = (hull.bounds(), SLAB * hull.flatness());
         if bounds != self.bounds || depth != self.depth {

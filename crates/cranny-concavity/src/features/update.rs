@@ -1,15 +1,15 @@
 //! Features after some vertices have moved.
 //!
 //! A face's facet depends on its corners alone, a needle's also on the faces that it hangs together
-//! with over other needles. An edge depends on its faces and its ends, a vertex on its faces and on the
-//! edges around it. So what is looked at again is the faces of vertices that have moved or lie on other
-//! facets than before, the needles beside them, and the edges and corners of all these. Only where a
-//! face comes onto the hull or leaves it the convex sets are counted anew: a pass over all edges, a few
-//! nanoseconds each.
+//! with over other needles. An edge depends on its faces and its ends, a vertex on its faces and on
+//! the edges around it. So what is looked at again is the faces of vertices that have moved or lie
+//! on other facets than before, the needles beside them, and the edges and corners of all these.
+//! Only where a face comes onto the hull or leaves it the convex sets are counted anew: a pass over
+//! all edges, a few nanoseconds each.
 //!
-//! No source: this crate's own, and right because a feature depends on nothing but what is named above. Cost: what
-//! is looked at again and the passes named; where the hull has changed, also passes over all vertices, facets and
-//! faces.
+//! No source: this crate's own, and right because a feature depends on nothing but what is named
+//! above. Cost: what is looked at again and the passes named; where the hull has changed, also
+//! passes over all vertices, facets and faces.
 
 use std::collections::BTreeSet;
 
@@ -43,8 +43,8 @@ pub(crate) struct Judged {
 }
 
 impl Assignment {
-    /// After vertices have moved that were and are none of the hull, which is the same: judges them and
-    /// `faces`, all that have one of them. `features` are still those before.
+    /// After vertices have moved that were and are none of the hull, which is the same: judges them
+    /// and `faces`, all that have one of them. `features` are still those before.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,
@@ -63,9 +63,10 @@ impl Assignment {
         self.judge(mesh, topology, hull, features, faces.iter().copied().collect())
     }
 
-    /// After vertices have moved and facets of the hull have changed: judges these vertices, those in slabs that are
-    /// gone or new, and the faces of those that lie on other facets than before. `features` are still those before;
-    /// `near` names vertices in a box and faces that reach into it.
+    /// After vertices have moved and facets of the hull have changed: judges these vertices, those
+    /// in slabs that are gone or new, and the faces of those that lie on other facets than before.
+    /// `features` are still those before; `near` names vertices in a box and faces that reach into
+    /// it.
     ///
     /// Cost: what is judged, and a look at which facet each face is on.
     pub(crate) fn follow(

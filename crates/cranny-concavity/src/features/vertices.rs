@@ -1,14 +1,16 @@
 //! Which facets of the hull each vertex lies on.
 //!
-//! The facets of an extreme vertex are those of the hull's triangles around it. Any other vertex may lie in the
-//! slab of a facet, and where there are many, most lie in none, in company: so the tree over the faces is asked
-//! first. A box beneath all slabs holds no vertex on the hull; where that cannot be said of a box, its children
-//! look at what is left of the facets, and a vertex in the end at a handful.
+//! The facets of an extreme vertex are those of the hull's triangles around it. Any other vertex
+//! may lie in the slab of a facet, and where there are many, most lie in none, in company: so the
+//! tree over the faces is searched first. A box beneath all slabs holds no vertex on the hull;
+//! where that cannot be said of a box, its children look at what is left of the facets, and a
+//! vertex in the end at a handful.
 //!
 //! Cost: near-linear; O(log n) for a vertex near the hull, less for those that lie deep.
 //!
-//! No source: this crate's own. What is left out is so by intervals (Moore 1966, "Interval analysis") that are
-//! rounded as heights are, so no vertex in the slab and the box of a facet is missed.
+//! No source: this crate's own. What is left out is so by intervals (Moore 1966, "Interval
+//! analysis") that are rounded as heights are, so no vertex in the slab and the box of a facet is
+//! missed.
 
 use std::ops::Range;
 
@@ -21,16 +23,18 @@ use cranny_geometry::VertexId;
 use cranny_geometry::hull::ConvexHull;
 use cranny_geometry::{Content, FaceTree};
 
-/// A part of the tree with so few faces is not divided further: its vertices look at what it has left. Fewer,
-/// and boxes are looked at in the place of vertices; more, and vertices far from a facet look at it.
+/// A part of the tree with so few faces is not divided further: its vertices look at what it has
+/// left. Fewer, and boxes are looked at in the place of vertices; more, and vertices far from a
+/// facet look at it.
 const FEW: usize = 8;
 
-/// So many nodes over facets may be left before those of the next level are looked at; more are kept as they
-/// are, until smaller boxes have fewer. Smaller, and large boxes look at too little to say anything; larger,
-/// and they look at facets that smaller ones look at again.
+/// So many nodes over facets may be left before those of the next level are looked at; more are
+/// kept as they are, until smaller boxes have fewer. Smaller, and large boxes look at too little to
+/// say anything; larger, and they look at facets that smaller ones look at again.
 const MANY: usize = 32;
 
-/// For each vertex the facets that it lies on, ascending, in compressed rows; `tree` is that over all faces.
+/// For each vertex the facets that it lies on, ascending, in compressed rows; `tree` is that over
+/// all faces.
 pub(super) fn facets_of_vertices(
     mesh: &Mesh,
     topology: &Topology,
@@ -39,7 +43,8 @@ pub(super) fn facets_of_vertices(
     slabs: &Slabs,
 ) -> (Vec<u32>, Vec<u32>) {
     let count = mesh.vertices().len();
-    // Where facets are as many, vertices lie near them as a rule, and are asked for one by one as quickly.
+    // Where facets are as many, vertices lie near them as a rule, and are searched one by one as
+    // quickly.
     let in_company = count - hull.vertex_count() > hull.facet_count();
     let mut found = Vec::new();
     if in_company {
@@ -82,8 +87,8 @@ struct Finder<'a> {
     found: Vec<(u32, u32)>,
 }
 
-/// A node of the tree to be looked at, and what its parent has left of the facets: a range of nodes of one
-/// level of the tree over facets.
+/// A node of the tree to be looked at, and what its parent has left of the facets: a range of nodes
+/// of one level of the tree over facets.
 struct Task {
     node: u32,
     left: Range<usize>,
@@ -119,8 +124,8 @@ impl Finder<'_> {
         }
     }
 
-    /// Appends those of some nodes of a level whose slabs reach into a box: all that `of` makes of what stands in
-    /// a range. Where they stand.
+    /// Appends those of some nodes of a level whose slabs reach into a box: all that `of` makes of
+    /// what stands in a range. Where they stand.
     fn reached(
         &mut self,
         bounds: &Aabb,
@@ -219,8 +224,8 @@ mod tests {
 
     #[test]
     fn every_vertex_lies_on_the_facets_that_it_is_told_of_alone() {
-        // A tent of 400 sides over a pit, rings of vertices half-way up and half-way down, and a vertex on a side
-        // that no face names.
+        // A tent of 400 sides over a pit, rings of vertices half-way up and half-way down, and a
+        // vertex on a side that no face names.
         let n = 400;
         let base = (0..n).map(|k| {
             let (y, x) = (f64::from(k) * std::f64::consts::TAU / f64::from(n)).sin_cos();

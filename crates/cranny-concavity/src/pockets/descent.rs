@@ -15,7 +15,7 @@ use crate::envelope::Thing;
 use crate::{ConcavityId, EnvelopeFacetId, Envelopes, LayerId, NodeSet};
 
 /// A part of a body's surface: the faces of a concavity, or those of none, in a tree.
-pub(super) struct Part<'a> {
+pub(super) struct SurfacePart<'a> {
     pub(super) concavity: Option<ConcavityId>,
     body: &'a PocketBody,
     tree: &'a FaceTree,
@@ -24,7 +24,7 @@ pub(super) struct Part<'a> {
     nodes: Option<&'a NodeSet>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> SurfacePart<'a> {
     /// The faces of a concavity, which has some.
     pub(super) fn pocket(body: &'a PocketBody, id: ConcavityId) -> Option<Self> {
         let trees = body.concavities().trees();
@@ -59,7 +59,7 @@ pub(super) fn for_each_pair_in_pocket(
     pair: &PosedModels<'_>,
     host: usize,
     (envelopes, pocket): (&Envelopes, ConcavityId),
-    guest: &Part<'_>,
+    guest: &SurfacePart<'_>,
     counters: &mut PocketCounters,
     mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
@@ -116,7 +116,7 @@ enum Next {
     Faces,
 }
 
-fn next(envelopes: &Envelopes, facet: EnvelopeFacetId, guest: &Part, node: u32) -> Next {
+fn next(envelopes: &Envelopes, facet: EnvelopeFacetId, guest: &SurfacePart, node: u32) -> Next {
     let size = |b: &Aabb| (b.max - b.min).length_squared();
     let is_larger = || size(guest.bounds(node)) >= size(&envelopes.facet(facet).bounds);
     match (guest.tree.content(node), envelopes.layer_beneath(facet)) {

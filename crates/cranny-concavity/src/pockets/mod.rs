@@ -31,7 +31,7 @@ use std::sync::Arc;
 use cranny_exact::{DVec3, RigidMap};
 use cranny_geometry::{FaceId, Model};
 
-use self::descent::{Part, for_each_pair_in_pocket};
+use self::descent::{SurfacePart, for_each_pair_in_pocket};
 use self::hull_extent::HullExtent;
 use crate::envelope::{Cell, Passage, Thing};
 use crate::{Concavities, ConcavityId, Envelope, LayerId, NodeSet};
@@ -196,8 +196,8 @@ impl Pockets {
     ) -> ControlFlow<()> {
         let parts = [0, 1].map(|i| {
             let open = self.open[i].iter();
-            let pockets = open.filter_map(|&id| Part::pocket(bodies[i], id));
-            let rest = Part::rest(pair.models[i], bodies[i]);
+            let pockets = open.filter_map(|&id| SurfacePart::pocket(bodies[i], id));
+            let rest = SurfacePart::rest(pair.models[i], bodies[i]);
             rest.into_iter().chain(pockets).collect::<Vec<_>>()
         });
         let [ours, theirs] = &parts;

@@ -1,14 +1,15 @@
 //! Certified bounds of a separation, from a direction and from witness points.
 //!
-//! For any direction `d` the least height of the second hull along `d`, less the greatest height of the
-//! first, divided by `|d|`, is at most the distance. The heights are read where a feature pair says that
-//! they are attained, and *proved* there:
+//! For any direction `d` the least height of the second hull along `d`, less the greatest height of
+//! the first, divided by `|d|`, is at most the distance. The heights are read where a feature pair
+//! says that they are attained, and *proved* there:
 //!
 //! - at vertices: what lies above any plane hangs together over the edges of a convex polytope (the
-//!   simplex method's argument). So where a set of vertices that hangs together is higher than all its
-//!   neighbours, by more than rounding, its highest vertex is the highest of all;
+//!   simplex method's argument). So where a set of vertices that hangs together is higher than all
+//!   its neighbours, by more than rounding, its highest vertex is the highest of all;
 //! - at a facet: its supporting plane is stored, rounded outward;
-//! - where rounding leaves that open: [`ConvexHull::support`](cranny_geometry::ConvexHull::support).
+//! - where rounding leaves that open:
+//!   [`ConvexHull::support`](cranny_geometry::ConvexHull::support).
 //!
 //! Nothing is assumed of the walk that found the pair. A wrong pair makes a wide interval, not a
 //! wrong one.
@@ -20,9 +21,10 @@ use super::graph::HullFeature;
 use super::nearest::{Witnesses, second_choice, witnesses};
 use super::sides::Sides;
 
-/// Twice the rounding of a height, relative to direction and reach: a height takes three products and
-/// two sums, each within `3 u` of the sum of magnitudes; two of them, and the computing of the bound.
-/// Smaller, and the argument of the head fails; larger, and supports are searched more often.
+/// Twice the rounding of a height, relative to direction and reach: a height takes three products
+/// and two sums, each within `3 u` of the sum of magnitudes; two of them, and the computing of the
+/// bound. Smaller, and the argument of the head fails; larger, and supports are searched more
+/// often.
 const TWO_HEIGHTS: f64 = 4.0 * f64::EPSILON;
 
 /// How much of a direction may lie across a facet's normal for its plane to serve, relative. Such a
@@ -43,7 +45,7 @@ enum Peak {
     Proved(f64),
     /// A neighbour is higher, rounding and all.
     Refuted,
-    /// A neighbour is as high, as far as f64 tells.
+    /// A neighbour is as high, as far as f64 can say.
     Open,
 }
 
@@ -75,8 +77,8 @@ impl Certificate {
     }
 }
 
-/// Bounds read at a feature pair. `None` where the pair has no nearest points within the features, or at
-/// a glance where it does not hold the supports.
+/// Bounds read at a feature pair. `None` where the pair has no nearest points within the features,
+/// or at a glance where it does not hold the supports.
 #[inline]
 pub(super) fn certify(
     sides: &Sides,
@@ -97,8 +99,8 @@ pub(super) fn certify(
     Some(Certificate { lo, hi, normal: direction * (1.0 / direction.length()), points, pair })
 }
 
-/// A number that the separation is not below, along a direction of the first's frame (of any length).
-/// `hints` say where the supports are expected. `None` for a direction without length.
+/// A number that the separation is not below, along a direction of the first's frame (of any
+/// length). `hints` say where the supports are expected. `None` for a direction without length.
 pub(super) fn lower_bound(sides: &Sides, direction: DVec3, hints: [HullFeature; 2]) -> Option<f64> {
     bound_along(sides, direction, hints, Effort::Thorough)
 }
@@ -152,8 +154,8 @@ fn height(
     }
 }
 
-/// The height of the higher of two adjacent vertices (or of one), if all their other neighbours are lower
-/// than both. Two vertices must be neighbours on the exact hull.
+/// The height of the higher of two adjacent vertices (or of one), if all their other neighbours are
+/// lower than both. Two vertices must be neighbours on the exact hull.
 #[inline]
 fn peak(sides: &Sides, side: usize, direction: DVec3, slack: f64, set: [HullVertexId; 2]) -> Peak {
     let graph = sides.graph(side);

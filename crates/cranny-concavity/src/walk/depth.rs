@@ -1,11 +1,12 @@
 //! How deep: an upper bound of the penetration depth and the features that meet there.
 //!
-//! Any direction bounds the depth: moved by the overlap of the two supports along it, the hulls are apart.
-//! From last frame's direction the bound goes down by *moving apart and walking*: the second hull is
-//! shifted along the direction until the hulls are apart, the exterior walk finds the closest features
-//! there, and the direction between these is the next one. A direction that returns itself is a local
-//! minimum: its features, a vertex and a facet or two edges, are faces of the set of differences that have
-//! the origin straight below. Nothing says that there is no lower minimum elsewhere.
+//! Any direction bounds the depth: moved by the overlap of the two supports along it, the hulls are
+//! apart. From last frame's direction the bound goes down by *moving apart and walking*: the second
+//! hull is shifted along the direction until the hulls are apart, the exterior walk finds the
+//! closest features there, and the direction between these is the next one. A direction that
+//! returns itself is a local minimum: its features, a vertex and a facet or two edges, are faces of
+//! the set of differences that have the origin straight below. Nothing says that there is no lower
+//! minimum elsewhere.
 
 use cranny_exact::DVec3;
 
@@ -15,8 +16,8 @@ use super::observer::{Trail, WalkObserver};
 use super::sides::Sides;
 use super::voronoi::{End, walk};
 
-/// By how much, relative to the overlap, the hulls are moved further than apart. Smaller, and the walk
-/// meets hulls that touch to rounding; larger, and directions turn less at each round.
+/// By how much, relative to the overlap, the hulls are moved further than apart. Smaller, and the
+/// walk meets hulls that touch to rounding; larger, and directions turn less at each round.
 const CLEARANCE: f64 = 0.25;
 
 /// Where two overlapping hulls are to be parted.
@@ -29,8 +30,8 @@ pub(super) struct Parting {
     pub(super) pair: [HullFeature; 2],
 }
 
-/// The local minimum reached from a direction (of length 1) and the pair expected there. Ends since the
-/// bound falls by more than rounding each round, among finitely many features.
+/// The local minimum reached from a direction (of length 1) and the pair expected there. Ends since
+/// the bound falls by more than rounding each round, among finitely many features.
 pub(super) fn parting(
     sides: &Sides,
     start: DVec3,

@@ -1,11 +1,11 @@
 //! The last resort: every exact triangle that can matter against every other.
 //!
-//! It decides what rounding leaves open (touching, overlaps and gaps of a few units in the last place,
-//! hulls without an interior) by exact predicates on the posed, rounded vertices, and finds the nearest
-//! pair where the walk lost its way. A direction culls: with `h` an upper bound of the distance, nearest and
-//! common points of the first hull lie no lower than the second's lowest point less `h`, and those of the
-//! second no higher than the first's highest plus `h`. O(n) where the direction is good, O(n m) at worst.
-//! Counted, so that whoever relies on the walk sees it.
+//! It decides what rounding leaves open (touching, overlaps and gaps of a few units in the last
+//! place, hulls without an interior) by exact predicates on the posed, rounded vertices, and finds
+//! the nearest pair where the walk lost its way. A direction culls: with `h` an upper bound of the
+//! distance, nearest and common points of the first hull lie no lower than the second's lowest
+//! point less `h`, and those of the second no higher than the first's highest plus `h`. O(n) where
+//! the direction is good, O(n m) at worst. Counted, so that whoever relies on the walk sees it.
 
 use cranny_exact::{DVec3, Meeting, Sign, classify_triangles, orient3d};
 use cranny_geometry::hull::{FacetId, HullKind, HullVertexId, Location};
@@ -23,9 +23,11 @@ struct Piece {
 
 /// What looking at everything found.
 pub(super) struct Exhausted {
-    /// How the closed hulls meet: exact for the posed, rounded vertices. A hull inside the other crosses.
+    /// How the closed hulls meet: exact for the posed, rounded vertices. A hull inside the other
+    /// crosses.
     pub(super) meeting: Meeting,
-    /// The nearest points (where they meet, points of a triangle pair that does) and their features.
+    /// The nearest points (where they meet, points of a triangle pair that does) and their
+    /// features.
     pub(super) points: [DVec3; 2],
     pub(super) pair: [HullFeature; 2],
 }
@@ -71,8 +73,8 @@ pub(super) fn exhaust(sides: &Sides, direction: DVec3) -> Exhausted {
     found
 }
 
-/// An upper bound of the distance: that between the highest corner of the first and the lowest of the
-/// second.
+/// An upper bound of the distance: that between the highest corner of the first and the lowest of
+/// the second.
 fn least_span(pieces: &[Vec<Piece>; 2], unit: DVec3, top: f64, bottom: f64) -> f64 {
     let find = |side: usize, height: f64| {
         pieces[side].iter().flat_map(|p| p.corners).find(|p| unit.dot(*p) == height)
@@ -97,7 +99,8 @@ fn candidates(pieces: &[Piece], corner: impl Fn(DVec3) -> bool) -> Vec<&Piece> {
     pieces.iter().filter(|piece| piece.corners.iter().any(|p| corner(*p))).collect()
 }
 
-/// Whether a hull lies in the interior of the other. Their surfaces share no point, so any vertex tells.
+/// Whether a hull lies in the interior of the other. Their surfaces share no point, so any vertex
+/// decides.
 fn one_holds_the_other(sides: &Sides, pieces: &[Vec<Piece>; 2]) -> bool {
     let in_first = sides.hulls[0].hull.locate(pieces[1][0].corners[0]) == Location::Inside;
     let p = pieces[0][0].corners[0];

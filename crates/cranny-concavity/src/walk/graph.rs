@@ -181,8 +181,8 @@ impl FeatureGraph {
             + size_of_val(self.rim_starts.as_slice())
     }
 
-    /// Every feature: vertices, then edges, then facets, by id. Vertices that the merged layer leaves out
-    /// are among them.
+    /// Every feature: vertices, then edges, then facets, by id. Vertices that the merged layer
+    /// leaves out are among them.
     pub fn features(&self) -> impl Iterator<Item = HullFeature> {
         let vertices = 0..self.fan_starts.len() as u32 - 1;
         let edges = (0..self.half_edges.len() as u32).filter(|&h| self.edge_of(h).0 == h);
@@ -208,8 +208,8 @@ impl FeatureGraph {
         (from..to).zip(&self.half_edges[from as usize..to as usize])
     }
 
-    /// Half-edges that leave a vertex in the merged layer, with their ids. None at a vertex that the
-    /// merged layer leaves out, or of a point.
+    /// Half-edges that leave a vertex in the merged layer, with their ids. None at a vertex that
+    /// the merged layer leaves out, or of a point.
     pub(super) fn fan(&self, vertex: HullVertexId) -> impl Iterator<Item = (u32, &HalfEdge)> {
         let row =
             self.fan_starts[vertex.index()] as usize..self.fan_starts[vertex.index() + 1] as usize;
@@ -290,8 +290,8 @@ fn half_edge(hull: &ConvexHull, ends: [HullVertexId; 2], facet: u32, normal: DVe
     HalfEdge { ends, twin: 0, facet, from, along, is_exact, outward }
 }
 
-/// Finds the twins: sorted by their ends, lower end first, the two halves of an edge are adjacent. (A
-/// plate's outline has each edge twice as well, so the two halves are always exactly two.)
+/// Finds the twins: sorted by their ends, lower end first, the two halves of an edge are adjacent.
+/// (A plate's outline has each edge twice as well, so the two halves are always exactly two.)
 fn pair_up(half_edges: &mut [HalfEdge]) {
     let mut order: Vec<u32> = (0..half_edges.len() as u32).collect();
     let key = |h: u32| {
@@ -323,8 +323,8 @@ fn fans(vertices: usize, half_edges: &[HalfEdge]) -> (Vec<u32>, Vec<u32>) {
     (starts, fans)
 }
 
-/// The mean of some points, summed by halves: rounding grows with the logarithm of their number, below
-/// 32 units in the last place for 2^29 points.
+/// The mean of some points, summed by halves: rounding grows with the logarithm of their number,
+/// below 32 units in the last place for 2^29 points.
 fn mean(points: &[DVec3]) -> DVec3 {
     fn sum(points: &[DVec3]) -> DVec3 {
         match points {

@@ -2,29 +2,30 @@
 //!
 //! # The story
 //!
-//! [`walk_hulls`] starts from last frame's feature pair ([`WalkState`], owned by the caller). Mostly the pair
-//! is still the closest, and `certificate` proves it in constant time: a direction along which the
-//! supports are apart, and two witness points as far apart as that. If not, `voronoi` walks over exterior
-//! Voronoi regions to the pair that is (Lin and Canny 1991, Mirtich 1998), and the same certificate judges
-//! where it ended. Where the hulls overlap, the walk goes on inside: `portal` finds the pseudo-internal
-//! region of the *pair* that holds the origin, with a proof of overlap that the next frame repeats in
-//! constant time, and `depth` the features where the hulls are to be parted. What rounding leaves open is
-//! decided by `exhaustive`, on exact predicates, and counted.
+//! [`walk_hulls`] starts from last frame's feature pair ([`WalkState`], owned by the caller).
+//! Mostly the pair is still the closest, and `certificate` proves it in constant time: a direction
+//! along which the supports are apart, and two witness points as far apart as that. If not,
+//! `voronoi` walks over exterior Voronoi regions to the pair that is (Lin and Canny 1991, Mirtich
+//! 1998), and the same certificate judges where it ended. Where the hulls overlap, the walk goes on
+//! inside: `portal` finds the pseudo-internal region of the *pair* that holds the origin, with a
+//! proof of overlap that the next frame repeats in constant time, and `depth` the features where
+//! the hulls are to be parted. What rounding leaves open is decided by `exhaustive`, on exact
+//! predicates, and counted.
 //!
 //! # Promises
 //!
-//! - [`HullAnswer::separation`] holds the signed separation, whatever the state handed in: its ends are
-//!   proved, with the thickness of merged facets and all rounding accounted for. Proofs do not rely on the
-//!   walk.
-//! - `Separated` and `Penetrating` are certain: for the exact hulls, and for the second's vertices posed by
-//!   [`RigidMap::apply`] and rounded. Where the two sets differ (a few units in the last place about
-//!   touching) the exact predicates judge the rounded ones.
+//! - [`HullAnswer::separation`] holds the signed separation, whatever the state handed in: its ends
+//!   are proved, with the thickness of merged facets and all rounding accounted for. Proofs do not
+//!   rely on the walk.
+//! - `Separated` and `Penetrating` are certain: for the exact hulls, and for the second's vertices
+//!   posed by [`RigidMap::apply`] and rounded. Where the two sets differ (a few units in the last
+//!   place about touching) the exact predicates judge the rounded ones.
 //! - Every walk ends: it finds a pair that is closest, reaches inside, or returns to a pair.
 //!
 //! # Non-promises
 //!
-//! - The depth is bounded above by a *local* minimum; below only by a ball that was shown to be in the
-//!   overlap, usually a small one.
+//! - The depth is bounded above by a *local* minimum; below only by a ball that was shown to be in
+//!   the overlap, usually a small one.
 //! - Of features that are equally near, any may be named; it may depend on history.
 //!
 //! ```
@@ -78,7 +79,8 @@ pub enum WalkError {
     NotFinite,
 }
 
-/// What is remembered of a pair from frame to frame. Saves time only; what it says is never believed.
+/// What is remembered of a pair from frame to frame. Saves time only; what it says is never
+/// believed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WalkState {
     pair: Option<[HullFeature; 2]>,
@@ -136,26 +138,26 @@ pub enum Relation {
 pub struct HullAnswer {
     /// How they lie.
     pub relation: Relation,
-    /// Holds the signed separation: the distance, or where the hulls overlap minus the penetration depth
-    /// (the least translation that parts them). Narrow where they are separated: rounding and the
-    /// thickness of facets. Where they overlap, its lower end stems from a local minimum.
+    /// Holds the signed separation: the distance, or where the hulls overlap minus the penetration
+    /// depth (the least translation that parts them). Narrow where they are separated: rounding and
+    /// the thickness of facets. Where they overlap, its lower end stems from a local minimum.
     pub separation: Interval,
-    /// From the first to the second, of length 1: along it the supports are apart by the lower end of
-    /// `separation`. (A lower end of 0 may stem from exact predicates on triangles instead.)
+    /// From the first to the second, of length 1: along it the supports are apart by the lower end
+    /// of `separation`. (A lower end of 0 may stem from exact predicates on triangles instead.)
     pub normal: DVec3,
-    /// Nearest points, or deepest ones: on the first hull and on the second, to within rounding and the
-    /// thickness of the facet named.
+    /// Nearest points, or deepest ones: on the first hull and on the second, to within rounding and
+    /// the thickness of the facet named.
     pub points: [DVec3; 2],
     /// The features that hold them.
     pub features: [HullFeature; 2],
 }
 
-/// Compares two hulls, the second moved by `first_from_second` (a rotation to rounding and a translation,
-/// as [`RigidMap::between`] makes them). Start from `WalkState::default()`, then hand in what the
-/// last call left.
+/// Compares two hulls, the second moved by `first_from_second` (a rotation to rounding and a
+/// translation, as [`RigidMap::between`] makes them). Start from `WalkState::default()`, then hand
+/// in what the last call left.
 ///
-/// Constant time where the same features are still the closest; else as many steps as features were passed.
-/// Allocates only where it is counted by [`WalkCounters::exhausted`].
+/// Constant time where the same features are still the closest; else as many steps as features were
+/// passed. Allocates only where it is counted by [`WalkCounters::exhausted`].
 ///
 /// # Errors
 ///
@@ -261,7 +263,8 @@ impl<O: WalkObserver> Query<'_, O> {
         self.sides.point_in(0, 1, self.sides.graph(1).center) - self.sides.graph(0).center
     }
 
-    /// Walks; an answer where a proof, or the exact predicates, can tell at the pair that it ends at.
+    /// Walks; an answer where a proof, or the exact predicates, can tell at the pair that it ends
+    /// at.
     fn walked(&mut self, start: [HullFeature; 2]) -> Option<HullAnswer> {
         let pair = match walk(self.sides, start, &mut self.trail) {
             End::Closest(pair) => pair,

@@ -1,8 +1,8 @@
 //! The nearest points of two features, and the direction between them.
 //!
-//! Where the features nearly touch, the difference of the points is all rounding. So the direction is
-//! built from what the features *are*: a facet's normal, the cross product of two edges, a difference
-//! made square to an edge.
+//! Where the features nearly touch, the difference of the points is all rounding. So the direction
+//! is built from what the features *are*: a facet's normal, the cross product of two edges, a
+//! difference made square to an edge.
 
 use cranny_exact::DVec3;
 use cranny_geometry::hull::{FacetId, HullVertexId};
@@ -13,8 +13,8 @@ use cranny_geometry::triangle_distance::closest_on_segments;
 
 /// Squared sine of the angle between two edges below which their cross product does not tell the
 /// direction between them better than their points do. Smaller, and needle-thin angles give crooked
-/// directions; larger, and edges that cross at real angles lose digits near touching. Either way only
-/// the width of an interval suffers: both directions are tried where the first does not do.
+/// directions; larger, and edges that cross at real angles lose digits near touching. Either way
+/// only the width of an interval suffers: both directions are tried where the first does not do.
 const NEARLY_PARALLEL: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A point on each hull.
@@ -27,8 +27,8 @@ pub(super) struct Witnesses {
     pub(super) slack: f64,
 }
 
-/// The nearest points of a pair. `None` where a vertex does not lie over the facet or beside the edge
-/// (the pair is not closest then), or for two facets.
+/// The nearest points of a pair. `None` where a vertex does not lie over the facet or beside the
+/// edge (the pair is not closest then), or for two facets.
 #[inline]
 pub(super) fn witnesses(sides: &Sides, pair: [HullFeature; 2]) -> Option<Witnesses> {
     use HullFeature::{Edge, Facet, Vertex};
@@ -46,8 +46,8 @@ pub(super) fn witnesses(sides: &Sides, pair: [HullFeature; 2]) -> Option<Witness
     }
 }
 
-/// In order (first, second), and from first to second, in the first's frame: what was made in the frame
-/// of the other side than `vertex_side`.
+/// In order (first, second), and from first to second, in the first's frame: what was made in the
+/// frame of the other side than `vertex_side`.
 #[inline]
 fn in_first_frame(
     sides: &Sides,
@@ -109,8 +109,8 @@ fn over_facet(
     if beyond > sides.rounding {
         return None;
     }
-    // Beside the rim rounding may have put the foot outside of a sharp corner: a point of the rim itself
-    // is on the hull for certain.
+    // Beside the rim rounding may have put the foot outside of a sharp corner: a point of the rim
+    // itself is on the hull for certain.
     let (foot, slack) = match edge {
         Some(h) if beyond > -sides.rounding => {
             let t = (p - h.from).dot(h.along) / h.along.length_squared();
@@ -165,9 +165,10 @@ fn made_square([p, q]: [DVec3; 2], edges: [DVec3; 2]) -> DVec3 {
 }
 
 /// Turns a direction across an edge of the first hull so that it points out of that hull. What is
-/// normal to an edge and points outward lies between the normals of its facets, hence on the positive
-/// side of their sum and of that of the directions out of the facets; one of the sums never vanishes.
-/// The difference of the points tells only where there are no facets: it may be all rounding.
+/// normal to an edge and points outward lies between the normals of its facets, hence on the
+/// positive side of their sum and of that of the directions out of the facets; one of the sums
+/// never vanishes. The difference of the points serves only where there are no facets: it may be
+/// all rounding.
 fn outward(sides: &Sides, edge: HullEdgeId, across: DVec3, difference: DVec3) -> DVec3 {
     let graph = sides.graph(0);
     let [left, right] = graph.both_halves(edge);

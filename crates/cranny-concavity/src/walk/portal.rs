@@ -1,17 +1,18 @@
 //! The walk inside: pseudo-internal Voronoi regions of the pair, and the proof that hulls overlap.
 //!
-//! Two hulls overlap where the origin lies in the set of all differences `p − q` of their points (p of the
-//! first, q of the second, both in the first's frame), a convex polytope whose features are feature pairs.
-//! Its pseudo-internal regions are the cones from an interior point, the difference of the centres, to
-//! its features. A *portal*, three of its vertices, each a support pair, is such a region's base: the
-//! ray from the centre through the origin passes it. Portals are moved outward until the origin lies
-//! before one (overlap), or beyond the supporting plane of the set (apart). Portals were introduced by
-//! Snethen (2008); seeking and refining them is his method, the proofs and the endings are not.
+//! Two hulls overlap where the origin lies in the set of all differences `p − q` of their points (p
+//! of the first, q of the second, both in the first's frame), a convex polytope whose features are
+//! feature pairs. Its pseudo-internal regions are the cones from an interior point, the difference
+//! of the centres, to its features. A *portal*, three of its vertices, each a support pair, is such
+//! a region's base: the ray from the centre through the origin passes it. Portals are moved outward
+//! until the origin lies before one (overlap), or beyond the supporting plane of the set (apart).
+//! Portals were introduced by Snethen (2008); seeking and refining them is his method, the proofs
+//! and the endings are not.
 //!
-//! The proof: about the centre the set holds the ball whose radius is the sum of the two hulls' inner
-//! radii; with a point of the portal it holds their convex hull; and a ball about the origin in that is
-//! the overlap, and a lower bound of its depth. It takes no support, so last frame's portal is judged in
-//! constant time.
+//! The proof: about the centre the set holds the ball whose radius is the sum of the two hulls'
+//! inner radii; with a point of the portal it holds their convex hull; and a ball about the origin
+//! in that is the overlap, and a lower bound of its depth. It takes no support, so last frame's
+//! portal is judged in constant time.
 
 use cranny_exact::DVec3;
 use cranny_geometry::hull::HullVertexId;
@@ -32,16 +33,18 @@ pub(super) enum Search {
     Overlap(Portal, f64),
     /// A direction along which the supports, at this pair, are apart, as computed.
     Apart(DVec3, SupportPair),
-    /// The origin lies on the boundary of the set, as nearly as f64 tells; about there a direction.
+    /// The origin lies on the boundary of the set, as nearly as f64 can say; about there a
+    /// direction.
     Boundary(DVec3),
 }
 
 /// Depth by which a portal proves that the hulls overlap; `None` where it does not.
 ///
-/// With `c` the centre, `r` the inner radius about it and `y` a point of the portal, write the origin as
-/// `c + s (y − c) + e`, `0 <= s < 1`. The convex hull of ball and `y` holds the ball about `c + s (y − c)` of
-/// radius `(1 − s) r`, hence the ball about the origin of radius `(1 − s) r − |e|`. Every choice of `s` and
-/// `y` is valid; rounding can spoil the choice, not the proof.
+/// With `c` the centre, `r` the inner radius about it and `y` a point of the portal, write the
+/// origin as `c + s (y − c) + e`, `0 <= s < 1`. The convex hull of ball and `y` holds the ball
+/// about `c + s (y − c)` of radius `(1 − s) r`, hence the ball about the origin of radius
+/// `(1 − s) r − |e|`. Every choice of `s` and `y` is valid; rounding can spoil the choice, not the
+/// proof.
 pub(super) fn proved_depth(sides: &Sides, portal: &Portal) -> Option<f64> {
     let radius = sides.graph(0).inner_radius + sides.graph(1).inner_radius;
     let center = center_of(sides);
@@ -98,9 +101,9 @@ fn support(sides: &Sides, direction: DVec3, near: Option<SupportPair>) -> Corner
     Corner { pair, at: difference(sides, pair) }
 }
 
-/// Seeks the portal before which the origin lies, or the plane beyond which it does. Every portal is a set
-/// of vertices and lies further out than the one before; where rounding says otherwise, the origin is on
-/// the boundary as far as f64 tells. So the search ends.
+/// Seeks the portal before which the origin lies, or the plane beyond which it does. Every portal
+/// is a set of vertices and lies further out than the one before; where rounding says otherwise,
+/// the origin is on the boundary as far as f64 can say. So the search ends.
 pub(super) fn search(sides: &Sides, trail: &mut Trail<impl WalkObserver>) -> Search {
     let center = center_of(sides);
     if let Some(depth) = depth_of_balls(sides) {
@@ -188,7 +191,8 @@ fn refine(
         if pairs.contains(&further.pair) || turns.returned(pairs) || normal == DVec3::ZERO {
             return overlap_or_boundary(sides, [a, b, c], normal);
         }
-        // The new corner and the ray span a plane; the origin's side of it keeps two of the old ones.
+        // The new corner and the ray span a plane; the origin's side of it keeps two of the old
+        // ones.
         let split = further.at.cross(center);
         if a.at.dot(split) > 0.0 {
             if b.at.dot(split) > 0.0 { a = further } else { c = further }
@@ -208,7 +212,8 @@ fn overlap_or_boundary(sides: &Sides, corners: [Corner; 3], direction: DVec3) ->
     }
 }
 
-/// Tells when a portal comes back: compared with one that is kept for twice as long each time (Brent 1980).
+/// Tells when a portal comes back: compared with one that is kept for twice as long each time
+/// (Brent 1980).
 #[derive(Default)]
 struct Turns {
     kept: Option<Portal>,

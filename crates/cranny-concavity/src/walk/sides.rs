@@ -16,11 +16,11 @@ pub struct WalkHull<'a> {
 
 /// Rounding of every length that the walk constructs, relative to the pair's scale (the two reaches
 /// from the origins of their frames plus the translation). With `u = 2^-53` and lengths in units of
-/// the scale, a bound along a direction collects: two support heights 8 u, turning the direction into
-/// the second frame 11 u, the translation 4 u, two sums 3 u, division by the length 4 u, a facet's
-/// stored plane in place of a support 6 u; the posed vertex itself, rounded, lies within 32 u of
-/// its exact image. Together 68 u. A distance of two witnesses collects 45 u. Smaller, and intervals
-/// are not certain; larger, and more pairs are sent to the exact predicates
+/// the scale, a bound along a direction collects: two support heights 8 u, turning the direction
+/// into the second frame 11 u, the translation 4 u, two sums 3 u, division by the length 4 u, a
+/// facet's stored plane in place of a support 6 u; the posed vertex itself, rounded, lies within 32
+/// u of its exact image. Together 68 u. A distance of two witnesses collects 45 u. Smaller, and
+/// intervals are not certain; larger, and more pairs are sent to the exact predicates
 /// (`distances_hold_the_rational_one`).
 const ROUNDING: f64 = 40.0 * f64::EPSILON;
 
@@ -72,8 +72,8 @@ impl<'a> Sides<'a> {
     }
 
     /// A direction of the first's frame, as the second sees it, by the transpose: the height of a
-    /// point `p` of the second along `d` is exactly `(Lᵀ d) · p` plus that of the translation, whether
-    /// or not `L` is a rotation to the last bit.
+    /// point `p` of the second along `d` is exactly `(Lᵀ d) · p` plus that of the translation,
+    /// whether or not `L` is a rotation to the last bit.
     #[inline]
     pub(super) fn second_direction(&self, d: DVec3) -> DVec3 {
         self.from[1].linear * d

@@ -1,11 +1,12 @@
 //! The walk proper: from a feature pair to a closer one, over Voronoi regions.
 //!
-//! Two features are closest where the nearest point of each lies in the exterior Voronoi region of the
-//! other (Lin and Canny 1991). Where it lies beyond a bounding plane of the region, the feature on the
-//! other side of that plane is closer. The states are those of V-Clip (Mirtich 1998): vertex–vertex,
-//! vertex–edge, vertex–facet, edge–edge, edge–facet. Unlike there, a vertex below a facet's plane does not
-//! look at all facets: the walk goes on *inside*, over the cones from the centre to the facets
-//! (pseudo-internal Voronoi regions, after Ponamgi, Manocha and Lin 1995), to the one that holds it.
+//! Two features are closest where the nearest point of each lies in the exterior Voronoi region of
+//! the other (Lin and Canny 1991). Where it lies beyond a bounding plane of the region, the feature
+//! on the other side of that plane is closer. The states are those of V-Clip (Mirtich 1998):
+//! vertex–vertex, vertex–edge, vertex–facet, edge–edge, edge–facet. Unlike there, a vertex below a
+//! facet's plane does not look at all facets: the walk goes on *inside*, over the cones from the
+//! centre to the facets (pseudo-internal Voronoi regions, after Ponamgi, Manocha and Lin 1995), to
+//! the one that holds it.
 //!
 //! All signs here are plain f64. They steer; nothing relies on them, since what the walk ends at is
 //! certified or discarded.
@@ -31,7 +32,8 @@ pub(super) enum Step {
     Inside,
 }
 
-/// Looks at one pair. A pure function of the pair, so that a walk that returns to a pair is a cycle.
+/// Looks at one pair. A pure function of the pair, so that a walk that returns to a pair is a
+/// cycle.
 pub(super) fn step(sides: &Sides, pair: [HullFeature; 2]) -> Step {
     match pair {
         [Vertex(v), Vertex(w)] => vertex_vertex(sides, [v, w]),
@@ -51,8 +53,8 @@ fn towards(side: usize, own: HullFeature, other: HullFeature) -> Step {
     Step::Move(if side == 0 { [own, other] } else { [other, own] })
 }
 
-/// The edge at a vertex of `side` that leads most directly along `direction` (of that side's frame); none
-/// where all lead away from it.
+/// The edge at a vertex of `side` that leads most directly along `direction` (of that side's
+/// frame); none where all lead away from it.
 fn edge_along(
     sides: &Sides,
     side: usize,
@@ -161,10 +163,11 @@ fn vertex_facet(sides: &Sides, side: usize, vertex: HullVertexId, facet: FacetId
     }
 }
 
-/// Goes on from facet to facet to the one whose cone from the centre holds `p`, and returns it if `p` lies
-/// above its plane. In that cone the height over the plane is greatest in units of the centre's depth below
-/// it: the walk only ever rises, so it ends. (It seeks a vertex of the polar dual polytope, where the
-/// simplex method's argument says that the highest among its neighbours is the highest of all.)
+/// Goes on from facet to facet to the one whose cone from the centre holds `p`, and returns it if
+/// `p` lies above its plane. In that cone the height over the plane is greatest in units of the
+/// centre's depth below it: the walk only ever rises, so it ends. (It seeks a vertex of the polar
+/// dual polytope, where the simplex method's argument says that the highest among its neighbours is
+/// the highest of all.)
 fn facet_towards(sides: &Sides, side: usize, p: DVec3, start: FacetId) -> Option<FacetId> {
     let graph = sides.graph(side);
     let from_center = p - graph.center;
@@ -246,7 +249,7 @@ fn nearest_rim(sides: &Sides, side: usize, facet: FacetId, [q, w]: [DVec3; 2]) -
 /// How a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
-    /// At a pair that is closest as far as f64 tells.
+    /// At a pair that is closest as far as f64 can say.
     Closest([HullFeature; 2]),
     /// At a pair one of which reaches into the other hull.
     Inside([HullFeature; 2]),
@@ -254,9 +257,10 @@ pub(super) enum End {
     Cycle([HullFeature; 2]),
 }
 
-/// Walks until a pair is closest or reaches inside, or until a pair comes back. Steps depend on the pair
-/// alone and there are finitely many pairs, so one of the three happens. Returns are found by comparing
-/// with a pair that is kept for twice as long each time (Brent 1980): no memory, and no cycle escapes.
+/// Walks until a pair is closest or reaches inside, or until a pair comes back. Steps depend on the
+/// pair alone and there are finitely many pairs, so one of the three happens. Returns are found by
+/// comparing with a pair that is kept for twice as long each time (Brent 1980): no memory, and no
+/// cycle escapes.
 pub(super) fn walk(
     sides: &Sides,
     start: [HullFeature; 2],
@@ -282,8 +286,8 @@ pub(super) fn walk(
     }
 }
 
-/// Of the pairs on a cycle the one whose witnesses are nearest: rounding alone keeps a walk from ending,
-/// among pairs that are equally near.
+/// Of the pairs on a cycle the one whose witnesses are nearest: rounding alone keeps a walk from
+/// ending, among pairs that are equally near.
 fn nearest_of_cycle(
     sides: &Sides,
     start: [HullFeature; 2],

@@ -6,7 +6,8 @@ use cranny_exact::{DVec2, DVec3};
 use cranny_geometry::hull::FacetId;
 use cranny_geometry::{BuildOptions, FaceId, Finding, Mesh};
 
-/// Pairs of points and triangles up to which hulls are validated here, every pair of which is looked at.
+/// Pairs of points and triangles up to which hulls are validated here, every pair of which is
+/// looked at.
 const LARGEST_HULL: usize = 4_000_000;
 
 /// Builds and validates.
@@ -21,14 +22,15 @@ pub(crate) fn checked_with(mesh: &Mesh, options: &BuildOptions) -> Body {
     model
 }
 
-/// [`closed_checked`], and what is told of the mesh; but whether each facet is covered once is not asked.
+/// [`closed_checked`], and what is reported of the mesh; but whether each facet is covered once is
+/// not checked.
 pub(crate) fn checked_told(mesh: &Mesh) -> (Body, Vec<Finding>) {
     let (model, findings) = built_with(mesh, &BuildOptions::default());
     check_sums(&model);
     (model, findings)
 }
 
-/// Builds and validates, but whether each facet is covered once is not asked.
+/// Builds and validates, but whether each facet is covered once is not checked.
 pub(crate) fn built_with(mesh: &Mesh, options: &BuildOptions) -> (Body, Vec<Finding>) {
     let (model, report) = Body::build(mesh.clone(), options).unwrap();
     model.features().validate(model.mesh(), model.topology()).unwrap();
@@ -53,8 +55,8 @@ pub(crate) fn closed_checked_with(mesh: &Mesh, options: &BuildOptions) -> Body {
     model
 }
 
-/// Volumes and areas of a closed body add up; what is left over is skin, and a pocket's volume is not negative
-/// but for skin. The sums alone would add up whatever caps were.
+/// Volumes and areas of a closed body add up; what is left over is skin, and a pocket's volume is
+/// not negative but for skin. The sums alone would add up whatever caps were.
 pub(crate) fn check_sums(model: &Body) {
     assert!(model.is_closed());
     let all = model.concavities();
@@ -86,7 +88,8 @@ pub(crate) fn check_sums(model: &Body) {
     let rounding = f64::EPSILON * hull.volume() + rounding.volume;
     for concavity in all.iter().filter(|c| !c.caps.is_empty()) {
         let sizes = concavity.measures;
-        // Of caps back to back `cap_area` is the difference; what lies between them does not follow that.
+        // Of caps back to back `cap_area` is the difference; what lies between them does not follow
+        // that.
         let of_cap = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
         let caps: f64 = concavity.caps.iter().map(|c| of_cap(all.cap(*c).corners.map(at))).sum();
         let layer = slab * (sizes.face_area + caps);
@@ -94,8 +97,9 @@ pub(crate) fn check_sums(model: &Body) {
     }
 }
 
-/// What sums over a hull, faces and caps may be off by. Of a solid body it is less than a hundredth of what is allowed
-/// anyway; of a thin one products of coordinates are much larger than what they leave.
+/// What sums over a hull, faces and caps may be off by. Of a solid body it is less than a hundredth
+/// of what is allowed anyway; of a thin one products of coordinates are much larger than what they
+/// leave.
 struct Rounding {
     volume: f64,
     area: f64,
@@ -115,7 +119,8 @@ impl Rounding {
             sums.1 += a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
         };
         (0..mesh.faces().len() as u32).for_each(|f| add(&mut sums, mesh.triangle(FaceId(f))));
-        // A sum of faces no larger than this is told as 0 (`MassProperties`), and may have been as large.
+        // A sum of faces no larger than this is reported as 0 (`MassProperties`), and may have been
+        // as large.
         let is_none = model.mass_properties().is_some_and(|mass| mass.volume == 0.0);
         let roundings = 16.0 + mesh.faces().len() as f64;
         let left_out = if is_none { 0.5 * f64::EPSILON * roundings * sums.0 / 6.0 } else { 0.0 };
@@ -123,7 +128,8 @@ impl Rounding {
         triangles.for_each(|t| add(&mut sums, hull.triangle(t).map(|v| hull.position(v))));
         all.caps().for_each(|cap| add(&mut sums, cap.corners.map(|v| mesh.position(v))));
         let (products, squares) = sums;
-        // Volumes are summed about other points, too, from which coordinates are up to twice as large.
+        // Volumes are summed about other points, too, from which coordinates are up to twice as
+        // large.
         Self {
             volume: 4.0 * f64::EPSILON * products + left_out,
             area: 4.0 * f64::EPSILON * squares,
@@ -131,8 +137,9 @@ impl Rounding {
     }
 }
 
-/// In the projection along its dominant axis every facet, or every group that is covered together, has the
-/// area of its faces and caps; or it and neighbours, between which straddling pieces were dropped, have together.
+/// In the projection along its dominant axis every facet, or every group that is covered together,
+/// has the area of its faces and caps; or it and neighbours, between which straddling pieces were
+/// dropped, have together.
 fn covered_once(model: &Body) {
     let (hull, all) = (model.hull(), model.concavities());
     let facets = || (0..hull.facet_count() as u32).map(FacetId);

@@ -1,4 +1,5 @@
-//! What covers facets, edges and vertices of hulls: counted by hand, and against whoever measures each piece.
+//! What covers facets, edges and vertices of hulls: counted by hand, and against whoever measures
+//! each piece.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +23,8 @@ fn owners(cover: FeatureCover<'_>) -> BTreeSet<Owner> {
     cover.lids().map(Some).chain(cover.is_solid().then_some(None)).collect()
 }
 
-/// Every face on the hull and every cap, measured against every edge and vertex of the hull near it.
+/// Every face on the hull and every cap, measured against every edge and vertex of the hull near
+/// it.
 struct Judge<'a> {
     model: &'a Body,
     /// By facet, those of the facets that it is covered together with among them.
@@ -221,8 +223,8 @@ fn edges_and_vertices_are_counted_by_hand() {
     let model = built(&Comb::default().build().unwrap());
     assert_eq!(of_creases(&model), BTreeMap::from([((true, 0), 10), ((true, 7), 2)]));
 
-    // Between two points of a star lies a notch: a side of the hull, and an edge of its top and bottom. Five
-    // crests part the sides.
+    // Between two points of a star lies a notch: a side of the hull, and an edge of its top and
+    // bottom. Five crests part the sides.
     let model = built(&bodies::star_prism(5));
     assert_eq!(of_creases(&model), BTreeMap::from([((false, 1), 10), ((false, 2), 5)]));
     assert_eq!(of_vertices(&model), BTreeMap::from([((true, 2), 10)]));

@@ -1,4 +1,5 @@
-//! Bodies whose rims touch, nest and branch, counted by hand: as they are, turned, scaled, moved and renumbered.
+//! Bodies whose rims touch, nest and branch, counted by hand: as they are, turned, scaled, moved
+//! and renumbered.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +21,8 @@ fn kinds(model: &Body) -> Vec<(ConcavityKind, usize)> {
     census(model).into_iter().map(|(kind, lids, _)| (kind, lids)).collect()
 }
 
-/// Each concavity's faces and caps have the same boundary, and its loops are that boundary, each of them simple.
+/// Each concavity's faces and caps have the same boundary, and its loops are that boundary, each of
+/// them simple.
 fn assert_closes(model: &Body, what: &str) {
     for concavity in model.concavities().iter() {
         let mut chain: BTreeMap<[u32; 2], i32> = BTreeMap::new();
@@ -88,8 +90,9 @@ fn assert_counts(mesh: &Mesh, mut expected: Vec<(ConcavityKind, usize)>, what: &
 
 type Region = BTreeSet<[i32; 2]>;
 
-/// A block of `n` by `n` cells, of which those of a region are pits that run together where they share a side: corners
-/// and sides that lie in pits all around, and the middles of pits, are lowered.
+/// A block of `n` by `n` cells, of which those of a region are pits that run together where they
+/// share a side: corners and sides that lie in pits all around, and the middles of pits, are
+/// lowered.
 fn tray(n: i32, pits: &Region) -> Mesh {
     let depth = |i: i32, j: i32| {
         let (x, y) = (i.div_euclid(2), j.div_euclid(2));
@@ -265,7 +268,8 @@ fn voids_nest_and_lie_side_by_side() {
     assert_counts(&tray(3, &pits).joined(&piece), vec![(Pocket, 1), (Island, 0)], "pebble");
 }
 
-/// A prism over a star, the upper star moved aside and another size: slanted notches, all corners on the hull.
+/// A prism over a star, the upper star moved aside and another size: slanted notches, all corners
+/// on the hull.
 fn slanted_star(points: u32, scale: f64, shift: f64) -> Mesh {
     moved(&bodies::star_prism(points), |p| {
         let s = if p.z > 0.5 { scale } else { 1.0 };
@@ -315,7 +319,7 @@ fn t_vertices_on_edges_of_the_hull_are_stitched_and_change_no_count() {
         for every in [1, 2, 3, 7] {
             let cut = with_t_vertices(&mesh, every);
             for cut in [cut.clone(), moved(&cut, |p| 2f64.powi(-40) * p), turned(&cut)] {
-                // As filed: open along the cuts, which is told, but as sound as it can be.
+                // As filed: open along the cuts, which is reported, but as sound as it can be.
                 checked_with(&cut, &BuildOptions::default());
                 let options = BuildOptions { repair: Repair::Safe, ..BuildOptions::default() };
                 let model = checked_with(&cut, &options);

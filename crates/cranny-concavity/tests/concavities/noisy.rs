@@ -1,4 +1,5 @@
-//! Boxes whose sides are rough by a few flatnesses: pockets, slivers and facets about as thin as rounding.
+//! Boxes whose sides are rough by a few flatnesses: pockets, slivers and facets about as thin as
+//! rounding.
 
 use std::collections::BTreeMap;
 
@@ -36,8 +37,8 @@ impl Written {
     }
 }
 
-/// A unit cube of `cells` squares along each edge, each cut by either diagonal; points of the surface lie
-/// off its sides by up to `rough` flatnesses, beneath them as well as above.
+/// A unit cube of `cells` squares along each edge, each cut by either diagonal; points of the
+/// surface lie off its sides by up to `rough` flatnesses, beneath them as well as above.
 pub(crate) fn noisy_cube(
     cells: i32,
     rough: f64,

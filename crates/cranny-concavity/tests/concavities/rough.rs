@@ -28,8 +28,8 @@ fn strip(model: &Body) -> f64 {
 }
 
 fn told_twice(findings: &[Finding]) -> f64 {
-    let told = findings.iter().filter(|f| f.kind == FindingKind::NegativeCap);
-    told.map(|f| f.measure).sum()
+    let found = findings.iter().filter(|f| f.kind == FindingKind::NegativeCap);
+    found.map(|f| f.measure).sum()
 }
 
 #[test]
@@ -111,7 +111,8 @@ fn wells_that_run_together_hold_what_their_cells_count() {
     }
 }
 
-/// A closed solid in single precision, some of whose vertices lie within slabs of each other and of three facets.
+/// A closed solid in single precision, some of whose vertices lie within slabs of each other and of
+/// three facets.
 fn crumpled() -> Mesh {
     let vertices: [[f32; 3]; 9] = [
         [0.211_970_03, 0.110_793_53, -0.072_761_95],
@@ -135,8 +136,8 @@ fn crumpled() -> Mesh {
 
 #[test]
 fn pieces_with_the_opposites_of_several_facets_are_dropped_in_pairs() {
-    // What one facet had too much of two others lacked: all three pieces were dropped, and hull, faces and caps did
-    // not add up any more.
+    // What one facet had too much of two others lacked: all three pieces were dropped, and hull,
+    // faces and caps did not add up any more.
     let (model, _) = checked_told(&crumpled());
     let hull = model.hull();
     assert!(hull.volume() > model.features().slab_depth() * hull.area(), "it is thicker than skin");

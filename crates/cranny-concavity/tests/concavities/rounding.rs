@@ -56,7 +56,8 @@ fn cup_of_fans(segments: u32) -> Mesh {
     Mesh::new(vertices, faces).unwrap()
 }
 
-/// The base and rim of a cup as it is drawn lie in planes to the last digit: no lid of theirs is left over.
+/// The base and rim of a cup as it is drawn lie in planes to the last digit: no lid of theirs is
+/// left over.
 #[test]
 fn drawn_sides_are_flat_at_any_flatness() {
     for segments in 5..40 {
@@ -121,8 +122,8 @@ fn decimals_make_no_dents() {
 
 #[test]
 fn a_quadrilateral_divided_the_other_way_is_no_dent() {
-    // The top of a cube, one corner lower: the hull folds it from 5 to 6, the mesh from 4 to 7, which
-    // makes a dent half as deep as the corner is low. Facets merge up to 1, slabs are 2 deep.
+    // The top of a cube, one corner lower: the hull folds it from 5 to 6, the mesh from 4 to 7,
+    // which makes a dent half as deep as the corner is low. Facets merge up to 1, slabs are 2 deep.
     let built = |low: f64| {
         let corner =
             |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
@@ -145,8 +146,9 @@ fn a_quadrilateral_divided_the_other_way_is_no_dent() {
 
 #[test]
 fn a_face_on_two_facets_leaves_a_cap_that_both_share() {
-    // A pentagon A B E C D, C the tip. The hull has A B C, with D somewhat lower and E lower still. The mesh is a fan
-    // about D: A B D lies on A B C, to within its slab, and on A C D beside it; B E D and E C D are off the hull.
+    // A pentagon A B E C D, C the tip. The hull has A B C, with D somewhat lower and E lower still.
+    // The mesh is a fan about D: A B D lies on A B C, to within its slab, and on A C D beside it; B
+    // E D and E C D are off the hull.
     const FLATNESS: f64 = 1e-3;
     let merged = 2.0 * FLATNESS; // the largest coordinate is 2
     let [low, lower] = [1.4 * merged, 3.0 * merged];
@@ -210,8 +212,8 @@ fn cut_anyhow(corners: u32, rng: &mut Rng) -> Vec<[u32; 3]> {
     triangles
 }
 
-/// A prism of height 1 over a convex polygon, its top cut anyhow. Every corner of the top lies as far
-/// below its plane as `depth` says.
+/// A prism of height 1 over a convex polygon, its top cut anyhow. Every corner of the top lies as
+/// far below its plane as `depth` says.
 pub(crate) fn prism_cut_anyhow(
     corners: u32,
     rng: &mut Rng,
@@ -251,9 +253,9 @@ fn sides_divided_otherwise_than_the_hull_divides_them_are_covered_once() {
         let all = model.concavities();
         all.validate(model.mesh(), model.topology(), model.hull(), model.features()).unwrap();
         shared += usize::from(all.shared_facets().next().is_some());
-        let told =
+        let reported =
             |f: &&Finding| matches!(f.kind, FindingKind::NegativeCap | FindingKind::CrossedCap);
-        let found = report.findings.iter().find(told);
+        let found = report.findings.iter().find(reported);
         assert_eq!(found, None, "round {round}");
     }
     assert!(shared > 40, "{shared}");
@@ -261,7 +263,8 @@ fn sides_divided_otherwise_than_the_hull_divides_them_are_covered_once() {
 
 #[test]
 fn shallow_pockets_on_a_lattice_stay() {
-    // Whole numbers: holes of a thousandth of the body's size deep, and less, in plates that reach to 2000 and on.
+    // Whole numbers: holes of a thousandth of the body's size deep, and less, in plates that reach
+    // to 2000 and on.
     let plate = bodies::gridded_cuboid([3, 3, 2], |x, y| (x, y) == (1, 1));
     for (side, depth) in [(500.0, 1.0), (3_000.0, 1.0), (10_000.0, 4.0), (100_000.0, 40.0)] {
         let deep = |p: DVec3| DVec3::new(p.x * side, p.y * side, p.z * depth);
@@ -293,8 +296,8 @@ fn flatness_is_chosen_by_the_coordinates() {
     assert_eq!(flatness(&mesh, Flatness::Relative(f64::NAN)), Flatness::LEAST);
 }
 
-/// Everything that must not depend on scale and numbering: per face its class, and per concavity its
-/// kind, lids, loops and the faces in it, by the names that `name` gives them.
+/// Everything that must not depend on scale and numbering: per face its class, and per concavity
+/// its kind, lids, loops and the faces in it, by the names that `name` gives them.
 pub(crate) fn classification(model: &Body, name: impl Fn(FaceId) -> usize) -> Vec<Vec<usize>> {
     let mut classes = Vec::new();
     for concavity in model.concavities().iter() {

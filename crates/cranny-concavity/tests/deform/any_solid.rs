@@ -1,7 +1,8 @@
-//! Solids of many kinds, moved about at random, against models built anew: a driver for long runs, of which a little
-//! runs always.
+//! Solids of many kinds, moved about at random, against models built anew: a driver for long runs,
+//! of which a little runs always.
 //!
-//! `CRANNY_SEEDS=1000..5000` takes other seeds; with `CRANNY_COINCIDE=1` vertices also land on corners of the hull.
+//! `CRANNY_SEEDS=1000..5000` takes other seeds; with `CRANNY_COINCIDE=1` vertices also land on
+//! corners of the hull.
 
 use std::ops::Range;
 
@@ -20,8 +21,8 @@ use crate::meshes::turned;
 /// Seeds that always run: a second's worth.
 const SEEDS: Range<u64> = 0..60;
 
-/// And some that alone showed a fault: a cap with a corner that had moved was told as it was, where no face of the
-/// concavity had moved.
+/// And some that alone showed a fault: a cap with a corner that had moved was reported as it was,
+/// where no face of the concavity had moved.
 const TELLING: [u64; 2] = [487, 883];
 
 /// Deformations of each solid.
@@ -57,7 +58,8 @@ fn solid(kind: usize, rng: &mut Rng) -> Mesh {
 
 const KINDS: usize = 12;
 
-/// Where a vertex goes: nowhere much, in, out, into a plane of the hull or of the box, onto a lattice, into a face.
+/// Where a vertex goes: nowhere much, in, out, into a plane of the hull or of the box, onto a
+/// lattice, into a face.
 fn place(model: &Body, v: VertexId, coincides: bool, rng: &mut Rng) -> DVec3 {
     let (mesh, hull) = (model.mesh(), model.hull());
     let (p, bounds) = (mesh.position(v), model.bounds());
@@ -115,7 +117,7 @@ fn moves(model: &Body, home: &Mesh, coincides: bool, rng: &mut Rng) -> Vec<(Vert
     all
 }
 
-/// The seeds asked for; those above if none are.
+/// The seeds given; those above if there are none.
 fn seeds() -> Vec<u64> {
     let Ok(text) = std::env::var("CRANNY_SEEDS") else { return SEEDS.chain(TELLING).collect() };
     let ends = text.split_once("..").and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));

@@ -31,8 +31,8 @@ pub(crate) fn assert_equals_rebuild(model: &Body, what: &str) {
     assert_equal(model, &rebuilt, what);
 }
 
-/// Pairs of points and triangles up to which hulls are validated here, every pair of which is looked at: those of the
-/// largest mesh of this crate's tests of deformation.
+/// Pairs of points and triangles up to which hulls are validated here, every pair of which is
+/// looked at: those of the largest mesh of this crate's tests of deformation.
 const LARGEST_HULL: usize = 400_000_000;
 
 fn all_faces(model: &Body) -> impl Iterator<Item = FaceId> + use<> {
@@ -117,8 +117,8 @@ fn hulls(model: &Body, rebuilt: &Body, what: &str) {
     }
 }
 
-/// A facet: its triangles, by the vertices of the mesh, and its plane, to the bit. Numbers of triangles and facets are
-/// left out, which say nothing.
+/// A facet: its triangles, by the vertices of the mesh, and its plane, to the bit. Numbers of
+/// triangles and facets are left out, which say nothing.
 type ToldFacet = (Vec<[VertexId; 3]>, [u64; 5]);
 
 fn facet(model: &Body, id: FacetId) -> ToldFacet {
@@ -138,7 +138,7 @@ fn facets(model: &Body) -> BTreeSet<ToldFacet> {
 /// Of each vertex of the hull, and of each edge between two facets, what covers it.
 fn covers(model: &Body, rebuilt: &Body, what: &str) {
     type Told = BTreeMap<Vec<VertexId>, (bool, Vec<ConcavityId>)>;
-    let told = |model: &Body| -> Told {
+    let found = |model: &Body| -> Told {
         let (hull, covers) = (model.hull(), model.hull_covers());
         let facet = |h: HalfEdgeId| hull.facet_of_triangle(h.index() / 3);
         let edges = (0..3 * hull.triangle_count() as u32).map(HalfEdgeId);
@@ -155,8 +155,8 @@ fn covers(model: &Body, rebuilt: &Body, what: &str) {
         all.map(|(ids, cover)| (ids, (cover.is_solid(), cover.lids().collect()))).collect()
     };
     if model.hull().kind() == HullKind::Volume {
-        let (a, b) = (told(model), told(rebuilt));
-        let other: Vec<_> = a.iter().filter(|(ids, told)| b.get(*ids) != Some(told)).collect();
+        let (a, b) = (found(model), found(rebuilt));
+        let other: Vec<_> = a.iter().filter(|(ids, found)| b.get(*ids) != Some(found)).collect();
         let rebuilt: Vec<_> = other.iter().map(|(ids, _)| b.get(*ids)).collect();
         assert!(other.is_empty() && a.len() == b.len(), "{what}: {other:?} was {rebuilt:?}");
     }
@@ -237,7 +237,7 @@ pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change,
     assert_eq!(change.beneath.concavities.len(), before.concavities().len(), "{what}");
     for (old, new) in (0..).map(ConcavityId).zip(&change.beneath.concavities) {
         let old = before.concavities().get(old);
-        // Those without faces are told by their caps.
+        // Those without faces are named by their caps.
         let caps = |model: &Body, c: &Concavity<'_>| -> BTreeSet<[VertexId; 3]> {
             let caps = c.caps.iter().map(|&cap| model.concavities().cap(cap).corners);
             caps.map(lowest_first).collect()
@@ -254,8 +254,8 @@ pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change,
         let is_same = old.is_some_and(|old| {
             let places = |model: &Body, c: &Concavity<'_>| {
                 let faces = c.faces.iter().map(|&f| model.mesh().triangle(f));
-                // Caps of other corners are others, even in the same places: where a vertex comes to lie on a corner of
-                // the hull, the lesser number stands for both.
+                // Caps of other corners are others, even in the same places: where a vertex comes
+                // to lie on a corner of the hull, the lesser number stands for both.
                 let caps = c.caps.iter().map(|&cap| {
                     let corners = model.concavities().cap(cap).corners;
                     (corners, corners.map(|v| model.mesh().position(v)))
@@ -264,8 +264,8 @@ pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change,
             };
             places(before, &old) == places(after, &new)
         });
-        let told = change.beneath.reshaped.binary_search(&new.id()).is_ok();
-        assert_eq!(!is_same, told, "{what}: concavity {}", new.id().0);
+        let found = change.beneath.reshaped.binary_search(&new.id()).is_ok();
+        assert_eq!(!is_same, found, "{what}: concavity {}", new.id().0);
     }
     for (old, new) in (0..).map(PatchId).zip(&change.patches) {
         if let Some(new) = new {

@@ -1,4 +1,5 @@
-//! A vertex is pushed within a flat side, so that a face folds over, while the hull changes elsewhere.
+//! A vertex is pushed within a flat side, so that a face folds over, while the hull changes
+//! elsewhere.
 use crate::body::Body;
 use cranny_exact::DVec3;
 use cranny_geometry::VertexId;

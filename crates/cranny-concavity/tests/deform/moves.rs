@@ -4,7 +4,8 @@ use cranny_exact::DVec3;
 use cranny_geometry::{Mesh, VertexId};
 use cranny_testkit::Rng;
 
-/// The vertices within a ball about a vertex, and where they go: by `shift` times the height of a bell.
+/// The vertices within a ball about a vertex, and where they go: by `shift` times the height of a
+/// bell.
 pub(crate) fn bell(
     mesh: &Mesh,
     about: VertexId,

@@ -1,5 +1,5 @@
-//! Moves that change the hull, one after the other: what follows equals a rebuild, and what there is to do does not
-//! depend on how large the mesh is.
+//! Moves that change the hull, one after the other: what follows equals a rebuild, and what there
+//! is to do does not depend on how large the mesh is.
 
 use crate::body::{Body, Change};
 use cranny_exact::DVec3;
@@ -32,8 +32,8 @@ fn neighbours(model: &Body, v: VertexId) -> Vec<VertexId> {
     all
 }
 
-/// Where a vertex of the hull may go: in, out, into the plane of a face beside it, onto another vertex, through the
-/// body, or a hair.
+/// Where a vertex of the hull may go: in, out, into the plane of a face beside it, onto another
+/// vertex, through the body, or a hair.
 fn place(model: &Body, v: VertexId, kind: usize, rng: &mut Rng) -> DVec3 {
     let mesh = model.mesh();
     let (p, middle) = (mesh.position(v), model.bounds().center());
@@ -142,7 +142,8 @@ fn moves_here_and_there_at_once_and_one_upon_the_other_equal_a_rebuild() {
     }
 }
 
-/// One vertex of the hull, out and in again as far as the surface bends over an edge, on balls of very different sizes.
+/// One vertex of the hull, out and in again as far as the surface bends over an edge, on balls of
+/// very different sizes.
 #[test]
 fn work_on_the_hull_does_not_grow_with_the_mesh() {
     let moved = |triangles: u32| -> [Change; 3] {

@@ -1,4 +1,5 @@
-//! A face without area along an edge of the hull lies on the facets of either side, and agrees with both alike.
+//! A face without area along an edge of the hull lies on the facets of either side, and agrees with
+//! both alike.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{FaceId, Mesh, VertexId};
@@ -8,7 +9,8 @@ use super::{deformed, model};
 /// Which vertex moves.
 const MOVED: VertexId = VertexId(1);
 
-/// Two lids meet in the edge from 6 to 8 once vertex [`MOVED`] stands out; the face [8, 10, 9] has its corners there.
+/// Two lids meet in the edge from 6 to 8 once vertex [`MOVED`] stands out; the face [8, 10, 9] has
+/// its corners there.
 fn body() -> Mesh {
     let vertices = [
         [0.0, 1.0, 1.0],
@@ -54,8 +56,9 @@ fn body() -> Mesh {
 
 #[test]
 fn it_lies_on_the_same_facet_after_a_deformation_as_after_a_rebuild() {
-    // The moves give the hull another box, by which its facets are numbered anew, and not as a rebuild numbers them: the
-    // face went to the facet with the lower number, and two concavities joined there or did not.
+    // The moves give the hull another box, by which its facets are numbered anew, and not as a
+    // rebuild numbers them: the face went to the facet with the lower number, and two concavities
+    // joined there or did not.
     let flat = FaceId(7);
     let before = model(body());
     assert_eq!(before.mesh().area_vector(flat), DVec3::ZERO);

@@ -292,8 +292,8 @@ fn a_body_that_sinks_into_another_keeps_its_features() {
 
 #[test]
 fn a_walk_that_starts_on_the_far_side_goes_on_inside() {
-    // Below the top facet's plane, over it, and yet below the box: the pseudo-internal regions lead from
-    // the top facet to the bottom one, and nothing has to be searched.
+    // Below the top facet's plane, over it, and yet below the box: the pseudo-internal regions lead
+    // from the top facet to the bottom one, and nothing has to be searched.
     let (cube, point) = (cuboid(DVec3::ONE), Body::of(&[DVec3::ZERO]));
     let vertex = HullFeature::Vertex(HullVertexId(0));
     let facets = cube.graph.features().filter(|f| matches!(f, HullFeature::Facet(_)));

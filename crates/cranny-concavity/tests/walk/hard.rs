@@ -1,5 +1,5 @@
-//! The closest-feature walk where rounding rules: touching, gaps of an ulp, near-parallel faces, needles,
-//! sizes from tiny to huge.
+//! The closest-feature walk where rounding rules: touching, gaps of an ulp, near-parallel faces,
+//! needles, sizes from tiny to huge.
 
 use cranny_concavity::walk::{Relation, WalkCounters, WalkState, walk_hulls};
 use cranny_exact::{DQuat, DVec3, Pose, RigidMap};

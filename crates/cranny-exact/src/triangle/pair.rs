@@ -25,7 +25,8 @@ pub fn classify_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> Meeting {
     judge_triangles(a, b).0
 }
 
-/// [`classify_triangles`], and what arithmetic it took. (Whatever lies in one plane took more than a filter.)
+/// [`classify_triangles`], and what arithmetic it took. (Whatever lies in one plane took more than
+/// a filter.)
 #[must_use]
 pub fn judge_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Arithmetic) {
     let mut by = Arithmetic::Filter;
@@ -36,10 +37,12 @@ pub fn judge_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Arithmetic) 
     (meeting, by)
 }
 
-/// How two triangles meet, where they cross if they do so in general position, and what arithmetic it took.
+/// How two triangles meet, where they cross if they do so in general position, and what arithmetic
+/// it took.
 ///
-/// No crossing where they do not cross, or where a corner of one lies in the plane of the other or an edge meets
-/// an edge: [`locate_piercing`](super::locate_piercing) tells which features meet there.
+/// No crossing where they do not cross, or where a corner of one lies in the plane of the other or
+/// an edge meets an edge: [`locate_piercing`](super::locate_piercing) says which features meet
+/// there.
 #[must_use]
 pub fn cross_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Option<Crossing>, Arithmetic) {
     let mut by = Arithmetic::Filter;
@@ -55,15 +58,16 @@ pub fn cross_triangles(a: &[DVec3; 3], b: &[DVec3; 3]) -> (Meeting, Option<Cross
 
 /// The segment in which two triangles cross in general position, by what makes its ends.
 ///
-/// It runs along n × m, n being the first triangle's normal and m the second's, so that of the first triangle
-/// the part behind the second lies on its left, seen against n.
+/// It runs along n × m, n being the first triangle's normal and m the second's, so that of the
+/// first triangle the part behind the second lies on its left, seen against n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Crossing {
     /// Where it begins, where it ends.
     pub ends: [CrossingEnd; 2],
 }
 
-/// An end of a segment in which two triangles cross: an edge of one pierces the inside of the other.
+/// An end of a segment in which two triangles cross: an edge of one pierces the inside of the
+/// other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct CrossingEnd {
     /// Whose edge it is: 0 for the first triangle, 1 for the second.
@@ -72,12 +76,13 @@ pub struct CrossingEnd {
     pub edge: u8,
 }
 
-/// Two triangles whose planes cross, each reaching the other's plane: the intervals in which they meet
-/// the common line.
+/// Two triangles whose planes cross, each reaching the other's plane: the intervals in which they
+/// meet the common line.
 struct CommonLine<'t> {
     triangles: [&'t [DVec3; 3]; 2],
     fans: [Fan; 2],
-    /// For each triangle the corners whose edges from the apex lead to the interval's lower and upper end.
+    /// For each triangle the corners whose edges from the apex lead to the interval's lower and
+    /// upper end.
     low: [usize; 2],
     high: [usize; 2],
     /// On which side of the other's plane the corners of each are.
@@ -119,8 +124,8 @@ impl<'t> CommonLine<'t> {
         Ok(line)
     }
 
-    /// In which direction along the line the end made by corner `l` of the second triangle lies, seen from
-    /// that made by corner `k` of the first.
+    /// In which direction along the line the end made by corner `l` of the second triangle lies,
+    /// seen from that made by corner `k` of the first.
     fn direction(&self, k: usize, l: usize, by: &mut Arithmetic) -> Sign {
         let [(a, p), (b, q)] = [0, 1].map(|i| (self.triangles[i], self.fans[i].apex));
         orient3d_by(a[p], a[k], b[q], b[l], by)
@@ -139,8 +144,8 @@ impl<'t> CommonLine<'t> {
         }
     }
 
-    /// The common interval of triangles that cross: from the greater of the lower ends to the lesser of the
-    /// upper ends.
+    /// The common interval of triangles that cross: from the greater of the lower ends to the
+    /// lesser of the upper ends.
     fn crossing(&self, by: &mut Arithmetic) -> Option<Crossing> {
         let in_a_plane = |sides: &[Sign; 3]| sides.contains(&Sign::Zero);
         if self.sides.iter().any(in_a_plane) {
@@ -169,9 +174,9 @@ impl<'t> CommonLine<'t> {
         CrossingEnd { owner: owner as u8, edge: edge as u8 }
     }
 
-    /// Whether the segment begins at an end. Where the first triangle's edge, run through as the triangle has
-    /// it, goes to the back of the second, what is behind ends to its right: there the segment ends. Seen
-    /// from the second triangle it runs the other way.
+    /// Whether the segment begins at an end. Where the first triangle's edge, run through as the
+    /// triangle has it, goes to the back of the second, what is behind ends to its right: there the
+    /// segment ends. Seen from the second triangle it runs the other way.
     fn begins(&self, end: CrossingEnd) -> bool {
         let inward = self.sides[usize::from(end.owner)][usize::from(end.edge)] == Sign::Positive;
         inward == (end.owner == 1)
@@ -197,8 +202,9 @@ fn without_common_line(a: &[DVec3; 3], b: &[DVec3; 3]) -> Meeting {
 /// two edges lead to the ends of that interval.
 #[derive(Clone, Copy)]
 struct Fan {
-    /// No other corner lies on the apex's side of the other's plane (or, where the apex lies in that
-    /// plane, the other two are strictly on one side). So both edges cross the plane transversally.
+    /// No other corner lies on the apex's side of the other's plane (or, where the apex lies in
+    /// that plane, the other two are strictly on one side). So both edges cross the plane
+    /// transversally.
     apex: usize,
     /// On which side of the other's plane the apex is, relative to the other corners; never zero.
     side: Sign,
@@ -207,7 +213,8 @@ struct Fan {
 }
 
 impl Fan {
-    /// `sides` of the corners about the other's plane: neither all zero nor all strictly on one side.
+    /// `sides` of the corners about the other's plane: neither all zero nor all strictly on one
+    /// side.
     fn of(sides: [Sign; 3]) -> Self {
         let alone = |sign: Sign| {
             let mut holders = (0..3).filter(|&i| sides[i] == sign);
@@ -230,15 +237,15 @@ impl Fan {
         Self { apex, side, straddles }
     }
 
-    /// The corners at the ends of the edges from the apex, in the order in which these edges meet the common
-    /// line.
+    /// The corners at the ends of the edges from the apex, in the order in which these edges meet
+    /// the common line.
     ///
     /// Let `m` and `n` point from the line towards the apexes of the two triangles, each in its own
     /// plane, and direct the line along `w` with det(m, w, n) > 0. For points `i` on an edge
     /// `(p, q)` from the first apex and `k` on an edge `(r, s)` from the second,
-    /// `orient3d(p, q, r, s)` then is the sign of `(k − i) · w`. `m × w` points to the side on which
-    /// the second apex lies, so where that is the positive one the corners run against `w`; and as
-    /// det(n, −w, m) > 0 too, the second triangle sees the same rule for `−w`.
+    /// `orient3d(p, q, r, s)` then is the sign of `(k − i) · w`. `m × w` points to the side on
+    /// which the second apex lies, so where that is the positive one the corners run against `w`;
+    /// and as det(n, −w, m) > 0 too, the second triangle sees the same rule for `−w`.
     fn ends_seen_from(&self, other: &Self) -> [usize; 2] {
         let (next, last) = ((self.apex + 1) % 3, (self.apex + 2) % 3);
         if other.side == Sign::Positive { [last, next] } else { [next, last] }

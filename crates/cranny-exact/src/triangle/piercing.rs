@@ -1,4 +1,4 @@
-//! Where a segment meets a triangle, told by features instead of by coordinates.
+//! Where a segment meets a triangle, named by features instead of by coordinates.
 
 use glam::DVec3;
 
@@ -128,7 +128,8 @@ pub fn classify_segment_triangle(segment: &[DVec3; 2], triangle: &[DVec3; 3]) ->
     }
 }
 
-/// Whether they share a point, where the segment lies in the triangle's plane or the triangle has none.
+/// Whether they share a point, where the segment lies in the triangle's plane or the triangle has
+/// none.
 fn meet_in_plane(segment: &[DVec3; 2], triangle: &[DVec3; 3]) -> bool {
     if collinear(triangle) {
         segments_meet(segment, &span(triangle))

@@ -1,4 +1,4 @@
-//! The sides of one plane, asked for several points.
+//! The sides of one plane on which several points lie.
 
 use glam::DVec3;
 

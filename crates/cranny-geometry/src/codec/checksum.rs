@@ -1,15 +1,15 @@
-//! What tells a damaged file from a whole one, at the speed of memory.
+//! What distinguishes a damaged file from a whole one, at the speed of memory.
 //!
-//! The bytes, filled up with zeros to a multiple of 64, are words of 64 bits, dealt out in turn to eight
-//! lanes. A lane takes a word by exclusive or, is multiplied by [`FACTOR`] and turned by half its bits;
-//! lane `i` begins with `(i + 1)` times the factor. In the end one more lane, beginning with 0, takes the
-//! eight.
+//! The bytes, filled up with zeros to a multiple of 64, are words of 64 bits, dealt out in turn to
+//! eight lanes. A lane takes a word by exclusive or, is multiplied by [`FACTOR`] and turned by half
+//! its bits; lane `i` begins with `(i + 1)` times the factor. In the end one more lane, beginning
+//! with 0, takes the eight.
 //!
 //! Each step can be undone, so whatever happens within one word of eight bytes changes the sum for
 //! certain; all else escapes notice once in 2^64. Against whoever wants to deceive it does nothing.
 //!
-//! No source: this crate's own, for the reason above; the factor is Knuth's (1973, section 6.4). Cost: a
-//! multiplication for each word of eight bytes.
+//! No source: this crate's own, for the reason above; the factor is Knuth's (1973, section 6.4).
+//! Cost: a multiplication for each word of eight bytes.
 
 /// 2^64 divided by the golden ratio, rounded to an odd number.
 const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15;
@@ -73,7 +73,7 @@ mod tests {
     fn no_bytes_leave_the_lanes_as_they_begin() {
         let lanes = (1..=8u64).map(|i| FACTOR.wrapping_mul(i));
         assert_eq!(checksum(&[]), lanes.fold(0, step));
-        // Zeros that fill up are words like others: the file's length tells them apart.
+        // Zeros that fill up are words like others: the file's length distinguishes them.
         assert_eq!(checksum(&[7]), checksum(&[7, 0]));
         assert_ne!(checksum(&[]), checksum(&[0]));
     }

@@ -1,13 +1,15 @@
-//! How prepared structures become bytes and come back: little-endian, flat, the same on every machine.
+//! How prepared structures become bytes and come back: little-endian, flat, the same on every
+//! machine.
 //!
-//! A model file ([`crate::model`]'s `file`) is a head and sections; the codec of a section stands beside
-//! the structure it is of. What is written is what cannot be had more cheaply from what was read before:
-//! boxes, owners and adjacency are made again while loading, so they cannot lie.
+//! A model file ([`crate::model`]'s `file`) is a head and sections; the codec of a section stands
+//! beside the structure it is of. What is written is what cannot be had more cheaply from what was
+//! read before: boxes, owners and adjacency are made again while loading, so they cannot lie.
 //!
-//! **Nothing that is read is believed.** A checksum tells accidents, not malice: whoever writes a file can
-//! write its checksum. So every index, range, order and float is checked where it is read, with the
-//! structure's own needs in mind: no later code may panic, or run in circles, for what a file says.
-//! Memory is bounded by the bytes present: a list is as long as the bytes that follow allow.
+//! **Nothing that is read is believed.** A checksum shows accidents, not malice: whoever writes a
+//! file can write its checksum. So every index, range, order and float is checked where it is read,
+//! with the structure's own needs in mind: no later code may panic, or run in circles, for what a
+//! file says. Memory is bounded by the bytes present: a list is as long as the bytes that follow
+//! allow.
 
 mod checksum;
 mod reader;
@@ -208,7 +210,8 @@ macro_rules! coded {
 }
 pub(crate) use coded;
 
-/// Whether all are below a limit; looks at all, which is quicker than stopping at the first that is not.
+/// Whether all are below a limit; looks at all, which is quicker than stopping at the first that is
+/// not.
 pub(crate) fn check_below(
     indices: impl IntoIterator<Item = u32>,
     limit: usize,

@@ -1,4 +1,4 @@
-//! What a deformation is asked for and tells: errors, changes, work.
+//! What a deformation reports: errors, changes, work.
 
 use cranny_exact::DomainError;
 use thiserror::Error;

@@ -173,7 +173,7 @@ impl Model {
             Deformation::begin(parts, &mut workshop, &moves, faces).run(from);
         parts.workshop = has_followed.then_some(workshop);
         if let Some(renewal) = renewal {
-            renewal.tell(&mut change, parts);
+            renewal.report(&mut change, parts);
         }
         Ok(change)
     }

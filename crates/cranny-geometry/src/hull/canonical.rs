@@ -1,22 +1,23 @@
 //! The one triangulation of a hull that its points alone decide.
 //!
-//! Where more than three extreme points lie in one plane, how their polygon is triangulated is left open by the points,
-//! and quickhull leaves it to the order in which it met them; a hull that follows moved points meets them in another.
-//! Whatever rounds over triangles, or grows from one to the next, would tell the two apart. So a surface is brought
-//! into one form: each exactly planar polygon is [halved], from its lowest vertex on, and each triangle names its lowest
-//! vertex first.
+//! Where more than three extreme points lie in one plane, how their polygon is triangulated is left
+//! open by the points, and quickhull leaves it to the order in which it met them; a hull that
+//! follows moved points meets them in another. Whatever rounds over triangles, or grows from one to
+//! the next, would tell the two apart. So a surface is brought into one form: each exactly planar
+//! polygon is [halved], from its lowest vertex on, and each triangle names its lowest vertex first.
 //!
-//! Halving, and no fan: a vertex of a polygon of n corners gets O(log n) edges, so a climb over neighbours stays quick.
+//! Halving, and no fan: a vertex of a polygon of n corners gets O(log n) edges, so a climb over
+//! neighbours stays quick.
 //!
 //! No source: this crate's own. Cost: O(n) for polygons of n corners in all.
 
-use super::quickhull::{Surface, next};
+use super::quickhull::{HullSurface, next};
 
 /// The corners of a triangle from each of them on.
 pub(super) const TURNED: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
 
-/// The corner of a triangle, 0 to 2, from which on its vertices are told: the lowest. Without branches, which nobody
-/// could foretell.
+/// The corner of a triangle, 0 to 2, from which on its vertices are listed: the lowest. Without
+/// branches, which nobody could foretell.
 #[inline]
 pub(super) fn lowest_corner([a, b, c]: [u32; 3]) -> u32 {
     u32::from(b < a.min(c)) + 2 * u32::from(c < a.min(b))
@@ -29,8 +30,9 @@ pub fn lowest_first(mut triangle: [u32; 3]) -> [u32; 3] {
     triangle
 }
 
-/// The triangles of a convex polygon of so many corners, at least three, as indices of corners `[i, m, k]`, ascending:
-/// each stands on the chord from `i` to `k`, the first on the edge from the last corner to corner 0.
+/// The triangles of a convex polygon of so many corners, at least three, as indices of corners
+/// `[i, m, k]`, ascending: each stands on the chord from `i` to `k`, the first on the edge from the
+/// last corner to corner 0.
 pub(super) fn halved(corners: u32) -> impl Iterator<Item = [u32; 3]> {
     let mut chords = vec![[0, corners - 1]];
     std::iter::from_fn(move || {
@@ -42,9 +44,9 @@ pub(super) fn halved(corners: u32) -> impl Iterator<Item = [u32; 3]> {
     })
 }
 
-/// Brings a surface, all vertices of which are extreme and lowest first in their triangles, into the one form; `flat`
-/// are the half-edges of all its flat edges, one of each.
-pub(super) fn canonical(mut surface: Surface, flat: &[u32]) -> Surface {
+/// Brings a surface, all vertices of which are extreme and lowest first in their triangles, into
+/// the one form; `flat` are the half-edges of all its flat edges, one of each.
+pub(super) fn canonical(mut surface: HullSurface, flat: &[u32]) -> HullSurface {
     if flat.is_empty() {
         return surface;
     }
@@ -68,13 +70,20 @@ pub(super) fn canonical(mut surface: Surface, flat: &[u32]) -> Surface {
 #[derive(Default)]
 struct Polygon {
     triangles: Vec<u32>,
-    /// Corners, counter-clockwise, from the lowest on; and the half-edge beyond the edge from each to the next.
+    /// Corners, counter-clockwise, from the lowest on; and the half-edge beyond the edge from each
+    /// to the next.
     rim: Vec<(u32, u32)>,
 }
 
 impl Polygon {
     /// All that lies in one plane with a triangle; what is flat is marked by half-edge.
-    fn gather(&mut self, surface: &Surface, first: u32, is_flat: &[bool], is_done: &mut [bool]) {
+    fn gather(
+        &mut self,
+        surface: &HullSurface,
+        first: u32,
+        is_flat: &[bool],
+        is_done: &mut [bool],
+    ) {
         self.triangles.clear();
         self.rim.clear();
         self.triangles.push(first);
@@ -114,7 +123,7 @@ impl Polygon {
     }
 
     /// Puts the triangles of the one form in the places of those that are there.
-    fn retriangulate(&self, surface: &mut Surface) {
+    fn retriangulate(&self, surface: &mut HullSurface) {
         // A disk of extreme points: two triangles fewer than corners.
         debug_assert_eq!(self.triangles.len() + 2, self.rim.len());
         let count = self.rim.len() as u32;

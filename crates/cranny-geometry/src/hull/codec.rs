@@ -1,12 +1,12 @@
-//! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are made again, and
-//! the graph when it is asked for.
+//! Hulls as bytes: triangles, the twins of half-edges, and the facets; positions and owners are
+//! made again, and the graph at its first use.
 
 use cranny_exact::{Aabb, DVec3};
 
 use super::convexity::is_convex;
 use super::facets::{FacetLayer, Plane};
 use super::outline::Outlines;
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 use super::{ConvexHull, FacetId, HullKind, HullVertexId, Leaving};
 use crate::codec::{
     Coded, Flaw, Reader, Writer, check, check_below, check_rows, coded, is_flatness, is_size,
@@ -30,7 +30,7 @@ plain_struct!(Plane { normal: DVec3, offset: f64, thickness: f64 });
 impl ConvexHull {
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self { kind, sources, surface, facets, excluded, .. } = self;
-        let Surface { triangles, twins } = surface;
+        let HullSurface { triangles, twins } = surface;
         out.one(kind.code());
         out.list(sources);
         out.list(triangles);
@@ -39,12 +39,13 @@ impl ConvexHull {
         out.list(excluded);
     }
 
-    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked exactly, and that its
-    /// box, which is the body's, holds the other vertices; not that it does. Its graph is made when it is first asked for.
+    /// Reads the hull of a mesh's vertices. That it is the boundary of a convex body is checked
+    /// exactly, and that its box, which is the body's, holds the other vertices; not that it does.
+    /// Its graph is made at its first use.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let kind: HullKind = input.code()?;
         let sources: Vec<VertexId> = input.list()?;
-        let surface = Surface { triangles: input.list()?, twins: input.list()? };
+        let surface = HullSurface { triangles: input.list()?, twins: input.list()? };
         check_below(sources.iter().map(|v| v.0), mesh.vertices().len(), "a vertex is not there")?;
         check(sources.is_sorted_by(|a, b| a < b), "vertices are not ascending")?;
         let positions: Vec<_> = sources.iter().map(|&v| mesh.position(v)).collect();
@@ -67,10 +68,10 @@ impl ConvexHull {
     }
 }
 
-/// That each half-edge is the twin of its twin, which runs the opposite way, and that every triangle has three
-/// corners.
-fn check_twins(surface: &Surface) -> Result<(), Flaw> {
-    let Surface { triangles, twins } = surface;
+/// That each half-edge is the twin of its twin, which runs the opposite way, and that every
+/// triangle has three corners.
+fn check_twins(surface: &HullSurface) -> Result<(), Flaw> {
+    let HullSurface { triangles, twins } = surface;
     let corners = triangles.as_flattened();
     check(twins.len() == corners.len(), "half-edges lack twins")?;
     let (of_triangles, _) = twins.as_chunks::<3>();
@@ -78,7 +79,8 @@ fn check_twins(surface: &Surface) -> Result<(), Flaw> {
     for ((first, &[a, b, c]), own) in (0..).step_by(3).zip(triangles).zip(of_triangles) {
         do_match &= (a != b) & (b != c) & (c != a);
         for ((half_edge, to), &twin) in (first..).zip([b, c, a]).zip(own) {
-            // Where its twin begins, it ends; that this holds of the twin as well is seen at the twin.
+            // Where its twin begins, it ends; that this holds of the twin as well is seen at the
+            // twin.
             match (corners.get(twin as usize), twins.get(twin as usize)) {
                 (Some(&from), Some(&back)) => do_match &= (from == to) & (back == half_edge),
                 _ => are_there = false,
@@ -158,12 +160,12 @@ mod tests {
         let corners: Vec<DVec3> = (0..8)
             .map(|i| DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64))
             .collect();
-        let flaw = |change: &dyn Fn(&mut Surface)| {
+        let flaw = |change: &dyn Fn(&mut HullSurface)| {
             let mut surface = ConvexHull::of_points(&corners).surface;
             change(&mut surface);
             check_twins(&surface).err().map(|Flaw(what)| what)
         };
-        let says = |change: &dyn Fn(&mut Surface), what| {
+        let says = |change: &dyn Fn(&mut HullSurface), what| {
             assert!(flaw(change).is_some_and(|flaw| flaw.contains(what)), "{what}");
         };
         assert_eq!(flaw(&|_| ()), None);

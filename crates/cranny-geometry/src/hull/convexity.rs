@@ -1,24 +1,27 @@
-//! Whether a closed surface is the boundary of a convex body, exactly: what is asked of a hull that was read.
+//! Whether a closed surface is the boundary of a convex body, exactly: what is demanded of a hull
+//! that was read.
 //!
-//! No edge that bends inwards is not enough: the sides of a pyramid over a five-pointed star go twice around
-//! its axis and bend outwards everywhere. After Mehlhorn, Näher, Seel, Seidel, Schilz, Schirra and Uhrig
-//! ('Checking geometric programs or verification of geometric structures', 1999) it is enough that no edge
-//! bends inwards, that some point is strictly beneath every triangle, and that a ray from it meets one
-//! triangle only: seen from the point, the surface covers the sphere as often as it covers the ray.
+//! No edge that bends inwards is not enough: the sides of a pyramid over a five-pointed star go
+//! twice around its axis and bend outwards everywhere. After Mehlhorn, Näher, Seel, Seidel, Schilz,
+//! Schirra and Uhrig ('Checking geometric programs or verification of geometric structures', 1999)
+//! it is enough that no edge bends inwards, that some point is strictly beneath every triangle, and
+//! that a ray from it meets one triangle only: seen from the point, the surface covers the sphere
+//! as often as it covers the ray.
 //!
-//! The point is the mean of the vertices. Where the body is so thin that rounding puts it outside, the hull
-//! is built again, and its edges compared. Cost: linear, but for such bodies and for plates.
+//! The point is the mean of the vertices. Where the body is so thin that rounding puts it outside,
+//! the hull is built again, and its edges compared. Cost: linear, but for such bodies and for
+//! plates.
 
 use cranny_exact::{Aabb, DVec2, DVec3, Sign, orient2d};
 
 use super::flat::edge_sign;
-use super::quickhull::{Surface, hull_of_some, previous};
+use super::quickhull::{HullSurface, hull_of_some, previous};
 use super::side::Side;
 use super::span::{Projection, planar_hull};
 use super::{HullKind, plate, twofold};
 
 /// Whether a surface whose twins match is that of a hull with these vertices.
-pub(super) fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) -> bool {
+pub(super) fn is_convex(kind: HullKind, positions: &[DVec3], surface: &HullSurface) -> bool {
     match kind {
         HullKind::Empty | HullKind::Point | HullKind::Segment => true,
         HullKind::Polygon => is_plate(positions, surface),
@@ -26,7 +29,7 @@ pub(super) fn is_convex(kind: HullKind, positions: &[DVec3], surface: &Surface) 
     }
 }
 
-fn is_around_a_body(positions: &[DVec3], surface: &Surface) -> bool {
+fn is_around_a_body(positions: &[DVec3], surface: &HullSurface) -> bool {
     let bounds = Aabb::of_points(positions.iter().copied());
     let mean = positions.iter().sum::<DVec3>() / positions.len() as f64;
     let middle = mean.clamp(bounds.min, bounds.max);
@@ -63,8 +66,9 @@ fn nearly_on(triangle: [DVec3; 3], extent: DVec3, p: DVec3) -> Sign {
     by_pairs.unwrap_or_else(|| side.sign(height, p, || triangle))
 }
 
-/// Whether the ray from a point along x meets a triangle that it is beneath: whether it does so seen along x,
-/// and comes out. A corner or edge that the ray hits counts for one of the triangles around it.
+/// Whether the ray from a point along x meets a triangle that it is beneath: whether it does so
+/// seen along x, and comes out. A corner or edge that the ray hits counts for one of the triangles
+/// around it.
 fn is_crossed(triangle: [DVec3; 3], from: DVec3) -> bool {
     let is_right = triangle.map(|p| p.y >= from.y);
     if is_right[0] == is_right[1] && is_right[1] == is_right[2] {
@@ -85,8 +89,8 @@ fn is_crossed(triangle: [DVec3; 3], from: DVec3) -> bool {
 }
 
 /// Whether the edges that bend are those of the hull of the vertices, all of which are extreme.
-fn has_edges_of_hull(positions: &[DVec3], surface: &Surface) -> bool {
-    let bends = |surface: &Surface| {
+fn has_edges_of_hull(positions: &[DVec3], surface: &HullSurface) -> bool {
+    let bends = |surface: &HullSurface| {
         let half_edges = 0..surface.twins.len() as u32;
         let bends = |&h: &u32| edge_sign(positions, surface, h) == Sign::Negative;
         let mut edges: Vec<[u32; 2]> = half_edges.filter(bends).map(|h| surface.ends(h)).collect();
@@ -97,7 +101,7 @@ fn has_edges_of_hull(positions: &[DVec3], surface: &Surface) -> bool {
 }
 
 /// Whether a surface is a fan over the outline of its vertices, and the same turned over.
-fn is_plate(positions: &[DVec3], surface: &Surface) -> bool {
+fn is_plate(positions: &[DVec3], surface: &HullSurface) -> bool {
     let front = &surface.triangles[..surface.triangles.len() / 2];
     let Some(&[first, second, _]) = front.first() else { return false };
     let outline: Vec<u32> = [first, second].into_iter().chain(front.iter().map(|t| t[2])).collect();
@@ -123,7 +127,7 @@ mod tests {
     use super::*;
 
     /// Whether the hull of some points passes, once as it is and once with its triangles changed.
-    fn passes(points: &[DVec3], change: impl Fn(&mut Surface)) -> bool {
+    fn passes(points: &[DVec3], change: impl Fn(&mut HullSurface)) -> bool {
         let ConvexHull { kind, positions, mut surface, .. } = ConvexHull::of_points(points);
         assert!(is_convex(kind, &positions, &surface));
         change(&mut surface);
@@ -135,8 +139,8 @@ mod tests {
     }
 
     /// Twins by the ends of half-edges, each pair of which runs once each way.
-    fn surface(triangles: Vec<[u32; 3]>) -> Surface {
-        let mut surface = Surface { triangles, twins: Vec::new() };
+    fn surface(triangles: Vec<[u32; 3]>) -> HullSurface {
+        let mut surface = HullSurface { triangles, twins: Vec::new() };
         let count = 3 * surface.triangles.len() as u32;
         let ends = |h| surface.ends(h);
         let is_twin = |g: u32, h: u32| ends(g) == [ends(h)[1], ends(h)[0]];
@@ -145,8 +149,9 @@ mod tests {
         surface
     }
 
-    /// Two apexes above and below a regular pentagon, around which the sides step by `step` corners.
-    fn bipyramid(step: u32) -> (Vec<DVec3>, Surface) {
+    /// Two apexes above and below a regular pentagon, around which the sides step by `step`
+    /// corners.
+    fn bipyramid(step: u32) -> (Vec<DVec3>, HullSurface) {
         let corners = [[10.0, 0.0], [3.1, 9.5], [-8.1, 5.9], [-8.1, -5.9], [3.1, -9.5]];
         let mut positions: Vec<DVec3> = corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         positions.extend([DVec3::new(0.0, 0.0, 7.0), DVec3::new(0.0, 0.0, -7.0)]);
@@ -199,7 +204,7 @@ mod tests {
     fn a_surface_turned_inside_out_is_no_hull() {
         let cube: Vec<[f64; 3]> =
             (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
-        let turned = |own: &mut Surface| {
+        let turned = |own: &mut HullSurface| {
             *own = surface(own.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect());
         };
         assert!(!passes(&points(&cube), turned));

@@ -1,10 +1,13 @@
-//! An order of facets that says the same of a hull that was built and of one that followed moved points.
+//! An order of facets that says the same of a hull that was built and of one that followed moved
+//! points.
 //!
-//! Facets are numbered in no order that means anything, and planes of the same facet may differ by rounding. What is the
-//! same however a hull came about is which vertices of the mesh a facet has. So where nothing else tells two
-//! facets apart, the one whose vertices, ascending, come first in the order of dictionaries is taken.
+//! Facets are numbered in no order that means anything, and planes of the same facet may differ by
+//! rounding. What is the same however a hull came about is which vertices of the mesh a facet has.
+//! So where nothing else distinguishes two facets, the one whose vertices, ascending, come first in
+//! the order of dictionaries is taken.
 //!
-//! No source: this crate's own. Cost: O(k log k) for a facet of k triangles when it is first asked for.
+//! No source: this crate's own. Cost: O(k log k) for a facet of k triangles when it is first needed
+//! for.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -24,7 +27,8 @@ impl<'a> FacetOrder<'a> {
         Self { hull, vertices: BTreeMap::new() }
     }
 
-    /// Which of two facets comes first. Those with the same vertices, the two sides of a plate, go by number.
+    /// Which of two facets comes first. Those with the same vertices, the two sides of a plate, go
+    /// by number.
     pub fn compare(&mut self, one: u32, other: u32) -> Ordering {
         self.prepare(one);
         self.prepare(other);

@@ -1,9 +1,9 @@
 //! The merged layer: nearly coplanar triangles become polygonal facets with a measured thickness.
 //!
-//! A triangle that clearly bends away from all its neighbours is a facet. The other facets grow from
-//! the largest triangle not yet taken, over shared edges, as long as a triangle's corners lie within the tolerance
-//! below the facet's supporting plane. Then the plane is fitted again (area vector of what was gathered) and the
-//! growth repeated, for a small seed has a crooked normal.
+//! A triangle that clearly bends away from all its neighbours is a facet. The other facets grow
+//! from the largest triangle not yet taken, over shared edges, as long as a triangle's corners lie
+//! within the tolerance below the facet's supporting plane. Then the plane is fitted again (area
+//! vector of what was gathered) and the growth repeated, for a small seed has a crooked normal.
 //!
 //! A triangle joins only where the facet stays a disk. Nothing is lost by that, in any order of
 //! joining: the part of a convex surface above a plane is a disk, and every disk can be completed
@@ -12,10 +12,11 @@
 //! A *needle*, not wider than the tolerance, has a normal made of rounding; it may join any facet
 //! whose plane it is near, whatever its own normal says.
 //!
-//! Source: planes of a measured thickness in place of exact ones are quickhull's merged facets (Barber, Dobkin and
-//! Huhdanpaa 1996); how facets grow is this crate's own. It is right whichever triangles it takes, for every plane
-//! is made supporting, and its thickness measured, afterwards. Cost: O(n log n) to order the seeds; then for each
-//! facet a few passes over its triangles and a few support queries, which begin on the facet.
+//! Source: planes of a measured thickness in place of exact ones are quickhull's merged facets
+//! (Barber, Dobkin and Huhdanpaa 1996); how facets grow is this crate's own. It is right whichever
+//! triangles it takes, for every plane is made supporting, and its thickness measured, afterwards.
+//! Cost: O(n log n) to order the seeds; then for each facet a few passes over its triangles and a
+//! few support queries, which begin on the facet.
 
 mod planes;
 
@@ -25,21 +26,22 @@ use cranny_exact::{Aabb, DVec3};
 
 use self::planes::unit;
 use super::outline::Outlines;
-use super::quickhull::{Surface, previous};
+use super::quickhull::{HullSurface, previous};
 use super::shapes::Shapes;
 use super::support::SupportGraph;
 use super::{HullKind, HullVertexId};
 use crate::rows::rows;
 use crate::typed_index;
 
-/// The default tolerance of merging, relative to the largest coordinate magnitude, with which rounding
-/// scales. Smaller, and a cube turned and rounded to `f64` has more than six facets; larger, and real
-/// features of the shape melt into their neighbours
+/// The default tolerance of merging, relative to the largest coordinate magnitude, with which
+/// rounding scales. Smaller, and a cube turned and rounded to `f64` has more than six facets;
+/// larger, and real features of the shape melt into their neighbours
 /// (`a_turned_and_rounded_subdivided_cube_has_six_facets`, `real_creases_are_not_merged`).
 pub const FLATNESS: f64 = 64.0 * f64::EPSILON;
 
-/// How often a facet's plane is fitted anew before growth stops. Each round but the last enlarges the
-/// facet, nearly all of it in the first; smaller, and facets seeded by slim triangles stay incomplete.
+/// How often a facet's plane is fitted anew before growth stops. Each round but the last enlarges
+/// the facet, nearly all of it in the first; smaller, and facets seeded by slim triangles stay
+/// incomplete.
 const REFITS: usize = 4;
 
 pub(super) const UNASSIGNED: u32 = u32::MAX;
@@ -60,8 +62,8 @@ pub struct Facet<'a> {
     /// arithmetic. A few roundings where the facet is exactly planar.
     pub thickness: f64,
     /// Outline, counter-clockwise seen from outside, at least three. Vertices within the hull's
-    /// [`flatness`](super::ConvexHull::flatness) of the line between their neighbours are left out, on
-    /// both sides of an edge alike.
+    /// [`flatness`](super::ConvexHull::flatness) of the line between their neighbours are left out,
+    /// on both sides of an edge alike.
     pub corners: &'a [HullVertexId],
     /// The facet across the edge from `corners[i]` to the next corner.
     pub neighbours: &'a [FacetId],
@@ -91,7 +93,7 @@ impl FacetLayer {
     pub(super) fn new(
         kind: HullKind,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         graph: &SupportGraph,
         flatness: f64,
     ) -> Self {
@@ -114,7 +116,7 @@ impl FacetLayer {
     fn assemble(
         tolerance: f64,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         facet_of: Vec<u32>,
         planes: Vec<Plane>,
     ) -> Self {
@@ -143,7 +145,7 @@ impl FacetLayer {
 
 pub(super) struct Growth<'a> {
     positions: &'a [DVec3],
-    surface: &'a Surface,
+    surface: &'a HullSurface,
     graph: &'a SupportGraph,
     tolerance: f64,
     extent: DVec3,
@@ -158,7 +160,7 @@ pub(super) struct Growth<'a> {
 impl<'a> Growth<'a> {
     pub(super) fn new(
         positions: &'a [DVec3],
-        surface: &'a Surface,
+        surface: &'a HullSurface,
         graph: &'a SupportGraph,
         tolerance: f64,
         triangles: Shapes,

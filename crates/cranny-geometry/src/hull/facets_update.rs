@@ -1,15 +1,18 @@
-//! Facets of a hull that was repaired, within the same box: those around which nothing is new keep their planes and
-//! their numbers, the others grow again, and come out as if the hull had been built.
+//! Facets of a hull that was repaired, within the same box: those around which nothing is new keep
+//! their planes and their numbers, the others grow again, and come out as if the hull had been
+//! built.
 //!
-//! Facets never grow over an edge that bends clearly. So triangles that hang together over other edges share facets with
-//! no others, and which facets they make does not depend on these. They are grown again together where one of them is
-//! new, has a corner of a new one, or has a facet that lost a triangle, that is not certainly above every new vertex or that a
-//! lost vertex may have held up. New facets take the numbers of those that are gone; where fewer are new, the last ones
+//! Facets never grow over an edge that bends clearly. So triangles that hang together over other
+//! edges share facets with no others, and which facets they make does not depend on these. They are
+//! grown again together where one of them is new, has a corner of a new one, or has a facet that
+//! lost a triangle, that is not certainly above every new vertex or that a lost vertex may have
+//! held up. New facets take the numbers of those that are gone; where fewer are new, the last ones
 //! take the numbers that are free.
 //!
-//! No source: this crate's own, and right because a plane that every new vertex is below supports the new hull as it did
-//! the old one. Cost: what grows again and what borders on it, a comparison for each plane, and copying. What hangs
-//! together is next to nothing but facets of one plane, unless the body is flat nearly everywhere.
+//! No source: this crate's own, and right because a plane that every new vertex is below supports
+//! the new hull as it did the old one. Cost: what grows again and what borders on it, a comparison
+//! for each plane, and copying. What hangs together is next to nothing but facets of one plane,
+//! unless the body is flat nearly everywhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,16 +20,16 @@ use cranny_exact::{Aabb, DVec3};
 
 use super::facets::{FacetLayer, Growth, Plane, UNASSIGNED};
 use super::outline::Region;
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 use super::repair::Repaired;
 use super::shapes::{Shapes, bends_clearly};
 use super::support::SupportGraph;
 use super::update::FacetChange;
-use crate::rows::{closing_ranks, overwritten};
+use crate::rows::{compaction_moves, overwritten};
 
 impl FacetLayer {
-    /// The facets of a repaired surface; `touched` are the corners of new triangles, ascending. Also which facets are
-    /// others, and how many triangles were not kept.
+    /// The facets of a repaired surface; `touched` are the corners of new triangles, ascending.
+    /// Also which facets are others, and how many triangles were not kept.
     pub(super) fn followed(
         self,
         repaired: &Repaired,
@@ -89,7 +92,7 @@ impl FacetLayer {
         for facet in renamed.into_iter().filter(|f| !gone.contains(f)) {
             changed.insert(facet, sorted(row(facet)));
         }
-        let moves = closing_ranks(before as u32, &free, &grown);
+        let moves = compaction_moves(before as u32, &free, &grown);
         let mut change = FacetChange { gone: free, fresh: Vec::new() };
         let contents: Vec<(u32, u32, Plane)> =
             moves.iter().map(|&(from, to)| (from, to, planes[from as usize])).collect();
@@ -121,10 +124,11 @@ fn sorted(members: impl Iterator<Item = u32>) -> Vec<u32> {
     all
 }
 
-/// Triangles, ascending: some, and those that hang together with them over edges that do not bend clearly.
+/// Triangles, ascending: some, and those that hang together with them over edges that do not bend
+/// clearly.
 fn hanging_together(
     positions: &[DVec3],
-    surface: &Surface,
+    surface: &HullSurface,
     tolerance: f64,
     mut front: Vec<u32>,
 ) -> Vec<u32> {
@@ -142,9 +146,9 @@ fn hanging_together(
     region.into_iter().collect()
 }
 
-/// Of the rounding of heights, how far a vertex that holds a plane up may be below it: one is what the plane was raised
-/// by, and one the rounding of that. Smaller, and a plane stays up when what held it is gone; larger, and a few facets
-/// more grow again.
+/// Of the rounding of heights, how far a vertex that holds a plane up may be below it: one is what
+/// the plane was raised by, and one the rounding of that. Smaller, and a plane stays up when what
+/// held it is gone; larger, and a few facets more grow again.
 const HELD_UP: f64 = 3.0;
 
 /// Vertices that are new, or lost.

@@ -1,16 +1,20 @@
-//! The new faces of a step of quickhull, stored so that a point is held against several of them at once.
+//! The new faces of a step of quickhull, stored so that a point is held against several of them at
+//! once.
 //!
-//! Whether a point lies above a face cannot be foretold, and a branch that the machine foretells wrongly takes longer
-//! than the question: so several faces are asked in one go, and what they say is looked at once.
+//! Whether a point lies above a face cannot be foretold, and a branch that the machine foretells
+//! wrongly takes longer than the test: so several faces are tested in one go, and what they say
+//! is looked at once.
 //!
-//! Source: none; which face is meant is the same as when one after the other is asked. Cost: O(1) a face.
+//! Source: none; which face is meant is the same as when one after the other is tested. Cost: O(1)
+//! a face.
 
 use cranny_exact::{DVec3, Sign};
 
 use super::side::Side;
 use crate::rows::NOBODY;
 
-/// Faces that are asked at once. Smaller, and there are more branches; larger, and faces are asked for nothing.
+/// Faces that are tested at once. Smaller, and there are more branches; larger, and faces are
+/// tested for nothing.
 const LANES: usize = 4;
 
 /// The faces that close a hole.
@@ -74,8 +78,8 @@ impl Fan {
         self.blocks.iter().flat_map(|block| block.faces).take(self.count)
     }
 
-    /// The first face that a point lies strictly above, and its height. `exactly` tells the side where the height
-    /// is within the margin.
+    /// The first face that a point lies strictly above, and its height. `exactly` returns the side
+    /// where the height is within the margin.
     #[inline]
     pub(super) fn first_above(
         &self,

@@ -1,26 +1,27 @@
 //! Which edges of a surface are flat, and which of its vertices are therefore not extreme.
 //!
-//! No source: signs alone. Cost: O(n), an exact sign for each edge of which the filter does not tell.
+//! No source: signs alone. Cost: O(n), an exact sign for each edge of which the filter does not
+//! tell.
 
 use cranny_exact::{DVec3, Sign};
 
-use super::quickhull::{Surface, previous};
+use super::quickhull::{HullSurface, previous};
 
 /// What is flat of a surface.
 pub(super) struct Flat {
-    /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly convex; inside an
-    /// edge of the hull two are, inside a facet none.
+    /// Vertices that are not extreme, sorted. At an extreme point three or more edges are strictly
+    /// convex; inside an edge of the hull two are, inside a facet none.
     pub(super) vertices: Vec<u32>,
     /// One half-edge of each flat edge, if all vertices are extreme; else of some.
     pub(super) edges: Vec<u32>,
 }
 
 impl Flat {
-    /// Of a surface over `points` points. `edge_sign` is the exact [`edge_sign`] of a half-edge; it takes longest for
-    /// zeros, so it is not asked of those that `is_surely_bent` names.
+    /// Of a surface over `points` points. `edge_sign` is the exact [`edge_sign`] of a half-edge; it
+    /// takes longest for zeros, so it is not tried for those that `is_surely_bent` names.
     pub(super) fn of(
         points: usize,
-        surface: &Surface,
+        surface: &HullSurface,
         is_surely_bent: impl Fn(u32) -> bool,
         edge_sign: impl Fn(u32) -> Sign,
     ) -> Self {
@@ -62,7 +63,7 @@ impl Flat {
 
 /// On which side of a triangle the apex of its neighbour lies: `Negative` where the edge is convex,
 /// `Zero` where it is flat.
-pub(super) fn edge_sign(points: &[DVec3], surface: &Surface, half_edge: u32) -> Sign {
+pub(super) fn edge_sign(points: &[DVec3], surface: &HullSurface, half_edge: u32) -> Sign {
     let [a, b, c] = surface.triangles[half_edge as usize / 3].map(|v| points[v as usize]);
     let apex = surface.origin(previous(surface.twins[half_edge as usize]));
     cranny_exact::orient3d(a, b, c, points[apex as usize])

@@ -9,8 +9,8 @@ pub enum HullKind {
     Point,
     /// All points lie on a line: two vertices, no triangle, no facet.
     Segment,
-    /// All points lie in a plane. The hull is a two-sided plate: a fan of triangles in front, the same
-    /// fan turned over behind, two facets with opposite outlines. Euler's formula holds.
+    /// All points lie in a plane. The hull is a two-sided plate: a fan of triangles in front, the
+    /// same fan turned over behind, two facets with opposite outlines. Euler's formula holds.
     Polygon,
     /// The points span space: a closed surface with an interior.
     Volume,

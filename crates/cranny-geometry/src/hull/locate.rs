@@ -1,8 +1,8 @@
 //! Where a point lies with respect to a hull: exact.
 //!
-//! Source: the walk is that of Devillers, Pion and Teillaud (2002, "Walking in a triangulation"). To look at all
-//! triangles needs none: a point lies in a convex body where no triangle has it above. Cost: O(n) for that, and for
-//! a walk the triangles that it passes.
+//! Source: the walk is that of Devillers, Pion and Teillaud (2002, "Walking in a triangulation").
+//! To look at all triangles needs none: a point lies in a convex body where no triangle has it
+//! above. Cost: O(n) for that, and for a walk the triangles that it passes.
 
 use std::collections::BTreeSet;
 
@@ -28,7 +28,8 @@ pub enum Location {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Found {
     pub(crate) location: Location,
-    /// The triangle through which the ray from the inner point to this one leaves: if it lies on the hull, there.
+    /// The triangle through which the ray from the inner point to this one leaves: if it lies on
+    /// the hull, there.
     pub(crate) triangle: u32,
     /// Number of triangles that the walk came to.
     pub(crate) passed: usize,
@@ -40,11 +41,13 @@ impl ConvexHull {
         self.centroid().filter(|&middle| self.locate(middle) == Location::Inside)
     }
 
-    /// [`locate`](Self::locate) for a hull with an interior, given a point in it: a walk from triangle `start`
-    /// towards the one through which the ray from there to the point leaves (Devillers, Pion and Teillaud 2002,
-    /// "Walking in a triangulation"). `None` where it runs into itself.
+    /// [`locate`](Self::locate) for a hull with an interior, given a point in it: a walk from
+    /// triangle `start` towards the one through which the ray from there to the point leaves
+    /// (Devillers, Pion and Teillaud 2002, "Walking in a triangulation"). `None` where it runs into
+    /// itself.
     ///
-    /// Cost: the triangles on the way; on smooth hulls about the root of their number, from anywhere.
+    /// Cost: the triangles on the way; on smooth hulls about the root of their number, from
+    /// anywhere.
     pub(crate) fn locate_from(&self, inside: DVec3, point: DVec3, start: u32) -> Option<Found> {
         let at = |v: u32| self.positions[v as usize];
         let lies_beyond = |h: &u32| {
@@ -136,7 +139,8 @@ mod tests {
 
     #[test]
     fn a_walk_from_anywhere_finds_what_looking_at_every_triangle_finds() {
-        // Corners, middles of sides and edges, and points around them, of a grid's hull with a bump.
+        // Corners, middles of sides and edges, and points around them, of a grid's hull with a
+        // bump.
         let steps = [-1.0, -0.5, 0.0, 0.5, 1.0];
         let grid = || {
             let pairs = steps.into_iter().flat_map(|x| steps.map(|y| (x, y)));

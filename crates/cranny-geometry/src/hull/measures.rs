@@ -1,7 +1,7 @@
 //! Volume, area and centroid of a hull, in `f64`.
 //!
-//! Source: cones over the triangles, added up, as in Mirtich (1996, "Fast and accurate computation of polyhedral
-//! mass properties"). Cost: O(n) a call.
+//! Source: cones over the triangles, added up, as in Mirtich (1996, "Fast and accurate computation
+//! of polyhedral mass properties"). Cost: O(n) a call.
 
 use cranny_exact::DVec3;
 
@@ -9,8 +9,8 @@ use super::{ConvexHull, HullKind};
 
 impl ConvexHull {
     /// The volume; 0 but for [`HullKind::Volume`]. A sum of positive terms about the first vertex:
-    /// relative error a few `ε` times the number of triangles in the worst case, as far as the shape is
-    /// not a sliver (whose terms themselves suffer from rounding).
+    /// relative error a few `ε` times the number of triangles in the worst case, as far as the
+    /// shape is not a sliver (whose terms themselves suffer from rounding).
     #[must_use]
     pub fn volume(&self) -> f64 {
         if self.kind == HullKind::Volume {
@@ -20,16 +20,16 @@ impl ConvexHull {
         }
     }
 
-    /// The area of the surface. Both sides of a plate count, as its triangles do; 0 for segments and
-    /// points.
+    /// The area of the surface. Both sides of a plate count, as its triangles do; 0 for segments
+    /// and points.
     #[must_use]
     pub fn area(&self) -> f64 {
         self.surface_pieces().map(|(area, _)| area).sum()
     }
 
     /// The centroid of the solid, or of the plate, the segment, the point. Of the surface where a
-    /// sliver's volume vanishes in `f64`, of the vertices where its area does too. `None` for an empty
-    /// hull. Within the box of the hull.
+    /// sliver's volume vanishes in `f64`, of the vertices where its area does too. `None` for an
+    /// empty hull. Within the box of the hull.
     #[must_use]
     pub fn centroid(&self) -> Option<DVec3> {
         let origin = *self.positions.first()?;

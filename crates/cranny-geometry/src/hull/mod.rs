@@ -4,14 +4,14 @@
 //!    exactly the extreme points of the input, every edge is convex or flat, every input point lies
 //!    inside or on it.
 //! 2. **The facets**: nearly coplanar triangles merged into polygons, each with a supporting plane
-//!    that all points lie below (rounded outward) and the thickness that its own vertices have below
-//!    that plane. Exact merging alone is not enough: turned and rounded, the side of a subdivided cube
-//!    is a shallow dome of dozens of exactly planar pieces.
+//!    that all points lie below (rounded outward) and the thickness that its own vertices have
+//!    below that plane. Exact merging alone is not enough: turned and rounded, the side of a
+//!    subdivided cube is a shallow dome of dozens of exactly planar pieces.
 //!
 //! Points, segments and polygons are results, not errors: see [`HullKind`].
 //!
-//! The hull is quickhull's (Barber, Dobkin and Huhdanpaa 1996, "The quickhull algorithm for convex hulls") on exact
-//! signs; other sources stand with the parts, costs with the functions.
+//! The hull is quickhull's (Barber, Dobkin and Huhdanpaa 1996, "The quickhull algorithm for convex
+//! hulls") on exact signs; other sources stand with the parts, costs with the functions.
 //!
 //! ```
 //! use cranny_exact::DVec3;
@@ -64,7 +64,7 @@ use facets::FacetLayer;
 pub use facets::{FLATNESS, Facet, FacetId};
 pub use kind::HullKind;
 pub use locate::Location;
-use quickhull::{Surface, previous};
+use quickhull::{HullSurface, previous};
 use span::{Projection, Span};
 use support::SupportGraph;
 pub use update::FacetChange;
@@ -108,7 +108,7 @@ pub struct ConvexHull {
     kind: HullKind,
     sources: Vec<VertexId>,
     positions: Vec<DVec3>,
-    surface: Surface,
+    surface: HullSurface,
     /// Made of positions and surface: `graph()`.
     graph: Late<SupportGraph>,
     /// A half-edge that starts at each vertex; made of the surface when somebody asks for it.
@@ -147,11 +147,13 @@ impl ConvexHull {
     /// The hull, its facets merged by [`FLATNESS`].
     ///
     /// The points should be vertices of a [`Mesh`](crate::Mesh), which have been checked. A point
-    /// outside the [`domain`](cranny_exact::domain), or beyond the first [`MAX_POINTS`], takes no part
-    /// and is listed by [`excluded`](Self::excluded); [`checked`](Self::checked) refuses it instead.
+    /// outside the [`domain`](cranny_exact::domain), or beyond the first [`MAX_POINTS`], takes no
+    /// part and is listed by [`excluded`](Self::excluded); [`checked`](Self::checked) refuses it
+    /// instead.
     ///
     /// Of points in the same place the lowest index is meant. The answer depends on the points and
-    /// their order only. O(n log n) on the clouds measured, as is usual for quickhull; never panics.
+    /// their order only. O(n log n) on the clouds measured, as is usual for quickhull; never
+    /// panics.
     #[must_use]
     pub fn of_points(points: &[DVec3]) -> Self {
         Self::with_flatness(points, FLATNESS)
@@ -173,8 +175,8 @@ impl ConvexHull {
     }
 
     /// As [`of_points`](Self::of_points), with facets up to `flatness` times the largest coordinate
-    /// magnitude thick (at least 0; `NaN` counts as 0). Meshes stored in single precision want about
-    /// `2e-7`: their rounding is that much coarser.
+    /// magnitude thick (at least 0; `NaN` counts as 0). Meshes stored in single precision want
+    /// about `2e-7`: their rounding is that much coarser.
     #[must_use]
     pub fn with_flatness(points: &[DVec3], flatness: f64) -> Self {
         let are_inside = || points.iter().fold(true, |all, &p| all & is_in_domain(p));
@@ -196,9 +198,9 @@ impl ConvexHull {
     fn of_accepted(points: &[DVec3], flatness: f64) -> Self {
         let at = |i: u32| points[i as usize];
         let (kind, surface, mut vertices) = match span::span_of(points) {
-            Span::Empty => (HullKind::Empty, Surface::default(), vec![]),
-            Span::Point(p) => (HullKind::Point, Surface::default(), vec![p]),
-            Span::Line(ends) => (HullKind::Segment, Surface::default(), ends.to_vec()),
+            Span::Empty => (HullKind::Empty, HullSurface::default(), vec![]),
+            Span::Point(p) => (HullKind::Point, HullSurface::default(), vec![p]),
+            Span::Line(ends) => (HullKind::Segment, HullSurface::default(), ends.to_vec()),
             Span::Plane(triangle) => {
                 let outline = Projection::of_plane(triangle.map(at))
                     .map(|projection| span::planar_hull(points, projection))
@@ -225,7 +227,7 @@ impl ConvexHull {
         kind: HullKind,
         points: &[DVec3],
         vertices: &[u32],
-        surface: Surface,
+        surface: HullSurface,
         flatness: f64,
     ) -> Self {
         let (positions, surface) = update::renumbered(points, vertices, surface);
@@ -373,8 +375,8 @@ impl ConvexHull {
         self.facets().fold(0.0, |most, facet| most.max(facet.thickness))
     }
 
-    /// How deep below its plane a vertex of a facet could be and still be merged into it: the flatness
-    /// asked for times the largest coordinate magnitude.
+    /// How deep below its plane a vertex of a facet could be and still be merged into it: the
+    /// flatness given times the largest coordinate magnitude.
     #[must_use]
     pub fn flatness(&self) -> f64 {
         self.facets.tolerance
@@ -392,13 +394,13 @@ impl ConvexHull {
         &self.excluded
     }
 
-    /// The vertex that lies farthest in a direction: the one whose `direction.dot(position)`, computed
-    /// in `f64`, is greatest among all vertices, and of several such the one of lowest id. `None` for
-    /// an empty hull.
+    /// The vertex that lies farthest in a direction: the one whose `direction.dot(position)`,
+    /// computed in `f64`, is greatest among all vertices, and of several such the one of lowest id.
+    /// `None` for an empty hull.
     ///
     /// Steepest ascent over the edges, from `start` (last frame's answer, say) or from the extreme
-    /// vertex of the dominant axis. The start has no influence on the answer, only on the time.
-    /// The direction's length does not matter, but it must be finite and no component's magnitude above
+    /// vertex of the dominant axis. The start has no influence on the answer, only on the time. The
+    /// direction's length does not matter, but it must be finite and no component's magnitude above
     /// 1e250; otherwise some vertex is returned.
     ///
     /// # Panics
@@ -409,13 +411,14 @@ impl ConvexHull {
         self.graph().support(&self.positions, direction, start)
     }
 
-    /// The graph over the vertices. A hull that was read makes it at the first call, in linear time.
+    /// The graph over the vertices. A hull that was read makes it at the first call, in linear
+    /// time.
     fn graph(&self) -> &SupportGraph {
         self.graph.get(|| SupportGraph::new(&self.positions, &self.surface))
     }
 
-    /// The triangle with these corners, in this order but from any of them on, if there is one. Looks at the
-    /// triangles around the corner that has the fewest.
+    /// The triangle with these corners, in this order but from any of them on, if there is one.
+    /// Looks at the triangles around the corner that has the fewest.
     pub fn triangle_of(&self, corners: [VertexId; 3]) -> Option<usize> {
         let [a, b, c] = corners.map(|v| self.vertex_of_source(v).map(|v| v.0));
         let (a, b, c) = (a?, b?, c?);
@@ -448,10 +451,10 @@ impl ConvexHull {
 
 /// The two-sided plate over a planar outline (at least three corners, counter-clockwise in front):
 /// triangles `0..k` in front, then the same turned over, each `[0, i + 1, i + 2]` of the outline.
-fn plate(outline: &[u32]) -> Surface {
+fn plate(outline: &[u32]) -> HullSurface {
     let n = outline.len() as u32;
     let k = n.saturating_sub(2);
-    let mut surface = Surface::default();
+    let mut surface = HullSurface::default();
     for i in 0..k {
         surface.triangles.push([0, i + 1, i + 2].map(|c| outline[c as usize]));
         let (front, back) = (3 * i, 3 * (k + i));

@@ -1,7 +1,8 @@
 //! Vertices of a hull numbered anew, after some have come and others gone.
 //!
-//! They are numbered by their points, so that one that comes shifts all behind it. Where none comes or goes numbers
-//! stay, and nothing is copied that does not change. No source. Cost: copying, a few nanoseconds a vertex.
+//! They are numbered by their points, so that one that comes shifts all behind it. Where none comes
+//! or goes numbers stay, and nothing is copied that does not change. No source. Cost: copying, a
+//! few nanoseconds a vertex.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -12,7 +13,8 @@ use crate::ids::VertexId;
 pub(super) struct Numbering {
     /// In the new order.
     runs: Vec<Run>,
-    /// Of each vertex before and each that may have come its number now; empty where all stay as they are.
+    /// Of each vertex before and each that may have come its number now; empty where all stay as
+    /// they are.
     map: Vec<u32>,
     /// Number of vertices before.
     known: usize,
@@ -27,8 +29,8 @@ pub(super) enum Run {
 }
 
 impl Numbering {
-    /// Of the first `known` of `sources`, which ascend, `gone` are gone; of the others `come`, by ascending source,
-    /// have come.
+    /// Of the first `known` of `sources`, which ascend, `gone` are gone; of the others `come`, by
+    /// ascending source, have come.
     pub(super) fn of(
         sources: &[VertexId],
         known: usize,

@@ -1,11 +1,11 @@
 //! Outlines of merged facets, with collinear corners dropped on both sides of an edge alike.
 //!
-//! A vertex where three or more facets meet is a corner. Between two corners an outline is a *chain*
-//! along which the same two facets meet; each chain is simplified once (Douglas and Peucker 1973) by
-//! the merging tolerance, so both facets see the same corners.
+//! A vertex where three or more facets meet is a corner. Between two corners an outline is a
+//! *chain* along which the same two facets meet; each chain is simplified once (Douglas and
+//! Peucker 1973) by the merging tolerance, so both facets see the same corners.
 //!
-//! Cost: O(n) for the loops; for a chain of k edges O(k log k) as a rule and O(k²) at worst, as for Douglas and
-//! Peucker.
+//! Cost: O(n) for the loops; for a chain of k edges O(k log k) as a rule and O(k²) at worst, as for
+//! Douglas and Peucker.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ use cranny_exact::DVec3;
 use super::HullVertexId;
 use super::facets::FacetId;
 use super::numbering::Numbering;
-use super::quickhull::{Surface, next};
+use super::quickhull::{HullSurface, next};
 use crate::rows::{overwritten, replaced};
 
 /// Corners and neighbours of all facets, in compressed rows.
@@ -28,7 +28,7 @@ pub(super) struct Outlines {
 impl Outlines {
     pub(super) fn new(
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         facet_of: &[u32],
         [triangle_starts, triangles]: [&[u32]; 2],
         tolerance: f64,
@@ -72,9 +72,9 @@ impl Outlines {
         outlines
     }
 
-    /// The outlines of facets that are one triangle each, of a hull that is no plate: at each vertex three of them
-    /// meet, or more.
-    fn of_triangles(surface: &Surface, facet_of: &[u32], triangles: &[u32]) -> Self {
+    /// The outlines of facets that are one triangle each, of a hull that is no plate: at each
+    /// vertex three of them meet, or more.
+    fn of_triangles(surface: &HullSurface, facet_of: &[u32], triangles: &[u32]) -> Self {
         let corners = |&t: &u32| surface.triangles[t as usize].map(HullVertexId);
         let neighbours = |&t: &u32| {
             let across = |i: u32| FacetId(across(surface, facet_of, 3 * t + i));
@@ -87,11 +87,13 @@ impl Outlines {
         }
     }
 
-    /// The outlines of facets that follow those before, `fresh` of which are new or have another number.
+    /// The outlines of facets that follow those before, `fresh` of which are new or have another
+    /// number.
     ///
-    /// Whether a vertex is a corner depends on the facets that meet there, on the chain that it lies on, whose ends
-    /// depend on the same, and on whether one of its facets is thin, which depends on the corners of that. So other
-    /// outlines than before have the facets that share a vertex with one that shares a vertex with a new one, at most.
+    /// Whether a vertex is a corner depends on the facets that meet there, on the chain that it
+    /// lies on, whose ends depend on the same, and on whether one of its facets is thin, which
+    /// depends on the corners of that. So other outlines than before have the facets that share a
+    /// vertex with one that shares a vertex with a new one, at most.
     pub(super) fn followed(
         self,
         region: &Region<'_>,
@@ -99,13 +101,13 @@ impl Outlines {
         fresh: &[u32],
     ) -> Self {
         let beside = region.around(&region.around(&fresh.iter().copied().collect()));
-        let outlines: BTreeMap<u32, Outline> =
+        let outlines: BTreeMap<u32, FacetOutline> =
             region.around(&beside).into_iter().map(|f| (f, region.outline(f))).collect();
         let thin = outlines.values().filter(|o| o.is_corner.iter().filter(|c| **c).count() < 3);
         let whole: BTreeSet<u32> = thin.flat_map(|o| o.vertices.iter().copied()).collect();
         let (mut corners, mut neighbours) = (BTreeMap::new(), BTreeMap::new());
         for (&facet, outline) in outlines.iter().filter(|(f, _)| beside.contains(f)) {
-            let Outline { half_edges, vertices, is_corner } = outline;
+            let FacetOutline { half_edges, vertices, is_corner } = outline;
             let all = half_edges.iter().zip(vertices).zip(is_corner);
             let kept = all.filter(|((_, v), is_corner)| **is_corner || whole.contains(v));
             let (own, facets) = kept
@@ -138,7 +140,7 @@ impl Outlines {
 /// A surface with facets, of which some are looked at.
 pub(super) struct Region<'a> {
     pub(super) positions: &'a [DVec3],
-    pub(super) surface: &'a Surface,
+    pub(super) surface: &'a HullSurface,
     /// A half-edge that starts at each vertex.
     pub(super) leaving: &'a [u32],
     pub(super) facet_of: &'a [u32],
@@ -148,7 +150,7 @@ pub(super) struct Region<'a> {
 }
 
 /// The whole outline of a facet.
-struct Outline {
+struct FacetOutline {
     half_edges: Vec<u32>,
     /// Where each of them begins.
     vertices: Vec<u32>,
@@ -171,7 +173,7 @@ impl Region<'_> {
         spokes.map(|h| self.facet_of[h as usize / 3]).collect()
     }
 
-    fn outline(&self, facet: u32) -> Outline {
+    fn outline(&self, facet: u32) -> FacetOutline {
         let (mut half_edges, mut vertices) = (Vec::new(), Vec::new());
         walk(self.surface, self.facet_of, self.triangles(facet), &mut half_edges, &mut vertices);
         let mut is_corner: Vec<bool> = vertices.iter().map(|&v| self.is_meeting_point(v)).collect();
@@ -188,7 +190,7 @@ impl Region<'_> {
         for (v, is_corner) in vertices.iter().zip(&mut is_corner) {
             *is_corner |= corners.contains(v);
         }
-        Outline { half_edges, vertices, is_corner }
+        FacetOutline { half_edges, vertices, is_corner }
     }
 
     /// Whether three or more facets meet at a vertex.
@@ -200,12 +202,12 @@ impl Region<'_> {
 }
 
 /// The facet on the other side of a half-edge.
-fn across(surface: &Surface, facet_of: &[u32], half_edge: u32) -> u32 {
+fn across(surface: &HullSurface, facet_of: &[u32], half_edge: u32) -> u32 {
     facet_of[surface.twins[half_edge as usize] as usize / 3]
 }
 
-/// The boundary half-edges of each facet, in order: one loop each, for facets are disks. Each begins with the
-/// lowest.
+/// The boundary half-edges of each facet, in order: one loop each, for facets are disks. Each
+/// begins with the lowest.
 struct Loops<'a> {
     facet_of: &'a [u32],
     starts: Vec<u32>,
@@ -217,7 +219,7 @@ struct Loops<'a> {
 impl<'a> Loops<'a> {
     /// `facets`: the triangles of each, ascending.
     fn new<'t>(
-        surface: &Surface,
+        surface: &HullSurface,
         facet_of: &'a [u32],
         facets: impl ExactSizeIterator<Item = &'t [u32]>,
     ) -> Self {
@@ -262,7 +264,7 @@ impl<'a> Loops<'a> {
     fn simplify(
         &self,
         facet: usize,
-        surface: &Surface,
+        surface: &HullSurface,
         positions: &[DVec3],
         tolerance: f64,
         is_corner: &mut [bool],
@@ -288,12 +290,13 @@ impl<'a> Loops<'a> {
 struct Chain {
     /// Where in the outline its first edge stands.
     first: usize,
-    /// From the end with the lower vertex, whichever way the outline runs: so both facets beside it see the same.
+    /// From the end with the lower vertex, whichever way the outline runs: so both facets beside it
+    /// see the same.
     vertices: Vec<u32>,
 }
 
-/// The chains of an outline that have vertices between their ends; one that is closed, if the outline has no corner,
-/// starts at its lowest vertex.
+/// The chains of an outline that have vertices between their ends; one that is closed, if the
+/// outline has no corner, starts at its lowest vertex.
 fn chains(outline: &[u32], is_corner: impl Fn(usize) -> bool) -> Vec<Chain> {
     let count = outline.len();
     let mut anchors: Vec<usize> = (0..count).filter(|&i| is_corner(i)).collect();
@@ -318,7 +321,7 @@ fn chains(outline: &[u32], is_corner: impl Fn(usize) -> bool) -> Vec<Chain> {
 
 /// Appends the half-edges around a facet of some triangles, and where each begins.
 fn walk(
-    surface: &Surface,
+    surface: &HullSurface,
     facet_of: &[u32],
     triangles: &[u32],
     half_edges: &mut Vec<u32>,
@@ -328,7 +331,8 @@ fn walk(
     let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
     let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
     let mut h = start;
-    // Each half-edge of the facet is come by once. Were signs not exact, the triangles might not make a surface.
+    // Each half-edge of the facet is come by once. Were signs not exact, the triangles might not
+    // make a surface.
     let mut left = 3 * triangles.len();
     let mut follow = |h: u32| {
         assert!(left > 0, "the outline of a facet of {} triangles does not end", triangles.len());

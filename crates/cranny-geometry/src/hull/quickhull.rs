@@ -1,17 +1,17 @@
 //! The exact triangulated hull: quickhull (Barber, Dobkin and Huhdanpaa 1996) on exact signs.
 //!
 //! Every point that lies strictly above some triangle waits in the conflict list of one such
-//! triangle. A step takes the highest point of a list, removes the triangles that it sees and closes
-//! the hole with a fan. Heights are `f64` and only choose *which* point comes next.
+//! triangle. A step takes the highest point of a list, removes the triangles that it sees and
+//! closes the hole with a fan. Heights are `f64` and only choose *which* point comes next.
 //!
 //! # Coplanar points
 //!
 //! A point *sees* a triangle when it lies **strictly** above its plane. A point in the plane of a
-//! facet and outside it does not see that facet, but it strictly sees the neighbour across each edge
-//! that it lies beyond, so it waits in a list all the same; its fan then extends the facet in its own
-//! plane, across a flat edge. What is seen is what a point moved a little towards the interior would
-//! see in general position: a disk, bounded by one simple cycle, the horizon; and no new triangle is
-//! degenerate, for its apex lies strictly above a plane through its base.
+//! facet and outside it does not see that facet, but it strictly sees the neighbour across each
+//! edge that it lies beyond, so it waits in a list all the same; its fan then extends the facet in
+//! its own plane, across a flat edge. What is seen is what a point moved a little towards the
+//! interior would see in general position: a disk, bounded by one simple cycle, the horizon; and no
+//! new triangle is degenerate, for its apex lies strictly above a plane through its base.
 //!
 //! A waiting point `q` that is above a removed triangle and still outside afterwards is above a new
 //! one: what `q` sees is connected across edges, so it reaches the outside over a horizon edge, and
@@ -21,14 +21,14 @@
 //!
 //! # Only extreme points
 //!
-//! A vertex may come to lie inside an edge or a facet of the final hull. Such vertices are found from
-//! the exact convexity of the edges, and the hull is built once more from the others.
+//! A vertex may come to lie inside an edge or a facet of the final hull. Such vertices are found
+//! from the exact convexity of the edges, and the hull is built once more from the others.
 //!
 //! # Cost
 //!
-//! A step costs the triangles that its point sees and, at worst, the product of the points that waited above them
-//! and the new triangles. In all O(n log n) on the clouds measured, as is usual for quickhull; no such bound holds
-//! at worst.
+//! A step costs the triangles that its point sees and, at worst, the product of the points that
+//! waited above them and the new triangles. In all O(n log n) on the clouds measured, as is usual
+//! for quickhull; no such bound holds at worst.
 
 use cranny_exact::{Aabb, DVec3, Sign};
 
@@ -44,14 +44,15 @@ const NONE: u32 = u32::MAX;
 /// A closed triangulated surface. Half-edge `3 f + i` runs from corner `i` of triangle `f` to the
 /// next.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Surface {
+pub(super) struct HullSurface {
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) twins: Vec<u32>,
 }
 
-/// The hull of points that are not coplanar: a surface over their indices, whose vertices are exactly
-/// the extreme points (the lowest index of each), in the [one form](super::canonical) that these decide.
-pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
+/// The hull of points that are not coplanar: a surface over their indices, whose vertices are
+/// exactly the extreme points (the lowest index of each), in the [one form](super::canonical) that
+/// these decide.
+pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> HullSurface {
     let (mut surface, mut flat) = triangulate(points, simplex);
     if !flat.vertices.is_empty() {
         let mut extreme: Vec<u32> = surface.triangles.iter().flatten().copied().collect();
@@ -64,25 +65,26 @@ pub(super) fn exact_hull(points: &[DVec3], simplex: [u32; 4]) -> Surface {
 }
 
 /// As [`exact_hull`]; `None` if the points are coplanar.
-pub(super) fn hull_of_some(points: &[DVec3]) -> Option<Surface> {
+pub(super) fn hull_of_some(points: &[DVec3]) -> Option<HullSurface> {
     let Span::Space(simplex) = span_of(points) else { return None };
     Some(exact_hull(points, simplex))
 }
 
 /// The hull of points that are not coplanar, and what of it is flat.
-fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Flat) {
+fn triangulate(points: &[DVec3], simplex: [u32; 4]) -> (HullSurface, Flat) {
     outer_points(points)
         .and_then(|kept| of_subset(points, &kept))
         .unwrap_or_else(|| of_all(points, simplex))
 }
 
 /// [`triangulate`], no point set aside.
-pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (Surface, Flat) {
-    Builder::new(points, simplex).run()
+pub(super) fn of_all(points: &[DVec3], simplex: [u32; 4]) -> (HullSurface, Flat) {
+    HullBuilder::new(points, simplex).run()
 }
 
-/// [`triangulate`] of some of the points, ascending, over the indices of all; `None` if they are coplanar.
-fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(Surface, Flat)> {
+/// [`triangulate`] of some of the points, ascending, over the indices of all; `None` if they are
+/// coplanar.
+fn of_subset(points: &[DVec3], indices: &[u32]) -> Option<(HullSurface, Flat)> {
     let subset: Vec<DVec3> = indices.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&subset) else { return None };
     let (mut surface, mut flat) = of_all(&subset, simplex);
@@ -102,7 +104,7 @@ pub(super) fn previous(half_edge: u32) -> u32 {
     if half_edge.is_multiple_of(3) { half_edge + 2 } else { half_edge - 1 }
 }
 
-impl Surface {
+impl HullSurface {
     /// The vertex that a half-edge starts from.
     pub(super) fn origin(&self, half_edge: u32) -> u32 {
         self.triangles.as_flattened()[half_edge as usize]
@@ -132,7 +134,7 @@ impl Surface {
     }
 }
 
-/// What is asked of a face that may be seen: a cache line.
+/// What a test of a face that may be seen reads: a cache line.
 #[repr(align(64))]
 struct Facing {
     side: Side,
@@ -160,11 +162,11 @@ impl Waiting {
     const NOBODY: Self = Self { apex: NONE, list: NONE, apex_height: f64::NEG_INFINITY };
 }
 
-/// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they become more; more,
-/// and room is asked for that large clouds of few vertices never use.
+/// Room for as many faces is made at once: less, and the faces of a small cloud are moved as they
+/// become more; more, and room is reserved that large clouds of few vertices never use.
 const MOST_FACES_AT_FIRST: usize = 1 << 12;
 
-struct Builder<'a> {
+struct HullBuilder<'a> {
     points: &'a [DVec3],
     extent: DVec3,
     // By face; the corners of a face that is gone are `NONE`.
@@ -187,7 +189,7 @@ struct Builder<'a> {
     fan: Fan,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> HullBuilder<'a> {
     fn new(points: &'a [DVec3], [a, b, c, d]: [u32; 4]) -> Self {
         let bounds = Aabb::of_points(points.iter().copied());
         // As many as there are at last, of small clouds; of large ones nobody knows how many.
@@ -220,7 +222,7 @@ impl<'a> Builder<'a> {
     }
 
     /// As [`triangulate`].
-    fn run(mut self) -> (Surface, Flat) {
+    fn run(mut self) -> (HullSurface, Flat) {
         while let Some(face) = self.pending.pop() {
             let apex = self.waiting[face as usize].apex;
             if apex != NONE {
@@ -275,7 +277,8 @@ impl<'a> Builder<'a> {
         self.links[face as usize].vertices.map(|v| self.points[v as usize])
     }
 
-    /// Takes the removed faces out of the surface; the points that waited above them become orphans.
+    /// Takes the removed faces out of the surface; the points that waited above them become
+    /// orphans.
     fn release_removed(&mut self) {
         for &face in &self.removed {
             self.links[face as usize].vertices = [NONE; 3];
@@ -292,8 +295,8 @@ impl<'a> Builder<'a> {
         self.free.extend(&self.removed);
     }
 
-    /// Joins every horizon edge to `apex` and links the new faces. The horizon is a simple cycle, so
-    /// each of its vertices starts one edge.
+    /// Joins every horizon edge to `apex` and links the new faces. The horizon is a simple cycle,
+    /// so each of its vertices starts one edge.
     fn close_hole(&mut self, apex: u32) {
         self.fan.clear();
         let horizon = std::mem::take(&mut self.horizon);
@@ -333,9 +336,10 @@ impl<'a> Builder<'a> {
         (face, side)
     }
 
-    /// Hands every orphan to the first new face that it lies above. One that lies above none is inside
-    /// or on the hull and leaves, remembered only where it coincides with a new vertex: equal points
-    /// always wait in the same list, so they leave when the first of them becomes a vertex.
+    /// Hands every orphan to the first new face that it lies above. One that lies above none is
+    /// inside or on the hull and leaves, remembered only where it coincides with a new vertex:
+    /// equal points always wait in the same list, so they leave when the first of them becomes a
+    /// vertex.
     fn assign_orphans(&mut self, vertices: &[u32]) {
         let orphans = std::mem::take(&mut self.orphans);
         for &point in &orphans {
@@ -370,7 +374,7 @@ impl<'a> Builder<'a> {
     }
 
     /// The faces that are left, each from its lowest vertex on.
-    fn into_surface(self) -> (Surface, Flat) {
+    fn into_surface(self) -> (HullSurface, Flat) {
         let mut lowest = std::collections::BTreeMap::new();
         for &(vertex, duplicate) in &self.duplicates {
             let least = lowest.entry(vertex).or_insert(duplicate);
@@ -402,7 +406,7 @@ impl<'a> Builder<'a> {
             let (_, first) = places[face as usize];
             twins.extend(TURNED[first as usize].map(|corner| half_edge(own[corner])));
         }
-        let surface = Surface { triangles, twins };
+        let surface = HullSurface { triangles, twins };
         let across = |half_edge: u32| {
             let apex = surface.origin(previous(surface.twins[half_edge as usize]));
             let face = alive[half_edge as usize / 3];

@@ -1,25 +1,27 @@
 //! The exact hull after some points have moved, found from the one before.
 //!
-//! First the vertices that have moved are taken out, at their old places, one by one. The facets around such a vertex
-//! `d`, whole planes of triangles, leave a hole; all others stay what they were, triangles with every point below.
-//! Whatever fills the hole is seen from `d` or lies in a plane of these, and its vertices lie in the convex hull of `d`
-//! and the rim: a ray from `d` through one of them meets it before it meets the rim's own hull. So the points in the box
-//! around the old triangles are all that can come out. Every edge of the rim is bent, and bent more when `d` is gone; so
-//! it is an edge of the hull of these points and the rim too, and the filling is that part of it that the rim encloses.
-//! (Were triangles of the same plane left standing, their edges need not be edges of that hull.)
+//! First the vertices that have moved are taken out, at their old places, one by one. The facets
+//! around such a vertex `d`, whole planes of triangles, leave a hole; all others stay what they
+//! were, triangles with every point below. Whatever fills the hole is seen from `d` or lies in a
+//! plane of these, and its vertices lie in the convex hull of `d` and the rim: a ray from `d`
+//! through one of them meets it before it meets the rim's own hull. So the points in the box around
+//! the old triangles are all that can come out. Every edge of the rim is bent, and bent more when
+//! `d` is gone; so it is an edge of the hull of these points and the rim too, and the filling is
+//! that part of it that the rim encloses. (Were triangles of the same plane left standing, their
+//! edges need not be edges of that hull.)
 //!
-//! Then the moved points are put in at their new places, as quickhull does: a walk along the surface
-//! finds the triangle that the ray from an inner point through the new one leaves by; if that
-//! triangle has the point above it, what the point sees is replaced by a fan.
+//! Then the moved points are put in at their new places, as quickhull does: a walk along the
+//! surface finds the triangle that the ray from an inner point through the new one leaves by; if
+//! that triangle has the point above it, what the point sees is replaced by a fan.
 //!
 //! All signs are exact, and the result is checked where it is new: every edge convex or flat, every
-//! vertex extreme. Where that fails (a vertex inside a flat facet or edge comes out, points coincide), all is undone
-//! and the surface is [exchanged](exchange) for one that was built anew.
+//! vertex extreme. Where that fails (a vertex inside a flat facet or edge comes out, points
+//! coincide), all is undone and the surface is [exchanged](exchange) for one that was built anew.
 //!
-//! Source: points are put in as by Barber, Dobkin and Huhdanpaa (1996, "The quickhull algorithm for convex
-//! hulls"); how they are taken out is argued above and this crate's own. Cost: for each vertex taken out a hull of
-//! its link and the points in the box of its triangles, O(m log m) for m of them; for each point put in the
-//! triangles that the walk passes and those that the point sees.
+//! Source: points are put in as by Barber, Dobkin and Huhdanpaa (1996, "The quickhull algorithm for
+//! convex hulls"); how they are taken out is argued above and this crate's own. Cost: for each
+//! vertex taken out a hull of its link and the points in the box of its triangles, O(m log m) for m
+//! of them; for each point put in the triangles that the walk passes and those that the point sees.
 
 mod exchange;
 mod filling;
@@ -33,15 +35,15 @@ use self::filling::{fan_along, within};
 pub(super) use self::finish::Repaired;
 use super::ConvexHull;
 use super::canonical::lowest_corner;
-use super::quickhull::{Surface, hull_of_some, next, previous};
+use super::quickhull::{HullSurface, hull_of_some, next, previous};
 use super::span::{Projection, Span, planar_hull, span_of};
 use crate::ids::VertexId;
 
 const NONE: u32 = u32::MAX;
 
-/// A hull in the making. Vertices of the hull before keep their numbers, and their places even where they have moved;
-/// whatever comes in, moved points among them, gets a number behind these.
-pub(super) struct Repair<'a> {
+/// A hull in the making. Vertices of the hull before keep their numbers, and their places even
+/// where they have moved; whatever comes in, moved points among them, gets a number behind these.
+pub(super) struct HullRepair<'a> {
     points: &'a [DVec3],
     sources: Vec<VertexId>,
     positions: Vec<DVec3>,
@@ -63,11 +65,12 @@ pub(super) struct Repair<'a> {
     replaced: Vec<(u32, u32)>,
 }
 
-impl<'a> Repair<'a> {
-    /// Of the surface of a hull whose points are now at `points`, `middle` a point certainly inside it.
+impl<'a> HullRepair<'a> {
+    /// Of the surface of a hull whose points are now at `points`, `middle` a point certainly inside
+    /// it.
     pub(super) fn new(points: &'a [DVec3], hull: ConvexHull, middle: DVec3) -> Self {
         let leaving = hull.leaving.0.into_made(|| hull.surface.leaving(hull.positions.len()));
-        let Surface { triangles, twins } = hull.surface;
+        let HullSurface { triangles, twins } = hull.surface;
         Self {
             points,
             known: hull.sources.len(),
@@ -139,8 +142,9 @@ impl<'a> Repair<'a> {
         self.dead.push((t, corners));
     }
 
-    /// Takes the vertices that have moved out, and puts all points that have moved, ascending, in at their new places;
-    /// `near` tells the points that lie in a box. `None` where that cannot be done.
+    /// Takes the vertices that have moved out, and puts all points that have moved, ascending, in
+    /// at their new places; `near` returns the points that lie in a box. `None` where that cannot
+    /// be done.
     pub(super) fn move_points(
         &mut self,
         moved: &[VertexId],
@@ -157,8 +161,8 @@ impl<'a> Repair<'a> {
                 self.take_out(known, unmoved)?;
             }
         }
-        // Moved points lie side by side, as a rule: each walk begins where the last one ended, the first at what
-        // was made last.
+        // Moved points lie side by side, as a rule: each walk begins where the last one ended, the
+        // first at what was made last.
         let mut start = None;
         for &v in moved {
             start = Some(self.put_in(v.0, start)?);
@@ -166,8 +170,8 @@ impl<'a> Repair<'a> {
         Some(())
     }
 
-    /// Takes a vertex of the hull before out; `near` tells the points that may come out, which lie in a box: no moved
-    /// ones. `None` where the hole cannot be filled.
+    /// Takes a vertex of the hull before out; `near` returns the points that may come out, which
+    /// lie in a box: no moved ones. `None` where the hole cannot be filled.
     fn take_out(&mut self, d: u32, near: impl Fn(&Aabb) -> Vec<u32>) -> Option<()> {
         let region = self.facets_around(d);
         let rim = self.rim_of(&region)?;
@@ -204,7 +208,8 @@ impl<'a> Repair<'a> {
         self.fill(&rim, &filling)
     }
 
-    /// The triangles around a vertex, and those that lie in one plane with one of them and hang together with it.
+    /// The triangles around a vertex, and those that lie in one plane with one of them and hang
+    /// together with it.
     fn facets_around(&self, d: u32) -> BTreeSet<u32> {
         self.facets_of(self.spokes(d).into_iter().map(|h| h / 3).collect())
     }
@@ -228,8 +233,8 @@ impl<'a> Repair<'a> {
         region
     }
 
-    /// The edges around triangles that hang together, each with the half-edge beyond it, in their order; `None` where
-    /// they are not one loop.
+    /// The edges around triangles that hang together, each with the half-edge beyond it, in their
+    /// order; `None` where they are not one loop.
     fn rim_of(&self, region: &BTreeSet<u32>) -> Option<Vec<(u32, u32, u32)>> {
         let mut edges = BTreeMap::new();
         for h in region.iter().flat_map(|&t| 3 * t..3 * t + 3) {
@@ -283,8 +288,8 @@ impl<'a> Repair<'a> {
         corners
     }
 
-    /// Closes a hole with triangles; `None` where its rim is not theirs. `rim`: edges of the triangles to
-    /// come, and the half-edge beyond each.
+    /// Closes a hole with triangles; `None` where its rim is not theirs. `rim`: edges of the
+    /// triangles to come, and the half-edge beyond each.
     fn fill(&mut self, rim: &[(u32, u32, u32)], triangles: &[[u32; 3]]) -> Option<()> {
         let mut open: BTreeMap<(u32, u32), u32> =
             rim.iter().map(|&(from, to, beyond)| ((to, from), beyond)).collect();
@@ -316,9 +321,9 @@ impl<'a> Repair<'a> {
         open.is_empty().then_some(())
     }
 
-    /// Puts a point in at its new place, if it is outside; `start` is a triangle to walk from. Returns one
-    /// to walk from next, or `None` where the point lies in the place of a vertex that it would have to
-    /// replace.
+    /// Puts a point in at its new place, if it is outside; `start` is a triangle to walk from.
+    /// Returns one to walk from next, or `None` where the point lies in the place of a vertex that
+    /// it would have to replace.
     fn put_in(&mut self, point: u32, start: Option<u32>) -> Option<u32> {
         let p = self.points[point as usize];
         let seen = self.triangle_towards(p, start)?;
@@ -391,7 +396,8 @@ impl<'a> Repair<'a> {
         (0..self.triangles.len() as u32).find(holds)
     }
 
-    /// Whether a point lies beyond the plane through the middle and a half-edge, seen from its triangle.
+    /// Whether a point lies beyond the plane through the middle and a half-edge, seen from its
+    /// triangle.
     fn lies_beyond(&self, h: u32, p: DVec3) -> bool {
         let (a, b) = (self.at(self.origin(h)), self.at(self.origin(next(h))));
         orient3d(self.middle, a, b, p) == Sign::Negative

@@ -1,16 +1,18 @@
-//! The triangles of a hull one by one: areas, which are needles, and which of their edges bend clearly.
+//! The triangles of a hull one by one: areas, which are needles, and which of their edges bend
+//! clearly.
 //!
-//! Cost: O(n), a look at each triangle and each edge. No source: areas are lengths of cross products, and an edge
-//! bends clearly where neither of its triangles is a needle, whose normal is made of rounding, and each has the other's
-//! apex deeper below its plane than the tolerance.
+//! Cost: O(n), a look at each triangle and each edge. No source: areas are lengths of cross
+//! products, and an edge bends clearly where neither of its triangles is a needle, whose normal is
+//! made of rounding, and each has the other's apex deeper below its plane than the tolerance.
 
 use cranny_exact::DVec3;
 
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 
 /// What merging asks of each triangle.
 pub(super) struct Shapes {
-    /// The triangles that were looked at, ascending, where these are not all; an entry that says nothing comes first.
+    /// The triangles that were looked at, ascending, where these are not all; an entry that says
+    /// nothing comes first.
     some: Option<Vec<u32>>,
     /// Twice the area vector.
     area_vectors: Vec<DVec3>,
@@ -24,7 +26,7 @@ pub(super) struct Shapes {
 
 impl Shapes {
     /// Looks at each triangle and each edge once.
-    pub(super) fn new(positions: &[DVec3], surface: &Surface, tolerance: f64) -> Self {
+    pub(super) fn new(positions: &[DVec3], surface: &HullSurface, tolerance: f64) -> Self {
         let count = surface.triangles.len();
         let mut shapes = Self {
             some: None,
@@ -53,7 +55,7 @@ impl Shapes {
     /// Looks at some triangles, and at those beside them as far as these need it.
     pub(super) fn of_some(
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         tolerance: f64,
         triangles: &[u32],
     ) -> Self {
@@ -93,12 +95,13 @@ impl Shapes {
         }
     }
 
-    /// Tells both triangles at an edge if it bends clearly; each with the corner that the edge leaves.
+    /// Tells both triangles at an edge if it bends clearly; each with the corner that the edge
+    /// leaves.
     #[inline]
     fn bend(
         &mut self,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         tolerance: f64,
         one: [u32; 2],
         other: [u32; 2],
@@ -133,8 +136,8 @@ impl Shapes {
         self.bends[self.place(h / 3)] >> (h % 3) & 1 == 1
     }
 
-    /// Whether all edges of the triangle bend clearly, so that it is a facet of its own. This spares most triangles of a
-    /// smooth hull the growth.
+    /// Whether all edges of the triangle bend clearly, so that it is a facet of its own. This
+    /// spares most triangles of a smooth hull the growth.
     #[inline]
     pub(super) fn is_apart(&self, t: u32) -> bool {
         self.bends[self.place(t)] == 0b111
@@ -144,7 +147,7 @@ impl Shapes {
 /// Whether a half-edge bends clearly.
 pub(super) fn bends_clearly(
     positions: &[DVec3],
-    surface: &Surface,
+    surface: &HullSurface,
     tolerance: f64,
     half_edge: u32,
 ) -> bool {
@@ -155,18 +158,19 @@ pub(super) fn bends_clearly(
     are_wide && are_apart(positions, surface, tolerance, sides, shapes)
 }
 
-/// Whether each of two triangles at an edge has the other's apex deeper below its plane than the tolerance; each with the
-/// corner that the edge leaves, its area vector and its area, twice.
+/// Whether each of two triangles at an edge has the other's apex deeper below its plane than the
+/// tolerance; each with the corner that the edge leaves, its area vector and its area, twice.
 #[inline]
 fn are_apart(
     positions: &[DVec3],
-    surface: &Surface,
+    surface: &HullSurface,
     tolerance: f64,
     [one, other]: [[u32; 2]; 2],
     shapes: [(DVec3, f64); 2],
 ) -> bool {
     let corner = |t: u32, k: u32| positions[surface.triangles[t as usize][k as usize % 3] as usize];
-    // Each from its own side, so that it is told alike from whichever triangle the edge is looked at.
+    // Each from its own side, so that it is judged alike from whichever triangle the edge is looked
+    // at.
     let is_deep = |(area_vector, area): (DVec3, f64), [t, k]: [u32; 2], [u, l]: [u32; 2]| {
         area_vector.dot(corner(t, k) - corner(u, l + 2)) > tolerance * area
     };

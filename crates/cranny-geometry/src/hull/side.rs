@@ -6,11 +6,11 @@
 //! `(d × e) · f` is computed in the obvious way. Let `u = 2^-53`. Every monomial collects at most
 //! eight factors `1 + δ`, `|δ| ≤ u`: three from the differences, one from the product `dᵢ eⱼ`, one
 //! from the subtraction in the cross product, one from the product with `fₖ`, two from the sums.
-//! Hence (Higham 2002, lemma 3.1) the computed value is off by at most `γ₈ M`, `γ₈ = 8u / (1 − 8u)`,
-//! `M` being the sum of the monomials' magnitudes. Now `|fₖ| ≤ wₖ`, the extent of the box that holds
-//! all points asked about, so with `mₖ = |dᵢ eⱼ| + |dⱼ eᵢ|` the number `M ≤ m · w`, which depends on
-//! the triangle alone. Computing `m · w` loses at most nine further factors; [`FILTER`]` = 16 u`
-//! covers both with room.
+//! Hence (Higham 2002, lemma 3.1) the computed value is off by at most `γ₈ M`,
+//! `γ₈ = 8u / (1 − 8u)`, `M` being the sum of the monomials' magnitudes. Now `|fₖ| ≤ wₖ`, the
+//! extent of the box that holds all points tested, so with `mₖ = |dᵢ eⱼ| + |dⱼ eᵢ|` the number
+//! `M ≤ m · w`, which depends on the triangle alone. Computing `m · w` loses at most nine further
+//! factors; [`FILTER`]` = 16 u` covers both with room.
 //!
 //! Underflow does not enter: inside the [`domain`](cranny_exact::domain) a difference is zero or at
 //! least 2^-355 (2^-252 for stored vertices), a component of the cross product zero or at least
@@ -18,15 +18,17 @@
 //!
 //! # Source and cost
 //!
-//! Filters in front of exact predicates are those of Fortune and Van Wyk (1993, "Efficient exact arithmetic for
-//! computational geometry") and Shewchuk (1997, "Adaptive precision floating-point arithmetic and fast robust
-//! geometric predicates"); the bound above is derived for this use. Cost: O(1), a dot product and a comparison, but
-//! near the plane, where the exact predicate is asked.
+//! Filters in front of exact predicates are those of Fortune and Van Wyk (1993, "Efficient exact
+//! arithmetic for computational geometry") and Shewchuk (1997, "Adaptive precision floating-point
+//! arithmetic and fast robust geometric predicates"); the bound above is derived for this use.
+//! Cost: O(1), a dot product and a comparison, but near the plane, where the exact predicate is
+//! tested.
 
 use cranny_exact::{DVec3, Sign, orient3d};
 
 /// Relative error of the filtered determinant. Smaller, and the proof above fails; larger, and more
-/// points go to the exact predicate (`coplanar_and_nearly_coplanar_points_pass_to_the_exact_predicate`).
+/// points go to the exact predicate
+/// (`coplanar_and_nearly_coplanar_points_pass_to_the_exact_predicate`).
 const FILTER: f64 = 8.0 * f64::EPSILON;
 
 /// The oriented plane of a triangle, prepared for many points of one box.
@@ -51,14 +53,14 @@ impl Side {
         Self { normal: d.cross(e), anchor: a, bound: FILTER * magnitudes.dot(extent) }
     }
 
-    /// The [`margin`](Self::margin) of any triangle of a box of size `extent`, at least: the sums over its
-    /// monomials are at most the sums over a triangle as large as the box.
+    /// The [`margin`](Self::margin) of any triangle of a box of size `extent`, at least: the sums
+    /// over its monomials are at most the sums over a triangle as large as the box.
     pub(super) fn greatest_margin(extent: DVec3) -> f64 {
         6.0 * FILTER * (extent.x * extent.y * extent.z)
     }
 
-    /// How far above zero `normal · (p − anchor)` can be, in real arithmetic too, for a point `p` of the
-    /// box that is not above the exact plane.
+    /// How far above zero `normal · (p − anchor)` can be, in real arithmetic too, for a point `p`
+    /// of the box that is not above the exact plane.
     pub(super) fn margin(&self) -> f64 {
         self.bound
     }
@@ -68,8 +70,8 @@ impl Side {
         self.normal.dot(p - self.anchor)
     }
 
-    /// The exact side of `p`, given its [`height`](Self::height) and the triangle that the plane was
-    /// prepared from.
+    /// The exact side of `p`, given its [`height`](Self::height) and the triangle that the plane
+    /// was prepared from.
     #[inline]
     pub(super) fn sign(&self, height: f64, p: DVec3, triangle: impl Fn() -> [DVec3; 3]) -> Sign {
         if height < -self.bound {

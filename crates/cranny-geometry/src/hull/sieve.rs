@@ -1,19 +1,19 @@
 //! Setting points aside that are certainly interior, before the hull is built.
 //!
-//! All directions from the mean are cut into cells. The farthest points of the cells span a polytope, it
-//! holds an ellipsoid, and what lies strictly inside that lies strictly inside the hull: no test of a
-//! triangle is spent on it (in the spirit of Akl and Toussaint 1978). Of a full body's points few
-//! remain. Of a surface's all do, which is noticed before the polytope is built.
+//! All directions from the mean are cut into cells. The farthest points of the cells span a
+//! polytope, it holds an ellipsoid, and what lies strictly inside that lies strictly inside the
+//! hull: no test of a triangle is spent on it (in the spirit of Akl and Toussaint 1978). Of a full
+//! body's points few remain. Of a surface's all do, which is noticed before the polytope is built.
 //!
 //! # Why it is certain
 //!
 //! Coordinates are scaled by the extents `w` of the box of all points; `q = (p − c) / w`. Take a
 //! triangle of the polytope, its exact normal `N`, the rounded one `n`, and `β` the bound of
-//! [`Side`], which covers both the rounding of the determinant at `c` and `Σ |N − n| w`. With `h` the
-//! computed determinant at `c`, the exact one at `p` is at most
-//! `h + β + |N ∘ w| |q| <= h + β + (|n ∘ w| + β) |q|`, which is negative while `|q| < ρ`, the least of
-//! `(−h − β) / (|n ∘ w| + β)` over all triangles. What `ρ` and `|q|` themselves lose to rounding,
-//! [`SHRINK`] covers.
+//! [`Side`], which covers both the rounding of the determinant at `c` and `Σ |N − n| w`. With `h`
+//! the computed determinant at `c`, the exact one at `p` is at most
+//! `h + β + |N ∘ w| |q| <= h + β + (|n ∘ w| + β) |q|`, which is negative while `|q| < ρ`, the least
+//! of `(−h − β) / (|n ∘ w| + β)` over all triangles. What `ρ` and `|q|` themselves lose to
+//! rounding, [`SHRINK`] covers.
 //!
 //! # Cost
 //!
@@ -21,38 +21,39 @@
 
 use cranny_exact::{Aabb, DVec3};
 
-use super::quickhull::{self, Surface};
+use super::quickhull::{self, HullSurface};
 use super::side::Side;
 use super::span::{Span, span_of};
 
-/// Points a cell, about. Smaller, and the polytope costs more than it saves; larger, and it is so coarse
-/// that more inner points are left.
+/// Points a cell, about. Smaller, and the polytope costs more than it saves; larger, and it is so
+/// coarse that more inner points are left.
 const CROWD: usize = 32;
 
-/// Fewer points than these are not sieved. Smaller, and the polytope of a ball of 1,000 points costs more than it saves;
-/// larger, and one of 3,000 points is built more slowly than with it.
+/// Fewer points than these are not sieved. Smaller, and the polytope of a ball of 1,000 points
+/// costs more than it saves; larger, and one of 3,000 points is built more slowly than with it.
 const LEAST: usize = 2048;
 
 /// What is taken off the squared radius: the dozen or so roundings of computing it and of measuring
-/// against it, with room. Smaller, and the proof above fails; larger, and a few more points are left.
+/// against it, with room. Smaller, and the proof above fails; larger, and a few more points are
+/// left.
 const SHRINK: f64 = 64.0 * f64::EPSILON;
 
-/// Least radius, in extents, that is worth a pass over the points; far above what underflow of a square
-/// could falsify.
+/// Least radius, in extents, that is worth a pass over the points; far above what underflow of a
+/// square could falsify.
 const WORTHWHILE: f64 = 0.125;
 
-/// A point whose squared distance from the middle is this share of that of every cell's farthest point
-/// is likely to fall through the sieve. Larger, and roundings of a sphere count as depth; smaller, and
-/// thick shells are not sieved.
+/// A point whose squared distance from the middle is this share of that of every cell's farthest
+/// point is likely to fall through the sieve. Larger, and roundings of a sphere count as depth;
+/// smaller, and thick shells are not sieved.
 const DEEP: f64 = 0.75;
 
-/// Indices of the points that are not certainly interior, ascending; `None` where all should be kept.
-/// O(n), and the hull of n / [`CROWD`] points.
+/// Indices of the points that are not certainly interior, ascending; `None` where all should be
+/// kept. O(n), and the hull of n / [`CROWD`] points.
 pub(super) fn outer_points(points: &[DVec3]) -> Option<Vec<u32>> {
     if points.len() < LEAST {
         return None;
     }
-    let frame = Frame::of(points);
+    let frame = CloudFrame::of(points);
     let champions = frame.champions(points)?;
     let polytope: Vec<DVec3> = champions.iter().map(|&i| points[i as usize]).collect();
     let Span::Space(simplex) = span_of(&polytope) else { return None };
@@ -67,14 +68,14 @@ pub(super) fn outer_points(points: &[DVec3]) -> Option<Vec<u32>> {
 }
 
 /// The mean of the points, and the extents of their box.
-struct Frame {
+struct CloudFrame {
     bounds: Aabb,
     centre: DVec3,
     /// Reciprocal extents.
     scale: DVec3,
 }
 
-impl Frame {
+impl CloudFrame {
     fn of(points: &[DVec3]) -> Self {
         let bounds = Aabb::of_points(points.iter().copied());
         let mean = points.iter().sum::<DVec3>() / points.len() as f64;
@@ -87,8 +88,8 @@ impl Frame {
         (p - self.centre) * self.scale
     }
 
-    /// The farthest point of each cell; `None` where too few points lie farther in than all of these
-    /// to be worth more work. Cells are the squares of a grid on each side of a cube.
+    /// The farthest point of each cell; `None` where too few points lie farther in than all of
+    /// these to be worth more work. Cells are the squares of a grid on each side of a cube.
     fn champions(&self, points: &[DVec3]) -> Option<Vec<u32>> {
         let side = ((points.len() / (6 * CROWD)) as f64).sqrt().ceil();
         let row = side as usize;
@@ -122,7 +123,7 @@ impl Frame {
     }
 
     /// `ρ` of the proof above. May be negative, infinite or `NaN`, which all mean nothing.
-    fn radius_within(&self, positions: &[DVec3], surface: &Surface) -> f64 {
+    fn radius_within(&self, positions: &[DVec3], surface: &HullSurface) -> f64 {
         let extent = self.bounds.max - self.bounds.min;
         surface.triangles.iter().fold(f64::INFINITY, |least, triangle| {
             let side = Side::new(triangle.map(|v| positions[v as usize]), extent);
@@ -173,7 +174,7 @@ mod tests {
             .collect();
         let Span::Space(simplex) = span_of(&corners) else { unreachable!("a box is a solid") };
         let (surface, _) = quickhull::of_all(&corners, simplex);
-        let radius = Frame::of(&corners).radius_within(&corners, &surface);
+        let radius = CloudFrame::of(&corners).radius_within(&corners, &surface);
         assert!(radius <= 0.5 && radius > 0.5 - 1e-14, "{radius}");
     }
 

@@ -1,7 +1,8 @@
 //! Which dimension a point set has, exactly, and the planar and linear hulls.
 //!
-//! Source: Andrew (1979) for the planar hull. None for the span: far points are only guesses, exact signs decide,
-//! and where a guess fails each point is asked. Cost: O(n), and O(n log n) for the planar hull.
+//! Source: Andrew (1979) for the planar hull. None for the span: far points are only guesses, exact
+//! signs decide, and where a guess fails each point is tested. Cost: O(n), and O(n log n) for the
+//! planar hull.
 
 use std::cmp::Ordering;
 
@@ -94,7 +95,8 @@ impl Extremes {
     }
 }
 
-/// The point of largest measure, of a few if that is more than nothing, else of all; the first of equals.
+/// The point of largest measure, of a few if that is more than nothing, else of all; the first of
+/// equals.
 fn farthest(points: &[DVec3], few: [u32; 4], measure: impl Fn(DVec3) -> f64) -> Option<u32> {
     let largest = |(best, most): (Option<u32>, f64), i: u32| {
         let m = measure(points[i as usize]);
@@ -130,8 +132,8 @@ pub(super) enum Projection {
 impl Projection {
     const ALL: [Self; 3] = [Self::AlongX, Self::AlongY, Self::AlongZ];
 
-    /// A projection under which the triangle keeps an area, and so under which its plane maps one to
-    /// one: the axis nearest the normal if it will do. `None` where the points are collinear.
+    /// A projection under which the triangle keeps an area, and so under which its plane maps one
+    /// to one: the axis nearest the normal if it will do. `None` where the points are collinear.
     pub(super) fn of_plane([a, b, c]: [DVec3; 3]) -> Option<Self> {
         let n = (b - a).cross(c - a).abs();
         let preferred = if n.x >= n.y.max(n.z) {

@@ -2,33 +2,33 @@
 //!
 //! # Why the answer is the maximum, rounding and all
 //!
-//! Let `e` bound the rounding of `direction · v` over all vertices `v`, and let the ascent end at `w`,
-//! none of whose neighbours is computed to be higher. The vertices of a convex polytope that lie above
-//! any plane hang together over its edges (the simplex method's argument). Take the plane through the
-//! lower of `w` and the vertex `x` whose *computed* height is greatest: since `x` is computed to be at
-//! least as high as `w`, its true height is at least that of `w` less `2 e`, so there is a path from
-//! `w` to `x` whose vertices are truly at least that high, and computed at most `4 e` below `w`.
-//! Searching all that hang together with `w` within `4 e` of it therefore finds `x`, and with it
-//! every vertex that ties with it. In general position no neighbour is that near and the search ends
-//! at once.
+//! Let `e` bound the rounding of `direction · v` over all vertices `v`, and let the ascent end at
+//! `w`, none of whose neighbours is computed to be higher. The vertices of a convex polytope that
+//! lie above any plane hang together over its edges (the simplex method's argument). Take the plane
+//! through the lower of `w` and the vertex `x` whose *computed* height is greatest: since `x` is
+//! computed to be at least as high as `w`, its true height is at least that of `w` less `2 e`, so
+//! there is a path from `w` to `x` whose vertices are truly at least that high, and computed at
+//! most `4 e` below `w`. Searching all that hang together with `w` within `4 e` of it therefore
+//! finds `x`, and with it every vertex that ties with it. In general position no neighbour is that
+//! near and the search ends at once.
 //!
 //! # Source and cost
 //!
-//! Climbing over the edges from the last answer is how Cameron (1997, "Enhancing GJK: computing minimum and
-//! penetration distances between convex polyhedra") finds support points; the argument about rounding is this
-//! crate's own. O(n) to make the graph; for a query the vertices on the way and the neighbours of each, from an
-//! answer near by a few.
+//! Climbing over the edges from the last answer is how Cameron (1997, "Enhancing GJK: computing
+//! minimum and penetration distances between convex polyhedra") finds support points; the argument
+//! about rounding is this crate's own. O(n) to make the graph; for a query the vertices on the way
+//! and the neighbours of each, from an answer near by a few.
 
 use cranny_exact::{Aabb, DVec3};
 
 use super::HullVertexId;
 use super::numbering::Numbering;
-use super::quickhull::Surface;
+use super::quickhull::HullSurface;
 use crate::rows::{Piece, joined};
 
 /// Vertices on a plateau up to which a list, searched from end to end, remembers the visited ones;
-/// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus quadratic,
-/// a smaller one allocates a bit set for quads seen face-on.
+/// beyond, a bit per vertex. Only time depends on it: a larger number makes wide plateaus
+/// quadratic, a smaller one allocates a bit set for quads seen face-on.
 const SHORT_PLATEAU: usize = 16;
 
 /// The vertex graph in compressed rows, and what starts and bounds an ascent.
@@ -43,7 +43,7 @@ pub(super) struct SupportGraph {
 }
 
 impl SupportGraph {
-    pub(super) fn new(positions: &[DVec3], surface: &Surface) -> Self {
+    pub(super) fn new(positions: &[DVec3], surface: &HullSurface) -> Self {
         let mut degree = vec![0u32; positions.len()];
         for &v in surface.triangles.iter().flatten() {
             degree[v as usize] += 1;
@@ -78,13 +78,14 @@ impl SupportGraph {
         Self { starts, neighbours, seeds, reach }
     }
 
-    /// The graph of a surface that follows the one of this graph: rows of `touched`, ascending, are others. `bounds`
-    /// is the box before. Cost: copying, and the triangles around these; a look at all vertices where these are
-    /// numbered anew, the box is another or something is touched at its sides.
+    /// The graph of a surface that follows the one of this graph: rows of `touched`, ascending, are
+    /// others. `bounds` is the box before. Cost: copying, and the triangles around these; a look at
+    /// all vertices where these are numbered anew, the box is another or something is touched at
+    /// its sides.
     pub(super) fn followed(
         &self,
         positions: &[DVec3],
-        surface: &Surface,
+        surface: &HullSurface,
         leaving: &[u32],
         numbering: &Numbering,
         touched: &[u32],
@@ -141,9 +142,9 @@ impl SupportGraph {
         &self.neighbours[row]
     }
 
-    /// Bounds the rounding of `direction · v` over all vertices: three products and two sums, at most
-    /// three roundings a term, so `γ₃ Σ |dᵢ| reachᵢ` (Higham 2002, lemma 3.1); 4 u covers computing the
-    /// bound as well. The last term covers underflow.
+    /// Bounds the rounding of `direction · v` over all vertices: three products and two sums, at
+    /// most three roundings a term, so `γ₃ Σ |dᵢ| reachᵢ` (Higham 2002, lemma 3.1); 4 u covers
+    /// computing the bound as well. The last term covers underflow.
     pub(super) fn rounding(&self, direction: DVec3) -> f64 {
         2.0 * f64::EPSILON * direction.abs().dot(self.reach) + 4.0 * f64::from_bits(1)
     }
@@ -199,8 +200,8 @@ impl SupportGraph {
         self.seeds[2 * axis + usize::from(direction[axis] > 0.0)]
     }
 
-    /// The highest vertex among those that hang together with `from` at or above `floor`, the lowest
-    /// id of equals.
+    /// The highest vertex among those that hang together with `from` at or above `floor`, the
+    /// lowest id of equals.
     fn best_of_plateau(
         &self,
         from: HullVertexId,
@@ -243,10 +244,11 @@ fn extremes(positions: &[DVec3]) -> [u32; 6] {
     seeds
 }
 
-/// Sorts every row and closes the gaps that repeated entries leave (a plate has each diagonal twice).
+/// Sorts every row and closes the gaps that repeated entries leave (a plate has each diagonal
+/// twice).
 ///
-/// Neighbourhood is mutual: whoever goes through the rows in order, and enters each row's number in the
-/// rows that it names, enters ascending numbers.
+/// Neighbourhood is mutual: whoever goes through the rows in order, and enters each row's number in
+/// the rows that it names, enters ascending numbers.
 fn sort_rows(starts: &mut [u32], neighbours: &mut Vec<HullVertexId>) {
     let vertices = starts.len() - 1;
     let mut sorted = vec![HullVertexId(0); neighbours.len()];

@@ -1,24 +1,27 @@
-//! The side of a plane on which a point lies, in twice the digits: a second filter before the exact predicate, for
-//! what is flat but for rounding. Sides of subdivided bodies are, all along their diagonals.
+//! The side of a plane on which a point lies, in twice the digits: a second filter before the exact
+//! predicate, for what is flat but for rounding. Sides of subdivided bodies are, all along their
+//! diagonals.
 //!
 //! # The filter and its proof
 //!
 //! A number is a pair of `f64`, the second of which is what the first one lacks. Let `u = 2^-53`.
 //!
 //! - Differences of coordinates are exact ([`Pair::difference`]; Knuth's two-sum).
-//! - A product loses the product of the second parts, at most `u² |x y|`, and what rounding takes from three terms
-//!   of at most `2 u |x y|` in all and from their sums: together less than `8 u² |x y|`.
-//! - A sum loses what rounding takes from the second parts, of at most `u (|x| + |y|)` each, and from their
-//!   sums: less than `4 u² (|x| + |y|)`.
+//! - A product loses the product of the second parts, at most `u² |x y|`, and what rounding takes
+//!   from three terms of at most `2 u |x y|` in all and from their sums: together less than
+//!   `8 u² |x y|`.
+//! - A sum loses what rounding takes from the second parts, of at most `u (|x| + |y|)` each, and
+//!   from their sums: less than `4 u² (|x| + |y|)`.
 //!
-//! The determinant is a sum of three products `fₖ (dᵢ eⱼ − dⱼ eᵢ)`. A monomial goes through two products and
-//! three sums, so less than `(2 · 8 + 3 · 4 + 1) u² M` is lost, `M` being the sum of the monomials' magnitudes
-//! and the last `u²` all that is of higher order. `M` is at most [`Side::margin`] by `16 u` ([`super::side`]), so
-//! [`SHARE`]` = 4 u` times the margin is `64 u² M`, which leaves room for the rounding of the bound.
+//! The determinant is a sum of three products `fₖ (dᵢ eⱼ − dⱼ eᵢ)`. A monomial goes through two
+//! products and three sums, so less than `(2 · 8 + 3 · 4 + 1) u² M` is lost, `M` being the sum of
+//! the monomials' magnitudes and the last `u²` all that is of higher order. `M` is at most
+//! [`Side::margin`] by `16 u` ([`super::side`]), so [`SHARE`]` = 4 u` times the margin is
+//! `64 u² M`, which leaves room for the rounding of the bound.
 //!
-//! Products are taken apart after Dekker (1971, "A floating-point technique for extending the available precision").
-//! Inside the [`domain`](cranny_exact::domain) none overflows; and none underflows, for coordinates are multiples of
-//! 2^-252 and products of three of 2^-756.
+//! Products are taken apart after Dekker (1971, "A floating-point technique for extending the
+//! available precision"). Inside the [`domain`](cranny_exact::domain) none overflows; and none
+//! underflows, for coordinates are multiples of 2^-252 and products of three of 2^-756.
 //!
 //! Cost: O(1), nine differences, nine products and five sums of pairs.
 
@@ -26,7 +29,8 @@ use cranny_exact::{DVec3, Sign};
 
 use super::side::Side;
 
-/// Of the first filter's margin. Smaller, and the proof above fails; larger, and more goes to the exact predicate.
+/// Of the first filter's margin. Smaller, and the proof above fails; larger, and more goes to the
+/// exact predicate.
 const SHARE: f64 = 2.0 * f64::EPSILON;
 
 /// The unevaluated sum of two numbers.
@@ -83,8 +87,8 @@ fn halves(x: f64) -> [f64; 2] {
     [high, x - high]
 }
 
-/// The side of the plane of a triangle on which a point lies, if twice the digits tell; `side` is prepared from the
-/// triangle, for a box that holds the point.
+/// The side of the plane of a triangle on which a point lies, if twice the digits tell; `side` is
+/// prepared from the triangle, for a box that holds the point.
 pub(super) fn sign(side: &Side, [a, b, c]: [DVec3; 3], p: DVec3) -> Option<Sign> {
     let from_a = |q: DVec3| [0, 1, 2].map(|i| Pair::difference(q[i], a[i]));
     let [d, e, f] = [b, c, p].map(from_a);
@@ -110,15 +114,15 @@ mod tests {
 
     use super::*;
 
-    fn told(triangle: [DVec3; 3], p: DVec3) -> Option<Sign> {
+    fn filtered_sign(triangle: [DVec3; 3], p: DVec3) -> Option<Sign> {
         let bounds = cranny_exact::Aabb::of_points(triangle.into_iter().chain([p]));
         sign(&Side::new(triangle, bounds.max - bounds.min), triangle, p)
     }
 
     #[test]
-    fn what_is_told_is_exact() {
+    fn what_is_decided_is_exact() {
         let mut rng = Rng::new(17);
-        let (mut told_apart, mut left) = (0, 0);
+        let (mut decided, mut left) = (0, 0);
         for _ in 0..20_000 {
             let mut point = || 0.5 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
             let triangle @ [a, b, c] = [point(), point(), point()];
@@ -127,16 +131,17 @@ mod tests {
             let step = 2.0 * rng.unit() * f64::EPSILON;
             let p = a + s * (b - a) + t * (c - a) + step * DVec3::Z;
             let exact = orient3d(a, b, c, p);
-            match told(triangle, p) {
+            match filtered_sign(triangle, p) {
                 Some(sign) => {
                     assert_eq!(sign, exact, "{triangle:?}, {p}");
-                    told_apart += 1;
+                    decided += 1;
                 }
                 None => left += 1,
             }
         }
-        // What rounding puts beside a plane is seen there; half as many digits see next to none of it.
-        assert!(told_apart > 100 * left, "{told_apart} of {left}");
+        // What rounding puts beside a plane is seen there; half as many digits see next to none of
+        // it.
+        assert!(decided > 100 * left, "{decided} of {left}");
     }
 
     #[test]
@@ -144,10 +149,10 @@ mod tests {
         let triangle =
             [DVec3::new(0.1, 0.1, 0.1), DVec3::new(0.7, 0.2, 0.2), DVec3::new(0.3, 0.9, 0.9)];
         // All have y = z.
-        assert_eq!(told(triangle, DVec3::splat(0.4)), None);
-        let above = told(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_up()));
+        assert_eq!(filtered_sign(triangle, DVec3::splat(0.4)), None);
+        let above = filtered_sign(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_up()));
         assert_eq!(above, Some(orient3d(triangle[0], triangle[1], triangle[2], DVec3::Z)));
-        let below = told(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_down()));
+        let below = filtered_sign(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_down()));
         assert_eq!(below.map(Sign::flipped), above);
     }
 

@@ -1,20 +1,22 @@
 //! A hull after some of its points have moved.
 //!
-//! The exact surface is [repaired](super::repair) where it can be, else exchanged, and facets keep their planes where
-//! nothing around them is new: all their triangles are there, and all triangles at their corners. The
-//! others grow again from what is left. That holds as long as the box of the hull is the same,
-//! for the tolerance of merging, and what rounding may do, follow it; a new box means new planes.
+//! The exact surface is [repaired](super::repair) where it can be, else exchanged, and facets keep
+//! their planes where nothing around them is new: all their triangles are there, and all triangles
+//! at their corners. The others grow again from what is left. That holds as long as the box of the
+//! hull is the same, for the tolerance of merging, and what rounding may do, follow it; a new box
+//! means new planes.
 //!
-//! Source: that of the repair; to keep planes is this crate's own. It is right because new vertices are held against
-//! each plane that is kept, so it still has every vertex below it. Cost: with the function.
+//! Source: that of the repair; to keep planes is this crate's own. It is right because new vertices
+//! are held against each plane that is kept, so it still has every vertex below it. Cost: with the
+//! function.
 
 use cranny_exact::{Aabb, DVec3};
 
 use super::facets::FacetLayer;
 use super::quickhull::hull_of_some;
-use super::repair::{Repair, Repaired};
+use super::repair::{HullRepair, Repaired};
 use super::support::SupportGraph;
-use super::{ConvexHull, HullKind, Leaving, Surface};
+use super::{ConvexHull, HullKind, HullSurface, Leaving};
 use crate::ids::VertexId;
 use crate::late::Late;
 
@@ -22,7 +24,8 @@ use crate::late::Late;
 pub(crate) struct Followed {
     pub(crate) hull: ConvexHull,
     pub(crate) facets: FacetChange,
-    /// Triangles that are new or have another number; all, if it could be neither repaired nor exchanged.
+    /// Triangles that are new or have another number; all, if it could be neither repaired nor
+    /// exchanged.
     pub(crate) triangles: Vec<u32>,
     /// Number of triangles whose planes were measured.
     pub(crate) measured: usize,
@@ -30,8 +33,8 @@ pub(crate) struct Followed {
     pub(crate) inside: Option<DVec3>,
 }
 
-/// Which facets are others. All those that are named in neither list are the same triangles in the same plane, and
-/// have their number.
+/// Which facets are others. All those that are named in neither list are the same triangles in the
+/// same plane, and have their number.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FacetChange {
     /// Facets before whose number means no facet, or another one; ascending.
@@ -47,13 +50,13 @@ impl FacetChange {
 }
 
 impl ConvexHull {
-    /// The hull of `points`, of which those in `moved`, ascending, were elsewhere when this hull was
-    /// built. `near` names the points that lie in a box, in any order; `inside` is certainly in the interior of
-    /// this hull.
+    /// The hull of `points`, of which those in `moved`, ascending, were elsewhere when this hull
+    /// was built. `near` names the points that lie in a box, in any order; `inside` is certainly in
+    /// the interior of this hull.
     ///
-    /// Cost: O(m log m) for the m triangles and points around those that moved in or out; a look at the plane of each
-    /// facet, and copying. Where vertices come or go, all corners are renamed. O(n log n) where the surface cannot be
-    /// repaired; where the box is another, O(n) for facets.
+    /// Cost: O(m log m) for the m triangles and points around those that moved in or out; a look at
+    /// the plane of each facet, and copying. Where vertices come or go, all corners are renamed.
+    /// O(n log n) where the surface cannot be repaired; where the box is another, O(n) for facets.
     pub(crate) fn followed(
         mut self,
         points: &[DVec3],
@@ -116,7 +119,7 @@ impl ConvexHull {
         inside: DVec3,
         near: impl Fn(&Aabb) -> Vec<VertexId>,
     ) -> Option<Repaired> {
-        let mut repair = Repair::new(points, self, inside);
+        let mut repair = HullRepair::new(points, self, inside);
         let mut is_repaired = repair.move_points(moved, near).is_some() && repair.is_sound();
         is_repaired = is_repaired && repair.make_canonical().is_some();
         if !is_repaired {
@@ -134,8 +137,8 @@ impl ConvexHull {
 pub(super) fn renumbered(
     points: &[DVec3],
     vertices: &[u32],
-    mut surface: Surface,
-) -> (Vec<DVec3>, Surface) {
+    mut surface: HullSurface,
+) -> (Vec<DVec3>, HullSurface) {
     let mut local = vec![0; points.len()];
     for (id, &v) in vertices.iter().enumerate() {
         local[v as usize] = id as u32;

@@ -38,8 +38,8 @@ pub enum HullViolation {
     PointOutside(VertexId),
     /// The support query outward through a vertex and from it does not find the highest vertex.
     SupportMissed(HullVertexId),
-    /// A facet's outline has fewer than three corners, a corner twice, or an edge that the neighbour
-    /// named for it does not have the other way round.
+    /// A facet's outline has fewer than three corners, a corner twice, or an edge that the
+    /// neighbour named for it does not have the other way round.
     BadOutline(FacetId),
     /// A facet's normal is not of length 1.
     BadNormal(FacetId),
@@ -129,8 +129,8 @@ impl ConvexHull {
         }
     }
 
-    /// At an extreme point of a solid at least three edges are strictly convex; at one of a plate the
-    /// outline turns.
+    /// At an extreme point of a solid at least three edges are strictly convex; at one of a plate
+    /// the outline turns.
     fn vertices_not_extreme(&self) -> Vec<HullVertexId> {
         match self.kind {
             HullKind::Volume => {

@@ -1,11 +1,11 @@
 //! Model files: a prepared model as bytes, and back.
 //!
-//! A file is a head ([`head`]) and sections. Section: four letters, length of its body, body. Everything is
-//! little-endian, and the same model gives the same bytes on every machine. What a section says stands beside the
-//! structure that it is of (`codec`).
+//! A file is a head ([`head`]) and sections. Section: four letters, length of its body, body.
+//! Everything is little-endian, and the same model gives the same bytes on every machine. What a
+//! section says stands beside the structure that it is of (`codec`).
 //!
-//! The digest of the mesh is believed: to hash it again would take a tenth of loading, and whoever forges it turns
-//! the order of bodies in pairs around, no more.
+//! The digest of the mesh is believed: to hash it again would take a tenth of loading, and whoever
+//! forges it turns the order of bodies in pairs around, no more.
 
 mod head;
 
@@ -17,14 +17,14 @@ use super::{Model, Parts};
 use crate::codec::{Flaw, Reader, Writer, check, is_flatness};
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{Late, Unfolding};
+use crate::late::{FromStored, Late};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
-use crate::patches::FoldedPatches;
+use crate::patches::StoredPatches;
 use crate::reach::{farthest, radius};
 use crate::scan::faces::has_no_area;
 use crate::topology::Topology;
-use crate::tree::FoldedTree;
+use crate::tree::StoredTree;
 use head::{HEAD, check_head, doubtful_field, seal, write_head};
 
 pub use head::DecodeError;
@@ -44,8 +44,8 @@ mod section {
 use section::Section;
 
 impl Model {
-    /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always gives the
-    /// same bytes, 70 to 150 a face. Cost: linear.
+    /// As bytes that [`decode`](Self::decode) turns into the same model. The same model always
+    /// gives the same bytes, 70 to 150 a face. Cost: linear.
     #[must_use]
     pub fn encode(&self) -> Vec<u8> {
         let Parts {
@@ -95,43 +95,45 @@ impl Model {
 
     /// From bytes that [`encode`](Self::encode) made.
     ///
-    /// Bytes from anywhere may be given, with a right checksum or not: either they are refused, or the
-    /// model can be read and queried like any other, and its answers are only as true as the bytes. Memory
-    /// is bounded by a small multiple of their number. Cost: linear.
+    /// Bytes from anywhere may be given, with a right checksum or not: either they are refused, or
+    /// the model can be read and queried like any other, and its answers are only as true as the
+    /// bytes. Memory is bounded by a small multiple of their number. Cost: linear.
     ///
     /// # What is left for later
     ///
-    /// The boxes of [`tree`](Self::tree) and [`patches`](Self::patches) are made when they are first asked for, in
-    /// linear time: by the first query whose bodies no plane between their hulls parts. What the file says of both is
-    /// checked here.
+    /// The boxes of [`tree`](Self::tree) and [`patches`](Self::patches) are made when they are
+    /// first used, in linear time: by the first query whose bodies no plane between their
+    /// hulls parts. What the file says of both is checked here.
     ///
-    /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is made when it is
-    /// first asked for, in linear time: by the first query that looks for a plane between two hulls.
+    /// The graph over the hull's vertices ([`ConvexHull::support`], [`ConvexHull::neighbours`]) is
+    /// made when it is first used, in linear time: by the first query that looks for a plane
+    /// between two hulls.
     ///
-    /// The faces at each vertex ([`Topology::faces_at`](crate::Topology::faces_at)) likewise: by the first query that
-    /// finds a contact at a vertex.
+    /// The faces at each vertex ([`Topology::faces_at`](crate::Topology::faces_at)) likewise: by
+    /// the first query that finds a contact at a vertex.
     ///
     /// Whoever wants no late cost calls [`prepare_all`](Self::prepare_all).
     ///
     /// # What is checked
     ///
-    /// Length and checksum; that every section is of the length it says, every index in range, every number
-    /// one, every unit vector of length 1. Beyond that:
+    /// Length and checksum; that every section is of the length it says, every index in range,
+    /// every number one, every unit vector of length 1. Beyond that:
     ///
-    /// - Mesh: as [`Mesh::new`], and that a face has an area. The radius is computed; the digest is what
-    ///   the file says.
-    /// - Topology: that half-edges are each there once, sorted by edge, and that no edge joins two components. All else is made from that. Not that the faces of
-    ///   a component hang together.
-    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once, that twins are
-    ///   twins, and that its box is that of all vertices. Not that it holds the other vertices, nor that the planes of its facets lie above it.
-    /// - Trees, over faces and over patches: that each holds its faces once, in leaves that make a tree. Boxes are made
-    ///   again.
-    /// - Patches: that each face is in one. Not that cones (those of the nodes over them too), slabs and sizes are
-    ///   theirs.
+    /// - Mesh: as [`Mesh::new`], and that a face has an area. The radius is computed; the digest is
+    ///   what the file says.
+    /// - Topology: that half-edges are each there once, sorted by edge, and that no edge joins two
+    ///   components. All else is made from that. Not that the faces of a component hang together.
+    /// - Hull: exactly, that its triangles are the boundary of a convex body, gone around once,
+    ///   that twins are twins, and that its box is that of all vertices. Not that it holds the
+    ///   other vertices, nor that the planes of its facets lie above it.
+    /// - Trees, over faces and over patches: that each holds its faces once, in leaves that make a
+    ///   tree. Boxes are made again.
+    /// - Patches: that each face is in one. Not that cones (those of the nodes over them too),
+    ///   slabs and sizes are theirs.
     /// - Mass: that it is there where the mesh is closed. Not that it is the mesh's.
     ///
-    /// [`deform`](Self::deform) builds on more than is proved here, and so believes nothing but the mesh:
-    /// the first deformation of a loaded model prepares it again.
+    /// [`deform`](Self::deform) builds on more than is proved here, and so believes nothing but the
+    /// mesh: the first deformation of a loaded model prepares it again.
     ///
     /// # Errors
     ///
@@ -149,8 +151,8 @@ impl Model {
         let (mesh, digest) = read(&mut sections, section::MESH, read_mesh)?;
         let topology = read(&mut sections, section::TOPOLOGY, |s| Topology::decode(s, &mesh))?;
         let hull = read(&mut sections, section::HULL, |s| ConvexHull::decode(s, &mesh))?;
-        let tree = read(&mut sections, section::TREE, |s| FoldedTree::decode(s, &mesh))?;
-        let patches = read(&mut sections, section::PATCHES, |s| FoldedPatches::decode(s, &mesh))?;
+        let tree = read(&mut sections, section::TREE, |s| StoredTree::decode(s, &mesh))?;
+        let patches = read(&mut sections, section::PATCHES, |s| StoredPatches::decode(s, &mesh))?;
         let mass = read(&mut sections, section::MASS, |s| read_mass(s, topology.is_closed()))?;
         let Origin { flatness, leaf_size, filed_faces } =
             read(&mut sections, section::ORIGIN, |s| read_origin(s, mesh.faces().len()))?;
@@ -160,8 +162,8 @@ impl Model {
             mesh,
             topology,
             hull,
-            tree: Unfolding::folded(tree),
-            patches: Unfolding::folded(patches),
+            tree: FromStored::stored(tree),
+            patches: FromStored::stored(patches),
             clusters: Late::default(),
             mass,
             radius,
@@ -209,8 +211,8 @@ fn read_mesh(input: &mut Reader) -> Result<(Mesh, [u8; 32]), Flaw> {
     Ok((mesh, digest))
 }
 
-/// Written of the mass: the volume, the centre, the columns of the inertia tensor. Nothing of a mesh that
-/// is not closed.
+/// Written of the mass: the volume, the centre, the columns of the inertia tensor. Nothing of a
+/// mesh that is not closed.
 fn mass_numbers(mass: Option<&MassProperties>) -> Vec<f64> {
     let Some(&MassProperties { volume, center, inertia }) = mass else { return Vec::new() };
     [&[volume][..], &center.to_array(), &inertia.to_cols_array()].concat()
@@ -246,7 +248,7 @@ fn read_origin(input: &mut Reader, faces: usize) -> Result<Origin, Flaw> {
     let filed: Vec<FaceId> = input.list()?;
     check(is_flatness(flatness), "the flatness is no number")?;
     check(filed.is_empty() || filed.len() == faces, "a filed face for each face is needed")?;
-    check(leaf_size > 0, "leaves without faces are asked for")?;
+    check(leaf_size > 0, "leaves of 0 faces")?;
     Ok(Origin {
         flatness,
         leaf_size: usize::try_from(leaf_size)?,

@@ -1,4 +1,4 @@
-//! How a model is prepared, what refuses to be, and what is told meanwhile.
+//! How a model is prepared, what refuses to be, and what is reported meanwhile.
 
 use cranny_exact::Tolerance;
 use thiserror::Error;
@@ -17,10 +17,11 @@ pub struct BuildOptions {
     /// What may be mended. Default: [`Repair::None`], which keeps the surface as it was filed.
     pub repair: Repair,
     /// What 'the same place' means for findings and repairs: at most
-    /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from how
-    /// finely the coordinates were stored: twice the step of a grid that holds them all, in any unit,
-    /// or eight times the step of single precision (also where [`flatness`](Self::flatness) says that) or double precision at
-    /// the largest coordinate, but never more than a ten-thousandth of the diagonal.
+    /// [`BuildOptions::LARGEST_WELD_SHARE`] of the mesh's diagonal. Default: `None`, chosen from
+    /// how finely the coordinates were stored: twice the step of a grid that holds them all, in any
+    /// unit, or eight times the step of single precision (also where [`flatness`](Self::flatness)
+    /// says that) or double precision at the largest coordinate, but never more than a
+    /// ten-thousandth of the diagonal.
     pub tolerance: Option<Tolerance>,
     /// Whether faces that cross, touch or overlap each other are searched for. Default: yes.
     pub self_intersections: bool,
@@ -37,7 +38,7 @@ impl BuildOptions {
     pub const LARGEST_WELD_SHARE: f64 = 0.01;
 }
 
-/// The weld distance asked for, or the default for a mesh.
+/// The weld distance given, or the default for a mesh.
 pub(super) fn weld_distance(
     tolerance: Option<Tolerance>,
     flatness: Flatness,
@@ -88,20 +89,20 @@ pub enum BuildError {
         "the weld distance {weld_distance:?} is not between 0 and {limit:?}, a hundredth of the mesh's diagonal"
     )]
     WeldDistance {
-        /// The distance asked for.
+        /// The distance.
         weld_distance: f64,
         /// The largest for this mesh.
         limit: f64,
     },
     /// A tree whose leaves would hold no face.
-    #[error("leaves of 0 faces are asked for: ask for at least 1")]
+    #[error("a leaf size of 0 faces: at least 1 is needed")]
     LeafSize,
     /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
     #[error("the repaired mesh could not be proved to be the same surface: {0}")]
     NotProved(#[from] ProofError),
 }
 
-/// A stage of preparation, told to whoever measures times (this crate reads no clock).
+/// A stage of preparation, reported to whoever measures times (this crate reads no clock).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Weld, repair, adjacency.

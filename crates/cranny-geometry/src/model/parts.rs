@@ -4,12 +4,12 @@ use crate::clusters::ClusterTree;
 use crate::deform::Workshop;
 use crate::hull::ConvexHull;
 use crate::ids::FaceId;
-use crate::late::{Late, Unfolding};
+use crate::late::{FromStored, Late};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
-use crate::patches::{FoldedPatches, Patches};
+use crate::patches::{Patches, StoredPatches};
 use crate::topology::Topology;
-use crate::tree::{FaceTree, FoldedTree};
+use crate::tree::{FaceTree, StoredTree};
 
 /// What a model consists of.
 #[derive(Clone, Debug)]
@@ -17,8 +17,8 @@ pub(crate) struct Parts {
     pub(crate) mesh: Mesh,
     pub(crate) topology: Topology,
     pub(crate) hull: ConvexHull,
-    pub(crate) tree: Unfolding<FoldedTree, FaceTree>,
-    pub(crate) patches: Unfolding<FoldedPatches, Patches>,
+    pub(crate) tree: FromStored<StoredTree, FaceTree>,
+    pub(crate) patches: FromStored<StoredPatches, Patches>,
     /// Follows from mesh, topology and patches.
     pub(crate) clusters: Late<ClusterTree>,
     pub(crate) mass: Option<MassProperties>,
@@ -30,8 +30,8 @@ pub(crate) struct Parts {
     pub(crate) flatness: f64,
     /// Faces per leaf of the tree.
     pub(crate) leaf_size: usize,
-    /// Whether it was read from bytes and never deformed, so that of what was prepared only the mesh is
-    /// sure.
+    /// Whether it was read from bytes and never deformed, so that of what was prepared only the
+    /// mesh is sure.
     pub(crate) only_read: bool,
     /// What deformations need beside; none before the first.
     pub(crate) workshop: Option<Box<Workshop>>,
@@ -40,12 +40,12 @@ pub(crate) struct Parts {
 impl Parts {
     #[inline]
     pub(crate) fn tree(&self) -> &FaceTree {
-        self.tree.get(|folded| folded.unfold(&self.mesh))
+        self.tree.get(|stored| stored.rebuild(&self.mesh))
     }
 
     #[inline]
     pub(crate) fn patches(&self) -> &Patches {
-        self.patches.get(|folded| folded.unfold(&self.mesh))
+        self.patches.get(|stored| stored.rebuild(&self.mesh))
     }
 
     pub(crate) fn clusters(&self) -> &ClusterTree {
@@ -56,14 +56,14 @@ impl Parts {
     pub(crate) fn take_surface(&mut self) -> (FaceTree, Patches) {
         let Self { mesh, tree, patches, .. } = self;
         (
-            std::mem::take(tree).into_made(|folded| folded.unfold(mesh)),
-            std::mem::take(patches).into_made(|folded| folded.unfold(mesh)),
+            std::mem::take(tree).into_made(|stored| stored.rebuild(mesh)),
+            std::mem::take(patches).into_made(|stored| stored.rebuild(mesh)),
         )
     }
 
     pub(crate) fn put_surface(&mut self, tree: FaceTree, patches: Patches) {
-        self.tree = Unfolding::made(tree);
-        self.patches = Unfolding::made(patches);
+        self.tree = FromStored::made(tree);
+        self.patches = FromStored::made(patches);
         self.clusters = Late::default();
     }
 }

@@ -5,9 +5,9 @@ use std::sync::{Arc, Weak};
 use super::Model;
 use super::parts::Parts;
 
-/// Names one prepared model without keeping it alive: for memories that hold numbers of its faces and
-/// nodes. A clone of the model has the same name; an equal one that was built apart has another, and so
-/// does what a deformation makes of it.
+/// Names one prepared model without keeping it alive: for memories that hold numbers of its faces
+/// and nodes. A clone of the model has the same name; an equal one that was built apart has
+/// another, and so does what a deformation makes of it.
 #[derive(Clone, Debug)]
 pub struct ModelTag(Weak<Parts>);
 

@@ -1,5 +1,5 @@
-//! Patches as bytes: what was measured of them, the cones of the tree over them, and the shape of all trees. Boxes
-//! are made again, when somebody asks for patches.
+//! Patches as bytes: what was measured of them, the cones of the tree over them, and the shape of
+//! all trees. Boxes are made again, when somebody asks for patches.
 
 use cranny_exact::{Aabb, DVec3};
 
@@ -9,7 +9,7 @@ use crate::codec::{
 };
 use crate::ids::PatchId;
 use crate::mesh::Mesh;
-use crate::tree::{FoldedForest, Node, Unfolded, check_shape};
+use crate::tree::{Node, NodesFromCounts, StoredForest, check_shape};
 
 plain_struct!(Slab { normal: DVec3, height: f64 });
 plain_struct!(NormalCone { axis: DVec3, cosine: f64 });
@@ -39,19 +39,19 @@ impl Patches {
 
 /// Patches without boxes, of which all else was checked.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FoldedPatches {
+pub(crate) struct StoredPatches {
     records: Vec<Record>,
     patch_of_face: Vec<PatchId>,
-    trees: FoldedForest,
+    trees: StoredForest,
     slabs: Vec<Slab>,
     top: FoldedTop,
 }
 
-impl FoldedPatches {
+impl StoredPatches {
     /// Reads the patches of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
         let records: Vec<Record> = input.list()?;
-        let (trees, patch_of_face) = FoldedForest::decode(input, mesh)?;
+        let (trees, patch_of_face) = StoredForest::decode(input, mesh)?;
         let slabs: Vec<Slab> = input.list()?;
         check(!records.is_empty(), "there is no patch")?;
         check(trees.len() == records.len(), "a tree for each patch is needed")?;
@@ -71,16 +71,16 @@ impl FoldedPatches {
     }
 
     /// The patches. What they keep is taken out.
-    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> Patches {
-        let trees = self.trees.unfold(mesh);
-        let unfolded = |(tree, &Record { cone, radius, area, needles }): (usize, &Record)| {
+    pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> Patches {
+        let trees = self.trees.rebuild(mesh);
+        let rebuilt = |(tree, &Record { cone, radius, area, needles }): (usize, &Record)| {
             // Each has one: it holds a face.
             let bounds =
                 trees.root(tree).map_or(Aabb::EMPTY, |root| trees.arena().node(root).bounds);
             Patch { cone, bounds, center: bounds.center(), radius, area, needles }
         };
-        let patches: Vec<Patch> = self.records.iter().enumerate().map(unfolded).collect();
-        let top = self.top.unfold(&patches);
+        let patches: Vec<Patch> = self.records.iter().enumerate().map(rebuilt).collect();
+        let top = self.top.rebuild(&patches);
         let (patch_of_face, slabs) = (&mut self.patch_of_face, &mut self.slabs);
         Patches {
             patches,
@@ -122,9 +122,9 @@ impl FoldedTop {
         Ok(Self { order, counts, cones })
     }
 
-    fn unfold(&mut self, patches: &[Patch]) -> PatchTree {
+    fn rebuild(&mut self, patches: &[Patch]) -> PatchTree {
         let Self { order, counts, cones } = self;
-        let mut nodes = Unfolded::of(counts);
+        let mut nodes = NodesFromCounts::of(counts);
         nodes.tree(0..counts.len(), 0..order.len(), |leaf| {
             patches[order[leaf.start].index()].bounds
         });

@@ -1,7 +1,8 @@
 //! Cones of normals, bounded so that rounding cannot put a normal outside.
 //!
-//! Source: cones of normals are Shirman and Abi-Ezzi's (1993, "The cone of normals technique for fast processing of
-//! curved patches"); the bounds of rounding are derived here. Cost: O(1) for a union, O(n) to measure n faces.
+//! Source: cones of normals are Shirman and Abi-Ezzi's (1993, "The cone of normals technique for
+//! fast processing of curved patches"); the bounds of rounding are derived here. Cost: O(1) for a
+//! union, O(n) to measure n faces.
 
 use cranny_exact::DVec3;
 
@@ -152,7 +153,8 @@ impl NormalCone {
 
     /// Sine of the half-angle, rounded to nearest; of an angle up to a right one.
     pub(super) fn sine(&self) -> f64 {
-        // 1 − cosine is exact where the cosine is above ½, so that no digit of a small angle is lost.
+        // 1 − cosine is exact where the cosine is above ½, so that no digit of a small angle is
+        // lost.
         ((1.0 - self.cosine) * (1.0 + self.cosine)).max(0.0).sqrt()
     }
 
@@ -195,7 +197,8 @@ impl NormalCone {
         if cosine < 0.0 { Self::WHOLE } else { Self { axis, cosine } }
     }
 
-    /// [`union`](Self::union) with the cone of one direction; of one up to a half-angle of 90 degrees.
+    /// [`union`](Self::union) with the cone of one direction; of one up to a half-angle of 90
+    /// degrees.
     fn with(&self, unit: DVec3) -> Self {
         let (sine, between) = (self.sine(), self.axis.dot(unit));
         if between >= self.cosine {

@@ -7,8 +7,9 @@
 //! want bounds kept, not an error minimised, and one pass). Growth leaves slivers where fronts met;
 //! each then joins the neighbour with which it shares most border, if the limits allow.
 //!
-//! Cost: O(n) for growth, O(p log p) for each round of merging p patches, until none joins. Only the order of faces,
-//! ratios of lengths and angles decide: scaling by a power of two changes nothing.
+//! Cost: O(n) for growth, O(p log p) for each round of merging p patches, until none joins. Only
+//! the order of faces, ratios of lengths and angles decide: scaling by a power of two changes
+//! nothing.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -26,21 +27,21 @@ use crate::tree::Mates;
 /// for surfaces that a body touches on both sides at once.
 pub(super) const LEAST_COSINE: f64 = 0.906;
 
-/// Axes of two cones that make more than twice that angle lie in no such cone; this is the cosine, rounded
-/// down. Larger: patches that may be joined are not; smaller: cones are joined in vain.
+/// Axes of two cones that make more than twice that angle lie in no such cone; this is the cosine,
+/// rounded down. Larger: patches that may be joined are not; smaller: cones are joined in vain.
 const LEAST_COSINE_OF_AXES: f64 = 0.64;
 
-/// What rounding adds to cosines when cones are joined over and over, with much room. Smaller, and patches that may be
-/// joined are not; larger, and cones are joined in vain.
+/// What rounding adds to cosines when cones are joined over and over, with much room. Smaller, and
+/// patches that may be joined are not; larger, and cones are joined in vain.
 const ROOM: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// Largest diagonal of a patch's box, as a part of the body's: a flat side is divided too, so that a
-/// patch stands for a place. Smaller: more patches; larger: one point for a whole side.
+/// Largest diagonal of a patch's box, as a part of the body's: a flat side is divided too, so that
+/// a patch stands for a place. Smaller: more patches; larger: one point for a whole side.
 const LARGEST_EXTENT: f64 = 0.25;
 
 /// How much longer than its largest face a patch may be, squared, where that face exceeds the limit
-/// above: large faces are joined, not left alone, as long as the patch is no longer than the diagonal
-/// of a square on the face. 1: every second face of a tall cup's wall stays alone.
+/// above: large faces are joined, not left alone, as long as the patch is no longer than the
+/// diagonal of a square on the face. 1: every second face of a tall cup's wall stays alone.
 const BEYOND_LARGEST_FACE: f64 = 2.0;
 
 /// What a patch may grow to.
@@ -136,8 +137,8 @@ impl Limits {
     }
 }
 
-/// A patch number for each face, counted in the order of the patches' lowest faces, and what each patch
-/// has grown to.
+/// A patch number for each face, counted in the order of the patches' lowest faces, and what each
+/// patch has grown to.
 pub(super) struct Partition {
     pub(super) patch_of: Vec<u32>,
     pub(super) patches: Vec<Growing>,
@@ -201,12 +202,12 @@ trait Free {
 }
 
 /// Patch numbers of all faces, and the number that those taken get.
-struct Numbering {
+struct PatchNumbers {
     patch_of: Vec<u32>,
     number: u32,
 }
 
-impl Free for Numbering {
+impl Free for PatchNumbers {
     fn has(&self, face: FaceId) -> bool {
         self.patch_of[face.index()] == NONE
     }
@@ -237,7 +238,7 @@ fn grown(
 ) -> (Vec<u32>, Vec<Growing>) {
     let count = normals.len();
     let face = |f: FaceId| (normals.get(f).map(|normal| normal.unit()), *mates.bounds(f));
-    let mut numbering = Numbering { patch_of: vec![NONE; count], number: 0 };
+    let mut numbering = PatchNumbers { patch_of: vec![NONE; count], number: 0 };
     let (mut patches, mut front) = (Vec::new(), VecDeque::new());
     for seed in (0..count as u32).map(FaceId) {
         if numbering.has(seed) {
@@ -268,8 +269,8 @@ pub(super) fn divided(
     patches
 }
 
-/// Grows one patch, breadth-first. `face` tells the unit normal, but for needles, and the box of a face; `front` is
-/// memory to be used again.
+/// Grows one patch, breadth-first. `face` returns the unit normal, but for needles, and the box of
+/// a face; `front` is memory to be used again.
 fn grow_from(
     seed: FaceId,
     topology: &Topology,
@@ -322,8 +323,9 @@ fn grow_from(
     patch
 }
 
-/// The axis of a cone and a direction that make an angle of less than this cosine certainly lie in no cone as wide as
-/// patches may be: that would be narrower than half of what lies between them and on the far side of the axis.
+/// The axis of a cone and a direction that make an angle of less than this cosine certainly lie in
+/// no cone as wide as patches may be: that would be narrower than half of what lies between them
+/// and on the far side of the axis.
 fn least_cosine_between(cone: Option<NormalCone>) -> f64 {
     let Some(cone) = cone else { return -1.0 };
     // Cosine and sine of the widest cone's angle from side to side.
@@ -332,8 +334,8 @@ fn least_cosine_between(cone: Option<NormalCone>) -> f64 {
     whole * cone.cosine + across * cone.sine() - ROOM
 }
 
-/// Joins small patches to neighbours, smallest first, until no limit allows any more; returns the set
-/// of each patch and leaves the joined patch at the set's number.
+/// Joins small patches to neighbours, smallest first, until no limit allows any more; returns the
+/// set of each patch and leaves the joined patch at the set's number.
 fn merged(limits: &Limits, mut borders: Vec<Border>, patches: &mut [Growing]) -> Vec<u32> {
     let mut sets = DisjointSets::new(patches.len());
     let mut order: Vec<u32> = (0..patches.len() as u32).collect();
@@ -381,11 +383,12 @@ struct Border {
     length: f64,
 }
 
-/// Sorts borders by their patches, of which there are `patches`, and makes one of those between the same two.
+/// Sorts borders by their patches, of which there are `patches`, and makes one of those between the
+/// same two.
 fn collect(borders: &mut Vec<Border>, patches: usize) {
     borders.retain(|b| b.own != b.other);
-    // Dealt out by the other patch, then by the own one. Both keep the order of equal ones: lengths are summed in
-    // the order of faces.
+    // Dealt out by the other patch, then by the own one. Both keep the order of equal ones: lengths
+    // are summed in the order of faces.
     let by_other = dealt(borders, patches, |b| b.other);
     *borders = dealt(&by_other, patches, |b| b.own);
     borders.dedup_by(|next, kept| {
@@ -442,8 +445,9 @@ fn borders(mesh: &Mesh, topology: &Topology, partition: &Partition) -> Vec<Borde
     borders
 }
 
-/// Calls `visit` with the lesser of the two half-edges of each edge between two patches, in ascending order. Most edges
-/// lie within a patch, and a pass over edges tells that quicker than one over faces.
+/// Calls `visit` with the lesser of the two half-edges of each edge between two patches, in
+/// ascending order. Most edges lie within a patch, and a pass over edges finds that quicker than
+/// one over faces.
 fn for_each_side_on_a_border(
     pairs: &[[HalfEdgeId; 2]],
     patch_of: &[u32],

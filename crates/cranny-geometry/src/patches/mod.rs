@@ -6,17 +6,18 @@
 //! then down the trees of two patches.
 //!
 //! Every face belongs to one patch. An edge or a vertex belongs to the patch with the lowest number
-//! among those of its faces, so that a contact on a border is found once; nothing of that is kept, for
-//! a mesh's adjacency says it in a few steps. Bounds: all normals
-//! of a patch lie within its cone (certified, see [`NormalCone`]), whose half-angle is at most 25
-//! degrees; its box's diagonal is at most a quarter of the body's, or √2 times its largest face's.
-//! Needles, thinner than 2^-30 of their length, have no normal that rounding leaves alone: they go with
-//! a neighbour, are counted in [`Patch::needles`], and the cone does not speak for them.
+//! among those of its faces, so that a contact on a border is found once; nothing of that is kept,
+//! for a mesh's adjacency says it in a few steps. Bounds: all normals of a patch lie within its
+//! cone (certified, see [`NormalCone`]), whose half-angle is at most 25 degrees; its box's diagonal
+//! is at most a quarter of the body's, or √2 times its largest face's. Needles, thinner than 2^-30
+//! of their length, have no normal that rounding leaves alone: they go with a neighbour, are
+//! counted in [`Patch::needles`], and the cone does not speak for them.
 //!
 //! How faces are chosen stands in `grow`. Cost: near-linear, about half a microsecond a
 //! face, a third of it for the trees.
 //!
-//! Sources stand with the parts: patches in `grow`, cones in `cone`, the tree over patches in `top`.
+//! Sources stand with the parts: patches in `grow`, cones in `cone`, the tree over patches in
+//! `top`.
 
 mod codec;
 mod cone;
@@ -29,7 +30,7 @@ use std::collections::BTreeSet;
 
 use cranny_exact::{Aabb, DVec3};
 
-pub(crate) use self::codec::FoldedPatches;
+pub(crate) use self::codec::StoredPatches;
 pub use self::cone::NormalCone;
 use self::cone::{Measured, Normals};
 pub use self::slab::Slab;
@@ -40,7 +41,7 @@ use crate::rows::rows;
 use crate::topology::Topology;
 use crate::tree::{FaceForest, Mates};
 
-/// What is known of a patch, in the body's frame. Its faces are asked from [`Patches`].
+/// What is known of a patch, in the body's frame. [`Patches`] has its faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Holds the normal of every face but [`needles`](Self::needles).
@@ -112,7 +113,8 @@ impl Patches {
         Self::assemble(mesh, partition, trees, slabs, measure)
     }
 
-    /// From a partition, trees over its parts, and the slabs of these; `measure` measures faces about an axis.
+    /// From a partition, trees over its parts, and the slabs of these; `measure` measures faces
+    /// about an axis.
     fn assemble(
         mesh: &Mesh,
         partition: grow::Partition,
@@ -162,15 +164,16 @@ impl Patches {
         self.patch_of_face[face.index()]
     }
 
-    /// The patch of a vertex: the lowest among its faces'; `None` where no face names it. `topology` is
-    /// the mesh's. Cost: its faces.
+    /// The patch of a vertex: the lowest among its faces'; `None` where no face names it.
+    /// `topology` is the mesh's. Cost: its faces.
     #[must_use]
     #[inline]
     pub fn patch_of_vertex(&self, topology: &Topology, vertex: VertexId) -> Option<PatchId> {
         topology.faces_at(vertex).iter().map(|&face| self.patch_of_face(face)).min()
     }
 
-    /// The patch of an edge: the lowest among its faces'. `topology` is the mesh's. Cost: its faces.
+    /// The patch of an edge: the lowest among its faces'. `topology` is the mesh's. Cost: its
+    /// faces.
     #[must_use]
     #[inline]
     pub fn patch_of_edge(&self, topology: &Topology, edge: EdgeId) -> PatchId {
@@ -270,7 +273,8 @@ impl Patches {
 }
 
 impl Patch {
-    /// Of tree `patch`, which is not empty. `axis`: of the cone; `None` where all faces are needles.
+    /// Of tree `patch`, which is not empty. `axis`: of the cone; `None` where all faces are
+    /// needles.
     fn of(mesh: &Mesh, trees: &FaceForest, patch: usize, axis: Option<NormalCone>) -> Self {
         Self::by(|faces, axis| Measured::of(mesh, faces, axis), mesh, trees, patch, axis)
     }

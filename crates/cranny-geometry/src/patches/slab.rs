@@ -1,11 +1,11 @@
 //! How high the faces beneath a node reach along their mean normal.
 //!
-//! Where two surfaces lie along each other, boxes of slanted faces are thicker than the gap. A plane
-//! above the faces is not: the heights of two such planes bound the gap between two nodes.
+//! Where two surfaces lie along each other, boxes of slanted faces are thicker than the gap. A
+//! plane above the faces is not: the heights of two such planes bound the gap between two nodes.
 //!
-//! Source: planes at a distance along given directions bound faces in Klosowski and others (1998, "Efficient
-//! collision detection using bounding volume hierarchies of k-DOPs"); here it is one plane, along each node's own
-//! normal. Cost: O(n) for each level of the trees.
+//! Source: planes at a distance along given directions bound faces in Klosowski and others (1998,
+//! "Efficient collision detection using bounding volume hierarchies of k-DOPs"); here it is one
+//! plane, along each node's own normal. Cost: O(n) for each level of the trees.
 
 use std::ops::Range;
 
@@ -26,8 +26,8 @@ pub struct Slab {
 }
 
 impl Slab {
-    /// Those of the nodes of some whole trees of an arena, given by their ranges, one tree's behind the
-    /// other's. Cost: O(n log n).
+    /// Those of the nodes of some whole trees of an arena, given by their ranges, one tree's behind
+    /// the other's. Cost: O(n log n).
     pub(super) fn of_trees(
         mesh: &Mesh,
         arena: &FaceTree,
@@ -56,7 +56,8 @@ impl Slab {
         Self::with(mesh, arena, [nodes], last)
     }
 
-    /// `last` tells the leaf before in which a vertex was a corner, and takes the one in which it is.
+    /// `last` returns the leaf before in which a vertex was a corner, and takes the one in which it
+    /// is.
     fn with(
         mesh: &Mesh,
         arena: &FaceTree,
@@ -83,7 +84,8 @@ impl Slab {
                     let [a, b, c] = triangle;
                     area += 0.5 * (b - a).cross(c - a);
                     for (vertex, corner) in mesh.corners(face).into_iter().zip(triangle) {
-                        // Written over where it stands there: without a branch that nobody can predict.
+                        // Written over where it stands there: without a branch that nobody can
+                        // predict.
                         corners[end] = corner;
                         end += usize::from(last(vertex, node as u32) != node as u32);
                     }

@@ -1,8 +1,8 @@
 //! The tree over patches: boxes and cones, down to single patches.
 //!
-//! Source: trees of boxes and cones of normals are those of Johnson and Cohen (2001, "Spatialized normal cone
-//! hierarchies"). Cost: O(p log p) for p patches as a rule; to fit it again costs the patches that have changed, at
-//! each node whose old box may hold them.
+//! Source: trees of boxes and cones of normals are those of Johnson and Cohen (2001, "Spatialized
+//! normal cone hierarchies"). Cost: O(p log p) for p patches as a rule; to fit it again costs the
+//! patches that have changed, at each node whose old box may hold them.
 
 use cranny_exact::Aabb;
 
@@ -46,8 +46,9 @@ impl PatchTree {
         GrownAreas::of(&self.nodes)
     }
 
-    /// Fits boxes and cones above some patches that have changed, given the boxes that they had. Whether the tree is
-    /// well again: not where a box has spread too far since it was grown, or a patch was not found.
+    /// Fits boxes and cones above some patches that have changed, given the boxes that they had.
+    /// Whether the tree is well again: not where a box has spread too far since it was grown, or a
+    /// patch was not found.
     pub(super) fn refit(
         &mut self,
         patches: &[Patch],

@@ -1,13 +1,13 @@
 //! Patches after some faces have moved.
 //!
-//! A patch whose faces still make one keeps them, and is measured again. One that has become too bent
-//! or too large is divided by growing it anew from its own faces; what is left over joins neighbours
-//! where the limits allow, as when all patches are built. So patches keep their promises, but *which*
-//! faces make one depends on the deformations before: growth is greedy, and one face more or less
-//! would move every border behind it.
+//! A patch whose faces still make one keeps them, and is measured again. One that has become too
+//! bent or too large is divided by growing it anew from its own faces; what is left over joins
+//! neighbours where the limits allow, as when all patches are built. So patches keep their
+//! promises, but *which* faces make one depends on the deformations before: growth is greedy, and
+//! one face more or less would move every border behind it.
 //!
-//! No source: this crate's own; growth and merging are those of `grow`, which keep the limits from whatever they
-//! begin with. Cost: with the function.
+//! No source: this crate's own; growth and merging are those of `grow`, which keep the limits from
+//! whatever they begin with. Cost: with the function.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,8 +33,8 @@ pub(crate) struct PatchUpdate {
 impl Patches {
     /// Follows moved faces.
     ///
-    /// Cost: the patches with a moved face, the nodes above them, and a glance at each patch; where one is divided, a
-    /// pass over all faces as well. `body` is the box of all faces.
+    /// Cost: the patches with a moved face, the nodes above them, and a glance at each patch; where
+    /// one is divided, a pass over all faces as well. `body` is the box of all faces.
     pub(crate) fn update(
         &mut self,
         mesh: &Mesh,

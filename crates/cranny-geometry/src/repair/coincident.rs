@@ -1,7 +1,7 @@
 //! Faces in one place: which copies the surface does not need.
 //!
-//! No source: this crate's own, for the reason given with the function. Cost: O(n), and O(k log k) for k faces that
-//! have copies.
+//! No source: this crate's own, for the reason given with the function. Cost: O(n), and O(k log k)
+//! for k faces that have copies.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,11 @@ use crate::topology::{DisjointSets, Topology};
 /// points is the same.
 ///
 /// Of copies wound both ways, as many pairs go as leaves one face or one opposite pair: what two
-/// opposite faces add to their edges cancels, so this changes no boundary. Of a last opposite pair one
-/// goes if edges balance then that do not with both (a face of a closed surface, filed a second time
-/// the wrong way round). Of copies wound alike one stays, unless edges that were balanced would be
-/// open then. Both are decided for all such faces that hang together (a solid filed twice loses its
-/// second copy as a whole).
+/// opposite faces add to their edges cancels, so this changes no boundary. Of a last opposite pair
+/// one goes if edges balance then that do not with both (a face of a closed surface, filed a second
+/// time the wrong way round). Of copies wound alike one stays, unless edges that were balanced
+/// would be open then. Both are decided for all such faces that hang together (a solid filed twice
+/// loses its second copy as a whole).
 pub(super) fn superfluous(mesh: &Mesh, topology: &Topology) -> Vec<FaceId> {
     let mut drop = Vec::new();
     let mut alike: Vec<Vec<FaceId>> = Vec::new();

@@ -1,16 +1,17 @@
 //! Repairs: what may be mended, in which order, and that the surface stays where it is.
 //!
 //! Every repair that touches geometry is a *simplicial map*: filed vertices go to vertices of the
-//! mended mesh, edges are split at vertices, faces are parted accordingly, and a face whose image has
-//! no area may go if other faces cover that image. All faces of an edge are split alike and all corners
-//! at a vertex go to the same one, so what closed before still closes. [`proof`] then checks, from the
-//! outcome alone, that no point moved farther than the weld distance and that nothing is missing and
-//! nothing is new.
+//! mended mesh, edges are split at vertices, faces are parted accordingly, and a face whose image
+//! has no area may go if other faces cover that image. All faces of an edge are split alike and all
+//! corners at a vertex go to the same one, so what closed before still closes. [`proof`] then
+//! checks, from the outcome alone, that no point moved farther than the weld distance and that
+//! nothing is missing and nothing is new.
 //!
 //! Holes are not filled by any policy: a lid where none was filed is no repair but an invention.
 //!
-//! Source: simplicial maps are those of Munkres (1984, "Elements of algebraic topology", section 2); what is mended
-//! and in which order is this crate's own, and the proof trusts none of it. Cost: O(n log n) as a rule.
+//! Source: simplicial maps are those of Munkres (1984, "Elements of algebraic topology", section
+//! 2); what is mended and in which order is this crate's own, and the proof trusts none of it.
+//! Cost: O(n log n) as a rule.
 
 mod coincident;
 mod orient;
@@ -37,13 +38,13 @@ pub enum Repair {
     /// Nothing else: the prepared faces are the filed ones, to the last.
     #[default]
     None,
-    /// What leaves the surface where it is, within the weld distance, and is proved to:
-    /// vertices along unmatched edges are welded to one another within the distance; edges are split
-    /// at T-vertices and at the middle corners of faces without area; faces without area go where
-    /// others cover them; of faces in one place as many stay as the surface needs (opposite ones are
-    /// cancelled only while another copy stays, and of a last pair the one goes that fits its
-    /// neighbours less well); faces are turned to agree with their neighbours, and
-    /// closed components to look outwards, each with what lies in it.
+    /// What leaves the surface where it is, within the weld distance, and is proved to: vertices
+    /// along unmatched edges are welded to one another within the distance; edges are split at
+    /// T-vertices and at the middle corners of faces without area; faces without area go where
+    /// others cover them; of faces in one place as many stay as the surface needs (opposite ones
+    /// are cancelled only while another copy stays, and of a last pair the one goes that fits its
+    /// neighbours less well); faces are turned to agree with their neighbours, and closed
+    /// components to look outwards, each with what lies in it.
     Safe,
     /// `Safe`, and what changes the solid, though no place where it can be touched from outside:
     /// components within others become cavities, those within cavities solids, by the parity of how
@@ -78,7 +79,7 @@ pub(crate) fn mend(
     let Welded { mesh, new_id: mut vertex_of, .. } = welded;
     let mesh = weld_near(mesh, &mut vertex_of, weld_distance, &mut records);
     let splits = splits(filed, &mesh, weld_distance, &mut records);
-    let mut work = Work::part(&mesh, &splits, &mut records);
+    let mut work = WorkingMesh::part(&mesh, &splits, &mut records);
     work.drop_coincident(&mut records);
     let sheets = orient::orient(&mut work, full, &mut records);
 
@@ -96,13 +97,13 @@ pub(crate) fn mend(
 }
 
 /// The mesh in work: all welded vertices, used or not, and faces with the filed face of each.
-struct Work {
+struct WorkingMesh {
     mesh: Mesh,
     origin: Vec<FaceId>,
     filed_faces: usize,
 }
 
-impl Work {
+impl WorkingMesh {
     fn is_as_filed(&self) -> bool {
         self.mesh.faces().len() == self.filed_faces
             && self.origin.iter().enumerate().all(|(i, f)| f.index() == i)
@@ -244,8 +245,8 @@ fn weld_near(
     Mesh::from_trusted(mesh.vertices().to_vec(), faces)
 }
 
-/// Where edges are to be split: unmatched ones at T-vertices, and the long side of every face without
-/// area at its middle corner (its neighbour over that side then meets the two short ones).
+/// Where edges are to be split: unmatched ones at T-vertices, and the long side of every face
+/// without area at its middle corner (its neighbour over that side then meets the two short ones).
 ///
 /// `mesh` has the faces of `filed`, one for one. A vertex is inserted only where it lies within the
 /// distance of the edge *as filed*, in every face of the edge: so moves do not add up.
@@ -361,7 +362,8 @@ fn is_each_once(from: u32, to: u32, inside: &[u32]) -> bool {
     all.windows(2).all(|pair| pair[0] != pair[1])
 }
 
-/// Without the vertices that no face uses, in their old order; and where each one is now, [`UNREFERENCED`] if nowhere.
+/// Without the vertices that no face uses, in their old order; and where each one is now,
+/// [`UNREFERENCED`] if nowhere.
 fn compacted(mesh: Mesh) -> (Mesh, Vec<u32>) {
     let mut used = vec![false; mesh.vertices().len()];
     for &v in mesh.faces().iter().flatten() {

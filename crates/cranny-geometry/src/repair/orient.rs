@@ -1,11 +1,11 @@
 //! Which way faces look: consistently, outwards, and by parity where shells lie in each other.
 //!
-//! No source: this crate's own; the parity of what encloses a shell says whether solid lies within it. Cost: that of
-//! `shells`; for each pair of opposite faces in one place that of `winding`.
+//! No source: this crate's own; the parity of what encloses a shell says whether solid lies within
+//! it. Cost: that of `shells`; for each pair of opposite faces in one place that of `winding`.
 
 use cranny_exact::{DVec3, Sign};
 
-use super::Work;
+use super::WorkingMesh;
 use crate::ids::FaceId;
 use crate::report::{RepairKind, RepairRecord};
 use crate::scan::faces::coincident;
@@ -16,7 +16,11 @@ use crate::winding::{Winding, winding};
 
 /// Turns what looks the wrong way; with `full`, also nested components, and drops inner sheets.
 /// Returns the filed faces of those.
-pub(super) fn orient(work: &mut Work, full: bool, records: &mut Vec<RepairRecord>) -> Vec<FaceId> {
+pub(super) fn orient(
+    work: &mut WorkingMesh,
+    full: bool,
+    records: &mut Vec<RepairRecord>,
+) -> Vec<FaceId> {
     turn_back_faces(work, records);
     let topology = Topology::of(&work.mesh);
     if !topology.components().iter().any(|c| c.closed) {
@@ -42,7 +46,7 @@ pub(super) fn orient(work: &mut Work, full: bool, records: &mut Vec<RepairRecord
     drop_inner_sheets(work, &topology, &tree, records)
 }
 
-fn turn_back_faces(work: &mut Work, records: &mut Vec<RepairRecord>) {
+fn turn_back_faces(work: &mut WorkingMesh, records: &mut Vec<RepairRecord>) {
     let found = disagreement(work.mesh.faces().len(), &Topology::of(&work.mesh));
     let turned: Vec<FaceId> = found.turned.into_iter().flatten().collect();
     if turned.is_empty() {
@@ -78,7 +82,7 @@ fn is_misplaced(shell: &Shell) -> bool {
 }
 
 fn turn_components(
-    work: &mut Work,
+    work: &mut WorkingMesh,
     topology: &Topology,
     shells: &mut [Shell],
     turn: &[bool],
@@ -107,10 +111,10 @@ fn turn_components(
 }
 
 /// Drops pairs of opposite faces in one place that have solid on both sides: the rest of the mesh
-/// winds around the middle of the face. What such a pair adds to its edges cancels, so all closes as
-/// before, and the winding number of no point changes.
+/// winds around the middle of the face. What such a pair adds to its edges cancels, so all closes
+/// as before, and the winding number of no point changes.
 fn drop_inner_sheets(
-    work: &mut Work,
+    work: &mut WorkingMesh,
     topology: &Topology,
     tree: &FaceTree,
     records: &mut Vec<RepairRecord>,

@@ -1,11 +1,12 @@
 //! That two meshes are the same surface within a distance, proved from the outcome alone.
 //!
 //! Given where each filed vertex went and where edges were split, every filed face is laid out as a
-//! tiling of triangles, and each of those has an image in the mended mesh. The map is linear on each
-//! tile and moves its corners by no more than the distance, so it moves no point farther. Then:
+//! tiling of triangles, and each of those has an image in the mended mesh. The map is linear on
+//! each tile and moves its corners by no more than the distance, so it moves no point farther.
+//! Then:
 //!
-//! - *nothing is missing*: the image of every tile is a face of the mended mesh, or (where corners fall
-//!   together) an edge or a vertex of one;
+//! - *nothing is missing*: the image of every tile is a face of the mended mesh, or (where corners
+//!   fall together) an edge or a vertex of one;
 //! - *nothing is new*: every mended face is the image of a tile of the filed face that it claims.
 //!
 //! So each surface lies within the distance of the other (Hausdorff), but for the sheets inside the

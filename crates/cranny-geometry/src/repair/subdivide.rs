@@ -1,7 +1,8 @@
 //! A face whose edges are split at vertices within them, as smaller faces.
 //!
-//! No source: this crate's own. Parts tile the face because each cut runs from a corner to a point of the side
-//! across. Cost: O(s log s) for a face with s vertices within its edges, besides looking them up.
+//! No source: this crate's own. Parts tile the face because each cut runs from a corner to a point
+//! of the side across. Cost: O(s log s) for a face with s vertices within its edges, besides
+//! looking them up.
 
 use std::collections::BTreeMap;
 
@@ -35,10 +36,10 @@ impl Splits {
     }
 
     /// The triangles of a face whose edges are split: a face is parted at the middle vertex of its
-    /// most split edge, by a line to the corner across, and so are the parts. Laid out flat, with the
-    /// inserted vertices on the edges, the parts tile the face and keep its winding. Triangles with
-    /// two corners alike are among them where a corner of the face is a vertex of an edge across; they
-    /// are part of the tiling, and have no area.
+    /// most split edge, by a line to the corner across, and so are the parts. Laid out flat, with
+    /// the inserted vertices on the edges, the parts tile the face and keep its winding. Triangles
+    /// with two corners alike are among them where a corner of the face is a vertex of an edge
+    /// across; they are part of the tiling, and have no area.
     pub(crate) fn parts(&self, face: [u32; 3]) -> Vec<[u32; 3]> {
         let [a, b, c] = face;
         let mut parts = Vec::new();

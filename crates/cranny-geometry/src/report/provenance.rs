@@ -21,8 +21,9 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// What a filed vertex became: vertices are numbered anew by their first use, and several in one place become one.
-    /// `None` of one that no face of the prepared mesh uses, and of a number that was not filed.
+    /// What a filed vertex became: vertices are numbered anew by their first use, and several in
+    /// one place become one. `None` of one that no face of the prepared mesh uses, and of a number
+    /// that was not filed.
     #[must_use]
     pub fn vertex(&self, filed: u32) -> Option<VertexId> {
         let id = *self.new_ids.get(filed as usize)?;

@@ -1,9 +1,9 @@
 //! Where faces lie, seen from a point or along a line: boxes around arcs of directions.
 //!
-//! Two triangles with a common corner meet elsewhere only along rays from it, so what they cut out of
-//! the unit sphere about it overlaps. Two triangles, a corner of each on one line, meet off that line
-//! only where the directions from it overlap. Boxes around such arcs part faces whose own boxes all
-//! overlap, those of a cone.
+//! Two triangles with a common corner meet elsewhere only along rays from it, so what they cut out
+//! of the unit sphere about it overlaps. Two triangles, a corner of each on one line, meet off that
+//! line only where the directions from it overlap. Boxes around such arcs part faces whose own
+//! boxes all overlap, those of a cone.
 //!
 //! No source: this crate's own, argued above. Cost: O(1) a face.
 
@@ -13,15 +13,16 @@ use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 
 /// The directions of points nearer the line than this share of their distance from its foot are not
-/// read. Smaller, and rounding turns them by more than [`TURNED`]; larger, and faces that end near the
-/// line are paired with all others.
+/// read. Smaller, and rounding turns them by more than [`TURNED`]; larger, and faces that end near
+/// the line are paired with all others.
 const NEAR_LINE: f64 = 1.0 / (1 << 20) as f64;
 
-/// What rounding turns directions by, at most, beyond [`NEAR_LINE`]: some 32 epsilons over that share.
+/// What rounding turns directions by, at most, beyond [`NEAR_LINE`]: some 32 epsilons over that
+/// share.
 const TURNED: f64 = 64.0 * f64::EPSILON / NEAR_LINE;
 
-/// A box around the arc of the unit sphere that a face cuts out about one of its corners; none for a
-/// face that ends there.
+/// A box around the arc of the unit sphere that a face cuts out about one of its corners; none for
+/// a face that ends there.
 pub(super) fn about_point(mesh: &Mesh, vertex: VertexId, face: FaceId) -> Option<Aabb> {
     let middle = mesh.position(vertex);
     let [p, q] = others(mesh, vertex, face)?.map(|p| p - middle);
@@ -48,9 +49,10 @@ impl Line {
         Self { from, frame: [across, along.cross(across), along], length }
     }
 
-    /// A box around a face with a corner on the line: its arc of directions from the line, and how far it
-    /// reaches along the line. All directions where the face may meet the line in more than the corner.
-    /// Two faces with corners in different places of the line do not meet where these boxes do not.
+    /// A box around a face with a corner on the line: its arc of directions from the line, and how
+    /// far it reaches along the line. All directions where the face may meet the line in more than
+    /// the corner. Two faces with corners in different places of the line do not meet where these
+    /// boxes do not.
     pub(super) fn about(&self, mesh: &Mesh, vertex: VertexId, face: FaceId) -> Option<Aabb> {
         let corner = mesh.position(vertex);
         let [across, up, along] = self.frame;
@@ -86,8 +88,8 @@ fn others(mesh: &Mesh, vertex: VertexId, face: FaceId) -> Option<[DVec3; 2]> {
 
 /// A box around the shorter arc between two directions.
 ///
-/// An arc of angle a rises 1 − cos(a/2) above its chord, and that is no more than sin²(a/2), a quarter
-/// of the chord's square.
+/// An arc of angle a rises 1 − cos(a/2) above its chord, and that is no more than sin²(a/2), a
+/// quarter of the chord's square.
 fn around(p: DVec3, q: DVec3, slack: f64) -> Aabb {
     Aabb::of_points([p, q]).grown(0.25 * p.distance_squared(q) + slack)
 }

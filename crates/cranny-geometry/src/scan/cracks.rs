@@ -1,11 +1,11 @@
 //! Where edges that nothing matches nearly meet: T-vertices, and vertices almost in one place.
 //!
-//! A T-vertex lies in the inside of another face's edge, so that the long edge on one side meets two
-//! (or more) short ones on the other: no crack is seen, yet no edge is matched. Only unmatched edges
-//! are searched: where every edge is matched there is nothing to join.
+//! A T-vertex lies in the inside of another face's edge, so that the long edge on one side meets
+//! two (or more) short ones on the other: no crack is seen, yet no edge is matched. Only unmatched
+//! edges are searched: where every edge is matched there is nothing to join.
 //!
-//! No source: definitions, with distances rounded upward. Cost: O(k log n) as a rule for k unmatched edges,
-//! O(n log n) for vertices near each other.
+//! No source: definitions, with distances rounded upward. Cost: O(k log n) as a rule for k
+//! unmatched edges, O(n log n) for vertices near each other.
 
 use cranny_exact::DVec3;
 
@@ -91,8 +91,8 @@ pub(crate) struct Near {
 }
 
 /// Vertices within the distance of another, among those that `among` names: each with the nearest
-/// leader (on a tie the least), where a leader is a vertex that has none itself. So nobody is farther
-/// than the distance from who stands for him, however long the chain. O(n log n).
+/// leader (on a tie the least), where a leader is a vertex that has none itself. So nobody is
+/// farther than the distance from who stands for him, however long the chain. O(n log n).
 pub(crate) fn near(
     mesh: &Mesh,
     tree: &FaceTree,

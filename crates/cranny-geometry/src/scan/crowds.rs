@@ -1,13 +1,14 @@
 //! Vertices at which very many faces meet: the tip of a cone, the middle of a disc.
 //!
-//! The boxes of these faces all hold the vertex, so they say nothing: of k faces k²/2 pairs would be
-//! judged, and as many again with those of a second crowd beyond the same ring, a cone's base. So they
-//! are paired by the [directions](super::arcs) in which they lie, from the vertex, or from the line
-//! through both; where the star is [spread out](Stars::is_spread) nothing needs judging at all. Pairs of
-//! nodes of the face tree whose faces all belong to one crowd, or two such crowds, need not be opened.
+//! The boxes of these faces all hold the vertex, so they say nothing: of k faces k²/2 pairs would
+//! be judged, and as many again with those of a second crowd beyond the same ring, a cone's base.
+//! So they are paired by the [directions](super::arcs) in which they lie, from the vertex, or from
+//! the line through both; where the star is [spread out](Stars::is_spread) nothing needs judging at
+//! all. Pairs of nodes of the face tree whose faces all belong to one crowd, or two such crowds,
+//! need not be opened.
 //!
-//! No source: this crate's own, by the argument in `arcs`. Cost: O(n) to find crowds, O(k log k) as a rule to pair
-//! the k faces of one, and the pairs that lie in directions near each other.
+//! No source: this crate's own, by the argument in `arcs`. Cost: O(n) to find crowds, O(k log k) as
+//! a rule to pair the k faces of one, and the pairs that lie in directions near each other.
 
 use std::ops::ControlFlow;
 
@@ -21,8 +22,8 @@ use crate::mesh::Mesh;
 use crate::topology::Topology;
 use crate::tree::{Content, FaceTree, Grower, Node};
 
-/// Faces that make a crowd. Fewer, and the pairs are judged as soon as paired by directions; more, and
-/// the pairs of so many faces are judged at every vertex of that degree.
+/// Faces that make a crowd. Fewer, and the pairs are judged as soon as paired by directions; more,
+/// and the pairs of so many faces are judged at every vertex of that degree.
 const CROWD: usize = 32;
 
 /// No vertex.
@@ -36,10 +37,11 @@ pub(super) struct Crowds<'a> {
     judged: Vec<VertexId>,
     /// Two crowded vertices, the lesser first, whose faces share very many sides; ascending.
     couples: Vec<[u32; 2]>,
-    /// Of each face the crowded vertex to which it belongs, or [`NONE`]: of its corners the one with most
-    /// faces, the least of equals. Empty where nothing is crowded, and so is the next.
+    /// Of each face the crowded vertex to which it belongs, or [`NONE`]: of its corners the one
+    /// with most faces, the least of equals. Empty where nothing is crowded, and so is the next.
     of_face: Vec<u32>,
-    /// Of each node of the face tree the crowded vertex to which all faces beneath belong, or [`NONE`].
+    /// Of each node of the face tree the crowded vertex to which all faces beneath belong, or
+    /// [`NONE`].
     of_node: Vec<u32>,
 }
 
@@ -69,8 +71,8 @@ impl<'a> Crowds<'a> {
         !self.judged.is_empty() && self.judged.binary_search(&vertex).is_ok()
     }
 
-    /// Whether no pair of a face beneath one node and a face beneath another needs to be looked at, but
-    /// for those among [`pairs`](Self::pairs).
+    /// Whether no pair of a face beneath one node and a face beneath another needs to be looked at,
+    /// but for those among [`pairs`](Self::pairs).
     pub(super) fn settle(&self, i: u32, j: u32) -> bool {
         !self.of_node.is_empty() && {
             let [i, j] = [i, j].map(|node| self.of_node[node as usize]);
@@ -80,9 +82,9 @@ impl<'a> Crowds<'a> {
         }
     }
 
-    /// Calls `visit` with all pairs of faces of one crowd that is not spread out, or of a couple, which
-    /// may meet elsewhere than by right; some are named twice. O(k log k) for k faces, but for pairs that
-    /// lie in directions near each other.
+    /// Calls `visit` with all pairs of faces of one crowd that is not spread out, or of a couple,
+    /// which may meet elsewhere than by right; some are named twice. O(k log k) for k faces, but
+    /// for pairs that lie in directions near each other.
     pub(super) fn pairs(
         &self,
         mut visit: impl FnMut(FaceId, FaceId) -> ControlFlow<()>,

@@ -1,7 +1,7 @@
 //! Edges and vertices at which faces do not meet as on a surface, and edges that bend nothing.
 //!
-//! No source: definitions, decided by signs. Cost: O(n), and O(k log k) as a rule at a vertex whose k faces are not
-//! one ring.
+//! No source: definitions, decided by signs. Cost: O(n), and O(k log k) as a rule at a vertex whose
+//! k faces are not one ring.
 
 use cranny_exact::{DVec3, orient3d};
 
@@ -65,7 +65,8 @@ pub(super) fn pinched(mesh: &Mesh, topology: &Topology, stars: &Stars) -> Vec<Fi
                 fans -= 1;
             }
         }
-        // A face with two corners here has one or no spoke and may be filed twice: no fan of its own.
+        // A face with two corners here has one or no spoke and may be filed twice: no fan of its
+        // own.
         let collapsed = faces.iter().any(|&f| {
             let [a, b, c] = mesh.corners(f);
             a == b || b == c || c == a
@@ -133,8 +134,9 @@ pub(super) fn flat(
 
 /// Whether four points lie in one plane, exactly.
 ///
-/// The predicate takes longest for zeros, and most planes of filed meshes run along axes: where all four
-/// have a coordinate in common, or two and two of them lie on lines along one axis, nothing is computed.
+/// The predicate takes longest for zeros, and most planes of filed meshes run along axes: where all
+/// four have a coordinate in common, or two and two of them lie on lines along one axis, nothing is
+/// computed.
 fn in_one_plane([a, b, c, d]: [DVec3; 4]) -> bool {
     let level = |axis: usize| a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis];
     let on_line = |p: DVec3, q: DVec3, axis: usize| {

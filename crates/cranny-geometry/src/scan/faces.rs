@@ -1,7 +1,7 @@
 //! Faces that are unusual by themselves, and faces in one place.
 //!
-//! No source: definitions, decided exactly where rounded numbers do not. Cost: O(n); faces in one place cost more
-//! where very many share an edge.
+//! No source: definitions, decided exactly where rounded numbers do not. Cost: O(n); faces in one
+//! place cost more where very many share an edge.
 
 use cranny_exact::DVec3;
 
@@ -39,7 +39,8 @@ impl Looked {
         for face in (0..count as u32).map(FaceId) {
             let [a, b, c] = mesh.triangle(face);
             let turn = Turn::of(&[a, b, c]);
-            // Twice as high, which rounding leaves alone where nothing is lost below the least number.
+            // Twice as high, which rounding leaves alone where nothing is lost below the least
+            // number.
             let squared = turn.normal.length_squared();
             let is_high = squared > 4.0 * weld_distance * weld_distance * longest_squared(a, b, c);
             if !(is_high && squared > f64::MIN_POSITIVE && turn.has_area()) {
@@ -78,9 +79,9 @@ pub(super) fn thin(mesh: &Mesh, looked: &Looked, weld_distance: f64) -> Vec<Find
     low.iter().filter_map(|&face| finding(face)).collect()
 }
 
-/// Groups of two and more faces on the same three vertices, each ascending, by their vertices.
-/// O(n) where few faces share an edge: only those that share one *and* the corner across it come into question.
-/// They share all three edges, so one a face is looked at.
+/// Groups of two and more faces on the same three vertices, each ascending, by their vertices. O(n)
+/// where few faces share an edge: only those that share one *and* the corner across it come into
+/// question. They share all three edges, so one a face is looked at.
 pub(crate) fn coincident(mesh: &Mesh, topology: &Topology) -> Vec<Vec<FaceId>> {
     let across = |h: HalfEdgeId| mesh.corners(h.face())[(h.corner() + 2) % 3];
     let mut candidates: Vec<([u32; 3], FaceId)> = Vec::new();

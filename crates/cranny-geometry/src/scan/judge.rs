@@ -1,14 +1,15 @@
 //! Two faces of one mesh: do they meet where they should not?
 //!
-//! Faces that share a vertex or an edge meet there by right, and are asked whether they meet
-//! *elsewhere*: two triangles with a common corner do so exactly if the side opposite to it, of one or
-//! the other, meets the other triangle (what they share is convex, so it reaches an opposite side if it
-//! is more than the corner); two with a common side do so exactly if they lie in one plane, on the same
-//! side of it. Decided by signs.
+//! Faces that share a vertex or an edge meet there by right, and are tested for whether they meet
+//! *elsewhere*: two triangles with a common corner do so exactly if the side opposite to it, of one
+//! or the other, meets the other triangle (what they share is convex, so it reaches an opposite
+//! side if it is more than the corner); two with a common side do so exactly if they lie in one
+//! plane, on the same side of it. Decided by signs.
 //!
-//! Sources: triangles against triangles and segments are judged in `cranny-exact`, which cites its own; what faces with
-//! a common corner or side are asked is argued above, and is this crate's own. Cost: O(1) a pair; a few comparisons where a
-//! coordinate or a view along an axis parts the two, else some signs, which are filtered.
+//! Sources: triangles against triangles and segments are judged in `cranny-exact`, which cites its
+//! own; which tests faces with a common corner or side get is argued above, and is this crate's
+//! own. Cost: O(1) a pair; a few comparisons where a coordinate or a view along an axis parts the
+//! two, else some signs, which are filtered.
 
 use cranny_exact::{
     DVec2, DVec3, Meeting, Sign, classify_segment_triangle, classify_triangles, orient2d, orient3d,
@@ -18,8 +19,8 @@ use crate::ids::{FaceId, VertexId};
 use crate::mesh::Mesh;
 use crate::report::FindingKind;
 
-/// How two faces with area meet, apart from what they share by right. Not asked of faces that share a
-/// vertex at which `settled` knows that all faces were judged.
+/// How two faces with area meet, apart from what they share by right. Not called for faces that
+/// share a vertex at which `settled` knows that all faces were judged.
 pub(super) fn judge(
     mesh: &Mesh,
     [f, g]: [FaceId; 2],
@@ -61,8 +62,8 @@ pub(super) fn judge(
     }
 }
 
-/// The corners that two faces share: none, one (its place in each), or two and more (the place of one of
-/// them in the first, and of a corner of the second that is not shared, if any).
+/// The corners that two faces share: none, one (its place in each), or two and more (the place of
+/// one of them in the first, and of a corner of the second that is not shared, if any).
 enum SharedCorners {
     None,
     One(usize, usize),
@@ -93,9 +94,10 @@ fn rotated<T: Copy>(t: &[T; 3], first: usize) -> [T; 3] {
     [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
 }
 
-/// Whether two triangles that share their first corner are plainly apart elsewhere: one lies strictly
-/// on one side of the other's plane or, in one plane, strictly on the outer side of a line through the
-/// corner and a side of the other. Decides nearly all pairs around a vertex, at a few signs each.
+/// Whether two triangles that share their first corner are plainly apart elsewhere: one lies
+/// strictly on one side of the other's plane or, in one plane, strictly on the outer side of a line
+/// through the corner and a side of the other. Decides nearly all pairs around a vertex, at a few
+/// signs each.
 fn apart_but_for_corner(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let about = |[p, q, r]: [DVec3; 3], t: &[DVec3; 3]| [t[1], t[2]].map(|v| orient3d(p, q, r, v));
     let one_side = |[s, t]: [Sign; 2]| s == t && !s.is_zero();
@@ -118,9 +120,9 @@ fn apart_but_for_corner(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     })
 }
 
-/// Whether two triangles that share their first corner are plainly apart elsewhere, seen along the axis
-/// nearest the normal of one: what appears apart is apart. Decides most pairs on a smooth surface, and
-/// signs in a plane are quicker than those in space, by far where faces are coplanar.
+/// Whether two triangles that share their first corner are plainly apart elsewhere, seen along the
+/// axis nearest the normal of one: what appears apart is apart. Decides most pairs on a smooth
+/// surface, and signs in a plane are quicker than those in space, by far where faces are coplanar.
 fn seen_apart(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let axis = dominant_axis(a);
     let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));
@@ -141,9 +143,9 @@ fn seen_parted(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     beyond(&a, &b) || beyond(&b, &a)
 }
 
-/// Whether two triangles lie plainly apart along the direction across the longest sides of both, with more room
-/// than projecting can round: as needles that pass each other do, whose boxes all overlap and whose planes
-/// part nothing.
+/// Whether two triangles lie plainly apart along the direction across the longest sides of both,
+/// with more room than projecting can round: as needles that pass each other do, whose boxes all
+/// overlap and whose planes part nothing.
 fn parted_across(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let across = longest_side(a).cross(longest_side(b));
     let span = |t: &[DVec3; 3]| {
@@ -169,8 +171,9 @@ fn longest_side(&[a, b, c]: &[DVec3; 3]) -> DVec3 {
     }
 }
 
-/// Whether two triangles that share a side lie on either side of it, seen along the axis nearest the
-/// normal of the first: then they share nothing else. `apex` is the corner of the second across from it.
+/// Whether two triangles that share a side lie on either side of it, seen along the axis nearest
+/// the normal of the first: then they share nothing else. `apex` is the corner of the second across
+/// from it.
 fn seen_beside(a: &[DVec3; 3], b: &[DVec3; 3], apex: usize) -> bool {
     let Some(own) = a.iter().position(|p| !b.contains(p)) else { return false };
     let axis = dominant_axis(a);
@@ -185,7 +188,8 @@ fn dominant_axis([a, b, c]: &[DVec3; 3]) -> usize {
     (*b - *a).cross(*c - *a).abs().max_position()
 }
 
-/// Whether the second triangle lies strictly beyond a side of the first that ends at its first corner.
+/// Whether the second triangle lies strictly beyond a side of the first that ends at its first
+/// corner.
 fn wedge_parted(a: &[DVec2; 3], b: &[DVec2; 3]) -> bool {
     let turn = orient2d(a[0], a[1], a[2]);
     let beyond = |p, q| (1..3).all(|i| orient2d(p, q, b[i]) == turn.flipped());
@@ -208,8 +212,8 @@ fn kind_of(meeting: Meeting, a: &[DVec3; 3], b: &[DVec3; 3]) -> FindingKind {
     }
 }
 
-/// Whether two triangles with area in one plane share area: no line through a side of either has the
-/// other on its outer side (rims included). Exact.
+/// Whether two triangles with area in one plane share area: no line through a side of either has
+/// the other on its outer side (rims included). Exact.
 pub(super) fn overlap_in_plane(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     for axis in 0..3 {
         let [a, b] = [a, b].map(|t| t.map(|p| without(p, axis)));

@@ -1,15 +1,16 @@
 //! Faces of one mesh that meet where they should not: self-intersection, overlap in a plane, touch.
 //!
-//! The face tree is paired with itself; what the boxes leave is judged by signs ([`judge`]). Two things
-//! keep the pairs few. Parts of the surface that are seen from one side without overlap meet nowhere and
-//! are not searched ([`views`](super::views)); and where very many faces share a vertex, they are paired
-//! by the directions in which they lie from it, not by their boxes, which all hold it
-//! ([`crowds`](super::crowds)).
+//! The face tree is paired with itself; what the boxes leave is judged by signs ([`judge`]). Two
+//! things keep the pairs few. Parts of the surface that are seen from one side without overlap meet
+//! nowhere and are not searched ([`views`](super::views)); and where very many faces share a
+//! vertex, they are paired by the directions in which they lie from it, not by their boxes, which
+//! all hold it ([`crowds`](super::crowds)).
 //!
-//! Sources: the descent is that of `pairs`; Volino and Magnenat-Thalmann (1994, "Efficient self-collision detection
-//! on smoothly discretized surface animations using geometrical shape regularity") leave out parts that are seen
-//! from one side, by cones of normals and their outlines. Cost: O(n log n) as a rule for sound meshes; each pair
-//! that boxes leave elsewhere is judged, up to [`TESTS_AT_LEAST`] and [`TESTS_A_FACE`] more for each face.
+//! Sources: the descent is that of `pairs`; Volino and Magnenat-Thalmann (1994, "Efficient
+//! self-collision detection on smoothly discretized surface animations using geometrical shape
+//! regularity") leave out parts that are seen from one side, by cones of normals and their
+//! outlines. Cost: O(n log n) as a rule for sound meshes; each pair that boxes leave elsewhere is
+//! judged, up to [`TESTS_AT_LEAST`] and [`TESTS_A_FACE`] more for each face.
 
 use std::ops::ControlFlow;
 
@@ -27,15 +28,15 @@ use crate::report::{Finding, FindingKind, MeetingScan};
 use crate::topology::Topology;
 use crate::tree::FaceTree;
 
-/// Pairs judged for each face before the search gives up, and for the mesh at large. Sound meshes need
-/// a few a face. Smaller, and the search ends at meshes of a few thousand faces that all come near each
-/// other; larger, and a mesh whose faces all meet each other takes more than seconds.
+/// Pairs judged for each face before the search gives up, and for the mesh at large. Sound meshes
+/// need a few a face. Smaller, and the search ends at meshes of a few thousand faces that all come
+/// near each other; larger, and a mesh whose faces all meet each other takes more than seconds.
 const TESTS_A_FACE: usize = 64;
 const TESTS_AT_LEAST: usize = 1 << 23;
 
 /// Judges all pairs of faces but those that `left_out` names (faces without area, all but one of
-/// those in one place), given the turns of all. A mere touch that `explained` knows the reason of is not
-/// reported. Faces around a vertex whose star is spread out need no judgement.
+/// those in one place), given the turns of all. A mere touch that `explained` knows the reason of
+/// is not reported. Faces around a vertex whose star is spread out need no judgement.
 pub(super) fn meetings(
     mesh: &Mesh,
     topology: &Topology,

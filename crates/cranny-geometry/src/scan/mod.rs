@@ -1,8 +1,8 @@
 //! The degeneracy scan: everything unusual about a mesh, as typed [`Finding`]s.
 //!
 //! Reads a mesh whose coincident vertices are welded; moves nothing. Apart from 'near' and 'thin',
-//! which measure against the weld distance, every finding is decided exactly. O(n log n), but for the
-//! pairs of faces that meet, of which there can be more; that search gives up at a bound
+//! which measure against the weld distance, every finding is decided exactly. O(n log n), but for
+//! the pairs of faces that meet, of which there can be more; that search gives up at a bound
 //! ([`MeetingScan::Stopped`](crate::MeetingScan::Stopped)).
 //!
 //! Sources stand with the parts.

@@ -1,12 +1,12 @@
-//! Whether the rim of some faces, seen in a plane, is simple: nowhere crosses or touches itself, and
-//! runs once around what it holds.
+//! Whether the rim of some faces, seen in a plane, is simple: nowhere crosses or touches itself,
+//! and runs once around what it holds.
 //!
 //! Points come rounded; every sign that is read is larger than its error bound, so that 'simple' is
 //! certain of the points before they were rounded. What cannot be certain is not called simple.
 //!
-//! No source: this crate's own. Loops no two sides of which meet are simple polygons, and the sign of the area says
-//! which way one runs. Cost: O(r log r) for r sides, which are sorted along an axis, and at most [`PAIRS_A_FACE`]
-//! pairs of sides for each face within.
+//! No source: this crate's own. Loops no two sides of which meet are simple polygons, and the sign
+//! of the area says which way one runs. Cost: O(r log r) for r sides, which are sorted along an
+//! axis, and at most [`PAIRS_A_FACE`] pairs of sides for each face within.
 
 use cranny_exact::DVec2;
 
@@ -15,14 +15,14 @@ use crate::ids::VertexId;
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
-/// Sides looked at together for each face within, at most: rims are short against what they hold, and
-/// few of their sides lie beside each other. Larger, and a long winding rim takes longer than judging
-/// the faces.
+/// Sides looked at together for each face within, at most: rims are short against what they hold,
+/// and few of their sides lie beside each other. Larger, and a long winding rim takes longer than
+/// judging the faces.
 const PAIRS_A_FACE: usize = 16;
 
 /// A side of the rim, from one point to another, and the box around it.
 #[derive(Clone, Copy)]
-struct Side {
+struct RimSide {
     ends: [u32; 2],
     low: DVec2,
     high: DVec2,
@@ -33,7 +33,7 @@ pub(super) struct Outline {
     /// Where the side that begins at a vertex ends; [`NONE`] between searches.
     next: Vec<u32>,
     points: Vec<DVec2>,
-    sides: Vec<Side>,
+    sides: Vec<RimSide>,
     loops: Vec<usize>,
 }
 
@@ -43,9 +43,9 @@ struct Signs {
 }
 
 impl Signs {
-    /// Bounds the error of a product of two differences of points, summed over both axes: with e the
-    /// error of a difference (two of a point, a rounding), e times either difference, e² and the
-    /// roundings of products, which are less than 2 errors of a point times either difference.
+    /// Bounds the error of a product of two differences of points, summed over both axes: with e
+    /// the error of a difference (two of a point, a rounding), e times either difference, e² and
+    /// the roundings of products, which are less than 2 errors of a point times either difference.
     fn margin(&self, u: DVec2, v: DVec2) -> f64 {
         let size = |w: DVec2| w.x.abs() + w.y.abs();
         4.0 * self.error * (size(u) + size(v) + 4.0 * self.error)
@@ -77,10 +77,10 @@ impl Outline {
         Self { next, points: Vec::new(), sides: Vec::new(), loops: Vec::new() }
     }
 
-    /// Whether a rim, given as sides of which as many end at each vertex as begin there, is certainly
-    /// made of simple polygons apart from each other, one of them counter-clockwise and all others
-    /// clockwise, as seen where `seen` puts the vertices: within `size` of 0 along either axis, from
-    /// coordinates within `size / 2` of 0, sheared by factors no greater than 1.
+    /// Whether a rim, given as sides of which as many end at each vertex as begin there, is
+    /// certainly made of simple polygons apart from each other, one of them counter-clockwise and
+    /// all others clockwise, as seen where `seen` puts the vertices: within `size` of 0 along
+    /// either axis, from coordinates within `size / 2` of 0, sheared by factors no greater than 1.
     pub(super) fn is_simple(
         &mut self,
         rim: &[[VertexId; 2]],
@@ -88,9 +88,11 @@ impl Outline {
         size: f64,
         faces: usize,
     ) -> bool {
-        // Three roundings of numbers up to `size`, and one of the coordinates, are less than 1.3 epsilons.
+        // Three roundings of numbers up to `size`, and one of the coordinates, are less than 1.3
+        // epsilons.
         let signs = Signs { error: 4.0 * f64::EPSILON * size };
-        // A strip of faces has two sides more than faces; what is more ragged is not worth the while.
+        // A strip of faces has two sides more than faces; what is more ragged is not worth the
+        // while.
         rim.len() <= faces + 2
             && self.link(rim)
             && {
@@ -134,16 +136,17 @@ impl Outline {
                 let ends = [i, if i + 1 == end { first } else { i + 1 }];
                 let [p, q] = ends.map(|end| self.points[end]);
                 let (low, high) = (p.min(q), p.max(q));
-                self.sides.push(Side { ends: ends.map(|end| end as u32), low, high });
+                self.sides.push(RimSide { ends: ends.map(|end| end as u32), low, high });
             }
         }
     }
 
-    /// Whether no two sides share more than an end that both have. Sides are looked at in order along
-    /// the longer axis; gives up after so many pairs.
+    /// Whether no two sides share more than an end that both have. Sides are looked at in order
+    /// along the longer axis; gives up after so many pairs.
     fn sides_are_apart(&mut self, signs: &Signs, mut pairs_left: usize) -> bool {
         let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let box_of_all = |(low, high): (DVec2, DVec2), s: &Side| (low.min(s.low), high.max(s.high));
+        let box_of_all =
+            |(low, high): (DVec2, DVec2), s: &RimSide| (low.min(s.low), high.max(s.high));
         let (low, high) = self.sides.iter().fold(none, box_of_all);
         let along = (high - low).max_position();
         self.sides.sort_unstable_by(|s, t| {
@@ -167,7 +170,7 @@ impl Outline {
         true
     }
 
-    fn are_apart(&self, signs: &Signs, s: &Side, t: &Side) -> bool {
+    fn are_apart(&self, signs: &Signs, s: &RimSide, t: &RimSide) -> bool {
         let [a, b] = s.ends.map(|end| self.points[end as usize]);
         let [p, q] = t.ends.map(|end| self.points[end as usize]);
         match (s.ends[1] == t.ends[0], t.ends[1] == s.ends[0]) {
@@ -178,8 +181,8 @@ impl Outline {
         }
     }
 
-    /// Whether, of several loops, one certainly runs counter-clockwise and the others clockwise; one
-    /// alone around faces that are all counter-clockwise does.
+    /// Whether, of several loops, one certainly runs counter-clockwise and the others clockwise;
+    /// one alone around faces that are all counter-clockwise does.
     fn one_runs_around(&self, signs: &Signs) -> bool {
         let ends = self.loops.iter().skip(1).copied().chain([self.points.len()]);
         let turns = self.loops.iter().zip(ends).map(|(&start, end)| {

@@ -1,18 +1,19 @@
 //! A tree of boxes paired with itself: every two faces whose boxes overlap.
 //!
-//! Source: two trees are descended at once, as by Gottschalk, Lin and Manocha (1996, "OBBTree: a hierarchical
-//! structure for rapid interference detection"); here both are one, and the larger box is opened. Cost: the pairs of
-//! nodes whose boxes overlap, and those of their children: near-linear where faces overlap few others, O(n²) at
-//! worst.
+//! Source: two trees are descended at once, as by Gottschalk, Lin and Manocha (1996, "OBBTree: a
+//! hierarchical structure for rapid interference detection"); here both are one, and the larger box
+//! is opened. Cost: the pairs of nodes whose boxes overlap, and those of their children:
+//! near-linear where faces overlap few others, O(n²) at worst.
 
 use std::ops::ControlFlow;
 
 use crate::ids::FaceId;
 use crate::tree::{Content, Node};
 
-/// Calls `visit` with every two faces of different leaves, or of one, whose leaves' boxes overlap: each
-/// pair once. `opens` is asked of a node before its faces are paired with each other (twice the same
-/// node), and before those of two nodes are; what it refuses is passed over. `visit` may end the search.
+/// Calls `visit` with every two faces of different leaves, or of one, whose leaves' boxes overlap:
+/// each pair once. `opens` is called for a node before its faces are paired with each other (twice
+/// the same node), and before those of two nodes are; what it refuses is passed over. `visit` may
+/// end the search.
 pub(super) fn overlapping_pairs(
     nodes: &[Node],
     faces: &[FaceId],

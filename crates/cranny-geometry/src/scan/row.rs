@@ -1,7 +1,8 @@
 //! Vertices in a row along one direction: what is near each other is near each other there.
 //!
-//! Source: sorting by address calculation (Isaac and Singleton 1956). Cost: O(n) as a rule and O(n log n) at worst
-//! to make a row; to look beside a vertex what is near in the row, and where that is much a question to the tree.
+//! Source: sorting by address calculation (Isaac and Singleton 1956). Cost: O(n) as a rule and O(n
+//! log n) at worst to make a row; to look beside a vertex what is near in the row, and where that
+//! is much a question to the tree.
 
 use cranny_exact::{Aabb, DVec3};
 
@@ -10,13 +11,13 @@ use crate::mesh::Mesh;
 use crate::near::corners_near;
 use crate::tree::FaceTree;
 
-/// A direction in which few places tie: on lattices, and along edges and sides of bodies, others have
-/// thousands in one place. Shorter than 1, so that no two places are
-/// farther apart in the row than they are.
+/// A direction in which few places tie: on lattices, and along edges and sides of bodies, others
+/// have thousands in one place. Shorter than 1, so that no two places are farther apart in the row
+/// than they are.
 const ALONG: DVec3 = DVec3::new(0.467_913, 0.703_511, 0.533_877);
 
-/// Stretches of the row as long as this are not searched but replaced by a question to the tree: side
-/// by side across the row, vertices must not take quadratic time.
+/// Stretches of the row as long as this are not searched but replaced by a question to the tree:
+/// side by side across the row, vertices must not take quadratic time.
 const LONG: usize = 64;
 
 /// Some vertices by their places in the row.
@@ -24,7 +25,7 @@ pub(super) struct Row {
     order: Vec<(f64, VertexId)>,
     /// By vertex; `usize::MAX` for others.
     rank: Vec<usize>,
-    /// What is within the distance asked for is within this distance in the row.
+    /// What is within the distance wanted is within this distance in the row.
     reach: f64,
 }
 
@@ -79,8 +80,8 @@ impl Row {
     }
 }
 
-/// Ascending by place, then by vertex: dealt out to as many stretches of the row as there are vertices, and sorted
-/// there. O(n) where they are spread, O(n log n) in any case.
+/// Ascending by place, then by vertex: dealt out to as many stretches of the row as there are
+/// vertices, and sorted there. O(n) where they are spread, O(n log n) in any case.
 fn sorted(places: Vec<(f64, VertexId)>) -> Vec<(f64, VertexId)> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for &(place, _) in &places {
@@ -117,7 +118,8 @@ mod tests {
 
     #[test]
     fn the_row_finds_what_the_tree_finds() {
-        // Two copies of a grid, a hair apart, and so many vertices in one place as no stretch holds.
+        // Two copies of a grid, a hair apart, and so many vertices in one place as no stretch
+        // holds.
         let grid = |k: i32| DVec3::new(f64::from(k % 7), f64::from(k / 7 % 7), f64::from(k / 49));
         let shifted = |k| grid(k) + DVec3::new(0.0, 1e-9, -1e-9);
         let crowd = (0..100).map(|k| DVec3::new(9.0, 9.0, 1e-12 * f64::from(k)));

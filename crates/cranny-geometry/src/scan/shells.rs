@@ -1,9 +1,10 @@
 //! Components as shells: which way each looks, which lies in which, which faces disagree with the
 //! rest.
 //!
-//! Source: windings are those of `winding`; what rounding may do to a volume is bounded as in Higham (2002,
-//! "Accuracy and stability of numerical algorithms"). Which faces disagree needs none: a walk over edges tells.
-//! Cost: O(n log n) as a rule, with questions to the tree only where there are several shells.
+//! Source: windings are those of `winding`; what rounding may do to a volume is bounded as in
+//! Higham (2002, "Accuracy and stability of numerical algorithms"). Which faces disagree needs
+//! none: a walk over edges decides. Cost: O(n log n) as a rule, with questions to the tree only
+//! where there are several shells.
 
 use cranny_exact::{Aabb, DVec3, Meeting, Sign, classify_triangles};
 
@@ -16,15 +17,15 @@ use crate::winding::{Winding, winding};
 /// What is known of one component as a shell.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Shell {
-    /// Sign of the volume, where closed: positive looks outwards. Zero where rounding leaves it open
-    /// (a component folded onto itself has none).
+    /// Sign of the volume, where closed: positive looks outwards. Zero where rounding leaves it
+    /// open (a component folded onto itself has none).
     pub(crate) looks: Sign,
     /// Signed volume, rounded; 0 where not closed.
     pub(crate) volume: f64,
     /// Middle of its box.
     pub(crate) center: DVec3,
-    /// Closed components that it lies in, ascending: those that wind around its first corner that lies
-    /// on no other, and that it does not pass through.
+    /// Closed components that it lies in, ascending: those that wind around its first corner that
+    /// lies on no other, and that it does not pass through.
     pub(crate) inside: Vec<ComponentId>,
 }
 
@@ -110,14 +111,16 @@ fn signed_volume(mesh: &Mesh, faces: &[FaceId], reference: DVec3) -> (Sign, f64)
     (if certain { Sign::of(six_volume) } else { Sign::Zero }, volume)
 }
 
-/// What rounding may do to a sum of products over so many faces whose absolute values add up to `magnitude`.
+/// What rounding may do to a sum of products over so many faces whose absolute values add up to
+/// `magnitude`.
 fn volume_error(faces: usize, magnitude: f64) -> f64 {
     (faces + 8) as f64 * f64::EPSILON * magnitude
 }
 
-/// A bound of the sum of absolute volumes of the tetrahedra over so many faces, of which no corner is farther from the
-/// common tip than `size` along any axis: of six products a face none is greater than that of the sizes, a sixth of
-/// them is the volume, and twice as many leave room for the roundings of this bound.
+/// A bound of the sum of absolute volumes of the tetrahedra over so many faces, of which no corner
+/// is farther from the common tip than `size` along any axis: of six products a face none is
+/// greater than that of the sizes, a sixth of them is the volume, and twice as many leave room for
+/// the roundings of this bound.
 fn largest_volume(faces: usize, size: DVec3) -> f64 {
     2.0 * faces as f64 * size.element_product()
 }

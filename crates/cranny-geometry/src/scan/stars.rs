@@ -1,7 +1,7 @@
 //! The faces around each vertex: whether they are one ring, and whether that ring lies spread out.
 //!
-//! No source: definitions, decided by exact signs. Cost: O(n) for the rings; O(k) for k faces when it is asked
-//! whether a ring is spread out.
+//! No source: definitions, decided by exact signs. Cost: O(n) for the rings; O(k) for k faces when
+//! it is tested whether a ring is spread out.
 
 use cranny_exact::{DVec2, DVec3, orient2d};
 
@@ -13,7 +13,8 @@ use crate::topology::Topology;
 /// How the faces at a vertex hang together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Star {
-    /// Not in one ring of twins: at a boundary, in several fans, next to a collapsed face, or unused.
+    /// Not in one ring of twins: at a boundary, in several fans, next to a collapsed face, or
+    /// unused.
     Torn,
     /// In one ring of twins, not yet seen along an axis.
     Ring,
@@ -27,7 +28,7 @@ enum Star {
 pub(super) struct Stars<'a> {
     mesh: &'a Mesh,
     topology: &'a Topology,
-    /// Seen when first asked for.
+    /// Seen when first needed.
     stars: Vec<Star>,
     ring: Vec<VertexId>,
 }
@@ -43,15 +44,16 @@ impl<'a> Stars<'a> {
         Self { mesh, topology, stars, ring: Vec::new() }
     }
 
-    /// Whether the faces at a vertex are not one ring of twins: at a boundary, in several fans, next to a
-    /// collapsed face, or where no face is.
+    /// Whether the faces at a vertex are not one ring of twins: at a boundary, in several fans,
+    /// next to a collapsed face, or where no face is.
     pub(super) fn is_torn(&self, vertex: VertexId) -> bool {
         self.stars[vertex.index()] == Star::Torn
     }
 
-    /// Whether the faces at a vertex are one ring that, seen along an axis, goes around it once without
-    /// turning back. Seen so, the faces lie side by side: two of them share the side that they have in
-    /// common, or else the vertex, and nothing more. O(k) for k faces, when first asked.
+    /// Whether the faces at a vertex are one ring that, seen along an axis, goes around it once
+    /// without turning back. Seen so, the faces lie side by side: two of them share the side that
+    /// they have in common, or else the vertex, and nothing more. O(k) for k faces, when first
+    /// checked.
     pub(super) fn is_spread(&mut self, vertex: VertexId) -> bool {
         let Self { mesh, topology, stars, ring } = self;
         let star = &mut stars[vertex.index()];
@@ -65,11 +67,13 @@ impl<'a> Stars<'a> {
     }
 }
 
-/// Whether Euler's formula tells that the faces at each vertex are one ring, which it does of bodies without handles.
+/// Whether Euler's formula shows that the faces at each vertex are one ring, which it does of
+/// bodies without handles.
 ///
-/// Where all edges are between two faces, the faces at a vertex make one ring or several. Were a vertex parted for
-/// each of its rings, every component would be a closed surface, so with R rings, E edges, F faces and C components
-/// R − E + F <= 2 C; and all V vertices have a ring or more: V <= R. So V − E + F = 2 C leaves no room for R > V.
+/// Where all edges are between two faces, the faces at a vertex make one ring or several. Were a
+/// vertex parted for each of its rings, every component would be a closed surface, so with R rings,
+/// E edges, F faces and C components R − E + F <= 2 C; and all V vertices have a ring or more:
+/// V <= R. So V − E + F = 2 C leaves no room for R > V.
 fn are_rings(mesh: &Mesh, topology: &Topology) -> bool {
     let [vertices, edges, faces, components] = [
         mesh.vertices().len(),
@@ -88,8 +92,9 @@ fn start_of(mesh: &Mesh, half_edge: HalfEdgeId) -> VertexId {
     VertexId(mesh.faces().as_flattened()[half_edge.index()])
 }
 
-/// Walks from twin to twin around a vertex, telling each half-edge that begins there; whether it came around and
-/// passed all faces there. Collapsed faces are in no ring: the side from a vertex to itself has no twin.
+/// Walks from twin to twin around a vertex, telling each half-edge that begins there; whether it
+/// came around and passed all faces there. Collapsed faces are in no ring: the side from a vertex
+/// to itself has no twin.
 fn walk(
     mesh: &Mesh,
     topology: &Topology,
@@ -113,8 +118,8 @@ fn walk(
     false
 }
 
-/// Whether a ring of neighbours, seen along the axis nearest its normal, goes around the vertex once, all
-/// faces turning alike. Exact.
+/// Whether a ring of neighbours, seen along the axis nearest its normal, goes around the vertex
+/// once, all faces turning alike. Exact.
 fn is_spread(mesh: &Mesh, vertex: VertexId, ring: &[VertexId]) -> bool {
     let middle = mesh.position(vertex);
     let sides = || {
@@ -128,8 +133,8 @@ fn is_spread(mesh: &Mesh, vertex: VertexId, ring: &[VertexId]) -> bool {
     // Below the vertex, or level with it and behind: half of all directions.
     let is_below = |p: DVec2| p.y < center.y || (p.y == center.y && p.x < center.x);
     let mut turn = None;
-    // Every face turns by less than half a revolution, so it passes from above to below no more often
-    // than the ring comes around.
+    // Every face turns by less than half a revolution, so it passes from above to below no more
+    // often than the ring comes around.
     let mut descents = 0;
     for (p, q) in sides() {
         let [p, q] = [p, q].map(|p| without(p, axis));

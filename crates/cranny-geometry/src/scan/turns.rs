@@ -1,12 +1,12 @@
 //! Which way faces are turned, as far as rounded numbers can tell for certain.
 //!
-//! Source: bounds of rounding are derived below, by the rules of Higham (2002, "Accuracy and stability of numerical
-//! algorithms", chapters 2 and 3). Cost: O(1) a question.
+//! Source: bounds of rounding are derived below, by the rules of Higham (2002, "Accuracy and
+//! stability of numerical algorithms", chapters 2 and 3). Cost: O(1) a question.
 
 use cranny_exact::DVec3;
 
-/// The area vector of a face, not halved, and what bounds the error of its product with a vector whose
-/// components are no greater than 1.
+/// The area vector of a face, not halved, and what bounds the error of its product with a vector
+/// whose components are no greater than 1.
 #[derive(Clone, Copy)]
 pub(super) struct Turn {
     pub(super) normal: DVec3,
@@ -15,10 +15,10 @@ pub(super) struct Turn {
 
 impl Turn {
     /// With u and v the sides from the first corner and m the product of their greatest components,
-    /// each component of the cross product is wrong by no more than 4.1 epsilons of m (two roundings of
-    /// each factor, one of each product, one of their difference) and no greater than 2 m. So a dot
-    /// product is wrong by 12.3 epsilons of m for these, nine for its own roundings, and three for those
-    /// of the other vector.
+    /// each component of the cross product is wrong by no more than 4.1 epsilons of m (two
+    /// roundings of each factor, one of each product, one of their difference) and no greater than
+    /// 2 m. So a dot product is wrong by 12.3 epsilons of m for these, nine for its own roundings,
+    /// and three for those of the other vector.
     pub(super) fn of([a, b, c]: &[DVec3; 3]) -> Self {
         let (u, v) = (*b - *a, *c - *a);
         let error = 32.0 * f64::EPSILON * u.abs().max_element() * v.abs().max_element();
@@ -30,7 +30,8 @@ impl Turn {
         self.normal.abs().max_element() > self.error
     }
 
-    /// Whether the face is certainly turned towards a direction, no component of which is greater than 1.
+    /// Whether the face is certainly turned towards a direction, no component of which is greater
+    /// than 1.
     pub(super) fn looks_towards(&self, direction: DVec3) -> bool {
         self.normal.dot(direction) > self.error
     }

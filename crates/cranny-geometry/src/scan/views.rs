@@ -2,19 +2,21 @@
 //!
 //! Let some faces all be turned towards one direction. Seen along it, the faces over a point of the
 //! plane are as many as their rims wind around it (the rims of two faces that share a side cancel
-//! there). So if the rim of them all, seen so, is simple closed polygons, of which one runs around the
-//! others, there is one face over each point within and none elsewhere. Then the faces lie side by side:
-//! seen so, hence in space, two of them share what they have in common by right and nothing more. A
-//! vertex or a side within the rim is covered all around by its own faces, and the rim touches itself
-//! nowhere, so faces do not even touch elsewhere. That normals alone do not suffice, and the rim must be
-//! looked at, was seen by Volino and Magnenat-Thalmann ('Efficient self-collision detection on smoothly
-//! discretized surface animations using geometrical shape regularity', 1994).
+//! there). So if the rim of them all, seen so, is simple closed polygons, of which one runs around
+//! the others, there is one face over each point within and none elsewhere. Then the faces lie side
+//! by side: seen so, hence in space, two of them share what they have in common by right and
+//! nothing more. A vertex or a side within the rim is covered all around by its own faces, and the
+//! rim touches itself nowhere, so faces do not even touch elsewhere. That normals alone do not
+//! suffice, and the rim must be looked at, was seen by Volino and Magnenat-Thalmann ('Efficient
+//! self-collision detection on smoothly discretized surface animations using geometrical shape
+//! regularity', 1994).
 //!
-//! All this is proved with the rounding errors bounded, or not at all: a node of the face tree that is
-//! not called clear is searched, part by part.
+//! All this is proved with the rounding errors bounded, or not at all: a node of the face tree that
+//! is not called clear is searched, part by part.
 //!
-//! Cost: O(n) to prepare; all looks together turn over at most [`LOOKS_A_FACE`] faces for each face of the mesh, and
-//! a rim of r sides takes O(r log r), as a rule, and the pairs that `outline` allows.
+//! Cost: O(n) to prepare; all looks together turn over at most [`LOOKS_A_FACE`] faces for each face
+//! of the mesh, and a rim of r sides takes O(r log r), as a rule, and the pairs that `outline`
+//! allows.
 
 use std::ops::Range;
 
@@ -30,12 +32,12 @@ use crate::tree::FaceTree;
 /// Nodes of fewer faces are not looked at: judging their pairs is as quick.
 const LEAST_FACES: usize = 12;
 
-/// How often each face is looked at, on average over the mesh, before the rest is searched as it is: a
-/// tree may be as deep as it has leaves. Sound meshes need a dozen or two.
+/// How often each face is looked at, on average over the mesh, before the rest is searched as it
+/// is: a tree may be as deep as it has leaves. Sound meshes need a dozen or two.
 const LOOKS_A_FACE: usize = 64;
 
-/// How many faces lie between two sums that are kept. Fewer, and sums fill memory; more, and more is added up anew
-/// for each node.
+/// How many faces lie between two sums that are kept. Fewer, and sums fill memory; more, and more
+/// is added up anew for each node.
 const STEP: usize = 8;
 
 fn sum_of(turns: &[Turn], faces: &[FaceId]) -> DVec3 {
@@ -90,8 +92,9 @@ impl<'a> Views<'a> {
         }
     }
 
-    /// Whether the faces beneath a node are known to lie side by side, as seen along some direction.
-    /// O(k), and O(r log r) for a rim of r sides where k faces are turned towards one direction.
+    /// Whether the faces beneath a node are known to lie side by side, as seen along some
+    /// direction. O(k), and O(r log r) for a rim of r sides where k faces are turned towards one
+    /// direction.
     pub(super) fn is_clear(&mut self, node: u32) -> bool {
         let (_, faces) = self.tree.beneath(node);
         let faces = faces.start as usize..faces.end as usize;
@@ -101,7 +104,8 @@ impl<'a> Views<'a> {
         }
         let towards = self.sum_before(faces.end) - self.sum_before(faces.start);
         let axis = towards.abs().max_position();
-        // The greatest component is 1 or −1, exactly. A sum of zero gives no number, which nothing looks at.
+        // The greatest component is 1 or −1, exactly. A sum of zero gives no number, which nothing
+        // looks at.
         let towards = towards / towards[axis].abs();
         let turned_away = |face: &FaceId| !self.turns[face.index()].looks_towards(towards);
         let seen = self.tree.faces()[faces.clone()].iter().position(turned_away);

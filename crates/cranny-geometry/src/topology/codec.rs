@@ -9,7 +9,8 @@ use crate::late::Late;
 use crate::mesh::Mesh;
 
 impl Topology {
-    /// Writes what takes time to find: the order of half-edges, and how many faces in a row are of one component.
+    /// Writes what takes time to find: the order of half-edges, and how many faces in a row are of
+    /// one component.
     pub(crate) fn encode(&self, out: &mut Writer) {
         let Self {
             around,

@@ -14,8 +14,8 @@ pub struct Component {
     pub closed: bool,
 }
 
-/// Numbers the sets of faces that hang together, by their least members; all closed, for now. Where there is one,
-/// no face is told its own.
+/// Numbers the sets of faces that hang together, by their least members; all closed, for now. Where
+/// there is one, no face is listed with its own.
 pub(super) fn components(sets: &DisjointSets) -> (Vec<ComponentId>, Vec<Component>) {
     let mut components: Vec<Component> = Vec::new();
     let mut component_of: Vec<ComponentId> = Vec::with_capacity(sets.0.len());
@@ -42,7 +42,7 @@ pub(super) fn components_of_runs(
     check(total == faces as u64, "components hold too many or too few faces")?;
     let is_apart = |a: &[u32; 2], b: &[u32; 2]| a[0] != b[0];
     let is_whole = runs.is_sorted_by(is_apart) && runs.iter().all(|&[_, count]| count > 0);
-    check(is_whole, "faces of a component are not told together")?;
+    check(is_whole, "faces of a component are not listed together")?;
     if let &[[0, count]] = runs {
         let one = Component { first_face: FaceId(0), faces: count, closed: true };
         return Ok((Vec::new(), vec![one]));
@@ -61,11 +61,11 @@ pub(super) fn components_of_runs(
     Ok((component_of, components))
 }
 
-/// Union–find with path halving; the representative of a set is its least member, and each member but that
-/// leads to a lesser one.
+/// Union–find with path halving; the representative of a set is its least member, and each member
+/// but that leads to a lesser one.
 ///
-/// Source: Tarjan and van Leeuwen (1984, "Worst-case analysis of set union algorithms"). Cost: O(log n) a call at
-/// most, on average over all calls: sets are joined by number, not by rank.
+/// Source: Tarjan and van Leeuwen (1984, "Worst-case analysis of set union algorithms"). Cost:
+/// O(log n) a call at most, on average over all calls: sets are joined by number, not by rank.
 #[derive(Clone, Debug)]
 pub struct DisjointSets(Vec<u32>);
 
@@ -107,13 +107,13 @@ mod tests {
         let read = |runs: &[[u32; 2]]| components_of_runs(runs, 6).map_err(|Flaw(what)| what);
         let (of_faces, all) = read(&[[0, 1], [1, 2], [0, 1], [2, 2]]).unwrap();
         assert_eq!(of_faces, [0, 1, 1, 0, 2, 2].map(ComponentId));
-        let told: Vec<_> = all.iter().map(|c| (c.first_face.0, c.faces)).collect();
-        assert_eq!(told, [(0, 2), (1, 2), (4, 2)]);
+        let found: Vec<_> = all.iter().map(|c| (c.first_face.0, c.faces)).collect();
+        assert_eq!(found, [(0, 2), (1, 2), (4, 2)]);
         for (runs, flaw) in [
             (&[[0, 5]][..], "too few"),
             (&[[0, 3], [1, u32::MAX]], "too many"),
-            (&[[0, 3], [0, 3]], "not told together"),
-            (&[[0, 6], [1, 0]], "not told together"),
+            (&[[0, 3], [0, 3]], "not listed together"),
+            (&[[0, 6], [1, 0]], "not listed together"),
             (&[[1, 6]], "not in order"),
             (&[[0, 3], [2, 3]], "not in order"),
         ] {

@@ -1,4 +1,5 @@
-//! The order of half-edges, and the edges that follow from it. Source and cost stand with the module.
+//! The order of half-edges, and the edges that follow from it. Source and cost stand with the
+//! module.
 
 use crate::ids::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::mesh::Mesh;
@@ -70,9 +71,9 @@ impl HalfEdgeId {
 
 /// How a half-edge runs, in one word: where from, where to.
 #[derive(Clone, Copy)]
-struct Run(u64);
+struct DirectedEdge(u64);
 
-impl Run {
+impl DirectedEdge {
     fn new((from, to): (u32, u32)) -> Self {
         Self(u64::from(from) << 32 | u64::from(to))
     }
@@ -105,7 +106,8 @@ fn ends(edge: u64) -> (VertexId, VertexId) {
 /// What follows from the order of half-edges.
 pub(super) struct Edges {
     pub(super) edges: Vec<Edge>,
-    /// Where the half-edges of each edge begin, and one more, where the last end; none where all stand in pairs.
+    /// Where the half-edges of each edge begin, and one more, where the last end; none where all
+    /// stand in pairs.
     pub(super) starts: Vec<u32>,
     pub(super) edge_of: Vec<EdgeId>,
     pub(super) is_sorted: bool,
@@ -114,8 +116,8 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// From all half-edges of a mesh, by edge, along an edge by number; in the end it is known whether they are
-    /// sorted so. `join` is told of faces that share an edge. Near linear.
+    /// From all half-edges of a mesh, by edge, along an edge by number; in the end it is known
+    /// whether they are sorted so. `join` is called for faces that share an edge. Near linear.
     pub(super) fn of(
         mesh: &Mesh,
         around: &[HalfEdgeId],
@@ -128,7 +130,7 @@ impl Edges {
 
     /// In short steps, where all edges are between two faces and two vertices, and sorted.
     fn of_pairs(
-        runs: &[Run],
+        runs: &[DirectedEdge],
         around: &[HalfEdgeId],
         join: &mut impl FnMut(FaceId, FaceId),
     ) -> Option<Self> {
@@ -159,7 +161,7 @@ impl Edges {
 
     /// In any case.
     fn of_groups(
-        runs: &[Run],
+        runs: &[DirectedEdge],
         around: &[HalfEdgeId],
         join: &mut impl FnMut(FaceId, FaceId),
     ) -> Self {
@@ -179,7 +181,8 @@ impl Edges {
             is_sorted &= group.is_sorted_by(|g, h| g < h) && before < Some(edge);
             before = Some(edge);
             let (from, to) = ends(edge);
-            // An edge from a vertex to itself is the short side of a collapsed face: nothing to match.
+            // An edge from a vertex to itself is the short side of a collapsed face: nothing to
+            // match.
             let is_balanced = from == to || 2 * forward == group.len();
             let kind = match (group.len(), is_balanced) {
                 (1, false) => EdgeKind::Open,
@@ -196,8 +199,8 @@ impl Edges {
 }
 
 /// How the half-edges of each face run.
-fn runs_of(mesh: &Mesh) -> Vec<[Run; 3]> {
-    let of_face = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(Run::new);
+fn runs_of(mesh: &Mesh) -> Vec<[DirectedEdge; 3]> {
+    let of_face = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)].map(DirectedEdge::new);
     mesh.faces().iter().map(of_face).collect()
 }
 
@@ -205,8 +208,8 @@ fn ascending((a, b): (u32, u32)) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 
-/// All half-edges, sorted by edge, along an edge by number: dealt out to their greater ends, and in that order to
-/// their lesser ones.
+/// All half-edges, sorted by edge, along an edge by number: dealt out to their greater ends, and in
+/// that order to their lesser ones.
 pub(super) fn sorted_half_edges(mesh: &Mesh) -> Vec<HalfEdgeId> {
     // Where the next half-edge of each vertex goes, by the lesser end and by the greater.
     let mut places = vec![[0u32; 2]; mesh.vertices().len() + 1];

@@ -54,8 +54,9 @@ impl VertexFaces {
     }
 }
 
-/// The corners of a face in some order: the ends of its first side, and the one across, which the other two sides share
-/// with each other and with nobody else. So it is found by sums, also where corners coincide.
+/// The corners of a face in some order: the ends of its first side, and the one across, which the
+/// other two sides share with each other and with nobody else. So it is found by sums, also where
+/// corners coincide.
 fn corners(topology: &Topology, face: FaceId) -> [u32; 3] {
     let ends = |corner: usize| {
         let edge = topology.edges[topology.edge_of(HalfEdgeId::of(face, corner)).index()];

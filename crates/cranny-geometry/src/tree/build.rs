@@ -1,20 +1,20 @@
 //! Growing one tree: top-down, by the surface-area heuristic on binned centroids (Wald 2007).
 //!
 //! Items are moved, not indexed, so that every pass reads memory in order; the bins know the boxes
-//! of what falls into them, so that no pass is spent on the boxes of the children. All this happens on a
-//! `lattice`, which is laid anew where a part has become small for it. The exact boxes are fitted
-//! from the leaves up: those of twigs while they grow, those above in the end.
+//! of what falls into them, so that no pass is spent on the boxes of the children. All this happens
+//! on a `lattice`, which is laid anew where a part has become small for it. The exact boxes are
+//! fitted from the leaves up: those of twigs while they grow, those above in the end.
 //!
-//! Source: the heuristic is that of MacDonald and Booth (1990, "Heuristics for ray tracing using space
-//! subdivision"), bins are Wald's (2007, "On fast construction of SAH-based bounding volume hierarchies"); the
-//! lattice is this crate's own. Cost: O(n) for each level of the tree, so O(n log n) as a rule; nothing but the way
-//! in which boxes are spread bounds the number of levels.
+//! Source: the heuristic is that of MacDonald and Booth (1990, "Heuristics for ray tracing using
+//! space subdivision"), bins are Wald's (2007, "On fast construction of SAH-based bounding volume
+//! hierarchies"); the lattice is this crate's own. Cost: O(n) for each level of the tree, so O(n
+//! log n) as a rule; nothing but the way in which boxes are spread bounds the number of levels.
 
 use std::ops::Range;
 
 use cranny_exact::Aabb;
 
-use super::lattice::{Extent, Frame, Item, Lows};
+use super::lattice::{Extent, LatticeBox, LatticeFrame, LatticeItem};
 use super::{Content, Node};
 
 /// Bins per split at most. Fewer: worse trees; more: slower building for less than 1 % fewer tests.
@@ -24,8 +24,8 @@ const BINS: usize = 16;
 /// sorting them takes longer than binning.
 const FEW: usize = 8;
 
-/// A part whose middles spread over fewer half steps of the lattice is laid on one of its own. Smaller, and
-/// rounding decides how it is divided; larger, and time is spent on ever new lattices.
+/// A part whose middles spread over fewer half steps of the lattice is laid on one of its own.
+/// Smaller, and rounding decides how it is divided; larger, and time is spent on ever new lattices.
 const LEAST_SPREAD: i32 = 32;
 
 /// How much finer a new lattice must be. Smaller, and parts of long boxes about one middle are laid
@@ -56,8 +56,8 @@ pub(crate) struct Grower<I> {
     boxes: Vec<Aabb>,
     /// Numbers of things alone and of the first of each pair.
     names: Vec<u32>,
-    items: Vec<Item>,
-    aside: Vec<Item>,
+    items: Vec<LatticeItem>,
+    aside: Vec<LatticeItem>,
     tasks: Vec<Task>,
     /// Inner nodes above twigs, whose boxes are not fitted yet.
     stem: Vec<usize>,
@@ -80,14 +80,15 @@ impl<I: Copy> Grower<I> {
         self.grow_pairs(boxes.map(|own| (own, None)), nodes, leaves);
     }
 
-    /// The same over things alone and in pairs, which are parted last, where leaves are smaller than pairs.
+    /// The same over things alone and in pairs, which are parted last, where leaves are smaller
+    /// than pairs.
     pub(crate) fn grow_pairs(
         &mut self,
         things: impl Iterator<Item = ((I, Aabb), Option<(I, Aabb)>)>,
         nodes: &mut Vec<Node>,
         leaves: &mut Vec<I>,
     ) {
-        let frame = Frame::of(&self.list(things));
+        let frame = LatticeFrame::of(&self.list(things));
         if self.names.is_empty() {
             return;
         }
@@ -178,7 +179,7 @@ struct Twigs<'a, I> {
 
 impl<I: Copy> Twigs<'_, I> {
     /// Appends the tree over at most [`FEW`] items, or a leaf; the box of all.
-    fn grow(&mut self, items: &mut [Item], things: usize, mut scale: f64) -> Aabb {
+    fn grow(&mut self, items: &mut [LatticeItem], things: usize, mut scale: f64) -> Aabb {
         if things <= self.leaf_size {
             return self.leaf(items);
         }
@@ -193,12 +194,12 @@ impl<I: Copy> Twigs<'_, I> {
         }
         let mut cut = 1;
         if items.len() > 2 {
-            let mut centers = Lows::of_centers(items);
+            let mut centers = LatticeBox::of_centers(items);
             if lay_anew(items, self.boxes, &centers, &mut scale) {
-                centers = Lows::of_centers(items);
+                centers = LatticeBox::of_centers(items);
             }
             sort(items, centers.longest());
-            cut = cheapest_cut(items.len(), |k| (items[k].lows(), items[k].things()));
+            cut = cheapest_cut(items.len(), |k| (items[k].bounds(), items[k].things()));
         }
         let (left, right) = items.split_at_mut(cut);
         let on_left = left.iter().map(|item| item.things() as usize).sum();
@@ -214,7 +215,7 @@ impl<I: Copy> Twigs<'_, I> {
         both
     }
 
-    fn leaf(&mut self, items: &[Item]) -> Aabb {
+    fn leaf(&mut self, items: &[LatticeItem]) -> Aabb {
         if let [item] = items
             && item.things() == 1
         {
@@ -240,17 +241,23 @@ impl<I: Copy> Twigs<'_, I> {
     }
 }
 
-/// Lays a finer lattice over items that hardly differ on theirs, given the box of their middles; whether it did.
+/// Lays a finer lattice over items that hardly differ on theirs, given the box of their middles;
+/// whether it did.
 #[inline]
-fn lay_anew(items: &mut [Item], boxes: &[Aabb], centers: &Lows, scale: &mut f64) -> bool {
+fn lay_anew(
+    items: &mut [LatticeItem],
+    boxes: &[Aabb],
+    centers: &LatticeBox,
+    scale: &mut f64,
+) -> bool {
     centers.size(centers.longest()) < LEAST_SPREAD && lay_finer(items, boxes, scale)
 }
 
 /// The same, if the lattice would be much finer.
-fn lay_finer(items: &mut [Item], boxes: &[Aabb], scale: &mut f64) -> bool {
-    let exact = |item: &Item| exact_box(boxes, item.name() as u32);
+fn lay_finer(items: &mut [LatticeItem], boxes: &[Aabb], scale: &mut f64) -> bool {
+    let exact = |item: &LatticeItem| exact_box(boxes, item.name() as u32);
     let whole = items.iter().fold(Aabb::EMPTY, |all, item| all.union(&exact(item)));
-    let frame = Frame::of(&whole);
+    let frame = LatticeFrame::of(&whole);
     let is_finer = frame.scale >= FINER * *scale;
     if is_finer {
         for item in items.iter_mut() {
@@ -262,7 +269,7 @@ fn lay_finer(items: &mut [Item], boxes: &[Aabb], scale: &mut f64) -> bool {
 }
 
 /// Orders more than [`FEW`] items so that the two parts are cheap to keep apart.
-fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent; 2] {
+fn split(items: &mut [LatticeItem], extent: &Extent, aside: &mut Vec<LatticeItem>) -> [Extent; 2] {
     let axis = extent.centers.longest();
     let (low, spread) = (extent.centers.low(axis), extent.centers.size(axis));
     if spread == 0 {
@@ -270,7 +277,8 @@ fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent;
         let halves = items.split_at(items.len() / 2);
         return [Extent::of(halves.0), Extent::of(halves.1)];
     }
-    // With no more bins than steps, the least middle falls into the first and the greatest into the last.
+    // With no more bins than steps, the least middle falls into the first and the greatest into the
+    // last.
     let count = (items.len() / 2).min(BINS).min(spread as usize + 1);
     let scale = ((count as u64) << 32) / (spread as u64 + 1);
     let mut bins = [Extent::NONE; BINS];
@@ -287,7 +295,7 @@ fn split(items: &mut [Item], extent: &Extent, aside: &mut Vec<Item>) -> [Extent;
 }
 
 /// By the middles along an axis, in place: there are few.
-fn sort(items: &mut [Item], axis: usize) {
+fn sort(items: &mut [LatticeItem], axis: usize) {
     for end in 1..items.len() {
         let item = items[end];
         let key = item.center(axis);
@@ -300,21 +308,21 @@ fn sort(items: &mut [Item], axis: usize) {
     }
 }
 
-/// The part before which to cut so that the sum of area times count is least, of at most [`BINS`] parts with
-/// their boxes and counts; the first and the last hold something.
-fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a Lows, u32)) -> usize {
-    let join = |(bounds, count): &mut (Lows, u32), cut: usize| {
+/// The part before which to cut so that the sum of area times count is least, of at most [`BINS`]
+/// parts with their boxes and counts; the first and the last hold something.
+fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a LatticeBox, u32)) -> usize {
+    let join = |(bounds, count): &mut (LatticeBox, u32), cut: usize| {
         let (of_part, number) = part(cut);
         bounds.join(of_part);
         *count += number;
         bounds.half_area() * u64::from(*count)
     };
     let mut right_costs = [0; BINS];
-    let mut right = (Lows::NONE, 0);
+    let mut right = (LatticeBox::NONE, 0);
     for cut in (1..parts).rev() {
         right_costs[cut % BINS] = join(&mut right, cut);
     }
-    let mut left = (Lows::NONE, 0);
+    let mut left = (LatticeBox::NONE, 0);
     let (mut least, mut best) = (u64::MAX, 1);
     for cut in 1..parts {
         let both = join(&mut left, cut - 1) + right_costs[cut % BINS];
@@ -325,8 +333,8 @@ fn cheapest_cut<'a>(parts: usize, part: impl Fn(usize) -> (&'a Lows, u32)) -> us
     best
 }
 
-/// Moves what satisfies `first` to the front and keeps the order otherwise, without a branch an item.
-/// Their number. `aside` is memory to be used again.
+/// Moves what satisfies `first` to the front and keeps the order otherwise, without a branch an
+/// item. Their number. `aside` is memory to be used again.
 pub fn partition<T: Copy>(
     items: &mut [T],
     aside: &mut Vec<T>,

@@ -1,11 +1,13 @@
-//! Trees as the shape of their nodes and the order of their faces; boxes are made again.
+//! Trees as they are stored: the shape of their nodes and the order of their faces. Boxes are made
+//! again.
 //!
 //! Nodes stand in depth-first order, so the number of faces at each node, 0 for an inner one, says
-//! all about their shape. They are gone through from the last to the first: whatever is beneath a node is whole
-//! when the node's turn comes. To check a shape takes no nodes; so a tree is read folded, as checked counts, and
-//! unfolded when somebody asks for it.
+//! all about their shape. They are gone through from the last to the first: whatever is beneath a
+//! node is whole when the node's turn comes. To check a shape takes no nodes; so a tree is read as
+//! checked counts, and rebuilt at its first use.
 //!
-//! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and faces.
+//! No source: this crate's own; a shape that does not add up is refused. Cost: O(n) for n nodes and
+//! faces.
 
 use std::ops::Range;
 
@@ -55,28 +57,29 @@ impl FaceTree {
 
 /// A tree over all faces of a mesh without its boxes, whose shape was checked.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FoldedTree {
+pub(crate) struct StoredTree {
     faces: Vec<FaceId>,
     counts: Vec<u32>,
 }
 
-impl FoldedTree {
+impl StoredTree {
     /// Reads a tree over all faces of a mesh.
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<Self, Flaw> {
-        let folded = Self { faces: input.list()?, counts: input.list()? };
-        let Self { faces, counts } = &folded;
+        let stored = Self { faces: input.list()?, counts: input.list()? };
+        let Self { faces, counts } = &stored;
         check(faces.len() == mesh.faces().len(), "it is not over all faces")?;
         check_each_once(faces.iter().map(|face| face.0), faces.len())?;
         check_shape(counts, faces.len())?;
-        Ok(folded)
+        Ok(stored)
     }
 
     /// The tree. What it keeps is taken out.
-    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> FaceTree {
+    pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceTree {
         let Self { faces, counts } = self;
-        // In the order of leaves, in a loop without branches: what it fetches from here and there overlaps.
+        // In the order of leaves, in a loop without branches: what it fetches from here and there
+        // overlaps.
         let boxes: Vec<Aabb> = faces.iter().map(|&face| box_of(mesh, face)).collect();
-        let mut nodes = Unfolded::of(counts);
+        let mut nodes = NodesFromCounts::of(counts);
         nodes.tree(0..counts.len(), 0..faces.len(), |leaf| around(&boxes[leaf]));
         let nodes = nodes.into_nodes();
         counts.clear();
@@ -94,16 +97,16 @@ impl FaceForest {
 
 /// Trees over faces of a mesh without their boxes, whose shape was checked.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct FoldedForest {
+pub(crate) struct StoredForest {
     faces: Vec<FaceId>,
     counts: Vec<u32>,
     /// As in [`FaceForest`].
     starts: Vec<[u32; 2]>,
 }
 
-impl FoldedForest {
-    /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that holds it, or
-    /// [`NOBODY`](crate::rows::NOBODY).
+impl StoredForest {
+    /// Reads trees over faces of a mesh, each face at most once; and of each face the tree that
+    /// holds it, or [`NOBODY`](crate::rows::NOBODY).
     pub(crate) fn decode(input: &mut Reader, mesh: &Mesh) -> Result<(Self, Vec<u32>), Flaw> {
         let faces: Vec<u32> = input.list()?;
         let counts: Vec<u32> = input.list()?;
@@ -115,11 +118,11 @@ impl FoldedForest {
         let held = starts.windows(2).map(|pair| &faces[pair[0][1] as usize..pair[1][1] as usize]);
         let owners = owners(mesh.faces().len(), held)?;
         let faces = faces.into_iter().map(FaceId).collect();
-        let folded = Self { faces, counts, starts };
-        folded
+        let stored = Self { faces, counts, starts };
+        stored
             .trees()
-            .try_for_each(|[nodes, held]| check_shape(&folded.counts[nodes], held.len()))?;
-        Ok((folded, owners))
+            .try_for_each(|[nodes, held]| check_shape(&stored.counts[nodes], held.len()))?;
+        Ok((stored, owners))
     }
 
     /// The nodes and the faces of each tree.
@@ -145,8 +148,8 @@ impl FoldedForest {
     }
 
     /// The trees. What they keep is taken out.
-    pub(crate) fn unfold(&mut self, mesh: &Mesh) -> FaceForest {
-        let mut nodes = Unfolded::of(&self.counts);
+    pub(crate) fn rebuild(&mut self, mesh: &Mesh) -> FaceForest {
+        let mut nodes = NodesFromCounts::of(&self.counts);
         for [range, held] in self.trees() {
             nodes.tree(range, held, |leaf| box_around(mesh, &self.faces[leaf]));
         }
@@ -158,11 +161,11 @@ impl FoldedForest {
     }
 }
 
-/// Whether counts in depth-first order are those of a tree whose leaves hold so many things in all, or of none where
-/// there is nothing to hold.
+/// Whether counts in depth-first order are those of a tree whose leaves hold so many things in all,
+/// or of none where there is nothing to hold.
 ///
-/// From the last to the first: a leaf is a finished tree, an inner node makes one of the two that were finished last,
-/// and all are one in the end.
+/// From the last to the first: a leaf is a finished tree, an inner node makes one of the two that
+/// were finished last, and all are one in the end.
 pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
     let (mut finished, mut in_leaves, mut lacks) = (0_i64, 0_u64, false);
     // No way out of the loop, so that it stays short.
@@ -179,14 +182,14 @@ pub(crate) fn check_shape(counts: &[u32], held: usize) -> Result<(), Flaw> {
 
 /// Nodes in the making, by how many things each leaf holds; 0 for an inner node. The shape was
 /// [checked](check_shape).
-pub(crate) struct Unfolded<'a> {
+pub(crate) struct NodesFromCounts<'a> {
     counts: &'a [u32],
     nodes: Vec<Node>,
     /// The roots of finished trees that wait for a parent, but for the one that was finished last.
     waiting: Vec<u32>,
 }
 
-impl<'a> Unfolded<'a> {
+impl<'a> NodesFromCounts<'a> {
     pub(crate) fn of(counts: &'a [u32]) -> Self {
         // All zero: memory is filled at once.
         let blank = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
@@ -198,11 +201,11 @@ impl<'a> Unfolded<'a> {
         self.nodes
     }
 
-    /// Fills a range of nodes with a tree over a range of things: no nodes where there are none. `box_of` is
-    /// asked for those of each leaf.
+    /// Fills a range of nodes with a tree over a range of things: no nodes where there are none.
+    /// `box_of` is called for those of each leaf.
     ///
-    /// From the last node to the first: the tree finished last begins right behind an inner node, which makes it
-    /// the left child, and the one that has waited least is the right one.
+    /// From the last node to the first: the tree finished last begins right behind an inner node,
+    /// which makes it the left child, and the one that has waited least is the right one.
     #[inline]
     pub(crate) fn tree(
         &mut self,
@@ -212,7 +215,8 @@ impl<'a> Unfolded<'a> {
     ) {
         let Some(first) = range.end.checked_sub(1).filter(|_| !range.is_empty()) else { return };
         let mut first_held = held.end;
-        // The root of the tree finished last, and what is around it; none at first, which nobody takes up again.
+        // The root of the tree finished last, and what is around it; none at first, which nobody
+        // takes up again.
         let (mut finished, mut bounds) = (first as u32, Aabb::EMPTY);
         self.waiting.clear();
         for index in range.rev() {
@@ -242,12 +246,13 @@ mod tests {
         let mesh = Mesh::new(vertices, (0..6).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
         let faces: Vec<FaceId> = (0..size as u32).map(FaceId).collect();
         check_shape(counts, size).map_err(|Flaw(what)| what)?;
-        let tree = FoldedTree { faces: faces.clone(), counts: counts.to_vec() }.unfold(&mesh);
+        let tree = StoredTree { faces: faces.clone(), counts: counts.to_vec() }.rebuild(&mesh);
         tree.validate(&mesh, &faces)?;
         Ok(tree.nodes.iter().filter(|n| n.count == 0).map(|n| n.content).collect())
     }
 
-    /// The rest of some counts behind those of one tree, and what its leaves hold; by what a tree is.
+    /// The rest of some counts behind those of one tree, and what its leaves hold; by what a tree
+    /// is.
     fn tree_of(counts: &[u32]) -> Option<(&[u32], u32)> {
         let (&root, rest) = counts.split_first()?;
         if root > 0 {

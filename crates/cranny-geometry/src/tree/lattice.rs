@@ -1,26 +1,26 @@
 //! Boxes on a coarse lattice, to plan trees with.
 //!
-//! Which boxes to part from which is a question of taste, so it may be asked of rounded boxes: eight
-//! numbers of 16 bits, a quarter of the exact ones, joined by one operation. The tree's own boxes are
-//! exact all the same; they are made from the faces when the tree's shape is known.
+//! Which boxes to part from which is a matter of taste, so rounded boxes may decide it: eight
+//! numbers of 16 bits, a quarter of the exact ones, joined by one operation. The tree's own boxes
+//! are exact all the same; they are made from the faces when the tree's shape is known.
 //!
 //! No source: this crate's own. Cost: O(1) to round a box or to join two.
 
 use cranny_exact::{Aabb, DVec3};
 
-/// Steps of the lattice along the longest side of a frame. Twice as many, and the sum of two coordinates
-/// no longer fits 16 bits; fewer, and frames are laid anew more often.
+/// Steps of the lattice along the longest side of a frame. Twice as many, and the sum of two
+/// coordinates no longer fits 16 bits; fewer, and frames are laid anew more often.
 const STEPS: f64 = 16_383.0;
 
 /// Where a lattice lies. All its sides have the same step, so that areas keep their proportions.
 #[derive(Clone, Copy)]
-pub(super) struct Frame {
+pub(super) struct LatticeFrame {
     low: DVec3,
     /// Steps a unit of length; 0 where the frame has no size.
     pub(super) scale: f64,
 }
 
-impl Frame {
+impl LatticeFrame {
     /// That of boxes within `bounds`.
     pub(super) fn of(bounds: &Aabb) -> Self {
         let scale = STEPS / (bounds.max - bounds.min).max_element();
@@ -28,20 +28,20 @@ impl Frame {
     }
 
     /// The nearest box of the lattice, by name.
-    pub(super) fn item(&self, bounds: &Aabb, name: u32) -> Item {
+    pub(super) fn item(&self, bounds: &Aabb, name: u32) -> LatticeItem {
         let step = |p: DVec3| (self.scale * (p - self.low)).to_array().map(|x| (x + 0.5) as i16);
         let ([a, b, c], [x, y, z]) = (step(bounds.min), step(bounds.max));
-        Item(Lows([a, b, c, name as i16, -x, -y, -z, (name >> 16) as i16]))
+        LatticeItem(LatticeBox([a, b, c, name as i16, -x, -y, -z, (name >> 16) as i16]))
     }
 }
 
-/// A box as numbers of which the least counts: the least corner, and the greatest one negated; the fourth
-/// and the eighth are spare. So two boxes are joined by one kind of operation on the whole.
+/// A box as numbers of which the least counts: the least corner, and the greatest one negated; the
+/// fourth and the eighth are spare. So two boxes are joined by one kind of operation on the whole.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
-pub(super) struct Lows([i16; 8]);
+pub(super) struct LatticeBox([i16; 8]);
 
-impl Lows {
+impl LatticeBox {
     pub(super) const NONE: Self = Self([i16::MAX; 8]);
 
     pub(super) fn join(&mut self, other: &Self) {
@@ -58,7 +58,7 @@ impl Lows {
     }
 
     /// The box of (twice) the middles of some items.
-    pub(super) fn of_centers(items: &[Item]) -> Self {
+    pub(super) fn of_centers(items: &[LatticeItem]) -> Self {
         let mut centers = Self::NONE;
         items.iter().for_each(|item| centers.join(&item.0.center()));
         centers
@@ -97,13 +97,13 @@ impl Lows {
     }
 }
 
-/// Something on its way into a leaf: its box, and its name in the spare places. The highest bit of the name tells
-/// one thing from two.
+/// Something on its way into a leaf: its box, and its name in the spare places. The highest bit of
+/// the name distinguishes one thing from two.
 #[derive(Clone, Copy)]
-pub(super) struct Item(Lows);
+pub(super) struct LatticeItem(LatticeBox);
 
-impl Item {
-    pub(super) fn lows(&self) -> &Lows {
+impl LatticeItem {
+    pub(super) fn bounds(&self) -> &LatticeBox {
         &self.0
     }
 
@@ -126,8 +126,8 @@ impl Item {
 /// Some items: their box, and the box of (twice) their middles.
 #[derive(Clone, Copy)]
 pub(super) struct Extent {
-    pub(super) bounds: Lows,
-    pub(super) centers: Lows,
+    pub(super) bounds: LatticeBox,
+    pub(super) centers: LatticeBox,
     /// Of items.
     pub(super) count: u32,
     /// What the items are, one or two each.
@@ -136,16 +136,16 @@ pub(super) struct Extent {
 
 impl Extent {
     pub(super) const NONE: Self =
-        Self { bounds: Lows::NONE, centers: Lows::NONE, count: 0, things: 0 };
+        Self { bounds: LatticeBox::NONE, centers: LatticeBox::NONE, count: 0, things: 0 };
 
-    pub(super) fn of(items: &[Item]) -> Self {
+    pub(super) fn of(items: &[LatticeItem]) -> Self {
         let mut extent = Self::NONE;
         items.iter().for_each(|item| extent.add(item));
         extent
     }
 
     #[inline]
-    pub(super) fn add(&mut self, item: &Item) {
+    pub(super) fn add(&mut self, item: &LatticeItem) {
         self.bounds.join(&item.0);
         self.centers.join(&item.0.center());
         self.count += 1;
@@ -174,16 +174,16 @@ mod tests {
 
     #[test]
     fn an_item_on_a_lattice_of_units_by_hand() {
-        let frame = Frame::of(&boxed([-100.0, 1.0, 1.0], [16_283.0, 9.0, 5.0]));
+        let frame = LatticeFrame::of(&boxed([-100.0, 1.0, 1.0], [16_283.0, 9.0, 5.0]));
         assert_eq!(frame.scale, 1.0);
         let item = frame.item(&boxed([-98.0, 4.0, 5.0], [-94.0, 4.0, 6.0]), 0x8001_9002);
         assert_eq!(item.name(), 0x8001_9002);
         // From (2, 3, 4) to (6, 3, 5).
         assert_eq!([0, 1, 2].map(|axis| item.center(axis)), [8, 6, 9]);
-        assert_eq!([0, 1, 2].map(|axis| item.lows().low(axis)), [2, 3, 4]);
-        assert_eq!([0, 1, 2].map(|axis| item.lows().size(axis)), [4, 0, 1]);
+        assert_eq!([0, 1, 2].map(|axis| item.bounds().low(axis)), [2, 3, 4]);
+        assert_eq!([0, 1, 2].map(|axis| item.bounds().size(axis)), [4, 0, 1]);
         // 5 x 1 x 2 cells.
-        assert_eq!((item.lows().half_area(), item.lows().longest()), (5 + 2 + 10, 0));
+        assert_eq!((item.bounds().half_area(), item.bounds().longest()), (5 + 2 + 10, 0));
         let mut extent = Extent::of(&[item]);
         extent.add(&frame.item(&boxed([-100.0, 5.0, 1.0], [-99.4, 9.0, 1.4]), 7));
         // The other from (0, 4, 0) to (1, 8, 0), its middle at (0.5, 6, 0).
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn a_frame_without_size_has_all_in_one_place() {
         let point = boxed([0.3; 3], [0.3; 3]);
-        let frame = Frame::of(&point);
-        assert_eq!((frame.scale, frame.item(&point, 0).lows().half_area()), (0.0, 3));
+        let frame = LatticeFrame::of(&point);
+        assert_eq!((frame.scale, frame.item(&point, 0).bounds().half_area()), (0.0, 3));
     }
 }

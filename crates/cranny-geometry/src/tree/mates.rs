@@ -1,7 +1,7 @@
 //! Which two faces hang together most: over the longest side of both.
 //!
-//! Most surfaces are quadrangles cut in two; trees that keep the two halves together are grown in half the time, and
-//! would part nearly all of them last anyway.
+//! Most surfaces are quadrangles cut in two; trees that keep the two halves together are grown in
+//! half the time, and would part nearly all of them last anyway.
 //!
 //! No source: this crate's own; a tree is right whatever is paired. Cost: O(n).
 
@@ -11,12 +11,13 @@ use crate::ids::{FaceId, HalfEdgeId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 
-/// The box of a pair has at most so many times the mean area of its faces' boxes. Larger, and trees over balls have 4 %
-/// more area; smaller, and the halves of slanted quadrangles are no pairs (with 1.5 the boxes of all nodes have as much
-/// area as without pairs, to within 0.7 %).
+/// The box of a pair has at most so many times the mean area of its faces' boxes. Larger, and trees
+/// over balls have 4 % more area; smaller, and the halves of slanted quadrangles are no pairs (with
+/// 1.5 the boxes of all nodes have as much area as without pairs, to within 0.7 %).
 const SNUG: f64 = 1.5;
 
-/// For each face the one that it is paired with, if any, and its box: trees and patches ask for it again and again.
+/// For each face the one that it is paired with, if any, and its box: trees and patches ask for it
+/// again and again.
 pub(crate) struct Mates {
     mates: Vec<FaceId>,
     boxes: Vec<Aabb>,

@@ -22,7 +22,7 @@ use cranny_exact::Aabb;
 
 pub(crate) use self::build::Grower;
 pub use self::build::partition;
-pub(crate) use self::codec::{FoldedForest, FoldedTree, Unfolded, check_shape};
+pub(crate) use self::codec::{NodesFromCounts, StoredForest, StoredTree, check_shape};
 pub use self::forest::FaceForest;
 pub(crate) use self::mates::Mates;
 pub use self::paired::PairedStep;

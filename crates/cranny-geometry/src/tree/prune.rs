@@ -1,11 +1,11 @@
 //! What is left of a tree when some of its faces are taken out.
 //!
 //! A concavity may have nearly all faces of a body (the thread of a bolt). A tree of its own would
-//! be grown by nearly the same cuts as the tree over all faces, so that one is pruned instead: nodes without
-//! a face are left out, those with few become leaves, and boxes are fitted anew.
+//! be grown by nearly the same cuts as the tree over all faces, so that one is pruned instead:
+//! nodes without a face are left out, those with few become leaves, and boxes are fitted anew.
 //!
-//! No source: this crate's own. The order of faces stays, and boxes are those of what is left, so what comes out is
-//! a tree over it. Cost: O(n) for n faces before pruning.
+//! No source: this crate's own. The order of faces stays, and boxes are those of what is left, so
+//! what comes out is a tree over it. Cost: O(n) for n faces before pruning.
 
 use cranny_exact::Aabb;
 
@@ -17,9 +17,10 @@ use crate::mesh::Mesh;
 /// At least so many of four faces must be kept, or cuts between the others spoil the tree.
 const LEAST_KEPT: usize = 3;
 
-/// A part of the tree to come: what is left of it beneath a node, and how many faces that node holds.
-struct Task {
-    place: Place,
+/// A part of the tree to come: what is left of it beneath a node, and how many faces that node
+/// holds.
+struct PruneTask {
+    place: NodePlace,
     held: usize,
     /// The node whose right child this is; a left child stands right behind its parent.
     parent: Option<usize>,
@@ -27,7 +28,7 @@ struct Task {
 
 /// A node of a tree whose leaves hold one face each, and the place of the first face beneath.
 #[derive(Clone, Copy)]
-struct Place {
+struct NodePlace {
     node: u32,
     first: u32,
 }
@@ -38,13 +39,16 @@ impl FaceTree {
         self.nodes.len() + 1 == 2 * self.faces.len()
     }
 
-    /// The children of an inner node, where every leaf holds one face. Nodes beneath the left one, of which one
-    /// more than half are leaves, stand between them.
-    fn children(&self, Place { node, first }: Place) -> Option<[Place; 2]> {
+    /// The children of an inner node, where every leaf holds one face. Nodes beneath the left one,
+    /// of which one more than half are leaves, stand between them.
+    fn children(&self, NodePlace { node, first }: NodePlace) -> Option<[NodePlace; 2]> {
         match self.content(node) {
             Content::Inner { left, right } => {
                 let beneath = (right - left).div_ceil(2);
-                Some([Place { node: left, first }, Place { node: right, first: first + beneath }])
+                Some([
+                    NodePlace { node: left, first },
+                    NodePlace { node: right, first: first + beneath },
+                ])
             }
             Content::Leaf { .. } => None,
         }
@@ -55,8 +59,8 @@ impl FaceTree {
         4 * kept >= LEAST_KEPT * self.faces.len() && self.has_single_faces()
     }
 
-    /// Appends what is left of this tree, whose leaves hold one face each, to `arena` when only `kept` remain,
-    /// each named once; at least one. Leaves hold at most `leaf_size >= 1`.
+    /// Appends what is left of this tree, whose leaves hold one face each, to `arena` when only
+    /// `kept` remain, each named once; at least one. Leaves hold at most `leaf_size >= 1`.
     ///
     /// Cost: O(n) for n faces of this tree.
     pub(super) fn prune(&self, mesh: &Mesh, kept: &[FaceId], leaf_size: usize, arena: &mut Self) {
@@ -78,9 +82,9 @@ impl FaceTree {
         arena.faces.reserve(kept.len());
         // Leaves are a little more than half full, and there are nearly as many inner nodes.
         arena.nodes.reserve(5 * kept.len().div_ceil(leaf_size.max(1)) / 2);
-        let place = Place { node: 0, first: 0 };
-        let mut stack = vec![Task { place, held: self.faces.len(), parent: None }];
-        while let Some(Task { mut place, mut held, parent }) = stack.pop() {
+        let place = NodePlace { node: 0, first: 0 };
+        let mut stack = vec![PruneTask { place, held: self.faces.len(), parent: None }];
+        while let Some(PruneTask { mut place, mut held, parent }) = stack.pop() {
             if let Some(parent) = parent {
                 arena.nodes[parent].content = arena.nodes.len() as u32;
             }
@@ -102,8 +106,8 @@ impl FaceTree {
             };
             if let Some([left, right]) = children {
                 let id = arena.nodes.len();
-                stack.push(Task { place: right.0, held: right.1, parent: Some(id) });
-                stack.push(Task { place: left.0, held: left.1, parent: None });
+                stack.push(PruneTask { place: right.0, held: right.1, parent: Some(id) });
+                stack.push(PruneTask { place: left.0, held: left.1, parent: None });
                 if count == held {
                     arena.nodes.push(Node { bounds: self.node(place.node).bounds, ..INNER });
                 } else {

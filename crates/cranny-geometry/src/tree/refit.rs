@@ -1,11 +1,11 @@
-//! Trees after some of their faces have moved: boxes fitted again, subtrees grown again where they have
-//! become bad.
+//! Trees after some of their faces have moved: boxes fitted again, subtrees grown again where they
+//! have become bad.
 //!
 //! A moved face is found by its old box, which lies in the box of every node above it; so the cost
-//! follows the number of moved faces and the depth of the tree. Then boxes are fitted from the leaves up,
-//! as van den Bergen (1997) does for whole trees. A node whose box has spread to [`SPREAD`] times
-//! the area that it had when it was grown no longer divides well: the tree beneath its parent is grown
-//! again, in place.
+//! follows the number of moved faces and the depth of the tree. Then boxes are fitted from the
+//! leaves up, as van den Bergen (1997) does for whole trees. A node whose box has spread to
+//! [`SPREAD`] times the area that it had when it was grown no longer divides well: the tree beneath
+//! its parent is grown again, in place.
 
 use std::ops::Range;
 
@@ -16,9 +16,9 @@ use super::{Content, FaceForest, FaceTree, Node, face_boxes};
 use crate::ids::FaceId;
 use crate::mesh::Mesh;
 
-/// How much larger than when it was grown a box may become before the tree around it is grown again.
-/// Smaller, and every dent regrows trees; larger, and a body that is kneaded for long is searched
-/// slowly.
+/// How much larger than when it was grown a box may become before the tree around it is grown
+/// again. Smaller, and every dent regrows trees; larger, and a body that is kneaded for long is
+/// searched slowly.
 const SPREAD: f64 = 3.0;
 
 /// A face that has moved, and the box that it had before.
@@ -68,9 +68,11 @@ impl GrownAreas {
 pub struct NodeChanges {
     /// Nodes that hold the same faces as before in another box; ascending.
     pub refitted: Vec<u32>,
-    /// Ranges of nodes that were grown again: they may hold other faces than before. Ascending, apart.
+    /// Ranges of nodes that were grown again: they may hold other faces than before. Ascending,
+    /// apart.
     pub regrown: Vec<Range<u32>>,
-    /// Whether nodes were numbered anew, so that no index means what it did. Then the others say nothing.
+    /// Whether nodes were numbered anew, so that no index means what it did. Then the others say
+    /// nothing.
     pub renumbered: bool,
 }
 
@@ -111,9 +113,9 @@ impl NodeChanges {
 }
 
 impl FaceTree {
-    /// Fits the boxes of the tree at `root` after some of its faces have moved, and grows parts of it
-    /// again; the changes are added to `changes`. Whether the tree is well again: a part that takes more
-    /// or fewer nodes when grown again stays as it is.
+    /// Fits the boxes of the tree at `root` after some of its faces have moved, and grows parts of
+    /// it again; the changes are added to `changes`. Whether the tree is well again: a part that
+    /// takes more or fewer nodes when grown again stays as it is.
     pub(crate) fn refit(
         &mut self,
         root: u32,
@@ -207,17 +209,19 @@ impl FaceTree {
         Some(nodes)
     }
 
-    /// Whether a node is an inner one with more than `few` faces beneath. True is certain, and quicker than to count
-    /// them; false may only mean that most of them are on one side.
+    /// Whether a node is an inner one with more than `few` faces beneath. True is certain, and
+    /// quicker than to count them; false may only mean that most of them are on one side.
     pub fn surely_has_more(&self, node: u32, few: usize) -> bool {
         match self.content(node) {
-            // Of the left child and the nodes beneath it more than half are leaves; no leaf is empty.
+            // Of the left child and the nodes beneath it more than half are leaves; no leaf is
+            // empty.
             Content::Inner { left, right } => (right - left).div_ceil(2) as usize >= few,
             Content::Leaf { .. } => false,
         }
     }
 
-    /// The nodes that hang at a node, itself included, and the faces that they hold: both stand together.
+    /// The nodes that hang at a node, itself included, and the faces that they hold: both stand
+    /// together.
     pub fn beneath(&self, node: u32) -> (Range<u32>, Range<u32>) {
         let (mut first, mut last) = (node, node);
         let start = loop {

@@ -5,8 +5,8 @@
 //! lies closer. The strip between segment and border crosses itself nowhere, so a sweep of its own
 //! fills it.
 //!
-//! Cost: O(t log t) to sort the sides of t triangles, then O(log t) for each triangle passed; for all detours
-//! together these are at most [`STEPS_PER_SITE`] times the sites.
+//! Cost: O(t log t) to sort the sides of t triangles, then O(log t) for each triangle passed; for
+//! all detours together these are at most [`STEPS_PER_SITE`] times the sites.
 
 use std::cell::Cell;
 
@@ -14,9 +14,9 @@ use cranny_exact::{DVec2, Sign, orient2d};
 
 use super::sweep::{Layer, Segment, Swept, sweep};
 
-/// How many triangles may be looked at per site, on average. Fewer, and chains with many crossings get
-/// fans where local detours were possible; more, and an all-crossing chain takes time and triangles
-/// of its size squared (`a_tangle_of_many_crossings_ends_as_a_fan`).
+/// How many triangles may be looked at per site, on average. Fewer, and chains with many crossings
+/// get fans where local detours were possible; more, and an all-crossing chain takes time and
+/// triangles of its size squared (`a_tangle_of_many_crossings_ends_as_a_fan`).
 const STEPS_PER_SITE: usize = 64;
 
 /// The edges of a triangulation, to walk along.
@@ -63,15 +63,15 @@ impl<'a> Detours<'a> {
         found
     }
 
-    /// Walks along a segment, from each site on it to the next, and tells the way there around the
-    /// corridor (last the site itself), and the site.
-    fn walk(&self, segment: Segment, mut tell: impl FnMut(&[u32], u32)) -> Option<()> {
+    /// Walks along a segment, from each site on it to the next, and returns the way there around
+    /// the corridor (last the site itself), and the site.
+    fn walk(&self, segment: Segment, mut visit: impl FnMut(&[u32], u32)) -> Option<()> {
         let mut at = segment.left;
         while at != segment.right {
             let [left, right] = self.to_next_site(at, segment.right)?;
             let border = if self.area(at, &right) < self.area(at, &left) { right } else { left };
             at = *border.last()?;
-            tell(&border, at);
+            visit(&border, at);
         }
         Some(())
     }

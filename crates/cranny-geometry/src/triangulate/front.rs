@@ -1,10 +1,10 @@
 //! Fronts: how far the plane between two edges is triangulated.
 //!
-//! A front is a list of sites, from the left end of the edge below to the left end of the edge above,
-//! joined by edges of triangles; what lies to its right is open. **Invariant:** seen from the open
-//! side, the angle at every inner site is at least a straight one. So the front has a single rightmost
-//! site, its *tip*, which every site to come in this gap sees; and the sites that a new one sees
-//! follow one another from the tip, or from the end of an edge on which it lies.
+//! A front is a list of sites, from the left end of the edge below to the left end of the edge
+//! above, joined by edges of triangles; what lies to its right is open. **Invariant:** seen from
+//! the open side, the angle at every inner site is at least a straight one. So the front has a
+//! single rightmost site, its *tip*, which every site to come in this gap sees; and the sites that
+//! a new one sees follow one another from the tip, or from the end of an edge on which it lies.
 //!
 //! Source: Hertel and Mehlhorn (1983). Cost: O(1) for each site and each triangle made.
 
@@ -29,7 +29,7 @@ impl Front {
 }
 
 #[derive(Clone, Copy)]
-struct Node {
+struct FrontNode {
     site: u32,
     below: u32,
     above: u32,
@@ -38,7 +38,7 @@ struct Node {
 /// The nodes of all fronts, and the triangles that fronts have passed over.
 pub(super) struct Fronts<'a> {
     sites: &'a [DVec2],
-    nodes: Vec<Node>,
+    nodes: Vec<FrontNode>,
     triangles: Vec<Layer>,
 }
 
@@ -60,7 +60,7 @@ impl<'a> Fronts<'a> {
         if front.tip == NONE {
             return (front, front);
         }
-        let Node { site, above, .. } = self.nodes[front.tip as usize];
+        let FrontNode { site, above, .. } = self.nodes[front.tip as usize];
         let double = self.node(site, NONE, above);
         self.nodes[front.tip as usize].above = NONE;
         let top = if front.top == front.tip { double } else { front.top };
@@ -79,14 +79,16 @@ impl<'a> Fronts<'a> {
         }
     }
 
-    /// Joins `v` to the sites that it sees from the top of a front downwards, and ends the front in it.
+    /// Joins `v` to the sites that it sees from the top of a front downwards, and ends the front in
+    /// it.
     pub(super) fn end_in(&mut self, front: Front, v: u32) -> Front {
         let seen = self.sweep_down(front, v);
         let tip = self.node(v, seen, NONE);
         Front { bottom: if seen == NONE { tip } else { front.bottom }, top: tip, tip, ..front }
     }
 
-    /// Joins `v` to the sites that it sees from the bottom of a front upwards, and starts the front in it.
+    /// Joins `v` to the sites that it sees from the bottom of a front upwards, and starts the front
+    /// in it.
     pub(super) fn start_in(&mut self, front: Front, v: u32, winding: i64) -> Front {
         let seen = self.sweep_up(front, v);
         let tip = self.node(v, NONE, seen);
@@ -114,7 +116,8 @@ impl<'a> Fronts<'a> {
 
     /// Makes one front of two whose common edge is given up; both contain its left end.
     ///
-    /// The angle there may be less than a straight one: triangles fill it until the invariant holds.
+    /// The angle there may be less than a straight one: triangles fill it until the invariant
+    /// holds.
     pub(super) fn unite(&mut self, lower: Front, upper: Front) -> Front {
         let (kept, double) = (lower.top, upper.bottom);
         let above = self.nodes[double as usize].above;
@@ -125,7 +128,7 @@ impl<'a> Fronts<'a> {
 
         let mut pending = vec![kept];
         while let Some(n) = pending.pop() {
-            let Node { below, above, .. } = self.nodes[n as usize];
+            let FrontNode { below, above, .. } = self.nodes[n as usize];
             if below != NONE && above != NONE && self.turns_left(n, above, self.site(below)) {
                 self.emit([n, above], self.site(below), united.winding);
                 self.link(below, above);
@@ -179,7 +182,7 @@ impl<'a> Fronts<'a> {
 
     fn node(&mut self, site: u32, below: u32, above: u32) -> u32 {
         let node = self.nodes.len() as u32;
-        self.nodes.push(Node { site, below: NONE, above: NONE });
+        self.nodes.push(FrontNode { site, below: NONE, above: NONE });
         self.link(below, node);
         self.link(node, above);
         node

@@ -1,17 +1,18 @@
 //! The polygonal outlines of a set of triangles.
 //!
-//! No source: this crate's own. Sides are paired by sorting, and each free side is followed by just one other, so
-//! walks close. Cost: O(n log n) for n triangles.
+//! No source: this crate's own. Sides are paired by sorting, and each free side is followed by just
+//! one other, so walks close. Cost: O(n log n) for n triangles.
 
 use crate::hull::lowest_first;
 
-/// The loops that bound a set of triangles, each running as the triangles' own sides do; together they
-/// are the signed boundary. A loop visits no vertex twice and starts at its lowest; loops are sorted.
+/// The loops that bound a set of triangles, each running as the triangles' own sides do; together
+/// they are the signed boundary. A loop visits no vertex twice and starts at its lowest; loops are
+/// sorted.
 ///
 /// Sides that two triangles run through in opposite directions are inner ones (of more than two,
 /// they are paired as listed). A loop continues with the next free side around its vertex through
-/// the triangles there, so parts that merely touch at a vertex have loops of their own. Triangles with a
-/// repeated corner play no part. Cost: `O(t log t)` for `t` triangles.
+/// the triangles there, so parts that merely touch at a vertex have loops of their own. Triangles
+/// with a repeated corner play no part. Cost: `O(t log t)` for `t` triangles.
 pub fn outlines(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     if let &[[a, b, c]] = triangles
         && a != b
@@ -46,7 +47,8 @@ pub fn outlines(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
     loops
 }
 
-/// For each side `3 t + i` of triangle `t`, from its corner `i` to the next, the side opposite to it.
+/// For each side `3 t + i` of triangle `t`, from its corner `i` to the next, the side opposite to
+/// it.
 struct Twins(Vec<u32>);
 
 impl Twins {

@@ -1,16 +1,16 @@
 //! The edges that the sweep line crosses, from bottom to top: a sorted list cut into short rows, so
 //! that insertion and removal move few entries.
 //!
-//! Source: two levels of a B-tree (Bayer and McCreight 1972, "Organization and maintenance of large ordered
-//! indexes"). Cost: O(log s) questions to find a place among s edges; to insert or remove moves at most the entries
-//! of a row and, when rows come or go, the list of rows.
+//! Source: two levels of a B-tree (Bayer and McCreight 1972, "Organization and maintenance of large
+//! ordered indexes"). Cost: O(log s) questions to find a place among s edges; to insert or remove
+//! moves at most the entries of a row and, when rows come or go, the list of rows.
 
-/// Rows longer than this are halved. Shorter rows make more of them to search among, longer ones cost
-/// more to shift (`it_behaves_as_a_sorted_vector` runs through both).
+/// Rows longer than this are halved. Shorter rows make more of them to search among, longer ones
+/// cost more to shift (`it_behaves_as_a_sorted_vector` runs through both).
 const LONGEST_ROW: usize = 256;
 
-/// Edges in order. The order itself is the caller's: the list only searches it by a predicate that is
-/// true of a lower part.
+/// Edges in order. The order itself is the caller's: the list only searches it by a predicate that
+/// is true of a lower part.
 #[derive(Default)]
 pub(super) struct Status {
     /// No row is empty.

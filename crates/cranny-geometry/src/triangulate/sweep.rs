@@ -1,16 +1,17 @@
 //! One pass of a sweep line triangulates the plane between given segments.
 //!
 //! After Hertel and Mehlhorn (1983), who triangulate inside and outside of a polygon in one sweep
-//! without cutting it into monotone pieces first. The line meets sites in lexicographic order, which
-//! is the order by x after a turn too small to matter, so vertical segments need no care. Between
-//! neighbouring segments on the line a [`Front`] marks how far the plane is triangulated. A new
-//! site closes the gaps between the segments that end in it, joins the sites that it sees in the gaps
-//! beside, and opens a gap between each two segments that start in it. The whole convex hull of the sites
-//! gets triangulated; the winding number of a gap is the sum of counts of the segments below it.
+//! without cutting it into monotone pieces first. The line meets sites in lexicographic order,
+//! which is the order by x after a turn too small to matter, so vertical segments need no care.
+//! Between neighbouring segments on the line a [`Front`] marks how far the plane is triangulated. A
+//! new site closes the gaps between the segments that end in it, joins the sites that it sees in
+//! the gaps beside, and opens a gap between each two segments that start in it. The whole convex
+//! hull of the sites gets triangulated; the winding number of a gap is the sum of counts of the
+//! segments below it.
 //!
-//! Segments become neighbours before the line reaches their crossing (Shamos and Hoey 1976): each new
-//! pair is tested, and where they cross properly one of the two is given up. A segment through a site
-//! is split when the line comes to it. So the order on the line is always right, and every
+//! Segments become neighbours before the line reaches their crossing (Shamos and Hoey 1976): each
+//! new pair is tested, and where they cross properly one of the two is given up. A segment through
+//! a site is split when the line comes to it. So the order on the line is always right, and every
 //! decision is the sign of an orientation. Cost: `O(m log m)` for `m` segments and splits.
 
 use cranny_exact::{DVec2, Sign, orient2d};
@@ -38,8 +39,8 @@ impl Segment {
         (left != right).then_some(Self { left, right, count, forced })
     }
 
-    /// The parts before and behind a site, and a triangle of zero area: what the segment is more than
-    /// its parts.
+    /// The parts before and behind a site, and a triangle of zero area: what the segment is more
+    /// than its parts.
     pub(super) fn split(self, site: u32) -> (Self, Self, Layer) {
         let corners = [self.left, self.right, site];
         let layer = Layer { corners, winding: self.count };
@@ -56,7 +57,8 @@ pub(super) struct Layer {
 
 /// What a sweep makes.
 pub(super) struct Swept {
-    /// The triangulated convex hull. Winding numbers are right if no segment of the chain was dropped.
+    /// The triangulated convex hull. Winding numbers are right if no segment of the chain was
+    /// dropped.
     pub(super) triangles: Vec<Layer>,
     /// Triangles of zero area: what a split segment was, minus its pieces.
     pub(super) flat: Vec<Layer>,
@@ -243,8 +245,8 @@ impl Sweep<'_> {
         self.starting = starting;
     }
 
-    /// Makes one of segments of one direction, nearest end first: each farther one is split where the
-    /// one before it ends, which takes over its first part.
+    /// Makes one of segments of one direction, nearest end first: each farther one is split where
+    /// the one before it ends, which takes over its first part.
     fn fold(&mut self, run: &[u32]) {
         for pair in run.windows(2).rev() {
             let [near, far] = [pair[0], pair[1]].map(|e| self.segments[e as usize]);
@@ -276,8 +278,9 @@ impl Sweep<'_> {
         }
     }
 
-    /// Whether the lower of two crossing segments is to go: one that is only forced rather than one of
-    /// the chain, then the longer (what goes makes a detour around the other's end), then the upper.
+    /// Whether the lower of two crossing segments is to go: one that is only forced rather than one
+    /// of the chain, then the longer (what goes makes a detour around the other's end), then the
+    /// upper.
     fn gives_way(&self, lower: u32, upper: Place) -> bool {
         let Some(upper) = self.status.get(upper) else { return false };
         let weight = |e: u32| {

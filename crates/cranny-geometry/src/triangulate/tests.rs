@@ -58,8 +58,8 @@ fn winding_number(lattice: &[Lattice], chain: &[[u32; 2]], p: Lattice) -> i64 {
 
 const SCALE: i64 = 3;
 
-/// Whether the interiors of two triangles of positive area (of either orientation) are disjoint: a side of one has the
-/// other beyond it.
+/// Whether the interiors of two triangles of positive area (of either orientation) are disjoint: a
+/// side of one has the other beyond it.
 fn disjoint(s: [Lattice; 3], t: [Lattice; 3]) -> bool {
     let beyond = |s: [Lattice; 3], t: [Lattice; 3]| {
         let turn = orient(s).signum();
@@ -221,8 +221,8 @@ fn islands_in_holes_are_filled() {
 
 #[test]
 fn a_vertex_on_an_edge_gives_a_triangle_without_area() {
-    // Two triangles above the long edge 0 1 share the vertex 2 in its middle: 0 2 3 and 2 1 4; below
-    // it one whole triangle 0 5 1.
+    // Two triangles above the long edge 0 1 share the vertex 2 in its middle: 0 2 3 and 2 1 4;
+    // below it one whole triangle 0 5 1.
     let lattice = [[0, 0], [4, 0], [2, 0], [0, 2], [4, 2], [2, -2]];
     let made = check(&lattice, &cycles(&[&[0, 2, 3], &[2, 1, 4], &[0, 5, 1]]), &[]);
     assert!(made.exact);
@@ -521,7 +521,8 @@ proptest! {
         radii in prop::collection::vec(1i64..40, 3..40),
         mirrored in any::<bool>(),
     ) {
-        // Directions of a convex polygon's corners, (i, i²) about a point inside, each with its own radius.
+        // Directions of a convex polygon's corners, (i, i²) about a point inside, each with its own
+        // radius.
         let n = radii.len() as i64;
         let lattice: Vec<Lattice> = (0..n)
             .map(|i| {

@@ -19,8 +19,8 @@ pub(crate) fn scaled(mesh: &Mesh, factor: f64) -> Mesh {
     Mesh::new(vertices, mesh.faces().to_vec()).unwrap()
 }
 
-/// Random faces on few vertices of a small lattice, some of them a hair off: degenerate, coincident,
-/// turned around, many at an edge.
+/// Random faces on few vertices of a small lattice, some of them a hair off: degenerate,
+/// coincident, turned around, many at an edge.
 pub(crate) fn soup(rng: &mut Rng, faces: usize) -> Mesh {
     let count = 3 + faces / 2;
     let vertices = (0..count).map(|_| {

@@ -75,7 +75,8 @@ fn copies_of_faces_go() {
         );
         assert!(after.closed);
 
-        // One copy too many, the wrong way round, and before the one that fits; on the hull and off it.
+        // One copy too many, the wrong way round, and before the one that fits; on the hull and off
+        // it.
         for f in [0, 7, 11] {
             let back =
                 edited(&base, |_, faces| faces.insert(0, [faces[f][1], faces[f][0], faces[f][2]]));
@@ -392,9 +393,9 @@ fn shells_in_shells_are_cavities_or_solids() {
     let inner = outer.scaled(DVec3::splat(0.5)).unwrap();
 
     let solid = outer.clone().joined(&inner);
-    let (_, told) = built(&solid, Repair::Safe);
-    assert_eq!(kinds(&told), [("nested_solid", 1), ("several_shells", 2)].into());
-    assert_eq!((volume(&told), told.repairs().len()), (Some(72.0), 0));
+    let (_, reported) = built(&solid, Repair::Safe);
+    assert_eq!(kinds(&reported), [("nested_solid", 1), ("several_shells", 2)].into());
+    assert_eq!((volume(&reported), reported.repairs().len()), (Some(72.0), 0));
     let (_, hollow) = built(&solid, Repair::Full);
     assert_eq!(kinds(&hollow), [("cavity", 1), ("several_shells", 2)].into());
     assert_eq!(volume(&hollow), Some(56.0));
@@ -418,7 +419,7 @@ fn shells_in_shells_are_cavities_or_solids() {
 fn components_that_look_inwards_are_turned_with_what_they_hold() {
     let hollow = cuboid().joined(&turned(&cuboid().scaled(DVec3::splat(0.5)).unwrap()));
     let aside = moved(&cuboid().scaled(DVec3::splat(2.0)).unwrap(), DVec3::new(40.0, 0.0, 0.0));
-    // All in all the volume is positive, so nothing is turned unless asked for.
+    // All in all the volume is positive, so nothing is turned by default.
     let seeded = turned(&hollow).joined(&aside);
     let (_, before) = built(&seeded, Repair::None);
     let expected = [("inside_out", 1), ("nested_solid", 1), ("several_shells", 3)];

@@ -50,7 +50,8 @@ fn hit(a: Moving, b: Moving) -> Hit {
     }
 }
 
-/// Hits at a known time, told at most by what the tolerance is in time at the speed of approach.
+/// Hits at a known time, early or late at most by what the tolerance is in time at the speed of
+/// approach.
 fn hits_at(a: Moving, b: Moving, time: f64, speed: f64) -> Hit {
     let hit = hit(a, b);
     assert!(hit.time.lo <= time && time - hit.time.hi <= TOLERANCE / speed, "{time}: {hit:?}");

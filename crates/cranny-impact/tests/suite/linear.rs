@@ -80,7 +80,7 @@ fn distance(kind: Kind, p: &[DVec3; 4]) -> f64 {
     }
 }
 
-/// The same query told in other orders of its points, which have the same answer.
+/// The same query with its points in other orders, which have the same answer.
 fn orders(kind: Kind) -> [[usize; 4]; 4] {
     match kind {
         Kind::VertexFace => [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 2, 1], [0, 2, 1, 3]],
@@ -88,7 +88,7 @@ fn orders(kind: Kind) -> [[usize; 4]; 4] {
     }
 }
 
-/// What a tolerance makes of all queries, each told in several orders and backwards in time.
+/// What a tolerance makes of all queries, each in several orders and backwards in time.
 #[derive(Debug, Default)]
 struct Tally {
     queries: u64,

@@ -3,8 +3,8 @@
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::hull::{ConvexHull, HullVertexId};
 
-/// Vertices of a hull that are looked at in a layer, at most. Fewer: a facet with more corners is left to the trees; more:
-/// time is lost over lids.
+/// Vertices of a hull that are looked at in a layer, at most. Fewer: a facet with more corners is
+/// left to the trees; more: time is lost over lids.
 pub(super) const MOST_VERTICES: usize = 64;
 
 /// What of a hull lies above a plane.
@@ -20,8 +20,8 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// Looks at the vertices around the top: what lies above a plane hangs together over the edges of a convex polytope.
-    /// Whether these are few. `error` bounds how far heights are off.
+    /// Looks at the vertices around the top: what lies above a plane hangs together over the edges
+    /// of a convex polytope. Whether these are few. `error` bounds how far heights are off.
     pub(super) fn fill(
         &mut self,
         hull: &ConvexHull,
@@ -34,7 +34,8 @@ impl Layer {
         self.vertices.clear();
         self.points.clear();
         self.vertices.push(top);
-        // Lower than is asked for: a vertex about as high as the floor is taken in, and the cuts lie beyond those sought.
+        // Lower than needed: a vertex about as high as the floor is taken in, and the cuts
+        // lie beyond those sought.
         let cut = floor - 2.0 * error;
         let mut next = 0;
         while let Some(&v) = self.vertices.get(next) {

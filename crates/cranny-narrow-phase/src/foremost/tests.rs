@@ -27,13 +27,13 @@ fn bodies() -> Vec<Model> {
     meshes.into_iter().map(|mesh| Model::build(mesh, &options).unwrap().0).collect()
 }
 
-/// All that is told: faces, features, and bits of lengths.
-fn told(found: Option<Closest>) -> String {
+/// The whole result: faces, features, and bits of lengths.
+fn described(found: Option<Closest>) -> String {
     format!("{found:?}")
 }
 
-/// Along random directions, at all gaps; every other pose along the axes, where faces lie flush and ties abound. One
-/// memory for all: what it says stems from other bodies, at other poses.
+/// Along random directions, at all gaps; every other pose along the axes, where faces lie flush and
+/// ties abound. One memory for all: what it says stems from other bodies, at other poses.
 #[test]
 fn finds_what_a_search_of_all_faces_finds() {
     let bodies = bodies();
@@ -52,9 +52,9 @@ fn finds_what_a_search_of_all_faces_finds() {
         let far = [0.7, 0.9, 1.02, 1.1, 3.0][round % 5] * (a.radius() + b.radius());
         let pose = Pose { rotation: turn.normalize(), translation: far * way };
         let placed = [Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose }];
-        let (told, faces) = agrees(&mut foremost, placed, last);
-        settled += told;
-        left += 2 - told;
+        let (settled_here, faces) = agrees(&mut foremost, placed, last);
+        settled += settled_here;
+        left += 2 - settled_here;
         last = faces.or(last);
     }
     assert!(settled > 1000 && left > 20, "{settled} {left}");
@@ -70,7 +70,9 @@ fn offer_all(pair: &Pair, nearest: &mut NearestFaces, counters: &mut Counters) {
     }
 }
 
-/// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest elsewhere: how often they were told, as a search of all tells them; and which they are, if surfaces do not meet.
+/// Asks for the nearest faces, without and with a way to begin with, knowing what was nearest
+/// elsewhere: how often they were found, as a search of all finds them; and which they are, if
+/// surfaces do not meet.
 fn agrees(
     foremost: &mut Foremost,
     [a, b]: [Placed; 2],
@@ -94,7 +96,7 @@ fn agrees(
         // What is tested is not how long it waits.
         foremost.backoff = Backoff::default();
         if foremost.offer(&pair, way.normalize_or_zero(), &mut nearest, &mut counters) {
-            assert_eq!(told(nearest.found()), told(all.found()), "{:?}", b.pose);
+            assert_eq!(described(nearest.found()), described(all.found()), "{:?}", b.pose);
             settled += 1;
         }
     }
@@ -106,8 +108,8 @@ fn unmended(vertices: Vec<DVec3>, faces: Vec<[u32; 3]>) -> Option<Model> {
     Some(Model::build(Mesh::new(vertices, faces).ok()?, &options).ok()?.0)
 }
 
-/// Some triangles over points of a lattice, each in a plane of it or slanted: needles and triangles without area among
-/// them.
+/// Some triangles over points of a lattice, each in a plane of it or slanted: needles and triangles
+/// without area among them.
 fn soup(rng: &mut Rng) -> Option<Model> {
     let count = 1 + rng.below(4) as u32;
     let mut vertices = Vec::new();
@@ -122,7 +124,7 @@ fn soup(rng: &mut Rng) -> Option<Model> {
     unmended(vertices, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-/// Ties of all kinds; whatever was measured before the trees are asked, the answer is theirs.
+/// Ties of all kinds; whatever was measured before the trees are searched, the answer is theirs.
 #[test]
 fn ties_are_told_as_a_search_tells_them() {
     let mut rng = Rng::new(11);
@@ -148,7 +150,7 @@ fn ties_are_told_as_a_search_tells_them() {
         if !Foremost::default().offer(&pair, way, &mut nearest, &mut counters) {
             offer_all(&pair, &mut nearest, &mut counters);
         }
-        assert_eq!(told(nearest.found()), told(all.found()), "round {round}");
+        assert_eq!(described(nearest.found()), described(all.found()), "round {round}");
         same += u32::from(all.found().is_some());
         none += u32::from(all.found().is_none());
     }
@@ -159,7 +161,7 @@ fn ties_are_told_as_a_search_tells_them() {
 #[test]
 fn faces_that_are_lines_are_near() {
     let mut rng = Rng::new(13);
-    let mut told = 0;
+    let mut described = 0;
     for _ in 0..3_000 {
         let mut vector = || DVec3::new(rng.unit(), rng.unit(), rng.unit());
         let (start, along) = (vector(), vector());
@@ -177,12 +179,13 @@ fn faces_that_are_lines_are_near() {
         let query = Query::of(Demand::Distance { below: None });
         let found = crate::query(a, b, &query, &mut PairMemory::default()).unwrap();
         assert_eq!(found.distance, Some(brute_force(a, b).unwrap().distance), "{pose:?}");
-        told += 1;
+        described += 1;
     }
-    assert!(told > 2_000, "{told}");
+    assert!(described > 2_000, "{described}");
 }
 
-/// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them that is told.
+/// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them
+/// that is reported.
 #[test]
 fn what_a_thin_layer_leaves_out_does_not_show() {
     let torus = Torus { major_segments: 14, minor_segments: 6, ..Torus::default() };
@@ -220,7 +223,8 @@ fn layers_of_many_vertices_are_left_at_once() {
     assert_eq!([layer.vertices.len(), layer.points.len()], [1, 2_001]);
 }
 
-/// Over a dish, whose lid is nearer than its floor: nothing of the floor is in a layer that is too thin.
+/// Over a dish, whose lid is nearer than its floor: nothing of the floor is in a layer that is too
+/// thin.
 #[test]
 fn looks_beneath_lids() {
     let dish = Cup { radius: 1.0, wall: 0.02, height: 0.3, floor: 0.1, segments: 8 };

@@ -1,5 +1,5 @@
-//! The same contacts, found face pair by face pair, with nothing kept: what [`near_regions`](super::near_regions) must find
-//! where faces have areas.
+//! The same contacts, found face pair by face pair, with nothing kept: what
+//! [`near_regions`](super::near_regions) must find where faces have areas.
 
 use std::collections::HashMap;
 
@@ -72,7 +72,7 @@ impl<'a, 'b> Finder<'a, 'b> {
         }
     }
 
-    /// Finds or makes the contact of two features; `make` is asked once.
+    /// Finds or makes the contact of two features; `make` is called once.
     fn once(
         &mut self,
         id: (Feature, Feature),
@@ -113,8 +113,8 @@ impl<'a, 'b> Finder<'a, 'b> {
         let own = Feature::Vertex(vertex);
         let its = Feature::of_part(part, self.pair.model(side.other()), face);
         let towards = if part == Part::Inside || over(height, separation, raw) {
-            // A vertex that stands over a face counts also where its neighbours are nearer: a tilted
-            // box lands on all its corners.
+            // A vertex that stands over a face counts also where its neighbours are nearer: a
+            // tilted box lands on all its corners.
             if !faces_towards(self.pair, side, vertex, -outward) {
                 return None;
             }

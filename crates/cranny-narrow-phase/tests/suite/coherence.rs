@@ -1,4 +1,5 @@
-//! Warm = cold = brute force on every frame, whatever the motion and whatever is done to the memory.
+//! Warm = cold = brute force on every frame, whatever the motion and whatever is done to the
+//! memory.
 
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
 use cranny_geometry::{Mesh, Model};
@@ -10,7 +11,7 @@ use cranny_testkit::{Rng, Walk, small_models};
 use crate::solids::{ask, model, shape};
 
 /// What does not depend on history: all but counters.
-pub(crate) fn told(answer: &Answer) -> Answer {
+pub(crate) fn without_history(answer: &Answer) -> Answer {
     Answer { counters: Default::default(), ..answer.clone() }
 }
 
@@ -60,7 +61,7 @@ fn memory_never_changes_an_answer() {
             let warm = query(pair[0], pair[1], &Query::of(demand), &mut memory).unwrap();
             let cold = ask(pair[0], pair[1], demand);
             let what = format!("{name_a} and {name_b}, round {round}, frame {frame}, {demand:?}");
-            assert_eq!(told(&warm), told(&cold), "{what}");
+            assert_eq!(without_history(&warm), without_history(&cold), "{what}");
             if frame % 8 == 0 {
                 let slow = brute_force(placed_a, placed_b).unwrap();
                 assert_eq!(warm.surface, slow.surface, "{what}");
@@ -103,7 +104,11 @@ fn a_pair_of_equal_models_may_change_its_order() {
         );
         for demand in [Demand::Intersects, Demand::Distance { below: None }] {
             let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
-            assert_eq!(told(&warm), told(&ask(a, b, demand)), "frame {frame}");
+            assert_eq!(
+                without_history(&warm),
+                without_history(&ask(a, b, demand)),
+                "frame {frame}"
+            );
         }
     }
 }
@@ -156,8 +161,8 @@ fn what_a_plane_parts_is_not_looked_at_but_for_its_distance() {
     assert!((1..50_000).contains(&held), "{held}");
 }
 
-/// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross twice; slowly, the
-/// same ones do for long.
+/// Side by side with a little overlap, the second turning about its own axis: fast, no faces cross
+/// twice; slowly, the same ones do for long.
 #[test]
 fn faces_that_crossed_are_asked_again_only_where_that_pays() {
     let shape = shape(Torus {
@@ -211,7 +216,8 @@ fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     let b = Placed { model: &nut, pose: posed(0.1, 0.5) };
     let answer = query(a, b, &Query::of(Demand::Regions { margin: 0.0 }), &mut memory).unwrap();
     assert!(answer.triangle_pairs > 100, "{}", answer.triangle_pairs);
-    // With the clearance of 0.1 that it has unless told otherwise, a tenth of the pitch of 2 is enough.
+    // With the clearance of 0.1 that it has unless stated, a tenth of the pitch of 2 is
+    // enough.
     let (bolt, nut) = (
         shape(IsoBolt { length: Some(16.0), ..IsoBolt::default() }),
         shape(IsoNut { height: Some(6.0), ..IsoNut::default() }),
@@ -224,8 +230,8 @@ fn a_nut_on_its_bolt_meets_nothing_along_the_helix() {
     }
 }
 
-/// Boxes do not part a thread's flanks: the verdict is then sought among patches. Regions, whose pairs of faces
-/// come from boxes, know nothing of that.
+/// Boxes do not part a thread's flanks: the verdict is then sought among patches. Regions, whose
+/// pairs of faces come from boxes, know nothing of that.
 #[test]
 fn a_verdict_among_patches_is_that_of_boxes() {
     let bolt = shape(IsoBolt { length: Some(16.0), ..IsoBolt::default() });
@@ -244,7 +250,7 @@ fn a_verdict_among_patches_is_that_of_boxes() {
         let b = Placed { model: &nut, pose };
         let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
         let cold = ask(a, b, Demand::Intersects);
-        assert_eq!(told(&warm), told(&cold), "frame {frame}");
+        assert_eq!(without_history(&warm), without_history(&cold), "frame {frame}");
         let by_boxes = ask(a, b, Demand::Regions { margin: 0.0 });
         assert_eq!((warm.surface, warm.solid), (by_boxes.surface, by_boxes.solid), "frame {frame}");
         seen[warm.surface as usize] += 1;
@@ -271,7 +277,11 @@ fn what_is_inside_stays_inside_until_it_crosses() {
             Placed { model: &speck, pose: Pose::at(DVec3::new(out, 0.1, 0.05)) },
         );
         let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
-        assert_eq!(told(&warm), told(&ask(a, b, Demand::Intersects)), "frame {frame}");
+        assert_eq!(
+            without_history(&warm),
+            without_history(&ask(a, b, Demand::Intersects)),
+            "frame {frame}"
+        );
         inside += u32::from(warm.contained.is_some());
     }
     assert!((60..350).contains(&inside), "{inside}");
@@ -283,7 +293,10 @@ fn what_is_inside_stays_inside_until_it_crosses() {
         );
         for _ in 0..3 {
             let warm = query(a, b, &Query::of(Demand::Distance { below: None }), &mut memory);
-            assert_eq!(told(&warm.unwrap()), told(&ask(a, b, Demand::Distance { below: None })));
+            assert_eq!(
+                without_history(&warm.unwrap()),
+                without_history(&ask(a, b, Demand::Distance { below: None }))
+            );
         }
     }
 }
@@ -304,8 +317,8 @@ fn block_in_an_open_box() -> Model {
     model(mesh.unwrap())
 }
 
-/// What lies inside what is carried from pose to pose: not into a block by a jump, nor out of it; and
-/// not into an open box, which a body enters without crossing any face.
+/// What lies inside what is carried from pose to pose: not into a block by a jump, nor out of it;
+/// and not into an open box, which a body enters without crossing any face.
 #[test]
 fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
     let (open, speck) = (block_in_an_open_box(), shape(Cuboid { size: [0.06, 0.05, 0.04] }));
@@ -326,7 +339,7 @@ fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
             let a = Placed { model: &open, pose: Pose::IDENTITY };
             let b = Placed { model: &speck, pose: Pose { rotation: turned, translation } };
             let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
-            assert_eq!(told(&warm), told(&ask(a, b, demand)), "{what}");
+            assert_eq!(without_history(&warm), without_history(&ask(a, b, demand)), "{what}");
             assert_eq!((warm.surface, warm.solid), (Meeting::None, translation.x < 0.4), "{what}");
             inside += u32::from(warm.solid);
             carried += u32::from(warm.counters.inside_tests == 0);
@@ -335,8 +348,9 @@ fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
     }
 }
 
-/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little lower,
-/// in the hole. That it was inside in the tube means nothing there, however short the last step was.
+/// A speck in the tube of a ring; then above the ring's hole, parted from its hull; then a little
+/// lower, in the hole. That it was inside in the tube means nothing there, however short the last
+/// step was.
 #[test]
 fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
     let ring =
@@ -353,13 +367,17 @@ fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
             let placed =
                 [Placed { model: &ring, pose: Pose::IDENTITY }, Placed { model: &speck, pose }];
             let warm = query(placed[0], placed[1], &Query::of(demand), &mut memory).unwrap();
-            assert_eq!(told(&warm), told(&ask(placed[0], placed[1], demand)), "{x} {z}");
+            assert_eq!(
+                without_history(&warm),
+                without_history(&ask(placed[0], placed[1], demand)),
+                "{x} {z}"
+            );
             warm
         };
         let distance = Demand::Distance { below: None };
         for demand in [distance, distance, Demand::Intersects] {
-            let told = tell(0.9 + 0.001 * rng.unit(), 0.001 * rng.unit(), demand);
-            inside += u32::from(told.contained.is_some());
+            let found = tell(0.9 + 0.001 * rng.unit(), 0.001 * rng.unit(), demand);
+            inside += u32::from(found.contained.is_some());
         }
         let (x, z) = (0.8 * rng.unit(), top + 0.02 + 0.1 * rng.unit().abs());
         parted += u32::from(tell(x, z, distance).counters.planes_parted > 0);
@@ -393,8 +411,12 @@ fn sizes_may_differ_beyond_single_precision() {
             for demand in [Demand::contacts(0.5), Demand::Regions { margin: 0.5 }] {
                 let cold = ask(a, b, demand);
                 let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
-                assert_eq!(told(&warm), told(&cold), "{what}");
-                assert_eq!(told(&ask(b, a, demand).swapped()), told(&cold), "{what}");
+                assert_eq!(without_history(&warm), without_history(&cold), "{what}");
+                assert_eq!(
+                    without_history(&ask(b, a, demand).swapped()),
+                    without_history(&cold),
+                    "{what}"
+                );
                 assert_eq!(cold.surface, slow.surface, "{what}");
                 assert!(cold.distance.is_none_or(|d| d == slow.distance), "{what}");
             }

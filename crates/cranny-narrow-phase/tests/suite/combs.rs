@@ -1,5 +1,5 @@
-//! Open combs: every prong of one passes closely over every prong of the other, so that all pairs are near,
-//! and few touch. What a frame costs with memory must follow the few.
+//! Open combs: every prong of one passes closely over every prong of the other, so that all pairs
+//! are near, and few touch. What a frame costs with memory must follow the few.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -26,7 +26,8 @@ fn comb(teeth: u32) -> Model {
     })
 }
 
-/// The second comb across the first, its nearest prong `gap` above, the others rising by `tilt` radians.
+/// The second comb across the first, its nearest prong `gap` above, the others rising by `tilt`
+/// radians.
 fn across(teeth: u32, gap: f64, tilt: f64, slide: f64) -> Pose {
     let width = PITCH * f64::from(teeth) - GAP;
     let turn = DQuat::from_rotation_x(tilt) * DQuat::from_rotation_z(FRAC_PI_2);
@@ -75,21 +76,22 @@ fn the_cost_of_open_combs_follows_their_contacts_not_their_prongs_squared() {
     for gap in [0.01, -0.001] {
         for demand in DEMANDS {
             let [few, many] = [16, 64].map(|teeth| cost(teeth, gap, 0.02, demand));
-            let told = format!("{demand:?}, {gap} apart: {few:?}, then {many:?}");
-            assert!(many.tests <= 5 * few.tests.max(8), "four times the prongs; {told}");
+            let found = format!("{demand:?}, {gap} apart: {few:?}, then {many:?}");
+            assert!(many.tests <= 5 * few.tests.max(8), "four times the prongs; {found}");
             if let Demand::Regions { .. } = demand {
                 let expected = if gap < 0.0 { [16, 64] } else { [0, 0] };
-                assert_eq!([few.regions, many.regions], expected, "{told}");
+                assert_eq!([few.regions, many.regions], expected, "{found}");
             }
             if let Demand::Contacts { .. } = demand {
-                assert!(few.contacts >= 16 && many.contacts >= 64, "{told}");
-                assert!(many.contacts <= 5 * few.contacts, "{told}");
+                assert!(few.contacts >= 16 && many.contacts >= 64, "{found}");
+                assert!(many.contacts <= 5 * few.contacts, "{found}");
             }
         }
     }
 }
 
-/// The honest worst case: all n² places touch, and are told; a verdict stays as quick as it was.
+/// The honest worst case: all n² places touch, and are reported; a verdict stays as quick as it
+/// was.
 #[test]
 fn combs_that_touch_everywhere_cost_what_they_tell() {
     let [few, many] =

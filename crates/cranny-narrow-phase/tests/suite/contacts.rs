@@ -49,8 +49,8 @@ fn check(a: Placed, b: Placed, margin: f64, answer: &Answer) {
     assert!(answer.contacts.is_sorted_by(|x, y| x.separation <= y.separation));
 }
 
-/// Two points, each nearest to the other in the whole of the other's surface: such contacts cannot be
-/// left out.
+/// Two points, each nearest to the other in the whole of the other's surface: such contacts cannot
+/// be left out.
 struct Mutual {
     patches: (PatchId, PatchId),
     separation: f64,
@@ -272,7 +272,8 @@ fn what_dips_into_a_plate_is_sent_back_whence_it_came() {
         assert!((c.separation + depth).abs() < 1e-12, "{c:?}");
         assert_eq!(answer.solid, depth > 0.0);
     }
-    // Past the middle the far side is nearer, but no face at the tip looks back: the region tells.
+    // Past the middle the far side is nearer, but no face at the tip looks back: the region
+    // decides.
     let answer = contacts(at(&plate, 0.0, 0.0, 0.0), at(&spike, 0.3, 0.2, 1.05 - 0.07), 0.05);
     assert!((answer.contacts[0].normal - DVec3::Z).length() < 1e-9);
     assert!((answer.contacts[0].separation + 0.07).abs() < 1e-9);
@@ -343,7 +344,8 @@ fn a_nut_along_its_helix_has_contacts_all_around_and_none_is_off() {
     }
 }
 
-/// Leaves of patches are kept from query to query, and posed anew: whatever happens in between must not show.
+/// Leaves of patches are kept from query to query, and posed anew: whatever happens in between must
+/// not show.
 #[test]
 fn what_is_kept_of_patches_changes_no_answer() {
     let bolt = shape(IsoBolt { segments: 24, length: Some(20.0), ..IsoBolt::default() });
@@ -354,7 +356,8 @@ fn what_is_kept_of_patches_changes_no_answer() {
     let mut angle = 0.0;
     let mut found = 0;
     for step in 0..48 {
-        // Along the helix, mostly; at times a freeze, a reversal, a jump, or off the helix into the thread.
+        // Along the helix, mostly; at times a freeze, a reversal, a jump, or off the helix into the
+        // thread.
         angle += match step % 12 {
             5 => 0.0,
             7 => -0.3,
@@ -377,7 +380,7 @@ fn what_is_kept_of_patches_changes_no_answer() {
         (warm.counters, swapped.counters) = (cold.counters, cold.counters);
         assert_eq!(warm, cold, "step {step}");
         assert_eq!(swapped, cold, "step {step}");
-        // One model twice, asked about in either order.
+        // One model twice, queried in either order.
         let places = [0.0, 0.99 + 0.02 * rng.unit()].map(|x| Pose {
             rotation: DQuat::from_rotation_y(x * angle),
             translation: (1.0 - 2.0 * x) * ball.radius() * DVec3::new(1.0, 0.1, 0.0),
@@ -396,8 +399,8 @@ fn what_is_kept_of_patches_changes_no_answer() {
     assert!(4 * memory.bytes() < before, "{} of {before} bytes", memory.bytes());
 }
 
-/// A model whose vertices were moved and moved back has the same mesh, and other patches: memory of the one must
-/// not speak for the other.
+/// A model whose vertices were moved and moved back has the same mesh, and other patches: memory of
+/// the one must not speak for the other.
 #[test]
 fn memory_of_a_model_says_nothing_of_one_with_other_patches() {
     let original = shape(GolfBall::default());
@@ -466,8 +469,9 @@ fn memory_of_contacts_follows_what_is_near() {
     assert!(kept < 3 * fresh, "{kept} bytes after a turn, {fresh} here");
 }
 
-/// Bodies that wander slowly, rest, jump and are asked about with other margins: what is kept of features near each
-/// other changes no answer, and while they move little it is all that is looked at.
+/// Bodies that wander slowly, rest, jump and are queried with other margins: what is kept of
+/// features near each other changes no answer, and while they move little it is all that is looked
+/// at.
 #[test]
 fn what_is_near_is_kept_and_changes_no_answer() {
     let bodies = [

@@ -15,12 +15,14 @@ fn contacts(a: Placed, b: Placed) -> Vec<Contact> {
     query(a, b, &ask, &mut PairMemory::default()).unwrap().contacts
 }
 
-/// A cube whose edge along y at (0.5, ., 0.5) is crossed by another cube's edge, along the normal that leans from z
-/// by an angle; the other cube's faces lean alike from that normal, and its edge by `askew` from straight across.
+/// A cube whose edge along y at (0.5, ., 0.5) is crossed by another cube's edge, along the normal
+/// that leans from z by an angle; the other cube's faces lean alike from that normal, and its edge
+/// by `askew` from straight across.
 fn crossed(cube: &Model, angle: f64, askew: f64) -> (Placed<'_>, Placed<'_>, DVec3) {
     let normal = DVec3::new(angle.sin(), 0.0, angle.cos());
     let across = DQuat::from_axis_angle(normal, askew) * normal.cross(DVec3::Y);
-    // Of the other cube, the edge along its x at (., -0.5, -0.5), turned until its two faces lean alike.
+    // Of the other cube, the edge along its x at (., -0.5, -0.5), turned until its two faces lean
+    // alike.
     let aside = normal.cross(across);
     let corner_on = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_4);
     let frame = cranny_exact::DMat3::from_cols(across, aside, normal);
@@ -31,8 +33,8 @@ fn crossed(cube: &Model, angle: f64, askew: f64) -> (Placed<'_>, Placed<'_>, DVe
     (a, Placed { model: cube, pose: Pose { rotation, translation } }, normal)
 }
 
-/// The nearer the normal is to one of the edge's two faces, the nearer a point below the edge is to the other
-/// one; out past that one leads no way, since the other edge reaches on.
+/// The nearer the normal is to one of the edge's two faces, the nearer a point below the edge is to
+/// the other one; out past that one leads no way, since the other edge reaches on.
 #[test]
 fn oblique_edges_have_their_contact() {
     let cube = shape(Cuboid::default());
@@ -60,7 +62,8 @@ fn with_copy(mesh: &Mesh, place: impl Fn(DVec3) -> DVec3) -> Model {
     Model::build(Mesh::new(vertices, faces).unwrap(), &BuildOptions::default()).unwrap().0
 }
 
-/// Where nothing else overlaps, the crossing is told for want of a contact; here a corner dips in elsewhere.
+/// Where nothing else overlaps, the crossing is reported for want of a contact; here a corner dips
+/// in elsewhere.
 #[test]
 fn oblique_edges_have_their_contact_beside_others() {
     let cube = shape(Cuboid::default());

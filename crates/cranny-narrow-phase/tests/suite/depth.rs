@@ -109,7 +109,8 @@ fn no_line_along_the_normal_leads_by_more_than_the_depth() {
 }
 
 /// Bodies that overlap a little: the pieces are small and blunt enough that what holds the bodies
-/// back is the pieces. (Moved along the area's direction, a sharp tip meets faces beside its piece.)
+/// back is the pieces. (Moved along the area's direction, a sharp tip meets faces beside its
+/// piece.)
 #[test]
 fn bodies_that_overlap_a_little_part_when_moved_by_the_depth_and_not_before() {
     let bodies: [(&str, Model); 4] = [

@@ -7,8 +7,8 @@ use cranny_testkit::{Family, Q, Rng, is_root_within, rational_distance_squared};
 
 use crate::solids::{ask, model};
 
-/// What the head of `triangle_distance` promises, in units of rounding of the largest coordinate; the
-/// worst of the cases here has 1.3. A certified interval is wider by the rounding of posing.
+/// What the head of `triangle_distance` promises, in units of rounding of the largest coordinate;
+/// the worst of the cases here has 1.3. A certified interval is wider by the rounding of posing.
 const ULPS: f64 = 2.0;
 
 fn sheet(triangle: &[DVec3; 3]) -> Model {

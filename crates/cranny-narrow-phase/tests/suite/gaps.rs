@@ -77,7 +77,8 @@ fn a_tilted_box_still_has_its_four_corners() {
 
 #[test]
 fn a_box_over_the_rim_of_a_box_keeps_hold_of_the_rim() {
-    // Half of the unit hangs over: it is held where its sides cross the slab's rim and at two corners.
+    // Half of the unit hangs over: it is held where its sides cross the slab's rim and at two
+    // corners.
     let (slab, unit) = (shape(Cuboid { size: [4.0, 4.0, 1.0] }), shape(Cuboid::default()));
     let answer = gaps(at(&slab, 0.0, 0.0, 0.0), at(&unit, 2.1, 0.3, 1.01), 0.02);
     for y in [-0.2, 0.8] {
@@ -109,8 +110,8 @@ fn crossed_bars_meet_edge_to_edge() {
 
 #[test]
 fn a_knife_on_its_side_still_cuts() {
-    // Knives of 20 degrees along z, edges crossed; the upper one leans by 60 degrees about its edge, so
-    // that the contact's normal lies more than 90 degrees from one of its faces' normals.
+    // Knives of 20 degrees along z, edges crossed; the upper one leans by 60 degrees about its
+    // edge, so that the contact's normal lies more than 90 degrees from one of its faces' normals.
     let blade = (10.0 * PI / 180.0).tan();
     let outline = [[0.0, 0.0], [blade, 1.0], [-blade, 1.0]];
     let knife = model(crate::solids::prism(&outline, &[[0, 1, 2]], 4.0));
@@ -206,7 +207,8 @@ fn tube_normal(p: DVec3) -> DVec3 {
 #[test]
 fn contacts_of_fine_tori_have_the_normals_of_the_smooth_ones() {
     let torus: Model = shape(Torus { major_segments: 96, minor_segments: 32, ..Torus::default() });
-    // B through A's hole, its tube 0.01 from A's inner side, and turned a bit so that nothing aligns.
+    // B through A's hole, its tube 0.01 from A's inner side, and turned a bit so that nothing
+    // aligns.
     let turned = DQuat::from_axis_angle(DVec3::new(1.0, 0.03, 0.02).normalize(), 1.5);
     let a = at(&torus, 0.0, 0.0, 0.0);
     let pose = Pose { rotation: turned, translation: DVec3::new(1.59, 0.01, 0.02) };

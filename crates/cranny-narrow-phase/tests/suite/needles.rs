@@ -1,11 +1,12 @@
-//! Faces without area take no contact away: a cube one edge of which carries such a face, and the tip of an octahedron
-//! beside it.
+//! Faces without area take no contact away: a cube one edge of which carries such a face, and the
+//! tip of an octahedron beside it.
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_testkit::bodies::octahedron;
 
-/// Unit cube 0..1, edge from (1,1,0) to (1,1,1) with a vertex in its middle, and a face without area there.
+/// Unit cube 0..1, edge from (1,1,0) to (1,1,1) with a vertex in its middle, and a face without
+/// area there.
 fn cube(first: bool) -> Mesh {
     let v = |x: i32, y: i32, z: i32| DVec3::new(x.into(), y.into(), z.into());
     let vertices = vec![

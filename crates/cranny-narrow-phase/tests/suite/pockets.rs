@@ -1,5 +1,5 @@
-//! The second method gives the answers of the first, on every motion, with memory and without; and in a pocket it
-//! opens nothing as long as the other body keeps off the walls.
+//! The second method gives the answers of the first, on every motion, with memory and without; and
+//! in a pocket it opens nothing as long as the other body keeps off the walls.
 
 use cranny_concavity::Concavities;
 use cranny_exact::{DQuat, DVec3, Meeting, Pose};
@@ -9,22 +9,24 @@ use cranny_narrow_phase::{Counters, Demand, Method, PairMemory, Placed, Query, q
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Sphere};
 use cranny_testkit::{Rng, Walk, small_models};
 
-use crate::coherence::told;
+use crate::coherence::without_history;
 use crate::solids::{model, shape};
 
 const DEMANDS: [Demand; 3] =
     [Demand::Intersects, Demand::Distance { below: None }, Demand::Regions { margin: 0.0 }];
 
-/// Asks by both methods, by envelopes with memory and without; returns what the ones with memory did.
+/// Asks by both methods, by envelopes with memory and without; returns what the ones with memory
+/// did.
 fn agreed(a: Placed, b: Placed, demand: Demand, memory: &mut PairMemory, what: &str) -> Counters {
     let question = Query::of(demand);
     let boxes = query(a, b, &question, &mut PairMemory::default()).unwrap();
     let question = question.by(Method::Envelopes);
     let warm = query(a, b, &question, memory).unwrap();
     let cold = query(a, b, &question, &mut PairMemory::default()).unwrap();
-    assert_eq!(told(&warm), told(&boxes), "{what}");
-    assert_eq!(told(&cold), told(&boxes), "{what}");
-    // Memory does not decide what is opened, unless a plane between the hulls was found with or without it alone.
+    assert_eq!(without_history(&warm), without_history(&boxes), "{what}");
+    assert_eq!(without_history(&cold), without_history(&boxes), "{what}");
+    // Memory does not decide what is opened, unless a plane between the hulls was found with or
+    // without it alone.
     let opened = |c: &Counters| (c.pockets_opened, c.pockets_passed, c.facets_compared);
     if warm.counters.planes_parted == cold.counters.planes_parted {
         assert_eq!(opened(&warm.counters), opened(&cold.counters), "{what}");
@@ -63,17 +65,17 @@ fn both_methods_tell_the_same_of_any_walk() {
                 // The other method in between, with the same memory.
                 let warm = query(pair[0], pair[1], &Query::of(demand), &mut memory).unwrap();
                 let cold = crate::solids::ask(pair[0], pair[1], demand);
-                assert_eq!(told(&warm), told(&cold), "{what}");
+                assert_eq!(without_history(&warm), without_history(&cold), "{what}");
                 continue;
             }
             let counters = agreed(pair[0], pair[1], demand, &mut memory, &what);
             if frame % 6 == 0 {
                 let question = Query::of(Demand::Intersects).by(Method::Envelopes);
-                let told = query(pair[0], pair[1], &question, &mut PairMemory::default()).unwrap();
+                let found = query(pair[0], pair[1], &question, &mut PairMemory::default()).unwrap();
                 let slow = brute_force(pair[0], pair[1]).unwrap();
-                assert_eq!(told.surface, slow.surface, "{what}");
+                assert_eq!(found.surface, slow.surface, "{what}");
                 met += u32::from(slow.surface != Meeting::None);
-                contained += u32::from(told.contained.is_some());
+                contained += u32::from(found.contained.is_some());
             }
             opened += counters.pockets_opened;
         }
@@ -108,8 +110,9 @@ fn both_methods_tell_the_same_of_soups() {
     assert!(opened > 30, "{opened}");
 }
 
-/// A ball in a cup, kept off its walls: no facet is looked at but one of the first layer, and nothing is opened. Where it
-/// goes through the wall the pocket is opened, and where it is lifted out it is passed.
+/// A ball in a cup, kept off its walls: no facet is looked at but one of the first layer, and
+/// nothing is opened. Where it goes through the wall the pocket is opened, and where it is lifted
+/// out it is passed.
 #[test]
 fn a_ball_that_keeps_off_the_walls_of_a_cup_opens_nothing() {
     let cup = Cup { radius: 1.0, height: 2.0, wall: 0.1, floor: 0.1, segments: 48 };
@@ -137,9 +140,10 @@ fn a_ball_that_keeps_off_the_walls_of_a_cup_opens_nothing() {
     );
 }
 
-/// A ball that sinks along the wall of a cup, always as near to it: the plane of the wall, kept from query to query, says
-/// nothing of the floor that comes nearer meanwhile. Straight down, and on a circle about the origin of the cup's frame far
-/// beside it: of points that turn about the origin of one body, only those of the other go anywhere.
+/// A ball that sinks along the wall of a cup, always as near to it: the plane of the wall, kept
+/// from query to query, says nothing of the floor that comes nearer meanwhile. Straight down, and
+/// on a circle about the origin of the cup's frame far beside it: of points that turn about the
+/// origin of one body, only those of the other go anywhere.
 #[test]
 fn a_ball_that_sinks_along_a_wall_meets_the_floor() {
     let cup = Cup { radius: 1.0, height: 2.0, wall: 0.1, floor: 0.1, segments: 48 };
@@ -185,7 +189,7 @@ fn bodies_that_have_parted_are_told_by_a_plane_again() {
     for method in [Method::Boxes, Method::Envelopes] {
         assert_eq!(at(0.4, method).surface, Meeting::Cross);
     }
-    // Hulls that overlapped are asked about again after a wait.
+    // Hulls that overlapped are queried again after a wait.
     let parted = (0..100).filter(|_| at(10.0, Method::Envelopes).counters.planes_parted == 1);
     assert!(parted.count() > 90);
 }
@@ -241,7 +245,8 @@ fn a_peg_that_keeps_off_its_hole_opens_nothing() {
     assert!(done.pockets_opened == 1 && done.triangle_tests > 0);
 }
 
-/// Pocket in pocket, both open all the time; along the helix nothing meets, off it the flanks cross.
+/// Pocket in pocket, both open all the time; along the helix nothing meets, off it the flanks
+/// cross.
 #[test]
 fn both_methods_tell_the_same_of_a_nut_on_its_bolt() {
     let bolt = IsoBolt { segments: 36, length: Some(16.0), ..IsoBolt::default() };

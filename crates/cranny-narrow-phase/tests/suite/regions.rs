@@ -50,7 +50,7 @@ pub(crate) fn regions(a: Placed, b: Placed) -> Answer {
     answer
 }
 
-fn told(answer: &Answer) -> String {
+fn reported(answer: &Answer) -> String {
     let line = |r: &Region| {
         let n = r.points.len();
         format!("normal {} depth {:?} area {:?}, {n} points\n", r.normal, r.depth, r.area)
@@ -59,7 +59,7 @@ fn told(answer: &Answer) -> String {
 }
 
 fn only(answer: &Answer) -> &Region {
-    assert_eq!(answer.regions.len(), 1, "{}", told(answer));
+    assert_eq!(answer.regions.len(), 1, "{}", reported(answer));
     &answer.regions[0]
 }
 
@@ -89,7 +89,8 @@ fn boxes_flush_on_four_sides_overlap_by_a_slice() {
 #[test]
 fn boxes_that_overlap_at_a_corner_share_a_cube() {
     // The overlap is a cube of 0.2. Its border runs along six of its edges, a hexagon about the
-    // diagonal. Along it the cube is √3 · 0.2 long; the hexagon's shadow is two faces' worth, 2/√3 · …
+    // diagonal. Along it the cube is √3 · 0.2 long; the hexagon's shadow is two faces' worth,
+    // 2/√3 · …
     let unit = shape(Cuboid::default());
     let answer = regions(at(&unit, 0.0, 0.0, 0.0), at(&unit, 0.8, 0.8, 0.8));
     let region = only(&answer);
@@ -191,7 +192,7 @@ fn a_bar_under_a_channel_meets_both_arms() {
     let channel = model(channel());
     let bar = model(cuboid([-1.1, 1.75, 0.53], [4.2, 2.5, 1.28]));
     let answer = regions(at(&channel, 0.0, 0.0, 0.0), at(&bar, 0.0, 0.0, 0.0));
-    assert_eq!(answer.regions.len(), 2, "{}", told(&answer));
+    assert_eq!(answer.regions.len(), 2, "{}", reported(&answer));
     for region in &answer.regions {
         assert_along(region.normal, DVec3::Y, SPECIAL);
         assert_near(region.depth.unwrap(), 0.25, SPECIAL);
@@ -230,7 +231,7 @@ fn flush_faces_touch_with_the_area_of_their_overlap() {
 fn feet_on_a_floor_are_regions_of_their_own() {
     let floor = model(cuboid([-1.0, 2.0, -1.0], [4.0, 3.0, 3.0]));
     let answer = regions(at(&model(channel()), 0.0, 0.0, 0.0), at(&floor, 0.0, 0.0, 0.0));
-    assert_eq!(answer.regions.len(), 2, "{}", told(&answer));
+    assert_eq!(answer.regions.len(), 2, "{}", reported(&answer));
     for region in &answer.regions {
         assert_near(region.area.unwrap(), 2.0, 1e-14);
         assert_eq!(region.normal, DVec3::Y);
@@ -270,8 +271,8 @@ fn a_corner_or_an_edge_that_touches_has_the_normal_of_what_it_touches() {
 #[test]
 fn special_positions_that_penetrate_have_depth_and_area() {
     let unit = shape(Cuboid::default());
-    // Flush on one side, sunk by half. Which body is shrunk first depends on the models' digests: of
-    // several slabs, some come before the unit and some after.
+    // Flush on one side, sunk by half. Which body is shrunk first depends on the models' digests:
+    // of several slabs, some come before the unit and some after.
     for width in [3.0, 4.0, 5.0, 6.0, 7.0, 8.0] {
         let slab = shape(Cuboid { size: [width, 4.0, 1.0] });
         let answer = regions(at(&slab, 0.0, 0.0, 0.0), at(&unit, 0.5 * width - 0.5, 0.0, 0.5));
@@ -326,7 +327,8 @@ fn open_surfaces_have_curves_but_neither_depth_nor_area() {
     assert!(answer.regions.is_empty() && !answer.solid);
 }
 
-/// Of a box that has sunk in a little askew, corners come out of the floor just beside what the curve encloses.
+/// Of a box that has sunk in a little askew, corners come out of the floor just beside what the
+/// curve encloses.
 #[test]
 fn a_box_that_has_sunk_in_askew_is_held_at_all_corners() {
     let (crate_, floor) =
@@ -358,7 +360,8 @@ fn a_box_that_has_sunk_in_askew_is_held_at_all_corners() {
     }
 }
 
-/// Flush sides, a rim that dips in by 2e-9 over a strip 1e-6 wide: its curves enclose next to nothing.
+/// Flush sides, a rim that dips in by 2e-9 over a strip 1e-6 wide: its curves enclose next to
+/// nothing.
 #[test]
 fn a_rim_that_dips_in_is_parted_the_way_that_it_came() {
     let plate = shape(Cuboid { size: [1.0, 1.0, 0.1] });

@@ -1,4 +1,4 @@
-//! Solids with exact dyadic coordinates as models, and how they are asked about.
+//! Solids with exact dyadic coordinates as models, and how they are queried.
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;

@@ -27,7 +27,8 @@ fn ends(answer: &Answer) -> [RegionId; 2] {
     order.map(|k| answer.regions[k].id)
 }
 
-/// Two legs, one unit wide and high, of which the plate is `y` above the bar's underside; they end at 2.
+/// Two legs, one unit wide and high, of which the plate is `y` above the bar's underside; they end
+/// at 2.
 struct Legs {
     legs: Model,
     plate: Model,
@@ -89,7 +90,8 @@ fn names_outlast_rest_exchange_and_skipped_queries_but_not_the_memory() {
     let ring = shape(Torus { major_segments: 48, minor_segments: 12, ..Torus::default() });
     let plate = shape(Cuboid { size: [4.0, 4.0, 0.5] });
     let mut memory = PairMemory::default();
-    // A ring of the same model beside the other, which it crosses twice, and a plate that stands in it.
+    // A ring of the same model beside the other, which it crosses twice, and a plate that stands in
+    // it.
     for (other, turn, aside) in [(&ring, 0.3, 1.3), (&plate, 1.5, 0.2)] {
         memory.clear();
         let rotation = DQuat::from_axis_angle(DVec3::X, turn);
@@ -107,7 +109,7 @@ fn names_outlast_rest_exchange_and_skipped_queries_but_not_the_memory() {
                 0 => ask(a, b, 0.0, &mut memory),
                 _ => ask(b, a, 0.0, &mut memory).swapped(),
             };
-            // What else is asked in between takes no names away.
+            // What else is queried in between takes no names away.
             query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
             assert_eq!(ends(&answer), ends(&first), "step {step}");
             let cold = ask(a, b, 0.0, &mut PairMemory::default());

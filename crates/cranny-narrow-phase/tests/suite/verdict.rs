@@ -20,7 +20,8 @@ fn contained(oracle: &OracleVerdict) -> Option<Containment> {
     }
 }
 
-/// Both demands that decide it differently, in both orders, against the oracle; the oracle's answer.
+/// Both demands that decide it differently, in both orders, against the oracle; the oracle's
+/// answer.
 pub(crate) fn judged(a: Placed, b: Placed, what: &str) -> OracleVerdict {
     let oracle = rational_verdict(a.model.mesh(), &a.pose, b.model.mesh(), &b.pose);
     let expected = (oracle.surface, oracle.solid, contained(&oracle));
@@ -218,8 +219,8 @@ fn a_face_over_a_reflex_edge_lies_inside() {
 
 #[test]
 fn tetrahedra_whose_overlap_is_bounded_by_edges_in_faces_penetrate() {
-    // The overlap is the tetrahedron v w p q. Each of its faces is a part of a larger face, cut off by
-    // an edge of the other body that lies in it; no corner of either body is inside the other.
+    // The overlap is the tetrahedron v w p q. Each of its faces is a part of a larger face, cut off
+    // by an edge of the other body that lies in it; no corner of either body is inside the other.
     let (v, w) = (DVec3::ZERO, DVec3::X);
     let (p, q) = (DVec3::Y, DVec3::Z);
     let beyond = |from: DVec3, to: DVec3| from + 2.0 * (to - from);

@@ -143,7 +143,8 @@ impl Revolved {
         (part == Part::Inside).then_some(LeastOnTriangle { point, ..on_plane })
     }
 
-    /// Where the signed distance from the core is least on a plane through a point, with a unit normal. Its part is the inside of a triangle.
+    /// Where the signed distance from the core is least on a plane through a point, with a unit
+    /// normal. Its part is the inside of a triangle.
     #[must_use]
     pub fn least_on_plane(&self, point: DVec3, normal: DVec3) -> LeastOnTriangle {
         for outward in [normal, -normal] {

@@ -74,8 +74,8 @@ pub fn nearest_face(model: &Model, solid: &Revolved, within: f64) -> Option<Near
 }
 
 impl Revolved {
-    /// How far the solid is from a point at a signed distance from its core. What has no inside is never less than 0
-    /// away: a distance of rounding means that it passes through.
+    /// How far the solid is from a point at a signed distance from its core. What has no inside is
+    /// never less than 0 away: a distance of rounding means that it passes through.
     fn gap_at(&self, signed: f64, point: DVec3) -> f64 {
         let size = point.abs().max_element() + self.middle().abs().max_element() + self.extent();
         let pierced = self.is_thin() && signed <= ROUNDING * size;

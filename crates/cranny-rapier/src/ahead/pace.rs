@@ -1,9 +1,10 @@
 //! Into how many parts a step is divided.
 //!
-//! Contacts are found at the beginning of a step, at the features that are nearest then. What slides past an edge or
-//! turns meets others before the step ends, which no distance looked ahead finds: a chain of thin rings that snaps taut
-//! goes through itself by half its wire. So a step in which something moves too far beside what it may meet is made in
-//! parts, contacts found at the beginning of each. Steps in which all are slow, nearly all, stay whole.
+//! Contacts are found at the beginning of a step, at the features that are nearest then. What
+//! slides past an edge or turns meets others before the step ends, which no distance looked ahead
+//! finds: a chain of thin rings that snaps taut goes through itself by half its wire. So a step in
+//! which something moves too far beside what it may meet is made in parts, contacts found at the
+//! beginning of each. Steps in which all are slow, nearly all, stay whole.
 //!
 //! No source: this crate's own. Cost: a question to the broad phase for each fast body.
 
@@ -11,13 +12,14 @@ use rapier3d::geometry::BroadPhaseBvh;
 use rapier3d::math::Real;
 use rapier3d::prelude::{IntegrationParameters, QueryFilter};
 
-use super::{Known, Motions, PairAhead, World, longest};
+use super::{KnownMotions, Motions, PairAhead, World, longest};
 use crate::dispatcher::Dispatcher;
 use std::sync::PoisonError;
 
-/// How far two bodies may move beside each other in a part of a step, in multiples of the thinner one's thickness. With up to
-/// four parts a chain of wire of 0.06 is 0.0110, 0.0085, 0.0084, 0.0144 and, undivided, 0.0379 deep at 0.5, 0.7, 1, 1.5 and
-/// 99; its steps took 4.1, 3.8, 2.9, 2.3 and 2.7 ms.
+/// How far two bodies may move beside each other in a part of a step, in multiples of the thinner
+/// one's thickness. With up to four parts a chain of wire of 0.06 is 0.0110, 0.0085, 0.0084, 0.0144
+/// and, undivided, 0.0379 deep at 0.5, 0.7, 1, 1.5 and 99; its steps took 4.1, 3.8, 2.9, 2.3 and
+/// 2.7 ms.
 const LONGEST_PART: Real = 1.0;
 
 /// A pair of bodies whose motion beside each other is bounded.
@@ -36,7 +38,7 @@ impl Pass {
 }
 
 impl Motions {
-    /// How many parts the next step needs, from 1 to `most`; asked after [`look`](Self::look).
+    /// How many parts the next step needs, from 1 to `most`; called after [`look`](Self::look).
     pub(crate) fn parts(
         &self,
         world: &World,
@@ -53,7 +55,7 @@ impl Motions {
 }
 
 struct Passes<'a> {
-    known: &'a Known,
+    known: &'a KnownMotions,
     world: &'a World<'a>,
 }
 

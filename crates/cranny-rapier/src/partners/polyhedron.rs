@@ -1,5 +1,5 @@
-//! Partners that are polyhedra already, or polyhedra grown by a radius: they become models, exactly, and meet
-//! ours as such.
+//! Partners that are polyhedra already, or polyhedra grown by a radius: they become models,
+//! exactly, and meet ours as such.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -24,7 +24,8 @@ pub(crate) struct Core {
 }
 
 impl Core {
-    /// Of a shape of rapier's; `None` where it has none, as anything round, or where its mesh has no area.
+    /// Of a shape of rapier's; `None` where it has none, as anything round, or where its mesh has
+    /// no area.
     pub(crate) fn of(shape: &dyn Shape) -> Option<Self> {
         Some(Self::new(rounded_polyhedron(shape)?))
     }
@@ -56,8 +57,8 @@ pub(crate) fn rounded_polyhedron(shape: &dyn Shape) -> Option<Rounded> {
     Some(Rounded { model: polyhedron(inner)?, radius: radius.into() })
 }
 
-/// The model of a polyhedron or a surface of triangles; `None` for any other shape, or where the mesh has no
-/// area.
+/// The model of a polyhedron or a surface of triangles; `None` for any other shape, or where the
+/// mesh has no area.
 pub(crate) fn polyhedron(shape: &dyn Shape) -> Option<Model> {
     let (vertices, faces) = match shape.as_typed_shape() {
         TypedShape::Cuboid(cuboid) => cuboid_mesh(wide(cuboid.half_extents)),

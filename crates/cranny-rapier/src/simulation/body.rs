@@ -10,6 +10,10 @@ use crate::mass::MassError;
 use crate::shape::ShapeError;
 
 /// How a body moves.
+///
+/// `cranny_world::description::BodyKind` says the same of a scene's bodies. Neither crate may depend
+/// on the other (a solver is no part of a world), and no crate beneath both knows of motion: so
+/// there are two, and `cranny-ecs` converts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyKind {
     /// Not at all.
@@ -39,8 +43,10 @@ pub struct BodySpec<'a> {
     pub friction: f64,
     /// 0 to 1.
     pub restitution: f64,
-    /// Whose normals its contacts have for the solver: its facets' or, opted in, those of the curved surface that they
-    /// stand for ([`MeshShape::with_smooth_normals`](crate::MeshShape::with_smooth_normals)). Our detector only.
+    /// Whose normals its contacts have for the solver: its facets' or, opted in, those of the
+    /// curved surface that they stand for
+    /// ([`MeshShape::with_smooth_normals`](crate::MeshShape::with_smooth_normals)). Our detector
+    /// only.
     pub normals: Normals,
     /// Bodies meet where their bits overlap.
     pub groups: u32,

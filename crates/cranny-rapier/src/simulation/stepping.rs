@@ -11,7 +11,8 @@ use crate::convert::narrow;
 use crate::detector::Detector;
 
 impl Simulation {
-    /// Advances by one step, which may be made in parts ([`most_parts`](super::SimulationOptions::most_parts)).
+    /// Advances by one step, which may be made in parts
+    /// ([`most_parts`](super::SimulationOptions::most_parts)).
     pub fn step(&mut self) {
         let whole = self.parameters;
         self.parts = self.parts_needed();
@@ -77,8 +78,8 @@ impl Simulation {
         self.parts
     }
 
-    /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs: rapier asks about
-    /// no more, and the solver sees no more.
+    /// rapier's parameters, with a prediction distance as long as the longest reach of our pairs:
+    /// rapier asks about no more, and the solver sees no more.
     fn looking_ahead(&mut self) -> IntegrationParameters {
         let mut parameters = self.parameters;
         if self.options.detector != Detector::Cranny {
@@ -94,14 +95,17 @@ impl Simulation {
         parameters
     }
 
-    /// How far ahead bodies were looked at in the last step, at most: rapier's prediction distance, as long as nothing
-    /// fast is near anything. With our detector each pair has a reach of its own, up to this.
+    /// How far ahead bodies were looked at in the last step, at most: rapier's prediction distance,
+    /// as long as nothing fast is near anything. With our detector each pair has a reach of its
+    /// own, up to this.
     #[must_use]
     pub fn prediction_distance(&self) -> f64 {
         self.looked_ahead.into()
     }
 
-    /// Drops answers and searches of pairs that rapier no longer considers, whenever they are the greater part.
+    /// Drops answers and searches of pairs that rapier no longer considers, whenever they are the
+    /// greater part. rapier's broad phase decides when boxes have parted; without rapier
+    /// `cranny-broad-phase` does (its `pairs`), and `World::update_pairs` forgets.
     fn forget_parted(&self) {
         if self.log.len().max(self.searches.len()) <= 2 * self.pair_count() {
             return;

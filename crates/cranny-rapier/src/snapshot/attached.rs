@@ -12,7 +12,7 @@ use rapier3d::prelude::{
 use serde::{Deserialize, Serialize};
 
 use super::RestoreError;
-use super::mask::{Masked, is_stand_in};
+use super::stand_in::{Writing, is_stand_in};
 use crate::pair::ours;
 use crate::shape::MeshShape;
 
@@ -35,8 +35,8 @@ impl fmt::Display for Place {
     }
 }
 
-/// What tells one prepared model from another: a hash of all that was prepared, so that the same mesh prepared
-/// otherwise is another model.
+/// What distinguishes one prepared model from another: a hash of all that was prepared, so that the
+/// same mesh prepared otherwise is another model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModelPrint {
     hash: [u8; 32],
@@ -103,20 +103,20 @@ impl Prints {
     }
 }
 
-/// All shapes of ours in a set, which wear their masks as long as these are kept.
-pub(super) fn attached(colliders: &ColliderSet) -> (Vec<Attached>, Vec<Masked<'_>>) {
-    let (mut prints, mut found, mut masked) = (Prints::default(), Vec::new(), Vec::new());
+/// All shapes of ours in a set, with a stand-in each for as long as these are kept.
+pub(super) fn attached(colliders: &ColliderSet) -> (Vec<Attached>, Vec<Writing<'_>>) {
+    let (mut prints, mut found, mut writing) = (Prints::default(), Vec::new(), Vec::new());
     for (collider, holder) in colliders.iter() {
         for (part, shape) in parts(holder.shape()) {
             let Some(shape) = ours(shape) else { continue };
-            masked.push(Masked::new(shape));
+            writing.push(Writing::new(shape));
             let (place, model) = (Place { collider, part }, prints.of(shape.model()));
             let crease_angle = shape.smooth_normals().map(|normals| normals.crease_angle());
             let (tag, walkable) = (shape.tag(), shape.is_walkable());
             found.push(Attached { place, tag, model, crease_angle, walkable });
         }
     }
-    (found, masked)
+    (found, writing)
 }
 
 /// A shape, or the parts of a compound. parry has no compounds of compounds.
@@ -130,8 +130,8 @@ fn parts(shape: &dyn Shape) -> Vec<(Option<u32>, &dyn Shape)> {
     }
 }
 
-/// Puts shapes back where they were, each of the model that it was of, and changes nothing else: no collider counts
-/// as modified, since a modified one wakes what it touches.
+/// Puts shapes back where they were, each of the model that it was of, and changes nothing else: no
+/// collider counts as modified, since a modified one wakes what it touches.
 ///
 /// No collider may be modified at the beginning.
 pub(super) fn attach(
@@ -189,8 +189,8 @@ pub(super) fn attach(
     left.map_or(Ok(()), |place| Err(RestoreError::Unattached { place }))
 }
 
-/// Sets a collider's shape and takes the marks of that away again, which only a step of rapier's can do: one in
-/// which this collider is the only one that changed, alone in a world.
+/// Sets a collider's shape and takes the marks of that away again, which only a step of rapier's
+/// can do: one in which this collider is the only one that changed, alone in a world.
 fn exchange(colliders: &mut ColliderSet, handle: ColliderHandle, shape: SharedShape) {
     if let Some(collider) = colliders.get_mut(handle) {
         collider.set_shape(shape);
@@ -225,9 +225,9 @@ mod tests {
         let compound = SharedShape::compound(vec![(Pose::IDENTITY, ours)]);
         colliders.insert(ColliderBuilder::new(compound));
         colliders.take_modified();
-        let (list, masked) = attached(&colliders);
+        let (list, writing) = attached(&colliders);
         let bytes = postcard::to_stdvec(&colliders).unwrap();
-        drop(masked);
+        drop(writing);
         (postcard::from_bytes(&bytes).unwrap(), list, model)
     }
 
@@ -251,14 +251,15 @@ mod tests {
         let ground = MeshShape::new(&model, 7).unwrap().walkable();
         colliders.insert(ColliderBuilder::new(SharedShape::new(ground)));
         colliders.take_modified();
-        let (list, masked) = attached(&colliders);
+        let (list, writing) = attached(&colliders);
         let bytes = postcard::to_stdvec(&colliders).unwrap();
-        drop(masked);
+        drop(writing);
         let mut colliders: ColliderSet = postcard::from_bytes(&bytes).unwrap();
         attach(&mut colliders, &list, &[model]).unwrap();
         let (_, holder) = colliders.iter().next().unwrap();
         assert!(ours(holder.shape()).unwrap().is_walkable());
-        // Nobody can have written such a part of a compound; whoever made one up gets no panic of parry's.
+        // Nobody can have written such a part of a compound; whoever made one up gets no panic of
+        // parry's.
         let (mut colliders, list, model) = read_back();
         attach(&mut colliders, &[Attached { walkable: true, ..list[0] }], &[model]).unwrap();
     }
@@ -290,11 +291,11 @@ mod tests {
         let (mut colliders, list, model) = read_back();
         attach(&mut colliders, &list, &[model]).unwrap();
         assert!(postcard::to_stdvec(&colliders).is_err());
-        let (_, masked) = attached(&colliders);
+        let (_, writing) = attached(&colliders);
         assert!(postcard::to_stdvec(&colliders).is_ok());
         let in_another_thread = || postcard::to_stdvec(&colliders).is_err();
         assert!(std::thread::scope(|scope| scope.spawn(in_another_thread).join().unwrap()));
-        drop(masked);
+        drop(writing);
         assert!(postcard::to_stdvec(&colliders).is_err());
     }
 }

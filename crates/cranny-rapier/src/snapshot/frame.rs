@@ -1,4 +1,5 @@
-//! What is around a snapshot's content: `CRANNYRS`, version of the form, what it is of, length and checksum.
+//! What is around a snapshot's content: `CRANNYRS`, version of the form, what it is of, length and
+//! checksum.
 
 use thiserror::Error;
 

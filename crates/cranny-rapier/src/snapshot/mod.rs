@@ -1,21 +1,22 @@
 //! rapier's world as bytes, and back, so that it goes on to the bit as if nobody had stopped it.
 //!
-//! rapier's serde writes its world, but for shapes that it does not know, and reads it with its own dispatcher. Here
-//! our shapes are written as stand-ins beside a list of which collider held which model; [`restore`] is given the
-//! models, and puts shapes and dispatcher back. What pairs of ours keep from step to step is left behind: it saves time
-//! and changes no answer; impulses are in rapier's manifolds.
+//! rapier's serde writes its world, but for shapes that it does not know, and reads it with its own
+//! dispatcher. Here our shapes are written as stand-ins beside a list of which collider held which
+//! model; [`restore`] is given the models, and puts shapes and dispatcher back. What pairs of ours
+//! keep from step to step is left behind: it saves time and changes no answer; impulses are in
+//! rapier's manifolds.
 //!
 //! # Promises
 //!
-//! - The restored world goes on as the one that was written: the same poses and velocities, to the bit, for the
-//!   same build on the same machine (rapier's `enhanced-determinism` says more).
-//! - A model that is missing or is not the one that was saved is an error, and so are bytes that were cut off or damaged:
-//!   all of them carry a checksum. Without our `restore`, rapier's serde refuses to write our shapes: no body
-//!   ever comes back as a hollow mesh.
+//! - The restored world goes on as the one that was written: the same poses and velocities, to the
+//!   bit, for the same build on the same machine (rapier's `enhanced-determinism` says more).
+//! - A model that is missing or is not the one that was saved is an error, and so are bytes that
+//!   were cut off or damaged: all of them carry a checksum. Without our `restore`, rapier's serde
+//!   refuses to write our shapes: no body ever comes back as a hollow mesh.
 //!
 //! # Non-promises
 //!
-//! - The checksum tells damage, not malice: rapier believes what a forger gives a right checksum.
+//! - The checksum shows damage, not malice: rapier believes what a forger gives a right checksum.
 //! - What rapier's serde leaves out is left out: hooks, event handlers, and the changes of joints
 //!   since the last step. So step once after the last change.
 //! - Snapshots are read by the versions of Cranny and rapier that wrote them.
@@ -48,8 +49,8 @@
 
 mod attached;
 mod frame;
-mod mask;
 mod simulation;
+mod stand_in;
 
 use cranny_geometry::Model;
 use rapier3d::math::Vector;
@@ -65,7 +66,7 @@ use self::attached::{Attached, attach, attached};
 pub use self::attached::{ModelPrint, Place};
 pub use self::frame::FrameError;
 use self::frame::{Kind, content, framed};
-pub(crate) use self::mask::Mask;
+pub(crate) use self::stand_in::StandIn;
 use crate::dispatcher::Dispatcher;
 use crate::shape::ShapeError;
 
@@ -156,7 +157,8 @@ pub enum RestoreError {
     },
 }
 
-/// What of a rapier world goes into a snapshot: for apps that keep the sets themselves. A [`PhysicsWorld`] turns into it.
+/// What of a rapier world goes into a snapshot: for apps that keep the sets themselves. A
+/// [`PhysicsWorld`] turns into it.
 #[derive(Clone, Copy, Serialize)]
 pub struct Sets<'a> {
     /// Acceleration of dynamic bodies.
@@ -224,8 +226,9 @@ pub fn snapshot<'a>(world: impl Into<Sets<'a>>) -> Result<Vec<u8>, SnapshotError
     written(Kind::World, &world.into(), &())
 }
 
-/// A world from the bytes of [`snapshot`], with [`dispatcher`](crate::dispatcher()). `models` are those that its shapes
-/// were made of, in any order; more do no harm. An app that keeps the sets itself takes them out of the world.
+/// A world from the bytes of [`snapshot`], with [`dispatcher`](crate::dispatcher()). `models` are
+/// those that its shapes were made of, in any order; more do no harm. An app that keeps the sets
+/// itself takes them out of the world.
 ///
 /// # Errors
 ///
@@ -242,9 +245,9 @@ fn written(kind: Kind, sets: &Sets, more: &impl Serialize) -> Result<Vec<u8>, Sn
     if changed > 0 {
         return Err(SnapshotError::Unsettled { changed });
     }
-    let (attached, masked) = attached(sets.colliders);
+    let (attached, writing) = attached(sets.colliders);
     let bytes = postcard::to_stdvec(&(rapier3d::VERSION, more, attached, sets));
-    drop(masked);
+    drop(writing);
     Ok(framed(kind, &bytes.map_err(SnapshotError::Write)?))
 }
 

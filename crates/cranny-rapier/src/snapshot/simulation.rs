@@ -60,7 +60,7 @@ impl WrittenPose {
     }
 }
 
-/// An answer of the log as a question: asked again, it is the same.
+/// An answer of the log as its query: computed again, it is the same.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 struct WrittenAnswer {
     tags: (u32, u32),
@@ -124,8 +124,8 @@ impl WrittenDemand {
 }
 
 impl Simulation {
-    /// The simulation between two steps as bytes, of which [`restore`](Self::restore) makes one that goes on to the bit
-    /// as this one. See [`snapshot`](mod@crate::snapshot).
+    /// The simulation between two steps as bytes, of which [`restore`](Self::restore) makes one
+    /// that goes on to the bit as this one. See [`snapshot`](mod@crate::snapshot).
     ///
     /// # Errors
     ///
@@ -192,9 +192,9 @@ impl Simulation {
         written(Kind::Simulation, &sets, &kept)
     }
 
-    /// A simulation from the bytes of [`snapshot`](Self::snapshot). `models` are those of its bodies, in any order. Body
-    /// numbers stay; [`read_by`](Self::read_by) has to be said again, and what it asks beyond the solver's question is
-    /// asked from the next step on.
+    /// A simulation from the bytes of [`snapshot`](Self::snapshot). `models` are those of its
+    /// bodies, in any order. Body numbers stay; [`read_by`](Self::read_by) has to be said again,
+    /// and what it reads beyond the solver's answer is computed from the next step on.
     ///
     /// # Errors
     ///
@@ -272,7 +272,8 @@ impl Simulation {
         self.soft_bodies = soft_bodies;
     }
 
-    /// Fills the log again, which tells of bodies asleep what was said when they were last asked about.
+    /// Fills the log again, which has for bodies asleep what was answered when they were last
+    /// queried.
     fn ask_again(&self, written: &WrittenAnswer) -> Result<(), RestoreError> {
         let flaw = RestoreError::Content { flaw: "an answer is of no pair of bodies" };
         let model = |tag: u32| {

@@ -51,7 +51,7 @@ fn cubes_that_fly_at_a_cube_meet_it_in_time() {
         assert!((hit.normal2 + Vector::Z).length() < EXACT, "{name}: {}", hit.normal2);
         assert!((hit.witness1.z - 0.5).abs() < EXACT, "{name}: {}", hit.witness1);
         assert!((hit.witness2.z + 0.5).abs() < EXACT, "{name}: {}", hit.witness2);
-        // The other order, and told in the other's frame.
+        // The other order, in the other's frame.
         let hit = straight(&partner, &cube, up(-2.0), Vector::new(0.0, 0.0, 4.0)).expect(name);
         assert!((hit.time_of_impact - 0.25).abs() < EXACT, "{name}: {}", hit.time_of_impact);
         // Past it, away from it, and not at all.
@@ -112,7 +112,8 @@ fn who_begins_inside_is_told_so() {
     assert!(cast(-Vector::Z).is_some(), "it goes in");
 }
 
-/// A bar that turns about its end by a quarter in a second meets a block on its way at an angle that is known.
+/// A bar that turns about its end by a quarter in a second meets a block on its way at an angle
+/// that is known.
 #[test]
 fn a_bar_that_turns_meets_a_block() {
     let (bar, block) = (ours(&cuboid(4.0, 0.2, 0.2)), SharedShape::cuboid(0.1, 0.1, 0.5));
@@ -123,8 +124,8 @@ fn a_bar_that_turns_meets_a_block() {
         Vector::ZERO,
         Vector::new(0.0, 0.0, std::f64::consts::FRAC_PI_2 as Real),
     );
-    // Its side is 0.1 beside a line through the origin. The block's near corner, (1.6, 1.9), is 0.1 beside that line
-    // when the line's angle is that of the corner less asin(0.1 / |corner|).
+    // Its side is 0.1 beside a line through the origin. The block's near corner, (1.6, 1.9), is 0.1
+    // beside that line when the line's angle is that of the corner less asin(0.1 / |corner|).
     let at = Pose::translation(1.5, 2.0, 0.0);
     let corner = Vector::new(1.6, 1.9, 0.0);
     let angle = corner.y.atan2(corner.x) - (0.1 / corner.length()).asin();
@@ -147,7 +148,8 @@ fn a_bar_that_turns_meets_a_block() {
     assert!((swapped.time_of_impact - expected).abs() < EXACT, "{}", swapped.time_of_impact);
 }
 
-/// rapier's own continuous detection of a fast cuboid, against a sheet of ours: 2.5 a step through 0.02.
+/// rapier's own continuous detection of a fast cuboid, against a sheet of ours: 2.5 a step through
+/// 0.02.
 #[test]
 fn rapier_stops_a_fast_cuboid_at_a_sheet_of_ours() {
     let mut world = World::new();

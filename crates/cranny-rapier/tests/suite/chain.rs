@@ -7,8 +7,8 @@ use cranny_shapes::Torus;
 
 use crate::world::{model, spec};
 
-/// How often the centre circle of `b` passes through the disc of `a`'s, with sign: the linking number
-/// of two circles of radius 1.
+/// How often the centre circle of `b` passes through the disc of `a`'s, with sign: the linking
+/// number of two circles of radius 1.
 fn linking(a: &Pose, b: &Pose) -> i32 {
     let to_a = a.world_from_body().inverse();
     let from_b = b.world_from_body();

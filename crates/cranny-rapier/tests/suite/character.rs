@@ -1,5 +1,5 @@
-//! rapier's character controller over our shapes, z up: where it ends is said before it walks, and rapier's own triangle
-//! mesh of the same scene ends there too.
+//! rapier's character controller over our shapes, z up: where it ends is said before it walks, and
+//! rapier's own triangle mesh of the same scene ends there too.
 
 use cranny_geometry::Model;
 use cranny_rapier::{Detector, MeshShape};
@@ -113,8 +113,8 @@ fn both(play: impl Fn(fn(&Model) -> SharedShape, &str) -> Vector) {
     assert!((own - mesh).length() < 1e-4, "ours: {own}, rapier's mesh: {mesh}");
 }
 
-/// How far it came of what it wanted: rapier's controller loses up to a tenth by stopping short of what it meets again
-/// and again (its own test asks for 0.93 of a kilometre).
+/// How far it came of what it wanted: rapier's controller loses up to a tenth by stopping short of
+/// what it meets again and again (its own test asks for 0.93 of a kilometre).
 #[track_caller]
 fn came(along: Real, wanted: Real, what: &str) {
     assert!(along > 0.9 * wanted && along < wanted + NEAR, "{what}: {along} of {wanted}");
@@ -152,8 +152,8 @@ fn stairs(world: &mut World, shape: fn(&Model) -> SharedShape, rise: f64) {
     world.fixed(&shape(&cuboid(12.0, 12.0, 1.0)), up(-0.5));
 }
 
-/// A box climbs what it may step over, a capsule besides what is no steeper to its round foot than 45 degrees, which is
-/// up to 0.088; neither climbs more, nor the box without autostep.
+/// A box climbs what it may step over, a capsule besides what is no steeper to its round foot than
+/// 45 degrees, which is up to 0.088; neither climbs more, nor the box without autostep.
 #[test]
 fn it_climbs_stairs_that_are_low_enough() {
     let [capsule, cuboid] = characters().map(|(_, shape)| shape);
@@ -187,8 +187,8 @@ fn it_climbs_stairs_that_are_low_enough() {
     }
 }
 
-/// From the landing down six rises of 0.2 and along the floor, though it never wants to go down: each is less than what it
-/// snaps over.
+/// From the landing down six rises of 0.2 and along the floor, though it never wants to go down:
+/// each is less than what it snaps over.
 #[test]
 fn it_snaps_to_stairs_that_it_goes_down() {
     for (name, character) in characters().into_iter().take(1) {
@@ -203,7 +203,8 @@ fn it_snaps_to_stairs_that_it_goes_down() {
                 walker.walk(1, Vector::new(0.05, 0.0, 0.0));
                 lost += u32::from(!walker.last.grounded);
             }
-            // A box loses it at the edge of a step in f64, on rapier's mesh as well: a capsule does not.
+            // A box loses it at the edge of a step in f64, on rapier's mesh as well: a capsule does
+            // not.
             assert!(lost == 0, "{what}: lost the ground in {lost} steps");
             assert!((walker.at.z - HALF - GAP).abs() < NEAR, "{what}: {}", walker.at);
             came(walker.at.x + 1.0, 5.5, &what);
@@ -212,8 +213,8 @@ fn it_snaps_to_stairs_that_it_goes_down() {
     }
 }
 
-/// A wall across the way at x = 1 with a door of 1 by 2.5: what runs against it beside the door slides along, and what
-/// runs at the door goes through, as no hull would let it.
+/// A wall across the way at x = 1 with a door of 1 by 2.5: what runs against it beside the door
+/// slides along, and what runs at the door goes through, as no hull would let it.
 #[test]
 fn it_slides_along_a_wall_and_goes_through_its_door() {
     let wall = door(1.0, 2.5);
@@ -237,7 +238,8 @@ fn it_slides_along_a_wall_and_goes_through_its_door() {
             walker.walk(40, STEP);
             came(walker.at.x, 2.0, &what);
             assert!((walker.at.z - HALF - GAP).abs() < NEAR, "{what}: {}", walker.at);
-            // As fast as 100 in a step: it is stopped all the same, and a normal that is off by 3e-4 lets a little of 100 slide.
+            // As fast as 100 in a step: it is stopped all the same, and a normal that is off by
+            // 3e-4 lets a little of 100 slide.
             walker.at = start;
             walker.walk(1, Vector::new(100.0, 0.0, 0.0));
             assert!((walker.at.x - before).abs() < NEAR, "{what}: {}", walker.at);
@@ -247,7 +249,8 @@ fn it_slides_along_a_wall_and_goes_through_its_door() {
     }
 }
 
-/// A wall 0.2 thick about x = 0, 8 wide, 3 high, with a door in its middle: three blocks as one mesh.
+/// A wall 0.2 thick about x = 0, 8 wide, 3 high, with a door in its middle: three blocks as one
+/// mesh.
 fn door(width: f64, height: f64) -> Model {
     use cranny_exact::DVec3;
     use cranny_geometry::Mesh;
@@ -282,8 +285,8 @@ fn door(width: f64, height: f64) -> Model {
     model
 }
 
-/// In a cup of radius 2 with a wall of 0.2 and a floor of 0.3: it stands on that floor, and runs as far as the wall lets
-/// it, which is a flat of 64.
+/// In a cup of radius 2 with a wall of 0.2 and a floor of 0.3: it stands on that floor, and runs as
+/// far as the wall lets it, which is a flat of 64.
 #[test]
 fn it_stands_and_walks_in_a_cup() {
     let cup = model(Cup { radius: 2.0, height: 3.0, wall: 0.2, floor: 0.3, segments: 64 });
@@ -301,7 +304,8 @@ fn it_stands_and_walks_in_a_cup() {
     });
 }
 
-/// What stands still and is pushed into, as by a wall that moves, is moved out of the way by the controller.
+/// What stands still and is pushed into, as by a wall that moves, is moved out of the way by the
+/// controller.
 #[test]
 fn what_overlaps_is_pushed_out() {
     for (name, character) in characters() {
@@ -317,7 +321,8 @@ fn what_overlaps_is_pushed_out() {
     }
 }
 
-/// A platform that goes 1.0 in 50 steps carries who stands on it; rapier's controller slips by a little over a tenth.
+/// A platform that goes 1.0 in 50 steps carries who stands on it; rapier's controller slips by a
+/// little over a tenth.
 #[test]
 fn a_platform_carries_it() {
     let character = &characters()[0].1;

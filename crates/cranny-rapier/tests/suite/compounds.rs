@@ -65,7 +65,8 @@ fn they_rest_on_each_other() {
     }
 }
 
-/// Two cups back to back: what falls into the upper one's well must stay there, which no hull would let in.
+/// Two cups back to back: what falls into the upper one's well must stay there, which no hull would
+/// let in.
 #[test]
 fn a_ball_falls_into_the_cup_of_a_compound() {
     let cup = ours(&model(Cup { radius: 0.5, segments: 32, ..Cup::default() }));

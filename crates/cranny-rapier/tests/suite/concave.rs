@@ -107,8 +107,8 @@ fn a_hook_holds_at_an_edge() {
     }
 }
 
-/// Contacts of a partner before a thin blade, whose far side is within reach too: no normal may lead
-/// into the blade.
+/// Contacts of a partner before a thin blade, whose far side is within reach too: no normal may
+/// lead into the blade.
 #[test]
 fn the_far_side_of_a_blade_pushes_nothing() {
     let blade = Pyramid { base: 1.0, height: 4.0 };

@@ -1,5 +1,5 @@
-//! Fast bodies are stopped before they overlap, in the same step, whoever it is that stops them; and what is near none
-//! of them is not looked at farther than usual.
+//! Fast bodies are stopped before they overlap, in the same step, whoever it is that stops them;
+//! and what is near none of them is not looked at farther than usual.
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
@@ -93,7 +93,8 @@ fn what_has_long_been_falling_lands_wherever_a_step_ends() {
 fn what_is_hit_is_stopped_by_what_stands_behind_it() {
     let plate = cuboid(1.0, 1.0, 0.1);
     let mut simulation = simulation(0.0);
-    // The first one hits the second after a tenth of some step, which then has a gap of 0.02 before it.
+    // The first one hits the second after a tenth of some step, which then has a gap of 0.02 before
+    // it.
     let bodies = [
         moving(spec(&plate, BodyKind::Dynamic, at(0.4 + 0.1 + GAP)), at(-FALL)),
         spec(&plate, BodyKind::Dynamic, at(0.1 + 2.0 * GAP)),
@@ -203,8 +204,8 @@ fn a_solver_gets_what_may_come_together_in_the_step() {
     assert_eq!(contacts(-25.0, 0.015), 0, "and no farther");
 }
 
-/// A cube comes down so slowly that searches which found nothing are carried on: it has its contacts
-/// as soon as it is within a quarter of the prediction distance.
+/// A cube comes down so slowly that searches which found nothing are carried on: it has its
+/// contacts as soon as it is within a quarter of the prediction distance.
 #[test]
 fn what_comes_near_while_it_is_carried_on_has_its_contacts() {
     let (ground, cube) = (cuboid(4.0, 4.0, 1.0), cuboid(1.0, 1.0, 1.0));

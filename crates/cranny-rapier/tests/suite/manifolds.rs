@@ -65,15 +65,16 @@ fn check(manifolds: &[ContactManifold], pose: &RapierPose, prediction: Real, siz
     }
 }
 
-/// How many contacts the exact query makes: per region, at most 17 a direction. `None` where the bodies overlap by
-/// half of what the thinner one is thick (2·V/A), or one is inside the other: then a way out takes their place.
+/// How many contacts the exact query makes: per region, at most 17 a direction. `None` where the
+/// bodies overlap by half of what the thinner one is thick (2·V/A), or one is inside the other:
+/// then a way out takes their place.
 fn query_contacts([a, b]: [&Model; 2], pose: &RapierPose, margin: f64) -> Option<usize> {
     let margin = f64::from(margin as Real);
     let (a, b) = (
         Placed { model: a, pose: Pose::IDENTITY },
         Placed { model: b, pose: pose_from_rapier(pose) },
     );
-    // Meshes of few faces are asked for regions.
+    // Of meshes of few faces regions are computed.
     let fine = [a.model, b.model].iter().all(|m| m.mesh().faces().len() >= 64);
     let ask = Query::of(if fine { Demand::contacts(margin) } else { Demand::Regions { margin } });
     let answer = query(a, b, &ask, &mut PairMemory::default()).expect("valid poses");
@@ -197,8 +198,8 @@ fn primitives_in_all_positions() {
                 // Where they are apart, the nearest contact is as far as they are.
                 if *name != "half-space" {
                     let apart = dispatcher().distance(&pose, &shape, &*partner.0).expect("known");
-                    let told = found.iter().flat_map(|m| &m.points).map(|p| p.dist);
-                    let nearest = told.fold(Real::INFINITY, Real::min);
+                    let reported = found.iter().flat_map(|m| &m.points).map(|p| p.dist);
+                    let nearest = reported.fold(Real::INFINITY, Real::min);
                     let what = format!("{body} and {name}: {nearest} at {}", apart.distance);
                     match apart.distance {
                         0.0 => assert!(nearest < 1e-4, "{what}"),
@@ -206,7 +207,7 @@ fn primitives_in_all_positions() {
                         _ => assert_eq!(nearest, Real::INFINITY, "{what}"),
                     }
                 }
-                // The other way round: the same, told from the other side.
+                // The other way round: the same, seen from the other side.
                 let back = pose.inverse();
                 let swapped = manifolds(&back, &*partner.0, &shape, 0.05);
                 check(&swapped, &back, 0.05, 2.0);

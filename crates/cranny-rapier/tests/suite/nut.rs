@@ -16,8 +16,8 @@ const STEP: f64 = 1.0 / 240.0;
 
 #[test]
 fn a_spun_nut_keeps_turning_along_its_helix() {
-    // Frictionless, a turn a second for 2 s: of 2 turns at least 1.98 are left; the play is 0.058, and it
-    // lets the nut tilt by 0.4 degrees.
+    // Frictionless, a turn a second for 2 s: of 2 turns at least 1.98 are left; the play is 0.058,
+    // and it lets the nut tilt by 0.4 degrees.
     let (bolt, nut) = (
         model(IsoBolt { segments: 144, ..IsoBolt::default() }),
         model(IsoNut { segments: 144, ..IsoNut::default() }),

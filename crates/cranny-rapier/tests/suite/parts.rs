@@ -86,7 +86,8 @@ fn a_body_that_spins_beside_another_makes_parts() {
     assert_eq!(spinning(12.0, 20.0), [1; 3], "nothing is near");
 }
 
-/// The time that a step takes is the same, and so is what joints, forces and kinematic bodies do in it.
+/// The time that a step takes is the same, and so is what joints, forces and kinematic bodies do in
+/// it.
 #[test]
 fn a_step_in_parts_lasts_as_long() {
     let (belt, rider) = (cuboid(400.0, 4.0, 1.0), cuboid(0.1, 0.1, 0.1));

@@ -9,7 +9,8 @@ use crate::world::{World, model, ours};
 
 const RADIUS: Real = 0.5;
 
-/// A ball that rolls from rest height without slipping, askew to all edges: 2 m/s along x, 0.3 along y.
+/// A ball that rolls from rest height without slipping, askew to all edges: 2 m/s along x, 0.3
+/// along y.
 fn rolling(world: &mut World) -> RigidBodyHandle {
     let body = RigidBodyBuilder::dynamic()
         .translation(Vector::new(-6.0, -0.4, RADIUS))
@@ -18,8 +19,9 @@ fn rolling(world: &mut World) -> RigidBodyHandle {
     world.insert(body, &SharedShape::ball(RADIUS))
 }
 
-/// 20,000 triangles on top, whose edges the ball crosses every 0.1 s in both directions and askew: its vertical
-/// velocity is that of a ball on a plane within 1e-3, at every step, and so is where it comes to.
+/// 20,000 triangles on top, whose edges the ball crosses every 0.1 s in both directions and askew:
+/// its vertical velocity is that of a ball on a plane within 1e-3, at every step, and so is where
+/// it comes to.
 #[test]
 fn a_ball_feels_no_bump_on_20_000_triangles() {
     let floor = Floor { size: [20.0, 10.0, 0.5], squares: [100, 100] };

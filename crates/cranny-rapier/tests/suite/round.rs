@@ -1,5 +1,5 @@
-//! Cylinders, cones and segments, with a border radius and without: what they rest on, what they roll over, and what
-//! is done about those that are stuck.
+//! Cylinders, cones and segments, with a border radius and without: what they rest on, what they
+//! roll over, and what is done about those that are stuck.
 
 use cranny_exact::DVec3;
 use cranny_rapier::{MeshShape, dispatcher};
@@ -12,11 +12,12 @@ use rapier3d::prelude::RigidBodyBuilder;
 
 use crate::world::{World, cuboid, model, ours, sheet, tessellated_slab, up};
 
-/// What 'the right height' allows: rapier lets bodies overlap by 0.001 and holds them within its prediction distance.
+/// What 'the right height' allows: rapier lets bodies overlap by 0.001 and holds them within its
+/// prediction distance.
 const NEAR: Real = 5e-3;
 
-/// How far and by what angle a landing at 1 m/s may shift what rests: the solver takes contacts one after the other. A
-/// square post of the height of the tall cylinder rocks as that one does.
+/// How far and by what angle a landing at 1 m/s may shift what rests: the solver takes contacts one
+/// after the other. A square post of the height of the tall cylinder rocks as that one does.
 const SHIFT: Real = 1e-2;
 const TURN: Real = 3e-2;
 
@@ -29,8 +30,8 @@ fn turned(z: Real, rotation: Rotation) -> Pose {
     Pose::from_parts(Vector::new(0.0, 0.0, z), rotation)
 }
 
-/// Drops `upper` from 0.05 above `rest` on `lower`: it comes to rest there, upright as it began, for either order of
-/// insertion, since rapier's order of a pair follows it.
+/// Drops `upper` from 0.05 above `rest` on `lower`: it comes to rest there, upright as it began,
+/// for either order of insertion, since rapier's order of a pair follows it.
 #[track_caller]
 fn rests(
     name: &str,
@@ -239,7 +240,8 @@ fn contacts_are_those_of_the_solid() {
             assert!((points[0].dist - gap).abs() < 1e-6, "{name}: {}", points[0].dist);
             assert!((found[0].local_n1 - Vector::Z).length() < 1e-6, "{name}");
         }
-        // Leaning by 30 degrees: the rim's lowest point is 0.5 cos 30 + 0.3 sin 30 below the middle.
+        // Leaning by 30 degrees: the rim's lowest point is 0.5 cos 30 + 0.3 sin 30 below the
+        // middle.
         let lean = std::f64::consts::FRAC_PI_6 as Real;
         let (s, c) = lean.sin_cos();
         let rotation = Rotation::from_rotation_y(lean) * upright();
@@ -254,7 +256,8 @@ fn contacts_are_those_of_the_solid() {
     }
 }
 
-/// By hand: where contacts are of what stands askew on a small post, lies across a ridge, and is stuck in a cube.
+/// By hand: where contacts are of what stands askew on a small post, lies across a ridge, and is
+/// stuck in a cube.
 #[test]
 fn contacts_span_what_is_shared() {
     let shape = |x, y| MeshShape::new(&cuboid(x, y, 1.0), 0).expect("parry takes it");
@@ -292,8 +295,8 @@ fn contacts_span_what_is_shared() {
     }
 }
 
-/// A disc with a border is as thick as the border is wide: 3e-7 before a cube's corner it touches nothing yet, wherever the
-/// faces there look.
+/// A disc with a border is as thick as the border is wide: 3e-7 before a cube's corner it touches
+/// nothing yet, wherever the faces there look.
 #[test]
 fn a_thick_disc_just_before_a_corner_is_apart() {
     let (half, radius, border, gap) = (0.25, 0.5, 0.1, 3e-7);

@@ -1,5 +1,6 @@
-//! Scenes of cylinders and cones over a long time, with an outcome that anybody can compute, stated before they run. The
-//! settings are those that `docs/rapier.md` asks for, and nothing may fall asleep.
+//! Scenes of cylinders and cones over a long time, with an outcome that anybody can compute, stated
+//! before they run. The settings are those that `docs/rapier.md` asks for, and nothing may fall
+//! asleep.
 
 use cranny_shapes::Cup;
 use rapier3d::dynamics::FrictionModel;
@@ -50,9 +51,9 @@ fn energy(world: &World, body: RigidBodyHandle) -> Real {
 /// Twenty degrees.
 const SLOPE: Real = std::f64::consts::PI as Real / 9.0;
 
-/// How far a cylinder goes in two seconds down an incline of 20 degrees, whose tangent is 0.364, and its greatest overlap.
-/// It leaves the incline by less than 0.005, tilts by less than 0.01, and veers by less than 0.15: by
-/// 0.09 on our slab and 0.021 on rapier's own cuboid, of 3.16.
+/// How far a cylinder goes in two seconds down an incline of 20 degrees, whose tangent is 0.364,
+/// and its greatest overlap. It leaves the incline by less than 0.005, tilts by less than 0.01, and
+/// veers by less than 0.15: by 0.09 on our slab and 0.021 on rapier's own cuboid, of 3.16.
 #[track_caller]
 fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (Real, Real) {
     let incline = Rotation::from_rotation_y(SLOPE);
@@ -77,9 +78,9 @@ fn slid(name: &str, incline_shape: &SharedShape, top: Real, friction: Real) -> (
     (along, worst)
 }
 
-/// With friction 0.5 it stays within 0.002. With 0.2 it should go by g (sin - 0.2 cos) t² / 2 within 3 %: 3.02. That was
-/// missed: on ours it goes 4.6 % too far, in f64 4.4 %; on rapier's own cuboid 4.6 %, but in f64 1.0 %. What of it is the
-/// solver's is not known; 6 % are allowed.
+/// With friction 0.5 it stays within 0.002. With 0.2 it should go by g (sin - 0.2 cos) t² / 2
+/// within 3 %: 3.02. That was missed: on ours it goes 4.6 % too far, in f64 4.4 %; on rapier's own
+/// cuboid 4.6 %, but in f64 1.0 %. What of it is the solver's is not known; 6 % are allowed.
 #[test]
 fn a_cylinder_holds_on_an_incline_or_slides_as_it_does_on_a_cuboid() {
     let expected = 2.0 * GRAVITY * (SLOPE.sin() - 0.2 * SLOPE.cos());
@@ -97,8 +98,8 @@ fn a_cylinder_holds_on_an_incline_or_slides_as_it_does_on_a_cuboid() {
     }
 }
 
-/// Ten seconds on a floor of 800 triangles: after the first they shift and turn by less than 0.001, never overlap by more
-/// than 0.002, and have no more energy than they began with.
+/// Ten seconds on a floor of 800 triangles: after the first they shift and turn by less than 0.001,
+/// never overlap by more than 0.002, and have no more energy than they began with.
 #[test]
 fn they_rest_for_ten_seconds() {
     let floor = ours(&tessellated_slab(20, 2.0));
@@ -135,9 +136,10 @@ fn they_rest_for_ten_seconds() {
     }
 }
 
-/// A cone, apex down, in a cup whose mouth is narrower than it: its side rests on the rim, where its radius is that of the
-/// rim's flats. 0.8 high and 0.4 wide below, half of its height is its radius there: 0.2 below the rim in its
-/// middle, upright, since its centre is below where the rim's forces meet. Dropped askew by 0.1, it rights itself.
+/// A cone, apex down, in a cup whose mouth is narrower than it: its side rests on the rim, where
+/// its radius is that of the rim's flats. 0.8 high and 0.4 wide below, half of its height is its
+/// radius there: 0.2 below the rim in its middle, upright, since its centre is below where the
+/// rim's forces meet. Dropped askew by 0.1, it rights itself.
 #[test]
 fn a_cone_comes_to_rest_in_a_funnel() {
     let cup = Cup { radius: 0.4, height: 1.2, wall: 0.1, floor: 0.1, segments: 64 };

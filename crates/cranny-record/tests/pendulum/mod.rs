@@ -1,4 +1,4 @@
-//! A run to record: a cube swings through a fixed ring and past a post, as told (no physics).
+//! A run to record: a cube swings through a fixed ring and past a post, as prescribed (no physics).
 
 use std::path::Path;
 
@@ -95,7 +95,7 @@ impl Pendulum {
     }
 }
 
-/// Opens a recording, tells the bodies, and records so many steps, one picture and one line.
+/// Opens a recording, names the bodies, and records so many steps, one picture and one line.
 pub(crate) fn record(path: &Path, steps: u64) -> Result<(Recorder, Pendulum), RecordError> {
     let mut recorder = Recorder::create(path, &Pendulum::info())?;
     let mut pendulum = Pendulum::new();

@@ -53,8 +53,8 @@ impl Builder {
         Ok(())
     }
 
-    /// Adds a polygon of at least three corners, split at the end, when all vertices are known. The caller has
-    /// checked the indices.
+    /// Adds a polygon of at least three corners, split at the end, when all vertices are known. The
+    /// caller has checked the indices.
     pub(super) fn polygon(&mut self, corners: &[u32], place: impl FnOnce() -> Place) {
         match *corners {
             [a, b, c] => self.faces.push([a, b, c]),

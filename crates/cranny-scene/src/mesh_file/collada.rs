@@ -13,12 +13,12 @@ use std::str::FromStr;
 use cranny_exact::DVec3;
 use roxmltree::{Document, Node, ParsingOptions};
 
+use super::affine::Affine;
 use super::builder::Builder;
 use super::problem::{DecodeError, Place, Problem, counted, excerpt};
 use super::{MeshFile, MeshFormat};
 use crate::xml::nested_beyond;
 use geometry::Geometry;
-use transform::Affine;
 
 const FORMAT: MeshFormat = MeshFormat::Collada;
 
@@ -32,8 +32,8 @@ const MAX_DEPTH: usize = 256;
 /// XML elements nest at most so deep: nodes, and what is in and around them.
 const MAX_NESTING: usize = MAX_DEPTH + 16;
 
-/// A file may show at most so many nodes and geometries. More, and instances of instances (a file of
-/// a few lines) would fill the memory; fewer, and large assemblies are refused.
+/// A file may show at most so many nodes and geometries. More, and instances of instances (a file
+/// of a few lines) would fill the memory; fewer, and large assemblies are refused.
 const MAX_VISITS: usize = 1 << 16;
 
 /// How the up-axis that a COLLADA file states is treated.
@@ -69,7 +69,7 @@ pub(super) fn decode(bytes: &[u8], up_axis: UpAxis) -> Result<MeshFile, DecodeEr
     })?;
     let root = document.root_element();
     let mut scene =
-        Scene { root, builder: Builder::new(FORMAT), visits: 0, skipped: 0, skinned: 0 };
+        ColladaScene { root, builder: Builder::new(FORMAT), visits: 0, skipped: 0, skinned: 0 };
     if root.tag_name().name() != "COLLADA" {
         return Err(malformed(root, excerpt(root.tag_name().name()), "the element 'COLLADA'"));
     }
@@ -130,7 +130,7 @@ fn id_of(address: &str) -> &str {
     address.strip_prefix('#').unwrap_or(address)
 }
 
-struct Scene<'a, 'i> {
+struct ColladaScene<'a, 'i> {
     root: Node<'a, 'i>,
     builder: Builder,
     visits: usize,
@@ -138,7 +138,7 @@ struct Scene<'a, 'i> {
     skinned: usize,
 }
 
-impl<'a, 'i> Scene<'a, 'i> {
+impl<'a, 'i> ColladaScene<'a, 'i> {
     /// `scene_from_file`: metres by `<unit>`, z up by `<up_axis>` (y where it is not stated).
     fn axes_and_unit(&mut self, up_axis: UpAxis) -> Result<Affine, DecodeError> {
         let asset = element(self.root, "asset");

@@ -10,6 +10,7 @@ mod document;
 
 use cranny_exact::{DMat3, DQuat, DVec3};
 
+use super::affine::Affine;
 use super::builder::Builder;
 use super::problem::{DecodeError, Place, Problem, counted, excerpt};
 use super::{Fetch, MeshFile, MeshFormat};
@@ -23,24 +24,6 @@ const TRIANGLES: u32 = 4;
 const TRIANGLE_STRIP: u32 = 5;
 const TRIANGLE_FAN: u32 = 6;
 
-/// An affine map: linear part, then translation.
-#[derive(Clone, Copy, PartialEq)]
-struct Affine {
-    linear: DMat3,
-    translation: DVec3,
-}
-
-impl Affine {
-    const IDENTITY: Self = Self { linear: DMat3::IDENTITY, translation: DVec3::ZERO };
-
-    fn compose(&self, inner: &Self) -> Self {
-        Self {
-            linear: self.linear * inner.linear,
-            translation: self.linear * inner.translation + self.translation,
-        }
-    }
-}
-
 pub(super) fn decode(bytes: &[u8], fetch: Fetch<'_>) -> Result<MeshFile, DecodeError> {
     let (json, blob) = split_container(bytes)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
@@ -53,7 +36,7 @@ pub(super) fn decode(bytes: &[u8], fetch: Fetch<'_>) -> Result<MeshFile, DecodeE
     })?;
     document.check_extensions()?;
     let buffers = Buffers::load(&document, blob, fetch)?;
-    let mut scene = Scene {
+    let mut scene = GltfScene {
         document: &document,
         buffers,
         builder: Builder::new(FORMAT),
@@ -120,7 +103,7 @@ fn split_container(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), DecodeError> 
     Ok((json.ok_or_else(|| error(12, missing()))?, blob))
 }
 
-struct Scene<'a> {
+struct GltfScene<'a> {
     document: &'a Document,
     buffers: Buffers<'a>,
     builder: Builder,
@@ -130,7 +113,7 @@ struct Scene<'a> {
     skinned: usize,
 }
 
-impl Scene<'_> {
+impl GltfScene<'_> {
     /// Depth first, children in file order, without recursion: files may nest deeply.
     fn walk(&mut self, root: usize) -> Result<(), DecodeError> {
         let mut stack = vec![(root, Affine::IDENTITY)];
@@ -194,7 +177,7 @@ impl Scene<'_> {
             self.builder.was_single();
         }
         for (vertex, &p) in positions.iter().enumerate() {
-            let posed = scene_from_mesh.linear * p + scene_from_mesh.translation;
+            let posed = scene_from_mesh.apply(p);
             self.builder.vertex(posed, || Place::Element(format!("{name}, vertex {vertex}")))?;
         }
         let corners = match primitive.indices {
@@ -213,7 +196,7 @@ impl Scene<'_> {
             };
             return Err(self.builder.error(place(), problem));
         }
-        let mirrored = scene_from_mesh.linear.determinant() < 0.0;
+        let mirrored = scene_from_mesh.mirrors();
         for [a, b, c] in triangles(mode, &corners) {
             let face = if mirrored { [a, c, b] } else { [a, b, c] };
             self.builder.polygon(&face.map(|i| i + first as u32), place);

@@ -4,9 +4,11 @@
 //! their type, since every exact decision later reads these numbers. Positions are kept as filed;
 //! only formats that carry a scene (glTF, COLLADA) apply its node transforms, and COLLADA its unit
 //! and up-axis. Polygons are split into triangles that cover them once
-//! ([`cranny_geometry::split_polygon`]); what is no flat, simple polygon is split too, with a note. Indexing is kept as filed,
-//! except for STL, which has none: there, equal positions become one vertex.
+//! ([`cranny_geometry::split_polygon`]); what is no flat, simple polygon is split too, with a note.
+//! Indexing is kept as filed, except for STL, which has none: there, equal positions become one
+//! vertex.
 
+mod affine;
 mod builder;
 mod collada;
 mod gltf;
@@ -39,13 +41,13 @@ pub use problem::{DecodeError, Place, Problem};
 pub enum MeshFormat {
     /// Wavefront OBJ.
     Obj,
-    /// Stereolithography, ASCII or binary (told apart by content).
+    /// Stereolithography, ASCII or binary (recognized by content).
     Stl,
     /// Polygon file format, ASCII or binary of either byte order.
     Ply,
     /// Object file format of Geomview, ASCII.
     Off,
-    /// glTF 2.0, JSON or GLB (told apart by content).
+    /// glTF 2.0, JSON or GLB (recognized by content).
     Gltf,
     /// COLLADA 1.4 and 1.5.
     Collada,
@@ -93,8 +95,9 @@ pub struct MeshFile {
     pub format: MeshFormat,
     /// One sentence each: polygons split, lines skipped, solids joined, units applied.
     pub notes: Vec<String>,
-    /// How flat is flat ([`BuildOptions::flatness`](cranny_geometry::BuildOptions::flatness)): [`Flatness::Single`] where single
-    /// precision was transformed since, as by nodes of glTF, which coordinates no longer show.
+    /// How flat is flat ([`BuildOptions::flatness`](cranny_geometry::BuildOptions::flatness)):
+    /// [`Flatness::Single`] where single precision was transformed since, as by nodes of glTF,
+    /// which coordinates no longer show.
     pub flatness: Flatness,
 }
 
@@ -105,7 +108,7 @@ pub enum MeshFileError {
     /// The file cannot be opened or read.
     #[error("mesh file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
     Unreadable {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What the system said.
         source: io::Error,
@@ -116,7 +119,7 @@ pub enum MeshFileError {
         path.display()
     )]
     UnknownExtension {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// Its extension; empty where it has none.
         extension: String,
@@ -124,7 +127,7 @@ pub enum MeshFileError {
     /// The content is not a mesh of its format.
     #[error("mesh file {}: {source}", path.display())]
     Decode {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// Where and what.
         source: DecodeError,

@@ -31,7 +31,7 @@ const PASSED_OVER: [&str; 13] = [
 pub(super) fn decode(bytes: &[u8]) -> Result<MeshFile, DecodeError> {
     let text = String::from_utf8_lossy(bytes);
     let mut builder = Builder::new(MeshFormat::Obj);
-    let mut polygons = Polygons::default();
+    let mut polygons = ObjFaces::default();
     let mut skipped: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for (line, content) in logical_lines(&text) {
         let content = content.split('#').next().unwrap_or_default();
@@ -88,14 +88,14 @@ fn logical_lines(text: &str) -> Vec<(usize, std::borrow::Cow<'_, str>)> {
 
 /// Faces as read. They may come before their vertices, so their range is checked at the end.
 #[derive(Default)]
-struct Polygons {
+struct ObjFaces {
     /// Of all faces, one after another, from 0.
     corners: Vec<i64>,
     /// Line of each face, and where its corners end.
     faces: Vec<(usize, usize)>,
 }
 
-impl Polygons {
+impl ObjFaces {
     /// Reads the corners of a face; negative numbers count back from the last vertex.
     fn read(&mut self, words: &mut Words<'_>, vertices: usize) -> Result<(), DecodeError> {
         const EXPECTED: &str = "a vertex number (v, v/vt, v//vn or v/vt/vn)";

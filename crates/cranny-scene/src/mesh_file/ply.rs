@@ -186,7 +186,7 @@ fn read_element(
                 return Err(builder.error(values.place(), problem));
             }
             if wanted {
-                // A byte of a binary file tells nobody where to look.
+                // A byte of a binary file helps nobody to find the place.
                 let place = || match values.place() {
                     Place::Byte(_) => Place::Face(row as usize),
                     line => line,

@@ -1,4 +1,5 @@
-//! Faces with more than three corners: kept as read, split at the end, and what is to be said of it.
+//! Faces with more than three corners: kept as read, split at the end, and what is to be said of
+//! it.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{Flatness, Mesh, split_polygon};
@@ -27,8 +28,8 @@ impl Polygons {
         self.polygons.push(Polygon { before, end: self.corners.len(), place });
     }
 
-    /// All faces in the file's order, polygons split among the triangles. An index out of range is left for
-    /// the mesh to refuse.
+    /// All faces in the file's order, polygons split among the triangles. An index out of range is
+    /// left for the mesh to refuse.
     pub(super) fn split(
         self,
         vertices: &[DVec3],
@@ -76,7 +77,8 @@ pub(super) struct Splits {
 }
 
 impl Splits {
-    /// One sentence each. What the coordinates' rounding explains, as of facets of the hull, is flat.
+    /// One sentence each. What the coordinates' rounding explains, as of facets of the hull, is
+    /// flat.
     pub(super) fn notes(&self, mesh: &Mesh) -> Vec<String> {
         let mut notes = Vec::new();
         if self.count > 0 {
@@ -86,7 +88,7 @@ impl Splits {
                 "{polygons} with more than three corners {were} split into triangles"
             ));
         }
-        if let Some((polygons, first)) = self.crossed.told() {
+        if let Some((polygons, first)) = self.crossed.summary() {
             notes.push(format!(
                 "{polygons} of these: sides cross, corners lie on sides, or there is no area (first: {first}); split as well as can be, triangles may overlap or lack an area"
             ));
@@ -100,7 +102,7 @@ impl Splits {
                 most = most.max(*thickness);
             }
         }
-        if let Some((polygons, first)) = bent.told() {
+        if let Some((polygons, first)) = bent.summary() {
             notes.push(format!(
                 "{polygons} of these: corners lie off their common plane, by up to {most:.3e} (first: {first}); where the surface runs between them depends on the split"
             ));
@@ -122,7 +124,7 @@ impl Tally {
         self.first.get_or_insert_with(|| place.clone());
     }
 
-    fn told(&self) -> Option<(String, &Place)> {
+    fn summary(&self) -> Option<(String, &Place)> {
         self.first.as_ref().map(|first| (counted(self.count, "polygon"), first))
     }
 }

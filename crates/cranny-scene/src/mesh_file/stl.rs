@@ -37,7 +37,8 @@ fn size(faces: u64) -> u64 {
     HEADER as u64 + faces * RECORD as u64
 }
 
-/// Whether a file plainly is a binary one, whatever its name: it has the size that its number of faces asks for.
+/// Whether a file plainly is a binary one, whatever its name: it has the size that its number of
+/// faces asks for.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     promised(bytes).is_some_and(|faces| faces > 0 && size(faces) == bytes.len() as u64)
 }

@@ -13,7 +13,7 @@ pub enum PositionError {
     /// No joint of that name.
     #[error("the robot has no joint {joint:?}; its movable joints are {movable}")]
     UnknownJoint {
-        /// Name asked for.
+        /// The name.
         joint: String,
         /// Names that would do, separated by commas.
         movable: String,
@@ -21,7 +21,7 @@ pub enum PositionError {
     /// The joint has no position of its own.
     #[error("joint {joint:?} {reason}: it takes no position")]
     NotFree {
-        /// Name asked for.
+        /// The name.
         joint: String,
         /// "is fixed" or "follows joint …".
         reason: String,
@@ -29,7 +29,7 @@ pub enum PositionError {
     /// Not a number.
     #[error("joint {joint:?}: the position {value} is not a finite number")]
     NotFinite {
-        /// Name asked for.
+        /// The name.
         joint: String,
         /// Value found.
         value: f64,

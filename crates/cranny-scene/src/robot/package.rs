@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 /// The first existing file that an address can mean.
 ///
-/// - `package://name/rest` and `model://name/rest`: going up from the URDF's folder, a folder called
-///   `name` or a folder beside the way called `name`; last, `rest` under any folder of the way, for
-///   packages whose folder was renamed;
+/// - `package://name/rest` and `model://name/rest`: going up from the URDF's folder, a folder
+///   called `name` or a folder beside the way called `name`; last, `rest` under any folder of the
+///   way, for packages whose folder was renamed;
 /// - `file:///path`: that path;
 /// - anything else without a scheme: a path from the URDF's folder.
 ///

@@ -14,7 +14,7 @@ pub enum RobotError {
     /// The file cannot be opened or read.
     #[error("robot file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
     Unreadable {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What the system said.
         source: io::Error,
@@ -22,7 +22,7 @@ pub enum RobotError {
     /// It is not well-formed XML.
     #[error("robot file {}, line {line}, column {column}: {problem}", path.display())]
     Xml {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// From 1.
         line: u32,
@@ -34,7 +34,7 @@ pub enum RobotError {
     /// It is XML, but not URDF.
     #[error("robot file {}: not a URDF robot ({message}). Correct the element or export the robot again.", path.display())]
     Urdf {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What the reader said.
         message: String,
@@ -42,7 +42,7 @@ pub enum RobotError {
     /// A link or joint says something that cannot be.
     #[error("robot file {}, {element} {name:?}: {problem}", path.display())]
     Element {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// "link" or "joint".
         element: &'static str,
@@ -54,7 +54,7 @@ pub enum RobotError {
     /// The links do not form one tree.
     #[error("robot file {}: {problem}", path.display())]
     Tree {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What is wrong and what to do.
         problem: String,
@@ -65,7 +65,7 @@ pub enum RobotError {
         path.display(), list(tried)
     )]
     MeshNotFound {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// Link that wants it.
         link: String,
@@ -77,7 +77,7 @@ pub enum RobotError {
     /// A collision mesh cannot be read.
     #[error("robot file {}, link {link:?}: {source}", path.display())]
     Mesh {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// Link that wants it.
         link: String,

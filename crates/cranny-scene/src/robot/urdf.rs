@@ -25,8 +25,8 @@ const MAX_DEPTH: usize = 64;
 /// Reads a robot from a URDF file.
 ///
 /// `package://` addresses are looked for going up from the file; COLLADA meshes keep their axes as
-/// filed, as other robot tools do; boxes, cylinders, spheres and capsules become inscribed meshes of
-/// 32 sides. Meshes scaled by a negative factor are turned, so that outside stays outside.
+/// filed, as other robot tools do; boxes, cylinders, spheres and capsules become inscribed meshes
+/// of 32 sides. Meshes scaled by a negative factor are turned, so that outside stays outside.
 ///
 /// # Errors
 ///

@@ -1,5 +1,8 @@
-//! Effects by name. A known effect that this version does not have is told apart from a typing
-//! error.
+//! Effects by name. A known effect that this version does not have gets another error than a
+//! misspelt one.
+//!
+//! How to add an effect: CONTRIBUTING.md, 'An effect'. This file is its third step, the first is
+//! `Effect` in `cranny_world::description`.
 
 use std::fmt;
 
@@ -16,7 +19,7 @@ const AVAILABLE: [&str; 3] = ["Trigger", "Contacts", "Response"];
 const LATER: [&str; 6] =
     ["Proximity", "Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"];
 
-/// What is asked for elsewhere: the effect and how.
+/// What a scene gets by other means: the effect and how.
 const ELSEWHERE: [(&str, &str); 5] = [
     ("Friction", "by the `friction` of a body's `material`; Response uses it"),
     ("Restitution", "by the `restitution` of a body's `material`; Response uses it"),
@@ -93,7 +96,7 @@ impl Visitor<'_> for NameVisitor {
             )));
         }
         if let Some((_, how)) = ELSEWHERE.iter().find(|(known, _)| *known == name) {
-            return Err(E::custom(format!("effect {name} is not listed but asked for {how}")));
+            return Err(E::custom(format!("effect {name} is not listed: a scene has it {how}")));
         }
         Err(E::custom(format!(
             "unknown effect {name}; available are {}, and known but not available in this version are {}",

@@ -1,9 +1,28 @@
-//! Where in the text a field has a value: for problems that only show when the whole is known.
+//! Places in RON text: the line and column of an error, and the place of a field's value.
+//!
+//! An error of syntax comes from the `ron` crate with line and column ([`byte_at`]). An error that
+//! shows only once the whole scene is known is at the value of a field ([`find`]). Both become a
+//! range of bytes, and [`line_and_column`] gives every error the line and column that it reports.
 
 use std::ops::Range;
 
-/// The `nth` place (from 0) where `field: "value"` stands in RON text, as the range of the value with
-/// its quotes. Comments and longer strings that contain it do not count.
+/// Line and column of a byte, both from 1; columns count characters.
+pub(super) fn line_and_column(text: &str, at: usize) -> (usize, usize) {
+    let before = text.get(..at).unwrap_or(text);
+    let line = 1 + before.matches('\n').count();
+    let column = 1 + before.rsplit('\n').next().unwrap_or_default().chars().count();
+    (line, column)
+}
+
+/// The byte at a line and column (characters), both from 1.
+pub(super) fn byte_at(text: &str, line: usize, column: usize) -> usize {
+    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let rest = text.get(start..).unwrap_or_default();
+    start + rest.chars().take(column.saturating_sub(1)).map(char::len_utf8).sum::<usize>()
+}
+
+/// The `nth` place (from 0) where `field: "value"` stands in RON text, as the range of the value
+/// with its quotes. Comments and longer strings that contain it do not count.
 pub(super) fn find(text: &str, field: &str, value: &str, nth: usize) -> Option<Range<usize>> {
     let tokens = tokens(text);
     let mut matches = tokens.windows(3).filter_map(|window| {
@@ -110,6 +129,16 @@ mod tests {
         assert!(text[..second.start].ends_with("/* ü */ name: "));
         assert_eq!(find(text, "name", "a", 2), None);
         assert!(find(text, "title", "name: \"a\"", 0).is_some());
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        let text = "(\n  \u{fc}ber: 1,\n)";
+        let comma = text.find(',').unwrap();
+        assert_eq!(line_and_column(text, comma), (2, 10));
+        assert_eq!(byte_at(text, 2, 10), comma);
+        assert_eq!(line_and_column(text, 0), (1, 1));
+        assert_eq!(line_and_column(text, text.len() + 1), (3, 2));
     }
 
     #[test]

@@ -17,8 +17,11 @@
 //! ```
 //!
 //! Everything but `bodies`' names and shapes has a default; unknown fields are refused. Paths are
-//! relative to the scene file. Loading is deterministic: the same text, files and seed give the same
-//! description to the bit (on one platform: generators use its sine and cosine).
+//! relative to the scene file. Loading is deterministic: the same text, files and seed give the
+//! same description to the bit (on one platform: generators use its sine and cosine).
+//!
+//! `syntax` reads the text, `assemble` makes the description of it, `locate` gives an error its
+//! line and column.
 
 mod assemble;
 mod effect;
@@ -53,7 +56,7 @@ pub struct LoadedScene {
     pub description: SceneDescription,
     /// The file's text as read, for recordings and hashes.
     pub source_text: String,
-    /// Path asked for.
+    /// The path.
     pub path: PathBuf,
     /// Every further file read: meshes, robots and their meshes; each once, in order.
     pub files: Vec<PathBuf>,

@@ -1,9 +1,9 @@
 //! Piles: many bodies in a region, apart from each other at the start.
 //!
 //! Every body's bounding sphere has a cell of a grid to itself, so bodies cannot overlap whatever
-//! their orientation. Layers fill from the bottom; cells are as low as the largest sphere allows and
-//! as wide as the region allows, and each sphere lies anywhere in the middle of its cell that leaves
-//! half the gap to the walls.
+//! their orientation. Layers fill from the bottom; cells are as low as the largest sphere allows
+//! and as wide as the region allows, and each sphere lies anywhere in the middle of its cell that
+//! leaves half the gap to the walls.
 
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ pub(super) fn place(
     let holds = nx.saturating_mul(ny).saturating_mul(nz);
     if holds < count {
         return Err(format!(
-            "its region holds {holds} bodies of bounding diameter {:.4} ({nx} x {ny} x {nz}), but {count} are asked for. Enlarge the region or lower the count",
+            "its region holds {holds} bodies of bounding diameter {:.4} ({nx} x {ny} x {nz}), but {count} are wanted. Enlarge the region or lower the count",
             2.0 * largest
         ));
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a scene, and where.
+//! What can be wrong with a scene. `locate` computes the line and column of an error.
 
 use std::io;
 use std::ops::Range;
@@ -8,6 +8,7 @@ use cranny_shapes::ShapeError;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use thiserror::Error;
 
+use super::locate::line_and_column;
 use crate::mesh_file::MeshFileError;
 use crate::robot::{PositionError, RobotError};
 
@@ -18,7 +19,7 @@ pub enum SceneError {
     /// The file cannot be opened or read.
     #[error("scene file {}: cannot be read ({source}). Check the path and its permissions.", path.display())]
     Unreadable {
-        /// Path asked for.
+        /// The path.
         path: PathBuf,
         /// What the system said.
         source: io::Error,
@@ -33,7 +34,7 @@ pub enum SceneError {
 #[derive(Debug, Error, Diagnostic)]
 #[error("scene file {}{}: {problem}", path.display(), at(*place))]
 pub struct Located {
-    /// Path asked for.
+    /// The path.
     pub path: PathBuf,
     /// Line and column from 1, columns counting characters; `None` where the file has no place for
     /// it.
@@ -115,7 +116,7 @@ fn at(place: Option<(usize, usize)>) -> String {
     place.map_or_else(String::new, |(line, column)| format!(", line {line}, column {column}"))
 }
 
-/// A problem at a range of bytes of the text.
+/// A problem at a range of bytes of the text; [`line_and_column`] makes its line and column.
 pub(super) fn located(
     path: &Path,
     text: &str,
@@ -130,12 +131,4 @@ pub(super) fn located(
         source_code: NamedSource::new(name, text.to_owned()),
         span: range.map(|range| range.into()),
     }))
-}
-
-/// From 1; columns count characters.
-fn line_and_column(text: &str, at: usize) -> (usize, usize) {
-    let before = text.get(..at).unwrap_or(text);
-    let line = 1 + before.matches('\n').count();
-    let column = 1 + before.rsplit('\n').next().unwrap_or_default().chars().count();
-    (line, column)
 }

@@ -10,6 +10,7 @@ use ron::extensions::Extensions;
 use serde::Deserialize;
 
 use super::effect::EffectFile;
+use super::locate::byte_at;
 use super::problem::{SceneError, SceneProblem, located};
 use super::values::{Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Vector};
 
@@ -414,21 +415,14 @@ pub(super) fn effects(files: &[EffectFile]) -> Vec<Effect> {
     files.iter().map(|file| file.0).collect()
 }
 
-/// Reads the text as RON.
+/// Reads the text as RON. Errors of the `ron` crate have line and column; [`located`] reports them.
 pub(super) fn parse(text: &str, path: &Path) -> Result<SceneFile, SceneError> {
     let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
     let options = ron::Options::default().with_default_extension(extensions);
     options.from_str(text).map_err(|error| {
-        let start = offset(text, error.span.start.line, error.span.start.col);
-        let end = offset(text, error.span.end.line, error.span.end.col);
+        let start = byte_at(text, error.span.start.line, error.span.start.col);
+        let end = byte_at(text, error.span.end.line, error.span.end.col);
         let problem = SceneProblem::Syntax(error.code.to_string());
         located(path, text, Some(start..end.max(start)), problem)
     })
-}
-
-/// The byte at a line and column (characters), both from 1.
-fn offset(text: &str, line: usize, column: usize) -> usize {
-    let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
-    let rest = text.get(start..).unwrap_or_default();
-    start + rest.chars().take(column.saturating_sub(1)).map(char::len_utf8).sum::<usize>()
 }

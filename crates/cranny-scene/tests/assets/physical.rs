@@ -1,5 +1,6 @@
-//! Scenes whose outcome is known beforehand: what they end in stands in `tests/scenes` of the workspace, but for
-//! the wheel and the ball of triangles, which `tools/soak` judges by overlap and energy alone.
+//! Scenes whose outcome is known beforehand: what they end in stands in `tests/scenes` of the
+//! workspace, but for the wheel and the ball of triangles, which `tools/soak` judges by overlap and
+//! energy alone.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write as _;

@@ -98,8 +98,8 @@ pub(super) fn lift(side: f64, k: u32) -> String {
     }
 }
 
-/// A point of a face, in its middle, on an edge or at a corner, and a direction with entries −1, 0 and 1 away
-/// from it; `None` where the face's normal is no multiple of one.
+/// A point of a face, in its middle, on an edge or at a corner, and a direction with entries −1, 0
+/// and 1 away from it; `None` where the face's normal is no multiple of one.
 fn spot(trial: &mut Trial<'_>, mesh: &Mesh, pose: &Pose, kind: usize) -> Option<(DVec3, DVec3)> {
     let face = FaceId(trial.rng.below(mesh.faces().len()) as u32);
     let (map, mut corners) = (pose.world_from_body(), mesh.triangle(face));

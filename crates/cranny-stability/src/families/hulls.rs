@@ -21,8 +21,8 @@ pub(super) const FAMILY: Family = Family {
     cases,
 };
 
-/// Thicknesses of plates of size 1: one whose sides are facets of their own, one that is thinner than what is
-/// merged into a facet. Other values make other cases; none decides anything.
+/// Thicknesses of plates of size 1: one whose sides are facets of their own, one that is thinner
+/// than what is merged into a facet. Other values make other cases; none decides anything.
 const PLATE: f64 = 1e-9;
 const LEAF: f64 = 1e-15;
 
@@ -160,7 +160,8 @@ fn judge(trial: &mut Trial<'_>, case: &mut Case, points: &[DVec3]) {
     case.figure = (size > 0.0).then(|| hull.thickness_max() / size);
 }
 
-/// How far outside of a peer's hull a point may lie, in sizes: single precision, after some operations.
+/// How far outside of a peer's hull a point may lie, in sizes: single precision, after some
+/// operations.
 const ALLOWED: f64 = 32.0 * f32::EPSILON as f64;
 
 /// The peer's hull of the points as it stores them; where these are flat, any answer is right.

@@ -52,8 +52,8 @@ fn cases(trial: &mut Trial<'_>) {
     }
 }
 
-/// A step and a turn, in sizes and radians: from what hardly moves a bit to what passes features. Other values
-/// make other walks.
+/// A step and a turn, in sizes and radians: from what hardly moves a bit to what passes features.
+/// Other values make other walks.
 const PACES: [f64; 4] = [1e-12, 1e-6, 1e-3, 1e-2];
 
 /// Where a body goes: it keeps near the origin.

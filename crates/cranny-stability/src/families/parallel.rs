@@ -37,7 +37,8 @@ fn cases(trial: &mut Trial<'_>) {
             let (ground_name, ground) = trial.pick(&grounds).clone();
             let world = trial.frame();
             let turn = trial.tilt(angle);
-            // The lowest corner comes to lie on the ground, a few roundings off, or as far as the angle lifts.
+            // The lowest corner comes to lie on the ground, a few roundings off, or as far as the
+            // angle lifts.
             let lowest = cube.vertices().iter().map(|&p| (turn * p).y).fold(0.0, f64::min);
             let hair = f64::from(trial.rng.between(-4, 4)) * 0.25 * f64::EPSILON;
             let gap = *trial.pick(&[0.0, 0.0, 0.0, -1.0, -0.5, 0.5]) * lowest.abs() - lowest + hair;
@@ -64,7 +65,8 @@ fn cases(trial: &mut Trial<'_>) {
     }
 }
 
-/// The pair at a relative pose, such that the first in the pair's own order, that of digests, is at rest.
+/// The pair at a relative pose, such that the first in the pair's own order, that of digests, is at
+/// rest.
 fn first_at_rest<'a>(a: &'a Model, b: &'a Model, a_from_b: Pose) -> [Placed<'a>; 2] {
     if a.digest() < b.digest() {
         return [Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose: a_from_b }];

@@ -29,8 +29,8 @@ pub(super) const FAMILY: Family = Family {
     cases,
 };
 
-/// Width of a needle of length 2, and how far a plate bulges. Other values make other cases; none decides
-/// anything.
+/// Width of a needle of length 2, and how far a plate bulges. Other values make other cases; none
+/// decides anything.
 const NEEDLE: f64 = 1e-9;
 const PLATE: f64 = 1e-12;
 

@@ -36,8 +36,8 @@ impl Case {
         }
     }
 
-    /// Returns whether the case runs for these parts of names. An empty list selects every case that
-    /// is not on request.
+    /// Returns whether the case runs for these parts of names. An empty list selects every case
+    /// that is not on request.
     pub(super) fn is_wanted(&self, parts: &[String]) -> bool {
         let named = |part: &String| {
             if self.on_request { self.name == *part } else { self.name.contains(&**part) }

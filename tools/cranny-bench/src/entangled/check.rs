@@ -7,8 +7,8 @@ use super::demand::DemandKind;
 use super::ours::Outcome;
 use super::stage::Stage;
 
-/// Largest difference of distances, and gap at which Coal may report a collision: it does so for gaps
-/// below 1e-6. Smaller: such gaps fail. Larger: errors of ours pass.
+/// Largest difference of distances, and gap at which Coal may report a collision: it does so for
+/// gaps below 1e-6. Smaller: such gaps fail. Larger: errors of ours pass.
 const COAL_TOLERANCE: f64 = 4e-6;
 
 /// Returns the number of frames that both answered about.

@@ -30,8 +30,8 @@ pub(super) fn m12_nut(way: Way, degrees: f64, frames: usize) -> Result<Motion, S
     Ok(on_thread(bolt, nut, thread, way, degrees, frames))
 }
 
-/// A pair with expected answers: the second body turns to and fro about its origin, at the pose that
-/// is 1e-4 of the pair's size off contact.
+/// A pair with expected answers: the second body turns to and fro about its origin, at the pose
+/// that is 1e-4 of the pair's size off contact.
 pub(super) fn stroll(pair: &str, degrees: f64, frames: usize) -> Result<Motion, String> {
     let folder = folder()?;
     let path = folder.join(format!("expected/{pair}.json"));

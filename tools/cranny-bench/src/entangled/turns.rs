@@ -34,8 +34,8 @@ const FRAMES_LEAST: usize = 5;
 /// of milliseconds are measured once and are noisy. Larger: nuts take minutes.
 const LONG_TURN: f64 = 8.0;
 
-/// Least time of a frame, where the clock's own cost is more than what was measured. Smaller, as 0: a
-/// ratio is not a number. Larger: a verdict of a parted pair counts as slower than it is.
+/// Least time of a frame, where the clock's own cost is more than what was measured. Smaller, as 0:
+/// a ratio is not a number. Larger: a verdict of a parted pair counts as slower than it is.
 const SECONDS_LEAST: f64 = 1e-9;
 
 /// Frames of a contestant and its best seconds of each.
@@ -57,7 +57,8 @@ impl Times {
         rest.get((rest.len() * 99 / 100).min(rest.len().saturating_sub(1))).copied().unwrap_or(0.0)
     }
 
-    /// Returns the median in multiples of that of a contestant with all frames, over the same frames.
+    /// Returns the median in multiples of that of a contestant with all frames, over the same
+    /// frames.
     pub(super) fn over(&self, whole: &Times) -> f64 {
         let same = self.frames.iter().map(|&frame| whole.seconds[frame]).collect();
         self.median() / median(same)

@@ -1,8 +1,9 @@
 //! Sorting level by level, beside the kept front and beside a descent from the top.
 //!
-//! The proposal's other method: the boxes of each level of both trees that are of interest stay sorted along the
-//! axes from frame to frame, and what passes what tells which overlap. It is measured at what it does, the search for all
-//! pairs of faces that meet; it is no part of the narrow phase.
+//! The proposal's other method: the boxes of each level of both trees that are of interest stay
+//! sorted along the axes from frame to frame, and what passes what decides which overlap. It is
+//! measured at what it does, the search for all pairs of faces that meet; it is no part of the
+//! narrow phase.
 
 mod axis;
 mod descent;
@@ -14,7 +15,7 @@ use cranny_geometry::{FaceId, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
 use self::descent::pairs_of_leaves;
-use self::level::{NodePair, Work};
+use self::level::{LevelWork, NodePair};
 use self::levels::Levels;
 use super::prepared;
 use super::scenes::{Built, golf_balls, nut_on_bolt, tori};
@@ -70,7 +71,7 @@ fn row(name: &str, models: &[Model; 2], poses: &[Pose], quick: bool) -> Vec<Cell
     let mut levels = Levels::of(trees);
     let mut memory = PairMemory::default();
     let sort = |levels: &mut Levels| {
-        let mut all = (0, Work::default());
+        let mut all = (0, LevelWork::default());
         for pose in poses {
             let map = pose.world_from_body();
             let (leaves, work) = levels.update(&map);

@@ -13,7 +13,8 @@ pub(crate) struct Counts {
     pub(crate) meetings: usize,
 }
 
-/// Counts what it takes to find all pairs of faces that meet. `second` are the second mesh's faces, posed.
+/// Counts what it takes to find all pairs of faces that meet. `second` are the second mesh's faces,
+/// posed.
 pub(crate) fn descend(
     trees: [&Tree; 2],
     first: &Mesh,

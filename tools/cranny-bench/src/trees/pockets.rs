@@ -12,7 +12,7 @@ use crate::solid;
 use crate::stopwatch::{Patience, keep, race};
 
 /// A pocket, and what is in it: convex things given by points in its frame.
-struct Case {
+struct PocketCase {
     name: &'static str,
     mesh: Mesh,
     faces: Vec<FaceId>,
@@ -44,7 +44,7 @@ fn patch_boxes(mesh: &Mesh, map: &RigidMap) -> Vec<Vec<DVec3>> {
     patches.patches().iter().map(posed).collect()
 }
 
-fn cases(scenes: &[Scene]) -> Result<Vec<Case>, ShapeError> {
+fn cases(scenes: &[Scene]) -> Result<Vec<PocketCase>, ShapeError> {
     let cup = Cup::default().build()?;
     let top = cup.bounds().max.z;
     let torus = Torus::default();
@@ -58,7 +58,7 @@ fn cases(scenes: &[Scene]) -> Result<Vec<Case>, ShapeError> {
         .collect();
     let nut = IsoNut::default().build()?;
     let cup_faces = inner(&cup, 0.999 * top);
-    let mut cases = vec![Case {
+    let mut cases = vec![PocketCase {
         name: "peg in a torus",
         faces: inner(&hole, f64::NEG_INFINITY),
         mesh: hole,
@@ -83,10 +83,10 @@ fn cases(scenes: &[Scene]) -> Result<Vec<Case>, ShapeError> {
                     ("the ball's patches, on the floor", patch_boxes(&scene.meshes[1], map)),
                 ] {
                     let (mesh, faces) = (cup.clone(), cup_faces.clone());
-                    cases.push(Case { name, mesh, faces, openings: vec![DVec3::Z], things });
+                    cases.push(PocketCase { name, mesh, faces, openings: vec![DVec3::Z], things });
                 }
             }
-            "nut on bolt" => cases.push(Case {
+            "nut on bolt" => cases.push(PocketCase {
                 name: "the bolt's patches in a nut",
                 faces: inner(&nut, f64::NEG_INFINITY),
                 mesh: nut.clone(),
@@ -99,7 +99,7 @@ fn cases(scenes: &[Scene]) -> Result<Vec<Case>, ShapeError> {
     Ok(cases)
 }
 
-fn opened(cases: &[Case]) -> Table {
+fn opened(cases: &[PocketCase]) -> Table {
     let mut rows = Vec::new();
     for case in cases {
         let tree = FaceTree::over(&case.mesh, &case.faces, EnvelopeOptions::DEFAULT_LEAF_FACES);
@@ -148,8 +148,8 @@ fn opened(cases: &[Case]) -> Table {
     Table { title: "envelopes beside a box tree (leaves of 4 in both)", columns, rows }
 }
 
-/// How far below the unit sphere a vertex lies at least that belongs to a dimple. Smaller: rounding makes
-/// dimples of the sphere; larger: their rims are lost.
+/// How far below the unit sphere a vertex lies at least that belongs to a dimple. Smaller: rounding
+/// makes dimples of the sphere; larger: their rims are lost.
 const BELOW_THE_SPHERE: f64 = 1e-9;
 
 /// All dimples of a golf ball.

@@ -167,8 +167,8 @@ impl Tree {
     }
 }
 
-/// What turning into a box's frame and back rounds at most, as a share of the mesh's diagonal, amply.
-/// Smaller, and a box misses its faces by an ulp; larger, and it is wider than need be.
+/// What turning into a box's frame and back rounds at most, as a share of the mesh's diagonal,
+/// amply. Smaller, and a box misses its faces by an ulp; larger, and it is wider than need be.
 const BOX_SLACK: f64 = 1e-12;
 
 fn surface(b: &Aabb) -> f64 {

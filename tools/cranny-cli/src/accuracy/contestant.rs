@@ -1,4 +1,4 @@
-//! A method and what it was asked, or why it could not be.
+//! A method and its questions, or why it could not be run.
 
 use std::time::Duration;
 
@@ -6,26 +6,26 @@ use cranny_exact::DVec3;
 use cranny_rapier::Detector;
 
 use super::Scene;
-use super::figures::Figures;
-use super::method::{Method, Name, Told};
+use super::figures::MethodFigures;
+use super::method::{Method, Name, PoseAnswer};
 use super::ours::Ours;
 use super::peer::Peer;
 use super::series::{Reply, Series};
 use crate::parry::quietly;
 
 /// One of those that are compared.
-pub(super) struct Contestant {
+pub(super) struct MethodContestant {
     name: Name,
     state: Result<Measured, String>,
 }
 
 struct Measured {
     method: Box<dyn Method>,
-    distances: Series<Told>,
+    distances: Series<PoseAnswer>,
     contacts: Series<Vec<DVec3>>,
 }
 
-impl Contestant {
+impl MethodContestant {
     /// Ours: a panic of it is a bug, and ends the command.
     pub(super) fn ours(scene: &Scene, method: Ours, patience: Duration) -> Self {
         Self { name: method.name(), state: Ok(Measured::planned(scene, method, patience)) }
@@ -52,19 +52,19 @@ impl Contestant {
         }
     }
 
-    /// What it told, judged.
-    pub(super) fn figures(&self, scene: &Scene) -> Figures {
+    /// Its answers, judged.
+    pub(super) fn figures(&self, scene: &Scene) -> MethodFigures {
         let name = self.name.clone();
         match &self.state {
-            Err(note) => Figures::none(name, note.clone()),
+            Err(note) => MethodFigures::none(name, note.clone()),
             Ok(Measured { distances, contacts, .. }) => {
-                Figures::judged(&scene.truths, name, &distances.replies, &contacts.replies)
+                MethodFigures::judged(&scene.truths, name, &distances.replies, &contacts.replies)
             }
         }
     }
 
-    /// What it told at each pose.
-    pub(super) fn replies(&self) -> (&Name, &[Reply<Told>]) {
+    /// Its answer at each pose.
+    pub(super) fn replies(&self) -> (&Name, &[Reply<PoseAnswer>]) {
         (&self.name, self.state.as_ref().map_or(&[], |measured| &measured.distances.replies))
     }
 }

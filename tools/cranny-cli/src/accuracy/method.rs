@@ -1,4 +1,4 @@
-//! What is asked about pairs, and what it tells.
+//! A method that answers about pairs, and its answers.
 
 use cranny_exact::{DVec3, Interval};
 use cranny_geometry::Model;
@@ -7,11 +7,11 @@ use serde::Serialize;
 use crate::csv::cell;
 use crate::pose_file::PosePair;
 
-/// Something that is asked about pairs.
+/// Something that answers about pairs.
 pub(super) trait Method {
     fn name(&self) -> Name;
 
-    /// Whether it is told when a motion begins only, and keeps what it likes from then on.
+    /// Whether it is notified when a motion begins only, and keeps what it likes from then on.
     fn is_warm(&self) -> bool {
         false
     }
@@ -20,15 +20,15 @@ pub(super) trait Method {
     fn begin(&mut self, _models: [&Model; 2]) {}
 
     /// Whether the bodies meet, and how far they are apart.
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told;
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer;
 
-    /// Where it tells that bodies are in contact.
+    /// Where it reports that bodies are in contact.
     fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3>;
 }
 
-/// What a method told at one pose.
+/// What a method answered at one pose.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Told {
+pub(super) struct PoseAnswer {
     /// Whether the bodies share a point; `None`: it does not say.
     pub(super) meets: Option<bool>,
     /// Its distance, or the upper end of where that lies.
@@ -39,7 +39,7 @@ pub(super) struct Told {
     pub(super) tests: Option<u64>,
 }
 
-/// What is asked, how much it may spend, and what it remembers: the first columns of every table.
+/// The method, how much it may spend, and what it remembers: the first columns of every table.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Name {
     pub(super) method: &'static str,

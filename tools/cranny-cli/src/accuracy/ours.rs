@@ -9,7 +9,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Demand, Placed, Query};
 
-use super::method::{Method, Name, Told};
+use super::method::{Method, Name, PoseAnswer};
 use crate::pose_file::PosePair;
 
 /// How long one estimate may take.
@@ -70,7 +70,7 @@ impl Ours {
             },
         };
         let effort = Effort { accuracy: self.accuracy, budget };
-        // Poses were found good when the truth was asked.
+        // Poses were found good when the truth was computed.
         estimate(a, b, &Query::of(demand), &effort, &mut self.memory).ok()
     }
 }
@@ -111,10 +111,10 @@ impl Method for Ours {
         self.memory = prepared.clone();
     }
 
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told {
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer {
         let found = self.estimate(models, poses, Demand::Distance { below: None });
-        let Some(found) = found else { return Told::default() };
-        Told {
+        let Some(found) = found else { return PoseAnswer::default() };
+        PoseAnswer {
             meets: match found.verdict {
                 Verdict::Certain => Some(true),
                 Verdict::Excluded => Some(false),

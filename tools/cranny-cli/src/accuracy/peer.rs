@@ -10,13 +10,14 @@ use parry3d::query::{
 };
 use parry3d::shape::SharedShape;
 
-use super::method::{Method, Name, Told};
+use super::method::{Method, Name, PoseAnswer};
 use super::smaller_size;
 use crate::parry::{double, single};
 use crate::pose_file::PosePair;
 
-/// What manifolds are asked to foresee, as a share of the smaller body's size: next to nothing, as our regions do.
-/// Smaller: single precision loses surfaces that touch; larger: gaps count as contacts.
+/// How far manifolds foresee, as a share of the smaller body's size: next to nothing, as
+/// our regions do. Smaller: single precision loses surfaces that touch; larger: gaps count as
+/// contacts.
 const PREDICTION: f64 = 1e-4;
 
 /// A kind of shape of parry's.
@@ -26,7 +27,7 @@ pub(super) struct Peer {
 }
 
 impl Peer {
-    /// Those that are asked.
+    /// Those that are queried.
     pub(super) const KINDS: [Detector; 2] =
         [Detector::RapierTrimesh, Detector::RapierDecomposition];
 
@@ -56,28 +57,30 @@ impl Method for Peer {
         Self::name_of(self.kind)
     }
 
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> Told {
+    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer {
         let reach = 2.0 * (models[0].radius() + models[1].radius())
             + poses[0].translation.distance(poses[1].translation);
         let [p, q] = poses.map(single);
         let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
-        // One call tells verdict, distance and points.
+        // One call returns verdict, distance and points.
         match closest_points(&p, a, &q, b, reach as f32) {
             Ok(ClosestPoints::Intersecting) => {
-                Told { meets: Some(true), distance: Some(0.0), ..Told::default() }
+                PoseAnswer { meets: Some(true), distance: Some(0.0), ..PoseAnswer::default() }
             }
             Ok(ClosestPoints::WithinMargin(v, w)) => {
                 let witnesses = [double(v), double(w)];
                 let distance = witnesses[0].distance(witnesses[1]);
-                Told {
+                PoseAnswer {
                     meets: Some(distance == 0.0),
                     distance: Some(distance),
                     witnesses: Some(witnesses),
-                    ..Told::default()
+                    ..PoseAnswer::default()
                 }
             }
-            Ok(ClosestPoints::Disjoint) => Told { meets: Some(false), ..Told::default() },
-            Err(_) => Told::default(),
+            Ok(ClosestPoints::Disjoint) => {
+                PoseAnswer { meets: Some(false), ..PoseAnswer::default() }
+            }
+            Err(_) => PoseAnswer::default(),
         }
     }
 
@@ -87,7 +90,7 @@ impl Method for Peer {
         let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
         let relative = p.inv_mul(&q);
         let prediction = PREDICTION * smaller_size(models);
-        let told = DefaultQueryDispatcher.contact_manifolds(
+        let found = DefaultQueryDispatcher.contact_manifolds(
             &relative,
             a,
             b,
@@ -95,7 +98,7 @@ impl Method for Peer {
             &mut manifolds,
             &mut None,
         );
-        if told.is_err() {
+        if found.is_err() {
             return Vec::new();
         }
         let at = |pose: &NarrowPose, part: Option<&NarrowPose>, point: Vector| {

@@ -1,7 +1,7 @@
-//! What each method told at each pose: a table for programs.
+//! Each method's answer at each pose: a table for programs.
 
 use super::figures::witness_error;
-use super::method::{Name, Told};
+use super::method::{Name, PoseAnswer};
 use super::series::Reply;
 use super::truth::Truth;
 use crate::csv::cell;
@@ -17,8 +17,8 @@ impl PoseTable {
         Self(format!("{},{COLUMNS}\n", Name::COLUMNS))
     }
 
-    /// Adds a line for each pose that a method was asked at.
-    pub(super) fn add(&mut self, name: &Name, replies: &[Reply<Told>], truths: &[Truth]) {
+    /// Adds a line for each pose that a method answered at.
+    pub(super) fn add(&mut self, name: &Name, replies: &[Reply<PoseAnswer>], truths: &[Truth]) {
         let name = name.csv();
         for reply in replies {
             self.0 += &format!("{name},{}\n", row(reply, &truths[reply.pose]));
@@ -30,19 +30,19 @@ impl PoseTable {
     }
 }
 
-fn row(reply: &Reply<Told>, truth: &Truth) -> String {
-    let told = &reply.told;
+fn row(reply: &Reply<PoseAnswer>, truth: &Truth) -> String {
+    let found = &reply.found;
     [
         reply.pose.to_string(),
         reply.micros().to_string(),
-        cell(told.tests),
-        word(told.meets).to_owned(),
+        cell(found.tests),
+        word(found.meets).to_owned(),
         word(Some(truth.meets)).to_owned(),
-        cell(told.held.map(|held| held.lo)),
-        cell(told.held.map(|held| held.hi)),
-        cell(told.distance),
+        cell(found.held.map(|held| held.lo)),
+        cell(found.held.map(|held| held.hi)),
+        cell(found.distance),
         truth.distance.to_string(),
-        cell(witness_error(truth, told)),
+        cell(witness_error(truth, found)),
     ]
     .join(",")
 }

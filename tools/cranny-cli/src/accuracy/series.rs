@@ -1,4 +1,4 @@
-//! A method asked one question at many poses, several times.
+//! One question to a method at many poses, several times.
 
 use std::time::{Duration, Instant};
 
@@ -12,12 +12,12 @@ const TRIALS: usize = 5;
 /// Puts a question to a method, at the pose of an index.
 pub(super) type Ask<T> = fn(&mut dyn Method, &Scene, usize) -> T;
 
-/// What was told at a pose, in the shortest time of all runs.
+/// The answer at a pose, in the shortest time of all runs.
 #[derive(Clone, Debug)]
 pub(super) struct Reply<T> {
     pub(super) pose: usize,
     pub(super) time: Duration,
-    pub(super) told: T,
+    pub(super) found: T,
 }
 
 impl<T> Reply<T> {
@@ -50,7 +50,7 @@ impl<T> Series<T> {
         Self { ask, visits, replies: Vec::new() }
     }
 
-    /// Asks at all poses; of what was told before, only that stays which took no longer.
+    /// Queries all poses; of the answers before, only that stays which took no longer.
     pub(super) fn run(&mut self, scene: &Scene, method: &mut dyn Method) {
         let mut index = 0;
         for (i, visit) in self.visits.iter().enumerate() {
@@ -58,12 +58,12 @@ impl<T> Series<T> {
                 method.begin(scene.models);
             }
             let start = Instant::now();
-            let told = (self.ask)(method, scene, visit.pose);
+            let found = (self.ask)(method, scene, visit.pose);
             let time = start.elapsed();
             if !visit.counts {
                 continue;
             }
-            let reply = Reply { pose: visit.pose, time, told };
+            let reply = Reply { pose: visit.pose, time, found };
             match self.replies.get_mut(index) {
                 Some(best) if best.time <= time => {}
                 Some(best) => *best = reply,
@@ -82,7 +82,7 @@ fn each<T>(
     candidates: &[usize],
     patience: Duration,
 ) -> Duration {
-    let (mut spent, mut asked) = (Duration::ZERO, 0);
+    let (mut spent, mut wanted) = (Duration::ZERO, 0);
     for pose in centers(candidates.len(), TRIALS).filter_map(|i| candidates.get(i).copied()) {
         method.begin(scene.models);
         if method.is_warm() && pose > 0 {
@@ -91,10 +91,10 @@ fn each<T>(
         let start = Instant::now();
         ask(method, scene, pose);
         spent += start.elapsed();
-        asked += 1;
+        wanted += 1;
         if spent > patience {
             break;
         }
     }
-    spent / asked.max(1)
+    spent / wanted.max(1)
 }

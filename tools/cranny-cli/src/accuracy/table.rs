@@ -1,6 +1,6 @@
 //! The figures as tables: one for programs, one for people.
 
-use super::figures::Figures;
+use super::figures::MethodFigures;
 use super::method::Name;
 use crate::csv::{cell, quoted, table};
 
@@ -10,11 +10,11 @@ contact_poses,contact_median_us,contact_p99_us,contacts_mean,contacts_missed,con
 contact_error_max,note";
 
 /// All rows, below a line of names. Numbers are written so that they read back to the bit.
-pub(super) fn csv(all: &[Figures]) -> String {
-    table(&format!("{},{COLUMNS}", Name::COLUMNS), all.iter().map(Figures::csv))
+pub(super) fn csv(all: &[MethodFigures]) -> String {
+    table(&format!("{},{COLUMNS}", Name::COLUMNS), all.iter().map(MethodFigures::csv))
 }
 
-impl Figures {
+impl MethodFigures {
     fn csv(&self) -> String {
         [
             self.name.csv(),
@@ -73,7 +73,7 @@ impl Figures {
     }
 }
 
-/// What the columns of [`Figures::text`] mean.
+/// What the columns of [`MethodFigures::text`] mean.
 pub(super) fn heading() -> String {
     line([
         "level, budget",

@@ -27,7 +27,7 @@ pub(super) struct Truth {
 ///
 /// # Errors
 ///
-/// A pose that cannot be asked about, in words.
+/// A pose that cannot be queried, in words.
 pub(super) fn truths([a, b]: [&Model; 2], poses: &[PosePair]) -> Result<Vec<Truth>, String> {
     let mut memory = PairMemory::default();
     let question = Query::of(Demand::Regions { margin: 0.0 });

@@ -1,20 +1,22 @@
-//! Which poses a method is asked at: all of interest, or as many as there is time for.
+//! Which poses a method answers at: all of interest, or as many as there is time for.
 //!
-//! One that keeps no memory is asked at poses that are evenly spread. One that does must see the motion as it is:
-//! it is asked at stretches of consecutive poses, evenly spread, and led into each by the poses before.
+//! One that keeps no memory is queried at poses that are evenly spread. One that does must see the
+//! motion as it is: it is queried at stretches of consecutive poses, evenly spread, and led into
+//! each by the poses before.
 
-/// Poses of a stretch that are told of. Fewer: more of the time goes into leading in; more: fewer places of the motion
-/// are seen.
+/// Poses of a stretch that are reported. Fewer: more of the time goes into leading in; more: fewer
+/// places of the motion are seen.
 const STRETCH: usize = 8;
 
-/// Poses that lead into a stretch: one to which memory has come from afar, one to which it has followed.
+/// Poses that lead into a stretch: one to which memory has come from afar, one to which it has
+/// followed.
 const LEAD: usize = 2;
 
-/// A pose that a method is asked at.
+/// A pose that a method answers at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Visit {
     pub(super) pose: usize,
-    /// Whether it is told of, or leads to one that is.
+    /// Whether it is reported, or leads to one that is.
     pub(super) counts: bool,
 }
 
@@ -87,7 +89,7 @@ mod tests {
         let visits = visits(&all, true, 30);
         assert!(visits.len() <= 30, "{visits:?}");
         assert_eq!((poses(&visits, true).len(), poses(&visits, false).len()), (24, 6));
-        // Each pose told of was come to from the one before.
+        // Each pose reported was come to from the one before.
         for pair in visits.windows(2).filter(|pair| pair[1].counts) {
             assert_eq!(pair[1].pose, pair[0].pose + 1, "{visits:?}");
         }

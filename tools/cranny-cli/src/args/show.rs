@@ -32,8 +32,8 @@ pub(crate) enum Up {
 }
 
 impl Up {
-    /// glTF says that y points up (2.0, section 3.4); no other format here says anything that its reader
-    /// has not already applied.
+    /// glTF says that y points up (2.0, section 3.4); no other format here says anything that its
+    /// reader has not already applied.
     pub(crate) fn of_format(format: &str) -> Self {
         if format == MeshFormat::Gltf.name() { Self::Y } else { Self::Z }
     }
@@ -48,7 +48,7 @@ impl Up {
     }
 
     /// Its name, where it is not the rule.
-    pub(crate) fn told(self) -> Option<&'static str> {
+    pub(crate) fn name_unless_usual(self) -> Option<&'static str> {
         match self {
             Self::X => Some("x"),
             Self::Y => Some("y"),

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::figures::{Figures, StepTimes};
+use super::figures::{RunFigures, StepTimes};
 use crate::chart::{
     Area, BLUE, CAPTION, Failed, GREEN, GREY, LABEL, ORANGE, PURPLE, SKY, VERMILION, YELLOW,
     legend, svg,
@@ -11,7 +11,8 @@ use crate::failure::Failure;
 
 const SIZE: (u32, u32) = (1180, 540);
 
-/// Steps that take no time that a clock sees are drawn here: there is no zero on a logarithmic axis.
+/// Steps that take no time that a clock sees are drawn here: there is no zero on a logarithmic
+/// axis.
 const FLOOR_MS: f64 = 1e-3;
 
 /// Points a line at most; each is the median of the steps that it stands for.
@@ -30,11 +31,11 @@ const NAMES: u32 = 270;
 /// # Errors
 ///
 /// What the drawing library says.
-pub(super) fn drawn(scene: &str, rows: &[Figures]) -> Result<String, Failure> {
+pub(super) fn drawn(scene: &str, rows: &[RunFigures]) -> Result<String, Failure> {
     svg(SIZE, |area| draw(area, scene, rows))
 }
 
-fn draw(area: &Area<'_>, scene: &str, rows: &[Figures]) -> Result<(), Failed> {
+fn draw(area: &Area<'_>, scene: &str, rows: &[RunFigures]) -> Result<(), Failed> {
     let lines: Vec<Vec<(f64, f64)>> = rows.iter().map(|row| thinned(&row.times)).collect();
     let values = || lines.iter().flatten().map(|point| point.1);
     let (least, most) = (values().fold(f64::MAX, f64::min), values().fold(FLOOR_MS, f64::max));
@@ -63,7 +64,7 @@ fn draw(area: &Area<'_>, scene: &str, rows: &[Figures]) -> Result<(), Failed> {
         chart.draw_series(LineSeries::new(line, color.stroke_width(2)))?;
     }
     let corner = ((SIZE.0 - NAMES + 10) as i32, 70);
-    legend(area, corner, rows.iter().map(Figures::name).zip(colors()))
+    legend(area, corner, rows.iter().map(RunFigures::name).zip(colors()))
 }
 
 /// Steps and their milliseconds, neighbours taken together where there are many.

@@ -8,10 +8,10 @@ use cranny_ecs::{
 use cranny_rapier::{Detector, ShapeError, SimulationError, SimulationOptions};
 use cranny_world::description::SceneDescription;
 
-use super::figures::{Figures, Setting, StepTimes};
+use super::figures::{RunFigures, Setting, StepTimes};
 
 /// The scene under one detector.
-pub(super) struct Contestant {
+pub(super) struct DetectorRun {
     detector: Detector,
     recycling: bool,
     substeps: usize,
@@ -27,8 +27,8 @@ enum State {
     Failed(String),
 }
 
-impl Contestant {
-    /// Prepares the scene. A peer may refuse a mesh; that is told in its row.
+impl DetectorRun {
+    /// Prepares the scene. A peer may refuse a mesh; its row says so.
     ///
     /// # Errors
     ///
@@ -111,7 +111,7 @@ impl Contestant {
     /// # Errors
     ///
     /// Where our own run cannot be ended.
-    pub(super) fn finish(self) -> Result<Figures, SceneAppError> {
+    pub(super) fn finish(self) -> Result<RunFigures, SceneAppError> {
         let (summary, failure): (Option<RunSummary>, _) = match self.state {
             State::Failed(why) => (None, Some(why)),
             State::Running(app) => (Some(app.finish()?), None),
@@ -122,7 +122,7 @@ impl Contestant {
             substeps: self.substeps,
             prepared_s: self.prepared_s,
         };
-        Ok(Figures::new(setting, self.steps, summary, failure))
+        Ok(RunFigures::new(setting, self.steps, summary, failure))
     }
 }
 
@@ -130,8 +130,9 @@ fn times(app: &SceneApp) -> PhaseTimes {
     app.app().world().get_resource::<PhaseTimes>().copied().unwrap_or_default()
 }
 
-/// What a peer may fail at: a mesh that rapier refuses, a step in which it panics or loses bodies. That is
-/// told as a reason, so that the others go on. Ours has no such grace, nor has whatever else goes wrong.
+/// What a peer may fail at: a mesh that rapier refuses, a step in which it panics or loses bodies.
+/// Its row gives the reason, so that the others go on. Ours has no such grace, nor has whatever
+/// else goes wrong.
 fn excused<T>(
     detector: Detector,
     outcome: Result<T, SceneAppError>,

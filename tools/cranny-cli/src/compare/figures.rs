@@ -1,4 +1,4 @@
-//! What is told of a contestant, as a row of text, of CSV and of JSON.
+//! What is reported of a contestant, as a row of text, of CSV and of JSON.
 
 use std::fmt::Write;
 
@@ -38,22 +38,23 @@ pub(super) struct Setting {
 
 /// A row.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Figures {
+pub(super) struct RunFigures {
     #[serde(flatten)]
     pub(super) setting: Setting,
     pub(super) steps: usize,
     pub(super) dt: Option<f64>,
-    /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a step.
+    /// Broad phase, narrow phase and solver, without what is computed to judge by; `None` without a
+    /// step.
     pub(super) step_ms: Option<Spread>,
     /// Means.
     pub(super) broad_ms: Option<f64>,
     pub(super) narrow_ms: Option<f64>,
     pub(super) solver_ms: Option<f64>,
     pub(super) contacts: Option<CountSummary>,
-    /// Of the pairs that our detector was asked about, the part whose contacts were carried on.
+    /// Of the pairs that our detector answered about, the part whose contacts were carried on.
     pub(super) carried_share: Option<f64>,
     pub(super) deepest: Option<DeepestSummary>,
-    /// Bodies wholly within others, whose depth nothing tells.
+    /// Bodies wholly within others, whose depth nothing gives.
     pub(super) contained: Option<ContainedSummary>,
     pub(super) energy: Option<EnergySummary>,
     /// The greatest gain of energy over the start, relative to its scale.
@@ -78,7 +79,8 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    /// Quantiles are values that occur: the least that so many of a hundred do not exceed. `None` of nothing.
+    /// Quantiles are values that occur: the least that so many of a hundred do not exceed. `None`
+    /// of nothing.
     fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
         let quantile = |percent: usize| {
@@ -103,7 +105,7 @@ fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-impl Figures {
+impl RunFigures {
     pub(super) fn new(
         setting: Setting,
         times: Vec<StepTimes>,
@@ -166,32 +168,32 @@ impl Figures {
 
     /// The texts of its columns; empty where nothing is known.
     fn cells(&self) -> Vec<String> {
-        // 0 is added so that nothing lost is not told as -0.
+        // 0 is added so that nothing lost is not printed as -0.
         let end = self.energy.as_ref().map(|energy| -100.0 * energy.loss + 0.0);
         let gained = self.energy_drift.map(|drift| 100.0 * drift);
         let (spread, helix) = (self.step_ms, self.helices.first());
-        let told = |value: Option<f64>, digits: usize| {
+        let reported = |value: Option<f64>, digits: usize| {
             value.map_or(String::new(), |value| format!("{value:.digits$}"))
         };
         vec![
             self.name(),
-            told(Some(self.setting.prepared_s), 2),
+            reported(Some(self.setting.prepared_s), 2),
             self.steps.to_string(),
             self.setting.substeps.to_string(),
-            told(spread.map(|s| s.mean), 3),
-            told(spread.map(|s| s.median), 3),
-            told(spread.map(|s| s.p99), 3),
-            told(self.narrow_ms, 3),
-            told(self.solver_ms, 3),
-            told(self.contacts.map(|c| c.mean), 0),
-            told(self.carried_share.map(|share| 100.0 * share), 0),
-            told(self.deepest.as_ref().map(|d| d.depth), 5),
+            reported(spread.map(|s| s.mean), 3),
+            reported(spread.map(|s| s.median), 3),
+            reported(spread.map(|s| s.p99), 3),
+            reported(self.narrow_ms, 3),
+            reported(self.solver_ms, 3),
+            reported(self.contacts.map(|c| c.mean), 0),
+            reported(self.carried_share.map(|share| 100.0 * share), 0),
+            reported(self.deepest.as_ref().map(|d| d.depth), 5),
             self.contained.as_ref().map_or(String::new(), |c| c.steps.to_string()),
-            told(gained, 2),
-            told(end, 2),
+            reported(gained, 2),
+            reported(end, 2),
             self.links_kept().unwrap_or_default(),
-            told(helix.map(|h| h.turns), 3),
-            told(helix.map(|h| h.deviation_max), 4),
+            reported(helix.map(|h| h.turns), 3),
+            reported(helix.map(|h| h.deviation_max), 4),
         ]
     }
 }
@@ -219,8 +221,8 @@ const HEADINGS: [[&str; 2]; 18] = [
 ];
 
 /// The table for people. Columns of which nobody knows anything are left out.
-pub(super) fn text(rows: &[Figures]) -> String {
-    let cells: Vec<Vec<String>> = rows.iter().map(Figures::cells).collect();
+pub(super) fn text(rows: &[RunFigures]) -> String {
+    let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
     let shown: Vec<usize> = (0..HEADINGS.len())
         .filter(|&column| cells.iter().any(|row| !row[column].is_empty()))
         .collect();
@@ -247,7 +249,7 @@ pub(super) fn text(rows: &[Figures]) -> String {
 }
 
 /// What does not fit into a table.
-fn notes(rows: &[Figures]) -> Vec<String> {
+fn notes(rows: &[RunFigures]) -> Vec<String> {
     let mut notes = Vec::new();
     for row in rows {
         let name = row.name();
@@ -280,7 +282,7 @@ fn notes(rows: &[Figures]) -> Vec<String> {
 }
 
 /// All rows, a line each.
-pub(super) fn csv(rows: &[Figures]) -> String {
+pub(super) fn csv(rows: &[RunFigures]) -> String {
     let mut text = String::from(
         "detector,recycling,substeps,prepared_s,dt,steps,step_ms_mean,step_ms_median,step_ms_p99,\
          step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,carried_share,deepest,contained_steps,\
@@ -324,7 +326,7 @@ pub(super) fn csv(rows: &[Figures]) -> String {
 }
 
 /// Every step of every row.
-pub(super) fn steps_csv(rows: &[Figures]) -> String {
+pub(super) fn steps_csv(rows: &[RunFigures]) -> String {
     let mut text = String::from("detector,recycling,step,broad_ms,narrow_ms,solver_ms\n");
     for row in rows {
         let Setting { detector, recycling, .. } = row.setting;
@@ -341,11 +343,11 @@ mod tests {
     use super::*;
     use cranny_rapier::Detector;
 
-    fn row(detector: Detector, recycling: bool, ms: &[f64]) -> Figures {
+    fn row(detector: Detector, recycling: bool, ms: &[f64]) -> RunFigures {
         let times = ms.iter().map(|&narrow| StepTimes { narrow, ..StepTimes::default() });
         let detector = detector.name();
         let setting = Setting { detector, recycling, substeps: 4, prepared_s: 0.5 };
-        Figures::new(setting, times.collect(), None, None)
+        RunFigures::new(setting, times.collect(), None, None)
     }
 
     #[test]
@@ -366,13 +368,13 @@ mod tests {
             row(Detector::RapierTrimesh, false, &[]),
         ];
         rows[1].failure = Some("before its first step: \"no\"".to_owned());
-        let told = text(&rows);
-        let lines: Vec<&str> = told.lines().collect();
-        assert!(lines[1].starts_with("detector") && !told.contains("links"), "{told}");
-        assert!(lines[2].starts_with("cranny  ") && lines[2].contains("2.000"), "{told}");
-        assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{told}");
-        assert!(!lines[3].contains("0.000"), "{told}");
-        assert!(lines[4].contains("did not finish, before its first step"), "{told}");
+        let reported = text(&rows);
+        let lines: Vec<&str> = reported.lines().collect();
+        assert!(lines[1].starts_with("detector") && !reported.contains("links"), "{reported}");
+        assert!(lines[2].starts_with("cranny  ") && lines[2].contains("2.000"), "{reported}");
+        assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{reported}");
+        assert!(!lines[3].contains("0.000"), "{reported}");
+        assert!(lines[4].contains("did not finish, before its first step"), "{reported}");
         let csv = csv(&rows);
         let failed = csv.lines().nth(2).unwrap();
         assert!(failed.ends_with(",false,\"before its first step: \"\"no\"\"\""), "{failed}");
@@ -387,8 +389,8 @@ mod tests {
         let parted = |a: &str, step| PartedSummary { a: a.to_owned(), b: "ring".to_owned(), step };
         rows[0].links =
             Some(LinkSummary { at_start: 3, parted: vec![parted("late", 9), parted("early", 2)] });
-        let told = text(&rows);
-        assert!(told.contains("1 of 3"), "{told}");
-        assert!(told.contains("early and ring parted first, after 2 steps"), "{told}");
+        let reported = text(&rows);
+        assert!(reported.contains("1 of 3"), "{reported}");
+        assert!(reported.contains("early and ring parted first, after 2 steps"), "{reported}");
     }
 }

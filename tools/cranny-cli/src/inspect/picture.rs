@@ -1,4 +1,5 @@
-//! The picture of `cranny inspect --render`: the body in colours, and what is asked to be shown with it.
+//! The picture of `cranny inspect --render`: the body in colours, and what `--show` names
+//! with it.
 
 mod canvas;
 mod classes;
@@ -43,20 +44,21 @@ pub(super) enum Trouble {
 
 /// Refuses a level or a depth at which nothing is, naming the last at which something is.
 pub(super) fn check(concavities: &Concavities, show: Show) -> Result<(), String> {
-    let (asked, last, what) = match show {
+    let (wanted, last, what) = match show {
         Show::Boxes(level) => (level, classes::last_level(concavities), "boxes"),
         Show::Envelope(depth) => (depth, envelope::last_depth(concavities), "envelope"),
         Show::Classes | Show::Patches | Show::Findings => return Ok(()),
     };
-    match asked <= last {
+    match wanted <= last {
         true => Ok(()),
         false => {
-            Err(format!("nothing lies deeper than {what}:{last}, and {what}:{asked} was asked for"))
+            Err(format!("nothing lies deeper than {what}:{last}, and {what}:{wanted} is wanted"))
         }
     }
 }
 
-/// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours mean.
+/// Draws a model and writes the picture as PNG: whole, or not at all. Returns what its colours
+/// mean.
 pub(super) fn draw(
     model: &Model,
     concavities: &Concavities,

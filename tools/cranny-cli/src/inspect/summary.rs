@@ -31,7 +31,8 @@ pub(super) struct Summary {
     pub(super) volume: Option<f64>,
     pub(super) area: f64,
     pub(super) weld_distance: f64,
-    /// What counted as rounding when flat things were told, as a share of the largest coordinate.
+    /// What counted as rounding when flat things were recognized, as a share of the largest
+    /// coordinate.
     pub(super) flatness: f64,
     /// The prepared surface is the filed one within this distance.
     pub(super) deviation: Option<f64>,
@@ -149,7 +150,7 @@ pub(super) struct TimesLine {
     pub(super) envelopes: f64,
 }
 
-/// Something that was asked for and could not be done.
+/// Something that was wanted and could not be done.
 #[derive(Debug, Serialize)]
 pub(super) struct Skipped {
     pub(super) what: String,

@@ -91,13 +91,14 @@ fn as_filed(count: usize, filed: Option<usize>) -> String {
     }
 }
 
-/// That repairs moved the surface by more than counts as flat, so that what they left of planes is told as concavities.
+/// That repairs moved the surface by more than counts as flat, so that what they left of planes is
+/// reported as concavities.
 fn dents(summary: &Summary) -> Option<String> {
     let moved = summary.deviation?;
     let largest = summary.bounds.iter().flatten().fold(0.0, |most, x| x.abs().max(most));
     (moved > summary.flatness * largest).then(|| {
         format!(
-            "that is more than counts as flat: dents so deep are told as concavities; --flat {:.0e} takes them for rounding",
+            "that is more than counts as flat: dents so deep are reported as concavities; --flat {:.0e} takes them for rounding",
             // Either side of a plane.
             2.0 * moved / largest
         )

@@ -80,7 +80,8 @@ pub(super) fn load_with_report(
     Ok(LoadedModel { model, report, format, notes, times })
 }
 
-/// Writes a model under a partial name, which is its own when all is there; returns the number of bytes.
+/// Writes a model under a partial name, which is its own when all is there; returns the number of
+/// bytes.
 ///
 /// # Errors
 ///

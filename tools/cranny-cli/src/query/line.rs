@@ -9,14 +9,14 @@ use crate::args::DemandArg;
 
 /// What decides which fields are filled.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown {
-    /// What was asked.
+pub(super) struct ShownFields {
+    /// The question.
     pub(super) demand: DemandArg,
     /// Whether A and B are closed.
     pub(super) closed: [bool; 2],
 }
 
-/// An answer as it is printed, in world coordinates. What was not asked for is `None`.
+/// An answer as it is printed, in world coordinates. What was not demanded is `None`.
 #[derive(Debug, Serialize)]
 pub(super) struct Line {
     pose: usize,
@@ -66,14 +66,14 @@ struct PlaceLine {
 
 impl Line {
     /// The line of what was found.
-    pub(super) fn new(pose: usize, found: &Estimate, micros: f64, shown: Shown) -> Self {
+    pub(super) fn new(pose: usize, found: &Estimate, micros: f64, shown: ShownFields) -> Self {
         let asks = |least: DemandArg| shown.demand as u8 >= least as u8;
         let witness = |i: usize| {
             let of = |witnesses: &[Witness; 2]| witnesses[i].point.to_array();
             found.witnesses.as_ref().filter(|_| asks(DemandArg::Distance)).map(of)
         };
         let answer = found.answer.as_ref();
-        let asked = |least: DemandArg| answer.filter(|_| asks(least));
+        let wanted = |least: DemandArg| answer.filter(|_| asks(least));
         let counters = &found.counters;
         Self {
             pose,
@@ -90,10 +90,10 @@ impl Line {
                 .then_some([found.separation.lo, found.separation.hi]),
             witness_a: witness(0),
             witness_b: witness(1),
-            triangle_pairs: asked(DemandArg::Regions).map(|answer| answer.triangle_pairs),
-            contacts: asked(DemandArg::Contacts)
+            triangle_pairs: wanted(DemandArg::Regions).map(|answer| answer.triangle_pairs),
+            contacts: wanted(DemandArg::Contacts)
                 .map(|answer| answer.contacts.iter().map(ContactLine::new).collect()),
-            regions: asked(DemandArg::Regions)
+            regions: wanted(DemandArg::Regions)
                 .map(|answer| answer.regions.iter().map(RegionLine::new).collect()),
             places: (asks(DemandArg::Contacts) && answer.is_none())
                 .then(|| found.places.iter().map(PlaceLine::new).collect()),

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::Told;
+use super::FamilyOutcome;
 use super::rows::Row;
 use crate::chart::{Area, BLUE, CAPTION, Failed, GREEN, LABEL, VERMILION, svg};
 use crate::failure::Failure;
@@ -25,11 +25,11 @@ const CEILING: f64 = 10.0;
 /// # Errors
 ///
 /// What the drawing library says.
-pub(super) fn drawn(outcomes: &[Told]) -> Result<String, Failure> {
+pub(super) fn drawn(outcomes: &[FamilyOutcome]) -> Result<String, Failure> {
     svg((WIDTH, FRAME + ROW * outcomes.len() as u32), |area| draw(area, outcomes))
 }
 
-fn draw(area: &Area<'_>, outcomes: &[Told]) -> Result<(), Failed> {
+fn draw(area: &Area<'_>, outcomes: &[FamilyOutcome]) -> Result<(), Failed> {
     let count = outcomes.len() as f64;
     let mut chart = ChartBuilder::on(area)
         .margin(16)

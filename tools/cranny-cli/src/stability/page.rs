@@ -1,9 +1,9 @@
-//! The page: what was asked, what came out, pass or fail; for whoever has not read anything else.
+//! The page: the questions, the answers, pass or fail; for whoever has not read anything else.
 
 use cranny_stability::{Outcome, Settings};
 
 use super::rows::{Row, number};
-use super::{Told, summary};
+use super::{FamilyOutcome, summary};
 
 /// So many cases are written out where there are more.
 const EXAMPLES: usize = 10;
@@ -12,7 +12,7 @@ const EXAMPLES: usize = 10;
 const PEER_EXAMPLES: usize = 3;
 
 /// The page in Markdown, beside `stability.svg`.
-pub(super) fn page(outcomes: &[Told], settings: &Settings) -> String {
+pub(super) fn page(outcomes: &[FamilyOutcome], settings: &Settings) -> String {
     let mut text = "# Do hard cases come out right?\n\n".to_owned();
     text += &format!(
         "{}. Seed {}, variants {}.\n\n",

@@ -1,4 +1,4 @@
-//! parry's triangle meshes and convex polyhedra, asked the same in single precision.
+//! parry's triangle meshes and convex polyhedra, given the same in single precision.
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{Model, ModelTag};
@@ -14,7 +14,7 @@ use crate::parry::{double, quietly, single};
 /// Shapes of so many models are kept.
 const KEPT: usize = 16;
 
-/// parry, and the shapes of the models that it was asked about last.
+/// parry, and the shapes of the models of its last query.
 #[derive(Default)]
 pub(super) struct Parry {
     shapes: Vec<(ModelTag, SharedShape)>,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use cranny_stability::{Case, Family, Outcome};
 use serde::Serialize;
 
-use super::Told;
+use super::FamilyOutcome;
 use crate::csv::{cell, quoted};
 
 /// What came out of a family.
@@ -125,7 +125,7 @@ fn figure(value: Option<f64>) -> String {
 }
 
 /// All families, below a line of names. Figures are written so that they read back to the bit.
-pub(super) fn csv(outcomes: &[Told]) -> String {
+pub(super) fn csv(outcomes: &[FamilyOutcome]) -> String {
     let mut text =
         "family,cases,failed,worst,worst_case,of_claim,peer_cases,peer_wrong,peer_refused,\
                     peer_worst,seconds\n"
@@ -153,7 +153,7 @@ pub(super) fn csv(outcomes: &[Told]) -> String {
 }
 
 /// Every case of every family.
-pub(super) fn cases_csv(outcomes: &[Told]) -> String {
+pub(super) fn cases_csv(outcomes: &[FamilyOutcome]) -> String {
     let mut text =
         "family,case,asked,truth,told,passed,faults,figure,of_claim,peer_told,peer_wrong,\
                     peer_refused,peer_figure\n"

@@ -108,7 +108,7 @@ fn the_report_reads_back_and_nothing_is_missed() {
         let exact = row("exact", "", memory);
         assert_eq!(exact["open"], "0");
         assert!(number(exact, "width_max") < 1e-12 && number(exact, "witness_error_mean") == 0.0);
-        // The deepest contact is one of those told.
+        // The deepest contact is one of those reported.
         assert!(number(exact, "contact_error_mean") < 1e-12);
     }
     let width = |level, budget, memory| number(row(level, budget, memory), "width_mean");
@@ -131,7 +131,7 @@ fn the_report_reads_back_and_nothing_is_missed() {
     scene.assert_drawn("accuracy.svg", &words);
 }
 
-/// What was told at a pose agrees with what is so there, and the rows are made of nothing else.
+/// The answer at a pose agrees with what is so there, and the rows are made of nothing else.
 #[test]
 fn poses_are_told_one_by_one() {
     let scene = Scene::new();
@@ -142,7 +142,7 @@ fn poses_are_told_one_by_one() {
     let rows = scene.rows();
     assert_eq!((rows.len(), poses.len()), (6, 6 * FRAMES));
     for (row, poses) in rows.iter().zip(poses.chunks(FRAMES)) {
-        let count = |told: &str| poses.iter().filter(|pose| pose["told"] == told).count();
+        let count = |found: &str| poses.iter().filter(|pose| pose["told"] == found).count();
         assert_eq!(row["open"], count("open").to_string());
         for (i, pose) in poses.iter().enumerate() {
             assert_eq!((&pose["level"], &pose["budget"]), (&row["level"], &row["budget"]));
@@ -177,7 +177,7 @@ fn what_a_budget_leaves_open_is_narrowed_at_rest() {
     scene.assert_drawn("refinement.svg", &["20 tests a frame", "200 tests a frame"]);
 }
 
-/// A slow method is asked at fewer poses, and one with memory sees the motion as it is.
+/// A slow method answers at fewer poses, and one with memory sees the motion as it is.
 #[test]
 fn an_impatient_user_is_told_of_fewer_poses() {
     let scene = Scene::new();
@@ -212,7 +212,7 @@ fn what_cannot_be_asked_or_written_is_refused() {
         run(&["accuracy", &cube, &cube, "--poses", poses, "--out", out, "--no-peers"])
     };
     ask(&scene.poses, &taken).assert_refused(1, &["taken"]);
-    // A folder where a file must go is told before the work, and nothing is left behind.
+    // A folder where a file must go is reported before the work, and nothing is left behind.
     let blocked = scene.folder.path("blocked");
     fs::create_dir_all(blocked.join("refinement.csv")).unwrap();
     ask(&scene.poses, &argument(&blocked))

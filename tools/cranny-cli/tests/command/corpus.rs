@@ -13,7 +13,7 @@ use crate::harness::{Folder, argument, run};
 /// The recorded distances come from `f64` libraries; ours and theirs agree to about 1e-15.
 const DISTANCE_TOLERANCE: f64 = 1e-9;
 
-/// What a line tells that is not of its pose alone.
+/// What a line says that is not of its pose alone.
 const HISTORY: [&str; 3] = ["pose", "micros", "tests"];
 
 struct Pair {
@@ -55,14 +55,16 @@ impl Pair {
         order
     }
 
-    /// The poses in an order that leads back and forth: each the multiple of a number without a common divisor.
+    /// The poses in an order that leads back and forth: each the multiple of a number without a
+    /// common divisor.
     fn shuffled(&self) -> Vec<usize> {
         let count = self.poses().len();
         assert_ne!(count % 17, 0);
         (0..count).map(|k| (17 * k + 5) % count).collect()
     }
 
-    /// What the command takes for the pair's two bodies as A and B in this order, and its poses in a file.
+    /// What the command takes for the pair's two bodies as A and B in this order, and its poses in
+    /// a file.
     fn arguments(&self, [first, second]: [&str; 2], folder: &Folder) -> Vec<String> {
         let entry = |pose: &Value| match first {
             "a" => json!({"a": null, "b": pose["b"]}),
@@ -183,7 +185,7 @@ fn six_pairs_agree_on_all_poses_either_way_round() {
     assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
 }
 
-/// With memory, what was asked before changes nothing: to the bit, in sorted and in shuffled order.
+/// With memory, earlier queries change nothing: to the bit, in sorted and in shuffled order.
 #[test]
 fn answers_do_not_depend_on_the_order_of_poses() {
     let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
@@ -212,8 +214,8 @@ fn answers_do_not_depend_on_the_order_of_poses() {
     assert_eq!(poses, 2 * 240);
 }
 
-/// The M12 nut meets nothing anywhere along the helix of its bolt, and a tenth of the pitch aside it is thousands of
-/// triangles deep in the thread.
+/// The M12 nut meets nothing anywhere along the helix of its bolt, and a tenth of the pitch aside
+/// it is thousands of triangles deep in the thread.
 #[test]
 fn the_nut_of_twelve_millimetres_follows_its_bolt() {
     /// Of M12, in metres.
@@ -253,15 +255,15 @@ fn the_nut_of_twelve_millimetres_follows_its_bolt() {
     }
 }
 
-/// No level and no budget, of tests or of time, with memory or without, excludes what others found, and the intervals
-/// hold the distances that they measured.
+/// No level and no budget, of tests or of time, with memory or without, excludes what others found,
+/// and the intervals hold the distances that they measured.
 #[test]
 fn levels_and_budgets_contradict_no_answer_of_others() {
     let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
         println!("skipped: CRANNY_CORPUS not set");
         return;
     };
-    let mut told = BTreeMap::from([("apart", 0), ("meets", 0), ("open", 0)]);
+    let mut reported = BTreeMap::from([("apart", 0), ("meets", 0), ("open", 0)]);
     for pair in &pairs(&corpus) {
         let tolerance = DISTANCE_TOLERANCE * (pair.diagonal("a") + pair.diagonal("b"));
         let rows = pair.accuracy();
@@ -270,7 +272,7 @@ fn levels_and_budgets_contradict_no_answer_of_others() {
             let expected = &pair.poses()[row["pose"].parse::<usize>().unwrap()];
             let meets = expected["surface"] != "none" || expected["solid"] == true;
             let right = if meets { "meets" } else { "apart" };
-            *told.get_mut(row["told"].as_str()).unwrap() += 1;
+            *reported.get_mut(row["told"].as_str()).unwrap() += 1;
             let distance = expected["distance"].as_f64().unwrap();
             let [least, most] = ["at_least", "at_most"].map(|end| row[end].parse::<f64>().unwrap());
             let agrees = (row["told"] == "open" || row["told"] == right)
@@ -279,5 +281,5 @@ fn levels_and_budgets_contradict_no_answer_of_others() {
             assert!(agrees, "{}: expected {expected}, found {row:?}", pair.file.display());
         }
     }
-    assert!(told.values().all(|&times| times > 300), "{told:?}");
+    assert!(reported.values().all(|&times| times > 300), "{reported:?}");
 }

@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use crate::harness::{Folder, Outcome, run};
 
-/// The unit cube along x beside itself, a quarter of its edge aside: apart, face to face, overlapping
-/// by half and by three quarters.
+/// The unit cube along x beside itself, a quarter of its edge aside: apart, face to face,
+/// overlapping by half and by three quarters.
 const SHIFTS: [f64; 4] = [1.5, 1.0, 0.5, 0.25];
 
 struct Cubes {

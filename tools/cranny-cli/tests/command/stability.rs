@@ -1,4 +1,4 @@
-//! What `stability` tells and writes.
+//! What `stability` prints and writes.
 
 use std::fs;
 
@@ -23,7 +23,8 @@ fn a_family_is_judged_told_and_written() {
     assert_eq!((row.lines().count(), cases.lines().count()), (2, 56));
     assert!(row.lines().nth(1).unwrap().starts_with("contacts,55,0,"), "{row}");
     assert!(cases.lines().skip(1).all(|case| case.contains(",true,\"\",")), "{cases}");
-    // In single precision a gap of 2^-50 beside coordinates of 1 is none: whoever sees one is lucky.
+    // In single precision a gap of 2^-50 beside coordinates of 1 is none: whoever sees one is
+    // lucky.
     let wrong = cases.lines().filter(|case| case.contains(",true,false,")).count();
     assert!(wrong > 0, "{cases}");
     let (page, chart) = (text(&folder, "stability.md"), text(&folder, "stability.svg"));

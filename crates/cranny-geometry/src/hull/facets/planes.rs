@@ -11,12 +11,13 @@ use super::super::shapes::longest_edge;
 use super::super::side::Side;
 use super::{Growth, Plane};
 
-/// Neighbours of a triangle's corners, together, above which its plane is bounded instead of measured.
-/// Smaller, and thicknesses are overestimated tenfold where they need not be; larger, and fans take
-/// quadratic time (`wide_fans_take_no_quadratic_time`).
+/// Neighbours of a triangle's corners, together, above which its plane is bounded instead of
+/// measured. Smaller, and thicknesses are overestimated tenfold where they need not be; larger, and
+/// fans take quadratic time (`wide_fans_take_no_quadratic_time`).
 const CROWDED: usize = 256;
 
-/// Lengths whose squares, and those of components that matter, neither vanish nor overflow: far inside of what does.
+/// Lengths whose squares, and those of components that matter, neither vanish nor overflow: far
+/// inside of what does.
 const SQUARES: Range<f64> = 1e-100..1e100;
 
 impl Growth<'_> {
@@ -38,12 +39,13 @@ impl Growth<'_> {
     }
 
     /// The supporting plane of a facet of one triangle: the supporting plane of the hull along its
-    /// normal, measured, or where a corner has very many neighbours, to look at all of which for every
-    /// triangle of a fan takes quadratic time, a bound of it.
+    /// normal, measured, or where a corner has very many neighbours, to look at all of which for
+    /// every triangle of a fan takes quadratic time, a bound of it.
     ///
-    /// The bound: every point `p` is exactly below the exact plane, and the rounded cross product `n`
-    /// gives `n · (p − a) <= margin` in real arithmetic (see [`Side`]). Bringing `n` to length 1 scales
-    /// that by `1 / |n|` and adds two roundings a component, less than an eighth of the margin.
+    /// The bound: every point `p` is exactly below the exact plane, and the rounded cross product
+    /// `n` gives `n · (p − a) <= margin` in real arithmetic (see [`Side`]). Bringing `n` to length
+    /// 1 scales that by `1 / |n|` and adds two roundings a component, less than an eighth of the
+    /// margin.
     pub(super) fn plane_of_one(&self, t: u32, normal: DVec3) -> Plane {
         let mut corners = self.surface.triangles[t as usize];
         let degree: usize =
@@ -69,8 +71,9 @@ impl Growth<'_> {
     }
 
     /// The supporting plane along `normal`, if the triangle's neighbourhood shows that the highest
-    /// vertex of the hull is a corner of it: those corners that are as high as the top but for rounding
-    /// have no other neighbour that is, so the search of [`SupportGraph::support`] would end with them.
+    /// vertex of the hull is a corner of it: those corners that are as high as the top but for
+    /// rounding have no other neighbour that is, so the search of [`SupportGraph::support`] would
+    /// end with them.
     fn plane_through_top(&self, corners: [u32; 3], normal: DVec3) -> Option<Plane> {
         let height = |v: u32| normal.dot(self.positions[v as usize]);
         let heights = corners.map(height);

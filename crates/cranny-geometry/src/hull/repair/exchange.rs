@@ -1,20 +1,23 @@
-//! A hull whose surface was built anew, where it could not be repaired: what both surfaces have stays what it was.
+//! A hull whose surface was built anew, where it could not be repaired: what both surfaces have
+//! stays what it was.
 //!
-//! Whatever follows a hull follows its new triangles. So triangles of the new surface that the one before has too, with
-//! corners that have not moved, keep their numbers, and only the others are exchanged.
+//! Whatever follows a hull follows its new triangles. So triangles of the new surface that the one
+//! before has too, with corners that have not moved, keep their numbers, and only the others are
+//! exchanged.
 //!
 //! Source: none. Cost: O(n log n).
 
-use super::super::quickhull::Surface;
-use super::Repair;
+use super::super::quickhull::HullSurface;
+use super::HullRepair;
 use crate::ids::VertexId;
 
-impl Repair<'_> {
-    /// Exchanges the surface, to which nothing has been done yet, for another one, over the points; `moved`, ascending,
-    /// are elsewhere than when it was made. `None` where the inner point is not within the new one.
+impl HullRepair<'_> {
+    /// Exchanges the surface, to which nothing has been done yet, for another one, over the points;
+    /// `moved`, ascending, are elsewhere than when it was made. `None` where the inner point is not
+    /// within the new one.
     pub(in crate::hull) fn exchange(
         &mut self,
-        surface: &Surface,
+        surface: &HullSurface,
         moved: &[VertexId],
     ) -> Option<()> {
         let number = |repair: &mut Self, point: u32| {
@@ -24,7 +27,7 @@ impl Repair<'_> {
         };
         let mut new: Vec<[u32; 3]> =
             surface.triangles.iter().map(|t| t.map(|point| number(self, point))).collect();
-        // Both are in the one form, so a triangle of both is told the same way.
+        // Both are in the one form, so a triangle of both is written the same way.
         let mut old: Vec<([u32; 3], u32)> =
             (0..).zip(&self.triangles).map(|(t, &corners)| (corners, t)).collect();
         old.sort_unstable();

@@ -4,11 +4,12 @@
 
 use std::collections::BTreeSet;
 
-use super::super::quickhull::Surface;
+use super::super::quickhull::HullSurface;
 
-/// The triangles of the hull of some points that lie within a rim; `None` where an edge of that is none of the hull.
+/// The triangles of the hull of some points that lie within a rim; `None` where an edge of that is
+/// none of the hull.
 pub(super) fn within(
-    surface: &Surface,
+    surface: &HullSurface,
     some: &[u32],
     rim: &[(u32, u32, u32)],
 ) -> Option<Vec<[u32; 3]>> {
@@ -32,8 +33,8 @@ pub(super) fn within(
     )
 }
 
-/// Triangles over a convex outline in a plane, turned so that they fit into a link; `None` where the link
-/// has other vertices.
+/// Triangles over a convex outline in a plane, turned so that they fit into a link; `None` where
+/// the link has other vertices.
 pub(super) fn fan_along(link: &[(u32, u32, u32)], outline: Vec<u32>) -> Option<Vec<[u32; 3]>> {
     let rim: Vec<u32> = link.iter().map(|l| l.0).collect();
     if outline.len() != rim.len() || !outline.iter().all(|v| rim.contains(v)) {

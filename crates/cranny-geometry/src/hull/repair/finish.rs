@@ -1,7 +1,8 @@
-//! What a repair leaves: whether it is sound, the one form that its points decide, triangles that fill the gaps, vertices
-//! numbered by their points.
+//! What a repair leaves: whether it is sound, the one form that its points decide, triangles that
+//! fill the gaps, vertices numbered by their points.
 //!
-//! Source: none. Cost: that of what is new, and copying; where vertices come or go, all corners are renamed.
+//! Source: none. Cost: that of what is new, and copying; where vertices come or go, all corners are
+//! renamed.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,18 +10,18 @@ use cranny_exact::{DVec3, Sign};
 
 use super::super::canonical::halved;
 use super::super::numbering::Numbering;
-use super::super::quickhull::{Surface, previous};
+use super::super::quickhull::{HullSurface, previous};
 use super::super::span::collinear;
-use super::{NONE, Repair};
+use super::{HullRepair, NONE};
 use crate::ids::VertexId;
-use crate::rows::closing_ranks;
+use crate::rows::compaction_moves;
 
-/// A surface that follows another one. Triangles that are there still have the numbers that they had, but for those
-/// that fill gaps.
+/// A surface that follows another one. Triangles that are there still have the numbers that they
+/// had, but for those that fill gaps.
 pub(in crate::hull) struct Repaired {
     pub(in crate::hull) sources: Vec<VertexId>,
     pub(in crate::hull) positions: Vec<DVec3>,
-    pub(in crate::hull) surface: Surface,
+    pub(in crate::hull) surface: HullSurface,
     pub(in crate::hull) leaving: Vec<u32>,
     pub(in crate::hull) numbering: Numbering,
     /// Vertices that have moved or come.
@@ -35,7 +36,7 @@ pub(in crate::hull) struct Repaired {
     pub(in crate::hull) moved: BTreeMap<u32, u32>,
 }
 
-impl Repair<'_> {
+impl HullRepair<'_> {
     /// The triangles that are new, ascending.
     fn made(&self) -> Vec<u32> {
         (self.first_new..self.triangles.len() as u32).filter(|&t| self.is_alive(t)).collect()
@@ -47,7 +48,7 @@ impl Repair<'_> {
         let mut dead: Vec<u32> = self.dead.iter().map(|d| d.0).collect();
         dead.retain(|&t| t < self.first_new);
         dead.sort_unstable();
-        let moves = closing_ranks(self.first_new, &dead, &alive);
+        let moves = compaction_moves(self.first_new, &dead, &alive);
         self.close_ranks(&moves, self.first_new as usize + alive.len() - dead.len());
         let (made, old): (Vec<_>, Vec<_>) =
             moves.into_iter().partition(|&(from, _)| from >= self.first_new);
@@ -56,7 +57,7 @@ impl Repair<'_> {
         let gone = self.gone();
         let lost = gone.iter().map(|&v| self.at(v)).collect();
         let (numbering, new) = self.number(&fresh, gone);
-        let surface = Surface { triangles: self.triangles, twins: self.twins };
+        let surface = HullSurface { triangles: self.triangles, twins: self.twins };
         Repaired {
             sources: self.sources,
             positions: self.positions,
@@ -71,8 +72,8 @@ impl Repair<'_> {
         }
     }
 
-    /// Whether new triangles have an area, and around their corners every edge is convex or flat and every vertex
-    /// extreme: then the vertices are exactly the extreme points.
+    /// Whether new triangles have an area, and around their corners every edge is convex or flat
+    /// and every vertex extreme: then the vertices are exactly the extreme points.
     pub(in crate::hull) fn is_sound(&self) -> bool {
         let new = self.made();
         let touched: BTreeSet<u32> = new.iter().flat_map(|&t| self.triangles[t as usize]).collect();
@@ -95,8 +96,8 @@ impl Repair<'_> {
         touched.iter().all(is_extreme) && !new.iter().any(is_flat)
     }
 
-    /// Brings the surface, which [is sound](Self::is_sound), into the [one form](super::super::canonical) that its points
-    /// decide. `None` where that cannot be done.
+    /// Brings the surface, which [is sound](Self::is_sound), into the [one
+    /// form](super::super::canonical) that its points decide. `None` where that cannot be done.
     pub(in crate::hull) fn make_canonical(&mut self) -> Option<()> {
         let mut left: BTreeSet<u32> = self.made().into_iter().collect();
         while let Some(t) = left.pop_first() {
@@ -155,8 +156,8 @@ impl Repair<'_> {
         corners.filter(is_gone).collect()
     }
 
-    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which are returned too, and
-    /// `gone` the vertices that [are](Self::gone).
+    /// Numbers vertices by their points; `fresh` are the triangles that have new vertices, which
+    /// are returned too, and `gone` the vertices that [are](Self::gone).
     fn number(&mut self, fresh: &[u32], mut gone: BTreeSet<u32>) -> (Numbering, Vec<u32>) {
         let mut come = Vec::new();
         let mut back = BTreeMap::new();

@@ -1,8 +1,8 @@
 //! The head of a model file: [`MAGIC`], version, 0, length of the file, checksum.
 //!
-//! The checksum ([`mod@crate::codec`]'s `checksum`) is of all that is behind the head; every value of the head but the
-//! checksum itself can only be one. So where the sections behind the head can be read, and a value is another, it is the
-//! head that was damaged.
+//! The checksum ([`mod@crate::codec`]'s `checksum`) is of all that is behind the head; every value
+//! of the head but the checksum itself can only be one. So where the sections behind the head can
+//! be read, and a value is another, it is the head that was damaged.
 
 use thiserror::Error;
 
@@ -120,8 +120,8 @@ pub(super) fn check_head(bytes: &[u8]) -> Result<(), DecodeError> {
     }
 }
 
-/// Which value of the head it was that did not fit, where what follows the head may be whole all the same: its
-/// checksum is right, which zeros added or cut off at the end do not change.
+/// Which value of the head it was that did not fit, where what follows the head may be whole all
+/// the same: its checksum is right, which zeros added or cut off at the end do not change.
 pub(super) fn doubtful_field(bytes: &[u8], error: &DecodeError) -> Option<&'static str> {
     let field = match error {
         DecodeError::NotAModel => "beginning",

@@ -29,8 +29,8 @@ fn state(world: &PhysicsWorld) -> u64 {
     hasher.finish()
 }
 
-/// Runs a scene for `before` steps, writes it, and runs it, what was read, and one that nobody wrote for `after` steps
-/// more; `disturb` does something to each when that many of these are done.
+/// Runs a scene for `before` steps, writes it, and runs it, what was read, and one that nobody
+/// wrote for `after` steps more; `disturb` does something to each when that many of these are done.
 #[track_caller]
 fn goes_on_as_if_nothing_had_happened(
     scene: impl Fn() -> (World, Vec<Model>),

@@ -59,7 +59,8 @@ fn what_slides() {
         |_| (),
     );
     let (_, brick) = written.bodies.iter().nth(1).expect("two bodies");
-    // Friction is the mean of 0.1 and 0.5, the slope 0.35: 9.81 · (sin − 0.3 cos) = 0.6 faster a second, for 1.5 s.
+    // Friction is the mean of 0.1 and 0.5, the slope 0.35: 9.81 · (sin − 0.3 cos) = 0.6 faster a
+    // second, for 1.5 s.
     assert!(brick.linvel().length() > 0.5, "it slides: {}", brick.linvel());
 }
 

@@ -4,42 +4,8 @@ use cranny_exact::{DMat3, DVec3};
 use roxmltree::Node;
 
 use super::{NUMBER, malformed, numbers};
+use crate::mesh_file::affine::Affine;
 use crate::mesh_file::problem::{DecodeError, excerpt};
-
-/// An affine map: linear part, then translation.
-#[derive(Clone, Copy)]
-pub(super) struct Affine {
-    linear: DMat3,
-    translation: DVec3,
-}
-
-impl Affine {
-    pub(super) const IDENTITY: Self = Self { linear: DMat3::IDENTITY, translation: DVec3::ZERO };
-
-    pub(super) fn scale(factors: DVec3) -> Self {
-        Self { linear: DMat3::from_diagonal(factors), translation: DVec3::ZERO }
-    }
-
-    /// The linear map that takes the axes to these vectors.
-    pub(super) fn columns(x: DVec3, y: DVec3, z: DVec3) -> Self {
-        Self { linear: DMat3::from_cols(x, y, z), translation: DVec3::ZERO }
-    }
-
-    pub(super) fn compose(&self, inner: &Self) -> Self {
-        Self {
-            linear: self.linear * inner.linear,
-            translation: self.linear * inner.translation + self.translation,
-        }
-    }
-
-    pub(super) fn apply(&self, p: DVec3) -> DVec3 {
-        self.linear * p + self.translation
-    }
-
-    pub(super) fn mirrors(&self) -> bool {
-        self.linear.determinant() < 0.0
-    }
-}
 
 /// The map of a transform element; `None` for other elements.
 pub(super) fn read(node: Node<'_, '_>) -> Result<Option<Affine>, DecodeError> {

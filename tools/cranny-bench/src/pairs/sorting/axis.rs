@@ -13,7 +13,8 @@ pub(super) struct End {
 }
 
 impl End {
-    /// Closed boxes that only touch overlap: where two ends coincide, what begins stands before what ends.
+    /// Closed boxes that only touch overlap: where two ends coincide, what begins stands before
+    /// what ends.
     fn is_after(&self, other: &Self) -> bool {
         self.at > other.at || (self.at == other.at && self.is_max && !other.is_max)
     }
@@ -26,8 +27,9 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// Sorts by insertion; tells of every begin and end of opposite trees' boxes that passed each other, which are so
-    /// found to overlap along the axis (`true`) or not. Breaks off after `most` swaps, in no order: how many were made.
+    /// Sorts by insertion; reports every begin and end of opposite trees' boxes that passed each
+    /// other, which are so found to overlap along the axis (`true`) or not. Breaks off after `most`
+    /// swaps, in no order: how many were made.
     pub(super) fn sort(
         &mut self,
         most: u64,
@@ -54,7 +56,7 @@ impl Axis {
         ControlFlow::Continue(swaps)
     }
 
-    /// Sorts without regard to what was, and tells of nothing.
+    /// Sorts without regard to what was, and reports nothing.
     pub(super) fn sort_anew(&mut self) {
         self.ends.sort_unstable_by(|x, y| x.at.total_cmp(&y.at).then(x.is_max.cmp(&y.is_max)));
     }

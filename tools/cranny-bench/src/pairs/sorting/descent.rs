@@ -6,8 +6,9 @@ use cranny_geometry::{Content, FaceTree};
 use super::level::NodePair;
 use super::levels::{pairs_beneath, posed};
 
-/// Pairs of leaves whose boxes overlap where the second tree is posed by `map` in the first's frame, and how many pairs
-/// of boxes were compared. Both nodes of a pair are opened at once, as sorting does.
+/// Pairs of leaves whose boxes overlap where the second tree is posed by `map` in the first's
+/// frame, and how many pairs of boxes were compared. Both nodes of a pair are opened at once, as
+/// sorting does.
 pub(super) fn pairs_of_leaves(trees: [&FaceTree; 2], map: &RigidMap) -> (Vec<NodePair>, u64) {
     let (mut found, mut tests) = (Vec::new(), 0);
     let some = trees.iter().all(|tree| !tree.nodes().is_empty());

@@ -1,4 +1,5 @@
-//! One level of two box trees: the boxes that are active on it, sorted along three axes, and which of them overlap.
+//! One level of two box trees: the boxes that are active on it, sorted along three axes, and which
+//! of them overlap.
 
 use std::collections::HashSet;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -18,7 +19,8 @@ pub(super) struct Member {
 /// Numbers of two nodes, the first tree's first.
 pub(super) type NodePair = [u32; 2];
 
-/// Pairs are looked up at every swap: one multiplication (Knuth's, of the golden ratio) is hash enough.
+/// Pairs are looked up at every swap: one multiplication (Knuth's, of the golden ratio) is hash
+/// enough.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PairHasher(u64);
 
@@ -39,7 +41,7 @@ type PairSet = HashSet<NodePair, BuildHasherDefault<PairHasher>>;
 
 /// What a level did and holds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Work {
+pub(super) struct LevelWork {
     pub(super) swaps: u64,
     /// Boxes of nodes that are active.
     pub(super) active: u64,
@@ -48,7 +50,7 @@ pub(super) struct Work {
     pub(super) pairs: u64,
 }
 
-impl AddAssign for Work {
+impl AddAssign for LevelWork {
     fn add_assign(&mut self, other: Self) {
         self.swaps += other.swaps;
         self.active += other.active;
@@ -78,16 +80,18 @@ impl Level {
             + self.pairs.capacity() * (size_of::<NodePair>() + 1)
     }
 
-    /// Makes these nodes, ascending, the active ones, with boxes as they are now. `candidates` are pairs of active
-    /// nodes among which all that overlap are; asked for where nodes are new.
+    /// Makes these nodes, ascending, the active ones, with boxes as they are now. `candidates` are
+    /// pairs of active nodes among which all that overlap are; called where nodes are new.
     pub(super) fn update(
         &mut self,
         active: [Vec<u32>; 2],
         of: impl Fn(Member) -> Aabb,
         candidates: impl Fn() -> Vec<NodePair>,
-    ) -> Work {
-        let mut work =
-            Work { active: (active[0].len() + active[1].len()) as u64, ..Work::default() };
+    ) -> LevelWork {
+        let mut work = LevelWork {
+            active: (active[0].len() + active[1].len()) as u64,
+            ..LevelWork::default()
+        };
         let new = [0, 1].map(|i| difference(&active[i], &self.active[i]));
         let gone = [0, 1].map(|i| difference(&self.active[i], &active[i]));
         self.drop_nodes(&gone);
@@ -125,7 +129,7 @@ impl Level {
     }
 
     /// Sorts the ends of the boxes that were here before; `false` where that was given up.
-    fn resort(&mut self, of: &impl Fn(Member) -> Aabb, work: &mut Work) -> bool {
+    fn resort(&mut self, of: &impl Fn(Member) -> Aabb, work: &mut LevelWork) -> bool {
         let Self { axes, pairs, .. } = self;
         for (i, axis) in axes.iter_mut().enumerate() {
             for end in &mut axis.ends {

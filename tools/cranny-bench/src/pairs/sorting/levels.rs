@@ -3,14 +3,15 @@
 use cranny_exact::{Aabb, DVec3, RigidMap};
 use cranny_geometry::{Content, FaceTree};
 
-use super::level::{Level, Member, NodePair, Work};
+use super::level::{Level, LevelWork, Member, NodePair};
 
-/// A share of the coordinates' size by which a posed box is grown, for each level beneath it, so that rounding does not
-/// part it from what its children meet. Smaller: less than rounding moves a coordinate; larger: boxes that matter.
+/// A share of the coordinates' size by which a posed box is grown, for each level beneath it, so
+/// that rounding does not part it from what its children meet. Smaller: less than rounding moves a
+/// coordinate; larger: boxes that matter.
 const SLACK: f64 = 1e-12;
 
-/// The boxes of two trees that overlap. Of each level the children of what has a partner on the one above are *active*;
-/// leaves go down with them.
+/// The boxes of two trees that overlap. Of each level the children of what has a partner on the one
+/// above are *active*; leaves go down with them.
 #[derive(Clone, Debug)]
 pub(super) struct Levels<'t> {
     trees: [&'t FaceTree; 2],
@@ -40,11 +41,12 @@ impl<'t> Levels<'t> {
         levels + self.posed.capacity() * size_of::<Aabb>()
     }
 
-    /// Pairs of leaves whose boxes overlap where the second tree is posed by `map` in the first's frame.
-    pub(super) fn update(&mut self, map: &RigidMap) -> (Vec<NodePair>, Work) {
+    /// Pairs of leaves whose boxes overlap where the second tree is posed by `map` in the first's
+    /// frame.
+    pub(super) fn update(&mut self, map: &RigidMap) -> (Vec<NodePair>, LevelWork) {
         let (trees, count) = (self.trees, self.levels.len());
         let size = self.size + map.translation.abs().max_element();
-        let mut all = Work::default();
+        let mut all = LevelWork::default();
         let mut above: Vec<NodePair> = Vec::new();
         for (number, level) in self.levels.iter_mut().enumerate() {
             let active = if number == 0 {

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use super::{CORNER, SIZE, Words, axes, share};
-use crate::accuracy::figures::Figures;
+use crate::accuracy::figures::MethodFigures;
 use crate::chart::{Area, BLUE, Failed, GREEN, ORANGE, PURPLE, SKY, VERMILION, marks, svg};
 use crate::failure::Failure;
 
@@ -18,30 +18,30 @@ const LETTER: i32 = 7;
 const LINE: i32 = 13;
 
 /// One line of the chart, or some dots.
-struct Series<'a> {
+struct ChartSeries<'a> {
     name: &'static str,
     color: RGBColor,
     filled: bool,
     /// Whether a line through them means anything.
     joined: bool,
-    points: Vec<(&'a Figures, (f64, f64))>,
+    points: Vec<(&'a MethodFigures, (f64, f64))>,
 }
 
 /// Whether the level asks the walk over hulls.
-fn walks(row: &Figures) -> bool {
+fn walks(row: &MethodFigures) -> bool {
     matches!(row.name.level.as_deref(), Some("hulls" | "caps"))
 }
 
-fn series(all: &[Figures], size: f64) -> Vec<Series<'_>> {
-    let of = |name, color, memory: &str, belongs: fn(&Figures) -> bool| {
+fn series(all: &[MethodFigures], size: f64) -> Vec<ChartSeries<'_>> {
+    let of = |name, color, memory: &str, belongs: fn(&MethodFigures) -> bool| {
         let rows = all.iter().filter(|row| row.name.memory == memory && belongs(row));
         let points = rows.filter_map(|row| Some((row, place(row, size)?))).collect();
         let filled = memory == "warm" || matches!(color, GREEN | PURPLE);
-        Series { name, color, filled, joined: color != SKY, points }
+        ChartSeries { name, color, filled, joined: color != SKY, points }
     };
-    let tree: fn(&Figures) -> bool = |row| row.name.is_level() && !walks(row);
-    let budget: fn(&Figures) -> bool = |row| row.name.budget.is_some();
-    let deadline: fn(&Figures) -> bool = |row| row.name.deadline_us.is_some();
+    let tree: fn(&MethodFigures) -> bool = |row| row.name.is_level() && !walks(row);
+    let budget: fn(&MethodFigures) -> bool = |row| row.name.budget.is_some();
+    let deadline: fn(&MethodFigures) -> bool = |row| row.name.deadline_us.is_some();
     let all = [
         of("boxes, trees, exact, cold", BLUE, "cold", tree),
         of("boxes, trees, exact, warm", BLUE, "warm", tree),
@@ -57,8 +57,9 @@ fn series(all: &[Figures], size: f64) -> Vec<Series<'_>> {
     all.into_iter().filter(|series| !series.points.is_empty()).collect()
 }
 
-/// Microseconds, and what stays unknown as a share of the smaller body's size; `None` where nothing is known.
-fn place(row: &Figures, size: f64) -> Option<(f64, f64)> {
+/// Microseconds, and what stays unknown as a share of the smaller body's size; `None` where nothing
+/// is known.
+fn place(row: &MethodFigures, size: f64) -> Option<(f64, f64)> {
     Some((row.median_us?, share(row.width_mean.or(row.distance_error_mean), size)?))
 }
 
@@ -96,23 +97,24 @@ fn room((x, y): (i32, i32), name: &str, taken: &mut Vec<Room>) -> Option<Room> {
 /// # Errors
 ///
 /// What the drawing library says.
-pub(in crate::accuracy) fn of_methods(all: &[Figures], size: f64) -> Result<String, Failure> {
+pub(in crate::accuracy) fn of_methods(all: &[MethodFigures], size: f64) -> Result<String, Failure> {
     svg(SIZE, |area| draw(area, all, size))
 }
 
-fn draw(area: &Area<'_>, all: &[Figures], size: f64) -> Result<(), Failed> {
+fn draw(area: &Area<'_>, all: &[MethodFigures], size: f64) -> Result<(), Failed> {
     let series = series(all, size);
     let places = series.iter().flat_map(|series| series.points.iter().map(|point| point.1));
     let mut chart = axes(area, places, &WORDS)?;
     let mut taken: Vec<Room> = Vec::new();
-    for Series { color, filled, joined, points, .. } in &series {
+    for ChartSeries { color, filled, joined, points, .. } in &series {
         let style = dot(*color, *filled);
         chart.draw_series(LineSeries::new(
             points.iter().filter(|_| *joined).map(|(_, at)| *at),
             color.mix(if *filled { 0.9 } else { 0.4 }).stroke_width(2),
         ))?;
         chart.draw_series(points.iter().map(|(_, at)| Circle::new(*at, 4, style)))?;
-        // Warm ones stand beside the cold ones of the same name; where there is no room a dot has none.
+        // Warm ones stand beside the cold ones of the same name; where there is no room a dot has
+        // none.
         let text = ("sans-serif", 13).into_font().color(color);
         for (row, at) in points.iter().filter(|(row, _)| names_dot(row)) {
             let (name, pixel) = (row.name.label(), chart.backend_coord(at));
@@ -127,7 +129,7 @@ fn draw(area: &Area<'_>, all: &[Figures], size: f64) -> Result<(), Failed> {
 }
 
 /// Of the peers there is one dot each, and the legend names it.
-fn names_dot(row: &Figures) -> bool {
+fn names_dot(row: &MethodFigures) -> bool {
     row.name.is_ours() && row.name.memory == "cold"
 }
 

@@ -32,7 +32,7 @@ const GLASS: u8 = 84;
 /// So many things of one colour are named in a legend; the others are counted.
 const SPELT: usize = 4;
 
-/// Half way to white, so that a cap is told from what lies beneath it.
+/// Half way to white, so that a cap is distinguished from what lies beneath it.
 pub(super) fn lightened(color: Color) -> Color {
     let [r, g, b] = [color.r, color.g, color.b].map(|channel| channel.midpoint(u8::MAX));
     Color { r, g, b, ..color }
@@ -64,15 +64,16 @@ impl<'m> Canvas<'m> {
         }
     }
 
-    /// Draws only some faces as they are and the others as glass, so that one sees what these surround.
+    /// Draws only some faces as they are and the others as glass, so that one sees what these
+    /// surround.
     pub(super) fn lay_bare(&mut self, shown: impl Fn(FaceId) -> bool) {
         for (face, is_glass) in (0..).map(FaceId).zip(&mut self.is_glass) {
             *is_glass = !shown(face);
         }
     }
 
-    /// Paints each face in the colour of its region, neighbours in different ones; faces of no region
-    /// keep their colour. Returns the colours of the regions, as numbers of the palette.
+    /// Paints each face in the colour of its region, neighbours in different ones; faces of no
+    /// region keep their colour. Returns the colours of the regions, as numbers of the palette.
     pub(super) fn paint(
         &mut self,
         region: impl Fn(FaceId) -> Option<u32>,
@@ -95,12 +96,12 @@ impl<'m> Canvas<'m> {
             of_color.entry(color).or_default().push(id);
         }
         let named = of_color.into_iter().map(|(color, ids)| {
-            let told: Vec<String> = ids.iter().take(SPELT).map(usize::to_string).collect();
+            let found: Vec<String> = ids.iter().take(SPELT).map(usize::to_string).collect();
             let more = match ids.len().saturating_sub(SPELT) {
                 0 => String::new(),
                 more => format!(" and {more} more"),
             };
-            format!("{} {}{more}", coloring::name(color), told.join(", "))
+            format!("{} {}{more}", coloring::name(color), found.join(", "))
         });
         let named: Vec<String> = named.collect();
         if !named.is_empty() {
@@ -160,7 +161,7 @@ impl<'m> Canvas<'m> {
         for point in &mut self.list.points {
             point.position = up.upright(point.position);
         }
-        if let Some(axis) = up.told() {
+        if let Some(axis) = up.name_unless_usual() {
             self.legend.push(format!("{axis} points up"));
         }
         let mut add = |mesh: DrawMesh, color: Color| {

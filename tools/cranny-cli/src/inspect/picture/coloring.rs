@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, VecDeque};
 
 use cranny_geometry::{EdgeId, FaceId, HalfEdgeId, Topology};
 
-/// Colours that are told apart at a glance, and their names.
+/// Colours that are distinguished at a glance, and their names.
 const HUES: [&str; 8] = ["blue", "orange", "green", "red", "violet", "cyan", "yellow", "pink"];
 
 /// Colours before they repeat.

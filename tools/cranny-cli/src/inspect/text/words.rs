@@ -1,7 +1,7 @@
 //! Numbers, points and plurals.
 
-/// Six significant digits, plain where that is short. What is less than any normal number is what rounding outward
-/// leaves of 0.
+/// Six significant digits, plain where that is short. What is less than any normal number is what
+/// rounding outward leaves of 0.
 pub(super) fn number(value: f64) -> String {
     match value.abs() {
         _ if !value.is_normal() && value.is_finite() => "0".to_owned(),

@@ -1,4 +1,4 @@
-//! What is asked of bytes: run by fuzz targets, and by tests on bytes of seeds.
+//! Checks of bytes: run by fuzz targets, and by tests on bytes of seeds.
 
 use crate::body::Body;
 use cranny_geometry::{BuildOptions, DeformError, FindingKind, hull};
@@ -7,8 +7,9 @@ use cranny_testkit::{Bytes, few_moves, nearly_flat_solid};
 use crate::check::{built_with, check_sums};
 use crate::equal::{assert_equals_rebuild, assert_tells_changes, options, validate};
 
-/// Volumes and areas are only asked of bodies thicker than skin: of others either side lies on the facets of both, and
-/// what caps cover is not always what is open. What bounds what adds up for every body.
+/// Volumes and areas are only checked of bodies thicker than skin: of others either side lies on
+/// the facets of both, and what caps cover is not always what is open. What bounds what adds up for
+/// every body.
 fn is_thick(model: &Body) -> bool {
     let hull = model.hull();
     hull.volume() > model.features().slab_depth() * hull.area()

@@ -1,4 +1,5 @@
-//! What our shape is written as: rapier's serde cannot read a shape that it does not know.
+//! What stands in for our shape in a snapshot: rapier's serde cannot read a shape that it does not
+//! know.
 
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
@@ -12,36 +13,37 @@ use crate::shape::MeshShape;
 /// Radius of the ball that stands for our shape: no other has it.
 const NO_BALL: Real = -1.0;
 
-/// A ball that is none, shown to a thread that writes a snapshot in place of the shape. Everybody else sees the
-/// shape, so that what is written without a snapshot is refused by rapier's serde, and never comes back as a ball.
-pub(crate) struct Mask {
+/// A ball that is none, shown to a thread that writes a snapshot in place of the shape. Everybody
+/// else sees the shape, so that what is written without a snapshot is refused by rapier's serde,
+/// and never comes back as a ball.
+pub(crate) struct StandIn {
     ball: Ball,
     /// Once for each snapshot that is being written.
     writers: Mutex<Vec<ThreadId>>,
 }
 
-impl Default for Mask {
+impl Default for StandIn {
     fn default() -> Self {
         Self { ball: Ball::new(NO_BALL), writers: Mutex::default() }
     }
 }
 
 /// A copy is not being written.
-impl Clone for Mask {
+impl Clone for StandIn {
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
-impl fmt::Debug for Mask {
+impl fmt::Debug for StandIn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Mask")
+        f.write_str("StandIn")
     }
 }
 
-impl Mask {
-    /// What this thread is to take the shape for, if it writes it.
-    pub(crate) fn worn(&self) -> Option<TypedShape<'_>> {
+impl StandIn {
+    /// What this thread sees in place of the shape, if it writes a snapshot.
+    pub(crate) fn shown(&self) -> Option<TypedShape<'_>> {
         let writers = self.writers.lock().unwrap_or_else(PoisonError::into_inner);
         writers.contains(&thread::current().id()).then_some(TypedShape::Ball(&self.ball))
     }
@@ -52,17 +54,17 @@ impl Mask {
 }
 
 /// A shape that this thread writes, until this is dropped.
-pub(super) struct Masked<'a>(&'a Mask);
+pub(super) struct Writing<'a>(&'a StandIn);
 
-impl<'a> Masked<'a> {
+impl<'a> Writing<'a> {
     pub(super) fn new(shape: &'a MeshShape) -> Self {
-        let mask = shape.mask();
-        mask.change(|writers| writers.push(thread::current().id()));
-        Self(mask)
+        let stand_in = shape.stand_in();
+        stand_in.change(|writers| writers.push(thread::current().id()));
+        Self(stand_in)
     }
 }
 
-impl Drop for Masked<'_> {
+impl Drop for Writing<'_> {
     fn drop(&mut self) {
         let own = thread::current().id();
         self.0.change(|writers| {

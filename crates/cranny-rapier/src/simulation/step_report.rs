@@ -1,4 +1,4 @@
-//! What a simulation tells of its last step: pairs, energy, times.
+//! What a simulation reports of its last step: pairs, energy, times.
 
 use std::sync::Arc;
 
@@ -18,7 +18,8 @@ pub struct PairContacts {
     pub b: BodyIndex,
     /// In world coordinates.
     pub answer: Arc<Answer>,
-    /// Of a and b, from which the answer was computed: those at the beginning of the step, or of its last part.
+    /// Of a and b, from which the answer was computed: those at the beginning of the step, or of
+    /// its last part.
     pub poses: [Pose; 2],
     /// Computed in the last step; otherwise rapier recycled older contacts.
     pub fresh: bool,
@@ -85,16 +86,16 @@ impl Simulation {
     }
 
     /// Says which fields somebody reads, from now on, of a pair of bodies in
-    /// [`contact_pairs`](Self::contact_pairs). Where the solver's answer does not [hold](Fields::told_by) them, a
-    /// second question is asked in the step, at the poses that the solver's contacts come from. How bodies move
-    /// does not depend on it.
+    /// [`contact_pairs`](Self::contact_pairs). Where the solver's answer does not
+    /// [hold](Fields::held_by) them, a second query is made in the step, at the poses that the
+    /// solver's contacts come from. How bodies move does not depend on it.
     pub fn read_by(&self, fields: impl Fn(BodyIndex, BodyIndex) -> Fields + Send + Sync + 'static) {
         self.log.read_by(move |first, second| fields(BodyIndex(first), BodyIndex(second)));
     }
 
-    /// What the detector said of each pair that rapier asked about in the last step, or whose older
-    /// contacts it kept (bodies asleep, contacts recycled), by ascending bodies. Empty for detectors
-    /// other than ours.
+    /// What the detector said of each pair that rapier queried in the last step, or whose older
+    /// contacts it kept (bodies asleep, contacts recycled), by ascending bodies. Empty for
+    /// detectors other than ours.
     #[must_use]
     pub fn contact_pairs(&self) -> Vec<PairContacts> {
         let step = self.log.step();
@@ -148,7 +149,7 @@ impl Simulation {
         self.pair_counts
     }
 
-    /// Seconds spent in contact detection, any detector, since this was last asked.
+    /// Seconds spent in contact detection, any detector, since this was last read.
     pub fn narrow_phase_seconds(&mut self) -> f64 {
         self.log.take_time().as_secs_f64()
     }
