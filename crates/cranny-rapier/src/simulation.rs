@@ -240,6 +240,7 @@ impl Simulation {
             for &collider in self.bodies[self.handle(index)].colliders() {
                 self.colliders[collider].set_active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
             }
+            self.wake(index);
         }
     }
 
@@ -289,11 +290,12 @@ impl Simulation {
         self.settled = false;
     }
 
-    /// Gives a body other velocities.
+    /// Gives a body other velocities; what its locked axes do not allow is left out.
     pub fn set_velocity(&mut self, body: BodyIndex, linear: DVec3, angular: DVec3) {
         let handle = self.handle(body);
         self.bodies[handle].set_linvel(narrow(linear), true);
         self.bodies[handle].set_angvel(narrow(angular), true);
+        self.keep_locked(body);
     }
 
     /// Mass; 0 for bodies that are not dynamic.

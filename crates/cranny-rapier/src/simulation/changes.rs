@@ -6,7 +6,7 @@ use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_narrow_phase::Normals;
 use rapier3d::geometry::{Group, InteractionGroups, InteractionTestMode};
-use rapier3d::math::Real;
+use rapier3d::math::{Real, Vector};
 use rapier3d::parry::mass_properties::MassProperties;
 use rapier3d::prelude::{Collider, LockedAxes, RigidBodyType};
 
@@ -162,6 +162,33 @@ impl Simulation {
         let bits = bits.fold(0, |bits, (i, locked)| bits | (u8::from(locked) << i));
         let handle = self.handle(body);
         self.bodies[handle].set_locked_axes(LockedAxes::from_bits_truncate(bits), true);
+        self.keep_locked(body);
+    }
+
+    /// rapier lets no force act along a locked axis, and keeps the speed that is there.
+    pub(super) fn keep_locked(&mut self, body: BodyIndex) {
+        let handle = self.handle(body);
+        let rigid = &mut self.bodies[handle];
+        let locked = rigid.locked_axes();
+        if locked.is_empty() {
+            return;
+        }
+        let free = |axes: [LockedAxes; 3]| {
+            let free = axes.map(|axis| if locked.contains(axis) { 0.0 } else { 1.0 });
+            Vector::from_array(free)
+        };
+        let along = free([
+            LockedAxes::TRANSLATION_LOCKED_X,
+            LockedAxes::TRANSLATION_LOCKED_Y,
+            LockedAxes::TRANSLATION_LOCKED_Z,
+        ]);
+        let about = free([
+            LockedAxes::ROTATION_LOCKED_X,
+            LockedAxes::ROTATION_LOCKED_Y,
+            LockedAxes::ROTATION_LOCKED_Z,
+        ]);
+        rigid.set_linvel(rigid.linvel() * along, true);
+        rigid.set_angvel(rigid.angvel() * about, true);
     }
 
     /// The force at a body's centre of mass, and the torque, that act on it in every step from now
@@ -203,7 +230,7 @@ impl Simulation {
         }
     }
 
-    fn wake(&mut self, body: BodyIndex) {
+    pub(super) fn wake(&mut self, body: BodyIndex) {
         if let Some(rigid) = self.bodies.get_mut(self.handle(body)) {
             rigid.wake_up(true);
         }
