@@ -1,5 +1,6 @@
 //! `Recording`: frames to MCAP.
 
+use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -11,13 +12,13 @@ use cranny_record::{
     Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
     Recorder, Summary,
 };
-use cranny_world::{BodyId, ContactFields, PairEvent};
+use cranny_world::{BodyId, ContactFields, PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactReport;
 use crate::detection::Detected;
-use crate::effects::{EffectKind, EffectTable};
+use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
 use crate::readers::ContactReaders;
 
@@ -37,14 +38,26 @@ pub struct FrameRecorder {
     every: u32,
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
     events: Vec<PairEvent>,
+    /// Pairs of which the beginning was recorded.
+    begun: BTreeSet<Pair>,
 }
 
 impl FrameRecorder {
-    /// Only pairs that are asked for `Trigger` have events to tell.
+    /// Only pairs that ask for `Trigger` have events; what began ends, whether or not they still ask.
     fn note_events(&mut self, (_, _, effects, detected, _): &Sources) {
         let report = detected.as_ref().and_then(|detected| detected.report.as_ref());
-        let told = |event: &&PairEvent| effects.asks(EffectKind::Trigger, event.a, event.b);
-        self.events.extend(report.iter().flat_map(|report| &report.events).filter(told));
+        for event in report.iter().flat_map(|report| &report.events) {
+            let pair = (event.a, event.b);
+            let asks = || effects.asks(EffectKind::Trigger, event.a, event.b);
+            let reported = match event.kind {
+                PairEventKind::Began => asks() && self.begun.insert(pair),
+                PairEventKind::Ended => self.begun.remove(&pair),
+                _ => asks(),
+            };
+            if reported {
+                self.events.push(*event);
+            }
+        }
     }
 
     fn open(&mut self) -> Option<&mut Recorder> {
@@ -104,8 +117,12 @@ impl RecordingPlugin {
 impl Plugin for RecordingPlugin {
     fn build(&self, app: &mut App) {
         let recorder = self.recorder.lock().ok().and_then(|mut recorder| recorder.take());
-        let mut recorder =
-            FrameRecorder { recorder: Mutex::new(recorder), every: self.every, events: Vec::new() };
+        let mut recorder = FrameRecorder {
+            recorder: Mutex::new(recorder),
+            every: self.every,
+            events: Vec::new(),
+            begun: BTreeSet::new(),
+        };
         let present = app.world().resource::<Bodies>().iter();
         let written = record_bodies(&mut recorder, present);
         app.world_mut().resource_mut::<Failure>().note(written);
