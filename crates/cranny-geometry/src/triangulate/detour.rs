@@ -65,13 +65,13 @@ impl<'a> Detours<'a> {
 
     /// Walks along a segment, from each site on it to the next, and returns the way there around
     /// the corridor (last the site itself), and the site.
-    fn walk(&self, segment: Segment, mut tell: impl FnMut(&[u32], u32)) -> Option<()> {
+    fn walk(&self, segment: Segment, mut visit: impl FnMut(&[u32], u32)) -> Option<()> {
         let mut at = segment.left;
         while at != segment.right {
             let [left, right] = self.to_next_site(at, segment.right)?;
             let border = if self.area(at, &right) < self.area(at, &left) { right } else { left };
             at = *border.last()?;
-            tell(&border, at);
+            visit(&border, at);
         }
         Some(())
     }
