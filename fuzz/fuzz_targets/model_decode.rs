@@ -1,5 +1,5 @@
 //! Model files that somebody changed, with a right checksum: they are refused, or are models that
-//! can be written back as they were and asked anything.
+//! can be written back as they were and queried in any way.
 
 #![no_main]
 

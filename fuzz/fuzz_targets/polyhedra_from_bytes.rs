@@ -1,5 +1,5 @@
 //! Any faces over a few points of a lattice become a model whose every invariant holds, which comes
-//! back from its bytes, and which can be asked.
+//! back from its bytes, and which can be queried.
 
 #![no_main]
 

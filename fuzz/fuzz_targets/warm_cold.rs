@@ -1,5 +1,5 @@
 //! Two bodies stroll as the bytes say: they drift, turn, rest, jump, skip calls, change places,
-//! lose their memory, are asked something else. Whatever they do, memory changes no bit of an
+//! lose their memory, are queried for something else. Whatever they do, memory changes no bit of an
 //! answer.
 
 #![no_main]

@@ -5,8 +5,8 @@ use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::{Demand, Method, PairMemory, Placed, Query, query};
 
 // The tests of cranny-geometry ask the same of bytes from seeds; what they ask is written once.
-#[path = "../../crates/cranny-concavity/tests/from_bytes/asked.rs"]
-mod asked;
+#[path = "../../crates/cranny-concavity/tests/from_bytes/checks.rs"]
+mod checks;
 #[allow(dead_code, reason = "the tests use all of it")]
 #[path = "../../crates/cranny-concavity/tests/body/mod.rs"]
 mod body;
@@ -21,12 +21,12 @@ pub use cranny_testkit::Bytes;
 
 /// What the target of that name asks.
 pub fn nearly_flat(data: &[u8]) {
-    asked::nearly_flat(data);
+    checks::nearly_flat(data);
 }
 
 /// What the target of that name asks.
 pub fn deform(data: &[u8]) {
-    asked::deform(data);
+    checks::deform(data);
 }
 
 /// A point of a lattice of 16 steps a side, one in eight a hair off.

@@ -23,7 +23,7 @@ const FALL: f64 = 2.426 + 9.81 / 240.0;
 
 /// What became of an L.
 struct Came {
-    told: String,
+    reported: String,
     height: f64,
     drift: f64,
     overlap: f64,
@@ -35,7 +35,8 @@ struct Came {
     limit: f64,
 }
 
-/// Runs the scene and tells what became of the Ls of these names, which start so deep in the slab.
+/// Runs the scene and returns what became of the Ls of these names, which start so deep in the
+/// slab.
 fn run(bodies: &[(&str, f64)], slab: &str) -> Vec<Came> {
     let mut scene = asset("l_on_slab.ron").description;
     scene
@@ -80,12 +81,12 @@ fn run(bodies: &[(&str, f64)], slab: &str) -> Vec<Came> {
         let overlap = judge.overlap(&ended.poses, k, slab);
         let (tilts, fastest) = ([tilt_of(k, pose), tilted[k]], fastest[k]);
         let name = &scene.bodies[k].name;
-        let told = format!(
+        let reported = format!(
             "{name}: lowest point {height:.5}, drifted {drift:.5}, overlap {overlap:.2e}, tilts {tilts:.3?}, fastest {fastest:.3}"
         );
-        eprintln!("{told}");
+        eprintln!("{reported}");
         let limit = if name.starts_with("above") { FALL } else { SPEED };
-        Came { told, height, drift, overlap, tilts, fastest, limit }
+        Came { reported, height, drift, overlap, tilts, fastest, limit }
     });
     came.collect()
 }
@@ -94,10 +95,10 @@ fn run(bodies: &[(&str, f64)], slab: &str) -> Vec<Came> {
 fn whatever_the_depth_they_end_on_top() {
     let bodies = [("above", 0.0), ("shallow", 0.3), ("deep", 0.8), ("inside", f64::INFINITY)];
     for came in run(&bodies, "slab") {
-        assert!(came.height.abs() < REST && came.overlap < REST, "{}", came.told);
-        assert!(came.drift < 0.02, "{}", came.told);
-        assert!(came.tilts[1] < TILT, "{}", came.told);
-        assert!(came.fastest < came.limit, "{}", came.told);
+        assert!(came.height.abs() < REST && came.overlap < REST, "{}", came.reported);
+        assert!(came.drift < 0.02, "{}", came.reported);
+        assert!(came.tilts[1] < TILT, "{}", came.reported);
+        assert!(came.fastest < came.limit, "{}", came.reported);
     }
 }
 
@@ -106,8 +107,8 @@ fn whatever_the_depth_they_end_on_top() {
 fn bodies_of_many_faces_come_out_too() {
     let bodies = [("shallow_fine", 0.3), ("deep_fine", 0.8), ("inside_fine", f64::INFINITY)];
     for came in run(&bodies, "slab_fine") {
-        assert!(came.height.abs() < REST && came.overlap < REST, "{}", came.told);
-        assert!(came.tilts[0] < 1.0, "{}", came.told);
-        assert!(came.fastest < came.limit, "{}", came.told);
+        assert!(came.height.abs() < REST && came.overlap < REST, "{}", came.reported);
+        assert!(came.tilts[0] < 1.0, "{}", came.reported);
+        assert!(came.fastest < came.limit, "{}", came.reported);
     }
 }

@@ -1,6 +1,6 @@
 //! Whole scenes of `assets/`, simulated, and judged by what must be true of them in the world.
 
-#![expect(clippy::print_stderr, reason = "figures are told where a person looks for them")]
+#![expect(clippy::print_stderr, reason = "figures are printed where a person looks for them")]
 
 mod cups;
 mod gears;

@@ -127,7 +127,8 @@ fn under_gravity_it_runs_down() {
 }
 
 /// With friction of 0.02 it slips: 1.04 turns in the first second on a smooth thread, never more
-/// than a tenth beyond. How much facets cost is told, and stands in the README of `cranny-rapier`.
+/// than a tenth beyond. How much facets cost is printed, and stands in the README of
+/// `cranny-rapier`.
 #[test]
 fn with_little_friction_it_slips() {
     let came = descend("nut_slips.ron", None);
@@ -175,7 +176,7 @@ fn with_more_friction_it_stays() {
 }
 
 /// Started by hand, above the tip and askew: it engages, or it cross-threads and jams; which of the
-/// two is told. It engages if in the end it stands in its thread: 2 mm lower for each turn,
+/// two is printed. It engages if in the end it stands in its thread: 2 mm lower for each turn,
 /// upright, with one turn of thread or more over the bolt's. It jams if it leans, and has come to
 /// rest. It never goes through the thread.
 #[test]

@@ -1,12 +1,12 @@
 //! What the fuzz targets `nearly_flat` and `deform` check, on bytes drawn from seeds: run without
 //! fuzzing too.
 
-#[path = "from_bytes/asked.rs"]
-mod asked;
 mod body;
 #[allow(dead_code, reason = "other tests use the rest")]
 #[path = "concavities/check.rs"]
 mod check;
+#[path = "from_bytes/checks.rs"]
+mod checks;
 #[path = "deform/equal.rs"]
 mod equal;
 
@@ -20,32 +20,32 @@ fn bytes(seed: u64) -> Vec<u8> {
 
 #[test]
 fn solids_flat_but_for_rounding_keep_every_promise() {
-    (0..600).for_each(|seed| asked::nearly_flat(&bytes(seed)));
+    (0..600).for_each(|seed| checks::nearly_flat(&bytes(seed)));
 }
 
 #[test]
 fn what_moves_clear_of_rounding_equals_a_rebuild() {
-    (0..400).for_each(|seed| asked::deform(&bytes(seed)));
+    (0..400).for_each(|seed| checks::deform(&bytes(seed)));
 }
 
 #[test]
 fn a_flange_as_thin_as_two_slabs_is_skin() {
     // Its sides were openings of a closed body: caps on one side, too many faces on the other.
-    [2437, 2796].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
+    [2437, 2796].into_iter().for_each(|seed| checks::nearly_flat(&bytes(seed)));
 }
 
 #[test]
 fn two_caps_back_to_back_are_no_opening() {
     // Needles wider than slabs, on either side: what rounding left of the volume between them was
     // an opening.
-    [24_883, 52_571].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
+    [24_883, 52_571].into_iter().for_each(|seed| checks::nearly_flat(&bytes(seed)));
 }
 
 #[test]
 fn caps_back_to_back_hold_more_than_their_difference_says() {
     // Needles at the rim of a side that two caps cover and one uncovers: of half a unit of area
     // each, 2e-7 in sum.
-    asked::nearly_flat(&[
+    checks::nearly_flat(&[
         39, 11, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123,
         123, 123, 123, 123, 123, 123, 123, 123, 123, 12, 10, 255, 123, 123, 255, 255, 123, 123,
         123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123, 123,
@@ -66,14 +66,14 @@ fn caps_back_to_back_hold_more_than_their_difference_says() {
 fn a_lid_all_around_opens_nowhere() {
     // What rounding left of the sum of its caps was an opening before a deformation and none after
     // it.
-    [914, 1123, 2295, 4255].into_iter().for_each(|seed| asked::deform(&bytes(seed)));
+    [914, 1123, 2295, 4255].into_iter().for_each(|seed| checks::deform(&bytes(seed)));
 }
 
 #[test]
 fn facets_of_nearly_flat_sides_cover_what_a_rebuild_covers() {
     // Planes triangulated otherwise than in a rebuild made other facets, and concavities covered
     // other edges.
-    asked::deform(&[
+    checks::deform(&[
         255, 97, 97, 97, 97, 12, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 0, 0, 0, 0, 0,
         80, 0, 0, 10, 75, 97, 97, 97, 12, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 97, 0, 0,
         0, 0, 0, 80, 0, 0, 10, 75, 97, 97, 97, 97, 97, 97, 33, 3, 255, 255, 255, 33,
@@ -87,8 +87,8 @@ fn a_solid_without_volume_comes_back_from_its_file() {
         &[156, 0, 0, 0, 0, 249, 0, 0, 10, 0, 138, 42, 61, 10, 0, 10, 63][..],
         &[36, 0, 0, 0, 0, 0, 36, 0, 0, 0, 0, 0, 0, 2, 10, 0, 138, 42, 0, 0, 10, 0, 10, 63],
     ];
-    flat.into_iter().for_each(asked::nearly_flat);
-    asked::deform(&[
+    flat.into_iter().for_each(checks::nearly_flat);
+    checks::deform(&[
         1, 20, 17, 254, 239, 0, 0, 0, 0, 0, 0, 0, 255, 255, 36, 146, 73, 36, 62, 62, 62, 62, 62,
         62, 62, 62, 62, 62, 62, 62, 62, 54, 62, 1, 0, 0, 0, 0, 0, 0, 84, 62, 62, 62, 62, 62, 62,
         62, 62, 62, 62, 62, 62, 62, 62, 62, 33, 62, 62, 62, 62, 62, 62, 62, 62, 62, 255, 255, 255,
@@ -104,14 +104,14 @@ fn a_solid_without_volume_comes_back_from_its_file() {
 fn a_body_without_volume_has_none_up_to_what_its_sum_may_be_off_by() {
     // A sheet just thicker than skin that is reported to have no volume; shells as small as
     // rounding a length apart, between which the hull is a needle.
-    [1_006_005, 1_023_061].into_iter().for_each(|seed| asked::nearly_flat(&bytes(seed)));
+    [1_006_005, 1_023_061].into_iter().for_each(|seed| checks::nearly_flat(&bytes(seed)));
 }
 
 /// Two sides at 60 degrees, rough by rounding, share caps: seen along the axis nearest the larger
 /// one's normal the other is edge-on, and triangles of half its size were turned over by rounding.
 #[test]
 fn sides_that_share_caps_are_not_seen_edge_on() {
-    asked::nearly_flat(&EDGE_ON);
+    checks::nearly_flat(&EDGE_ON);
 }
 
 /// Found by fuzzing.

@@ -58,8 +58,8 @@ mod tests {
         let turned = |angle: f64| DVec3::new(angle.cos(), angle.sin(), 0.0);
         for k in 0..=4000 {
             let angle = PI * f64::from(k) / 4000.0;
-            let told = between(turned(0.3), turned(0.3 + angle));
-            assert!((told - angle).abs() < 3e-15, "{angle}: {told}");
+            let found = between(turned(0.3), turned(0.3 + angle));
+            assert!((found - angle).abs() < 3e-15, "{angle}: {found}");
         }
         for angle in [1e-3, 1e-8, 1e-15] {
             let v = DVec3::new(1.0, angle, 0.0);

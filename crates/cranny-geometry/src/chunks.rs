@@ -27,8 +27,8 @@ mod tests {
     #[test]
     fn each_chunk_is_told_once_and_ends_where_all_do() {
         let moved = [3, 5, CHUNK - 1, 2 * CHUNK, 2 * CHUNK + 9];
-        let told: Vec<_> = touched(moved.into_iter(), 2 * CHUNK + 10).collect();
-        assert_eq!(told, [(0, 0..CHUNK), (2, 2 * CHUNK..2 * CHUNK + 10)]);
+        let found: Vec<_> = touched(moved.into_iter(), 2 * CHUNK + 10).collect();
+        assert_eq!(found, [(0, 0..CHUNK), (2, 2 * CHUNK..2 * CHUNK + 10)]);
         assert_eq!(touched(std::iter::empty(), 7).count(), 0);
     }
 }

@@ -191,7 +191,7 @@ fn what_is_made_late_is_made_once_and_as_it_was_built() {
                 )
             };
             let asking: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
-            asking.into_iter().map(|asked| asked.join().unwrap()).collect()
+            asking.into_iter().map(|wanted| wanted.join().unwrap()).collect()
         });
         assert!(places.iter().all(|place| *place == places[0]));
         // Known before any tree is.
@@ -217,7 +217,7 @@ fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
     for model in bodies().iter().map(built) {
         let bytes = model.encode();
         let moves = a_few_moves(&model, &mut rng);
-        let [asked, fresh] = [true, false].map(|ask| {
+        let [wanted, fresh] = [true, false].map(|ask| {
             let mut back = Body::decode(&bytes).unwrap();
             if ask {
                 back.prepare_all();
@@ -225,7 +225,7 @@ fn a_loaded_model_deforms_alike_whether_or_not_it_was_asked_before() {
             let change = back.deform(&moves);
             (format!("{change:?}"), shown(&back))
         });
-        assert!(asked == fresh);
+        assert!(wanted == fresh);
         // All is made again as building makes it, so the same comes of the one that was built.
         let mut own = model.clone();
         let change = own.deform(&moves);
@@ -260,8 +260,8 @@ fn what_is_no_model_is_told_from_what_was_damaged() {
     (foreign[8], foreign[HEAD]) = (10, b'X');
     let expected = DecodeError::Version { found: 10, supported: 9 };
     assert_eq!(Body::decode(&sealed(foreign)).unwrap_err(), expected);
-    let told = with(17, !bytes[17]).to_string();
-    assert!(told.contains("damaged") && told.contains("length in its head"), "{told}");
+    let reported = with(17, !bytes[17]).to_string();
+    assert!(reported.contains("damaged") && reported.contains("length in its head"), "{reported}");
     assert_eq!(with(HEAD + 20, !bytes[HEAD + 20]), DecodeError::Checksum);
     assert_eq!(with(26, !bytes[26]), DecodeError::Checksum);
     let stated = bytes.len() as u64;

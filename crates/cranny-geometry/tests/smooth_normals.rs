@@ -60,9 +60,9 @@ fn worst(model: &Model, truth: impl Fn(DVec3) -> DVec3) -> [f64; 2] {
     for face in faces(model) {
         for _ in 0..4 {
             let p = inside(model.mesh().triangle(face), &mut rng);
-            let told = normals.on_face(model, face, p).expect("faces have an area");
-            assert!((told.normal.length() - 1.0).abs() < 1e-15);
-            let both = [told.normal, flat_normal(model, face)];
+            let reported = normals.on_face(model, face, p).expect("faces have an area");
+            assert!((reported.normal.length() - 1.0).abs() < 1e-15);
+            let both = [reported.normal, flat_normal(model, face)];
             worst = std::array::from_fn(|i| worst[i].max(radians_between(both[i], truth(p))));
         }
     }
@@ -74,31 +74,31 @@ fn worst(model: &Model, truth: impl Fn(DVec3) -> DVec3) -> [f64; 2] {
 #[test]
 fn normals_of_a_ball_are_radial() {
     let ball = shape(GolfBall { dimples: 0, triangles: 320, ..GolfBall::default() });
-    let [told, flat] = worst(&ball, DVec3::normalize);
-    assert!(flat > 0.12 && told < 0.1 * flat, "{told} {flat}");
+    let [reported, flat] = worst(&ball, DVec3::normalize);
+    assert!(flat > 0.12 && reported < 0.1 * flat, "{reported} {flat}");
     let normals = smooth(&ball, CREASE);
     for vertex in vertices(&ball) {
-        let told = normals.at_vertex(&ball, vertex).expect("a ball is nowhere sharp");
+        let reported = normals.at_vertex(&ball, vertex).expect("a ball is nowhere sharp");
         let radial = ball.mesh().position(vertex).normalize();
-        assert!(radians_between(told.normal, radial) < 0.1 * flat);
+        assert!(radians_between(reported.normal, radial) < 0.1 * flat);
         // A sphere's normal turns by the inverse of its radius along a unit of length.
-        let bend = told.bend * ball.radius();
+        let bend = reported.bend * ball.radius();
         assert!(bend > 0.5 && bend < 2.0, "{bend}");
     }
     // Of meridians and parallels: triangles of very different shapes, more of them about the poles.
-    let [told, flat] =
+    let [reported, flat] =
         worst(&shape(Sphere { radius: 2.0, segments: 48, rings: 24 }), DVec3::normalize);
-    assert!(flat > 0.06 && told < 0.1 * flat, "{told} {flat}");
+    assert!(flat > 0.06 && reported < 0.1 * flat, "{reported} {flat}");
 }
 
 #[test]
 fn normals_of_a_torus_are_those_of_its_tube() {
     let torus = shape(Torus { major_segments: 96, minor_segments: 32, ..Torus::default() });
-    let [told, flat] = worst(&torus, |p| {
+    let [reported, flat] = worst(&torus, |p| {
         let ring = DVec3::new(p.x, p.y, 0.0).normalize();
         (p - ring).normalize()
     });
-    assert!(flat > 0.09 && told < 0.1 * flat, "{told} {flat}");
+    assert!(flat > 0.09 && reported < 0.1 * flat, "{reported} {flat}");
 }
 
 /// The faces of a cube meet at 90 degrees, its halves of sides at 0.
@@ -111,12 +111,12 @@ fn a_cube_stays_flat_to_the_bit() {
         assert_eq!(normals.crease_angle(), crease);
         for face in faces(&cube) {
             let p = inside(cube.mesh().triangle(face), &mut rng);
-            let told = normals.on_face(&cube, face, p).unwrap();
-            assert_eq!((told.normal, told.bend), (flat_normal(&cube, face), 0.0));
+            let reported = normals.on_face(&cube, face, p).unwrap();
+            assert_eq!((reported.normal, reported.bend), (flat_normal(&cube, face), 0.0));
         }
         assert!(vertices(&cube).all(|v| normals.at_vertex(&cube, v).is_none()));
-        let told = edges(&cube).filter(|&e| normals.on_edge(&cube, e, 0.3).is_some()).count();
-        assert_eq!(told, if crease == 0.0 { 0 } else { 6 });
+        let reported = edges(&cube).filter(|&e| normals.on_edge(&cube, e, 0.3).is_some()).count();
+        assert_eq!(reported, if crease == 0.0 { 0 } else { 6 });
     }
 }
 
@@ -127,9 +127,9 @@ fn a_mean_does_not_depend_on_how_faces_are_cut() {
     let cube = model(cuboid([0.0; 3], [1.0; 3]));
     let normals = smooth(&cube, 1.6);
     for vertex in vertices(&cube) {
-        let told = normals.at_vertex(&cube, vertex).unwrap();
+        let reported = normals.at_vertex(&cube, vertex).unwrap();
         let diagonal = (cube.mesh().position(vertex) - 0.5).normalize();
-        assert!((told.normal - diagonal).length() < 1e-15);
+        assert!((reported.normal - diagonal).length() < 1e-15);
     }
 }
 
@@ -152,13 +152,13 @@ fn an_edge_is_smooth_below_the_crease_and_sharp_from_there_on() {
     for crease in [1.04, 1.05] {
         let normals = smooth(&prism, crease);
         for &edge in &between_sides {
-            let told = normals.on_edge(&prism, edge, 0.5);
-            assert_eq!(told.is_some(), crease > PI / 3.0);
-            if let Some(told) = told {
+            let reported = normals.on_edge(&prism, edge, 0.5);
+            assert_eq!(reported.is_some(), crease > PI / 3.0);
+            if let Some(reported) = reported {
                 let ends = prism.topology().edges()[edge.index()];
                 let at = prism.mesh().position(ends.from);
                 let radial = DVec3::new(at.x, at.y, 0.0).normalize();
-                assert!((told.normal - radial).length() < 1e-14, "{told:?}");
+                assert!((reported.normal - radial).length() < 1e-14, "{reported:?}");
             }
         }
         // Past the ends' rims nothing is smooth but their middles.
@@ -180,16 +180,16 @@ fn an_edge_is_smooth_below_the_crease_and_sharp_from_there_on() {
         let corners = prism.mesh().triangle(face);
         let flat = flat_normal(&prism, face);
         for (c, corner) in corners.into_iter().enumerate() {
-            let told = normals.at_corner(face, c).unwrap();
+            let reported = normals.at_corner(face, c).unwrap();
             let there = normals.on_face(&prism, face, corner).unwrap();
-            assert!((told.normal - there.normal).length() < 1e-14);
-            assert!((radians_between(told.normal, flat) - PI / 6.0).abs() < 1e-14);
+            assert!((reported.normal - there.normal).length() < 1e-14);
+            assert!((radians_between(reported.normal, flat) - PI / 6.0).abs() < 1e-14);
         }
         let upright = |i: usize| (corners[i] - corners[(i + 1) % 3]).truncate().length() < 1e-9;
         let i = (0..3).find(|&i| upright(i)).unwrap();
         let middle = 0.25 * (corners[i] + corners[(i + 1) % 3]) + 0.5 * corners[(i + 2) % 3];
-        let told = normals.on_face(&prism, face, middle).unwrap();
-        assert!((told.normal - flat).length() < 1e-14);
+        let reported = normals.on_face(&prism, face, middle).unwrap();
+        assert!((reported.normal - flat).length() < 1e-14);
     }
 }
 
@@ -220,13 +220,13 @@ fn a_face_without_area_parts_nothing() {
         VertexId(found as u32)
     };
     for &p in whole.mesh().vertices() {
-        let [told, truth] = [(&after, &split), (&before, &whole)]
+        let [reported, truth] = [(&after, &split), (&before, &whole)]
             .map(|(normals, model)| normals.at_vertex(model, at(model, p)).unwrap().normal);
-        assert!((told - truth).length() < 1e-14, "{p}: {told} {truth}");
+        assert!((reported - truth).length() < 1e-14, "{p}: {reported} {truth}");
     }
-    let told = after.at_vertex(&split, at(&split, 0.5 * (p + q))).unwrap().normal;
+    let reported = after.at_vertex(&split, at(&split, 0.5 * (p + q))).unwrap().normal;
     // The middle belongs to that one face alone, and the needle says nothing.
-    assert!((told - flat_normal(&whole, FaceId(0))).length() < 1e-14);
+    assert!((reported - flat_normal(&whole, FaceId(0))).length() < 1e-14);
     assert!(after.on_face(&split, needle, 0.5 * (p + q)).is_none());
     // Where it would be sharp without the needle, it is sharp with it.
     let sharp = smooth(&split, 0.01);
@@ -279,10 +279,10 @@ fn normals_turn_with_the_body_and_know_no_size() {
             bent += u32::from(own.bend > 0.0);
         }
         for vertex in vertices(&plain) {
-            let told = [(0, &plain), (1, &large), (2, &leaning)]
+            let reported = [(0, &plain), (1, &large), (2, &leaning)]
                 .map(|(i, model)| normals[i].at_vertex(model, vertex).is_some());
-            assert!(told[0] == told[1] && told[0] == told[2], "{vertex:?}");
-            counted[usize::from(told[0])] += 1;
+            assert!(reported[0] == reported[1] && reported[0] == reported[2], "{vertex:?}");
+            counted[usize::from(reported[0])] += 1;
         }
     }
     assert!(bent > 1000 && counted.iter().all(|&n| n > 50), "{bent} {counted:?}");
@@ -310,12 +310,12 @@ fn a_sharp_curve_that_runs_on_has_a_tangent() {
     let rims = edges(&cup).filter(|&e| normals.crease_on_edge(&cup, e, 0.5).is_some()).count();
     assert_eq!(rims, 4 * 24);
     for edge in edges(&cup) {
-        if let Some(told) = normals.crease_on_edge(&cup, edge, 0.25) {
+        if let Some(reported) = normals.crease_on_edge(&cup, edge, 0.25) {
             let ends = cup.topology().edges()[edge.index()];
             let [p, q] = [ends.from, ends.to].map(|v| cup.mesh().position(v));
             let middle = 0.75 * p + 0.25 * q;
             let around = DVec3::new(-middle.y, middle.x, 0.0).normalize();
-            assert!(told.tangent.cross(around).length() < 1e-3);
+            assert!(reported.tangent.cross(around).length() < 1e-3);
         }
     }
     let cube = model(cuboid([0.0; 3], [1.0; 3]));

@@ -58,7 +58,7 @@ pub(crate) fn solidity(
         Meeting::Touch => {
             let mut parts = Side::BOTH.map(|side| sampled(pair, side, touching, counters));
             for side in Side::BOTH {
-                told_by_edges(pair, side, touching, &mut parts[side.index()]);
+                judge_by_edges(pair, side, touching, &mut parts[side.index()]);
             }
             verdict(pair, parts, flush(pair, touching))
         }
@@ -223,7 +223,7 @@ fn view_of_overlap(pair: &Pair, t: &FacePair) -> Option<Projection> {
 /// Which cells of `side`'s faces lie where, as the edges of the other body tell that run through
 /// the inside of a face in its plane: on each hand of such an edge lies a cell, along it to a
 /// corner.
-fn told_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
+fn judge_by_edges(pair: &Pair, side: Side, touching: &[FacePair], parts: &mut Parts) {
     let others = side.other();
     for t in touching {
         let (own, other) = (face_on(t, side), face_on(t, others));

@@ -69,25 +69,25 @@ pub fn query(
         memory;
     let pair = &Pair::of_accepted(a, b);
     let pockets = (query.method == Method::Envelopes).then_some(pockets);
-    let mut told = match query.demand {
+    let mut found = match query.demand {
         Demand::Contacts { margin, normals } => {
             let approach = query.approach.filter(|approach| approach.within > margin);
             let wanted = Wanted::of(pair, margin, approach.as_ref());
-            let mut told = contacts(pair, posed, &wanted, parting, (coherent, kept));
-            // What regions tell leads out of a whole overlap, and is no surface's.
+            let mut found = contacts(pair, posed, &wanted, parting, (coherent, kept));
+            // What regions say leads out of a whole overlap, and is no surface's.
             if let Normals::Smooth { crease_angle } = normals
-                && told.regions.is_empty()
+                && found.regions.is_empty()
             {
-                smooth.retell(&mut told.contacts, [a, b], crease_angle)?;
+                smooth.replace_normals(&mut found.contacts, [a, b], crease_angle)?;
             }
-            told
+            found
         }
         demand => answer(pair, posed, &demand, parting, coherent, pockets, kept),
     };
-    if matches!(query.demand, Demand::Regions { .. }) || !told.regions.is_empty() {
-        tracks.follow([a, b], &mut told.regions);
+    if matches!(query.demand, Demand::Regions { .. }) || !found.regions.is_empty() {
+        tracks.follow([a, b], &mut found.regions);
     }
-    Ok(told)
+    Ok(found)
 }
 
 /// An answer that says nothing yet.

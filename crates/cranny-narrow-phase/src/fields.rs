@@ -5,7 +5,7 @@ use crate::query::Demand;
 /// The fields of an [`Answer`](crate::Answer) that somebody reads.
 ///
 /// What several readers read is their [`join`](Self::join). A reader does not care which question
-/// brought the answer: [`told_by`](Self::told_by) says whether an answer that is there already will
+/// brought the answer: [`held_by`](Self::held_by) says whether an answer that is there already will
 /// do, as a solver's own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fields {
@@ -73,7 +73,7 @@ impl Fields {
     /// Whether an answer to this demand holds these fields. What lies beyond a margin is the
     /// reader's to leave out.
     #[must_use]
-    pub fn told_by(&self, demand: Demand) -> bool {
+    pub fn held_by(&self, demand: Demand) -> bool {
         let regions = match demand {
             Demand::Regions { margin } => Some(margin),
             _ => None,
@@ -111,7 +111,7 @@ mod tests {
             (Fields::contacts(0.1).join(DISTANCE), regions(0.1)),
         ] {
             assert_eq!(fields.demand(), demand, "{fields:?}");
-            assert!(fields.told_by(demand));
+            assert!(fields.held_by(demand));
         }
         assert_eq!(Fields::contacts(0.1).join(Fields::contacts(0.2)), Fields::contacts(0.2));
     }
@@ -120,11 +120,11 @@ mod tests {
     fn a_solvers_contacts_tell_depth_and_contacts_as_far_as_they_reach() {
         let of_solver = Demand::contacts(0.1);
         let near = Fields::contacts(0.1).join(DEPTH).join(VERDICT);
-        assert!(near.told_by(of_solver) && Fields::NONE.told_by(of_solver));
-        assert!(near.told_by(Demand::Regions { margin: 0.1 }));
+        assert!(near.held_by(of_solver) && Fields::NONE.held_by(of_solver));
+        assert!(near.held_by(Demand::Regions { margin: 0.1 }));
         for beyond in [Fields::contacts(0.11), Fields::regions(0.0), DISTANCE] {
-            assert!(!beyond.told_by(of_solver), "{beyond:?}");
+            assert!(!beyond.held_by(of_solver), "{beyond:?}");
         }
-        assert!(!DEPTH.told_by(Demand::Intersects) && !VERDICT.told_by(Demand::None));
+        assert!(!DEPTH.held_by(Demand::Intersects) && !VERDICT.held_by(Demand::None));
     }
 }

@@ -113,7 +113,7 @@ mod tests {
     }
 
     /// Regions by the features of their contacts, each with its separation.
-    fn told(regions: &[Vec<Contact>]) -> Vec<Vec<((Feature, Feature), f64)>> {
+    fn by_features(regions: &[Vec<Contact>]) -> Vec<Vec<((Feature, Feature), f64)>> {
         let mut all: Vec<Vec<_>> = regions
             .iter()
             .map(|region| {
@@ -152,9 +152,10 @@ mod tests {
             // Nearer by no more than they are apart.
             for _ in 0..8 {
                 let at = |model, pose| Placed { model, pose };
-                let asked = Query::of(Demand::Distance { below: None });
+                let query_of_distance = Query::of(Demand::Distance { below: None });
                 let memory = &mut PairMemory::default();
-                let answer = query(at(a, Pose::IDENTITY), at(b, pose), &asked, memory).unwrap();
+                let answer =
+                    query(at(a, Pose::IDENTITY), at(b, pose), &query_of_distance, memory).unwrap();
                 pose.translation -= (answer.distance.unwrap() - 0.03) * direction;
             }
             let pace = [0.0, 0.002, 0.01, 0.05][rng.below(4)];
@@ -176,7 +177,7 @@ mod tests {
                 };
                 let found: Vec<Vec<Contact>> =
                     found.into_iter().map(|found| found.contacts).collect();
-                let (found, truth) = (told(&found), told(&truth));
+                let (found, truth) = (by_features(&found), by_features(&truth));
                 let (ours, theirs) = (flat(&found), flat(&truth));
                 let ids = |all: &[((Feature, Feature), f64)]| -> Vec<_> {
                     all.iter().map(|c| c.0).collect()

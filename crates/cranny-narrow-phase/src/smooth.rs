@@ -44,7 +44,7 @@ pub fn smooth_normal(
     let Some(crease) = crease.reduce(f64::max) else { return own };
     let of_a = at(a, contact.id.0, contact.point_a, smooth_a);
     let of_b = at(b, contact.id.1, contact.point_b, smooth_b);
-    let told = match [of_a, of_b] {
+    let smooth_normal_at = match [of_a, of_b] {
         [Form::Corner, Form::Corner] => return own,
         [Form::Curve(p), Form::Curve(q)] => across(own, p.tangent, q.tangent),
         [Form::Curve(_) | Form::Corner, Form::Curve(_) | Form::Corner] => return own,
@@ -61,8 +61,8 @@ pub fn smooth_normal(
             (share * p.normal - (1.0 - share) * q.normal).normalize_or_zero()
         }
     };
-    let is_same = (told - own).length() <= SAME;
-    if is_same || radians_between(told, own) > crease { own } else { told }
+    let is_same = (smooth_normal_at - own).length() <= SAME;
+    if is_same || radians_between(smooth_normal_at, own) > crease { own } else { smooth_normal_at }
 }
 
 /// Normals that differ by less, as chords of the unit sphere, differ by rounding: the contact's own
@@ -150,12 +150,12 @@ impl SmoothMemory {
         both.map(|(_, normals)| size_of::<SmoothNormals>() + normals.bytes()).sum()
     }
 
-    /// Tells contacts of two bodies with smooth normals.
+    /// Gives contacts of two bodies smooth normals.
     ///
     /// # Errors
     ///
     /// [`CreaseAngleError`].
-    pub(crate) fn retell(
+    pub(crate) fn replace_normals(
         &mut self,
         contacts: &mut [Contact],
         bodies: [Placed; 2],

@@ -102,19 +102,21 @@ impl Dispatcher {
             return Some(Duration::ZERO);
         }
         let mut pair = taken(workspace, g1, g2);
-        let mut asked = Asked { pose, shapes: [g1, g2], reach: reach.into(), approaching: None };
-        asked.approaching = ahead.as_ref().and_then(|ahead| self.approaching(&asked, ahead, &pair));
-        let carried = ahead.and_then(|ahead| self.carried(&asked, &ahead, &mut pair));
+        let mut request =
+            PairRequest { pose, shapes: [g1, g2], reach: reach.into(), approaching: None };
+        request.approaching =
+            ahead.as_ref().and_then(|ahead| self.approaching(&request, ahead, &pair));
+        let carried = ahead.and_then(|ahead| self.carried(&request, &ahead, &mut pair));
         let (mut contacts, answer) = match carried {
             Some(contacts) => (contacts, None),
-            None => self.searched(&asked, &mut pair)?,
+            None => self.searched(&request, &mut pair)?,
         };
         if let Some(ahead) = &ahead {
             contacts.retain(|contact| ahead.may_close(contact));
         }
         let drift = ahead.as_ref().map_or(prediction, PairAhead::drift);
         rebuild(&contacts, &pose, SAME_PLACE * f64::from(drift), manifolds);
-        let read = self.told_to_reader(&asked, answer, &mut pair);
+        let read = self.log_for_reader(&request, answer, &mut pair);
         *workspace = Some(ContactManifoldsWorkspace::from(*pair));
         Some(read)
     }
@@ -124,42 +126,43 @@ impl Dispatcher {
     /// steps too.
     fn approaching(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         ahead: &PairAhead,
         pair: &PairWorkspace,
     ) -> Option<(f64, Approach)> {
-        let before = self.searches.as_ref()?.of_step_before(asked.tags()?)?;
+        let before = self.searches.as_ref()?.of_step_before(request.tags()?)?;
         let within = CARRIED_WITHIN * f64::from(ahead.base());
-        let has_moved = pair.drift_since(&before, &asked.pose)? > within;
+        let has_moved = pair.drift_since(&before, &request.pose)? > within;
         has_moved.then(|| ahead.approaching()).flatten()
     }
 
     /// The contacts of the pair's last search at its present pose, where they may be carried on.
     fn carried(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         ahead: &PairAhead,
         pair: &mut PairWorkspace,
     ) -> Option<Vec<SolverContact>> {
         let searches = self.searches.as_ref().filter(|_| self.carries)?;
-        let tags = asked.tags()?;
-        let search = searches.of_step_before(tags).filter(|search| asked.reach <= search.reach)?;
+        let tags = request.tags()?;
+        let search =
+            searches.of_step_before(tags).filter(|search| request.reach <= search.reach)?;
         let within = CARRIED_WITHIN * f64::from(ahead.base());
-        let mut contacts = pair.carried(&search, &asked.pose, within)?;
-        contacts.retain(|contact| contact.separation <= asked.reach);
+        let mut contacts = pair.carried(&search, &request.pose, within)?;
+        contacts.retain(|contact| contact.separation <= request.reach);
         searches.carry(tags);
         Some(contacts)
     }
 
-    /// The contacts of the pair at its present pose, searched; `None` where parry must tell them.
+    /// The contacts of the pair at its present pose, searched; `None` where parry must find them.
     fn searched(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         pair: &mut PairWorkspace,
     ) -> Option<(Vec<SolverContact>, Option<Answered>)> {
-        let Asked { pose, shapes: [g1, g2], reach, approaching } = *asked;
+        let PairRequest { pose, shapes: [g1, g2], reach, approaching } = *request;
         let found = pair.found(&pose, g1, g2, Reach { within: reach, approaching })?;
-        if let Some((searches, tags)) = self.searches.as_ref().zip(asked.tags()) {
+        if let Some((searches, tags)) = self.searches.as_ref().zip(request.tags()) {
             // Of what approached, all was searched that is as near as this.
             let search = (pose, approaching.map_or(reach, |(certain, _)| certain));
             let kept = self.carries && (approaching.is_some() || pair.keep(&found, search));
@@ -169,35 +172,35 @@ impl Dispatcher {
     }
 
     /// Logs an answer at the present pose that holds what the log's reader reads, and returns the
-    /// time of asking for it. A solver's answer is logged whoever reads; none is made for nobody.
-    fn told_to_reader(
+    /// time of request for it. A solver's answer is logged whoever reads; none is made for nobody.
+    fn log_for_reader(
         &self,
-        asked: &Asked,
+        request: &PairRequest,
         answer: Option<Answered>,
         pair: &mut PairWorkspace,
     ) -> Duration {
-        let (Some(log), Some(tags), Some(models)) = (&self.log, asked.tags(), asked.models())
+        let (Some(log), Some(tags), Some(models)) = (&self.log, request.tags(), request.models())
         else {
             return Duration::ZERO;
         };
         let fields = log.fields(tags.0, tags.1);
         let have = answer.as_ref().map_or(Demand::None, |(_, question)| question.demand);
         let (begin, question) = (Instant::now(), Query::of(fields.demand()));
-        let (told, read) = if fields.told_by(have) {
+        let (logged, read) = if fields.held_by(have) {
             (answer, Duration::ZERO)
         } else {
-            let told = ask(models, asked.pose, &question, pair.memory());
-            (told.map(|answer| (answer, question)), begin.elapsed())
+            let logged = ask(models, request.pose, &question, pair.memory());
+            (logged.map(|answer| (answer, question)), begin.elapsed())
         };
-        if let Some(told) = told {
-            log.put(tags, told, asked.pose);
+        if let Some(logged) = logged {
+            log.put(tags, logged, request.pose);
         }
         read
     }
 }
 
-/// A question of rapier's about a pair.
-struct Asked<'a> {
+/// A request of rapier about a pair.
+struct PairRequest<'a> {
     /// Of the second shape in the first one's frame.
     pose: ExactPose,
     shapes: [&'a dyn Shape; 2],
@@ -206,7 +209,7 @@ struct Asked<'a> {
     approaching: Option<(f64, Approach)>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> PairRequest<'a> {
     /// Of two shapes of ours.
     fn ours(&self) -> Option<[&'a MeshShape; 2]> {
         let [g1, g2] = self.shapes;

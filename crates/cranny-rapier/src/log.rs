@@ -99,7 +99,7 @@ impl AnswerLog {
     }
 
     /// Says which fields a reader of the log reads about a pair of tags, in either order, from now
-    /// on. Where the solver's answer does not [hold](Fields::told_by) them, a second question is
+    /// on. Where the solver's answer does not [hold](Fields::held_by) them, a second question is
     /// computed in the same step, at the same pose; the solver's contacts do not depend on it.
     pub fn read_by(&self, fields: impl Fn(u32, u32) -> Fields + Send + Sync + 'static) {
         self.entries().reader = Reader(Some(Arc::new(fields)));

@@ -236,9 +236,9 @@ impl PairWorkspace {
         let is_smooth = self.leads_out && led.is_none();
         let searched = is_smooth.then(|| reduce_level_contacts(answer.contacts.clone()));
         let listed = led.as_ref().or(searched.as_ref()).unwrap_or(&answer.contacts);
-        let contacts = listed
-            .iter()
-            .map(|contact| told(contact, ids_of(contact, models, demand), &cores, pose, is_smooth));
+        let contacts = listed.iter().map(|contact| {
+            solver_contact(contact, ids_of(contact, models, demand), &cores, pose, is_smooth)
+        });
         Found { contacts: contacts.collect(), searched, answer: Some((answer, question)) }
     }
 
@@ -278,7 +278,12 @@ impl PairWorkspace {
         }
         let (cores, list) = (self.cores.as_ref()?, self.carried.as_ref()?);
         let contacts = list.refreshed(&map, within)?;
-        Some(contacts.iter().map(|(contact, ids)| told(contact, *ids, cores, pose, true)).collect())
+        Some(
+            contacts
+                .iter()
+                .map(|(contact, ids)| solver_contact(contact, *ids, cores, pose, true))
+                .collect(),
+        )
     }
 
     fn of_parts(
@@ -318,7 +323,7 @@ impl PairWorkspace {
 
 /// A contact of two cores as a solver gets it: of what they are rounded to, and by their smooth
 /// normals if wanted.
-fn told(
+fn solver_contact(
     contact: &Contact,
     ids: (PackedFeatureId, PackedFeatureId),
     cores: &[Core; 2],
@@ -326,16 +331,16 @@ fn told(
     is_smooth: bool,
 ) -> SolverContact {
     let radii = cores.each_ref().map(|core| core.rounded.radius);
-    let told = SolverContact::of(&rounded(contact, radii), ids);
+    let plain = SolverContact::of(&rounded(contact, radii), ids);
     let smooth = cores.each_ref().map(|core| core.smooth.as_deref());
     if !is_smooth || smooth.iter().all(Option::is_none) {
-        return told;
+        return plain;
     }
     let bodies = [
         Placed { model: cores[0].model(), pose: ExactPose::IDENTITY },
         Placed { model: cores[1].model(), pose: *pose },
     ];
-    SolverContact { normal: smooth_normal(contact, bodies, smooth), ..told }
+    SolverContact { normal: smooth_normal(contact, bodies, smooth), ..plain }
 }
 
 pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
@@ -425,10 +430,10 @@ fn parry_contacts(
     let pos12 = pose_to_rapier(pose);
     let (mut manifolds, reach): (Vec<Manifold>, _) = (Vec::new(), reach as Real);
     let (g1, g2) = (for_parry(g1), for_parry(g2));
-    let told =
+    let filled =
         DefaultQueryDispatcher.contact_manifolds(&pos12, g1, g2, reach, &mut manifolds, &mut None);
-    if told.is_err() {
-        // As rapier itself does with such a pair; no step can tell an error.
+    if filled.is_err() {
+        // As rapier itself does with such a pair; no step can report an error.
         tracing::debug!(
             "parts that nobody knows contacts of: {:?}",
             (g1.shape_type(), g2.shape_type())

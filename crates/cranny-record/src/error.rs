@@ -95,7 +95,7 @@ pub enum RecordError {
     },
     /// An answer about a body that the world does not hold.
     #[error(
-        "the report tells of body {body}, which the world does not hold: record a step before bodies are removed"
+        "the report names body {body}, which the world does not hold: record a step before bodies are removed"
     )]
     UnknownBody {
         /// The body.

@@ -89,7 +89,7 @@ fn contacts_events_and_stats_agree_with_the_world() {
         (recording.contacts().unwrap(), recording.stats().unwrap(), recording.events().unwrap());
 
     let mut pendulum = Pendulum::new();
-    let (mut touching, mut told, mut of_regions) = (BTreeSet::new(), 0, 0);
+    let (mut touching, mut reported, mut of_regions) = (BTreeSet::new(), 0, 0);
     for step in 0..STEPS {
         pendulum.world.set_pose(pendulum.bob, Pendulum::pose(step, STEPS)).unwrap();
         let report = pendulum.world.step().unwrap();
@@ -119,7 +119,7 @@ fn contacts_events_and_stats_agree_with_the_world() {
                 assert!((read.deepest.separation - deepest).abs() <= 1e-15 * deepest.abs());
             }
             assert!(pair.contacts.is_empty(), "the regions' points say it all");
-            told += pair.regions.len();
+            reported += pair.regions.len();
         }
         let (_, stats) = &stats[at];
         assert_eq!(stats.contacts, report.stats.contacts);
@@ -140,7 +140,7 @@ fn contacts_events_and_stats_agree_with_the_world() {
             assert!(changed, "{event:?} at {step}");
         }
     }
-    assert!(told > 0 && touching.is_empty(), "the bob met both and left them: {told}");
+    assert!(reported > 0 && touching.is_empty(), "the bob met both and left them: {reported}");
     assert!(of_regions > 0, "no region merged or split");
 }
 

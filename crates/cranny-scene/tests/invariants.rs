@@ -153,14 +153,14 @@ fn soups_are_surfaces_whose_report_names_every_open_edge() {
         assert!(!model.is_closed() && model.mass_properties().is_none(), "{name}");
         assert!(report.volume.is_none() && !report.is_sound(), "{name}");
         assert_eq!(report.meetings, MeetingScan::Complete, "{name}");
-        let told = |kind| -> usize {
+        let reported = |kind| -> usize {
             report.findings.iter().filter(|f| f.kind == kind).map(|f| f.count).sum()
         };
         let edges = model.topology().edges().iter();
         let open = edges.filter(|e| e.kind == EdgeKind::Open).count();
-        assert_eq!(told(FindingKind::OpenEdge), open, "{name}");
+        assert_eq!(reported(FindingKind::OpenEdge), open, "{name}");
         let others = [FindingKind::ContradictoryEdge, FindingKind::NonManifoldEdge];
-        assert!(open + others.map(told).iter().sum::<usize>() > 0, "{name}");
+        assert!(open + others.map(reported).iter().sum::<usize>() > 0, "{name}");
         let bounds = model.bounds().grown(report.weld_distance);
         for finding in &report.findings {
             let limit = match finding.kind.element() {

@@ -126,12 +126,12 @@ fn a_bow_tie_and_a_bent_quad_are_told_with_the_place_of_the_first() {
     for (read, (crossed, bent)) in read_all(&body).into_iter().zip(places) {
         let notes = read.notes.join("\n");
         assert!(notes.contains("4 polygons with more than three corners were split"), "{notes}");
-        let told = format!(
+        let reported = format!(
             "2 polygons of these: sides cross, corners lie on sides, or there is no area (first: {crossed})"
         );
-        assert!(notes.contains(&told), "{notes}");
-        let told = "1 polygon of these: corners lie off their common plane, by up to ";
-        assert!(notes.contains(told) && notes.contains(&format!("(first: {bent})")), "{notes}");
+        assert!(notes.contains(&reported), "{notes}");
+        let reported = "1 polygon of these: corners lie off their common plane, by up to ";
+        assert!(notes.contains(reported) && notes.contains(&format!("(first: {bent})")), "{notes}");
     }
 }
 

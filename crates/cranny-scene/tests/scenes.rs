@@ -193,7 +193,7 @@ fn unknown_and_unavailable_effects_are_told_apart() {
     let recording = refused("[Trigger()]", "[Recording()]").to_string();
     assert!(recording.contains("`record`") && recording.contains("--record"), "{recording}");
     let friction = refused("[Trigger()]", "[Friction()]").to_string();
-    assert!(friction.contains("not listed but asked for by the `friction`"), "{friction}");
+    assert!(friction.contains("not listed: a scene has it by the `friction`"), "{friction}");
     let unknown = refused("[Trigger()]", "[Triger()]").to_string();
     assert!(
         unknown.contains("unknown effect Triger")
@@ -276,13 +276,13 @@ fn normals_are_smooth_where_a_scene_says_so() {
     let body = |normals: &str| {
         format!("(bodies: [(name: \"a\", shape: Generator(Sphere()), kind: Fixed{normals})])")
     };
-    let told = |text: &str| parse(text).map(|loaded| loaded.description.bodies[0].normals);
-    assert_eq!(told(&body("")).unwrap(), Normals::Flat);
-    assert_eq!(told(&body(", normals: Flat")).unwrap(), Normals::Flat);
-    let smooth = told(&body(", normals: Smooth(crease_angle: 0.17)")).unwrap();
+    let reported = |text: &str| parse(text).map(|loaded| loaded.description.bodies[0].normals);
+    assert_eq!(reported(&body("")).unwrap(), Normals::Flat);
+    assert_eq!(reported(&body(", normals: Flat")).unwrap(), Normals::Flat);
+    let smooth = reported(&body(", normals: Smooth(crease_angle: 0.17)")).unwrap();
     assert_eq!(smooth, Normals::Smooth { crease_angle: 0.17 });
     let pile = "(groups: [Pile(count: 2, region: (min: (0, 0, 0), max: (9, 9, 9)), shapes: [Generator(Sphere())], normals: Smooth(crease_angle: 0.3))])";
-    assert_eq!(told(pile).unwrap(), Normals::Smooth { crease_angle: 0.3 });
+    assert_eq!(reported(pile).unwrap(), Normals::Smooth { crease_angle: 0.3 });
     for wrong in ["Smooth()", "Smooth(crease_angle: -0.1)", "Smooth(crease_angle: 3.2)", "Round"] {
         assert!(parse(&body(&format!(", normals: {wrong}"))).is_err(), "{wrong}");
     }

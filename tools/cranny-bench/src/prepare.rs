@@ -34,7 +34,7 @@ pub(crate) fn measure(quick: bool) -> Report {
             "same run, same meshes, in turns; medians of thread CPU time; ratio = decomposition / cranny".into(),
             "load: Model::decode of what Model::encode made, in turns with building; build / load likewise".into(),
             "load all: the same and Model::prepare_all, which makes what a loaded model otherwise makes when it \
-             is first asked for it"
+             is first wanted for it"
                 .into(),
             "concavities: Concavities::of the model, which nobody pays for who does not ask for them".into(),
         ],

@@ -264,7 +264,7 @@ another's pocket; an opening has a lid and no faces beneath: the mesh is open th
   pocket_volume       between them; negative for an island; null where volumes_unknown says why
   parent              what surrounds one without a lid, or null
   tree_nodes          boxes of its tree; envelope_layers, envelope_depth, envelope_facets likewise
-Lengths are in the unit of the file, points in its frame; docs/inspect.md tells every key.
+Lengths are in the unit of the file, points in its frame; docs/inspect.md explains every key.
 skin_volume is what else lies between hull and body, pockets as thin as rounding; skin_area what the hull
 has more there than the body. flatness is the share of the largest coordinate that counted as rounding:
 see --flat.

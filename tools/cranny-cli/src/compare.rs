@@ -52,7 +52,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         description.effects.push(Effect::Contacts { margin: 0.0 });
     }
 
-    let asked = if args.detector.is_empty() {
+    let wanted = if args.detector.is_empty() {
         Detector::ALL.to_vec()
     } else {
         each_once(args.detector.iter().map(|&argument| detector(argument)))
@@ -64,7 +64,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
     };
     let mut contestants = Vec::new();
     let ways = ways(args.recycling);
-    for (kind, recycling) in asked.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way))) {
+    for (kind, recycling) in wanted.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way))) {
         let spinner = progress::spinner(format!("preparing {kind}"));
         let options = RunOptions {
             plugins: PluginOptions {
@@ -113,7 +113,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         .map(DetectorRun::finish)
         .collect::<Result<Vec<RunFigures>, SceneAppError>>()
         .map_err(failure)?;
-    tell(&rows, format.unwrap_or(Format::Text))?;
+    print_rows(&rows, format.unwrap_or(Format::Text))?;
     if let Some(folder) = &args.out {
         write(&folder.join(FILES[0]), &figures::csv(&rows))?;
         write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
@@ -135,15 +135,15 @@ fn each_once(named: impl Iterator<Item = Detector>) -> Vec<Detector> {
 }
 
 /// With which recycling of contacts each detector runs.
-fn ways(asked: RecyclingArg) -> &'static [bool] {
-    match asked {
+fn ways(wanted: RecyclingArg) -> &'static [bool] {
+    match wanted {
         RecyclingArg::On => &[true],
         RecyclingArg::Off => &[false],
         RecyclingArg::Both => &[true, false],
     }
 }
 
-fn tell(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
+fn print_rows(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     match format {
         Format::Json => rows.iter().try_for_each(|row| output.json(row)),

@@ -52,7 +52,7 @@ fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
         add("  none".to_owned());
     }
     for effect in &plan.effects {
-        add(format!("  {}: asked for by {}", effect.name, effect.asked_by.join(", ")));
+        add(format!("  {}: named by {}", effect.name, effect.asked_by.join(", ")));
         effect.read_by.iter().for_each(|reader| add(format!("      {reader}")));
     }
     for schedule in &plan.schedules {
@@ -73,10 +73,10 @@ fn text(scene: &str, bodies: usize, plan: &Plan) -> String {
 }
 
 fn pairs(group: &PlannedPairs) -> String {
-    let asked =
+    let wanted =
         if group.effects.is_empty() { "nothing".to_owned() } else { group.effects.join(", ") };
     let mut line =
-        format!("  {}: {asked}, detected by {} ({})", group.count, group.detected_by, group.why);
+        format!("  {}: {wanted}, detected by {} ({})", group.count, group.detected_by, group.why);
     if !group.fields.is_empty() {
         // Writing to a string cannot fail.
         let _ = write!(line, "\n      computed: {}", group.fields.join(", "));

@@ -15,8 +15,8 @@ pub(crate) fn start(verbose: u8) {
         2 => "info,cranny=debug",
         _ => "trace",
     };
-    let asked = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|filter| !filter.is_empty());
-    let filter = EnvFilter::new(asked.as_deref().unwrap_or(level));
+    let wanted = std::env::var(EnvFilter::DEFAULT_ENV).ok().filter(|filter| !filter.is_empty());
+    let filter = EnvFilter::new(wanted.as_deref().unwrap_or(level));
     tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(io::stderr)

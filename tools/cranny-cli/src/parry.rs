@@ -23,7 +23,7 @@ pub(crate) fn double(v: Vector) -> DVec3 {
 pub(crate) fn quietly<T>(ask: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
-    let told = catch_unwind(AssertUnwindSafe(ask));
+    let found = catch_unwind(AssertUnwindSafe(ask));
     panic::set_hook(hook);
-    told.unwrap_or_else(|_| Err("it panicked".to_owned()))
+    found.unwrap_or_else(|_| Err("it panicked".to_owned()))
 }

@@ -160,8 +160,8 @@ fn text(summary: &RunSummary) -> String {
     lines.add("time, ms", spent.join(", "));
     lines.add("pairs", format!("{:.1} a step, at most {}", summary.pairs.mean, summary.pairs.max));
     if let Some(PairsFound { carried, searched }) = &summary.pairs_found {
-        let told = format!("{:.1} carried on a step, {:.1} searched", carried.mean, searched.mean);
-        lines.add("- contacts", told);
+        let found = format!("{:.1} carried on a step, {:.1} searched", carried.mean, searched.mean);
+        lines.add("- contacts", found);
     }
     let contacts = &summary.contacts;
     lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
@@ -204,7 +204,7 @@ fn text(summary: &RunSummary) -> String {
     }
     if summary.motion.len() > MOTIONS_TOLD {
         let more = summary.motion.len() - MOTIONS_TOLD;
-        lines.add("motion", format!("and {more} more bodies (--format json tells all)"));
+        lines.add("motion", format!("and {more} more bodies (--format json lists all)"));
     }
     lines.add("state", summary.state_hash.clone());
     summary.outputs.iter().for_each(|path| lines.add("written", path.clone()));
@@ -233,9 +233,9 @@ impl Lines {
         if !self.0.is_empty() {
             self.0.push('\n');
         }
-        let told = if heading == self.1 { "" } else { heading };
+        let found = if heading == self.1 { "" } else { heading };
         self.1 = heading;
         // Writing to a string cannot fail.
-        let _ = write!(self.0, "{told:<10} {value}");
+        let _ = write!(self.0, "{found:<10} {value}");
     }
 }

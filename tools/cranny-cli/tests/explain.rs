@@ -75,7 +75,7 @@ fn scenes_that_differ_by_one_effect_differ_by_its_systems() {
 fn the_text_tells_effects_systems_pairs_and_what_is_absent() {
     let text = String::from_utf8(explain("Response(), Trigger()", &[]).stdout).unwrap();
     for word in [
-        "Response: asked for by the scene",
+        "Response: named by the scene",
         "CrannyStep, in this order",
         "response::step_solver",
         "ResponseSystems::Solve",

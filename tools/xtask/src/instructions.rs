@@ -115,9 +115,9 @@ fn instructions(bench: &Path, name: &str) -> Result<u64, String> {
         .arg("--toggle-collect=cranny_bench::count::counted*")
         .arg(bench)
         .args(["count", name]);
-    let (_, told) = output(&mut valgrind)?;
-    collected(&told)
-        .ok_or_else(|| format!("{name}: valgrind tells no count of instructions:\n{told}"))
+    let (_, found) = output(&mut valgrind)?;
+    collected(&found)
+        .ok_or_else(|| format!("{name}: valgrind reports no count of instructions:\n{found}"))
 }
 
 /// Standard output and standard error of a command that succeeded.
@@ -132,8 +132,8 @@ fn output(command: &mut Command) -> Result<(String, String), String> {
 
 /// The number behind `Collected :` in what callgrind says; 0 would mean that the function was not
 /// found.
-fn collected(told: &str) -> Option<u64> {
-    let (_, number) = told.lines().find_map(|line| line.split_once("Collected :"))?;
+fn collected(found: &str) -> Option<u64> {
+    let (_, number) = found.lines().find_map(|line| line.split_once("Collected :"))?;
     number.trim().parse().ok().filter(|&count| count > 0)
 }
 

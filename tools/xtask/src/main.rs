@@ -31,10 +31,10 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
-        ["check-deps"] => tell_deps(),
-        ["check-docs"] => tell_docs(),
-        ["instructions"] => tell_instructions(false),
-        ["instructions", "--update"] => tell_instructions(true),
+        ["check-deps"] => run_check_deps(),
+        ["check-docs"] => run_check_docs(),
+        ["instructions"] => run_instructions(false),
+        ["instructions", "--update"] => run_instructions(true),
         _ => {
             eprintln!("{USAGE}");
             ExitCode::from(2)
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn tell_instructions(update: bool) -> ExitCode {
+fn run_instructions(update: bool) -> ExitCode {
     match root().and_then(|root| instructions::run(&root, update)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -53,17 +53,21 @@ fn tell_instructions(update: bool) -> ExitCode {
     }
 }
 
-fn tell_deps() -> ExitCode {
-    tell("check-deps", "crate directions hold, source files are clean", check_deps())
+fn run_check_deps() -> ExitCode {
+    report_result("check-deps", "crate directions hold, source files are clean", check_deps())
 }
 
-fn tell_docs() -> ExitCode {
+fn run_check_docs() -> ExitCode {
     let checked = root().and_then(|root| documents::check(&root));
-    tell("check-docs", "links resolve, pages and comments keep their bounds", checked)
+    report_result("check-docs", "links resolve, pages and comments keep their bounds", checked)
 }
 
 /// Prints what a check found in so many files.
-fn tell(name: &str, good: &str, checked: Result<(usize, Vec<Violation>), String>) -> ExitCode {
+fn report_result(
+    name: &str,
+    good: &str,
+    checked: Result<(usize, Vec<Violation>), String>,
+) -> ExitCode {
     match checked {
         Ok((files, violations)) if violations.is_empty() => {
             println!("{name}: {good} ({files} files)");

@@ -21,7 +21,7 @@ pub(crate) fn of_crate(folder: &Path) -> Result<Vec<SourceFile>, String> {
     paths.sort();
     let mut files = Vec::new();
     for path in paths {
-        let text = std::fs::read_to_string(&path).map_err(|e| told(&path, &e))?;
+        let text = std::fs::read_to_string(&path).map_err(|e| with_path(&path, &e))?;
         files.push(SourceFile { stripped: strip::strip(&text), path });
     }
     let tests: BTreeSet<PathBuf> = files.iter().flat_map(test_modules).collect();
@@ -33,7 +33,7 @@ pub(crate) fn of_crate(folder: &Path) -> Result<Vec<SourceFile>, String> {
 /// Whether a crate's manifest names the sources of a crate beside it.
 fn shares_sources(folder: &Path) -> Result<bool, String> {
     let manifest = folder.join("Cargo.toml");
-    let text = std::fs::read_to_string(&manifest).map_err(|e| told(&manifest, &e))?;
+    let text = std::fs::read_to_string(&manifest).map_err(|e| with_path(&manifest, &e))?;
     let shared = text
         .lines()
         .filter_map(|line| line.strip_prefix("path = \"../")?.strip_suffix("/src/lib.rs\""))
@@ -54,8 +54,8 @@ fn test_modules(file: &SourceFile) -> Vec<PathBuf> {
 }
 
 fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), String> {
-    for entry in std::fs::read_dir(folder).map_err(|e| told(folder, &e))? {
-        let path = entry.map_err(|e| told(folder, &e))?.path();
+    for entry in std::fs::read_dir(folder).map_err(|e| with_path(folder, &e))? {
+        let path = entry.map_err(|e| with_path(folder, &e))?.path();
         if path.is_dir() {
             collect(&path, paths)?;
         } else if path.extension().is_some_and(|extension| extension == "rs") {
@@ -65,7 +65,7 @@ fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<(), String> {
     Ok(())
 }
 
-fn told(path: &Path, error: &std::io::Error) -> String {
+fn with_path(path: &Path, error: &std::io::Error) -> String {
     format!("{}: {error}", path.display())
 }
 

@@ -26,24 +26,24 @@ impl CapSurface {
     ) -> Vec<Finding> {
         let wide: Vec<CapId> =
             self.negative.iter().copied().filter(|&cap| self.width(mesh, cap) > depth).collect();
-        let mut told: Vec<Finding> =
+        let mut findings: Vec<Finding> =
             thin_body(mesh, hull, depth).filter(|_| is_closed).into_iter().collect();
         let mut facets = BTreeSet::new();
         for caps in wide.chunk_by(|&a, &b| self.facet_of(a) == self.facet_of(b)) {
             let corners = caps.iter().flat_map(|cap| self.triangles[cap.index()]).collect();
             let area = caps.iter().map(|&cap| 0.5 * self.twice_area(mesh, cap)).sum();
-            told.push(finding(FindingKind::NegativeCap, corners, mesh, area));
+            findings.push(finding(FindingKind::NegativeCap, corners, mesh, area));
             facets.insert(self.facet_of(caps[0]));
         }
-        let is_told =
+        let is_reported =
             |f: &FacetId| facets.contains(f) || self.sharing(*f).any(|g| facets.contains(&g));
-        for &facet in self.crossed.iter().filter(|f| is_told(f)) {
+        for &facet in self.crossed.iter().filter(|f| is_reported(f)) {
             let facet = hull.facet(facet);
             let corners = facet.corners.iter().map(|&v| hull.source(v).0).collect();
             let thickness = facet.thickness.max(hull.flatness());
-            told.push(finding(FindingKind::CrossedCap, corners, mesh, thickness));
+            findings.push(finding(FindingKind::CrossedCap, corners, mesh, thickness));
         }
-        told
+        findings
     }
 
     fn twice_area(&self, mesh: &Mesh, cap: CapId) -> f64 {

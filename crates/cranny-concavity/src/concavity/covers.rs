@@ -106,24 +106,24 @@ impl HullCovers {
     /// Where the hull has no such facet; so do the functions below for their ids.
     #[must_use]
     pub fn facet(&self, facet: FacetId) -> FeatureCover<'_> {
-        self.told(self.facets[facet.index()])
+        self.decoded(self.facets[facet.index()])
     }
 
     /// What covers the hull beside an edge, on both sides and all along; the same for both
     /// half-edges. An edge within a facet answers as the facet. O(1).
     #[must_use]
     pub fn edge(&self, half_edge: HalfEdgeId) -> FeatureCover<'_> {
-        self.told(self.edges[half_edge.index()])
+        self.decoded(self.edges[half_edge.index()])
     }
 
     /// What covers the hull around a vertex. A vertex at which nothing but needles has a corner,
     /// which a lid may cover by rounding, answers as its facets. O(1).
     #[must_use]
     pub fn vertex(&self, vertex: HullVertexId) -> FeatureCover<'_> {
-        self.told(self.vertices[vertex.index()])
+        self.decoded(self.vertices[vertex.index()])
     }
 
-    fn told(&self, code: Code) -> FeatureCover<'_> {
+    fn decoded(&self, code: Code) -> FeatureCover<'_> {
         if code == SOLID {
             return FeatureCover::Solid;
         }
@@ -393,17 +393,17 @@ mod tests {
             .map(|owners| filing.code(&owners));
         let mixed = filing.mixed;
         let covers = HullCovers { facets: codes.to_vec(), edges: vec![], vertices: vec![], mixed };
-        let told = |f| covers.facet(FacetId(f));
+        let decoded = |f| covers.facet(FacetId(f));
         let both = [ConcavityId(0), ConcavityId(1)];
-        assert_eq!(told(0), FeatureCover::Solid);
-        assert_eq!(told(1), FeatureCover::Lid(ConcavityId(3)));
-        assert_eq!(told(2), FeatureCover::Mixed { solid: true, lids: &both[..1] });
-        assert_eq!(told(3), FeatureCover::Mixed { solid: false, lids: &both });
-        assert_eq!(told(4), told(2));
-        assert_eq!(told(5), FeatureCover::Mixed { solid: false, lids: &[] });
-        assert!(told(2).is_solid() && !told(1).is_solid());
+        assert_eq!(decoded(0), FeatureCover::Solid);
+        assert_eq!(decoded(1), FeatureCover::Lid(ConcavityId(3)));
+        assert_eq!(decoded(2), FeatureCover::Mixed { solid: true, lids: &both[..1] });
+        assert_eq!(decoded(3), FeatureCover::Mixed { solid: false, lids: &both });
+        assert_eq!(decoded(4), decoded(2));
+        assert_eq!(decoded(5), FeatureCover::Mixed { solid: false, lids: &[] });
+        assert!(decoded(2).is_solid() && !decoded(1).is_solid());
         assert_eq!(
-            told(1).lids().chain(told(3).lids()).map(|c| c.0).collect::<Vec<_>>(),
+            decoded(1).lids().chain(decoded(3).lids()).map(|c| c.0).collect::<Vec<_>>(),
             [3, 0, 1]
         );
     }

@@ -206,7 +206,7 @@ impl FollowedConcavities {
             },
             ..ConcavityChange::default()
         };
-        tell_concavities(&mut change, moved, &self.concavities.set, set);
+        note_concavities(&mut change, moved, &self.concavities.set, set);
         *self = new;
         change
     }
@@ -321,7 +321,7 @@ impl FollowedDeformation<'_> {
         });
         self.change.work.grouped = grouped;
         let old = std::mem::replace(set, new);
-        let same = tell_concavities(&mut self.change, self.moved, &old, set);
+        let same = note_concavities(&mut self.change, self.moved, &old, set);
         let same: Vec<Option<usize>> = same.iter().map(|s| s.map(ConcavityId::index)).collect();
         self.follow_with_trees(&same);
         self.follow_with_envelopes(&same, &old.openings());
@@ -392,7 +392,7 @@ impl FollowedDeformation<'_> {
 
 /// Notes what has become of concavities. Returns for each of the new ones the old one that has the
 /// same faces; of those without faces, the same caps.
-fn tell_concavities(
+fn note_concavities(
     change: &mut ConcavityChange,
     moved: &ChangeSet,
     old: &ConcavitySet,

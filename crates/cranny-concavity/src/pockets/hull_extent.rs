@@ -76,11 +76,11 @@ mod tests {
                     let count = model.mesh().vertices().len() as u32;
                     let height = |v| direction.dot(host.apply(model.mesh().position(VertexId(v))));
                     let least = (0..count).map(height).fold(f64::INFINITY, f64::min);
-                    let told = hull.least(direction);
+                    let found = hull.least(direction);
                     // With room for what rounds differently elsewhere.
                     let room = 0.5 * pair.error;
-                    assert!(told <= least - room, "{k} {guest}: {told} of {least}");
-                    assert!(told >= least - 3.0 * pair.error, "{k} {guest}: {told}");
+                    assert!(found <= least - room, "{k} {guest}: {found} of {least}");
+                    assert!(found >= least - 3.0 * pair.error, "{k} {guest}: {found}");
                 }
             }
         }

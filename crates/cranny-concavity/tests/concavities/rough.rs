@@ -28,8 +28,8 @@ fn strip(model: &Body) -> f64 {
 }
 
 fn told_twice(findings: &[Finding]) -> f64 {
-    let told = findings.iter().filter(|f| f.kind == FindingKind::NegativeCap);
-    told.map(|f| f.measure).sum()
+    let found = findings.iter().filter(|f| f.kind == FindingKind::NegativeCap);
+    found.map(|f| f.measure).sum()
 }
 
 #[test]

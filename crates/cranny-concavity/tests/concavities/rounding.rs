@@ -253,9 +253,9 @@ fn sides_divided_otherwise_than_the_hull_divides_them_are_covered_once() {
         let all = model.concavities();
         all.validate(model.mesh(), model.topology(), model.hull(), model.features()).unwrap();
         shared += usize::from(all.shared_facets().next().is_some());
-        let told =
+        let reported =
             |f: &&Finding| matches!(f.kind, FindingKind::NegativeCap | FindingKind::CrossedCap);
-        let found = report.findings.iter().find(told);
+        let found = report.findings.iter().find(reported);
         assert_eq!(found, None, "round {round}");
     }
     assert!(shared > 40, "{shared}");

@@ -138,7 +138,7 @@ fn facets(model: &Body) -> BTreeSet<ToldFacet> {
 /// Of each vertex of the hull, and of each edge between two facets, what covers it.
 fn covers(model: &Body, rebuilt: &Body, what: &str) {
     type Told = BTreeMap<Vec<VertexId>, (bool, Vec<ConcavityId>)>;
-    let told = |model: &Body| -> Told {
+    let found = |model: &Body| -> Told {
         let (hull, covers) = (model.hull(), model.hull_covers());
         let facet = |h: HalfEdgeId| hull.facet_of_triangle(h.index() / 3);
         let edges = (0..3 * hull.triangle_count() as u32).map(HalfEdgeId);
@@ -155,8 +155,8 @@ fn covers(model: &Body, rebuilt: &Body, what: &str) {
         all.map(|(ids, cover)| (ids, (cover.is_solid(), cover.lids().collect()))).collect()
     };
     if model.hull().kind() == HullKind::Volume {
-        let (a, b) = (told(model), told(rebuilt));
-        let other: Vec<_> = a.iter().filter(|(ids, told)| b.get(*ids) != Some(told)).collect();
+        let (a, b) = (found(model), found(rebuilt));
+        let other: Vec<_> = a.iter().filter(|(ids, found)| b.get(*ids) != Some(found)).collect();
         let rebuilt: Vec<_> = other.iter().map(|(ids, _)| b.get(*ids)).collect();
         assert!(other.is_empty() && a.len() == b.len(), "{what}: {other:?} was {rebuilt:?}");
     }
@@ -264,8 +264,8 @@ pub(crate) fn assert_tells_changes(before: &Body, after: &Body, change: &Change,
             };
             places(before, &old) == places(after, &new)
         });
-        let told = change.beneath.reshaped.binary_search(&new.id()).is_ok();
-        assert_eq!(!is_same, told, "{what}: concavity {}", new.id().0);
+        let found = change.beneath.reshaped.binary_search(&new.id()).is_ok();
+        assert_eq!(!is_same, found, "{what}: concavity {}", new.id().0);
     }
     for (old, new) in (0..).map(PatchId).zip(&change.patches) {
         if let Some(new) = new {

@@ -358,26 +358,26 @@ fn two_cubes_level_by_level() {
         let pose = Pose::at(DVec3::new(x, y, 0.25));
         (Placed { model: &cube, pose: Pose::IDENTITY }, Placed { model: &cube, pose })
     };
-    let told = |(a, b): (Placed, Placed), level| {
+    let reported = |(a, b): (Placed, Placed), level| {
         let question = Query::of(Demand::Distance { below: None });
         estimate(a, b, &question, &Effort::of(level), &mut EstimateMemory::default()).unwrap()
     };
     // Half an edge apart: boxes know it from below, but for rounding; hulls from corner to corner.
     let apart = at(1.5, 0.25);
     for level in LEVELS {
-        let found = told(apart, level);
+        let found = reported(apart, level);
         assert_eq!(found.verdict, Verdict::Excluded, "{level:?}");
         assert!((found.separation.lo - 0.5).abs() < 1e-12, "{level:?}: {found:?}");
     }
-    let corners = told(apart, Accuracy::Hulls).separation.hi;
+    let corners = reported(apart, Accuracy::Hulls).separation.hi;
     assert!(corners > 0.5 && corners < 1.0, "{corners}");
-    assert!((told(apart, Accuracy::Caps).separation.hi - 0.5).abs() < 1e-12);
+    assert!((reported(apart, Accuracy::Caps).separation.hi - 0.5).abs() < 1e-12);
     // Overlapping: boxes and hulls cannot be certain, faces can.
     for level in [Accuracy::Boxes, Accuracy::Hulls] {
-        assert_eq!(told(at(0.5, 0.25), level).verdict, Verdict::Open, "{level:?}");
+        assert_eq!(reported(at(0.5, 0.25), level).verdict, Verdict::Open, "{level:?}");
     }
     for level in [Accuracy::Caps, Accuracy::Tree(9), Accuracy::Exact] {
-        assert_eq!(told(at(0.5, 0.25), level).verdict, Verdict::Certain, "{level:?}");
+        assert_eq!(reported(at(0.5, 0.25), level).verdict, Verdict::Certain, "{level:?}");
     }
 }
 
@@ -493,7 +493,7 @@ fn what_is_told_scales_with_the_bodies() {
         let large = model(cup.mesh().scaled(DVec3::splat(factor)).unwrap());
         for level in LEVELS {
             for x in [1.3, 0.9, 0.4] {
-                let told = |cup: &Model, scale: f64| {
+                let reported = |cup: &Model, scale: f64| {
                     let rotation = DQuat::from_xyzw(0.1, 0.2, -0.3, 0.9).normalize();
                     let translation = scale * DVec3::new(x, 0.3, 0.2);
                     let (a, b) = (
@@ -504,7 +504,7 @@ fn what_is_told_scales_with_the_bodies() {
                     let effort = Effort { accuracy: level, budget: Budget::Tests(500) };
                     estimate(a, b, &question, &effort, &mut EstimateMemory::default()).unwrap()
                 };
-                let (here, there) = (told(&cup, 1.0), told(&large, factor));
+                let (here, there) = (reported(&cup, 1.0), reported(&large, factor));
                 let what = format!("{level:?}, {power}, {x}");
                 assert_eq!((here.verdict, here.surface), (there.verdict, there.surface), "{what}");
                 let ends = |held: Interval| [held.lo, held.hi];

@@ -94,7 +94,7 @@ impl<'a> Deformation<'a> {
             patched: faces,
             summed: faces + mesh.vertices().len(),
         };
-        renewal.tell(&mut change, parts);
+        renewal.report(&mut change, parts);
         change
     }
 

@@ -61,8 +61,8 @@ impl Renewal {
         }
     }
 
-    /// Tells of a deformation what has become of what was read.
-    pub(super) fn tell(&self, change: &mut ChangeSet, parts: &Parts) {
+    /// Reports in a change set what has become of what was read.
+    pub(super) fn report(&self, change: &mut ChangeSet, parts: &Parts) {
         change.hull |= self.hull_differs;
         for (differs, nodes) in
             [(self.tree_differs, &mut change.tree), (self.patches_differ, &mut change.patch_trees)]

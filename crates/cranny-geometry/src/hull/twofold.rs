@@ -114,15 +114,15 @@ mod tests {
 
     use super::*;
 
-    fn told(triangle: [DVec3; 3], p: DVec3) -> Option<Sign> {
+    fn filtered_sign(triangle: [DVec3; 3], p: DVec3) -> Option<Sign> {
         let bounds = cranny_exact::Aabb::of_points(triangle.into_iter().chain([p]));
         sign(&Side::new(triangle, bounds.max - bounds.min), triangle, p)
     }
 
     #[test]
-    fn what_is_told_is_exact() {
+    fn what_is_decided_is_exact() {
         let mut rng = Rng::new(17);
-        let (mut told_apart, mut left) = (0, 0);
+        let (mut decided, mut left) = (0, 0);
         for _ in 0..20_000 {
             let mut point = || 0.5 * DVec3::new(rng.unit(), rng.unit(), rng.unit());
             let triangle @ [a, b, c] = [point(), point(), point()];
@@ -131,17 +131,17 @@ mod tests {
             let step = 2.0 * rng.unit() * f64::EPSILON;
             let p = a + s * (b - a) + t * (c - a) + step * DVec3::Z;
             let exact = orient3d(a, b, c, p);
-            match told(triangle, p) {
+            match filtered_sign(triangle, p) {
                 Some(sign) => {
                     assert_eq!(sign, exact, "{triangle:?}, {p}");
-                    told_apart += 1;
+                    decided += 1;
                 }
                 None => left += 1,
             }
         }
         // What rounding puts beside a plane is seen there; half as many digits see next to none of
         // it.
-        assert!(told_apart > 100 * left, "{told_apart} of {left}");
+        assert!(decided > 100 * left, "{decided} of {left}");
     }
 
     #[test]
@@ -149,10 +149,10 @@ mod tests {
         let triangle =
             [DVec3::new(0.1, 0.1, 0.1), DVec3::new(0.7, 0.2, 0.2), DVec3::new(0.3, 0.9, 0.9)];
         // All have y = z.
-        assert_eq!(told(triangle, DVec3::splat(0.4)), None);
-        let above = told(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_up()));
+        assert_eq!(filtered_sign(triangle, DVec3::splat(0.4)), None);
+        let above = filtered_sign(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_up()));
         assert_eq!(above, Some(orient3d(triangle[0], triangle[1], triangle[2], DVec3::Z)));
-        let below = told(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_down()));
+        let below = filtered_sign(triangle, DVec3::new(0.4, 0.4, 0.4f64.next_down()));
         assert_eq!(below.map(Sign::flipped), above);
     }
 

@@ -248,7 +248,7 @@ fn read_origin(input: &mut Reader, faces: usize) -> Result<Origin, Flaw> {
     let filed: Vec<FaceId> = input.list()?;
     check(is_flatness(flatness), "the flatness is no number")?;
     check(filed.is_empty() || filed.len() == faces, "a filed face for each face is needed")?;
-    check(leaf_size > 0, "leaves without faces are asked for")?;
+    check(leaf_size > 0, "leaves of 0 faces")?;
     Ok(Origin {
         flatness,
         leaf_size: usize::try_from(leaf_size)?,

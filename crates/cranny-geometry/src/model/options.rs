@@ -95,7 +95,7 @@ pub enum BuildError {
         limit: f64,
     },
     /// A tree whose leaves would hold no face.
-    #[error("leaves of 0 faces are asked for: ask for at least 1")]
+    #[error("a leaf size of 0 faces: at least 1 is needed")]
     LeafSize,
     /// A repair whose proof does not hold: an error of this crate. Build with [`Repair::None`].
     #[error("the repaired mesh could not be proved to be the same surface: {0}")]

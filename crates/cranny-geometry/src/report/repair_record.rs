@@ -137,13 +137,13 @@ mod tests {
 
     #[test]
     fn what_did_not_move_is_told_plainly() {
-        let told = |moved| {
+        let text = |moved| {
             let record = RepairRecord::new(RepairKind::SplitEdges, 2);
             RepairRecord { moved, ..record }.to_string()
         };
-        assert!(told(0.0).ends_with("(up to 0 off the edge)"), "{}", told(0.0));
-        assert!(told(5e-323).ends_with("(up to 0 off the edge)"));
-        assert!(told(0.25).ends_with("(up to 0.2500 off the edge)"));
-        assert!(told(7.9e-7).ends_with("(up to 7.900e-7 off the edge)"));
+        assert!(text(0.0).ends_with("(up to 0 off the edge)"), "{}", text(0.0));
+        assert!(text(5e-323).ends_with("(up to 0 off the edge)"));
+        assert!(text(0.25).ends_with("(up to 0.2500 off the edge)"));
+        assert!(text(7.9e-7).ends_with("(up to 7.900e-7 off the edge)"));
     }
 }

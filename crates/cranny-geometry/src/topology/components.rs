@@ -42,7 +42,7 @@ pub(super) fn components_of_runs(
     check(total == faces as u64, "components hold too many or too few faces")?;
     let is_apart = |a: &[u32; 2], b: &[u32; 2]| a[0] != b[0];
     let is_whole = runs.is_sorted_by(is_apart) && runs.iter().all(|&[_, count]| count > 0);
-    check(is_whole, "faces of a component are not told together")?;
+    check(is_whole, "faces of a component are not listed together")?;
     if let &[[0, count]] = runs {
         let one = Component { first_face: FaceId(0), faces: count, closed: true };
         return Ok((Vec::new(), vec![one]));
@@ -107,13 +107,13 @@ mod tests {
         let read = |runs: &[[u32; 2]]| components_of_runs(runs, 6).map_err(|Flaw(what)| what);
         let (of_faces, all) = read(&[[0, 1], [1, 2], [0, 1], [2, 2]]).unwrap();
         assert_eq!(of_faces, [0, 1, 1, 0, 2, 2].map(ComponentId));
-        let told: Vec<_> = all.iter().map(|c| (c.first_face.0, c.faces)).collect();
-        assert_eq!(told, [(0, 2), (1, 2), (4, 2)]);
+        let found: Vec<_> = all.iter().map(|c| (c.first_face.0, c.faces)).collect();
+        assert_eq!(found, [(0, 2), (1, 2), (4, 2)]);
         for (runs, flaw) in [
             (&[[0, 5]][..], "too few"),
             (&[[0, 3], [1, u32::MAX]], "too many"),
-            (&[[0, 3], [0, 3]], "not told together"),
-            (&[[0, 6], [1, 0]], "not told together"),
+            (&[[0, 3], [0, 3]], "not listed together"),
+            (&[[0, 6], [1, 0]], "not listed together"),
             (&[[1, 6]], "not in order"),
             (&[[0, 3], [2, 3]], "not in order"),
         ] {

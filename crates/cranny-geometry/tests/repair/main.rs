@@ -393,9 +393,9 @@ fn shells_in_shells_are_cavities_or_solids() {
     let inner = outer.scaled(DVec3::splat(0.5)).unwrap();
 
     let solid = outer.clone().joined(&inner);
-    let (_, told) = built(&solid, Repair::Safe);
-    assert_eq!(kinds(&told), [("nested_solid", 1), ("several_shells", 2)].into());
-    assert_eq!((volume(&told), told.repairs().len()), (Some(72.0), 0));
+    let (_, reported) = built(&solid, Repair::Safe);
+    assert_eq!(kinds(&reported), [("nested_solid", 1), ("several_shells", 2)].into());
+    assert_eq!((volume(&reported), reported.repairs().len()), (Some(72.0), 0));
     let (_, hollow) = built(&solid, Repair::Full);
     assert_eq!(kinds(&hollow), [("cavity", 1), ("several_shells", 2)].into());
     assert_eq!(volume(&hollow), Some(56.0));

@@ -28,7 +28,7 @@ fn bodies() -> Vec<Model> {
 }
 
 /// The whole result: faces, features, and bits of lengths.
-fn told(found: Option<Closest>) -> String {
+fn described(found: Option<Closest>) -> String {
     format!("{found:?}")
 }
 
@@ -52,9 +52,9 @@ fn finds_what_a_search_of_all_faces_finds() {
         let far = [0.7, 0.9, 1.02, 1.1, 3.0][round % 5] * (a.radius() + b.radius());
         let pose = Pose { rotation: turn.normalize(), translation: far * way };
         let placed = [Placed { model: a, pose: Pose::IDENTITY }, Placed { model: b, pose }];
-        let (told, faces) = agrees(&mut foremost, placed, last);
-        settled += told;
-        left += 2 - told;
+        let (settled_here, faces) = agrees(&mut foremost, placed, last);
+        settled += settled_here;
+        left += 2 - settled_here;
         last = faces.or(last);
     }
     assert!(settled > 1000 && left > 20, "{settled} {left}");
@@ -96,7 +96,7 @@ fn agrees(
         // What is tested is not how long it waits.
         foremost.backoff = Backoff::default();
         if foremost.offer(&pair, way.normalize_or_zero(), &mut nearest, &mut counters) {
-            assert_eq!(told(nearest.found()), told(all.found()), "{:?}", b.pose);
+            assert_eq!(described(nearest.found()), described(all.found()), "{:?}", b.pose);
             settled += 1;
         }
     }
@@ -150,7 +150,7 @@ fn ties_are_told_as_a_search_tells_them() {
         if !Foremost::default().offer(&pair, way, &mut nearest, &mut counters) {
             offer_all(&pair, &mut nearest, &mut counters);
         }
-        assert_eq!(told(nearest.found()), told(all.found()), "round {round}");
+        assert_eq!(described(nearest.found()), described(all.found()), "round {round}");
         same += u32::from(all.found().is_some());
         none += u32::from(all.found().is_none());
     }
@@ -161,7 +161,7 @@ fn ties_are_told_as_a_search_tells_them() {
 #[test]
 fn faces_that_are_lines_are_near() {
     let mut rng = Rng::new(13);
-    let mut told = 0;
+    let mut described = 0;
     for _ in 0..3_000 {
         let mut vector = || DVec3::new(rng.unit(), rng.unit(), rng.unit());
         let (start, along) = (vector(), vector());
@@ -179,9 +179,9 @@ fn faces_that_are_lines_are_near() {
         let query = Query::of(Demand::Distance { below: None });
         let found = crate::query(a, b, &query, &mut PairMemory::default()).unwrap();
         assert_eq!(found.distance, Some(brute_force(a, b).unwrap().distance), "{pose:?}");
-        told += 1;
+        described += 1;
     }
-    assert!(told > 2_000, "{told}");
+    assert!(described > 2_000, "{described}");
 }
 
 /// Here the first pass, which leaves corners out, finds the nearest faces and not the point on them

@@ -11,7 +11,7 @@ use cranny_testkit::{Rng, Walk, small_models};
 use crate::solids::{ask, model, shape};
 
 /// What does not depend on history: all but counters.
-pub(crate) fn told(answer: &Answer) -> Answer {
+pub(crate) fn without_history(answer: &Answer) -> Answer {
     Answer { counters: Default::default(), ..answer.clone() }
 }
 
@@ -61,7 +61,7 @@ fn memory_never_changes_an_answer() {
             let warm = query(pair[0], pair[1], &Query::of(demand), &mut memory).unwrap();
             let cold = ask(pair[0], pair[1], demand);
             let what = format!("{name_a} and {name_b}, round {round}, frame {frame}, {demand:?}");
-            assert_eq!(told(&warm), told(&cold), "{what}");
+            assert_eq!(without_history(&warm), without_history(&cold), "{what}");
             if frame % 8 == 0 {
                 let slow = brute_force(placed_a, placed_b).unwrap();
                 assert_eq!(warm.surface, slow.surface, "{what}");
@@ -104,7 +104,11 @@ fn a_pair_of_equal_models_may_change_its_order() {
         );
         for demand in [Demand::Intersects, Demand::Distance { below: None }] {
             let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
-            assert_eq!(told(&warm), told(&ask(a, b, demand)), "frame {frame}");
+            assert_eq!(
+                without_history(&warm),
+                without_history(&ask(a, b, demand)),
+                "frame {frame}"
+            );
         }
     }
 }
@@ -246,7 +250,7 @@ fn a_verdict_among_patches_is_that_of_boxes() {
         let b = Placed { model: &nut, pose };
         let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
         let cold = ask(a, b, Demand::Intersects);
-        assert_eq!(told(&warm), told(&cold), "frame {frame}");
+        assert_eq!(without_history(&warm), without_history(&cold), "frame {frame}");
         let by_boxes = ask(a, b, Demand::Regions { margin: 0.0 });
         assert_eq!((warm.surface, warm.solid), (by_boxes.surface, by_boxes.solid), "frame {frame}");
         seen[warm.surface as usize] += 1;
@@ -273,7 +277,11 @@ fn what_is_inside_stays_inside_until_it_crosses() {
             Placed { model: &speck, pose: Pose::at(DVec3::new(out, 0.1, 0.05)) },
         );
         let warm = query(a, b, &Query::of(Demand::Intersects), &mut memory).unwrap();
-        assert_eq!(told(&warm), told(&ask(a, b, Demand::Intersects)), "frame {frame}");
+        assert_eq!(
+            without_history(&warm),
+            without_history(&ask(a, b, Demand::Intersects)),
+            "frame {frame}"
+        );
         inside += u32::from(warm.contained.is_some());
     }
     assert!((60..350).contains(&inside), "{inside}");
@@ -285,7 +293,10 @@ fn what_is_inside_stays_inside_until_it_crosses() {
         );
         for _ in 0..3 {
             let warm = query(a, b, &Query::of(Demand::Distance { below: None }), &mut memory);
-            assert_eq!(told(&warm.unwrap()), told(&ask(a, b, Demand::Distance { below: None })));
+            assert_eq!(
+                without_history(&warm.unwrap()),
+                without_history(&ask(a, b, Demand::Distance { below: None }))
+            );
         }
     }
 }
@@ -328,7 +339,7 @@ fn what_jumps_into_a_body_is_inside_and_what_enters_an_open_one_is_not() {
             let a = Placed { model: &open, pose: Pose::IDENTITY };
             let b = Placed { model: &speck, pose: Pose { rotation: turned, translation } };
             let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
-            assert_eq!(told(&warm), told(&ask(a, b, demand)), "{what}");
+            assert_eq!(without_history(&warm), without_history(&ask(a, b, demand)), "{what}");
             assert_eq!((warm.surface, warm.solid), (Meeting::None, translation.x < 0.4), "{what}");
             inside += u32::from(warm.solid);
             carried += u32::from(warm.counters.inside_tests == 0);
@@ -356,13 +367,17 @@ fn what_was_inside_is_forgotten_where_a_plane_parts_the_hulls() {
             let placed =
                 [Placed { model: &ring, pose: Pose::IDENTITY }, Placed { model: &speck, pose }];
             let warm = query(placed[0], placed[1], &Query::of(demand), &mut memory).unwrap();
-            assert_eq!(told(&warm), told(&ask(placed[0], placed[1], demand)), "{x} {z}");
+            assert_eq!(
+                without_history(&warm),
+                without_history(&ask(placed[0], placed[1], demand)),
+                "{x} {z}"
+            );
             warm
         };
         let distance = Demand::Distance { below: None };
         for demand in [distance, distance, Demand::Intersects] {
-            let told = tell(0.9 + 0.001 * rng.unit(), 0.001 * rng.unit(), demand);
-            inside += u32::from(told.contained.is_some());
+            let found = tell(0.9 + 0.001 * rng.unit(), 0.001 * rng.unit(), demand);
+            inside += u32::from(found.contained.is_some());
         }
         let (x, z) = (0.8 * rng.unit(), top + 0.02 + 0.1 * rng.unit().abs());
         parted += u32::from(tell(x, z, distance).counters.planes_parted > 0);
@@ -396,8 +411,12 @@ fn sizes_may_differ_beyond_single_precision() {
             for demand in [Demand::contacts(0.5), Demand::Regions { margin: 0.5 }] {
                 let cold = ask(a, b, demand);
                 let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
-                assert_eq!(told(&warm), told(&cold), "{what}");
-                assert_eq!(told(&ask(b, a, demand).swapped()), told(&cold), "{what}");
+                assert_eq!(without_history(&warm), without_history(&cold), "{what}");
+                assert_eq!(
+                    without_history(&ask(b, a, demand).swapped()),
+                    without_history(&cold),
+                    "{what}"
+                );
                 assert_eq!(cold.surface, slow.surface, "{what}");
                 assert!(cold.distance.is_none_or(|d| d == slow.distance), "{what}");
             }

@@ -76,15 +76,15 @@ fn the_cost_of_open_combs_follows_their_contacts_not_their_prongs_squared() {
     for gap in [0.01, -0.001] {
         for demand in DEMANDS {
             let [few, many] = [16, 64].map(|teeth| cost(teeth, gap, 0.02, demand));
-            let told = format!("{demand:?}, {gap} apart: {few:?}, then {many:?}");
-            assert!(many.tests <= 5 * few.tests.max(8), "four times the prongs; {told}");
+            let found = format!("{demand:?}, {gap} apart: {few:?}, then {many:?}");
+            assert!(many.tests <= 5 * few.tests.max(8), "four times the prongs; {found}");
             if let Demand::Regions { .. } = demand {
                 let expected = if gap < 0.0 { [16, 64] } else { [0, 0] };
-                assert_eq!([few.regions, many.regions], expected, "{told}");
+                assert_eq!([few.regions, many.regions], expected, "{found}");
             }
             if let Demand::Contacts { .. } = demand {
-                assert!(few.contacts >= 16 && many.contacts >= 64, "{told}");
-                assert!(many.contacts <= 5 * few.contacts, "{told}");
+                assert!(few.contacts >= 16 && many.contacts >= 64, "{found}");
+                assert!(many.contacts <= 5 * few.contacts, "{found}");
             }
         }
     }

@@ -245,7 +245,7 @@ fn which_parts_meet_and_what_is_opened_for_that_is_shown() {
     let wall = cup.bounds().max.x;
     let placed = |x: f64| Placed { model: &ball, pose: Pose::at(middle + DVec3::X * x) };
     let host = Placed { model: &cup, pose: Pose::IDENTITY };
-    let told = |cases: &[PartsCase], opened: &[usize], closed: &[usize]| Parts {
+    let reported = |cases: &[PartsCase], opened: &[usize], closed: &[usize]| Parts {
         cases: cases.iter().copied().collect(),
         opened: opened.to_vec(),
         closed: closed.to_vec(),
@@ -258,12 +258,12 @@ fn which_parts_meet_and_what_is_opened_for_that_is_shown() {
         };
         let cup_is = usize::from(exchanged);
         let outside = wall - middle.x + 0.19;
-        assert_eq!(ask(outside), told(&[ConvexConvex], &[], &[]));
+        assert_eq!(ask(outside), reported(&[ConvexConvex], &[], &[]));
         // The inside's faces are reached through the wall; no lid is crossed.
-        assert_eq!(ask(outside - 0.25), told(&[ConvexConvex, CapConvex], &[cup_is], &[]));
-        assert_eq!(ask(outside - 0.26), told(&[ConvexConvex, CapConvex], &[], &[]));
+        assert_eq!(ask(outside - 0.25), reported(&[ConvexConvex, CapConvex], &[cup_is], &[]));
+        assert_eq!(ask(outside - 0.26), reported(&[ConvexConvex, CapConvex], &[], &[]));
         // In the middle it keeps off all of them.
-        assert_eq!(ask(0.0), told(&[ConvexConvex], &[], &[cup_is]));
+        assert_eq!(ask(0.0), reported(&[ConvexConvex], &[], &[cup_is]));
         // Far away there is nothing to tell: a plane parts them.
         assert_eq!(ask(9.0), Parts::default());
     }

@@ -9,7 +9,7 @@ use cranny_narrow_phase::{Counters, Demand, Method, PairMemory, Placed, Query, q
 use cranny_shapes::{Cuboid, Cup, GolfBall, IsoBolt, IsoNut, Sphere};
 use cranny_testkit::{Rng, Walk, small_models};
 
-use crate::coherence::told;
+use crate::coherence::without_history;
 use crate::solids::{model, shape};
 
 const DEMANDS: [Demand; 3] =
@@ -23,8 +23,8 @@ fn agreed(a: Placed, b: Placed, demand: Demand, memory: &mut PairMemory, what: &
     let question = question.by(Method::Envelopes);
     let warm = query(a, b, &question, memory).unwrap();
     let cold = query(a, b, &question, &mut PairMemory::default()).unwrap();
-    assert_eq!(told(&warm), told(&boxes), "{what}");
-    assert_eq!(told(&cold), told(&boxes), "{what}");
+    assert_eq!(without_history(&warm), without_history(&boxes), "{what}");
+    assert_eq!(without_history(&cold), without_history(&boxes), "{what}");
     // Memory does not decide what is opened, unless a plane between the hulls was found with or
     // without it alone.
     let opened = |c: &Counters| (c.pockets_opened, c.pockets_passed, c.facets_compared);
@@ -65,17 +65,17 @@ fn both_methods_tell_the_same_of_any_walk() {
                 // The other method in between, with the same memory.
                 let warm = query(pair[0], pair[1], &Query::of(demand), &mut memory).unwrap();
                 let cold = crate::solids::ask(pair[0], pair[1], demand);
-                assert_eq!(told(&warm), told(&cold), "{what}");
+                assert_eq!(without_history(&warm), without_history(&cold), "{what}");
                 continue;
             }
             let counters = agreed(pair[0], pair[1], demand, &mut memory, &what);
             if frame % 6 == 0 {
                 let question = Query::of(Demand::Intersects).by(Method::Envelopes);
-                let told = query(pair[0], pair[1], &question, &mut PairMemory::default()).unwrap();
+                let found = query(pair[0], pair[1], &question, &mut PairMemory::default()).unwrap();
                 let slow = brute_force(pair[0], pair[1]).unwrap();
-                assert_eq!(told.surface, slow.surface, "{what}");
+                assert_eq!(found.surface, slow.surface, "{what}");
                 met += u32::from(slow.surface != Meeting::None);
-                contained += u32::from(told.contained.is_some());
+                contained += u32::from(found.contained.is_some());
             }
             opened += counters.pockets_opened;
         }

@@ -50,7 +50,7 @@ pub(crate) fn regions(a: Placed, b: Placed) -> Answer {
     answer
 }
 
-fn told(answer: &Answer) -> String {
+fn reported(answer: &Answer) -> String {
     let line = |r: &Region| {
         let n = r.points.len();
         format!("normal {} depth {:?} area {:?}, {n} points\n", r.normal, r.depth, r.area)
@@ -59,7 +59,7 @@ fn told(answer: &Answer) -> String {
 }
 
 fn only(answer: &Answer) -> &Region {
-    assert_eq!(answer.regions.len(), 1, "{}", told(answer));
+    assert_eq!(answer.regions.len(), 1, "{}", reported(answer));
     &answer.regions[0]
 }
 
@@ -192,7 +192,7 @@ fn a_bar_under_a_channel_meets_both_arms() {
     let channel = model(channel());
     let bar = model(cuboid([-1.1, 1.75, 0.53], [4.2, 2.5, 1.28]));
     let answer = regions(at(&channel, 0.0, 0.0, 0.0), at(&bar, 0.0, 0.0, 0.0));
-    assert_eq!(answer.regions.len(), 2, "{}", told(&answer));
+    assert_eq!(answer.regions.len(), 2, "{}", reported(&answer));
     for region in &answer.regions {
         assert_along(region.normal, DVec3::Y, SPECIAL);
         assert_near(region.depth.unwrap(), 0.25, SPECIAL);
@@ -231,7 +231,7 @@ fn flush_faces_touch_with_the_area_of_their_overlap() {
 fn feet_on_a_floor_are_regions_of_their_own() {
     let floor = model(cuboid([-1.0, 2.0, -1.0], [4.0, 3.0, 3.0]));
     let answer = regions(at(&model(channel()), 0.0, 0.0, 0.0), at(&floor, 0.0, 0.0, 0.0));
-    assert_eq!(answer.regions.len(), 2, "{}", told(&answer));
+    assert_eq!(answer.regions.len(), 2, "{}", reported(&answer));
     for region in &answer.regions {
         assert_near(region.area.unwrap(), 2.0, 1e-14);
         assert_eq!(region.normal, DVec3::Y);

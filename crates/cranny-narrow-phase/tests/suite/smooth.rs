@@ -21,13 +21,13 @@ fn smooth(margin: f64, crease_angle: f64) -> Demand {
 }
 
 /// The same answer but for normals.
-fn same_but_for_normals(flat: &Answer, told: &Answer) {
-    let mut told = told.clone();
-    assert_eq!(told.contacts.len(), flat.contacts.len());
-    for (contact, own) in told.contacts.iter_mut().zip(&flat.contacts) {
+fn same_but_for_normals(flat: &Answer, found: &Answer) {
+    let mut found = found.clone();
+    assert_eq!(found.contacts.len(), flat.contacts.len());
+    for (contact, own) in found.contacts.iter_mut().zip(&flat.contacts) {
         contact.normal = own.normal;
     }
-    assert_eq!(&told, flat);
+    assert_eq!(&found, flat);
 }
 
 fn ball(triangles: u32) -> Model {
@@ -59,9 +59,10 @@ fn only_normals_change_and_none_is_far_off() {
         let a = Placed { model: a, pose: Pose { rotation: turn(&mut rng), translation } };
         let b = Placed { model: b, pose: Pose { rotation: turn(&mut rng), ..Pose::IDENTITY } };
         let (margin, crease) = (0.2 * reach, [0.0, 0.3, 0.8, 3.0][rng.below(4)]);
-        let (flat, told) = (ask(a, b, Demand::contacts(margin)), ask(a, b, smooth(margin, crease)));
-        same_but_for_normals(&flat, &told);
-        for (contact, own) in told.contacts.iter().zip(&flat.contacts) {
+        let (flat, found) =
+            (ask(a, b, Demand::contacts(margin)), ask(a, b, smooth(margin, crease)));
+        same_but_for_normals(&flat, &found);
+        for (contact, own) in found.contacts.iter().zip(&flat.contacts) {
             assert!((contact.normal.length() - 1.0).abs() < 1e-12);
             let off = radians_between(contact.normal, own.normal);
             assert!(off <= crease + 1e-12, "round {round}: {off} of {crease}");
@@ -69,12 +70,12 @@ fn only_normals_change_and_none_is_far_off() {
             kept += u32::from(off == 0.0);
         }
         let swapped = ask(b, a, smooth(margin, crease)).swapped();
-        for (contact, its) in told.contacts.iter().zip(&swapped.contacts) {
+        for (contact, its) in found.contacts.iter().zip(&swapped.contacts) {
             assert_eq!(contact.id, its.id);
             assert!((contact.normal - its.normal).length() < 1e-15);
         }
         let warm = query(a, b, &Query::of(smooth(margin, crease)), &mut memory).unwrap();
-        assert_eq!(warm.contacts, told.contacts, "round {round}");
+        assert_eq!(warm.contacts, found.contacts, "round {round}");
     }
     assert!(changed > 300 && kept > 300, "{changed} {kept}");
 }
@@ -109,13 +110,13 @@ fn balls_push_along_their_centres() {
         let a = Placed { model: &ball, pose: Pose { rotation: turn(&mut rng), ..Pose::IDENTITY } };
         let pose = Pose { rotation: turn(&mut rng), translation: 2.0 * along };
         let b = Placed { model: &ball, pose };
-        let (flat, told) = (ask(a, b, Demand::contacts(0.05)), ask(a, b, smooth(0.05, CREASE)));
+        let (flat, found) = (ask(a, b, Demand::contacts(0.05)), ask(a, b, smooth(0.05, CREASE)));
         // Where the surfaces are nearest; elsewhere their true normals are others.
-        let (Some(own), Some(told)) = (flat.contacts.first(), told.contacts.first()) else {
+        let (Some(own), Some(found)) = (flat.contacts.first(), found.contacts.first()) else {
             panic!("balls this near make contacts");
         };
         flat_worst = flat_worst.max(radians_between(own.normal, along));
-        told_worst = told_worst.max(radians_between(told.normal, along));
+        told_worst = told_worst.max(radians_between(found.normal, along));
     }
     assert!(flat_worst > 0.08 && told_worst < 0.4 * flat_worst, "{told_worst} {flat_worst}");
 }
@@ -133,13 +134,13 @@ fn a_flat_face_is_right_about_its_normal() {
         let translation = DVec3::new(2.0 * rng.unit(), 2.0 * rng.unit(), 0.99);
         let pose = Pose { rotation: turn(&mut rng), translation };
         let (a, b) = (at(&floor, 0.0, 0.0, 0.0), Placed { model: &ball, pose });
-        let told = ask(a, b, smooth(0.02, CREASE));
-        for contact in &told.contacts {
+        let found = ask(a, b, smooth(0.02, CREASE));
+        for contact in &found.contacts {
             vertices_of_floor += u32::from(!matches!(contact.id.0, Feature::Face(_)));
             let off = radians_between(contact.normal, DVec3::Z);
             assert!(off < 1e-15, "{contact:?}");
         }
-        assert!(!told.contacts.is_empty());
+        assert!(!found.contacts.is_empty());
     }
     // Also where the ball's own facet would tell another.
     assert!(vertices_of_floor > 0, "{vertices_of_floor}");
@@ -157,10 +158,10 @@ fn a_corner_pushes_along_the_curved_surface() {
         let rotation = DQuat::from_rotation_arc(DVec3::ONE.normalize(), away);
         let pose = Pose { rotation, translation: 1.02 * away };
         let (a, b) = (at(&ball, 0.0, 0.0, 0.0), Placed { model: &corner, pose });
-        let (flat, told) = (ask(a, b, Demand::contacts(0.05)), ask(a, b, smooth(0.05, CREASE)));
-        let (own, told) = (flat.contacts[0], told.contacts[0]);
+        let (flat, found) = (ask(a, b, Demand::contacts(0.05)), ask(a, b, smooth(0.05, CREASE)));
+        let (own, found) = (flat.contacts[0], found.contacts[0]);
         assert!(matches!(own.id.1, Feature::Vertex(_)), "{own:?}");
-        told_worst = told_worst.max(radians_between(told.normal, away));
+        told_worst = told_worst.max(radians_between(found.normal, away));
         flat_worst = flat_worst.max(radians_between(own.normal, away));
     }
     assert!(flat_worst > 0.1 && told_worst < 0.15 * flat_worst, "{told_worst} {flat_worst}");
@@ -178,13 +179,13 @@ fn a_shaft_in_its_bore_pushes_along_radii() {
         let inner = Placed { model: &shaft, pose: Pose { rotation, translation: 2.0 * DVec3::Z } };
         let outer = at(&bore, 0.0, 0.0, 0.0);
         let flat = ask(inner, outer, Demand::contacts(0.02));
-        for (own, told) in
+        for (own, found) in
             flat.contacts.iter().zip(&ask(inner, outer, smooth(0.02, CREASE)).contacts)
         {
             let p = own.point_a;
             let radial = DVec3::new(p.x, p.y, 0.0).normalize();
             flat_worst = flat_worst.max(radians_between(own.normal, radial));
-            told_worst = told_worst.max(radians_between(told.normal, radial));
+            told_worst = told_worst.max(radians_between(found.normal, radial));
             count += 1.0;
         }
     }
@@ -218,7 +219,7 @@ fn flanks_push_as_helicoids_do() {
         };
         let (a, b) = (at(&bolt, 0.0, 0.0, 0.0), Placed { model: &nut, pose });
         let flat = ask(a, b, Demand::contacts(0.02));
-        for (own, told) in flat.contacts.iter().zip(&ask(a, b, smooth(0.02, 0.17)).contacts) {
+        for (own, found) in flat.contacts.iter().zip(&ask(a, b, smooth(0.02, 0.17)).contacts) {
             let p = 0.5 * (own.point_a + own.point_b);
             let (radius, height) = (p.truncate().length(), own.normal.z.abs());
             // Flanks lie between the crest of the nut and that of the bolt; threads end in
@@ -232,7 +233,7 @@ fn flanks_push_as_helicoids_do() {
             let slope = (30f64.to_radians()).tan().copysign(own.normal.dot(radial) * own.normal.z);
             let up = DVec3::Z + slope * radial - (lead / radius) * around;
             let truth = up.normalize() * own.normal.z.signum();
-            let [off, flat_off] = [told, own].map(|c| radians_between(c.normal, truth));
+            let [off, flat_off] = [found, own].map(|c| radians_between(c.normal, truth));
             told_sum += off;
             flat_sum += flat_off;
             count += 1;
@@ -251,15 +252,15 @@ fn a_body_may_be_smooth_alone() {
     let (a, b) = (at(&ball, 0.0, 0.0, 0.0), at(&ball, 0.99, 0.02, 0.01));
     let contact = ask(a, b, Demand::contacts(0.1)).contacts[0];
     assert_eq!(smooth_normal(&contact, [a, b], [None, None]), contact.normal);
-    let told = smooth_normal(&contact, [a, b], [Some(&normals), None]);
+    let found = smooth_normal(&contact, [a, b], [Some(&normals), None]);
     let back = smooth_normal(&contact.swapped(), [b, a], [None, Some(&normals)]);
-    assert_eq!(told, -back);
+    assert_eq!(found, -back);
     // On the cube's face: that face's.
     let (a, b) = (at(&ball, 0.0, 0.0, 0.0), at(&cube, 1.0, 0.0, 0.0));
     for contact in ask(a, b, Demand::contacts(0.1)).contacts {
         if matches!(contact.id.1, Feature::Face(_)) {
-            let told = smooth_normal(&contact, [a, b], [Some(&normals), None]);
-            assert_eq!(told, contact.normal);
+            let found = smooth_normal(&contact, [a, b], [Some(&normals), None]);
+            assert_eq!(found, contact.normal);
         }
     }
 }
@@ -269,8 +270,8 @@ fn a_crease_that_is_none_is_refused() {
     let cube = shape(Cuboid::default());
     let (a, b) = (at(&cube, 0.0, 0.0, 0.0), at(&cube, 9.0, 0.0, 0.0));
     for crease in [-0.1, 3.2, f64::NAN] {
-        let asked = Query::of(smooth(0.1, crease));
-        let refused = query(a, b, &asked, &mut PairMemory::default()).unwrap_err();
+        let wanted = Query::of(smooth(0.1, crease));
+        let refused = query(a, b, &wanted, &mut PairMemory::default()).unwrap_err();
         assert!(matches!(refused, QueryError::Crease(_)), "{refused}");
         assert!(refused.to_string().contains(&crease.to_string()));
     }

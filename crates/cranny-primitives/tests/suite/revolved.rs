@@ -131,27 +131,27 @@ fn solids(rng: &mut Rng) -> Vec<Told> {
 #[test]
 fn feet_of_points_are_the_nearest() {
     let mut rng = Rng::new(61);
-    for told in solids(&mut rng) {
-        let solid = told.solid();
+    for reported in solids(&mut rng) {
+        let solid = reported.solid();
         for k in 0..300 {
             // At random; and on planes, circles and lines where one part of the core gives way to
             // another.
             let p = match k % 3 {
-                0 => told.middle + vector(&mut rng) * 1.2,
-                1 => told.middle + told.axis * (rng.unit() * 1.2),
+                0 => reported.middle + vector(&mut rng) * 1.2,
+                1 => reported.middle + reported.axis * (rng.unit() * 1.2),
                 _ => {
-                    let side = told.axis.any_orthonormal_vector();
-                    let z = [0.0, 1.0, -1.0, 0.5][rng.below(4)] * told.half;
-                    let r = [0.0, 1.0, 0.5, 1.0 + 1e-12][rng.below(4)] * told.radii[0];
-                    told.middle + told.axis * z + side * r
+                    let side = reported.axis.any_orthonormal_vector();
+                    let z = [0.0, 1.0, -1.0, 0.5][rng.below(4)] * reported.half;
+                    let r = [0.0, 1.0, 0.5, 1.0 + 1e-12][rng.below(4)] * reported.radii[0];
+                    reported.middle + reported.axis * z + side * r
                 }
             };
             let foot = solid.core_foot(p);
-            let what = format!("{} of {p}: {foot:?}", told.name);
+            let what = format!("{} of {p}: {foot:?}", reported.name);
             assert!((foot.outward.length() - 1.0).abs() < 1e-12, "{what}");
-            let off = told.distance_of_point(foot.point);
+            let off = reported.distance_of_point(foot.point);
             assert!(off < 1e-9, "{what}: {off} off the core");
-            let oracle = told.distance_of_point(p);
+            let oracle = reported.distance_of_point(p);
             assert!((foot.signed.max(0.0) - oracle).abs() < 1e-9, "{what}: {oracle}");
             // The way is along the normal, which no point of the core lies beyond.
             let way = p - foot.point;
@@ -164,10 +164,10 @@ fn feet_of_points_are_the_nearest() {
                 // A ball of that radius fits in, and a greater one does not.
                 for _ in 0..20 {
                     let way = vector(&mut rng).normalize() * -foot.signed;
-                    assert!(told.distance_of_point(p + way) < 1e-9, "{what}");
+                    assert!(reported.distance_of_point(p + way) < 1e-9, "{what}");
                 }
                 let out = p + foot.outward * (1e-6 - foot.signed);
-                assert!(told.distance_of_point(out) > 1e-7, "{what}");
+                assert!(reported.distance_of_point(out) > 1e-7, "{what}");
             }
         }
     }
@@ -176,15 +176,17 @@ fn feet_of_points_are_the_nearest() {
 #[test]
 fn reach_is_that_of_the_farthest_point() {
     let mut rng = Rng::new(62);
-    for told in solids(&mut rng) {
-        let solid = told.solid();
+    for reported in solids(&mut rng) {
+        let solid = reported.solid();
         let random = [(); 12].map(|()| vector(&mut rng).normalize());
-        for direction in random.into_iter().chain([told.axis, -told.axis, DVec3::X, -DVec3::Z]) {
-            let (reach, oracle) = (solid.core_reach(direction), told.reach(direction));
-            assert!((reach - oracle).abs() < 1e-7, "{}: {reach} and {oracle}", told.name);
+        for direction in
+            random.into_iter().chain([reported.axis, -reported.axis, DVec3::X, -DVec3::Z])
+        {
+            let (reach, oracle) = (solid.core_reach(direction), reported.reach(direction));
+            assert!((reach - oracle).abs() < 1e-7, "{}: {reach} and {oracle}", reported.name);
             let support = solid.core_support(direction);
-            assert!((direction.dot(support) - reach).abs() < 1e-12, "{}", told.name);
-            assert!(told.distance_of_point(support) < 1e-9, "{}: {support}", told.name);
+            assert!((direction.dot(support) - reach).abs() < 1e-12, "{}", reported.name);
+            assert!(reported.distance_of_point(support) < 1e-9, "{}: {support}", reported.name);
         }
     }
 }
@@ -193,22 +195,22 @@ fn reach_is_that_of_the_farthest_point() {
 fn triangles_are_as_far_as_a_search_says() {
     let mut rng = Rng::new(63);
     let (mut apart, mut through) = (0, 0);
-    for told in solids(&mut rng) {
-        let solid = told.solid();
+    for reported in solids(&mut rng) {
+        let solid = reported.solid();
         for k in 0..12 {
-            let place = told.middle + vector(&mut rng) * [0.8, 0.3][k % 2];
+            let place = reported.middle + vector(&mut rng) * [0.8, 0.3][k % 2];
             let size = [0.05, 0.5, 3.0][k % 3];
             let mut triangle = [(); 3].map(|()| place + vector(&mut rng) * size);
             match k {
                 // Without area, square to the axis, along it.
                 9 => triangle[2] = triangle[0] + (triangle[1] - triangle[0]) * 0.3,
-                10 => triangle = triangle.map(|p| p - told.axis * told.axis.dot(p - place)),
-                11 => triangle[1] = triangle[0] + told.axis * size,
+                10 => triangle = triangle.map(|p| p - reported.axis * reported.axis.dot(p - place)),
+                11 => triangle[1] = triangle[0] + reported.axis * size,
                 _ => {}
             }
             let least = solid.least_on_triangle(&triangle);
-            let oracle = told.distance_of_triangle(triangle);
-            let what = format!("{} and {triangle:?}: {least:?}", told.name);
+            let oracle = reported.distance_of_triangle(triangle);
+            let what = format!("{} and {triangle:?}: {least:?}", reported.name);
             assert!((least.signed.max(0.0) - oracle).abs() < 1e-7, "{what}: {oracle}");
             let signed = solid.core_foot(least.point).signed;
             assert!((signed - least.signed).abs() < 1e-9, "{what}: {signed} there");
@@ -234,10 +236,12 @@ fn triangles_are_as_far_as_a_search_says() {
 fn no_point_of_a_triangle_is_deeper() {
     let mut rng = Rng::new(64);
     let mut inside = 0;
-    for told in solids(&mut rng) {
-        let solid = told.solid();
+    for reported in solids(&mut rng) {
+        let solid = reported.solid();
         for _ in 0..40 {
-            let place = told.middle + told.axis * (rng.unit() * told.half) + vector(&mut rng) * 0.1;
+            let place = reported.middle
+                + reported.axis * (rng.unit() * reported.half)
+                + vector(&mut rng) * 0.1;
             let triangle = [(); 3].map(|()| place + vector(&mut rng) * 0.5);
             let least = solid.least_on_triangle(&triangle);
             inside += usize::from(least.signed < -1e-3);
@@ -246,7 +250,7 @@ fn no_point_of_a_triangle_is_deeper() {
                 for j in 0..=(40 - i) {
                     let p = a + (b - a) * (f64::from(i) / 40.0) + (c - a) * (f64::from(j) / 40.0);
                     let signed = solid.core_foot(p).signed;
-                    assert!(signed >= least.signed - 1e-12, "{}: {least:?} at {p}", told.name);
+                    assert!(signed >= least.signed - 1e-12, "{}: {least:?} at {p}", reported.name);
                 }
             }
         }
@@ -265,19 +269,19 @@ fn the_nearest_face_is_that_of_all_faces() {
     let mut rng = Rng::new(65);
     let (mut apart, mut meeting) = (0, 0);
     for _ in 0..8 {
-        for told in solids(&mut rng) {
-            let told = Told { middle: vector(&mut rng) * 1.6, ..told };
-            let solid = told.solid();
+        for reported in solids(&mut rng) {
+            let reported = Told { middle: vector(&mut rng) * 1.6, ..reported };
+            let solid = reported.solid();
             let faces = (0..model.mesh().faces().len() as u32).map(cranny_geometry::FaceId);
             let all = faces.map(|f| solid.least_on_triangle(&model.mesh().triangle(f)).signed);
-            let truth = all.fold(f64::INFINITY, f64::min) - told.border;
+            let truth = all.fold(f64::INFINITY, f64::min) - reported.border;
             let found = nearest_face(&model, &solid, f64::INFINITY).expect("there are faces");
-            let what = format!("{}: {found:?}, {truth}", told.name);
+            let what = format!("{}: {found:?}, {truth}", reported.name);
             if truth > 1e-12 {
                 apart += 1;
                 assert_eq!(found.distance, truth, "{what}");
                 assert!((found.on_model.distance(found.on_solid) - truth).abs() < 1e-9, "{what}");
-                let off = told.distance_of_point(found.on_solid) - told.border;
+                let off = reported.distance_of_point(found.on_solid) - reported.border;
                 assert!(off.abs() < 1e-9, "{what}: off by {off}");
                 assert!(nearest_face(&model, &solid, truth).is_some(), "{what}");
                 assert!(nearest_face(&model, &solid, 0.999 * truth).is_none(), "{what}");
@@ -288,7 +292,7 @@ fn the_nearest_face_is_that_of_all_faces() {
             }
             let bounds = solid.bounds();
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
-                let reach = |d: DVec3| told.reach(d) + told.border;
+                let reach = |d: DVec3| reported.reach(d) + reported.border;
                 assert!((bounds.max.dot(axis) - reach(axis)).abs() < 1e-7, "{what}");
                 assert!((bounds.min.dot(axis) + reach(-axis)).abs() < 1e-7, "{what}");
             }

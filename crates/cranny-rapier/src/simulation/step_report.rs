@@ -87,7 +87,7 @@ impl Simulation {
 
     /// Says which fields somebody reads, from now on, of a pair of bodies in
     /// [`contact_pairs`](Self::contact_pairs). Where the solver's answer does not
-    /// [hold](Fields::told_by) them, a second query is made in the step, at the poses that the
+    /// [hold](Fields::held_by) them, a second query is made in the step, at the poses that the
     /// solver's contacts come from. How bodies move does not depend on it.
     pub fn read_by(&self, fields: impl Fn(BodyIndex, BodyIndex) -> Fields + Send + Sync + 'static) {
         self.log.read_by(move |first, second| fields(BodyIndex(first), BodyIndex(second)));

@@ -198,8 +198,8 @@ fn primitives_in_all_positions() {
                 // Where they are apart, the nearest contact is as far as they are.
                 if *name != "half-space" {
                     let apart = dispatcher().distance(&pose, &shape, &*partner.0).expect("known");
-                    let told = found.iter().flat_map(|m| &m.points).map(|p| p.dist);
-                    let nearest = told.fold(Real::INFINITY, Real::min);
+                    let reported = found.iter().flat_map(|m| &m.points).map(|p| p.dist);
+                    let nearest = reported.fold(Real::INFINITY, Real::min);
                     let what = format!("{body} and {name}: {nearest} at {}", apart.distance);
                     match apart.distance {
                         0.0 => assert!(nearest < 1e-4, "{what}"),

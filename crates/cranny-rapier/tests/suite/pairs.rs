@@ -72,7 +72,7 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
         for pair in &pairs {
             assert!(pair.a < pair.b);
             let both_asleep = [pair.a, pair.b].iter().all(|b| asleep[b.0 as usize]);
-            assert!(pair.fresh || both_asleep, "step {step}: recycled though nobody asked for it");
+            assert!(pair.fresh || both_asleep, "step {step}: recycled though nobody wants it");
             for (body, pose) in [(pair.a, pair.poses[0]), (pair.b, pair.poses[1])] {
                 // Of a step in parts nobody but the simulation knows where its last part began.
                 if !is_whole {
@@ -94,12 +94,12 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
                 query(a, b, &Query::of(demand), &mut PairMemory::default()).expect("valid poses")
             };
             let direct = ask(Demand::Regions { margin: 0.0 });
-            let told = &pair.answer;
-            assert_eq!(told.surface, direct.surface, "step {step}");
-            assert_eq!((told.solid, told.contained), (direct.solid, direct.contained));
+            let found = &pair.answer;
+            assert_eq!(found.surface, direct.surface, "step {step}");
+            assert_eq!((found.solid, found.contained), (direct.solid, direct.contained));
             if read {
                 // Everything that a reader reads.
-                let meeting: Vec<_> = told.regions.iter().filter(|r| r.depth.is_some()).collect();
+                let meeting: Vec<_> = found.regions.iter().filter(|r| r.depth.is_some()).collect();
                 let expected: Vec<_> =
                     direct.regions.iter().filter(|r| r.depth.is_some()).collect();
                 assert_eq!(meeting.len(), expected.len(), "step {step}");
@@ -111,18 +111,18 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
             }
             // No solver's contact is nearer than the distance, and of surfaces that are apart the
             // nearest is among them.
-            let distance = direct.distance.expect("asked for");
-            let least = told.contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min);
-            if distance > 0.0 && !told.contacts.is_empty() {
+            let distance = direct.distance.expect("demanded");
+            let least = found.contacts.iter().map(|c| c.separation).fold(f64::INFINITY, f64::min);
+            if distance > 0.0 && !found.contacts.is_empty() {
                 assert!((least - distance).abs() < 1e-9, "step {step}: {least}, not {distance}");
             }
             // No way out is longer than the one that parts a whole region.
             let parting = direct.regions.iter().filter_map(|r| r.depth).fold(0.0, f64::max);
-            if told.solid {
+            if found.solid {
                 assert!(least <= 0.0 && -least <= parting + 1e-9, "{step}: {least}, {parting}");
                 overlapping += 1;
             }
-            for c in &told.contacts {
+            for c in &found.contacts {
                 assert!((c.normal.dot(c.point_b - c.point_a) - c.separation).abs() < 1e-9);
                 contacts += 1;
             }
@@ -134,7 +134,7 @@ fn compare_with_direct_queries_in_parts(read: bool, most_parts: usize) {
     assert_eq!(divided > 0, most_parts > 1, "{divided} steps were made in parts");
     assert!(simulation.solver_contacts() > 0 && simulation.pair_count() > 0);
     assert!(simulation.narrow_phase_seconds() > 0.0);
-    assert_eq!(simulation.narrow_phase_seconds(), 0.0, "told once");
+    assert_eq!(simulation.narrow_phase_seconds(), 0.0, "read once");
     assert!(simulation.timings_ms().step > 0.0);
 }
 
@@ -161,8 +161,8 @@ fn moves_the_same(recycling: bool) {
     };
     let unread = poses(Fields::NONE, false);
     // The solver's own answers tell how deep bodies overlap, and whether they meet.
-    let told = Fields { depth: true, verdict: true, ..Fields::contacts(0.0) };
-    assert_eq!(unread, poses(told, recycling));
+    let found = Fields { depth: true, verdict: true, ..Fields::contacts(0.0) };
+    assert_eq!(unread, poses(found, recycling));
     assert_eq!(unread, poses(Fields::contacts(0.5), true));
     assert_eq!(unread, poses(Fields::regions(0.05), true));
 }

@@ -35,14 +35,14 @@ fn they_agree_with_the_exact_query() {
         let b = Placed { model: &bodies[j], pose: pose_from_rapier(&pose) };
         let answer = query(a, b, &demand, &mut PairMemory::default()).expect("valid poses");
         let meets = answer.solid || answer.surface.meets();
-        let distance = answer.distance.expect("asked for");
+        let distance = answer.distance.expect("demanded");
         let (g1, g2) = (&shapes[i], &shapes[j]);
         let ours = dispatcher();
 
         let intersecting = ours.intersection_test(&pose, g1, g2).expect("ours").intersecting;
         assert_eq!(intersecting, meets);
-        let told = ours.distance(&pose, g1, g2).expect("ours").distance;
-        assert_eq!(told, if meets { 0.0 } else { distance as Real });
+        let reported = ours.distance(&pose, g1, g2).expect("ours").distance;
+        assert_eq!(reported, if meets { 0.0 } else { distance as Real });
         let reach: Real = 0.3;
         match ours.closest_points(&pose, g1, g2, reach).expect("ours") {
             ClosestPoints::Intersecting => assert!(meets),
@@ -81,8 +81,8 @@ fn boxes_agree_with_parrys_boxes() {
         let truth = DefaultQueryDispatcher.distance(&pose, &parry[0], &parry[1]);
         let truth = truth.expect("boxes").distance;
         for (g1, g2) in partners {
-            let told = dispatcher().distance(&pose, g1, g2).expect("ours").distance;
-            assert!((told - truth).abs() < 1e-4, "{told} is not {truth}");
+            let reported = dispatcher().distance(&pose, g1, g2).expect("ours").distance;
+            assert!((reported - truth).abs() < 1e-4, "{reported} is not {truth}");
             let meets = dispatcher().intersection_test(&pose, g1, g2).expect("ours").intersecting;
             assert_eq!(meets, truth == 0.0, "distance {truth}");
         }
@@ -134,28 +134,28 @@ fn round_partners_agree_with_parrys_box() {
                 };
                 let ours = dispatcher();
                 let what = format!("{name}, swapped {swap}");
-                let told = ours.distance(&pose, g1, g2).expect("ours").distance;
+                let reported = ours.distance(&pose, g1, g2).expect("ours").distance;
                 // parry's search ends early on what is flat; points on both surfaces prove that
                 // ours are not too small.
                 let near = truth - 5e-3..truth + 1e-4;
-                assert!(near.contains(&told), "{what}: {told} is not {truth}");
+                assert!(near.contains(&reported), "{what}: {reported} is not {truth}");
                 let meets = ours.intersection_test(&pose, g1, g2).expect("ours").intersecting;
-                assert_eq!(meets, told == 0.0, "{what}: distance {told}");
+                assert_eq!(meets, reported == 0.0, "{what}: distance {reported}");
                 let reach = 0.3;
                 match ours.closest_points(&pose, g1, g2, reach).expect("ours") {
-                    ClosestPoints::Intersecting => assert_eq!(told, 0.0, "{what}"),
-                    ClosestPoints::Disjoint => assert!(told > reach, "{what}: {told}"),
+                    ClosestPoints::Intersecting => assert_eq!(reported, 0.0, "{what}"),
+                    ClosestPoints::Disjoint => assert!(reported > reach, "{what}: {reported}"),
                     ClosestPoints::WithinMargin(p, q) => {
-                        assert!(told > 0.0 && told <= reach, "{what}: {told}");
+                        assert!(reported > 0.0 && reported <= reach, "{what}: {reported}");
                         let way = (pose.transform_point(q) - p).length();
-                        assert!((way - told).abs() < 1e-5, "{what}: {way} is not {told}");
+                        assert!((way - reported).abs() < 1e-5, "{what}: {way} is not {reported}");
                         for (g, p) in [(g1, p), (g2, q)] {
                             let off = off_surface(g, p);
                             assert!(off < 1e-4, "{what}: {p} is {off} off the surface");
                         }
                     }
                 }
-                if told > 0.0 { apart += 1 } else { meeting += 1 }
+                if reported > 0.0 { apart += 1 } else { meeting += 1 }
             }
         }
     }
@@ -218,8 +218,8 @@ fn in_a_hollow_is_apart() {
             let ours = dispatcher();
             let meets = ours.intersection_test(&place, body, &*partner.0).expect("known");
             assert!(!meets.intersecting, "{name}");
-            let told = ours.distance(&place, body, &*partner.0).expect("known").distance;
-            assert!((told - distance).abs() < 1e-5, "{name}: {told} is not {distance}");
+            let reported = ours.distance(&place, body, &*partner.0).expect("known").distance;
+            assert!((reported - distance).abs() < 1e-5, "{name}: {reported} is not {distance}");
         }
     }
 }
@@ -308,10 +308,14 @@ fn a_deep_contact_is_told_as_deep_as_it_is() {
         [[0.95, 0.05], [0.9, 0.1], [0.8, 0.2], [0.7, 0.3], [0.6, 0.4]] as [[Real; 2]; 5]
     {
         let pose = RapierPose::translation(0.1, 0.0, z);
-        let told = dispatcher().contact(&pose, &cube, &cube, 0.1).expect("ours").expect("deep");
+        let reported = dispatcher().contact(&pose, &cube, &cube, 0.1).expect("ours").expect("deep");
         // Along the direction of the area that the curves enclose, which leans a little.
-        assert!((-told.dist / depth - 1.0).abs() < 0.1, "{} where it is {depth}", told.dist);
-        for (point, name) in [(told.point1, "first"), (told.point2, "second")] {
+        assert!(
+            (-reported.dist / depth - 1.0).abs() < 0.1,
+            "{} where it is {depth}",
+            reported.dist
+        );
+        for (point, name) in [(reported.point1, "first"), (reported.point2, "second")] {
             let out = point.abs().max_element();
             assert!((out - 0.5).abs() < 1e-5, "{point} is not on the {name} cube");
         }

@@ -25,11 +25,11 @@ fn manifolds(pose: &Pose, a: &dyn Shape, b: &dyn Shape) -> Vec<Manifold> {
 
 /// Normals and distances by their points on the first shape.
 fn points(manifolds: &[Manifold]) -> Vec<(DVec3, Real, DVec3)> {
-    let told = manifolds.iter().flat_map(|manifold| {
+    let reported = manifolds.iter().flat_map(|manifold| {
         let normal = wide(manifold.local_n1);
         manifold.points.iter().map(move |p| (wide(p.local_p1), p.dist, normal))
     });
-    let mut all: Vec<_> = told.collect();
+    let mut all: Vec<_> = reported.collect();
     all.sort_by(|x, y| x.0.to_array().partial_cmp(&y.0.to_array()).expect("numbers"));
     all
 }
@@ -55,21 +55,21 @@ fn a_solver_gets_the_curved_surfaces_normals_at_the_same_points() {
         let pose = touching(k);
         let along = pose.translation.normalize();
         let own = points(&manifolds(&pose, &flat, &flat));
-        let told = points(&manifolds(&pose, &smooth, &smooth));
-        assert!(own.len() == told.len() && !own.is_empty());
-        for (own, told) in own.iter().zip(&told) {
-            assert_eq!((own.0, own.1), (told.0, told.1));
+        let reported = points(&manifolds(&pose, &smooth, &smooth));
+        assert!(own.len() == reported.len() && !own.is_empty());
+        for (own, reported) in own.iter().zip(&reported) {
+            assert_eq!((own.0, own.1), (reported.0, reported.1));
         }
         let nearest = |all: &[(DVec3, Real, DVec3)]| {
             let first = all.iter().min_by(|x, y| x.1.total_cmp(&y.1)).expect("one");
             first.2.angle_between(along)
         };
         flat_worst = flat_worst.max(nearest(&own));
-        told_worst = told_worst.max(nearest(&told));
+        told_worst = told_worst.max(nearest(&reported));
         // As a part of a compound it is as smooth.
         let whole: SharedShape = SharedShape::new(smooth.clone());
         let compound = Compound::new(vec![(Default::default(), whole)]);
-        assert_eq!(points(&manifolds(&pose, &compound, &smooth)), told);
+        assert_eq!(points(&manifolds(&pose, &compound, &smooth)), reported);
     }
     assert!(flat_worst > 0.05 && told_worst < 0.4 * flat_worst, "{told_worst} {flat_worst}");
 }
@@ -80,11 +80,15 @@ fn all_other_answers_are_those_of_the_mesh() {
     for k in 0..20 {
         let pose = pose_to_rapier(&touching(k));
         let ask = |shape: &MeshShape| dispatcher().contact(&pose, shape, shape, 0.05);
-        let [own, told] = [&flat, &smooth].map(|shape| ask(shape).expect("ours").expect("near"));
-        assert_eq!((own.normal1, own.dist, own.point1), (told.normal1, told.dist, told.point1));
+        let [own, reported] =
+            [&flat, &smooth].map(|shape| ask(shape).expect("ours").expect("near"));
+        assert_eq!(
+            (own.normal1, own.dist, own.point1),
+            (reported.normal1, reported.dist, reported.point1)
+        );
         let apart = |shape: &MeshShape| dispatcher().distance(&pose, shape, shape);
-        let [own, told] = [&flat, &smooth].map(|shape| apart(shape).expect("ours").distance);
-        assert_eq!(own, told);
+        let [own, reported] = [&flat, &smooth].map(|shape| apart(shape).expect("ours").distance);
+        assert_eq!(own, reported);
     }
 }
 

@@ -88,7 +88,7 @@ impl Splits {
                 "{polygons} with more than three corners {were} split into triangles"
             ));
         }
-        if let Some((polygons, first)) = self.crossed.told() {
+        if let Some((polygons, first)) = self.crossed.summary() {
             notes.push(format!(
                 "{polygons} of these: sides cross, corners lie on sides, or there is no area (first: {first}); split as well as can be, triangles may overlap or lack an area"
             ));
@@ -102,7 +102,7 @@ impl Splits {
                 most = most.max(*thickness);
             }
         }
-        if let Some((polygons, first)) = bent.told() {
+        if let Some((polygons, first)) = bent.summary() {
             notes.push(format!(
                 "{polygons} of these: corners lie off their common plane, by up to {most:.3e} (first: {first}); where the surface runs between them depends on the split"
             ));
@@ -124,7 +124,7 @@ impl Tally {
         self.first.get_or_insert_with(|| place.clone());
     }
 
-    fn told(&self) -> Option<(String, &Place)> {
+    fn summary(&self) -> Option<(String, &Place)> {
         self.first.as_ref().map(|first| (counted(self.count, "polygon"), first))
     }
 }

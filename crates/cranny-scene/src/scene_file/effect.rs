@@ -96,7 +96,7 @@ impl Visitor<'_> for NameVisitor {
             )));
         }
         if let Some((_, how)) = ELSEWHERE.iter().find(|(known, _)| *known == name) {
-            return Err(E::custom(format!("effect {name} is not listed but asked for {how}")));
+            return Err(E::custom(format!("effect {name} is not listed: a scene has it {how}")));
         }
         Err(E::custom(format!(
             "unknown effect {name}; available are {}, and known but not available in this version are {}",

@@ -40,7 +40,7 @@ pub(super) fn place(
     let holds = nx.saturating_mul(ny).saturating_mul(nz);
     if holds < count {
         return Err(format!(
-            "its region holds {holds} bodies of bounding diameter {:.4} ({nx} x {ny} x {nz}), but {count} are asked for. Enlarge the region or lower the count",
+            "its region holds {holds} bodies of bounding diameter {:.4} ({nx} x {ny} x {nz}), but {count} are wanted. Enlarge the region or lower the count",
             2.0 * largest
         ));
     }

@@ -41,8 +41,8 @@ const SPACING: f64 = 1.35;
 fn ring_of_tori() -> String {
     let mut s = String::from(
         "// A closed chain of twelve interlinked tori, hanging from the first. Their centres lie on a\n\
-         // circle in the xz plane; every other torus is turned by 90 degrees about the circle's
-         // tangent.\n\
+         // circle in the xz plane; every other torus is turned by 90 degrees about the circle's \
+         tangent.\n\
          (\n    version: 1,\n    gravity: (0, 0, -9.81),\n    step: 0.004166666666666667, // 1/240 s\n    duration: 5,\n    bodies: [\n",
     );
     let radius = 0.5 * SPACING / (PI / 12.0).sin();
@@ -72,9 +72,10 @@ fn ring_of_tori() -> String {
 
 fn nut_on_bolt() -> String {
     "// An M16 x 2 nut, spun once a second up its fixed bolt without friction: it should climb 2 mm a turn.
-// One unit is a millimetre. Gravity keeps the number that it has in metres: 9.81 units/s^2, gentle
-// here. The nut stands at a multiple of the pitch, where it fits unturned, with 0.1 mm of radial
-// clearance.
+// One unit is a millimetre. Gravity keeps the number that it has in metres: 9.81 units/s^2, gentle \
+here.
+// The nut stands at a multiple of the pitch, where it fits unturned, with 0.1 mm of radial \
+clearance.
 (
     version: 1,
     gravity: (0, 0, -9.81),

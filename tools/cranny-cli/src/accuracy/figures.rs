@@ -69,7 +69,7 @@ impl MethodFigures {
             poses: distances.len(),
             median_us: quantile(&times, 50),
             p99_us: quantile(&times, 99),
-            tests_mean: mean(distances.iter().filter_map(|r| Some(r.told.tests? as f64))),
+            tests_mean: mean(distances.iter().filter_map(|r| Some(r.found.tests? as f64))),
             false_negatives: 0,
             false_positives: 0,
             open: 0,
@@ -83,7 +83,7 @@ impl MethodFigures {
             contact_poses: contacts.len(),
             contact_median_us: quantile(&contact_times, 50),
             contact_p99_us: quantile(&contact_times, 99),
-            contacts_mean: mean(contacts.iter().map(|reply| reply.told.len() as f64)),
+            contacts_mean: mean(contacts.iter().map(|reply| reply.found.len() as f64)),
             contacts_missed: 0,
             contact_error_mean: None,
             contact_error_max: None,
@@ -92,23 +92,23 @@ impl MethodFigures {
     }
 
     fn with_verdicts(mut self, truths: &[Truth], replies: &[Reply<PoseAnswer>]) -> Self {
-        for (truth, told) in beside_truth(truths, replies) {
-            match told.meets {
+        for (truth, found) in beside_truth(truths, replies) {
+            match found.meets {
                 None => self.open += 1,
                 Some(false) if truth.meets => self.false_negatives += 1,
                 Some(true) if !truth.meets => self.false_positives += 1,
                 Some(_) => {}
             }
-            let held = told.held.unwrap_or(truth.held);
+            let held = found.held.unwrap_or(truth.held);
             self.outside += usize::from(held.lo > truth.held.hi || held.hi < truth.held.lo);
         }
         self
     }
 
     fn with_lengths(self, truths: &[Truth], replies: &[Reply<PoseAnswer>]) -> Self {
-        let widths: Vec<f64> = replies.iter().filter_map(|r| Some(r.told.held?.width())).collect();
+        let widths: Vec<f64> = replies.iter().filter_map(|r| Some(r.found.held?.width())).collect();
         let of = |error: fn(&Truth, &PoseAnswer) -> Option<f64>| -> Vec<f64> {
-            beside_truth(truths, replies).filter_map(|(truth, told)| error(truth, told)).collect()
+            beside_truth(truths, replies).filter_map(|(truth, found)| error(truth, found)).collect()
         };
         let (distances, witnesses) = (of(distance_error), of(witness_error));
         Self {
@@ -127,12 +127,13 @@ impl MethodFigures {
         let mut errors = Vec::new();
         for reply in replies {
             let regions = &truths[reply.pose].contacts;
-            if reply.told.is_empty() {
+            if reply.found.is_empty() {
                 self.contacts_missed += regions.len();
                 continue;
             }
-            let nearest =
-                |p: &DVec3| reply.told.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);
+            let nearest = |p: &DVec3| {
+                reply.found.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min)
+            };
             errors.extend(regions.iter().map(nearest));
         }
         self.contact_error_mean = mean(errors.iter().copied());
@@ -145,20 +146,20 @@ fn beside_truth<'a>(
     truths: &'a [Truth],
     replies: &'a [Reply<PoseAnswer>],
 ) -> impl Iterator<Item = (&'a Truth, &'a PoseAnswer)> {
-    replies.iter().map(|reply| (&truths[reply.pose], &reply.told))
+    replies.iter().map(|reply| (&truths[reply.pose], &reply.found))
 }
 
 /// Of the distance between the surfaces. Who takes bodies for solids reports 0 where one lies
 /// within the other, which is no error.
-fn distance_error(truth: &Truth, told: &PoseAnswer) -> Option<f64> {
-    let distance = told.distance?;
+fn distance_error(truth: &Truth, found: &PoseAnswer) -> Option<f64> {
+    let distance = found.distance?;
     let is_of_solids = truth.contained && distance == 0.0;
     (!is_of_solids).then(|| (distance - truth.distance).abs())
 }
 
 /// How far witness points are from the exact ones, the farther of the two.
-pub(super) fn witness_error(truth: &Truth, told: &PoseAnswer) -> Option<f64> {
-    let ([p, q], [v, w]) = (truth.witnesses?, told.witnesses?);
+pub(super) fn witness_error(truth: &Truth, found: &PoseAnswer) -> Option<f64> {
+    let ([p, q], [v, w]) = (truth.witnesses?, found.witnesses?);
     Some(p.distance(v).max(q.distance(w)))
 }
 
@@ -229,24 +230,24 @@ mod tests {
         vec![apart, meeting, within]
     }
 
-    fn judged(told: [PoseAnswer; 3], contacts: Vec<Vec<DVec3>>) -> MethodFigures {
-        let reply = |pose, told| Reply { pose, time: Duration::from_micros(7), told };
+    fn judged(found: [PoseAnswer; 3], contacts: Vec<Vec<DVec3>>) -> MethodFigures {
+        let reply = |pose, found| Reply { pose, time: Duration::from_micros(7), found };
         let replies: Vec<_> =
-            told.into_iter().enumerate().map(|(pose, told)| reply(pose, told)).collect();
+            found.into_iter().enumerate().map(|(pose, found)| reply(pose, found)).collect();
         let time = Duration::from_micros(9);
         let contacts: Vec<_> =
-            contacts.into_iter().map(|told| Reply { pose: 1, time, told }).collect();
+            contacts.into_iter().map(|found| Reply { pose: 1, time, found }).collect();
         MethodFigures::judged(&truths(), Name::of_peer("it"), &replies, &contacts)
     }
 
-    fn told(meets: Option<bool>, distance: f64) -> PoseAnswer {
+    fn found(meets: Option<bool>, distance: f64) -> PoseAnswer {
         PoseAnswer { meets, distance: Some(distance), ..PoseAnswer::default() }
     }
 
     #[test]
     fn verdicts_are_judged_one_by_one() {
         let row =
-            judged([told(Some(true), 2.0), told(Some(false), 0.0), told(None, 0.5)], Vec::new());
+            judged([found(Some(true), 2.0), found(Some(false), 0.0), found(None, 0.5)], Vec::new());
         assert_eq!((row.false_negatives, row.false_positives, row.open), (1, 1, 1));
         assert_eq!((row.poses, row.median_us, row.p99_us), (3, Some(7.0), Some(7.0)));
         assert_eq!(row.distance_error_max, Some(0.0));
@@ -254,7 +255,7 @@ mod tests {
 
     #[test]
     fn intervals_that_do_not_hold_the_distance_are_counted() {
-        let holding = |lo, hi| PoseAnswer { held: Some(Interval { lo, hi }), ..told(None, hi) };
+        let holding = |lo, hi| PoseAnswer { held: Some(Interval { lo, hi }), ..found(None, hi) };
         let row = judged([holding(1.0, 1.5), holding(0.0, 0.75), holding(0.25, 0.5)], Vec::new());
         assert_eq!((row.outside, row.width_mean, row.width_max), (1, Some(0.5), Some(0.75)));
         let row = judged([holding(2.5, 3.0), holding(0.0, 0.0), holding(0.0, 1.0)], Vec::new());
@@ -263,20 +264,20 @@ mod tests {
 
     #[test]
     fn solids_in_each_other_have_no_distance_and_hollow_ones_do() {
-        let apart = told(Some(false), 2.25);
-        let solid = judged([apart.clone(), told(Some(true), 0.0), told(Some(true), 0.0)], vec![]);
+        let apart = found(Some(false), 2.25);
+        let solid = judged([apart.clone(), found(Some(true), 0.0), found(Some(true), 0.0)], vec![]);
         assert_eq!(
             (solid.distance_error_max, solid.distance_error_mean),
             (Some(0.25), Some(0.125))
         );
-        let hollow = judged([apart, told(Some(true), 0.0), told(Some(false), 1.5)], vec![]);
+        let hollow = judged([apart, found(Some(true), 0.0), found(Some(false), 1.5)], vec![]);
         assert_eq!(hollow.distance_error_max, Some(1.0));
         assert_eq!(hollow.false_negatives, 1);
     }
 
     #[test]
     fn witnesses_are_compared_where_bodies_are_apart() {
-        let with = |points| PoseAnswer { witnesses: Some(points), ..told(None, 0.0) };
+        let with = |points| PoseAnswer { witnesses: Some(points), ..found(None, 0.0) };
         let points = [3.0 * DVec3::Y, DVec3::X];
         let row = judged([with(points), with(points), with(points)], Vec::new());
         assert_eq!((row.witness_error_mean, row.witness_error_max), (Some(3.0), Some(3.0)));
@@ -284,7 +285,7 @@ mod tests {
 
     #[test]
     fn regions_near_which_nothing_was_told_are_missed_not_passed_over() {
-        let nothing = [told(None, 0.0), told(None, 0.0), told(None, 0.0)];
+        let nothing = [found(None, 0.0), found(None, 0.0), found(None, 0.0)];
         let row = judged(nothing, vec![vec![DVec3::ZERO, 0.5 * DVec3::Y], Vec::new()]);
         assert_eq!((row.contact_poses, row.contacts_missed), (2, 2));
         assert_eq!((row.contacts_mean, row.contact_median_us), (Some(1.0), Some(9.0)));

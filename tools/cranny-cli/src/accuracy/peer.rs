@@ -90,7 +90,7 @@ impl Method for Peer {
         let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
         let relative = p.inv_mul(&q);
         let prediction = PREDICTION * smaller_size(models);
-        let told = DefaultQueryDispatcher.contact_manifolds(
+        let found = DefaultQueryDispatcher.contact_manifolds(
             &relative,
             a,
             b,
@@ -98,7 +98,7 @@ impl Method for Peer {
             &mut manifolds,
             &mut None,
         );
-        if told.is_err() {
+        if found.is_err() {
             return Vec::new();
         }
         let at = |pose: &NarrowPose, part: Option<&NarrowPose>, point: Vector| {

@@ -31,18 +31,18 @@ impl PoseTable {
 }
 
 fn row(reply: &Reply<PoseAnswer>, truth: &Truth) -> String {
-    let told = &reply.told;
+    let found = &reply.found;
     [
         reply.pose.to_string(),
         reply.micros().to_string(),
-        cell(told.tests),
-        word(told.meets).to_owned(),
+        cell(found.tests),
+        word(found.meets).to_owned(),
         word(Some(truth.meets)).to_owned(),
-        cell(told.held.map(|held| held.lo)),
-        cell(told.held.map(|held| held.hi)),
-        cell(told.distance),
+        cell(found.held.map(|held| held.lo)),
+        cell(found.held.map(|held| held.hi)),
+        cell(found.distance),
         truth.distance.to_string(),
-        cell(witness_error(truth, told)),
+        cell(witness_error(truth, found)),
     ]
     .join(",")
 }

@@ -44,30 +44,30 @@ pub(super) fn rested(scene: &Scene, budget: u64, patience: Duration) -> Vec<Rest
     let begin = Instant::now();
     let mut rows = Vec::new();
     while rows.len() < FRAMES && (rows.is_empty() || begin.elapsed() < patience) {
-        let told = poses.iter().zip(&mut pairs).map(|(&pose, pair)| {
+        let found = poses.iter().zip(&mut pairs).map(|(&pose, pair)| {
             let start = Instant::now();
-            let told = pair.ask(scene.models, scene.poses[pose]);
+            let found = pair.ask(scene.models, scene.poses[pose]);
             (
                 start.elapsed().as_nanos() as f64 / 1e3,
-                told.meets,
-                told.held.unwrap_or(Interval::WHOLE),
+                found.meets,
+                found.held.unwrap_or(Interval::WHOLE),
             )
         });
-        rows.push(Rested::of(budget, rows.len() + 1, told.collect()));
+        rows.push(Rested::of(budget, rows.len() + 1, found.collect()));
     }
     rows
 }
 
 impl Rested {
-    fn of(budget: u64, frame: usize, told: Vec<(f64, Option<bool>, Interval)>) -> Self {
-        let widths: Vec<f64> = told.iter().map(|(_, _, held)| held.width()).collect();
-        let mut micros: Vec<f64> = told.iter().map(|told| told.0).collect();
+    fn of(budget: u64, frame: usize, found: Vec<(f64, Option<bool>, Interval)>) -> Self {
+        let widths: Vec<f64> = found.iter().map(|(_, _, held)| held.width()).collect();
+        let mut micros: Vec<f64> = found.iter().map(|found| found.0).collect();
         micros.sort_unstable_by(f64::total_cmp);
         Self {
             budget,
             frame,
-            poses: told.len(),
-            open: told.iter().filter(|told| told.1.is_none()).count(),
+            poses: found.len(),
+            open: found.iter().filter(|found| found.1.is_none()).count(),
             width_mean: mean(widths.iter().copied()),
             width_max: most(&widths),
             median_us: quantile(&micros, 50),

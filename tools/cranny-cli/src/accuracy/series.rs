@@ -17,7 +17,7 @@ pub(super) type Ask<T> = fn(&mut dyn Method, &Scene, usize) -> T;
 pub(super) struct Reply<T> {
     pub(super) pose: usize,
     pub(super) time: Duration,
-    pub(super) told: T,
+    pub(super) found: T,
 }
 
 impl<T> Reply<T> {
@@ -58,12 +58,12 @@ impl<T> Series<T> {
                 method.begin(scene.models);
             }
             let start = Instant::now();
-            let told = (self.ask)(method, scene, visit.pose);
+            let found = (self.ask)(method, scene, visit.pose);
             let time = start.elapsed();
             if !visit.counts {
                 continue;
             }
-            let reply = Reply { pose: visit.pose, time, told };
+            let reply = Reply { pose: visit.pose, time, found };
             match self.replies.get_mut(index) {
                 Some(best) if best.time <= time => {}
                 Some(best) => *best = reply,
@@ -82,7 +82,7 @@ fn each<T>(
     candidates: &[usize],
     patience: Duration,
 ) -> Duration {
-    let (mut spent, mut asked) = (Duration::ZERO, 0);
+    let (mut spent, mut wanted) = (Duration::ZERO, 0);
     for pose in centers(candidates.len(), TRIALS).filter_map(|i| candidates.get(i).copied()) {
         method.begin(scene.models);
         if method.is_warm() && pose > 0 {
@@ -91,10 +91,10 @@ fn each<T>(
         let start = Instant::now();
         ask(method, scene, pose);
         spent += start.elapsed();
-        asked += 1;
+        wanted += 1;
         if spent > patience {
             break;
         }
     }
-    spent / asked.max(1)
+    spent / wanted.max(1)
 }

@@ -98,32 +98,32 @@ fn patience(text: &str) -> Result<f64, String> {
 
 const NOTES: &str = "\
 Each level of accuracy, exact answers within budgets of elementary tests and within times, and parry's
-triangle meshes and convex decompositions are asked at the same poses, on one thread, in rounds, and judged
+triangle meshes and convex decompositions answer at the same poses, on one thread, in rounds, and judged
 by the exact answer: for verdict and distance at all poses, and for regions of contact where bodies are in
 contact. `warm` keeps memory from pose to pose, `cold` keeps none; what a level prepares once is not counted.
-A method that takes longer than --patience is asked at some poses: evenly spread, or, if it keeps memory, at
+A method that takes longer than --patience answers at some poses: evenly spread, or, if it keeps memory, at
 stretches of consecutive ones. So rows with different `poses` are not quite about the same.
 
-Columns of accuracy.csv (lengths in units of the meshes; empty: not told):
+Columns of accuracy.csv (lengths in units of the meshes; empty: no answer):
   method, level, budget, deadline_us, memory
-                                  what was asked: cranny, parry-trimesh, parry-decomposition
-  poses                           at which it was asked
+                                  the detector: cranny, parry-trimesh, parry-decomposition
+  poses                           at which it answered
   median_us, p99_us               time of a pose, the shortest of all runs; tests_mean: elementary tests
-  false_negatives                 told apart, but they meet: 0 for cranny
-  false_positives                 told to meet, but they are apart: 0 for cranny; open: neither was told
+  false_negatives                 apart by its answer, but they meet: 0 for cranny
+  false_positives                 meet by its answer, but they are apart: 0 for cranny; open: no answer
   outside                         intervals that do not hold the distance: 0 for cranny
   width_mean, width_max           of the interval that holds the distance
   distance_error_mean, _max       of the distance: of the interval's upper end
   witness_error_mean, _max        how far witness points are from the exact ones, where bodies are apart
                                   (where several are as near, others may be named)
-  contact_poses                   poses at which bodies are in contact, and regions were asked for
-  contact_median_us, _p99_us      time of that; contacts_mean: contacts told, or places where they may be
-  contacts_missed                 regions at poses where no contact was told
-  contact_error_mean, _max        how far the nearest contact told is from each region's deepest one; who
-                                  tells many is near everything
+  contact_poses                   poses at which bodies are in contact, and regions were demanded
+  contact_median_us, _p99_us      time of that; contacts_mean: contacts reported, or places where they may be
+  contacts_missed                 regions at poses where no contact was reported
+  contact_error_mean, _max        how far the nearest contact reported is from each region's deepest one; who
+                                  reports many is near everything
   note                            why there are no figures: what parry says of a mesh, or that it panicked
 
-poses.csv: what each method told at each pose, beside what is so.
+poses.csv: each method's answer at each pose, beside what is so.
 accuracy.svg: median time against mean width (for peers: mean error of the distance), divided by the
 size of the smaller body, both axes logarithmic. What is exact lies at the bottom.
 refinement.csv, refinement.svg: bodies at rest, at up to 32 of the poses: what is known after each of up to 64

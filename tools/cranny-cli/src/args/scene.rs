@@ -123,17 +123,17 @@ pub(crate) struct CompareArgs {
 
 const COMPARE_NOTES: &str = "\
 All run in this process, on one thread, a step each in turn. The solver is the same for all, and so are its
-substeps unless asked otherwise; what differs is how contacts come to it: our detector turns rapier's
+substeps unless stated otherwise; what differs is how contacts come to it: our detector turns rapier's
 contact clustering off and has Coulomb friction at each point, rapier's keep their defaults. Every run is
 judged by exact answers at the poses that it came to; what that costs is not counted. A detector of
-rapier's that fails is told in its row, and the others go on. Ctrl-C ends all after the step at hand.
+rapier's that fails says so in its row, and the others go on. Ctrl-C ends all after the step at hand.
 
 Columns (only those of which something is known; lengths in units of the scene, wall-clock times in
 milliseconds: on a busy machine trust medians, not means):
   ready          seconds until the first step; exact models for judging are part of it for each
   step           broad phase, narrow phase and solver; narrow and solver of it, on average
   contacts       points that the solver got
-  carried        of the pairs that our detector was asked about, those whose contacts were carried on
+  carried        of the pairs that our detector answered about, those whose contacts were carried on
   deepest        overlap of the exact shapes, at any step, along the normal of a contact region; where
                  shapes interlock, another way out may be shorter
   inside         steps in which a body lay wholly within another's material, whose depth is not known

@@ -48,7 +48,7 @@ impl Up {
     }
 
     /// Its name, where it is not the rule.
-    pub(crate) fn told(self) -> Option<&'static str> {
+    pub(crate) fn name_unless_usual(self) -> Option<&'static str> {
         match self {
             Self::X => Some("x"),
             Self::Y => Some("y"),

@@ -47,17 +47,17 @@ const NOTES: &str = "\
 Bodies that touch, miss each other by a hair or are nearly parallel, needles, tiny and huge ones: the truth of
 a case is known by how it was made or from exact rationals; --list says how each family is judged. Any wrong verdict, any length outside what is
 claimed of it, any difference that memory, order or exchanging A and B makes fails the run: exit code 1.
-parry's triangle meshes (for hulls, its convex polyhedra) are asked the same in single precision, as they
+parry's triangle meshes (for hulls, its convex polyhedra) get the same in single precision, as they
 come; what they get wrong fails nobody. Where bodies only touch, either of its answers counts as right.
 
 Columns, also of stability.csv (the larger a figure, the worse; --list says what it is; empty: none):
   family, cases, failed   cases that were made, and those with any fault
   worst                   the largest figure, of all cases; lengths are in sizes of the larger body
   of_claim                the largest error of a distance or depth, as a share of what its interval allows
-  peer_cases, peer_wrong  asked of parry; told apart but they overlap, or the other way round
+  peer_cases, peer_wrong  given to parry; apart by its answer but they overlap, or the other way round
   peer_refused            it gave no answer, or panicked; peer_worst: its largest figure
   seconds                 judges and parry included
-cases.csv has every case: what was asked, what is so, what was told, what is wrong with it, parry's answer.
+cases.csv has every case: the question, what is so, the answer, what is wrong with it, parry's answer.
 
 Examples:
   cranny stability

@@ -172,28 +172,28 @@ impl RunFigures {
         let end = self.energy.as_ref().map(|energy| -100.0 * energy.loss + 0.0);
         let gained = self.energy_drift.map(|drift| 100.0 * drift);
         let (spread, helix) = (self.step_ms, self.helices.first());
-        let told = |value: Option<f64>, digits: usize| {
+        let reported = |value: Option<f64>, digits: usize| {
             value.map_or(String::new(), |value| format!("{value:.digits$}"))
         };
         vec![
             self.name(),
-            told(Some(self.setting.prepared_s), 2),
+            reported(Some(self.setting.prepared_s), 2),
             self.steps.to_string(),
             self.setting.substeps.to_string(),
-            told(spread.map(|s| s.mean), 3),
-            told(spread.map(|s| s.median), 3),
-            told(spread.map(|s| s.p99), 3),
-            told(self.narrow_ms, 3),
-            told(self.solver_ms, 3),
-            told(self.contacts.map(|c| c.mean), 0),
-            told(self.carried_share.map(|share| 100.0 * share), 0),
-            told(self.deepest.as_ref().map(|d| d.depth), 5),
+            reported(spread.map(|s| s.mean), 3),
+            reported(spread.map(|s| s.median), 3),
+            reported(spread.map(|s| s.p99), 3),
+            reported(self.narrow_ms, 3),
+            reported(self.solver_ms, 3),
+            reported(self.contacts.map(|c| c.mean), 0),
+            reported(self.carried_share.map(|share| 100.0 * share), 0),
+            reported(self.deepest.as_ref().map(|d| d.depth), 5),
             self.contained.as_ref().map_or(String::new(), |c| c.steps.to_string()),
-            told(gained, 2),
-            told(end, 2),
+            reported(gained, 2),
+            reported(end, 2),
             self.links_kept().unwrap_or_default(),
-            told(helix.map(|h| h.turns), 3),
-            told(helix.map(|h| h.deviation_max), 4),
+            reported(helix.map(|h| h.turns), 3),
+            reported(helix.map(|h| h.deviation_max), 4),
         ]
     }
 }
@@ -368,13 +368,13 @@ mod tests {
             row(Detector::RapierTrimesh, false, &[]),
         ];
         rows[1].failure = Some("before its first step: \"no\"".to_owned());
-        let told = text(&rows);
-        let lines: Vec<&str> = told.lines().collect();
-        assert!(lines[1].starts_with("detector") && !told.contains("links"), "{told}");
-        assert!(lines[2].starts_with("cranny  ") && lines[2].contains("2.000"), "{told}");
-        assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{told}");
-        assert!(!lines[3].contains("0.000"), "{told}");
-        assert!(lines[4].contains("did not finish, before its first step"), "{told}");
+        let reported = text(&rows);
+        let lines: Vec<&str> = reported.lines().collect();
+        assert!(lines[1].starts_with("detector") && !reported.contains("links"), "{reported}");
+        assert!(lines[2].starts_with("cranny  ") && lines[2].contains("2.000"), "{reported}");
+        assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{reported}");
+        assert!(!lines[3].contains("0.000"), "{reported}");
+        assert!(lines[4].contains("did not finish, before its first step"), "{reported}");
         let csv = csv(&rows);
         let failed = csv.lines().nth(2).unwrap();
         assert!(failed.ends_with(",false,\"before its first step: \"\"no\"\"\""), "{failed}");
@@ -389,8 +389,8 @@ mod tests {
         let parted = |a: &str, step| PartedSummary { a: a.to_owned(), b: "ring".to_owned(), step };
         rows[0].links =
             Some(LinkSummary { at_start: 3, parted: vec![parted("late", 9), parted("early", 2)] });
-        let told = text(&rows);
-        assert!(told.contains("1 of 3"), "{told}");
-        assert!(told.contains("early and ring parted first, after 2 steps"), "{told}");
+        let reported = text(&rows);
+        assert!(reported.contains("1 of 3"), "{reported}");
+        assert!(reported.contains("early and ring parted first, after 2 steps"), "{reported}");
     }
 }

@@ -44,15 +44,15 @@ pub(super) enum Trouble {
 
 /// Refuses a level or a depth at which nothing is, naming the last at which something is.
 pub(super) fn check(concavities: &Concavities, show: Show) -> Result<(), String> {
-    let (asked, last, what) = match show {
+    let (wanted, last, what) = match show {
         Show::Boxes(level) => (level, classes::last_level(concavities), "boxes"),
         Show::Envelope(depth) => (depth, envelope::last_depth(concavities), "envelope"),
         Show::Classes | Show::Patches | Show::Findings => return Ok(()),
     };
-    match asked <= last {
+    match wanted <= last {
         true => Ok(()),
         false => {
-            Err(format!("nothing lies deeper than {what}:{last}, and {what}:{asked} was asked for"))
+            Err(format!("nothing lies deeper than {what}:{last}, and {what}:{wanted} is wanted"))
         }
     }
 }

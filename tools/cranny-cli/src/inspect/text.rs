@@ -98,7 +98,7 @@ fn dents(summary: &Summary) -> Option<String> {
     let largest = summary.bounds.iter().flatten().fold(0.0, |most, x| x.abs().max(most));
     (moved > summary.flatness * largest).then(|| {
         format!(
-            "that is more than counts as flat: dents so deep are told as concavities; --flat {:.0e} takes them for rounding",
+            "that is more than counts as flat: dents so deep are reported as concavities; --flat {:.0e} takes them for rounding",
             // Either side of a plane.
             2.0 * moved / largest
         )

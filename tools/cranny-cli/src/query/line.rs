@@ -73,7 +73,7 @@ impl Line {
             found.witnesses.as_ref().filter(|_| asks(DemandArg::Distance)).map(of)
         };
         let answer = found.answer.as_ref();
-        let asked = |least: DemandArg| answer.filter(|_| asks(least));
+        let wanted = |least: DemandArg| answer.filter(|_| asks(least));
         let counters = &found.counters;
         Self {
             pose,
@@ -90,10 +90,10 @@ impl Line {
                 .then_some([found.separation.lo, found.separation.hi]),
             witness_a: witness(0),
             witness_b: witness(1),
-            triangle_pairs: asked(DemandArg::Regions).map(|answer| answer.triangle_pairs),
-            contacts: asked(DemandArg::Contacts)
+            triangle_pairs: wanted(DemandArg::Regions).map(|answer| answer.triangle_pairs),
+            contacts: wanted(DemandArg::Contacts)
                 .map(|answer| answer.contacts.iter().map(ContactLine::new).collect()),
-            regions: asked(DemandArg::Regions)
+            regions: wanted(DemandArg::Regions)
                 .map(|answer| answer.regions.iter().map(RegionLine::new).collect()),
             places: (asks(DemandArg::Contacts) && answer.is_none())
                 .then(|| found.places.iter().map(PlaceLine::new).collect()),

@@ -142,7 +142,7 @@ fn poses_are_told_one_by_one() {
     let rows = scene.rows();
     assert_eq!((rows.len(), poses.len()), (6, 6 * FRAMES));
     for (row, poses) in rows.iter().zip(poses.chunks(FRAMES)) {
-        let count = |told: &str| poses.iter().filter(|pose| pose["told"] == told).count();
+        let count = |found: &str| poses.iter().filter(|pose| pose["told"] == found).count();
         assert_eq!(row["open"], count("open").to_string());
         for (i, pose) in poses.iter().enumerate() {
             assert_eq!((&pose["level"], &pose["budget"]), (&row["level"], &row["budget"]));

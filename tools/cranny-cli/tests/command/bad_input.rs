@@ -162,8 +162,8 @@ fn numbers_below_zero_are_values_not_options() {
     for (command, option, value, range) in cases {
         let outcome = run(&[command, &[option, value]].concat());
         assert_eq!(outcome.code, Some(2), "{outcome:?}");
-        let told = format!("invalid value '{value}' for '{option}");
-        assert!(outcome.stderr.contains(&told), "{outcome:?}");
+        let found = format!("invalid value '{value}' for '{option}");
+        assert!(outcome.stderr.contains(&found), "{outcome:?}");
         assert!(outcome.stderr.contains(range), "{option}: {outcome:?}");
     }
     let seed = run(&["stability", "--seed", "-1e3"]);
@@ -225,7 +225,7 @@ fn a_picture_that_cannot_be_written_fails_and_leaves_nothing() {
         let outcome = run(&["inspect", &cube, "--render", picture.to_str().unwrap()]);
         assert_eq!(outcome.code, Some(1), "{outcome:?}");
         assert!(outcome.stderr.contains("out.png") && outcome.stderr.contains("folder"));
-        assert!(outcome.stdout.is_empty(), "told before any work: {outcome:?}");
+        assert!(outcome.stdout.is_empty(), "reported before any work: {outcome:?}");
         assert!(!picture.exists());
     }
     assert_eq!(std::fs::read_to_string(poses).unwrap(), r#"[{"a": null, "b": null}]"#);

@@ -66,13 +66,13 @@ fn recycling_is_compared_where_it_is_asked_for() {
     let folder = Folder::new();
     let scene = folder.write("links.ron", LINKS);
     let options = ["--detector", "rapier-trimesh", "--recycling", "both", "--duration", "0.05"];
-    let told = run(&[&["compare", &scene][..], &options].concat());
-    assert_eq!(told.code, Some(0), "{told:?}");
-    let lines: Vec<&str> = told.stdout.lines().collect();
-    assert!(lines[1].starts_with("detector") && lines[1].contains("kept"), "{told:?}");
-    assert!(lines[2].starts_with("rapier-trimesh  ") && lines[2].ends_with("1 of 1"), "{told:?}");
-    assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{told:?}");
-    assert!(!told.stdout.contains("screw"), "nobody turns on anything: {told:?}");
+    let found = run(&[&["compare", &scene][..], &options].concat());
+    assert_eq!(found.code, Some(0), "{found:?}");
+    let lines: Vec<&str> = found.stdout.lines().collect();
+    assert!(lines[1].starts_with("detector") && lines[1].contains("kept"), "{found:?}");
+    assert!(lines[2].starts_with("rapier-trimesh  ") && lines[2].ends_with("1 of 1"), "{found:?}");
+    assert!(lines[3].starts_with("rapier-trimesh, not recycled"), "{found:?}");
+    assert!(!found.stdout.contains("screw"), "nobody turns on anything: {found:?}");
 }
 
 #[test]

@@ -263,7 +263,7 @@ fn levels_and_budgets_contradict_no_answer_of_others() {
         println!("skipped: CRANNY_CORPUS not set");
         return;
     };
-    let mut told = BTreeMap::from([("apart", 0), ("meets", 0), ("open", 0)]);
+    let mut reported = BTreeMap::from([("apart", 0), ("meets", 0), ("open", 0)]);
     for pair in &pairs(&corpus) {
         let tolerance = DISTANCE_TOLERANCE * (pair.diagonal("a") + pair.diagonal("b"));
         let rows = pair.accuracy();
@@ -272,7 +272,7 @@ fn levels_and_budgets_contradict_no_answer_of_others() {
             let expected = &pair.poses()[row["pose"].parse::<usize>().unwrap()];
             let meets = expected["surface"] != "none" || expected["solid"] == true;
             let right = if meets { "meets" } else { "apart" };
-            *told.get_mut(row["told"].as_str()).unwrap() += 1;
+            *reported.get_mut(row["told"].as_str()).unwrap() += 1;
             let distance = expected["distance"].as_f64().unwrap();
             let [least, most] = ["at_least", "at_most"].map(|end| row[end].parse::<f64>().unwrap());
             let agrees = (row["told"] == "open" || row["told"] == right)
@@ -281,5 +281,5 @@ fn levels_and_budgets_contradict_no_answer_of_others() {
             assert!(agrees, "{}: expected {expected}, found {row:?}", pair.file.display());
         }
     }
-    assert!(told.values().all(|&times| times > 300), "{told:?}");
+    assert!(reported.values().all(|&times| times > 300), "{reported:?}");
 }

@@ -207,7 +207,7 @@ fn every_key_is_in_the_documentation() {
         assert!(found.contains(key), "{key}");
     }
     for key in &found {
-        assert!(page.contains(&format!("`{key}`")), "{key} is not told in docs/inspect.md");
+        assert!(page.contains(&format!("`{key}`")), "{key} is not explained in docs/inspect.md");
     }
 }
 

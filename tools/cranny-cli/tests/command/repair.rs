@@ -68,9 +68,9 @@ fn a_crack_is_told_and_closed_on_demand() {
     let filed = inspected(&mesh, &["--weld", "0.01"]);
     assert_eq!((&filed["closed"], &filed["weld_distance"]), (&false.into(), &0.01.into()));
     assert_eq!((count(&filed, "t_vertex"), count(&filed, "open_edge")), (1, 3));
-    let told = filed["findings"].as_array().unwrap().iter().find(|f| f["kind"] == "t_vertex");
+    let reported = filed["findings"].as_array().unwrap().iter().find(|f| f["kind"] == "t_vertex");
     assert_eq!(
-        (&told.unwrap()["of"], told.unwrap()["ids"].as_array().unwrap().len()),
+        (&reported.unwrap()["of"], reported.unwrap()["ids"].as_array().unwrap().len()),
         (&"vertex".into(), 3)
     );
 
@@ -179,8 +179,8 @@ fn every_mesh_is_accepted_and_stays_within_the_distance() {
         // A closed mesh stays closed, an open one says by its findings where and what that limits.
         assert!(mended["closed"] == true || filed["closed"] == false, "{name}");
         let loose = ["open_edge", "contradictory_edge", "non_manifold_edge"];
-        let told = loose.iter().any(|kind| count(&mended, kind) > 0);
-        assert!(mended["closed"] == true || told, "{name}");
+        let reported = loose.iter().any(|kind| count(&mended, kind) > 0);
+        assert!(mended["closed"] == true || reported, "{name}");
         let open = |report: &Value| count(report, "open_edge");
         assert!(open(&mended) <= open(&filed), "{name}");
     }

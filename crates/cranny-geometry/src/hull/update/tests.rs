@@ -26,7 +26,7 @@ fn follow(hull: &ConvexHull, points: &[DVec3], moved: &[VertexId], flatness: f64
 fn assert_same(followed: &ConvexHull, rebuilt: &ConvexHull, what: &str) {
     assert_eq!(followed.sources(), rebuilt.sources(), "{what}");
     assert_eq!(followed.positions(), rebuilt.positions(), "{what}");
-    let told = |hull: &ConvexHull| {
+    let described = |hull: &ConvexHull| {
         let facet = |f: Facet<'_>| {
             let mut triangles: Vec<_> =
                 f.triangles.iter().map(|&t| hull.triangle(t as usize)).collect();
@@ -41,7 +41,7 @@ fn assert_same(followed: &ConvexHull, rebuilt: &ConvexHull, what: &str) {
         facets.sort_unstable();
         facets
     };
-    assert_eq!(told(followed), told(rebuilt), "{what}");
+    assert_eq!(described(followed), described(rebuilt), "{what}");
 }
 
 /// Every facet hangs together over edges that do not bend clearly: on that it rests that facets

@@ -31,8 +31,8 @@ fn no_byte_may_be_missing_or_another() {
     let bytes = snapshot(&world.0).unwrap();
     assert!(restore(&bytes, &models).is_ok());
     for length in (0..bytes.len()).step_by(7).chain(0..80) {
-        let told = refusal(restore(&bytes[..length], &models));
-        assert!(told.contains("no snapshot") || told.contains("were written"), "{told}");
+        let found = refusal(restore(&bytes[..length], &models));
+        assert!(found.contains("no snapshot") || found.contains("were written"), "{found}");
     }
     for at in (0..bytes.len()).step_by(5).chain(0..80) {
         let mut damaged = bytes.clone();
@@ -41,8 +41,8 @@ fn no_byte_may_be_missing_or_another() {
     }
     let longer = [bytes.as_slice(), &[0]].concat();
     assert!(refusal(restore(&longer, &models)).contains("were written"));
-    let told = refusal(restore(b"solid cube", &models));
-    assert!(told.contains("no snapshot"), "{told}");
+    let found = refusal(restore(b"solid cube", &models));
+    assert!(found.contains("no snapshot"), "{found}");
 }
 
 #[test]
@@ -50,12 +50,15 @@ fn a_model_that_is_missing_or_another_is_named_with_its_collider() {
     let (mut world, models) = scene();
     world.run(5);
     let bytes = snapshot(&world.0).unwrap();
-    let told = refusal(restore(&bytes, &[]));
-    assert!(told.contains("collider 0") && told.contains("8 vertices and 12 faces"), "{told}");
-    assert!(told.contains("no model was given"), "{told}");
+    let found = refusal(restore(&bytes, &[]));
+    assert!(found.contains("collider 0") && found.contains("8 vertices and 12 faces"), "{found}");
+    assert!(found.contains("no model was given"), "{found}");
 
-    let told = refusal(restore(&bytes, &models[..1]));
-    assert!(told.contains("part 1 of collider 1") && told.contains("none is that one"), "{told}");
+    let found = refusal(restore(&bytes, &models[..1]));
+    assert!(
+        found.contains("part 1 of collider 1") && found.contains("none is that one"),
+        "{found}"
+    );
 
     // One vertex moved by a hair.
     let mut vertices = models[1].mesh().vertices().to_vec();
@@ -63,15 +66,15 @@ fn a_model_that_is_missing_or_another_is_named_with_its_collider() {
     let faces = models[1].mesh().faces().to_vec();
     let moved = cranny_geometry::Mesh::new(vertices, faces).unwrap();
     let other = crate::world::built(moved);
-    let told = refusal(restore(&bytes, &[models[0].clone(), other]));
-    assert!(told.contains("part 1 of collider 1"), "{told}");
+    let found = refusal(restore(&bytes, &[models[0].clone(), other]));
+    assert!(found.contains("part 1 of collider 1"), "{found}");
 
     // The same mesh prepared otherwise.
     let options = BuildOptions { leaf_size: 3, ..BuildOptions::default() };
     let (otherwise, _) = Model::build(models[1].mesh().clone(), &options).unwrap();
     assert_eq!(otherwise.digest(), models[1].digest());
-    let told = refusal(restore(&bytes, &[models[0].clone(), otherwise]));
-    assert!(told.contains("part 1 of collider 1"), "{told}");
+    let found = refusal(restore(&bytes, &[models[0].clone(), otherwise]));
+    assert!(found.contains("part 1 of collider 1"), "{found}");
 
     // A model that was saved and loaded is the same; so is one that is built again, and the order
     // does not matter.

@@ -31,16 +31,16 @@ fn state(simulation: &Simulation) -> Vec<([u64; 4], [[u64; 3]; 3])> {
 
 /// What is reported of all pairs, written out; but for the names of regions, which are history and
 /// begin anew.
-fn told(simulation: &Simulation) -> String {
+fn found(simulation: &Simulation) -> String {
     let pairs = simulation.contact_pairs();
-    let told = pairs.iter().map(|pair| {
+    let found = pairs.iter().map(|pair| {
         let nameless =
             |r: &Region| Region { id: RegionId::default(), from: Vec::new(), ..r.clone() };
         let regions: Vec<Region> = pair.answer.regions.iter().map(nameless).collect();
         let answer = (&pair.answer.contacts, regions, pair.answer.distance);
         format!("{:?} {:?} {answer:?} {:?} {}", pair.a, pair.b, pair.poses, pair.fresh)
     });
-    told.collect::<Vec<_>>().join("\n")
+    found.collect::<Vec<_>>().join("\n")
 }
 
 #[track_caller]
@@ -57,14 +57,14 @@ fn goes_on(
     let bytes = written.snapshot().expect("between two steps");
     let mut restored = Simulation::restore(&bytes, models).expect("just written");
     assert_eq!(state(&restored), state(&unwritten));
-    assert_eq!(told(&restored), told(&unwritten), "what the last step said");
+    assert_eq!(found(&restored), found(&unwritten), "what the last step said");
     also(&mut unwritten);
     also(&mut restored);
     for step in 0..after {
         unwritten.step();
         restored.step();
         assert_eq!(state(&restored), state(&unwritten), "step {step} after it was read");
-        assert_eq!(told(&restored), told(&unwritten), "step {step} after it was read");
+        assert_eq!(found(&restored), found(&unwritten), "step {step} after it was read");
         assert_eq!(restored.prediction_distance(), unwritten.prediction_distance());
     }
     [unwritten, restored]

@@ -96,12 +96,12 @@ impl<'m> Canvas<'m> {
             of_color.entry(color).or_default().push(id);
         }
         let named = of_color.into_iter().map(|(color, ids)| {
-            let told: Vec<String> = ids.iter().take(SPELT).map(usize::to_string).collect();
+            let found: Vec<String> = ids.iter().take(SPELT).map(usize::to_string).collect();
             let more = match ids.len().saturating_sub(SPELT) {
                 0 => String::new(),
                 more => format!(" and {more} more"),
             };
-            format!("{} {}{more}", coloring::name(color), told.join(", "))
+            format!("{} {}{more}", coloring::name(color), found.join(", "))
         });
         let named: Vec<String> = named.collect();
         if !named.is_empty() {
@@ -161,7 +161,7 @@ impl<'m> Canvas<'m> {
         for point in &mut self.list.points {
             point.position = up.upright(point.position);
         }
-        if let Some(axis) = up.told() {
+        if let Some(axis) = up.name_unless_usual() {
             self.legend.push(format!("{axis} points up"));
         }
         let mut add = |mesh: DrawMesh, color: Color| {

@@ -42,13 +42,13 @@ pub(super) fn draw_layer(canvas: &mut Canvas<'_>, depth: usize) {
         canvas.add_loop(polygon, palette(color), OUTLINE);
     }
     lay_bare_what_is_enclosed(canvas);
-    canvas.legend.push(told(depth, &shown));
+    canvas.legend.push(found(depth, &shown));
     canvas.legend.push("faces have the colour of the facet that they lie beneath".to_owned());
     canvas.legend.push("grey: faces on the hull, or beneath no facet of this layer".to_owned());
 }
 
 /// How many facets there are, and why some, or all, are not seen.
-fn told(depth: usize, shown: &[Shown]) -> String {
+fn found(depth: usize, shown: &[Shown]) -> String {
     let drawn = shown.iter().filter(|facet| !facet.polygon.is_empty()).count();
     let why = match (drawn, shown.len() - drawn) {
         (_, 0) => String::new(),
@@ -172,8 +172,8 @@ mod tests {
                 |&n: &usize| Shown { facet: EnvelopeFacetId(0), polygon: vec![DVec3::ZERO; n] };
             corners.iter().map(of).collect()
         };
-        assert!(told(0, &shown(&[3, 4])).ends_with("at depth 0, translucent: 2 facets"));
-        assert!(told(0, &shown(&[3, 0])).contains("2 facets, 1 of which are not drawn"));
-        assert!(told(2, &shown(&[0, 0])).contains("2 facets, none of which is drawn: the layer"));
+        assert!(found(0, &shown(&[3, 4])).ends_with("at depth 0, translucent: 2 facets"));
+        assert!(found(0, &shown(&[3, 0])).contains("2 facets, 1 of which are not drawn"));
+        assert!(found(2, &shown(&[0, 0])).contains("2 facets, none of which is drawn: the layer"));
     }
 }
