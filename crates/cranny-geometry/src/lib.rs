@@ -86,7 +86,7 @@ pub use clusters::ClusterTree;
 pub use deform::{ChangeSet, DeformError, Trail, Work};
 pub use flatness::Flatness;
 pub use hull::ConvexHull;
-pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, PatchId, VertexId};
+pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, OptionalIndex, PatchId, VertexId};
 pub use mass::MassProperties;
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, DecodeError, Model, ModelTag, Stage};

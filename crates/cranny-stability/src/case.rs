@@ -11,7 +11,7 @@ pub struct Case {
     /// What is so.
     pub truth: String,
     /// The answer.
-    pub told: String,
+    pub answer: String,
     /// What is wrong with it; nothing: passed.
     pub faults: Vec<String>,
     /// What the family calls its figure.
@@ -26,7 +26,7 @@ pub struct Case {
 #[derive(Clone, Debug)]
 pub struct PeerCase {
     /// In words.
-    pub told: String,
+    pub answer: String,
     /// Not so. Where bodies only touch, either answer is right.
     pub wrong: bool,
     /// No answer at all.

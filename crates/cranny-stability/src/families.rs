@@ -32,7 +32,7 @@ const DISTANCE_ERROR: &str = "error of the distance, in sizes of the larger body
 
 /// What fails a pair.
 const PAIR_FAILS: &str = "a wrong verdict (none, touch, cross; interiors meet; one in the other) under any demand; no \
-distance where one is asked; a distance or a depth outside its certified interval, or off by more than this allows; \
+distance where one is demanded; a distance or a depth outside its certified interval, or off by more than this allows; \
 an interval of more than four length errors (for a depth, of more than 2^-26 sizes); an answer that memory or exchanging A and B changes";
 
 #[cfg(test)]
@@ -46,17 +46,17 @@ mod tests {
 
     #[test]
     fn no_case_of_any_family_fails() {
-        let mut told = String::new();
+        let mut report = String::new();
         for family in &FAMILIES {
             let outcome = run(family, 1);
             if outcome.cases.len() < 20 {
-                told += &format!("{}: {} cases\n", family.name, outcome.cases.len());
+                report += &format!("{}: {} cases\n", family.name, outcome.cases.len());
             }
             for case in outcome.cases.iter().filter(|case| !case.faults.is_empty()) {
-                told += &format!("{}: {}: {}\n", family.name, case.name, case.faults.join("; "));
+                report += &format!("{}: {}: {}\n", family.name, case.name, case.faults.join("; "));
             }
         }
-        assert_eq!(told, "");
+        assert_eq!(report, "");
     }
 
     #[test]
@@ -74,12 +74,12 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_cases_and_names_differ() {
         for family in [contacts::FAMILY, needles::FAMILY] {
-            let told = |seed| -> Vec<String> {
+            let answers = |seed| -> Vec<String> {
                 let cases = run(&family, seed).cases;
-                cases.into_iter().map(|case| case.name + &case.truth + &case.told).collect()
+                cases.into_iter().map(|case| case.name + &case.truth + &case.answer).collect()
             };
-            assert_eq!(told(7), told(7));
-            assert_ne!(told(7), told(8));
+            assert_eq!(answers(7), answers(7));
+            assert_ne!(answers(7), answers(8));
         }
         let names: std::collections::BTreeSet<_> = FAMILIES.iter().map(|f| f.name).collect();
         assert_eq!(names.len(), FAMILIES.len());

@@ -24,7 +24,7 @@ pub struct Family {
     /// A word, as on the command line.
     pub name: &'static str,
     /// The question.
-    pub asked: &'static str,
+    pub question: &'static str,
     /// How cases are made, and how their truth is known.
     pub made: &'static str,
     /// What counts as a failure.

@@ -113,7 +113,7 @@ pub(crate) fn in_words(answer: &Answer) -> String {
 }
 
 /// All of an answer that does not depend on history.
-pub(crate) fn told(answer: Answer) -> Answer {
+pub(crate) fn without_counters(answer: Answer) -> Answer {
     Answer { counters: Default::default(), ..answer }
 }
 
@@ -127,7 +127,7 @@ pub(crate) const DEMANDS: [Demand; 4] = [
 
 /// One query without history.
 pub(crate) fn cold(a: Placed, b: Placed, demand: Demand) -> Result<Answer, QueryError> {
-    query(a, b, &Query::of(demand), &mut PairMemory::default()).map(told)
+    query(a, b, &Query::of(demand), &mut PairMemory::default()).map(without_counters)
 }
 
 impl Trial<'_> {
@@ -177,28 +177,28 @@ impl Trial<'_> {
         poses: [Pose; 2],
         truth: &Truth,
     ) -> Option<PeerCase> {
-        let told = self.peer.as_mut()?.surfaces(models, poses);
-        Some(peer_case(told, truth.clear(), truth.distance(), truth.size))
+        let reply = self.peer.as_mut()?.surfaces(models, poses);
+        Some(peer_case(reply, truth.clear(), truth.distance(), truth.size))
     }
 }
 
 /// A peer's answer beside the truth.
 pub(crate) fn peer_case(
-    told: Result<PeerAnswer, String>,
+    reply: Result<PeerAnswer, String>,
     meets: Option<bool>,
     distance: f64,
     size: f64,
 ) -> PeerCase {
-    match told {
-        Err(why) => PeerCase { told: why, wrong: false, refused: true, figure: None },
-        Ok(told) => PeerCase {
-            told: match told.meets {
+    match reply {
+        Err(why) => PeerCase { answer: why, wrong: false, refused: true, figure: None },
+        Ok(reply) => PeerCase {
+            answer: match reply.meets {
                 true => "meet".to_owned(),
-                false => format!("apart by {:.3e}", told.distance),
+                false => format!("apart by {:.3e}", reply.distance),
             },
-            wrong: meets.is_some_and(|meets| meets != told.meets),
+            wrong: meets.is_some_and(|meets| meets != reply.meets),
             refused: false,
-            figure: Some((told.distance - distance).abs() / size),
+            figure: Some((reply.distance - distance).abs() / size),
         },
     }
 }
@@ -222,11 +222,11 @@ fn judge(
         if cold(b, a, demand)?.swapped() != answer {
             case.faults.push(format!("{demand:?} differs with A and B exchanged"));
         }
-        if told(query(a, b, &Query::of(demand), memory)?) != answer {
+        if without_counters(query(a, b, &Query::of(demand), memory)?) != answer {
             case.faults.push(format!("{demand:?} differs with memory"));
         }
         if answer.distance.is_some() {
-            case.told = in_words(&answer);
+            case.answer = in_words(&answer);
         }
         judge_lengths(case, &answer, demand, truth);
     }
@@ -237,12 +237,12 @@ fn judge(
 fn judge_lengths(case: &mut Case, answer: &Answer, demand: Demand, truth: &Truth) {
     let Some(distance) = answer.distance else {
         if matches!(demand, Demand::Distance { .. } | Demand::Regions { .. }) {
-            case.faults.push(format!("{demand:?} tells no distance"));
+            case.faults.push(format!("{demand:?} reports no distance"));
         }
         return;
     };
     if !distance.is_finite() {
-        case.faults.push(format!("{demand:?} tells a distance of {distance}"));
+        case.faults.push(format!("{demand:?} reports a distance of {distance}"));
         return;
     }
     let is_deep = truth.verdict.solid && truth.verdict.surface.meets();
@@ -254,7 +254,7 @@ fn judge_lengths(case: &mut Case, answer: &Answer, demand: Demand, truth: &Truth
     }
     // The other way round, a gap far below the rounding of coordinates may be reported as 0.
     if truth.verdict.surface.meets() && distance != 0.0 {
-        case.faults.push(format!("{demand:?} tells {distance:e} of surfaces that meet"));
+        case.faults.push(format!("{demand:?} reports {distance:e} of surfaces that meet"));
     }
 }
 
@@ -275,11 +275,11 @@ fn judge_distance(case: &mut Case, claim: Interval, demand: Demand, distance: f6
 fn judge_depth(case: &mut Case, answer: &Answer, depth: f64, scale: f64) {
     let claim = answer.separation;
     let Some(deepest) = answer.regions.iter().filter_map(|r| r.depth).reduce(f64::max) else {
-        case.faults.push(format!("depth {depth:e}, but none is told"));
+        case.faults.push(format!("depth {depth:e}, but none is reported"));
         return;
     };
     if !claim.contains(-depth) {
-        case.faults.push(format!("depth {depth:e} is not in {claim:?}, told: {deepest:e}"));
+        case.faults.push(format!("depth {depth:e} is not in {claim:?}, reported: {deepest:e}"));
     }
     let widest = (WIDEST * LENGTH_ERROR + WIDEST_DEPTH) * scale;
     judge_claim(case, "depth", -deepest, (deepest - depth).abs(), claim, widest);
@@ -287,15 +287,22 @@ fn judge_depth(case: &mut Case, answer: &Answer, depth: f64, scale: f64) {
 
 /// The answer lies in its own interval, this is narrow, and the error is no larger than it
 /// allows.
-fn judge_claim(case: &mut Case, what: &str, told: f64, error: f64, claim: Interval, widest: f64) {
+fn judge_claim(
+    case: &mut Case,
+    what: &str,
+    reported: f64,
+    error: f64,
+    claim: Interval,
+    widest: f64,
+) {
     let width = claim.width();
-    if !claim.contains(told) {
-        case.faults.push(format!("{what} tells {told:e}, outside of {claim:?}"));
+    if !claim.contains(reported) {
+        case.faults.push(format!("{what} reports {reported:e}, outside of {claim:?}"));
     }
     if width > widest || width.is_nan() {
         case.faults.push(format!("{what} claims a width of {width:e}, more than {widest:e}"));
     }
-    let claimed = (claim.hi - told).max(told - claim.lo).max(0.0);
+    let claimed = (claim.hi - reported).max(reported - claim.lo).max(0.0);
     let share = if error == 0.0 { 0.0 } else { error / claimed };
     case.of_claim = Some(case.of_claim.unwrap_or(0.0).max(share));
     if share > 1.0 || share.is_nan() {
@@ -325,29 +332,29 @@ mod tests {
         case.faults
     }
 
-    fn is_told(faults: &[String], what: &str) {
+    fn is_reported(faults: &[String], what: &str) {
         assert!(faults.iter().any(|fault| fault.contains(what)), "{what}: {faults:?}");
     }
 
     #[test]
     fn a_distance_is_told_in_a_narrow_interval_of_its_own() {
         assert_eq!(altered(1.25, None, |_| {}), [""; 0]);
-        is_told(&altered(1.25, None, |x| x.distance = None), "no distance");
-        is_told(&altered(1.25, None, |x| x.distance = Some(0.5)), "outside of");
-        is_told(&altered(1.25, None, |x| x.separation.lo = 0.0), "a width of");
-        is_told(&altered(1.25, None, |x| x.separation = Interval::WHOLE), "a width of");
-        is_told(&altered(1.25, None, |x| x.separation.hi = f64::NAN), "outside of");
+        is_reported(&altered(1.25, None, |x| x.distance = None), "no distance");
+        is_reported(&altered(1.25, None, |x| x.distance = Some(0.5)), "outside of");
+        is_reported(&altered(1.25, None, |x| x.separation.lo = 0.0), "a width of");
+        is_reported(&altered(1.25, None, |x| x.separation = Interval::WHOLE), "a width of");
+        is_reported(&altered(1.25, None, |x| x.separation.hi = f64::NAN), "outside of");
         let near = 0.25f64.next_up();
         let too_sure = |x: &mut Answer| {
             (x.distance, x.separation) = (Some(near), Interval::point(near));
         };
-        is_told(&altered(1.25, None, too_sure), "but claims 0");
-        is_told(&altered(1.0, None, |x| x.separation.hi = 1.0), "a width of");
-        is_told(&altered(1.0, None, |x| x.separation = Interval::point(1.0)), "outside of");
+        is_reported(&altered(1.25, None, too_sure), "but claims 0");
+        is_reported(&altered(1.0, None, |x| x.separation.hi = 1.0), "a width of");
+        is_reported(&altered(1.0, None, |x| x.separation = Interval::point(1.0)), "outside of");
     }
 
     #[test]
-    fn the_depth_told_is_judged_beside_its_interval() {
+    fn the_depth_reported_is_judged_beside_its_interval() {
         let deepen = |by: f64| {
             altered(0.75, Some(0.25), |x| {
                 for region in &mut x.regions {
@@ -357,10 +364,10 @@ mod tests {
         };
         assert_eq!(deepen(1.0), [""; 0]);
         for by in [0.0, 0.5, 2.0] {
-            is_told(&deepen(by), "outside of");
+            is_reported(&deepen(by), "outside of");
         }
-        is_told(&altered(0.75, Some(0.25), |x| x.regions.clear()), "none is told");
-        is_told(&altered(0.75, Some(0.25), |x| x.separation.lo = -1.0), "a width of");
+        is_reported(&altered(0.75, Some(0.25), |x| x.regions.clear()), "none is reported");
+        is_reported(&altered(0.75, Some(0.25), |x| x.separation.lo = -1.0), "a width of");
     }
 
     /// The faults of a case, judged by the truth of another height.
@@ -391,7 +398,7 @@ mod tests {
             assert!(found.iter().any(|fault| fault.contains("says")), "{found:?}");
         }
         let found = faults(1.25, 1.25 + 1e-12, None);
-        is_told(&found, "claims");
+        is_reported(&found, "claims");
     }
 
     #[test]
@@ -403,11 +410,11 @@ mod tests {
 
     #[test]
     fn a_peer_may_say_either_of_what_only_touches() {
-        let told = |meets| Ok(PeerAnswer { meets, distance: 0.5 });
-        let wrong = |meets, truth| peer_case(told(meets), truth, 0.25, 2.0).wrong;
+        let reply = |meets| Ok(PeerAnswer { meets, distance: 0.5 });
+        let wrong = |meets, truth| peer_case(reply(meets), truth, 0.25, 2.0).wrong;
         assert!(wrong(true, Some(false)) && wrong(false, Some(true)));
         assert!(!wrong(true, None) && !wrong(false, None) && !wrong(true, Some(true)));
-        assert_eq!(peer_case(told(false), None, 0.25, 2.0).figure, Some(0.125));
+        assert_eq!(peer_case(reply(false), None, 0.25, 2.0).figure, Some(0.125));
         assert!(peer_case(Err("no".to_owned()), None, 0.25, 2.0).refused);
     }
 }

@@ -162,7 +162,7 @@ mod tests {
         assert!(trial.mapped("moved", &cube, |p| p + DVec3::X).is_some());
         assert!(trial.mapped("burst", &cube, |p| p / 0.0).is_none());
         trial.case("begun".to_owned(), |_, case| {
-            case.told = "half an answer".to_owned();
+            case.answer = "half an answer".to_owned();
             panic!("halfway");
         });
         trial.case("next".to_owned(), |_, _| {});
@@ -170,6 +170,6 @@ mod tests {
         assert_eq!((outcome.cases.len(), outcome.failed()), (3, 2));
         let [burst, begun, _] = &outcome.cases[..] else { panic!("three cases") };
         assert!(burst.name == "burst" && burst.faults[0].contains("no mesh"));
-        assert!(begun.told == "half an answer" && begun.faults[0].contains("halfway"));
+        assert!(begun.answer == "half an answer" && begun.faults[0].contains("halfway"));
     }
 }

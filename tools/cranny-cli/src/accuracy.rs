@@ -75,7 +75,7 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
 
     let contestants = measured(&scene, ours, args);
     let all: Vec<MethodFigures> = contestants.iter().map(|one| one.figures(&scene)).collect();
-    tell(&all, format.unwrap_or(Format::Text))?;
+    print_rows(&all, format.unwrap_or(Format::Text))?;
 
     let mut pose_table = PoseTable::new();
     for (name, replies) in contestants.iter().map(MethodContestant::replies) {
@@ -134,7 +134,7 @@ fn measured(scene: &Scene, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<MethodCo
     all
 }
 
-fn tell(all: &[MethodFigures], format: Format) -> Result<(), Failure> {
+fn print_rows(all: &[MethodFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     if format == Format::Text {
         output.line(&table::heading())?;

@@ -113,7 +113,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         .map(DetectorRun::finish)
         .collect::<Result<Vec<RunFigures>, SceneAppError>>()
         .map_err(failure)?;
-    tell(&rows, format.unwrap_or(Format::Text))?;
+    print_rows(&rows, format.unwrap_or(Format::Text))?;
     if let Some(folder) = &args.out {
         write(&folder.join(FILES[0]), &figures::csv(&rows))?;
         write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
@@ -143,7 +143,7 @@ fn ways(wanted: RecyclingArg) -> &'static [bool] {
     }
 }
 
-fn tell(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
+fn print_rows(rows: &[RunFigures], format: Format) -> Result<(), Failure> {
     let mut output = Output::new();
     match format {
         Format::Json => rows.iter().try_for_each(|row| output.json(row)),

@@ -22,7 +22,7 @@ use peer::Parry;
 use rows::Row;
 
 /// How many failed cases of a family are printed on standard output; files have them all.
-const TOLD: usize = 5;
+const MOST_PRINTED: usize = 5;
 
 /// Runs the command.
 ///
@@ -54,7 +54,7 @@ pub(crate) fn stability(args: &StabilityArgs, format: Option<Format>) -> Result<
         let peer = parry.as_mut().map(|parry| parry as &mut dyn Peer);
         let mut outcome = family.run(&settings, peer);
         outcome.time = start.elapsed();
-        tell(&mut output, format, &outcome)?;
+        print_outcome(&mut output, format, &outcome)?;
         outcomes.push((family, outcome));
         bar.inc(1);
     }
@@ -85,14 +85,14 @@ fn list(output: &mut Output, format: Format) -> Result<(), Failure> {
     Ok(())
 }
 
-fn tell(output: &mut Output, format: Format, outcome: &Outcome) -> Result<(), Failure> {
+fn print_outcome(output: &mut Output, format: Format, outcome: &Outcome) -> Result<(), Failure> {
     let row = Row::of(outcome);
     match format {
         Format::Json => output.json(&row),
         Format::Text => {
             output.line(&row.text())?;
             let failed = outcome.cases.iter().filter(|case| !case.faults.is_empty());
-            for case in failed.take(TOLD) {
+            for case in failed.take(MOST_PRINTED) {
                 output.line(&format!("  failed: {}: {}", case.name, case.faults.join("; ")))?;
             }
             Ok(())
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use cranny_stability::Case;
 
-    fn told(faults: &[&str]) -> FamilyOutcome {
+    fn outcome_with(faults: &[&str]) -> FamilyOutcome {
         let faults = faults.iter().map(|&fault| fault.to_owned()).collect();
         let case = Case { name: "a case".to_owned(), faults, ..Case::default() };
         let outcome = Outcome {
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn one_fault_fails_the_run_and_stands_on_the_page() {
-        let (good, bad) = (told(&[]), told(&["says: touch"]));
+        let (good, bad) = (outcome_with(&[]), outcome_with(&["says: touch"]));
         assert!(verdict(std::slice::from_ref(&good)).is_ok());
         let failure = verdict(&[good.clone(), bad.clone()]).unwrap_err();
         assert!(format!("{failure:?}").contains("2 cases in 0.0 s: 1 FAILED (contacts)"));

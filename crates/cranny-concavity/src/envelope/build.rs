@@ -12,8 +12,7 @@ use super::cluster::{Scratch, clusters};
 use super::crumbs::{Crumbs, larger};
 use super::moments::{Opening, unit};
 use super::{EnvelopeFacet, EnvelopeOptions, Envelopes, HalfSpace, Head, Pocket};
-use cranny_geometry::Mesh;
-use cranny_geometry::{FaceForest, FaceTree};
+use cranny_geometry::{FaceForest, FaceTree, Mesh, OptionalIndex};
 
 impl HalfSpace {
     /// The smallest half-space with this normal (a unit vector, to rounding) that certainly holds
@@ -106,7 +105,7 @@ impl Envelopes {
         let lids_start = self.lids.len() as u32;
         let Some(root) = root else {
             let lids = [lids_start; 2];
-            self.heads.push(Head { axis: opening.axis, bounds, lids, layer: u32::MAX });
+            self.heads.push(Head { axis: opening.axis, bounds, lids, layer: OptionalIndex::NONE });
             return;
         };
         workshop.crumbs.fill(mesh, tree, root, &opening, self.options.leaf_faces);
@@ -122,12 +121,12 @@ impl Envelopes {
             self.lids.push(HalfSpace::holding(direction, corners));
         }
         let lids = [lids_start, self.lids.len() as u32];
-        let layer = self.layers.len() as u32;
+        let layer = OptionalIndex::some(self.layers.len() as u32);
         self.heads.push(Head { axis: opening.axis, bounds, lids, layer });
 
         self.add_layer(mesh, [0, count], self.faces.len() as u32, &opening, workshop);
         while let Some((facet, crumbs)) = workshop.waiting.pop_front() {
-            self.facets[facet].layer = self.layers.len() as u32;
+            self.facets[facet].layer = OptionalIndex::some(self.layers.len() as u32);
             let first_face = self.facets[facet].faces[0];
             self.add_layer(mesh, crumbs, first_face, &opening, workshop);
         }
@@ -167,7 +166,7 @@ impl Envelopes {
                 bounds,
                 reach: HalfSpace::above(opening.axis, reach, &bounds).offset,
                 faces: [face, next],
-                layer: u32::MAX,
+                layer: OptionalIndex::NONE,
             };
             layer.push((facet, range));
             face = next;

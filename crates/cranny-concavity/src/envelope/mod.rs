@@ -44,7 +44,7 @@ use cranny_exact::{Aabb, DVec3};
 pub use self::thing::Thing;
 pub use self::walk::{Cell, Opened, Passage};
 use crate::ids::{EnvelopeFacetId, LayerId};
-use cranny_geometry::FaceId;
+use cranny_geometry::{FaceId, OptionalIndex};
 
 /// How to build envelopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,8 +100,8 @@ pub struct EnvelopeFacet {
     pub reach: f64,
     /// Faces beneath: a range of all faces.
     faces: [u32; 2],
-    /// `u32::MAX`: no layer, the faces themselves come next.
-    layer: u32,
+    /// None: the faces themselves come next.
+    layer: OptionalIndex,
 }
 
 /// Envelopes of concavities, in flat arrays. The layers and facets are numbered through all of
@@ -123,8 +123,8 @@ struct Head {
     axis: DVec3,
     bounds: Aabb,
     lids: [u32; 2],
-    /// `u32::MAX` for a concavity without faces.
-    layer: u32,
+    /// None for a concavity without faces.
+    layer: OptionalIndex,
 }
 
 /// One of [`Envelopes`].
@@ -132,10 +132,6 @@ struct Head {
 pub struct Envelope<'a> {
     all: &'a Envelopes,
     head: &'a Head,
-}
-
-fn layer_id(index: u32) -> Option<LayerId> {
-    (index != u32::MAX).then_some(LayerId(index))
 }
 
 impl Envelopes {
@@ -184,7 +180,7 @@ impl Envelopes {
     /// The layer beneath a facet; `None` where its faces come next.
     #[must_use]
     pub fn layer_beneath(&self, facet: EnvelopeFacetId) -> Option<LayerId> {
-        layer_id(self.facet(facet).layer)
+        self.facet(facet).layer.get().map(LayerId)
     }
 
     /// All faces beneath a facet.
@@ -205,7 +201,7 @@ impl<'a> Envelope<'a> {
     /// The first layer; `None` for a pocket without faces.
     #[must_use]
     pub fn first_layer(&self) -> Option<LayerId> {
-        layer_id(self.head.layer)
+        self.head.layer.get().map(LayerId)
     }
 
     /// The direction out of the pocket: the sum of the openings; the largest where they cancel (a

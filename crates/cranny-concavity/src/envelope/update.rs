@@ -5,8 +5,7 @@
 
 use super::build::Workshop;
 use super::{EnvelopeFacet, Envelopes, Head, Pocket};
-use cranny_geometry::FaceForest;
-use cranny_geometry::Mesh;
+use cranny_geometry::{FaceForest, Mesh, OptionalIndex};
 
 /// Where an envelope's parts stand in the flat arrays.
 struct Place {
@@ -47,11 +46,11 @@ impl Envelopes {
         let mut places = Vec::with_capacity(self.heads.len());
         for &head in self.heads.iter().rev() {
             let mut starts = ends;
-            if head.layer != u32::MAX {
-                let [facet, end] = self.layers[head.layer as usize];
+            if let Some(layer) = head.layer.get() {
+                let [facet, end] = self.layers[layer as usize];
                 let first_layer = &self.facets[facet as usize..end as usize];
                 let face = first_layer.iter().map(|f| f.faces[0]).min();
-                starts = [head.layer, facet, face.unwrap_or(ends[2])];
+                starts = [layer, facet, face.unwrap_or(ends[2])];
             }
             let [layers, facets, faces] = [0, 1, 2].map(|i| [starts[i], ends[i]]);
             places.push(Place { head, layers, facets, faces });
@@ -66,7 +65,10 @@ impl Envelopes {
         let [layer, facet, face] =
             [self.layers.len(), self.facets.len(), self.faces.len()].map(|n| n as u32);
         let lid = self.lids.len() as u32;
-        let move_layer = |l: u32| if l == u32::MAX { l } else { l - place.layers[0] + layer };
+        let move_layer = |own: OptionalIndex| match own.get() {
+            Some(own) => OptionalIndex::some(own - place.layers[0] + layer),
+            None => own,
+        };
         self.lids.extend_from_slice(&other.lids[row(place.head.lids)]);
         self.heads.push(Head {
             lids: [lid, self.lids.len() as u32],

@@ -2,6 +2,7 @@
 //! flat arrays, each with what its Voronoi region is bounded by.
 
 use cranny_exact::DVec3;
+use cranny_geometry::OptionalIndex;
 use cranny_geometry::hull::{ConvexHull, FacetId, HullKind, HullVertexId};
 use thiserror::Error;
 
@@ -35,14 +36,12 @@ pub enum GraphError {
     Empty,
 }
 
-const NO_FACET: u32 = u32::MAX;
-
 /// A half-edge of the merged layer. Vectors are in the hull's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HalfEdge {
     pub(super) ends: [HullVertexId; 2],
     pub(super) twin: u32,
-    facet: u32,
+    facet: OptionalIndex,
     pub(super) from: DVec3,
     /// From the first end to the second.
     pub(super) along: DVec3,
@@ -54,7 +53,7 @@ pub(super) struct HalfEdge {
 
 impl HalfEdge {
     pub(super) fn facet(&self) -> Option<FacetId> {
-        (self.facet != NO_FACET).then_some(FacetId(self.facet))
+        self.facet.get().map(FacetId)
     }
 }
 
@@ -102,7 +101,7 @@ impl FeatureGraph {
             for (i, &from) in facet.corners.iter().enumerate() {
                 let to = facet.corners[(i + 1) % facet.corners.len()];
                 let id = facets.len() as u32;
-                half_edges.push(half_edge(hull, [from, to], id, facet.normal));
+                half_edges.push(half_edge(hull, [from, to], OptionalIndex::some(id), facet.normal));
             }
             let row = [first, half_edges.len() as u32];
             let (normal, offset, thickness) = (facet.normal, facet.offset, facet.thickness);
@@ -110,8 +109,8 @@ impl FeatureGraph {
         }
         if hull.kind() == HullKind::Segment {
             let ends = [HullVertexId(0), HullVertexId(1)];
-            half_edges.push(half_edge(hull, ends, NO_FACET, DVec3::ZERO));
-            half_edges.push(half_edge(hull, [ends[1], ends[0]], NO_FACET, DVec3::ZERO));
+            half_edges.push(half_edge(hull, ends, OptionalIndex::NONE, DVec3::ZERO));
+            half_edges.push(half_edge(hull, [ends[1], ends[0]], OptionalIndex::NONE, DVec3::ZERO));
         }
         pair_up(&mut half_edges);
         let (fan_starts, fans) = fans(hull.vertex_count(), &half_edges);
@@ -281,7 +280,12 @@ impl FeatureGraph {
     }
 }
 
-fn half_edge(hull: &ConvexHull, ends: [HullVertexId; 2], facet: u32, normal: DVec3) -> HalfEdge {
+fn half_edge(
+    hull: &ConvexHull,
+    ends: [HullVertexId; 2],
+    facet: OptionalIndex,
+    normal: DVec3,
+) -> HalfEdge {
     let from = hull.position(ends[0]);
     let along = hull.position(ends[1]) - from;
     let is_exact = hull.neighbours(ends[0]).binary_search(&ends[1]).is_ok();

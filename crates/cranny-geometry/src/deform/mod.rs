@@ -25,7 +25,7 @@ pub use self::change::{ChangeSet, DeformError, Trail, Work};
 use self::follow::Deformation;
 use self::renew::Renewal;
 use self::totals::Totals;
-use crate::ids::{FaceId, PatchId, VertexId};
+use crate::ids::{FaceId, OptionalIndex, PatchId, VertexId};
 use crate::mass::MassProperties;
 use crate::mesh::Mesh;
 use crate::model::{Model, Parts};
@@ -62,24 +62,23 @@ impl Workshop {
 
 /// For each vertex a triangle at the vertex of the hull that is the fewest edges away. O(n).
 fn triangles_near(parts: &Parts) -> Vec<u32> {
-    const UNKNOWN: u32 = u32::MAX;
     let Parts { mesh, topology, hull, .. } = parts;
-    let mut near = vec![UNKNOWN; mesh.vertices().len()];
+    let mut near = vec![OptionalIndex::NONE; mesh.vertices().len()];
     let mut found: Vec<u32> = Vec::with_capacity(near.len());
     for triangle in (0..hull.triangle_count() as u32).rev() {
         for corner in hull.triangle(triangle as usize) {
             let v = hull.source(corner);
-            if near[v.index()] == UNKNOWN {
+            if near[v.index()].is_none() {
                 found.push(v.0);
             }
-            near[v.index()] = triangle;
+            near[v.index()] = OptionalIndex::some(triangle);
         }
     }
     let mut next = 0;
     while let Some(&v) = found.get(next) {
         for &f in topology.faces_at(VertexId(v)) {
             for w in mesh.faces()[f.index()] {
-                if near[w as usize] == UNKNOWN {
+                if near[w as usize].is_none() {
                     near[w as usize] = near[v as usize];
                     found.push(w);
                 }
@@ -87,9 +86,8 @@ fn triangles_near(parts: &Parts) -> Vec<u32> {
         }
         next += 1;
     }
-    // What does not hang together with the hull.
-    near.iter_mut().filter(|triangle| **triangle == UNKNOWN).for_each(|triangle| *triangle = 0);
-    near
+    // Any for what does not hang together with the hull.
+    near.into_iter().map(|triangle| triangle.get().unwrap_or(0)).collect()
 }
 
 impl Model {

@@ -329,7 +329,7 @@ fn walk(
 ) {
     let is_boundary = |h: u32| facet_of[h as usize / 3] != across(surface, facet_of, h);
     let own = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-    let start = own.into_iter().find(|&h| is_boundary(h)).unwrap_or(u32::MAX);
+    let Some(start) = own.into_iter().find(|&h| is_boundary(h)) else { return };
     let mut h = start;
     // Each half-edge of the facet is come by once. Were signs not exact, the triangles might not
     // make a surface.
@@ -339,7 +339,7 @@ fn walk(
         left -= 1;
         next(h)
     };
-    while h != u32::MAX {
+    loop {
         half_edges.push(h);
         vertices.push(surface.origin(h));
         h = follow(h);

@@ -17,7 +17,7 @@ use cranny_exact::Aabb;
 use super::arcs::{Line, about_point};
 use super::pairs::overlapping_pairs;
 use super::stars::Stars;
-use crate::ids::{FaceId, HalfEdgeId, VertexId};
+use crate::ids::{FaceId, HalfEdgeId, OptionalIndex, VertexId};
 use crate::mesh::Mesh;
 use crate::topology::Topology;
 use crate::tree::{Content, FaceTree, Grower, Node};
@@ -25,9 +25,6 @@ use crate::tree::{Content, FaceTree, Grower, Node};
 /// Faces that make a crowd. Fewer, and the pairs are judged as soon as paired by directions; more,
 /// and the pairs of so many faces are judged at every vertex of that degree.
 const CROWD: usize = 32;
-
-/// No vertex.
-const NONE: u32 = u32::MAX;
 
 /// The crowded vertices of a mesh.
 pub(super) struct Crowds<'a> {
@@ -37,12 +34,12 @@ pub(super) struct Crowds<'a> {
     judged: Vec<VertexId>,
     /// Two crowded vertices, the lesser first, whose faces share very many sides; ascending.
     couples: Vec<[u32; 2]>,
-    /// Of each face the crowded vertex to which it belongs, or [`NONE`]: of its corners the one
+    /// Of each face the crowded vertex to which it belongs, or none: of its corners the one
     /// with most faces, the least of equals. Empty where nothing is crowded, and so is the next.
-    of_face: Vec<u32>,
+    of_face: Vec<OptionalIndex>,
     /// Of each node of the face tree the crowded vertex to which all faces beneath belong, or
-    /// [`NONE`].
-    of_node: Vec<u32>,
+    /// none.
+    of_node: Vec<OptionalIndex>,
 }
 
 impl<'a> Crowds<'a> {
@@ -75,10 +72,10 @@ impl<'a> Crowds<'a> {
     /// but for those among [`pairs`](Self::pairs).
     pub(super) fn settle(&self, i: u32, j: u32) -> bool {
         !self.of_node.is_empty() && {
-            let [i, j] = [i, j].map(|node| self.of_node[node as usize]);
-            i != NONE
-                && j != NONE
-                && (i == j || self.couples.binary_search(&[i.min(j), i.max(j)]).is_ok())
+            let [i, j] = [i, j].map(|node| self.of_node[node as usize].get());
+            i.zip(j).is_some_and(|(i, j)| {
+                i == j || self.couples.binary_search(&[i.min(j), i.max(j)]).is_ok()
+            })
         }
     }
 
@@ -98,7 +95,8 @@ impl<'a> Crowds<'a> {
         for couple in &self.couples {
             let couple = couple.map(VertexId);
             let line = Line::through(self.mesh.position(couple[0]), self.mesh.position(couple[1]));
-            let belongs = |face: &FaceId, v: VertexId| self.of_face[face.index()] == v.0;
+            let belongs =
+                |face: &FaceId, v: VertexId| self.of_face[face.index()].get() == Some(v.0);
             let arcs = couple.into_iter().flat_map(|v| {
                 let faces = self.topology.faces_at(v).iter().copied();
                 let line = &line;
@@ -135,14 +133,14 @@ impl Boxes {
     }
 }
 
-fn crowds_of_faces(mesh: &Mesh, topology: &Topology, crowded: &[VertexId]) -> Vec<u32> {
-    let mut of_face = vec![NONE; mesh.faces().len()];
+fn crowds_of_faces(mesh: &Mesh, topology: &Topology, crowded: &[VertexId]) -> Vec<OptionalIndex> {
+    let mut of_face = vec![OptionalIndex::NONE; mesh.faces().len()];
     for &vertex in crowded {
         let faces = topology.faces_at(vertex);
         for face in faces {
             let other = &mut of_face[face.index()];
-            if *other == NONE || topology.faces_at(VertexId(*other)).len() < faces.len() {
-                *other = vertex.0;
+            if other.get().is_none_or(|v| topology.faces_at(VertexId(v)).len() < faces.len()) {
+                *other = OptionalIndex::some(vertex.0);
             }
         }
     }
@@ -154,16 +152,15 @@ fn couples_of(
     mesh: &Mesh,
     topology: &Topology,
     crowded: &[VertexId],
-    of_face: &[u32],
+    of_face: &[OptionalIndex],
 ) -> Vec<[u32; 2]> {
     let mut sides = Vec::new();
     for &VertexId(v) in crowded {
-        let faces = topology.faces_at(VertexId(v)).iter().filter(|f| of_face[f.index()] == v);
+        let faces =
+            topology.faces_at(VertexId(v)).iter().filter(|f| of_face[f.index()].get() == Some(v));
         for h in faces.flat_map(|&f| [0, 1, 2].map(|corner| HalfEdgeId::of(f, corner))) {
-            let beyond = topology.twin(h).map_or(NONE, |twin| of_face[twin.face().index()]);
-            if beyond != NONE && v < beyond {
-                sides.push([v, beyond]);
-            }
+            let beyond = topology.twin(h).and_then(|twin| of_face[twin.face().index()].get());
+            sides.extend(beyond.filter(|&beyond| v < beyond).map(|beyond| [v, beyond]));
         }
     }
     sides.sort_unstable();
@@ -175,13 +172,13 @@ fn couples_of(
     couples.map(|group| group[0]).filter(apart).collect()
 }
 
-fn crowds_of_nodes(tree: &FaceTree, of_face: &[u32]) -> Vec<u32> {
+fn crowds_of_nodes(tree: &FaceTree, of_face: &[OptionalIndex]) -> Vec<OptionalIndex> {
     if of_face.is_empty() {
         return Vec::new();
     }
-    let common = |a: u32, b: u32| if a == b { a } else { NONE };
+    let common = |a, b| if a == b { a } else { OptionalIndex::NONE };
     let count = tree.nodes().len();
-    let mut of_node = vec![NONE; count];
+    let mut of_node = vec![OptionalIndex::NONE; count];
     // Children stand behind their parents.
     for node in (0..count as u32).rev() {
         of_node[node as usize] = match tree.content(node) {
@@ -190,7 +187,7 @@ fn crowds_of_nodes(tree: &FaceTree, of_face: &[u32]) -> Vec<u32> {
             }
             Content::Leaf { .. } => {
                 let faces = tree.leaf_faces(node).iter();
-                faces.map(|f| of_face[f.index()]).reduce(common).unwrap_or(NONE)
+                faces.map(|f| of_face[f.index()]).reduce(common).unwrap_or(OptionalIndex::NONE)
             }
         };
     }

@@ -10,10 +10,7 @@
 
 use cranny_exact::DVec2;
 
-use crate::ids::VertexId;
-
-/// No vertex.
-const NONE: u32 = u32::MAX;
+use crate::ids::{OptionalIndex, VertexId};
 
 /// Sides looked at together for each face within, at most: rims are short against what they hold,
 /// and few of their sides lie beside each other. Larger, and a long winding rim takes longer than
@@ -30,8 +27,8 @@ struct RimSide {
 
 /// Scratch memory of a search.
 pub(super) struct Outline {
-    /// Where the side that begins at a vertex ends; [`NONE`] between searches.
-    next: Vec<u32>,
+    /// Where the side that begins at a vertex ends; none between searches.
+    next: Vec<OptionalIndex>,
     points: Vec<DVec2>,
     sides: Vec<RimSide>,
     loops: Vec<usize>,
@@ -73,7 +70,7 @@ impl Signs {
 
 impl Outline {
     pub(super) fn new(vertices: usize) -> Self {
-        let next = vec![NONE; vertices];
+        let next = vec![OptionalIndex::NONE; vertices];
         Self { next, points: Vec::new(), sides: Vec::new(), loops: Vec::new() }
     }
 
@@ -105,11 +102,11 @@ impl Outline {
     /// Notes where each side leads; whether at most one begins at each vertex.
     fn link(&mut self, rim: &[[VertexId; 2]]) -> bool {
         for (i, &[from, to]) in rim.iter().enumerate() {
-            if self.next[from.index()] != NONE {
-                rim[..i].iter().for_each(|[from, _]| self.next[from.index()] = NONE);
+            if self.next[from.index()].is_some() {
+                rim[..i].iter().for_each(|[from, _]| self.next[from.index()] = OptionalIndex::NONE);
                 return false;
             }
-            self.next[from.index()] = to.0;
+            self.next[from.index()] = OptionalIndex::some(to.0);
         }
         true
     }
@@ -122,9 +119,8 @@ impl Outline {
         for &[start, _] in rim {
             let first = self.points.len();
             let mut vertex = start;
-            while self.next[vertex.index()] != NONE {
+            while let Some(next) = self.next[vertex.index()].take() {
                 self.points.push(seen(vertex));
-                let next = std::mem::replace(&mut self.next[vertex.index()], NONE);
                 vertex = VertexId(next);
             }
             let end = self.points.len();
@@ -225,7 +221,7 @@ mod tests {
         let mut outline = Outline::new(points.len());
         let seen = |v: VertexId| DVec2::from_array(points[v.index()]);
         let simple = outline.is_simple(&rim, seen, grain, 100);
-        assert!(outline.next.iter().all(|&next| next == NONE));
+        assert!(outline.next.iter().all(|next| next.is_none()));
         // The same with the axes exchanged, which turns the loops.
         let backwards: Vec<_> = rim.iter().map(|&[a, b]| [b, a]).collect();
         let exchanged = |v: VertexId| DVec2::new(points[v.index()][1], points[v.index()][0]);

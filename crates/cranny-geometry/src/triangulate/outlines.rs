@@ -4,6 +4,7 @@
 //! one other, so walks close. Cost: O(n log n) for n triangles.
 
 use crate::hull::lowest_first;
+use crate::ids::OptionalIndex;
 
 /// The loops that bound a set of triangles, each running as the triangles' own sides do; together
 /// they are the signed boundary. A loop visits no vertex twice and starts at its lowest; loops are
@@ -49,11 +50,9 @@ pub fn outlines(triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
 
 /// For each side `3 t + i` of triangle `t`, from its corner `i` to the next, the side opposite to
 /// it.
-struct Twins(Vec<u32>);
+struct Twins(Vec<OptionalIndex>);
 
 impl Twins {
-    const FREE: u32 = u32::MAX;
-
     fn new(triangles: &[[u32; 3]]) -> Self {
         // Lower vertex, higher vertex, whether it runs downwards, side.
         let mut sides: Vec<(u32, u32, bool, u32)> = (0u32..)
@@ -61,19 +60,19 @@ impl Twins {
             .map(|(side, (from, to))| (from.min(to), from.max(to), from > to, side))
             .collect();
         sides.sort_unstable();
-        let mut twins = vec![Self::FREE; sides.len()];
+        let mut twins = vec![OptionalIndex::NONE; sides.len()];
         for edge in sides.chunk_by(|s, t| (s.0, s.1) == (t.0, t.1)) {
             let (up, down) = edge.split_at(edge.partition_point(|s| !s.2));
             for (s, t) in up.iter().zip(down) {
-                twins[s.3 as usize] = t.3;
-                twins[t.3 as usize] = s.3;
+                twins[s.3 as usize] = OptionalIndex::some(t.3);
+                twins[t.3 as usize] = OptionalIndex::some(s.3);
             }
         }
         Self(twins)
     }
 
     fn of(&self, side: usize) -> Option<usize> {
-        Some(self.0[side]).filter(|&s| s != Self::FREE).map(|s| s as usize)
+        self.0[side].get().map(|twin| twin as usize)
     }
 
     /// The free side that follows a free one, around the vertex where this ends.

@@ -18,8 +18,7 @@ use cranny_exact::{DVec2, Sign, orient2d};
 
 use super::front::{Front, Fronts};
 use super::status::{Place, Status};
-
-const NONE: u32 = u32::MAX;
+use crate::ids::OptionalIndex;
 
 /// A segment between two sites, `left` before `right`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,7 +76,7 @@ pub(super) fn sweep(sites: &[DVec2], segments: &[Segment]) -> Option<Swept> {
         segments: Vec::with_capacity(segments.len()),
         following: Vec::with_capacity(segments.len()),
         above: Vec::with_capacity(segments.len()),
-        first: vec![NONE; sites.len()],
+        first: vec![OptionalIndex::NONE; sites.len()],
         status: Status::default(),
         lowest: Front::EMPTY,
         fronts: Fronts::new(sites),
@@ -101,11 +100,11 @@ struct Sweep<'a> {
     sites: &'a [DVec2],
     segments: Vec<Segment>,
     /// For each segment, another one that starts at the same site.
-    following: Vec<u32>,
+    following: Vec<OptionalIndex>,
     /// For each segment on the line, the front of the gap above it.
     above: Vec<Front>,
     /// For each site, one of the segments that start there.
-    first: Vec<u32>,
+    first: Vec<OptionalIndex>,
     status: Status,
     /// The front of the gap below all segments.
     lowest: Front,
@@ -122,7 +121,8 @@ impl Sweep<'_> {
         let id = self.segments.len() as u32;
         self.segments.push(segment);
         self.above.push(Front::EMPTY);
-        self.following.push(std::mem::replace(&mut self.first[segment.left as usize], id));
+        let first = &mut self.first[segment.left as usize];
+        self.following.push(std::mem::replace(first, OptionalIndex::some(id)));
     }
 
     fn visit(&mut self, v: u32) {
@@ -211,10 +211,10 @@ impl Sweep<'_> {
     fn collect_starting(&mut self, v: u32) {
         let mut starting = std::mem::take(&mut self.starting);
         starting.clear();
-        let mut e = std::mem::replace(&mut self.first[v as usize], NONE);
-        while e != NONE {
+        let mut next = self.first[v as usize].take();
+        while let Some(e) = next {
             starting.push(e);
-            e = self.following[e as usize];
+            next = self.following[e as usize].get();
         }
         let right = |e: u32| self.segments[e as usize].right;
         starting.sort_unstable_by(|&a, &b| {

@@ -11,9 +11,9 @@ use crate::shape::ShapeError;
 
 /// How a body moves.
 ///
-/// `cranny_world::description::BodyKind` says the same of a scene's bodies. Neither crate may depend
-/// on the other (a solver is no part of a world), and no crate beneath both knows of motion: so
-/// there are two, and `cranny-ecs` converts.
+/// `cranny_world::description::BodyKind` says the same of a scene's bodies. Neither crate may
+/// depend on the other (a solver is no part of a world), and no crate beneath both knows who moves:
+/// so there are two, and `cranny-ecs` converts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyKind {
     /// Not at all.

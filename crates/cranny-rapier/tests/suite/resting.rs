@@ -68,14 +68,8 @@ fn rests(name: &str, lower: &SharedShape, upper: &SharedShape, rest: Real) {
     for upper_first in [false, true] {
         let mut world = World::new();
         let start = up(rest + FALL);
-        let body = if upper_first {
-            let body = world.dynamic(upper, start);
-            world.fixed(lower, Pose::IDENTITY);
-            body
-        } else {
-            world.fixed(lower, Pose::IDENTITY);
-            world.dynamic(upper, start)
-        };
+        let lower = (lower, Pose::IDENTITY);
+        let body = world.one_on_another(lower, (upper, start), upper_first);
         world.run(60);
         let early = world.at(body);
         world.run(90);

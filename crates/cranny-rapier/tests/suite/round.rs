@@ -43,14 +43,7 @@ fn rests(
     for upper_first in [false, true] {
         let mut world = World::new();
         let start = turned(rest + 0.05, rotation);
-        let body = if upper_first {
-            let body = world.dynamic(upper, start);
-            world.fixed(lower.0, lower.1);
-            body
-        } else {
-            world.fixed(lower.0, lower.1);
-            world.dynamic(upper, start)
-        };
+        let body = world.one_on_another(lower, (upper, start), upper_first);
         world.run(180);
         let early = world.at(body);
         world.run(90);

@@ -100,6 +100,24 @@ impl World {
         self.insert(RigidBodyBuilder::dynamic().pose(pose), shape)
     }
 
+    /// Inserts a fixed lower body and a moving upper one, in either order: rapier's order of a pair
+    /// follows it. Returns the upper one.
+    pub(crate) fn one_on_another(
+        &mut self,
+        lower: (&SharedShape, RapierPose),
+        upper: (&SharedShape, RapierPose),
+        upper_first: bool,
+    ) -> RigidBodyHandle {
+        if upper_first {
+            let body = self.dynamic(upper.0, upper.1);
+            self.fixed(lower.0, lower.1);
+            body
+        } else {
+            self.fixed(lower.0, lower.1);
+            self.dynamic(upper.0, upper.1)
+        }
+    }
+
     pub(crate) fn insert(
         &mut self,
         body: RigidBodyBuilder,

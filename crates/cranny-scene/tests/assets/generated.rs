@@ -72,8 +72,8 @@ fn ring_of_tori() -> String {
 
 fn nut_on_bolt() -> String {
     "// An M16 x 2 nut, spun once a second up its fixed bolt without friction: it should climb 2 mm a turn.
-// One unit is a millimetre. Gravity keeps the number that it has in metres: 9.81 units/s^2, gentle \
-here.
+// One unit is a millimetre. Gravity keeps the number that it has in metres: 9.81 units/s^2, \
+gentle here.
 // The nut stands at a multiple of the pitch, where it fits unturned, with 0.1 mm of radial \
 clearance.
 (

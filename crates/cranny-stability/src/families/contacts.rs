@@ -13,7 +13,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "contacts",
-    asked: "A small convex body rests with its lowest corner, edge or face on a corner, an edge or a face of a body \
+    question: "A small convex body rests with its lowest corner, edge or face on a corner, an edge or a face of a body \
             with concavities: lifted by 2^-10 to 2^-50, touching exactly, or sunk in by as much.",
     made: "Coordinates and poses are dyadic, so nothing rounds; the truth is that of exact rationals. Where a body \
            sinks into the middle of a face, its depth is known by construction.",

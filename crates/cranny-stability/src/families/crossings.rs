@@ -11,7 +11,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "crossings",
-    asked: "The edge of a blade lies across the ridges of a block, at a slope of 1 to 2^-20 to them, lifted by 2^-10 \
+    question: "The edge of a blade lies across the ridges of a block, at a slope of 1 to 2^-20 to them, lifted by 2^-10 \
             to 2^-50, touching in one point, or sunk in by as much; or it just misses the ridge's end.",
     made: "Coordinates are dyadic, so nothing rounds; then all is turned anyhow and rounded before meshes are built. \
            Exact rationals judge both.",

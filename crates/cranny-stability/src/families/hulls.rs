@@ -11,7 +11,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "hulls",
-    asked: "The convex hull of lattices, subdivided cubes, spheres, prisms, cones, plates and needles of points, of \
+    question: "The convex hull of lattices, subdivided cubes, spheres, prisms, cones, plates and needles of points, of \
             one point, a line and a plane, with doubles, as they are and turned, scaled by 10^-6 to 10^6 or moved by 10^6 sizes.",
     made: "Exact rationals tell what the points span, and hold all of them against the planes of all triangles; closed, in \
            one piece, without a hole.",
@@ -137,7 +137,7 @@ fn judge(trial: &mut Trial<'_>, case: &mut Case, points: &[DVec3]) {
     case.peer = peer(trial, points, size);
 
     let hull = ConvexHull::of_points(points);
-    case.told = format!(
+    case.answer = format!(
         "{}: {} vertices, {} triangles, {} facets",
         hull.kind().as_str(),
         hull.vertex_count(),
@@ -145,7 +145,11 @@ fn judge(trial: &mut Trial<'_>, case: &mut Case, points: &[DVec3]) {
         hull.facet_count()
     );
     if hull.kind() != kind {
-        case.faults.push(format!("it is {}, but told to be {}", case.truth, hull.kind().as_str()));
+        case.faults.push(format!(
+            "it is {}, but reported to be {}",
+            case.truth,
+            hull.kind().as_str()
+        ));
     } else if kind == HullKind::Volume {
         case.faults.extend(rational_hull_fault(points, &triangles(&hull)).map(|fault| fault.what));
     }
@@ -166,15 +170,15 @@ const ALLOWED: f64 = 32.0 * f32::EPSILON as f64;
 
 /// The peer's hull of the points as it stores them; where these are flat, any answer is right.
 fn peer(trial: &mut Trial<'_>, points: &[DVec3], size: f64) -> Option<PeerCase> {
-    let told = trial.peer.as_mut()?.hull(points);
-    Some(match told {
-        Err(why) => PeerCase { told: why, wrong: false, refused: true, figure: None },
+    let reply = trial.peer.as_mut()?.hull(points);
+    Some(match reply {
+        Err(why) => PeerCase { answer: why, wrong: false, refused: true, figure: None },
         Ok((stored, triangles)) => {
             let fault = spans_a_solid(&stored).then(|| rational_hull_fault(&stored, &triangles));
             let fault = fault.flatten();
             let outside = fault.as_ref().map_or(Some(0.0), |fault| fault.outside);
             PeerCase {
-                told: fault.map_or(format!("{} triangles", triangles.len()), |fault| fault.what),
+                answer: fault.map_or(format!("{} triangles", triangles.len()), |fault| fault.what),
                 wrong: outside.is_none_or(|outside| outside > ALLOWED * size),
                 refused: false,
                 figure: None,

@@ -8,13 +8,13 @@ use cranny_shapes::{Comb, Cuboid, Cup, GolfBall, NestedShells, Shape, Sphere, To
 
 use crate::case::Case;
 use crate::family::Family;
-use crate::pair::{cold, in_words, peer_case, told, words};
+use crate::pair::{cold, in_words, peer_case, without_counters, words};
 use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "memory",
-    asked: "Bodies drift, turn, rest, turn back and jump; steps are skipped, memory is cleared, copied or handed on to \
-            another pair, A and B change places, another question is asked.",
+    question: "Bodies drift, turn, rest, turn back and jump; steps are skipped, memory is cleared, copied or handed on to \
+            another pair, A and B change places, another query is made.",
     made: "Each answer is compared with one without memory, to the last bit; every fourth with all pairs of faces, which \
            the detector's own predicates and triangle distances judge.",
     fails: "any difference",
@@ -150,13 +150,13 @@ fn one(
 ) {
     trial.case(name, |trial, case| {
         case.truth = "the same without memory".to_owned();
-        let warm = query(a, b, &Query::of(demand), memory).map(told);
+        let warm = query(a, b, &Query::of(demand), memory).map(without_counters);
         let cold = cold(a, b, demand);
         let (Ok(warm), Ok(cold)) = (&warm, &cold) else {
             case.faults.push(format!("refused: {warm:?}, {cold:?}"));
             return;
         };
-        case.told = in_words(warm);
+        case.answer = in_words(warm);
         if warm != cold {
             case.faults.push(format!("{warm:?} is not {cold:?}"));
         }
@@ -185,7 +185,7 @@ fn beside_all_pairs(trial: &mut Trial<'_>, case: &mut Case, answer: &Answer, [a,
         }
     }
     if let Some(peer) = trial.peer.as_mut() {
-        let told = peer.surfaces([a.model, b.model], [a.pose, b.pose]);
-        case.peer = Some(peer_case(told, Some(slow.surface.meets()), slow.distance, size));
+        let reply = peer.surfaces([a.model, b.model], [a.pose, b.pose]);
+        case.peer = Some(peer_case(reply, Some(slow.surface.meets()), slow.distance, size));
     }
 }

@@ -11,7 +11,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "needles",
-    asked: "Needles (two of three sides short) and slivers (flat), 10^3 to 10^9 times as long as thin, near, in or \
+    question: "Needles (two of three sides short) and slivers (flat), 10^3 to 10^9 times as long as thin, near, in or \
             through each other and bodies with concavities, a tip or an edge 10^-15 to 1 lengths away, or on them.",
     made: "Turned anyhow and rounded, then meshes are built, so that poses round nothing; exact rationals judge.",
     fails: PAIR_FAILS,

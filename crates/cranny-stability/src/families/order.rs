@@ -14,7 +14,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "order",
-    asked: "Bodies touching, crossing or apart; then their vertices and faces in another order and each face from \
+    question: "Bodies touching, crossing or apart; then their vertices and faces in another order and each face from \
             another corner on, A and B exchanged, everything 2^-40 to 2^40 times as large.",
     made: "The first filing is judged by exact rationals, as a case of its own; all others must agree with it.",
     fails: "a filing that is refused; another verdict or number of triangle pairs; a distance outside the first one's \
@@ -65,8 +65,8 @@ fn one(trial: &mut Trial<'_>, name: String, [a, b]: [Mesh; 2], pose: Pose) {
         return;
     };
     let [placed_a, placed_b] = first.placed(pose);
-    let told = format!("{name}, as filed");
-    trial.pair(told, placed_a, placed_b, None, &mut Default::default());
+    let as_filed = format!("{name}, as filed");
+    trial.pair(as_filed, placed_a, placed_b, None, &mut Default::default());
     let others = [("refiled", refiled, pose, 1.0), ("scaled", scaled, scaled_pose, scale)];
     let others = others.map(|(what, meshes, pose, scale)| {
         (what, filed(trial, &format!("{name}, {what}"), meshes), pose, scale)
@@ -74,7 +74,7 @@ fn one(trial: &mut Trial<'_>, name: String, [a, b]: [Mesh; 2], pose: Pose) {
     trial.case(format!("{name}, 2^{power}"), |_, case| {
         case.truth = "as filed first".to_owned();
         let Some(reference) = both_ways(case, "as filed", &first, pose) else { return };
-        case.told = in_words(&reference);
+        case.answer = in_words(&reference);
         for (what, filing, pose, scale) in others {
             let Some(filing) = filing else { continue };
             if let Some(answer) = both_ways(case, what, &filing, pose) {

@@ -11,7 +11,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "parallel",
-    asked: "A box over a slab, in a channel or in the corner of an L, turned by 10^-12 to 10^-3 radians from flush, so \
+    question: "A box over a slab, in a channel or in the corner of an L, turned by 10^-12 to 10^-3 radians from flush, so \
             near that the angle decides whether it touches: both as a pose, and turned before the mesh was built.",
     made: "Of a posed pair, the first in the pair's own order stays where its mesh has it, so that the oracle reads \
            the same rounded points; exact rationals judge.",

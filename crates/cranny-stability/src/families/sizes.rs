@@ -10,7 +10,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "sizes",
-    asked: "A small convex body at a corner, an edge or a face of one with concavities, both 10^-6 to 10^6 large; both \
+    question: "A small convex body at a corner, an edge or a face of one with concavities, both 10^-6 to 10^6 large; both \
             up to 10^6 of their sizes away from the origin; or one up to 10^12 times as large as the other.",
     made: "Turned anyhow, scaled, moved and rounded, then meshes are built, so that poses round nothing; exact \
            rationals judge.",

@@ -11,7 +11,7 @@ use crate::trial::Trial;
 
 pub(super) const FAMILY: Family = Family {
     name: "slots",
-    asked: "A peg as wide as its slot, or 2^-10 to 2^-50 narrower or wider, slides along the walls; a rake's teeth \
+    question: "A peg as wide as its slot, or 2^-10 to 2^-50 narrower or wider, slides along the walls; a rake's teeth \
             fill the gaps of another; boxes slide in one plane and past each other's edges.",
     made: "Faces are co-planar by construction, all coordinates dyadic, poses turn axes to axes; exact rationals \
            judge.",

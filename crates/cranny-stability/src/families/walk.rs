@@ -16,11 +16,11 @@ use crate::trial::{Trial, caught};
 
 pub(super) const FAMILY: Family = Family {
     name: "walk",
-    asked: "How two convex hulls lie: platonic solids, disks, spheres of points, needles and plates, anyhow; nearly \
+    question: "How two convex hulls lie: platonic solids, disks, spheres of points, needles and plates, anyhow; nearly \
             parallel, turned by 10^-12 to 10^-3 radians; slid together until f64 has nothing left between apart and \
             not; 10^-6 to 10^6 large.",
     made: "Exact rationals over pairs of triangles tell whether they meet and how far they are apart, and check that the \
-           normal told proves the lower end of the separation. All faces of the set of differences of two small \
+           normal reported proves the lower end of the separation. All faces of the set of differences of two small \
            hulls, in f64, tell their depth.",
     fails: "a wrong relation; an interval that by more than rounding misses the distance, or is wide; points that are \
             not as far apart; a bound without proof; of small hulls a depth below the least that parts them; another \
@@ -188,11 +188,11 @@ fn ask(
         trial.count(if truth.meets { "meeting" } else { "apart" }, 1);
         let size = 2.0 * reach(bodies[0]).max(reach(bodies[1]));
         if let Some(peer) = trial.peer.as_mut() {
-            let told = peer.hulls(bodies.map(|body| body.hull.positions()), pose);
+            let reply = peer.hulls(bodies.map(|body| body.hull.positions()), pose);
             // Whether hulls that touch to rounding meet is for exact arithmetic to say.
             let near = distance <= f64::EPSILON * size;
             let meets = (!near || !truth.meets).then_some(truth.meets);
-            case.peer = Some(peer_case(told, meets, distance, size));
+            case.peer = Some(peer_case(reply, meets, distance, size));
         }
         match (warm, cold) {
             (Ok(warm), Ok(cold)) => judge(case, bodies, &map, &truth, [&warm, &cold], size),
@@ -202,7 +202,7 @@ fn ask(
 }
 
 /// An answer for people.
-fn told(answer: &HullAnswer) -> String {
+fn in_words(answer: &HullAnswer) -> String {
     let Interval { lo, hi } = answer.separation;
     match answer.relation {
         Relation::Separated => format!("apart by {lo:.3e} to {hi:.3e}"),
@@ -220,7 +220,7 @@ fn judge(
     [warm, cold]: [&HullAnswer; 2],
     size: f64,
 ) {
-    case.told = told(cold);
+    case.answer = in_words(cold);
     for (how, answer) in [("", cold), ("warm: ", warm)] {
         let faults = faults_beside(a, b, map, answer, (truth.meets, truth.distance()));
         case.faults.extend(faults.into_iter().map(|fault| format!("{how}{fault}")));
@@ -237,9 +237,9 @@ fn judge(
     let is_judged = cold.relation == Relation::Penetrating && is_small(a) && is_small(b);
     if is_judged && [a, b].iter().all(|body| body.hull.kind() == HullKind::Volume) {
         let least = brute_force_depth(a, b, map);
-        let told = -cold.separation.lo.max(warm.separation.lo);
-        if told < least - rounding(a, b, map) {
-            case.faults.push(format!("{told:e} deep, but parting them takes {least:e}"));
+        let reported = -cold.separation.lo.max(warm.separation.lo);
+        if reported < least - rounding(a, b, map) {
+            case.faults.push(format!("{reported:e} deep, but parting them takes {least:e}"));
         }
     }
 }

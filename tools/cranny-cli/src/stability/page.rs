@@ -34,16 +34,20 @@ pub(super) fn page(outcomes: &[FamilyOutcome], settings: &Settings) -> String {
     }
     text += "\n*worst*: the largest figure of all cases, which for pairs of bodies is the error of the distance \
              in sizes of the larger body. *Of claim*: the largest error as a share of what the certified \
-             interval allows. *parry*: its triangle meshes, for hulls its convex polyhedra, asked the same in \
-             single precision, as its default build takes numbers; wrong where it tells bodies apart that \
+             interval allows. *parry*: its triangle meshes, for hulls its convex polyhedra, given the same in \
+             single precision, as its default build takes numbers; wrong where it reports bodies apart that \
              overlap or the other way round. Where bodies only touch, either answer counts as right; a hull is wrong where it \
              is not closed, or a point lies farther outside than single precision explains. Many cases differ \
-             from others by less than single precision can hold: what parry gets wrong tells what that \
+             from others by less than single precision can hold: what parry gets wrong shows what that \
              precision decides, not that its methods are at fault.\n\n";
     text += "![worst figure of each family](stability.svg)\n";
     for (family, outcome) in outcomes {
         text += &format!("\n## {}\n\n", family.name);
-        text += &format!("- **Asked**: {}\n", family.asked);
+        text += &format!(
+            "- **Question**: {}
+",
+            family.question
+        );
         text += &format!("- **Made and judged**: {}\n", family.made);
         text += &format!("- **Fails**: {}.\n", family.fails);
         text += &format!("- **Figure**: {}.\n", family.figure);
@@ -90,10 +94,10 @@ fn details(outcome: &Outcome) -> String {
             text += &format!("- **Result**: {count} of {} cases failed:\n", outcome.cases.len());
             for case in failed.iter().take(EXAMPLES) {
                 text += &format!(
-                    "  - {}: it is so: {}; told: {}; {}\n",
+                    "  - {}: it is so: {}; answer: {}; {}\n",
                     case.name,
                     case.truth,
-                    case.told,
+                    case.answer,
                     case.faults.join("; ")
                 );
             }
@@ -108,7 +112,8 @@ fn details(outcome: &Outcome) -> String {
         text +=
             &format!("- **parry** is wrong in {} cases, the farthest off first:\n", wrong.len());
         for (case, peer) in wrong.iter().take(PEER_EXAMPLES) {
-            text += &format!("  - {}: it is so: {}; told: {}\n", case.name, case.truth, peer.told);
+            text +=
+                &format!("  - {}: it is so: {}; answer: {}\n", case.name, case.truth, peer.answer);
         }
     }
     text

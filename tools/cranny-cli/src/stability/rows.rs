@@ -99,7 +99,8 @@ pub(super) fn number(value: Option<f64>) -> String {
 #[derive(Debug, Serialize)]
 pub(super) struct Listed {
     family: &'static str,
-    asked: &'static str,
+    #[serde(rename = "asked")]
+    question: &'static str,
     made: &'static str,
     fails: &'static str,
     figure: &'static str,
@@ -107,14 +108,14 @@ pub(super) struct Listed {
 
 impl Listed {
     pub(super) fn of(family: &Family) -> Self {
-        let Family { name, asked, made, fails, figure, .. } = *family;
-        Self { family: name, asked, made, fails, figure }
+        let Family { name, question, made, fails, figure, .. } = *family;
+        Self { family: name, question, made, fails, figure }
     }
 
     pub(super) fn text(&self) -> String {
-        let Self { family, asked, made, fails, figure } = self;
+        let Self { family, question, made, fails, figure } = self;
         format!(
-            "{family}\n  asked   {asked}\n  made    {made}\n  fails   {fails}\n  figure  {figure}\n"
+            "{family}\n  question  {question}\n  made      {made}\n  fails     {fails}\n  figure    {figure}\n"
         )
     }
 }
@@ -174,12 +175,12 @@ fn case_row(family: &str, index: usize, case: &Case) -> String {
         index.to_string(),
         quoted(&case.name),
         quoted(&case.truth),
-        quoted(&case.told),
+        quoted(&case.answer),
         case.faults.is_empty().to_string(),
         quoted(&case.faults.join("; ")),
         figure(case.figure),
         figure(case.of_claim),
-        quoted(peer.map_or("", |peer| &peer.told)),
+        quoted(peer.map_or("", |peer| &peer.answer)),
         cell(peer.map(|peer| peer.wrong)),
         cell(peer.map(|peer| peer.refused)),
         figure(peer.and_then(|peer| peer.figure)),
@@ -193,7 +194,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let told = [None, Some(0.0), Some(0.25), Some(1.5e-20)].map(number);
-        assert_eq!(told, ["-", "0", "0.25", "1.5e-20"]);
+        let texts = [None, Some(0.0), Some(0.25), Some(1.5e-20)].map(number);
+        assert_eq!(texts, ["-", "0", "0.25", "1.5e-20"]);
     }
 }
