@@ -30,8 +30,8 @@ use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 /// a thin bar are pressed through it.
 const DETOUR: f64 = 2.0;
 
-/// Contacts of negative separation by pairs of patches: all where they are to span the pair, else the
-/// nearest.
+/// Contacts of negative separation by pairs of patches: all where they are to span the pair, else
+/// the deepest.
 pub(super) struct Overlaps<'p, 'm> {
     pair: &'p Pair<'m>,
     coarse: Coarse,
@@ -193,8 +193,8 @@ fn edges_crossing(
 /// be looked at closely. Smaller: rounding of edges at small angles loses crossings at ends.
 const NEAR_MISS: f64 = 1e-3;
 
-/// How deep the contact of two segments is at most; `None` where they do not cross, seen along their
-/// common normal. Cheap: rather too deep, and of too many. `error` is that of a length.
+/// How deep the contact of two segments is at most; `None` where they do not cross, seen along
+/// their common normal. Cheap: rather too deep, and of too many. `error` is that of a length.
 #[inline]
 fn may_cross([[p0, p1], [q0, q1]]: [[DVec3; 2]; 2], error: f64) -> Option<f64> {
     let (d1, d2, apart) = (p1 - p0, q1 - q0, q0 - p0);

@@ -228,7 +228,8 @@ pub(crate) fn gaps(node: &WideNode, b: &OrientedBox) -> f32x8 {
     gaps_and_overlaps(node, b).0
 }
 
-/// The same; and where boxes overlap, how little they do along the axis where that is least, negative.
+/// The same; and where boxes overlap, how much they do so along the axis where that is least, as a
+/// negative number.
 #[inline(always)]
 pub(crate) fn gaps_and_overlaps(node: &WideNode, b: &OrientedBox) -> (f32x8, f32x8) {
     let between = Wide3::of(&node.center).minus(&Wide3::all(b.center));

@@ -103,8 +103,8 @@ impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
         if self.pairs.is_empty() { least } else { self.judge(least, measures, counters) }
     }
 
-    /// Looks at the faces that were noted, of two clusters that are as far apart as `least`; returns
-    /// how far they are then.
+    /// Looks at the faces that were noted, of two clusters that are `least` apart but for these;
+    /// returns how far apart they are with these.
     fn judge(&mut self, mut least: f64, measures: bool, counters: &mut Counters) -> f64 {
         let unit = self.ground.tree(Side::First).unit();
         let mut near = [(0.0, [FaceId(0); 2]); LANES];

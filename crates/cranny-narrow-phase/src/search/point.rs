@@ -1,7 +1,7 @@
 //! The faces of a body that may be nearest to a point.
 //!
-//! Points that are asked about one after another mostly lie beside each other. So the clusters
-//! about a place are listed once, and points there look at the list.
+//! Points that are looked up one after another mostly lie beside each other. So the clusters about
+//! a place are listed once, and points there look at the list.
 
 use cranny_exact::DVec3;
 use cranny_geometry::clusters::{Child, Cluster, LANES, Lanes, Lanes3, WideNode};

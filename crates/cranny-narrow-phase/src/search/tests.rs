@@ -229,7 +229,7 @@ fn a_cut_lists_all_that_is_within_reach() {
     assert!(stayed > 500 && changed > 5, "{stayed} {changed}");
 }
 
-/// Points that wander beside a surface, and jump: the face nearest to each is visited, whatever list
+/// Points wander beside a surface, and jump: the face nearest to each is visited, whatever list
 /// serves it.
 #[test]
 fn the_nearest_face_to_a_point_is_visited() {

@@ -402,7 +402,7 @@ fn sizes_may_differ_beyond_single_precision() {
     }
 }
 
-/// The search that comes across a crossing tells verdict and witnesses of a distance, so it takes one.
+/// The search that comes across a crossing yields verdict and witnesses of a distance.
 #[test]
 fn a_distance_of_surfaces_that_cross_takes_one_search() {
     let ring = shape(Torus { major_segments: 24, minor_segments: 12, ..Torus::default() });
