@@ -60,6 +60,8 @@ pub(crate) struct Coherent {
     nearest: Option<[FaceId; 2]>,
     /// The nearest points at this query's pose, where the verdict came across them.
     measured: Option<Option<Closest>>,
+    /// What a search from the top came across first at this query's pose.
+    first: Option<FacePair>,
     foremost: Foremost,
     cut: KeptCut,
     /// What lies inside what, of surfaces that were apart at the last pose.
@@ -83,6 +85,7 @@ impl Coherent {
         self.is_judged = false;
         self.stayed_apart = false;
         self.measured = None;
+        self.first = None;
     }
 
     /// Whether faces are known that crossed in the last query: looking at them comes first then.
@@ -115,14 +118,13 @@ impl Coherent {
         counters: &mut Counters,
     ) -> (Surface, Vec<FacePair>) {
         let crossed = !self.crossing.is_empty();
-        if self.still_cross(pair, counters) {
+        // A distance wants the first crossing from the top, which is a verdict as well.
+        if below.is_none() && self.still_cross(pair, counters) {
             return (Meeting::Cross, Vec::new());
         }
         let (surface, touching) = self.meet(pair, (true, below), !crossed, counters);
         self.searched = crossed;
-        if surface == Meeting::Cross {
-            self.remember_crossings(&touching);
-        }
+        self.remember_crossings(&touching);
         (surface, touching)
     }
 
@@ -151,15 +153,21 @@ impl Coherent {
                 (surface, found)
             }
             None => {
-                // Without a distance to begin with, a crossing is come across late.
+                // Without a distance to begin with, a crossing is come across late; and where faces
+                // crossed before, they mostly do.
                 if let Some(below) = below
+                    && keeps
                     && self.nearest.is_some()
                     && let Some(verdict) = self.nearest_or_crossing(pair, &ground, below, counters)
                 {
                     return verdict;
                 }
-                let search = if ends_at_crossing { first_meeting } else { all_meetings };
-                search(pair, &ground, &mut self.stack, counters)
+                if !ends_at_crossing {
+                    return all_meetings(pair, &ground, &mut self.stack, counters);
+                }
+                let (surface, found) = first_meeting(pair, &ground, &mut self.stack, counters);
+                self.first = found.iter().find(|p| p.meeting == Meeting::Cross).copied();
+                (surface, found)
             }
         }
     }
@@ -251,8 +259,10 @@ impl Coherent {
         pair: &Pair,
         counters: &mut Counters,
     ) -> Option<FacePair> {
-        let (_, found) = first_meeting(pair, &Ground::of(pair), &mut self.stack, counters);
-        found.into_iter().find(|p| p.meeting == Meeting::Cross)
+        self.first.or_else(|| {
+            let (_, found) = first_meeting(pair, &Ground::of(pair), &mut self.stack, counters);
+            found.into_iter().find(|p| p.meeting == Meeting::Cross)
+        })
     }
 
     /// All pairs of faces that meet, by ascending ids.

@@ -56,7 +56,9 @@ impl Lanes3 {
         [self.x.0[lane], self.y.0[lane], self.z.0[lane]]
     }
 
-    pub(super) fn set(&mut self, lane: usize, [x, y, z]: [f32; 3]) {
+    /// Sets one of the vectors.
+    #[inline]
+    pub fn set(&mut self, lane: usize, [x, y, z]: [f32; 3]) {
         (self.x.0[lane], self.y.0[lane], self.z.0[lane]) = (x, y, z);
     }
 }

@@ -24,6 +24,12 @@ impl Coarse {
         Self { beyond }
     }
 
+    /// As if all patches were.
+    #[cfg(test)]
+    pub(super) fn all() -> Self {
+        Self { beyond: [-1.0; 2] }
+    }
+
     /// Whether either of two patches is coarse, so that contacts are to span the pair.
     pub(super) fn holds(&self, pair: &Pair, patches: [PatchId; 2]) -> bool {
         Side::BOTH.into_iter().any(|side| {

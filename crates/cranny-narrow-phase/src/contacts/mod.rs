@@ -30,14 +30,13 @@ mod within;
 #[cfg(test)]
 mod wrenches;
 
-use std::collections::BTreeMap;
-
 use cranny_exact::Meeting;
 use cranny_geometry::{Model, PatchId};
 
 use self::coarse::Coarse;
 use self::feature_pair::patch_index;
 pub(crate) use self::list::ContactMemory;
+use self::overlap::Overlaps;
 pub(crate) use self::wanted::Wanted;
 use crate::answer::{Contact, Counters, Feature, Surface};
 use crate::coherent::Coherent;
@@ -73,26 +72,23 @@ pub(crate) fn near_patches(
     let (surface, meeting) = memory.search(pair, wanted, coherent, counters);
     let mut contacts = Vec::new();
     if surface == Meeting::Cross {
-        let mut deep: BTreeMap<[PatchId; 2], Vec<Contact>> = BTreeMap::new();
-        for contact in overlap::overlaps(pair, &meeting, counters) {
-            deep.entry(patches_of(pair, contact.id)).or_default().push(contact);
-        }
+        let mut deep = Overlaps::of(pair, coarse, &meeting, counters);
         memory.each_group(pair, wanted, counters, |group| {
-            let mut group_deep = deep.remove(&group.patches()).unwrap_or_default();
+            let mut of_group = deep.take(group.patches());
             if coarse.holds(pair, group.patches()) {
-                group.all(&mut group_deep);
-                contacts.extend(reduce(group_deep));
-            } else if group_deep.is_empty() {
+                group.all(&mut of_group);
+                contacts.extend(reduce(of_group));
+            } else if of_group.is_empty() {
                 contacts.extend(group.nearest());
             } else {
-                contacts.extend(group_deep.into_iter().min_by(nearer));
+                contacts.extend(of_group);
             }
         });
-        for (patches, group) in deep {
+        for (patches, group) in deep.rest() {
             if coarse.holds(pair, patches) {
                 contacts.extend(reduce(group));
             } else {
-                contacts.extend(group.into_iter().min_by(nearer));
+                contacts.extend(group);
             }
         }
     } else {

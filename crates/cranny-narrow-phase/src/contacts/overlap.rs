@@ -7,16 +7,20 @@
 //! What this does not see is left to the caller: a tip that has passed the middle of a thin part, whose
 //! far side is nearer than the one it came in by, has no contact here.
 
-use cranny_exact::{DVec3, WeightedPoint};
-use cranny_geometry::{EdgeId, FaceId, VertexId};
+use std::collections::BTreeMap;
 
+use cranny_exact::{DVec3, WeightedPoint};
+use cranny_geometry::{EdgeId, FaceId, PatchId, VertexId};
+
+use super::coarse::Coarse;
 use super::facing::faces_towards;
 use super::feature_pair::edge_edge;
 use super::within::vertices_within;
+use super::{nearer, patches_of};
 use crate::answer::{Contact, Counters, Feature};
 use crate::inside::{Location, locate};
 use crate::pair::{Pair, Side};
-use crate::search::for_faces_near;
+use crate::search::Vicinity;
 use crate::surface::FacePair;
 use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 
@@ -26,26 +30,61 @@ use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 /// a thin bar are pressed through it.
 const DETOUR: f64 = 2.0;
 
-/// The nearest point of a surface.
-struct Nearest {
-    distance: f64,
-    foot: DVec3,
-    feature: Feature,
-    face: FaceId,
+/// Contacts of negative separation by pairs of patches: all where they are to span the pair, else
+/// the deepest.
+pub(super) struct Overlaps<'p, 'm> {
+    pair: &'p Pair<'m>,
+    coarse: Coarse,
+    groups: BTreeMap<[PatchId; 2], Vec<Contact>>,
 }
 
-/// All contacts of negative separation that vertices and edges about the crossing faces make.
-pub(super) fn overlaps(pair: &Pair, meeting: &[FacePair], counters: &mut Counters) -> Vec<Contact> {
-    let mut contacts = Vec::new();
-    for side in Side::BOTH {
-        if pair.model(side.other()).is_closed() {
-            vertices_inside(pair, side, meeting, counters, &mut contacts);
+impl<'p, 'm> Overlaps<'p, 'm> {
+    /// That vertices and edges about the crossing faces make.
+    pub(super) fn of(
+        pair: &'p Pair<'m>,
+        coarse: Coarse,
+        meeting: &[FacePair],
+        counters: &mut Counters,
+    ) -> Self {
+        let mut found = Self { pair, coarse, groups: BTreeMap::new() };
+        let mut surfaces = Side::BOTH.map(|side| NearestOn::of(pair, side));
+        for side in Side::BOTH {
+            if pair.model(side.other()).is_closed() {
+                vertices_inside(&mut found, side, meeting, &mut surfaces, counters);
+            }
+        }
+        if Side::BOTH.iter().all(|&side| pair.model(side).is_closed()) {
+            edges_crossing(&mut found, meeting, &mut surfaces, counters);
+        }
+        found
+    }
+
+    /// Takes the contacts of two patches out.
+    pub(super) fn take(&mut self, patches: [PatchId; 2]) -> Vec<Contact> {
+        self.groups.remove(&patches).unwrap_or_default()
+    }
+
+    /// What is left, by ascending patches.
+    pub(super) fn rest(self) -> impl Iterator<Item = ([PatchId; 2], Vec<Contact>)> {
+        self.groups.into_iter()
+    }
+
+    fn add(&mut self, contact: Contact) {
+        let patches = patches_of(self.pair, contact.id);
+        let group = self.groups.entry(patches).or_default();
+        if group.is_empty() || self.coarse.holds(self.pair, patches) {
+            group.push(contact);
+        } else if nearer(&contact, &group[0]).is_lt() {
+            group[0] = contact;
         }
     }
-    if Side::BOTH.iter().all(|&side| pair.model(side).is_closed()) {
-        edges_crossing(pair, meeting, counters, &mut contacts);
+
+    /// Whether no contact of two features that is at most so deep counts.
+    fn is_outdone(&self, id: (Feature, Feature), depth: f64) -> bool {
+        let patches = patches_of(self.pair, id);
+        let is_deeper = |group: &Vec<Contact>| group.iter().any(|c| c.separation < -depth);
+        self.groups.get(&patches).is_some_and(is_deeper) && !self.coarse.holds(self.pair, patches)
     }
-    contacts
 }
 
 fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> bool {
@@ -53,17 +92,24 @@ fn is_inside(pair: &Pair, side: Side, p: DVec3, counters: &mut Counters) -> bool
 }
 
 fn vertices_inside(
-    pair: &Pair,
+    found: &mut Overlaps,
     side: Side,
     meeting: &[FacePair],
+    surfaces: &mut [NearestOn; 2],
     counters: &mut Counters,
-    contacts: &mut Vec<Contact>,
 ) {
-    // Neighbours are nearest to neighbours.
-    let (mut last, mut stack) = (None, Vec::new());
+    let pair = found.pair;
     for vertex in vertices_within(pair, side, meeting, counters) {
         let p = pair.position(side, vertex);
-        contacts.extend(way_out(pair, side, vertex, p, (&mut last, &mut stack), counters));
+        let nearest = surfaces[side.other().index()].to(p, counters);
+        let foot = Feature::of_part(nearest.part, pair.model(side.other()), nearest.face);
+        let own = Feature::Vertex(vertex);
+        let id = if side == Side::First { (own, foot) } else { (foot, own) };
+        if !found.is_outdone(id, nearest.distance)
+            && let Some(contact) = way_out(pair, side, (vertex, p), (foot, &nearest))
+        {
+            found.add(contact);
+        }
     }
 }
 
@@ -71,13 +117,10 @@ fn vertices_inside(
 fn way_out(
     pair: &Pair,
     side: Side,
-    vertex: VertexId,
-    p: DVec3,
-    last: (&mut Option<FaceId>, &mut Vec<(f64, u32)>),
-    counters: &mut Counters,
+    (vertex, p): (VertexId, DVec3),
+    (feature, nearest): (Feature, &NearestFace),
 ) -> Option<Contact> {
-    let nearest = nearest_on(pair, side.other(), p, last, counters);
-    let outward = match nearest.feature {
+    let outward = match feature {
         Feature::Face(face) => pair.normal(side.other(), face),
         _ if nearest.distance > pair.length_error() => (nearest.foot - p) / nearest.distance,
         // On a rim to rounding: the face that was found there is as good as its neighbours.
@@ -87,7 +130,7 @@ fn way_out(
         return None;
     }
     let told = Contact {
-        id: (Feature::Vertex(vertex), nearest.feature),
+        id: (Feature::Vertex(vertex), feature),
         point_a: p,
         point_b: nearest.foot,
         normal: -outward,
@@ -97,11 +140,12 @@ fn way_out(
 }
 
 fn edges_crossing(
-    pair: &Pair,
+    found: &mut Overlaps,
     meeting: &[FacePair],
+    surfaces: &mut [NearestOn; 2],
     counters: &mut Counters,
-    contacts: &mut Vec<Contact>,
 ) {
+    let pair = found.pair;
     let mut crossing: Vec<(EdgeId, EdgeId)> = Vec::new();
     for p in meeting {
         let faces = [p.first, p.second];
@@ -114,21 +158,22 @@ fn edges_crossing(
         let sides = |bits: u8| (0..3).filter(move |i| bits >> i & 1 != 0);
         for i in sides(bent[0]) {
             for k in sides(bent[1]) {
-                if may_cross([a[i], a[(i + 1) % 3]], [b[k], b[(k + 1) % 3]]) {
-                    let edge = |side: Side, i| pair.edge(side, faces[side.index()], i);
-                    crossing.push((edge(Side::First, i), edge(Side::Second, k)));
+                let segments = [[a[i], a[(i + 1) % 3]], [b[k], b[(k + 1) % 3]]];
+                let Some(depth) = may_cross(segments, pair.length_error()) else { continue };
+                let edge = |side: Side, i| pair.edge(side, faces[side.index()], i);
+                let (e, g) = (edge(Side::First, i), edge(Side::Second, k));
+                if !found.is_outdone((Feature::Edge(e), Feature::Edge(g)), depth) {
+                    crossing.push((e, g));
                 }
             }
         }
     }
     crossing.sort_unstable();
     crossing.dedup();
-    let (mut last, mut stack) = ([None; 2], Vec::new());
     for (e, g) in crossing {
         let Some(contact) = edge_edge(pair, e, g, f64::INFINITY) else { continue };
         let mut dips = |side: Side, edge: EdgeId, p: DVec3, counters: &mut Counters| {
-            let last = (&mut last[side.index()], &mut stack);
-            let nearest = nearest_on(pair, side, p, last, counters).distance;
+            let nearest = surfaces[side.index()].to(p, counters).distance;
             let around = pair.topology(side).half_edges(edge);
             around
                 .iter()
@@ -139,7 +184,7 @@ fn edges_crossing(
             && dips(Side::Second, g, contact.point_a, counters)
             && dips(Side::First, e, contact.point_b, counters)
         {
-            contacts.push(contact);
+            found.add(contact);
         }
     }
 }
@@ -148,44 +193,59 @@ fn edges_crossing(
 /// be looked at closely. Smaller: rounding of edges at small angles loses crossings at ends.
 const NEAR_MISS: f64 = 1e-3;
 
-/// Whether two segments may cross when seen along their common normal: cheap, and true too often rather than too seldom.
+/// How deep the contact of two segments is at most; `None` where they do not cross, seen along
+/// their common normal. Cheap: rather too deep, and of too many. `error` is that of a length.
 #[inline]
-fn may_cross([p0, p1]: [DVec3; 2], [q0, q1]: [DVec3; 2]) -> bool {
+fn may_cross([[p0, p1], [q0, q1]]: [[DVec3; 2]; 2], error: f64) -> Option<f64> {
     let (d1, d2, apart) = (p1 - p0, q1 - q0, q0 - p0);
     let cross = d1.cross(d2);
     let squared = cross.length_squared();
     let within = |t: f64| t >= -NEAR_MISS * squared && t <= (1.0 + NEAR_MISS) * squared;
-    within(apart.cross(d2).dot(cross)) && within(apart.cross(d1).dot(cross))
+    let crosses = within(apart.cross(d2).dot(cross)) && within(apart.cross(d1).dot(cross));
+    // The normal is off by rounding over the sine of the angle between the segments.
+    let over_sine = || (d1.length_squared() * d2.length_squared() / squared).sqrt();
+    crosses.then(|| apart.dot(cross).abs() / squared.sqrt() + error * over_sine())
 }
 
-/// The point of a body's surface nearest to a point of the pair's frame; ties go to the lowest face. Begins
-/// at the face that was `last` found for a point nearby.
-fn nearest_on(
-    pair: &Pair,
+/// Finds the points of a body's surface that are nearest to points of the pair's frame: faster to
+/// points that lie beside the last one.
+struct NearestOn<'p, 'm> {
+    pair: &'p Pair<'m>,
     side: Side,
-    p: DVec3,
-    (last, stack): (&mut Option<FaceId>, &mut Vec<(f64, u32)>),
-    counters: &mut Counters,
-) -> Nearest {
-    // A mesh has faces, so there is a nearest one.
-    let begin = last.unwrap_or(FaceId(0));
-    let mut best = NearestFace::on(pair, side, p, begin);
-    let local = match side {
-        Side::First => p,
-        Side::Second => pair.first_from_second.inverse().apply(p),
-    };
-    let tree = pair.model(side).clusters();
-    let allowance = pair.culling_error();
-    for_faces_near(tree, local, (best.distance, allowance), stack, counters, |face| {
-        let found = NearestFace::on(pair, side, p, face);
-        if (found.distance, face) < (best.distance, best.face) {
-            best = found;
-        }
-        best.distance
-    });
-    *last = Some(best.face);
-    let feature = Feature::of_part(best.part, pair.model(side), best.face);
-    Nearest { distance: best.distance, foot: best.foot, feature, face: best.face }
+    vicinity: Vicinity,
+    /// The point that was found last.
+    last: Option<DVec3>,
+}
+
+impl<'p, 'm> NearestOn<'p, 'm> {
+    fn of(pair: &'p Pair<'m>, side: Side) -> Self {
+        Self { pair, side, vicinity: Vicinity::default(), last: None }
+    }
+
+    /// Ties go to the lowest face.
+    fn to(&mut self, p: DVec3, counters: &mut Counters) -> NearestFace {
+        let Self { pair, side, .. } = *self;
+        let local = match side {
+            Side::First => p,
+            Side::Second => pair.first_from_second.inverse().apply(p),
+        };
+        let tree = pair.model(side).clusters();
+        // The face that was found last is no farther than the point of it.
+        let known = self.last.map(|last| (last - p).length() + pair.length_error());
+        let (reach, allowance) = (known.unwrap_or(f64::INFINITY), pair.culling_error());
+        let mut best: Option<NearestFace> = None;
+        self.vicinity.for_faces_near(tree, local, (reach, allowance), counters, |face| {
+            let found = NearestFace::on(pair, side, p, face);
+            if best.as_ref().is_none_or(|b| (found.distance, face) < (b.distance, b.face)) {
+                best = Some(found);
+            }
+            best.as_ref().map_or(reach, |best| best.distance.min(reach))
+        });
+        // A mesh has faces, so there is a nearest one.
+        let best = best.unwrap_or_else(|| NearestFace::on(pair, side, p, FaceId(0)));
+        self.last = Some(best.foot);
+        best
+    }
 }
 
 /// The point of a face nearest to a point.
@@ -200,5 +260,56 @@ impl NearestFace {
     fn on(pair: &Pair, side: Side, p: DVec3, face: FaceId) -> Self {
         let (foot, part) = closest_on_triangle(p, &pair.triangle(side, face));
         Self { distance: (foot - p).length(), foot, part, face }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::query::Placed;
+    use crate::search::meeting_pairs;
+    use cranny_exact::{DQuat, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_shapes::{Comb, Cup, Shape, Torus};
+    use cranny_testkit::Rng;
+
+    /// What is left out is less deep than what is told of the same patches.
+    #[test]
+    fn the_deepest_contact_of_two_patches_is_found() {
+        let shapes: [Shape; 3] = [
+            Cup { segments: 12, ..Cup::default() }.into(),
+            Comb { teeth: 4, ..Comb::default() }.into(),
+            Torus { major_segments: 48, minor_segments: 24, ..Torus::default() }.into(),
+        ];
+        let build = |s: Shape| Model::build(s.build().unwrap(), &BuildOptions::default()).unwrap();
+        let bodies = shapes.map(|s| build(s).0);
+        let mut rng = Rng::new(5);
+        let (mut groups, mut left_out) = (0, 0);
+        for round in 0..300 {
+            let [a, b] = [&bodies[rng.below(3)], &bodies[rng.below(3)]];
+            let turn = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();
+            let rotation = if round % 3 > 0 { turn } else { DQuat::IDENTITY };
+            let translation = DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            let pair = Pair::of_accepted(
+                Placed { model: a, pose: Pose::IDENTITY },
+                Placed { model: b, pose: Pose { rotation, translation } },
+            );
+            let coarse = Coarse::of(&pair);
+            let counters = &mut Counters::default();
+            let meeting = meeting_pairs(&pair, counters);
+            let mut found = Overlaps::of(&pair, coarse, &meeting, counters);
+            for (patches, all) in Overlaps::of(&pair, Coarse::all(), &meeting, counters).rest() {
+                let some = found.take(patches);
+                if coarse.holds(&pair, patches) {
+                    assert_eq!(some, all, "round {round}");
+                } else {
+                    assert_eq!(some.first(), all.iter().min_by(|x, y| nearer(x, y)));
+                    left_out += all.len() - some.len();
+                }
+                groups += 1;
+            }
+            assert_eq!(found.rest().count(), 0, "round {round}");
+        }
+        assert!(groups > 200 && left_out > 50, "{groups} {left_out}");
     }
 }

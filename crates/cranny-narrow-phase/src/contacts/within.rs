@@ -4,7 +4,7 @@
 //! that hang together by such edges: mostly one within and one without, whatever the number of faces that cross.
 
 use cranny_exact::{Meeting, WeightedPoint, classify_segment_triangle};
-use cranny_geometry::{EdgeId, FaceId, VertexId};
+use cranny_geometry::{FaceId, VertexId};
 
 use crate::answer::Counters;
 use crate::inside::{Location, locate};
@@ -26,8 +26,11 @@ pub(super) fn vertices_within(
     let mesh = pair.mesh(side);
     let own = |p: &FacePair| if side == Side::First { p.first } else { p.second };
     let key = |v: VertexId| u64::from(v.0);
+    let mut faces: Vec<FaceId> = meeting.iter().map(own).collect();
+    faces.sort_unstable();
+    faces.dedup();
     let mut at_faces = Numbering::default();
-    let mut start: Vec<VertexId> = meeting.iter().flat_map(|p| mesh.corners(own(p))).collect();
+    let mut start: Vec<VertexId> = faces.into_iter().flat_map(|f| mesh.corners(f)).collect();
     start.retain(|&v| at_faces.number(key(v)).1);
     let cut = edges_that_meet(pair, side, meeting);
     let mut known = Numbering::default();
@@ -45,11 +48,12 @@ pub(super) fn vertices_within(
                 found.push(v);
             }
             for &face in pair.topology(side).faces_at(v) {
-                for (edge, w) in beside(pair, side, face, v) {
+                for (i, w) in beside(mesh.corners(face), v) {
                     // Outside, no farther than the faces that meet.
-                    let is_wanted = is_inside || at_faces.get(key(w)).is_some();
-                    let is_whole = || cut.get(u64::from(edge.0)).is_none();
-                    if is_wanted && is_whole() && known.number(key(w)).1 {
+                    let is_wanted = || is_inside || at_faces.get(key(w)).is_some();
+                    let is_whole = || cut.get(u64::from(pair.edge(side, face, i).0)).is_none();
+                    if known.get(key(w)).is_none() && is_wanted() && is_whole() {
+                        known.number(key(w));
                         sure.push(w);
                     }
                 }
@@ -59,22 +63,12 @@ pub(super) fn vertices_within(
     found
 }
 
-/// The other corners of a face, each with the edge that leads there.
-fn beside(
-    pair: &Pair,
-    side: Side,
-    face: FaceId,
-    vertex: VertexId,
-) -> impl Iterator<Item = (EdgeId, VertexId)> {
-    let corners = pair.mesh(side).corners(face);
-    (0..3).filter_map(move |i| {
-        let ends = [corners[i], corners[(i + 1) % 3]];
-        let other = match ends.map(|v| v == vertex) {
-            [true, false] => ends[1],
-            [false, true] => ends[0],
-            _ => return None,
-        };
-        Some((pair.edge(side, face, i), other))
+/// The other corners of a face, each with the number of the side that leads there.
+fn beside(corners: [VertexId; 3], vertex: VertexId) -> impl Iterator<Item = (usize, VertexId)> {
+    (0..3).filter_map(move |i| match [corners[i], corners[(i + 1) % 3]] {
+        [from, to] if from == vertex && to != vertex => Some((i, to)),
+        [from, to] if from != vertex && to == vertex => Some((i, from)),
+        _ => None,
     })
 }
 

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::closing::Closing;
-use super::ground::{At, Ground, distances, gaps};
+use super::ground::{At, Ground, gaps_and_overlaps};
 use super::lanes::{lanes_of, within};
 use crate::answer::Counters;
 use crate::pair::Side;
@@ -28,10 +28,6 @@ pub(crate) trait Visitor {
     /// descent.
     fn clusters(&mut self, pair: [u32; 2], gap: f64, counters: &mut Counters) -> ControlFlow<()>;
 }
-
-/// How much the distance of centres counts beside that of boxes, for what is looked at first. None:
-/// where all boxes overlap, crossings are come across late.
-const CENTERS: f32 = 0.25;
 
 /// Two places, and a lower bound of how far they are apart, in lengths of the pair.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +65,7 @@ pub(crate) fn descend<V: Visitor>(
         let node = &ground.tree(side).nodes()[index];
         counters.node_tests += u64::from(node.count);
         let placed = ground.placed(side, at[1 - i]);
-        let gaps = gaps(node, &placed);
+        let (gaps, overlaps) = gaps_and_overlaps(node, &placed);
         let (far, own) = match visitor.closing() {
             Some(by_motion) => {
                 let own = by_motion.of_lanes(side, node);
@@ -79,12 +75,9 @@ pub(crate) fn descend<V: Visitor>(
             None => (f32x8::splat(ground.reach(side, reach)), [0.0; LANES]),
         };
         let near = within(gaps, far) & node.mask();
-        // The nearest is popped first: of boxes that overlap, the one whose centre is nearest.
-        let order = match near.count_ones() {
-            0 | 1 => gaps.to_array(),
-            _ if !V::IN_ORDER => gaps.to_array(),
-            _ => (gaps + distances(node, &placed) * f32x8::splat(CENTERS)).to_array(),
-        };
+        // The nearest is popped first: of boxes that overlap, the one that does so most, since
+        // what is in it is likeliest to cross.
+        let order = (gaps + overlaps).to_array();
         let (gaps, start) = (gaps.to_array(), stack.len());
         for lane in lanes_of(near) {
             let mut next = at;

@@ -9,7 +9,7 @@ use cranny_geometry::clusters::{Cluster, LANES, Lanes3};
 use wide::f32x8;
 
 use super::ground::{Ground, rounding};
-use super::lanes::{Wide3, lanes_of, wide, within};
+use super::lanes::{Wide3, wide, within};
 use crate::pair::Side;
 
 /// How far eight faces reach along a direction.
@@ -145,7 +145,7 @@ impl<'a> Faced<'a> {
 
     /// A certain lower bound in lengths of the pair.
     #[inline(always)]
-    fn certain(&self, gap: f32) -> f64 {
+    pub(crate) fn certain(&self, gap: f32) -> f64 {
         // Of what overflowed nothing is certain.
         (f64::from(gap - self.error).next_down() * self.unit).max(f64::NEG_INFINITY)
     }
@@ -181,29 +181,5 @@ impl<'a> Faced<'a> {
         }
         gap = gap.fast_max(seen_apart(&self.along_box, &face));
         (within(gap, bound) & mask, gap)
-    }
-}
-
-/// Calls `visit` with every pair of faces of two clusters that may be within `reach`, a length of
-/// the pair, and a certain lower bound of their distance, 0 or less where they may meet. `visit`
-/// returns the reach from there on.
-pub(crate) fn for_near_faces(
-    ground: &Ground,
-    clusters: [u32; 2],
-    reach: f64,
-    mut visit: impl FnMut([FaceId; 2], f64) -> f64,
-) {
-    let faced = Faced::of(ground, clusters);
-    let mut bound = faced.bound(reach);
-    for lane in 0..faced.count() {
-        let (near, gaps) = faced.near(lane, bound);
-        if near == 0 {
-            continue;
-        }
-        let gaps = gaps.to_array();
-        for other in lanes_of(near) {
-            let reach = visit(faced.ids(lane, other), faced.certain(gaps[other]));
-            bound = faced.bound(reach);
-        }
     }
 }

@@ -225,12 +225,20 @@ impl<'a> Ground<'a> {
 /// lengths of what is between. The nine cross products of axes rarely pay.
 #[inline]
 pub(crate) fn gaps(node: &WideNode, b: &OrientedBox) -> f32x8 {
+    gaps_and_overlaps(node, b).0
+}
+
+/// The same; and where boxes overlap, how much they do so along the axis where that is least, as a
+/// negative number.
+#[inline(always)]
+pub(crate) fn gaps_and_overlaps(node: &WideNode, b: &OrientedBox) -> (f32x8, f32x8) {
     let between = Wide3::of(&node.center).minus(&Wide3::all(b.center));
     let axes = [0, 1, 2].map(|j: usize| Wide3::of(&node.axes[j]));
     let half = [wide(&node.half.x), wide(&node.half.y), wide(&node.half.z)];
     let mut reach = half;
     let zero = f32x8::splat(0.0);
     let (mut along_its, mut along_own) = (zero, zero);
+    let mut overlap = f32x8::splat(f32::NEG_INFINITY);
     for i in 0..3 {
         let axis = Wide3::all(b.axes[i]);
         let mut extent = f32x8::splat(b.half[i]);
@@ -239,19 +247,16 @@ pub(crate) fn gaps(node: &WideNode, b: &OrientedBox) -> f32x8 {
             extent += across * half[j];
             reach[j] += across * f32x8::splat(b.half[i]);
         }
-        let gap = (between.dot(&axis).abs() - extent).fast_max(zero);
+        let apart = between.dot(&axis).abs() - extent;
+        overlap = overlap.fast_max(apart);
+        let gap = apart.fast_max(zero);
         along_its += gap * gap;
     }
     for j in 0..3 {
-        let gap = (between.dot(&axes[j]).abs() - reach[j]).fast_max(zero);
+        let apart = between.dot(&axes[j]).abs() - reach[j];
+        overlap = overlap.fast_max(apart);
+        let gap = apart.fast_max(zero);
         along_own += gap * gap;
     }
-    along_its.fast_max(along_own).sqrt()
-}
-
-/// How far the centres of a node's boxes are from that of another box.
-#[inline(always)]
-pub(crate) fn distances(node: &WideNode, b: &OrientedBox) -> f32x8 {
-    let between = Wide3::of(&node.center).minus(&Wide3::all(b.center));
-    between.dot(&between).sqrt()
+    (along_its.fast_max(along_own).sqrt(), overlap.fast_min(zero))
 }

@@ -4,12 +4,15 @@ use std::ops::ControlFlow;
 
 use cranny_exact::Meeting;
 use cranny_geometry::FaceId;
+use cranny_geometry::clusters::LANES;
 
+use super::apart::FacePairs;
 use super::closing::Closing;
 use super::cut::Cut;
 use super::descent::{Pending, Visitor, descend};
-use super::faces::for_near_faces;
+use super::faces::Faced;
 use super::ground::Ground;
+use super::lanes::lanes_of;
 use crate::answer::{Counters, Surface};
 use crate::pair::{Pair, Side};
 use crate::surface::{FacePair, looked_at};
@@ -29,9 +32,23 @@ struct Meetings<'g, 'p, 'm> {
     ends_at_crossing: bool,
     surface: Surface,
     found: Vec<FacePair>,
+    /// That planes do not part, and that are to be looked at.
+    pairs: FacePairs,
 }
 
-impl Meetings<'_, '_, '_> {
+impl<'g, 'p, 'm> Meetings<'g, 'p, 'm> {
+    fn new(pair: &'p Pair<'m>, ground: &'g Ground<'m>, ends_at_crossing: bool) -> Self {
+        let (surface, found, pairs) = (Meeting::None, Vec::new(), FacePairs::new());
+        Self { ground, pair, ends_at_crossing, surface, found, pairs }
+    }
+
+    /// The verdict, and the faces that meet by ascending ids.
+    fn into_found(self) -> (Surface, Vec<FacePair>) {
+        let Self { surface, mut found, .. } = self;
+        found.sort_unstable();
+        (surface, found)
+    }
+
     fn is_done(&self) -> bool {
         self.ends_at_crossing && self.surface == Meeting::Cross
     }
@@ -53,26 +70,67 @@ impl Meetings<'_, '_, '_> {
     }
 
     /// Looks at two clusters; returns a lower bound of how far apart they are, up to `reach`. Faces
-    /// that planes do not part are measured for it where `measures`, and count as meeting where
-    /// not.
+    /// that nothing parts in single precision are measured for it where `measures`, and count as
+    /// meeting where not.
     fn separation(
         &mut self,
         clusters: [u32; 2],
         (reach, measures): (f64, bool),
         counters: &mut Counters,
     ) -> f64 {
-        let mut least = reach;
-        for_near_faces(self.ground, clusters, reach, |[f, g], gap| {
+        let faced = Faced::of(self.ground, clusters);
+        let (mut least, mut its) = (reach, None);
+        for lane in 0..faced.count() {
+            let (near, gaps) = faced.near(lane, faced.bound(least));
+            if near == 0 {
+                continue;
+            }
+            let (own, gaps) = (faced.own(lane), gaps.to_array());
+            for other in lanes_of(near) {
+                let gap = faced.certain(gaps[other]);
+                if gap > 0.0 {
+                    // What is farther than what was seen does not matter any more.
+                    least = least.min(gap);
+                    continue;
+                }
+                let its = its.get_or_insert_with(|| faced.its());
+                self.pairs.push(&faced, (lane, &own), (other, its), gaps[other]);
+                if self.pairs.is_full() {
+                    least = self.judge(least, measures, counters);
+                }
+            }
+        }
+        if self.pairs.is_empty() { least } else { self.judge(least, measures, counters) }
+    }
+
+    /// Looks at the faces that were noted, of two clusters that are `least` apart but for these;
+    /// returns how far apart they are with these.
+    fn judge(&mut self, mut least: f64, measures: bool, counters: &mut Counters) -> f64 {
+        let unit = self.ground.tree(Side::First).unit();
+        let mut near = [(0.0, [FaceId(0); 2]); LANES];
+        let mut count = 0;
+        for (faces, gap) in self.pairs.take() {
+            let gap = f64::from(gap.next_down()) * unit;
             if gap > 0.0 {
                 least = least.min(gap);
-            } else if !self.is_done() {
-                let meet = self.look(f, g, counters);
-                let measures = measures && !meet && least > 0.0;
-                least = if measures { least.min(self.measured(f, g, counters)) } else { 0.0 };
+            } else {
+                near[count] = (gap, faces);
+                count += 1;
             }
-            // What is farther than what was seen does not matter any more.
-            least
-        });
+        }
+        let near = &mut near[..count];
+        if self.ends_at_crossing {
+            // What seems to overlap most is likeliest to cross.
+            near.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        }
+        for &(_, [f, g]) in near.iter() {
+            if self.is_done() {
+                break;
+            }
+            let meet = self.look(f, g, counters);
+            let measures = measures && !meet && least > 0.0;
+            least = if measures { least.min(self.measured(f, g, counters)) } else { 0.0 };
+        }
         least
     }
 }
@@ -98,13 +156,10 @@ fn search(
     stack: &mut Vec<Pending>,
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>) {
-    let (surface, found) = (Meeting::None, Vec::new());
-    let mut meetings = Meetings { ground, pair, ends_at_crossing, surface, found };
+    let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
     // Who ends it knows.
     let _ = descend(ground, stack, &mut meetings, counters);
-    let Meetings { surface, mut found, .. } = meetings;
-    found.sort_unstable();
-    (surface, found)
+    meetings.into_found()
 }
 
 /// All pairs of faces that meet, by ascending ids.
@@ -147,13 +202,13 @@ pub(crate) fn meetings_in(
     (ends_at_crossing, step): (bool, f64),
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>, StayedApart) {
-    let (surface, found) = (Meeting::None, Vec::new());
-    let mut meetings = Meetings { ground, pair, ends_at_crossing, surface, found };
+    let mut meetings = Meetings::new(pair, ground, ends_at_crossing);
     let (reach, posing) = (cut.reach(), ground.posing());
     let (mut stayed_apart, held) = (cut.held_leaves().is_some(), cut.held_leaves().unwrap_or(0));
     let (leaves, spent) = cut.leaves();
     for (i, leaf) in leaves.iter_mut().enumerate() {
-        if spent.left(leaf) > 0.0 {
+        let left = spent.left(leaf);
+        if left > 0.0 {
             continue;
         }
         let (direction, was_parted) = (leaf.direction, leaf.is_parted);
@@ -164,10 +219,12 @@ pub(crate) fn meetings_in(
             stayed_apart &= i >= held || was_parted && leaf.direction == direction;
             continue;
         }
-        stayed_apart &= i >= held;
         let measures = leaf.hurry == 0;
         leaf.hurry = leaf.hurry.saturating_sub(1);
         let separation = meetings.separation(leaf.pair, (reach, measures), counters);
+        // So far as they were at one end of the way, and are at the other, they cannot have met
+        // while motion spent less than both.
+        stayed_apart &= i >= held || separation - 2.0 * posing + left > 0.0;
         spent.note(leaf, separation, posing);
         if measures && separation <= WORTH * step {
             leaf.hurry = HURRY;
@@ -176,8 +233,7 @@ pub(crate) fn meetings_in(
             break;
         }
     }
-    let Meetings { surface, mut found, .. } = meetings;
-    found.sort_unstable();
+    let (surface, found) = meetings.into_found();
     (surface, found, StayedApart(stayed_apart))
 }
 
@@ -235,15 +291,12 @@ pub(crate) fn near_clusters(
     listed: &mut Vec<[u32; 2]>,
     counters: &mut Counters,
 ) -> (Surface, Vec<FacePair>) {
-    let (surface, found) = (Meeting::None, Vec::new());
-    let meetings = Meetings { ground, pair, ends_at_crossing: false, surface, found };
+    let meetings = Meetings::new(pair, ground, false);
     let (closing, lists) = (lists.and_then(|lists| lists.closing), lists.map(|lists| lists.reach));
     let mut listing = Listing { meetings, lists, closing, meets, listed };
     // Nothing ends it.
     let _ = descend(ground, stack, &mut listing, counters);
-    let Meetings { surface, mut found, .. } = listing.meetings;
-    found.sort_unstable();
-    (surface, found)
+    listing.meetings.into_found()
 }
 
 /// Lists pairs of clusters of a cut.

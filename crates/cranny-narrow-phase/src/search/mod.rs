@@ -31,7 +31,7 @@ pub(crate) use self::meeting::{
     Lists, first_meeting, list_near, meeting_faces, meeting_pairs, meetings_in, near_clusters,
 };
 pub(crate) use self::nearest::{nearest_faces, nearest_in, nearest_or_meeting};
-pub(crate) use self::point::for_faces_near;
+pub(crate) use self::point::Vicinity;
 
 #[cfg(test)]
 mod tests;

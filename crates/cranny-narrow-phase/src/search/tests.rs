@@ -17,7 +17,7 @@ use crate::containment::solidity;
 use crate::pair::{Pair, Side};
 use crate::query::Placed;
 use crate::surface::{FacePair, looked_at, strongest};
-use cranny_geometry::triangle_distance::triangle_distance;
+use cranny_geometry::triangle_distance::{closest_on_triangle, triangle_distance};
 
 fn model(shape: impl Into<Shape>) -> Model {
     Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
@@ -227,4 +227,50 @@ fn a_cut_lists_all_that_is_within_reach() {
         "{followed} {rested} {near} {met}"
     );
     assert!(stayed > 500 && changed > 5, "{stayed} {changed}");
+}
+
+/// Points wander beside a surface, and jump: the face nearest to each is visited, whatever list
+/// serves it.
+#[test]
+fn the_nearest_face_to_a_point_is_visited() {
+    let mut rng = Rng::new(31);
+    let bodies = bodies();
+    let (mut tests, mut searches) = (0, 0);
+    for body in &bodies {
+        let (mesh, tree) = (body.mesh(), body.clusters());
+        let nearest_of_all = |p: DVec3| {
+            let near = |f: u32| {
+                let foot = closest_on_triangle(p, &mesh.triangle(FaceId(f))).0;
+                ((foot - p).length(), FaceId(f), foot)
+            };
+            let of_faces = (0..mesh.faces().len() as u32).map(near);
+            of_faces.min_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1))).unwrap()
+        };
+        let (mut vicinity, mut last) = (Vicinity::default(), None);
+        let mut p = DVec3::ZERO;
+        for round in 0..400 {
+            let step = DVec3::new(rng.unit(), rng.unit(), rng.unit());
+            p = if round % 25 == 0 { 2.0 * step } else { p + 0.05 * step };
+            let reach = last.map_or(f64::INFINITY, |last: DVec3| (last - p).length() + 1e-12);
+            let mut best: Option<(f64, FaceId)> = None;
+            let mut counters = Counters::default();
+            vicinity.for_faces_near(tree, p, (reach, 1e-12), &mut counters, |face| {
+                let distance = (closest_on_triangle(p, &mesh.triangle(face)).0 - p).length();
+                if best.is_none_or(|best| (distance, face) < best) {
+                    best = Some((distance, face));
+                }
+                best.map_or(reach, |best| best.0.min(reach))
+            });
+            let (distance, face, foot) = nearest_of_all(p);
+            assert_eq!(best, Some((distance, face)), "round {round}");
+            last = Some(foot);
+            tests += counters.node_tests;
+            vicinity = if round % 50 == 49 { Vicinity::default() } else { vicinity };
+            let alone = &mut Counters::default();
+            Vicinity::default().for_faces_near(tree, p, (reach, 1e-12), alone, |_| distance);
+            searches += alone.node_tests;
+        }
+    }
+    // A list serves more points than one.
+    assert!(3 * tests < 2 * searches, "{tests} {searches}");
 }

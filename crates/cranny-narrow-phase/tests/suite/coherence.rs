@@ -423,3 +423,46 @@ fn sizes_may_differ_beyond_single_precision() {
         }
     }
 }
+
+/// The search that comes across a crossing yields verdict and witnesses of a distance.
+#[test]
+fn a_distance_of_surfaces_that_cross_takes_one_search() {
+    let ring = shape(Torus { major_segments: 24, minor_segments: 12, ..Torus::default() });
+    let mut memory = PairMemory::default();
+    for frame in 0..20 {
+        let translation = DVec3::new(1.0 + 0.002 * f64::from(frame), 0.1, 0.2);
+        let a = Placed { model: &ring, pose: Pose::IDENTITY };
+        let b = Placed { model: &ring, pose: Pose::at(translation) };
+        let [verdict, distance] =
+            [Demand::Intersects, Demand::Distance { below: None }].map(|demand| ask(a, b, demand));
+        assert_eq!(verdict.surface, Meeting::Cross);
+        let warm = query(a, b, &Query::of(Demand::Distance { below: None }), &mut memory).unwrap();
+        assert_eq!(told(&warm), told(&distance));
+        for answer in [distance, warm] {
+            assert_eq!(answer.counters.node_tests, verdict.counters.node_tests);
+        }
+    }
+}
+
+/// Linked rings a hair apart that turn: no faces are far enough from each other to be parted by one
+/// plane for long, but what they are apart at both ends of a step proves that they have not met.
+#[test]
+fn what_lies_inside_what_is_carried_where_surfaces_are_close() {
+    let ring = shape(Torus { major_segments: 24, minor_segments: 12, ..Torus::default() });
+    let (size, demand) = (ring.bounds().max, Demand::Distance { below: None });
+    let tube = size.z;
+    let linked = DQuat::from_axis_angle(DVec3::X, std::f64::consts::FRAC_PI_2);
+    let mut memory = PairMemory::default();
+    let mut carried = 0;
+    for frame in 0..60 {
+        let turn = DQuat::from_axis_angle(DVec3::Y, 1e-5 * f64::from(frame));
+        let translation = DVec3::new(2.0 * size.x - 4.0 * tube - 2e-4, 0.0, 0.0);
+        let a = Placed { model: &ring, pose: Pose::IDENTITY };
+        let b = Placed { model: &ring, pose: Pose { rotation: turn * linked, translation } };
+        let warm = query(a, b, &Query::of(demand), &mut memory).unwrap();
+        assert_eq!(told(&warm), told(&ask(a, b, demand)), "frame {frame}");
+        assert_eq!(warm.surface, Meeting::None, "frame {frame}");
+        carried += u32::from(warm.counters.inside_tests == 0);
+    }
+    assert!(carried > 40, "{carried}");
+}
