@@ -1,6 +1,6 @@
-//! An app that already runs on bevy, with a world of its own: a lift with a cup on it. Two plugins are added, and
-//! systems of the app's own do the rest: one drives the lift, one drops a crate into the cup while the app runs, one
-//! hears what begins to touch, one says how things are. z is up.
+//! An app that already runs on bevy, with a world of its own: a lift with a cup on it. Two plugins
+//! are added, and systems of the app's own do the rest: one drives the lift, one drops a crate into
+//! the cup while the app runs, one hears what begins to touch, one says how things are. z is up.
 //!
 //! `cargo run --example bevy_app --features ecs,rapier`
 
@@ -20,7 +20,8 @@ use cranny::shapes::{Cuboid, Cup};
 use cranny::world::description::Effect;
 
 const STEP: f64 = 1.0 / 60.0;
-/// Of the cup's floor, and half of the crate's edge: where the crate comes to rest above the cup's foot.
+/// Of the cup's floor, and half of the crate's edge: where the crate comes to rest above the cup's
+/// foot.
 const FLOOR: f32 = 0.05;
 const HALF: f32 = 0.1;
 
@@ -74,8 +75,8 @@ fn set_up(shapes: Res<Shapes>, mut commands: Commands) {
     commands.spawn((Name::new("cup"), RigidBody::Dynamic, cup, at(0.01)));
 }
 
-/// Up and down once in two seconds. A velocity carries what stands on the lift; a `Transform` that the app sets
-/// would teleport it.
+/// Up and down once in two seconds. A velocity carries what stands on the lift; a `Transform` that
+/// the app sets would teleport it.
 fn drive_lift(time: Res<SimulatedTime>, mut lift: Single<&mut LinearVelocity, With<Lift>>) {
     lift.0.z = 0.3 * (TAU * time.seconds() as f32 / 2.0).sin();
 }

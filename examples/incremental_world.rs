@@ -1,5 +1,5 @@
-//! Three balls fly past a ring: one through its hole without touching it, one against it, and one so
-//! far beside it that the pair is never asked about. The world tells what began and what ended.
+//! Three balls fly past a ring: one through its hole without touching it, one against it, and one
+//! so far beside it that the pair is never asked about. The world tells what began and what ended.
 //!
 //! `cargo run --example incremental_world`
 

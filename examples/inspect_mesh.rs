@@ -1,7 +1,7 @@
 //! What is known of a mesh file before it moves: defects and repairs, hull, solid.
 //!
-//! `cargo run --example inspect_mesh --features scene [MESH]`, with .obj, .stl, .ply, .off, .gltf, .glb
-//! or .dae. For a table, a picture or JSON there is the command `cranny inspect`.
+//! `cargo run --example inspect_mesh --features scene [MESH]`, with .obj, .stl, .ply, .off, .gltf,
+//! .glb or .dae. For a table, a picture or JSON there is the command `cranny inspect`.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to a person")]
 

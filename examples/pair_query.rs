@@ -1,5 +1,5 @@
-//! Two interlinked links of a chain, pulled apart little by little: how much play is left, and where
-//! do they overlap once they cannot go farther?
+//! Two interlinked links of a chain, pulled apart little by little: how much play is left, and
+//! where do they overlap once they cannot go farther?
 //!
 //! `cargo run --example pair_query`
 

@@ -1,5 +1,5 @@
-//! Three links of a chain in rapier, with exact contacts: the upper one is fixed, the others fall into
-//! it and stay linked.
+//! Three links of a chain in rapier, with exact contacts: the upper one is fixed, the others fall
+//! into it and stay linked.
 //!
 //! `cargo run --example rapier_chain --features rapier`
 

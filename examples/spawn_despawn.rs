@@ -1,5 +1,5 @@
-//! Rings that rain onto a peg: bodies come while the app runs, and go when they have fallen past it. Those that the
-//! peg threads stay: a ring's hole is a hole. z is up.
+//! Rings that rain onto a peg: bodies come while the app runs, and go when they have fallen past
+//! it. Those that the peg threads stay: a ring's hole is a hole. z is up.
 //!
 //! `cargo run --example spawn_despawn --features ecs,rapier`
 

@@ -1,5 +1,6 @@
-//! A hoop that counts what goes through it: a thin sensor fills the hole, and the hoop itself is solid. No collision
-//! is missed and none is made up: a ball on the rim bounces off, and the sensor hears nothing. z is up.
+//! A hoop that counts what goes through it: a thin sensor fills the hole, and the hoop itself is
+//! solid. No collision is missed and none is made up: a ball on the rim bounces off, and the sensor
+//! hears nothing. z is up.
 //!
 //! `cargo run --example triggers --features ecs,rapier`
 

@@ -2,10 +2,10 @@
 //!
 //! Hooks of the components that make a body note its entity. At the beginning of the next step
 //! [`admit_bodies`] gives those that are new an id, in the order in which they were spawned, and
-//! inserts [`Body`]; of those that changed it inserts the same [`Body`] again. Whoever keeps bodies of
-//! its own (the solver, detection, a recording) observes `Insert<Body>` and `Remove<Body>`, and reads
-//! everything else from [`Bodies`], [`EffectTable`] and the components. A body that is removed or
-//! despawned leaves at once.
+//! inserts [`Body`]; of those that changed it inserts the same [`Body`] again. Whoever keeps bodies
+//! of its own (the solver, detection, a recording) observes `Insert<Body>` and `Remove<Body>`, and
+//! reads everything else from [`Bodies`], [`EffectTable`] and the components. A body that is
+//! removed or despawned leaves at once.
 
 use std::collections::BTreeSet;
 

@@ -93,9 +93,9 @@ pub struct SceneApp {
 }
 
 impl SceneApp {
-    /// Builds the scene's app. Everything that can be known to fail, fails here: outputs that cannot
-    /// be written among them. Where no graphics adapter is found the scene runs without pictures,
-    /// and [`RunSummary::skipped`] says so.
+    /// Builds the scene's app. Everything that can be known to fail, fails here: outputs that
+    /// cannot be written among them. Where no graphics adapter is found the scene runs without
+    /// pictures, and [`RunSummary::skipped`] says so.
     ///
     /// # Errors
     ///
@@ -195,7 +195,8 @@ impl SceneApp {
         self.run(CrannyEnd)?;
         let start = Instant::now();
         let world = self.app.world_mut();
-        // A picture that fails must not cost the recording, so both are completed before either fails.
+        // A picture that fails must not cost the recording, so both are completed before either
+        // fails.
         #[cfg(feature = "record")]
         let recorded = finish_recording(world, &self.facts);
         #[cfg(feature = "render")]
@@ -235,8 +236,8 @@ impl SceneApp {
 /// nanoseconds); longer ones leave the range in which it can move anything.
 const STEPS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
 
-/// A duration that is longer than a number of steps by less than this share of one means that number:
-/// 5 s are 1200 steps of 0.0041667 s.
+/// A duration that is longer than a number of steps by less than this share of one means that
+/// number: 5 s are 1200 steps of 0.0041667 s.
 const STEP_SHARE: f64 = 1e-3;
 
 /// Every single file that a run writes.

@@ -14,18 +14,19 @@ use glam::DQuat;
 
 use crate::properties::{AngularVelocity, LinearVelocity};
 
-/// A body: an entity with a [`Collider`](crate::Collider) that a step has taken in. The step inserts
-/// this component; an app spawns the collider and what else the body has.
+/// A body: an entity with a [`Collider`](crate::Collider) that a step has taken in. The step
+/// inserts this component; an app spawns the collider and what else the body has.
 ///
-/// The entity's `Transform` is the single truth about where it is: every query, recording and picture
-/// reads it through [`pose_of`], and whoever moves it, moves the body. A `Transform` must not scale.
-/// Despawning the entity, or removing its collider, takes the body out of everything, at once.
+/// The entity's `Transform` is the single truth about where it is: every query, recording and
+/// picture reads it through [`pose_of`], and whoever moves it, moves the body. A `Transform` must
+/// not scale. Despawning the entity, or removing its collider, takes the body out of everything, at
+/// once.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(immutable)]
 #[require(Transform, LinearVelocity, AngularVelocity)]
 pub struct Body {
-    /// Stable, and never given again: counts up in the order in which bodies came. Orders everything
-    /// that is reported.
+    /// Stable, and never given again: counts up in the order in which bodies came. Orders
+    /// everything that is reported.
     pub id: BodyId,
 }
 

@@ -60,8 +60,8 @@ pub struct Detector {
 
 /// What the world found at the poses that the `Transform`s hold during a step.
 ///
-/// Within [`StepSystems::Report`], [`ContactReport`](crate::ContactReport) takes the answers that it
-/// holds; events and sums stay.
+/// Within [`StepSystems::Report`], [`ContactReport`](crate::ContactReport) takes the answers that
+/// it holds; events and sums stay.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Detected {
     /// `None` before the first step.
@@ -238,9 +238,8 @@ fn take_in(
     let world = detector.world();
     let taken = if let Some(known) = world.body(id) {
         let reshaped = !known.model().is_same(&record.model);
-        reshaped
-            .then(|| world.set_model(id, record.model.clone()))
-            .unwrap_or(Ok(()))
+        let shaped = if reshaped { world.set_model(id, record.model.clone()) } else { Ok(()) };
+        shaped
             .and_then(|()| world.set_kind(id, record.kind))
             .and_then(|()| world.set_layers(id, asked.layers))
             .and_then(|()| world.set_effects(id, &asked.effects))
@@ -296,7 +295,8 @@ fn relate_pairs(
     }
 }
 
-/// Whatever removes a body removes it here too, at once: nothing is found about a body that is gone.
+/// Whatever removes a body removes it here too, at once: nothing is found about a body that is
+/// gone.
 fn forget_removed(
     removed: On<Remove<Body>>,
     bodies: Query<&Body>,

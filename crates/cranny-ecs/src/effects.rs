@@ -1,5 +1,5 @@
-//! Which effects a scene asks for, for which pairs, and why. How an effect is added says
-//! CONTRIBUTING, 'An effect'.
+//! Which effects a scene asks for, for which pairs, and why. CONTRIBUTING, 'An effect',
+//! says how to add one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -205,8 +205,8 @@ impl EffectTable {
         self.plugged.contains(&kind)
     }
 
-    /// Whether a body has a part in some response: what asks for it is the scene, the body, a pair of
-    /// its, or another body that it may meet.
+    /// Whether a body has a part in some response: what asks for it is the scene, the body, a pair
+    /// of its, or another body that it may meet.
     pub(crate) fn responds(&self, body: BodyId) -> bool {
         let is_response = |effects: &[Effect]| effects.contains(&Effect::Response);
         if is_response(&self.scene) || self.responding.contains(&body) {
@@ -274,7 +274,8 @@ impl EffectTable {
         }
     }
 
-    /// The effects of a pair, each with who asks; the scene's first. Empty if it may not meet; without
+    /// The effects of a pair, each with who asks; the scene's first. Empty if it may not meet;
+    /// without
     /// `Response` if one of the two is a sensor.
     pub fn of_pair(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = (&Effect, AskedBy)> {
         let own: &[Effect] = self.pairs.get(&ordered(a, b)).map_or(&[], |effects| effects);

@@ -13,11 +13,11 @@ use crate::motion::Helix;
 #[derive(Deserialize)]
 struct Scene {
     #[serde(default)]
-    bodies: Vec<Body>,
+    bodies: Vec<GeneratedBody>,
 }
 
 #[derive(Deserialize)]
-struct Body {
+struct GeneratedBody {
     name: String,
     shape: BodyShape,
 }
@@ -29,7 +29,7 @@ enum BodyShape {
 }
 
 /// The generated bodies, if the text can be read as a scene of such.
-fn bodies(scene: &LoadedScene) -> Vec<Body> {
+fn bodies(scene: &LoadedScene) -> Vec<GeneratedBody> {
     let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
     let options = ron::Options::default().with_default_extension(extensions);
     // The text was parsed in full when the scene was loaded. What cannot be read as this excerpt
@@ -59,7 +59,7 @@ pub fn helices(scene: &LoadedScene) -> Vec<Helix> {
 /// The centre circle of each generated torus: it lies about z around the origin.
 #[must_use]
 pub fn rings(scene: &LoadedScene) -> Vec<Ring> {
-    let ring = |body: Body| match body.shape {
+    let ring = |body: GeneratedBody| match body.shape {
         BodyShape::Generator(Shape::Torus(torus)) => {
             Some(Ring { body: body.name, radius: torus.major_radius })
         }

@@ -4,8 +4,9 @@ use bevy_ecs::prelude::*;
 use cranny_exact::{DVec3, Pose};
 use cranny_world::description::JointKind;
 
-/// A joint between two bodies. The solver has it while both ends are bodies that it moves; despawning
-/// the entity, or removing the component, takes it out. Inserting another one replaces it.
+/// A joint between two bodies. The solver has it while both ends are bodies that it moves;
+/// despawning the entity, or removing the component, takes it out. Inserting another one replaces
+/// it.
 ///
 /// Bodies that a joint holds collide as others do: a [`BodyPair`](crate::BodyPair) with
 /// [`NeverMeet`](crate::NeverMeet) keeps links apart that overlap by design.

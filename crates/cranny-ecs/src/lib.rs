@@ -2,16 +2,16 @@
 //!
 //! # Promises
 //!
-//! - **A body is an entity with a [`Collider`]**, spawned, changed and despawned in any schedule, before
-//!   and while the app runs. What is written counts in the next step; what is removed is gone at once.
-//!   A scene is one more way to spawn such entities ([`SpawnScene`]).
+//! - **A body is an entity with a [`Collider`]**, spawned, changed and despawned in any schedule,
+//!   before and while the app runs. What is written counts in the next step; what is removed is
+//!   gone at once. A scene is one more way to spawn such entities ([`SpawnScene`]).
 //! - **Only what the scene asks for exists.** An effect that it does not name has no system in the
 //!   schedules, no registered component, no message and no resource ([`Plan`] reads this from the
 //!   app itself).
 //! - **`Transform` is the truth** about where a body is. Queries, recordings and pictures read it
 //!   through [`pose_of`]; the solver, which is f32 as well, is kept in step with it both ways.
-//! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the last
-//!   step [`CrannyEnd`] reports the final ones, newly detected.
+//! - **Contacts, frames and pictures of a step refer to the poses at its beginning**; after the
+//!   last step [`CrannyEnd`] reports the final ones, newly detected.
 //! - A pair with `Response` is searched inside the solver's step, and all other readers get that
 //!   answer ([`DetectionSystems::Supply`]). Fields of `Contacts` that [`ContactReaders`] read and
 //!   that answer lacks (regions, a wider margin) are a second query there, at the same pose, and
@@ -22,8 +22,8 @@
 //!
 //! # Non-promises
 //!
-//! A body is a root entity with one collider, which is a mesh. Dynamic bodies without `Response` stand
-//! still.
+//! A body is a root entity with one collider, which is a mesh. Dynamic bodies without `Response`
+//! stand still.
 //!
 //! # Features
 //!

@@ -1,7 +1,8 @@
-//! Which rings hold which: linking numbers, followed over a run, so that a chain that tears is seen.
+//! Which rings hold which: linking numbers, followed over a run, so that a chain that tears is
+//! seen.
 //!
-//! A solver and its detector may let a thin link slip through another within a step; afterwards nothing
-//! overlaps and no energy is wrong. The linking number of the centre circles tells.
+//! A solver and its detector may let a thin link slip through another within a step; afterwards
+//! nothing overlaps and no energy is wrong. The linking number of the centre circles tells.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -36,11 +37,11 @@ pub struct Link {
 /// Follows the links.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct LinkLog {
-    tracks: Vec<Track>,
+    tracks: Vec<LinkTrack>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Track {
+struct LinkTrack {
     link: Link,
     radii: [f64; 2],
     number: i32,
@@ -60,14 +61,14 @@ impl LinkLog {
         let tracks = pairs.filter_map(|[(a, r, pose_a), (b, s, pose_b)]| {
             let number = linking_number([pose_a, pose_b], [*r, *s]);
             let link = Link { a: *a, b: *b, parted: None };
-            (number != 0).then_some(Track { link, radii: [*r, *s], number })
+            (number != 0).then_some(LinkTrack { link, radii: [*r, *s], number })
         });
         Self { tracks: tracks.collect() }
     }
 }
 
-/// How often the second circle passes through the disc of the first, upward less downward. Each lies
-/// about z around its pose's origin.
+/// How often the second circle passes through the disc of the first, upward less downward. Each
+/// lies about z around its pose's origin.
 ///
 /// A circle meets a plane in two points at most: they are computed, not searched.
 fn linking_number(poses: [&Pose; 2], radii: [f64; 2]) -> i32 {
@@ -128,7 +129,7 @@ fn follow_links(
     mut log: ResMut<LinkLog>,
 ) {
     let pose = |id: BodyId| transforms.get(bodies.get(id)?.entity).ok().map(pose_of);
-    for Track { link, radii, number } in &mut log.tracks {
+    for LinkTrack { link, radii, number } in &mut log.tracks {
         let (Some(a), Some(b)) = (pose(link.a), pose(link.b)) else { continue };
         if link.parted.is_none() && linking_number([&a, &b], *radii) != *number {
             link.parted = Some(time.steps());

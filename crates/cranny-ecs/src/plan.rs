@@ -43,7 +43,8 @@ pub struct PlannedEffect {
     pub name: &'static str,
     /// Who asks: "the scene", "body 'nut'", "1 pair".
     pub asked_by: Vec<String>,
-    /// Of `Contacts`: who reads what of it, "the recording reads depth, points, regions". Empty for the others.
+    /// Of `Contacts`: who reads what of it, "the recording reads depth, points, regions". Empty for
+    /// the others.
     pub read_by: Vec<String>,
 }
 
@@ -61,7 +62,8 @@ pub struct PlannedSchedule {
 pub struct PlannedSystem {
     /// Module and function.
     pub name: String,
-    /// Effects whose sets it is in, directly or through other sets; `core` for what every scene runs.
+    /// Effects whose sets it is in, directly or through other sets; `core` for what every scene
+    /// runs.
     pub effects: Vec<&'static str>,
     /// Sets of these effects that it is in.
     pub sets: Vec<&'static str>,

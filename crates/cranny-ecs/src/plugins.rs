@@ -30,23 +30,24 @@ pub struct PluginOptions {
     /// Who detects contacts for the solver.
     #[cfg(feature = "rapier")]
     pub detector: cranny_rapier::Detector,
-    /// Whether contacts are carried on while a pair drifts a little; `None`: they are. Our detector tells
-    /// them anew at each pose, rapier keeps its own as they are.
+    /// Whether contacts are carried on while a pair drifts a little; `None`: they are. Our detector
+    /// tells them anew at each pose, rapier keeps its own as they are.
     #[cfg(feature = "rapier")]
     pub recycling: Option<bool>,
     /// Solver substeps a step; `None`: enough for our detector, rapier's default with its own.
     #[cfg(feature = "rapier")]
     pub substeps: Option<usize>,
-    /// Into how many parts a step is divided at most in which bodies near each other move farther than the thinner one is
-    /// thick; `None`: 2. Our detector only.
+    /// Into how many parts a step is divided at most in which bodies near each other move farther
+    /// than the thinner one is thick; `None`: 2. Our detector only.
     #[cfg(feature = "rapier")]
     pub most_parts: Option<usize>,
     /// What the solver takes for a metre, in units of length; `None`: twice the volume per
     /// area of the thinnest moving body.
     pub length_unit: Option<f64>,
     /// What the program itself reads of `Contacts` (in [`ContactReport`](crate::ContactReport) or
-    /// [`Detected`](crate::Detected)): all, unless it says less. What summary, recording and pictures read is added
-    /// to it, and nothing else is computed; [`ContactReaders`](crate::ContactReaders) changes it between steps.
+    /// [`Detected`](crate::Detected)): all, unless it says less. What summary, recording and
+    /// pictures read is added to it, and nothing else is computed;
+    /// [`ContactReaders`](crate::ContactReaders) changes it between steps.
     pub contact_fields: ContactFields,
     /// Pairs whose screw motion is followed.
     pub helices: Vec<Helix>,
@@ -64,8 +65,8 @@ impl PluginOptions {
 }
 
 /// Our plugins: add them to an `App`, then run [`CrannyStep`] however often you like (or add
-/// [`FixedUpdatePlugin`]). Bodies are entities with a [`Collider`](crate::Collider), before and while
-/// the app runs.
+/// [`FixedUpdatePlugin`]). Bodies are entities with a [`Collider`](crate::Collider), before and
+/// while the app runs.
 ///
 /// ```
 /// use bevy_app::App;
@@ -287,8 +288,8 @@ impl PluginGroup for CrannyPlugins {
     }
 }
 
-/// Whether a kinematic body moves, whoever moves it: so another effect adds its own systems to a plan
-/// and takes none away.
+/// Whether a kinematic body moves, whoever moves it: so another effect adds its own systems to a
+/// plan and takes none away.
 fn moves_kinematic(scene: &SceneDescription) -> bool {
     scene.bodies.iter().any(|body| {
         body.kind == BodyKind::Kinematic

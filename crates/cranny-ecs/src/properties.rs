@@ -45,8 +45,8 @@ impl From<BodyKind> for RigidBody {
     }
 }
 
-/// Velocity of a body's centre of mass, units of length a second, world axes. The solver writes what
-/// it has at the end of a step; whoever writes another one changes it.
+/// Velocity of a body's centre of mass, units of length a second, world axes. The solver writes
+/// what it has at the end of a step; whoever writes another one changes it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct LinearVelocity(pub Vec3);
 
@@ -76,7 +76,8 @@ impl Default for Friction {
     }
 }
 
-/// How much of the speed at which a body meets another is given back; of two bodies the mean counts.
+/// How much of the speed at which a body meets another is given back; of two bodies the mean
+/// counts.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Restitution {
     /// 0: no bounce; 1: full bounce.
@@ -91,8 +92,8 @@ impl Restitution {
     }
 }
 
-/// Mass per volume of a dynamic body, > 0; 1 where none is said. Mass, centre and inertia follow from
-/// it and from the solid that the mesh bounds.
+/// Mass per volume of a dynamic body, > 0; 1 where none is said. Mass, centre and inertia follow
+/// from it and from the solid that the mesh bounds.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct Density(pub f64);
 
@@ -147,8 +148,8 @@ pub struct ExternalImpulse {
     pub torque_impulse: Vec3,
 }
 
-/// In which of 32 layers a body is, and with which it meets, as bits: two bodies meet where each is in
-/// a layer that the other meets. Layers that scene files name have numbers
+/// In which of 32 layers a body is, and with which it meets, as bits: two bodies meet where each is
+/// in a layer that the other meets. Layers that scene files name have numbers
 /// ([`LayerNames`](crate::LayerNames)); "all" is the first.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
@@ -173,8 +174,8 @@ impl CollisionLayers {
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct Sensor;
 
-/// A body whose contacts have, for the solver, the normals of the curved surface that its facets stand
-/// for.
+/// A body whose contacts have, for the solver, the normals of the curved surface that its facets
+/// stand for.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct SmoothNormals {

@@ -5,18 +5,21 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::Resource;
 use cranny_world::ContactFields;
 
-/// Readers of pairs that are asked for `Contacts`, by name; there is one resource where a scene names the effect.
+/// Readers of pairs that are asked for `Contacts`, by name; there is one resource where a scene
+/// names the effect.
 ///
 /// Each step computes what the readers of that moment read together, so whoever reads more than
-/// [`PluginOptions::contact_fields`](crate::PluginOptions::contact_fields) says, or only now and then, says so here
-/// before the step. Everybody is told the same answers: a reader may find fields that only others read.
+/// [`PluginOptions::contact_fields`](crate::PluginOptions::contact_fields) says, or only now and
+/// then, says so here before the step. Everybody is told the same answers: a reader may find fields
+/// that only others read.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct ContactReaders(BTreeMap<&'static str, ContactFields>);
 
 impl ContactReaders {
     /// The program that runs the scene.
     pub const PROGRAM: &'static str = "the program";
-    /// [`RunSummary`](crate::RunSummary): a depth, and the points that it counts where there is no solver.
+    /// [`RunSummary`](crate::RunSummary): a depth, and the points that it counts where there is no
+    /// solver.
     pub const SUMMARY: &'static str = "the summary";
     /// A recording, which holds everything.
     pub const RECORDING: &'static str = "the recording";

@@ -43,7 +43,8 @@ pub struct FrameRecorder {
 }
 
 impl FrameRecorder {
-    /// Only pairs that ask for `Trigger` have events; what began ends, whether or not they still ask.
+    /// Only pairs that ask for `Trigger` have events; what began ends, whether or not they still
+    /// ask.
     fn note_events(&mut self, (_, _, effects, detected, _): &Sources) {
         let report = detected.as_ref().and_then(|detected| detected.report.as_ref());
         for event in report.iter().flat_map(|report| &report.events) {
@@ -128,7 +129,8 @@ impl Plugin for RecordingPlugin {
         app.world_mut().resource_mut::<Failure>().note(written);
         app.insert_resource(recorder);
         app.add_observer(record_body).add_observer(record_removal);
-        // In every step, not only where a frame is due: names of regions and their events follow them.
+        // In every step, not only where a frame is due: names of regions and their events follow
+        // them.
         if let Some(mut readers) = app.world_mut().get_resource_mut::<ContactReaders>() {
             readers.set(ContactReaders::RECORDING, ContactFields::ALL);
         }

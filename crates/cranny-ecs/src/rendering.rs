@@ -42,9 +42,11 @@ pub const FRAME_SIZE: [u32; 2] = [1280, 720];
 /// The systems of `Rendering`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RenderingSystems {
-    /// Says what the pictures of this step will read of `Contacts`; present where a scene names that.
+    /// Says what the pictures of this step will read of `Contacts`; present where a scene names
+    /// that.
     Read,
-    /// A picture of each camera, at the beginning of the step; in [`CrannyEnd`], of the final state.
+    /// A picture of each camera, at the beginning of the step; in [`CrannyEnd`], of the final
+    /// state.
     Picture,
 }
 

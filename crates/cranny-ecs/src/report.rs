@@ -175,8 +175,8 @@ fn links(world: &World, bodies: &Bodies) -> Option<LinkSummary> {
     Some(LinkSummary { at_start: log.links().len(), parted: parted.collect() })
 }
 
-/// A hash of the poses and velocities of all bodies as they are held, bit for bit, with their ids: two
-/// apps of equal hashes are in the same state.
+/// A hash of the poses and velocities of all bodies as they are held, bit for bit, with their ids:
+/// two apps of equal hashes are in the same state.
 #[must_use]
 pub fn state_hash(world: &World) -> String {
     let Some(bodies) = world.get_resource::<Bodies>() else { return String::new() };

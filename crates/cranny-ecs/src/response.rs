@@ -1,8 +1,9 @@
 //! `Response`: rigid bodies through rapier.
 //!
-//! The solver keeps poses of its own, in f32 as `Transform`s are, so nothing is lost between the two:
-//! before a step whatever moved a `Transform` is passed to the solver, at the end of the step the
-//! solver's poses become the `Transform`s. [`solved`](crate::solved) says how bodies get into it.
+//! The solver keeps poses of its own, in f32 as `Transform`s are, so nothing is lost between the
+//! two: before a step whatever moved a `Transform` is passed to the solver, at the end of the step
+//! the solver's poses become the `Transform`s. [`solved`](crate::solved) says how bodies get into
+//! it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -42,8 +43,8 @@ pub enum ResponseSystems {
     Advance,
 }
 
-/// Acceleration of dynamic bodies, units of length / second². Whoever changes it changes it from the
-/// next step on.
+/// Acceleration of dynamic bodies, units of length / second². Whoever changes it changes it from
+/// the next step on.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Gravity(pub DVec3);
 
@@ -171,8 +172,8 @@ fn step_solver(
     }
 }
 
-/// Makes a step. What rapier's own detectors cannot take may make them panic, which ends the run in order;
-/// a panic under our detector is ours, and is let through.
+/// Makes a step. What rapier's own detectors cannot take may make them panic, which ends the run in
+/// order; a panic under our detector is ours, and is let through.
 fn stepped(bodies: &mut RigidBodies) -> Result<(), String> {
     if bodies.is_exact() {
         bodies.simulation_mut().step();

@@ -1,9 +1,10 @@
 //! Bodies in the solver: who is in it, what it knows of them, and how it learns what changed.
 //!
-//! A body is in the solver's world where something asks for its response, or a joint holds it to one
-//! of which that is so. [`take_in`] inserts it as it is admitted; [`relate`] looks again where what is
-//! asked has changed; [`push_changes`] compares what components say with what the solver knows, so
-//! that a component which was written without a change costs a comparison and wakes nobody.
+//! A body is in the solver's world where something asks for its response, or a joint holds it to
+//! one of which that is so. [`take_in`] inserts it as it is admitted; [`relate`] looks again where
+//! what is asked has changed; [`push_changes`] compares what components say with what the solver
+//! knows, so that a component which was written without a change costs a comparison and wakes
+//! nobody.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -49,7 +50,8 @@ pub struct RigidBodies {
     simulation: Simulation,
     index_of: BTreeMap<BodyId, BodyIndex>,
     slots: BTreeMap<BodyIndex, Slot>,
-    /// What the solver's detector found, at the poses of the beginning of this step, or of its last part.
+    /// What the solver's detector found, at the poses of the beginning of this step, or of its last
+    /// part.
     answers: Vec<(Pair, PairContacts)>,
     /// The `Transform`s from which a pair's latest answer was computed.
     answered_at: BTreeMap<Pair, [Transform; 2]>,
@@ -422,7 +424,8 @@ impl RigidBodies {
         }
     }
 
-    /// Pairs of bodies in the solver's world that do not respond to each other, of layers that meet.
+    /// Pairs of bodies in the solver's world that do not respond to each other, of layers that
+    /// meet.
     fn apart(&self, effects: &EffectTable) -> BTreeSet<Pair> {
         if effects.of_scene().iter().any(|e| EffectKind::of(e) == Some(EffectKind::Response)) {
             let present = |pair: &Pair| {

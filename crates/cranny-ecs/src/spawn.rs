@@ -20,7 +20,8 @@ use crate::properties::{
     SmoothNormals,
 };
 
-/// The bits of layers that scenes name. "all" is the first; others get theirs as they are first named.
+/// The bits of layers that scenes name. "all" is the first; others get theirs as they are first
+/// named.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub struct LayerNames(BTreeMap<String, u32>);
 

@@ -35,18 +35,20 @@ pub struct RunSummary {
     pub time_ms: PhaseTimes,
     /// Pairs examined in a step.
     pub pairs: CountSummary,
-    /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None` without it or
-    /// a solver.
+    /// Pairs of a step whose contacts our detector carried on for the solver, and searched; `None`
+    /// without it or a solver.
     pub pairs_found: Option<PairsFound>,
     /// Contact points of a step: those that the solver got, or those reported where there is none.
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
-    /// each step, and at the end where `Contacts` are asked for: the depth of regions where somebody
-    /// [reads](crate::ContactReaders) them, otherwise of the deepest contact, which is at most that.
-    /// Depth 0 and no names where nothing overlapped; `None` where no exact answer tells depths.
+    /// each step, and at the end where `Contacts` are asked for: the depth of regions where
+    /// somebody
+    /// [reads](crate::ContactReaders) them, otherwise of the deepest contact, which is at most
+    /// that. Depth 0 and no names where nothing overlapped; `None` where no exact answer tells
+    /// depths.
     pub deepest: Option<DeepestSummary>,
-    /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did, or where
-    /// no exact answer tells.
+    /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,
+    /// or where no exact answer tells.
     pub contained: Option<ContainedSummary>,
     /// The greatest gain of mechanical energy over the start, relative to [`EnergySummary::scale`];
     /// 0 or more. `None` without a solver.

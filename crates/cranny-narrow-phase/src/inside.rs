@@ -1,13 +1,13 @@
 //! Is a point inside a solid? Exact: signed crossings of a segment that leads out.
 //!
 //! The winding number of the closed components around a point is the sum of +1 for every face that
-//! the segment leaves through and −1 for every face that it enters by. Whether it does is decided by
-//! sign predicates; a segment that meets an edge or a vertex is given up for another direction.
+//! the segment leaves through and −1 for every face that it enters by. Whether it does is decided
+//! by sign predicates; a segment that meets an edge or a vertex is given up for another direction.
 //! A point is inside where the winding number is not zero, so solids that overlap themselves count.
 //!
 //! The point need not be representable: a point of a face's inside, rounded, would leave the face
-//! and could be on the wrong side of what the face touches. So it is a mean of exact points, and all
-//! predicates read the mean. Only culling reads it rounded.
+//! and could be on the wrong side of what the face touches. So it is a mean of exact points, and
+//! all predicates read the mean. Only culling reads it rounded.
 
 use cranny_exact::{Aabb, DVec3, Sign, WeightedPoint, generic_direction, orient3d};
 use cranny_geometry::FaceId;

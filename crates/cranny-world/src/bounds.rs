@@ -6,12 +6,13 @@ use cranny_geometry::Model;
 /// Room for rounding, in units of the body's size and distance from the origin.
 ///
 /// A pair is decided in the frame of one of its bodies, by matrices that miss a rotation by about
-/// 16 ulps (quaternions of unit length to 8 ulps by [`Pose::accepted`], entries snapped by at most 4) and
-/// arithmetic that adds a handful. Taken back to the world, a vertex may so lie up to about 40 ulps
-/// of `radius + |translation|` away from where the world's frame has it. Smaller than that bound:
-/// the proof fails that bodies which touch by a rounding have overlapping boxes (in practice the
-/// outward rounding of half extents and growth suffices: `corners_that_touch_by_a_rounding_are_found`
-/// passes without it, over 3,900 tries). Larger: nothing but a few more candidates.
+/// 16 ulps (quaternions of unit length to 8 ulps by [`Pose::accepted`], entries snapped by at most
+/// 4) and arithmetic that adds a handful. Taken back to the world, a vertex may so lie up to about
+/// 40 ulps of `radius + |translation|` away from where the world's frame has it. Smaller than that
+/// bound: the proof fails that bodies which touch by a rounding have overlapping boxes (in practice
+/// the outward rounding of half extents and growth suffices:
+/// `corners_that_touch_by_a_rounding_are_found` passes without it, over 3,900 tries). Larger:
+/// nothing but a few more candidates.
 const BOX_SLACK: f64 = 64.0 * f64::EPSILON;
 
 /// The body's box in world coordinates, grown by `margin >= 0` and by all rounding.

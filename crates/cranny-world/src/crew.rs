@@ -1,7 +1,7 @@
 //! Who answers the pairs of a step: the caller's thread, or several of a pool.
 //!
-//! A pair is a function of its two bodies, its query and its own memory; so it does not matter who answers
-//! it, nor when. Answers come back in the order of the pairs.
+//! A pair is a function of its two bodies, its query and its own memory; so it does not matter who
+//! answers it, nor when. Answers come back in the order of the pairs.
 
 use std::num::NonZeroUsize;
 

@@ -5,13 +5,15 @@ use cranny_narrow_phase::Fields;
 use crate::description::Effect;
 use crate::error::WorldError;
 
-/// What of the effect `Contacts` somebody reads; the effect says for which pairs, and how far apart.
+/// What of the effect `Contacts` somebody reads; the effect says for which pairs, and how far
+/// apart.
 ///
-/// Each field costs its own: a depth is read off contacts where bodies overlap, points are contacts up to the margin,
-/// and only regions bring curves and areas. The default is all of them.
+/// Each field costs its own: a depth is read off contacts where bodies overlap, points are contacts
+/// up to the margin, and only regions bring curves and areas. The default is all of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ContactFields {
-    /// How deep the bodies overlap: that of the deepest contact, or of regions where they are read too.
+    /// How deep the bodies overlap: that of the deepest contact, or of regions where they are read
+    /// too.
     pub depth: bool,
     /// Contact points with their normals, up to the margin.
     pub points: bool,

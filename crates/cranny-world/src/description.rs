@@ -68,7 +68,8 @@ pub struct BodyDescription {
     pub angular_velocity: DVec3,
     /// What it is made of.
     pub material: Material,
-    /// Whose normals its contacts have for a solver: its facets' or those of the curved surface that they stand for.
+    /// Whose normals its contacts have for a solver: its facets' or those of the curved surface
+    /// that they stand for.
     pub normals: Normals,
     /// Bodies meet only where they share a layer.
     pub layers: Vec<String>,

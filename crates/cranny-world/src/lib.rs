@@ -6,14 +6,14 @@
 //! - **Only what is asked is computed.** A pair's [`Demand`](cranny_narrow_phase::Demand) is the
 //!   least that tells what is read of the scene's, its two bodies' and its own
 //!   [`Effect`](description::Effect)s: of `Contacts` all, unless [`World::set_contact_fields`] says
-//!   less. A pair whose demand is `None` is never looked at. A pair that somebody else detects already (inside a
-//!   solver's step) is handed in by [`World::supply`] and not detected twice.
+//!   less. A pair whose demand is `None` is never looked at. A pair that somebody else detects
+//!   already (inside a solver's step) is handed in by [`World::supply`] and not detected twice.
 //! - **No meeting is missed**: the broad phase's boxes hold the posed bodies and every margin, all
 //!   rounding included.
 //! - **Order is by stable ids.** Answers and events are sorted by body ids, which are never used
 //!   again; the order of calls between two steps changes nothing.
-//! - **Began and Ended alternate** for every pair, also when a body is removed or an effect is taken
-//!   away while the bodies touch.
+//! - **Began and Ended alternate** for every pair, also when a body is removed or an effect is
+//!   taken away while the bodies touch.
 //! - **Any number of threads, the same answers** (feature `parallel`): pairs are answered by a pool
 //!   if [`World::set_threads`] asks for one, and are told in order of ids, equal to the bit.
 //! - **Memory changes no answer**, and whoever doubts it can have every step checked:

@@ -12,8 +12,8 @@ pub struct StepReport {
     pub step: u64,
     /// One a pair that was queried or supplied.
     pub answers: Vec<PairAnswer>,
-    /// Which pairs began or ended to touch, among those that have a demand, and which regions of contact split or merged, where
-    /// regions are asked for.
+    /// Which pairs began or ended to touch, among those that have a demand, and which regions of
+    /// contact split or merged, where regions are asked for.
     pub events: Vec<PairEvent>,
     /// Counts and sums.
     pub stats: StepStats,
@@ -64,7 +64,8 @@ pub enum PairEventKind {
     /// They touched or overlapped at the step before and do not now, or one was removed, or nothing
     /// is asked about the pair any more.
     Ended,
-    /// A region of their contact came apart: `part` is new, `region` goes on. Told once for each part.
+    /// A region of their contact came apart: `part` is new, `region` goes on. Told once for each
+    /// part.
     RegionSplit {
         /// The part that keeps the name.
         region: RegionId,
@@ -155,8 +156,9 @@ pub(crate) fn touches(answer: &Answer) -> bool {
 
 /// How the regions of a pair's contact split and merged since its last answer.
 ///
-/// A region's share of a former one that goes on elsewhere, and whose name is new, was split from that; a former one whose
-/// name nobody bears any more has merged into whatever has a share of it and bears an older name.
+/// A region's share of a former one that goes on elsewhere, and whose name is new, was split from
+/// that; a former one whose name nobody bears any more has merged into whatever has a share of it
+/// and bears an older name.
 pub(crate) fn region_events(answer: &Answer) -> impl Iterator<Item = PairEventKind> {
     let is_there = |id: RegionId| answer.regions.iter().any(|region| region.id == id);
     answer.regions.iter().flat_map(move |region| {

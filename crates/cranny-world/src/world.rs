@@ -275,22 +275,24 @@ impl World {
         Ok(StepReport { step, answers, events, stats, mismatches })
     }
 
-    /// Says how many threads answer pairs from now on; until then one does, the caller's. Answers are the
-    /// same to the bit with any number. A world that is cloned shares its threads with the clone.
+    /// Says how many threads answer pairs from now on; until then one does, the caller's. Answers
+    /// are the same to the bit with any number. A world that is cloned shares its threads with the
+    /// clone.
     ///
     /// # Errors
     ///
-    /// [`WorldError::Threads`] for more than one where the feature `parallel` is missing or the system
-    /// refuses them. Those there were stay.
+    /// [`WorldError::Threads`] for more than one where the feature `parallel` is missing or the
+    /// system refuses them. Those there were stay.
     pub fn set_threads(&mut self, threads: NonZeroUsize) -> Result<(), WorldError> {
         self.crew = Crew::of(threads).map_err(|why| WorldError::Threads { threads, why })?;
         Ok(())
     }
 
-    /// Says whether from now on every pair that is queried is answered a second time without memory, and the
-    /// two compared, to the bit; off until then. Answers and events stay those with memory; differences,
-    /// which would be faults of Cranny's, are told in [`StepReport::mismatches`]. A step then costs what it
-    /// costs warm and cold together. Supplied answers are not compared.
+    /// Says whether from now on every pair that is queried is answered a second time without
+    /// memory, and the two compared, to the bit; off until then. Answers and events stay those with
+    /// memory; differences, which would be faults of Cranny's, are told in
+    /// [`StepReport::mismatches`]. A step then costs what it costs warm and cold together. Supplied
+    /// answers are not compared.
     pub fn set_verification(&mut self, verify: bool) {
         self.verify = verify;
     }

@@ -55,7 +55,8 @@ fn ended(a: BodyId, b: BodyId) -> PairEvent {
     PairEvent { a, b, kind: PairEventKind::Ended }
 }
 
-/// A bar with two legs under a plate that comes down on them, until the bar is reached, and goes up again.
+/// A bar with two legs under a plate that comes down on them, until the bar is reached, and goes up
+/// again.
 #[test]
 fn regions_that_merge_and_split_are_events() {
     let plate = model(Cuboid { size: [6.0, 1.0, 6.0] }.build().unwrap());

@@ -7,25 +7,9 @@ use std::path::Path;
 /// they are.
 pub(crate) const COLUMNS: usize = 100;
 
-/// Folders and files whose comments are broken once the work on them has ended.
-const PENDING: &[&str] = &[
-    "crates/cranny-ecs/",
-    "crates/cranny-world/",
-    "crates/cranny-geometry/src/clusters/",
-    "crates/cranny-narrow-phase/src/closest.rs",
-    "crates/cranny-narrow-phase/src/coherent",
-    "crates/cranny-narrow-phase/src/contacts/",
-    "crates/cranny-narrow-phase/src/inside.rs",
-    "crates/cranny-narrow-phase/src/search/",
-    "examples/",
-];
-
 /// Returns every comment that is too wide; `file` is a path relative to the workspace.
 pub(crate) fn check(file: &Path, text: &str) -> Vec<Violation> {
     let shown = file.display().to_string();
-    if PENDING.iter().any(|pending| shown.starts_with(pending)) {
-        return Vec::new();
-    }
     wide_comments(text)
         .map(|(line, columns)| Violation {
             place: format!("{shown}:{line}"),

@@ -101,7 +101,7 @@ fn check_deps() -> Result<(usize, Vec<Violation>), String> {
     let root = Path::new(graph.workspace_root());
     let mut files = 0;
     for package in graph.members() {
-        let mut type_names = names::TypeNames::of(&package.name);
+        let mut type_names = names::TypeNames::new();
         let is_pure = directions::PURE_CRATES.contains(&package.name.as_str());
         for file in sources::of_crate(Path::new(&package.folder))? {
             files += 1;

@@ -4,19 +4,14 @@ use crate::report::Violation;
 use crate::tokens::{Kind, Token};
 use std::collections::BTreeMap;
 
-/// Names that stand twice while the code around them is under work.
-const PENDING: &[(&str, &str)] =
-    &[("cranny-ecs", "Body"), ("cranny-ecs", "Track"), ("cranny-narrow-phase", "Nearest")];
-
 /// The definitions of types of one crate.
 pub(crate) struct TypeNames {
-    crate_name: String,
     places: BTreeMap<String, Vec<String>>,
 }
 
 impl TypeNames {
-    pub(crate) fn of(crate_name: &str) -> Self {
-        Self { crate_name: crate_name.to_owned(), places: BTreeMap::new() }
+    pub(crate) fn new() -> Self {
+        Self { places: BTreeMap::new() }
     }
 
     /// Adds the definitions of a file.
@@ -28,9 +23,8 @@ impl TypeNames {
 
     /// Returns a violation for each definition of a name but its first.
     pub(crate) fn check(&self) -> Vec<Violation> {
-        let is_pending = |name: &String| PENDING.contains(&(&*self.crate_name, name));
         let mut violations = Vec::new();
-        for (name, places) in self.places.iter().filter(|(name, _)| !is_pending(name)) {
+        for (name, places) in &self.places {
             for place in &places[1..] {
                 violations.push(Violation {
                     place: place.clone(),
@@ -106,7 +100,7 @@ mod tests {
 
     #[test]
     fn the_second_definition_in_a_crate_is_reported_with_the_place_of_the_first() {
-        let mut found = TypeNames::of("a-crate");
+        let mut found = TypeNames::new();
         found.add("a.rs", &of("struct One;\n\nstruct Two;"));
         assert_eq!(found.check(), []);
         found.add("b.rs", &of("\nenum Two {}"));

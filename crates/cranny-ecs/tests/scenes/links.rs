@@ -8,8 +8,9 @@ use cranny_world::description::BodyKind;
 
 use crate::build::{cube, scene};
 
-/// Unit circles: one lies, one stands with its centre at x = 0.875 + t, so that it passes through the plane
-/// of the first at x = t - 0.125 and 2 farther on. From t = 1.25, the end of step 5, both are outside.
+/// Unit circles: one lies, one stands with its centre at x = 0.875 + t, so that it passes through
+/// the plane of the first at x = t - 0.125 and 2 farther on. From t = 1.25, the end of step 5, both
+/// are outside.
 #[test]
 fn a_ring_that_leaves_another_is_told_with_its_step() {
     let mut standing = cube("standing", BodyKind::Kinematic, DVec3::new(0.875, 0.0, 0.0), DVec3::X);

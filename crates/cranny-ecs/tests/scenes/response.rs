@@ -158,7 +158,8 @@ fn a_moved_transform_moves_the_rigid_body_and_a_despawned_one_meets_nothing() {
     assert!(height(&app, "box") < -1.0);
 }
 
-/// What an app puts into the solver's world by hand has no `Transform`: it holds bodies of the scene, and no answer names it.
+/// What an app puts into the solver's world by hand has no `Transform`: it holds bodies of the
+/// scene, and no answer names it.
 #[test]
 fn bodies_rest_on_what_only_the_solver_knows() {
     let effects = [Effect::Response, CONTACTS];

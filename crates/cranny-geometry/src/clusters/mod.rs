@@ -285,7 +285,8 @@ impl ClusterTree {
         self.owned[face.index()]
     }
 
-    /// A box around each closed component, in the body's frame: what lies in none of them is outside.
+    /// A box around each closed component, in the body's frame: what lies in none of them is
+    /// outside.
     #[must_use]
     #[inline]
     pub fn solids(&self) -> &[Aabb] {

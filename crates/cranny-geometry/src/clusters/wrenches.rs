@@ -65,7 +65,8 @@ impl WrenchBox {
         }
     }
 
-    /// Adds the directions between some, of unit length, at some vertices; whether they are bounded.
+    /// Adds the directions between some, of unit length, at some vertices; whether they are
+    /// bounded.
     fn add_between(&mut self, surface: &Surface, borders: &[DVec3], at: &[VertexId]) -> bool {
         let mean = borders.iter().sum::<DVec3>().normalize_or_zero();
         let least = borders.iter().map(|n| n.dot(mean)).fold(1.0, f64::min);

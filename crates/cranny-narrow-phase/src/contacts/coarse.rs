@@ -4,8 +4,9 @@ use cranny_geometry::PatchId;
 
 use crate::pair::{Pair, Side};
 
-/// A patch whose box is longer than this part of its body's counts as coarse: it has large faces (others
-/// are cut to this length), so a whole side of the body may stand on it, and one point is not enough.
+/// A patch whose box is longer than this part of its body's counts as coarse: it has large faces
+/// (others are cut to this length), so a whole side of the body may stand on it, and one point is
+/// not enough.
 const COARSE: f64 = 0.26;
 
 /// Which patches are coarse.

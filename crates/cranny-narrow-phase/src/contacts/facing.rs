@@ -1,17 +1,17 @@
 //! Which directions a feature of a body can be touched along, judged in the full mesh.
 //!
-//! A contact is real only where its direction lies in the cones of outward normals of both features:
-//! what a vertex in the middle of a floor, or the diagonal of a square, would stop is stopped by what
-//! stands around it, and sideways by nothing.
+//! A contact is real only where its direction lies in the cones of outward normals of both
+//! features: what a vertex in the middle of a floor, or the diagonal of a square, would stop is
+//! stopped by what stands around it, and sideways by nothing.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, HalfEdgeId, VertexId};
 
 use crate::pair::{Pair, Side};
 
-/// By how much, as a sine (30 degrees), a vertex's neighbours may be nearer to a face that the vertex
-/// stands before. Smaller: a tilted box loses the corners that will touch next; larger: flat vertices
-/// of a floor stop what slides along it.
+/// By how much, as a sine (30 degrees), a vertex's neighbours may be nearer to a face that the
+/// vertex stands before. Smaller: a tilted box loses the corners that will touch next; larger: flat
+/// vertices of a floor stop what slides along it.
 const NEIGHBOUR_LEAD: f64 = 0.5;
 
 /// How far outside the wedge of an edge's two faces a direction may lie and still count as within,
@@ -55,7 +55,8 @@ pub(crate) fn in_cone(pair: &Pair, side: Side, vertex: VertexId, direction: DVec
     looks_towards(pair, side, vertex, local(pair, side, direction), WEDGE_SLACK)
 }
 
-/// Whether some face at a vertex looks along a direction of its body's frame, and no neighbour leads by more than a sine.
+/// Whether some face at a vertex looks along a direction of its body's frame, and no neighbour
+/// leads by more than a sine.
 fn looks_towards(pair: &Pair, side: Side, vertex: VertexId, direction: DVec3, lead: f64) -> bool {
     let mesh = pair.mesh(side);
     let faces = pair.topology(side).faces_at(vertex);
@@ -67,14 +68,16 @@ fn looks_towards(pair: &Pair, side: Side, vertex: VertexId, direction: DVec3, le
         if leads {
             return false;
         }
-        // Of the three edges from the vertex one is nothing; the outer product of the others is the face's.
+        // Of the three edges from the vertex one is nothing; the outer product of the others is the
+        // face's.
         let [a, b, c] = edges;
         looks |= ((b - a).cross(c - a)).dot(direction) > 0.0;
     }
     looks
 }
 
-/// The outward normals of the faces at an edge, in the body's frame: what contacts of the edge are judged by.
+/// The outward normals of the faces at an edge, in the body's frame: what contacts of the edge are
+/// judged by.
 pub(crate) struct Ridge {
     /// Their sum.
     mean: DVec3,
@@ -95,9 +98,9 @@ impl Ridge {
         Self { mean: n + m, is_sharp }
     }
 
-    /// Whether a direction of the body's frame does not lead into the body. At a reflex edge both faces fall away from what
-    /// leads inside. The sum of the normals tells; each of them by itself would refuse half of what a sharp edge
-    /// can touch.
+    /// Whether a direction of the body's frame does not lead into the body. At a reflex edge both
+    /// faces fall away from what leads inside. The sum of the normals tells; each of them by itself
+    /// would refuse half of what a sharp edge can touch.
     pub(crate) fn leads_out(&self, direction: DVec3) -> bool {
         self.mean.dot(direction) >= 0.0
     }
@@ -122,7 +125,8 @@ fn faces_fall_away(pair: &Pair, side: Side, edge: EdgeId, direction: DVec3) -> b
     })
 }
 
-/// The direction, of a unit vector of the pair's frame and its opposite, along which two edges face each other.
+/// The direction, of a unit vector of the pair's frame and its opposite, along which two edges face
+/// each other.
 pub(crate) fn edges_face(pair: &Pair, [e, g]: [EdgeId; 2], unit: DVec3) -> Option<DVec3> {
     let (ridge_e, ridge_g) = (Ridge::of(pair, Side::First, e), Ridge::of(pair, Side::Second, g));
     if !ridge_e.is_sharp || !ridge_g.is_sharp {

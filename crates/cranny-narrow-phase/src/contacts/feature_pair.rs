@@ -1,8 +1,9 @@
 //! The contact of one feature of each body: a pure function of the two features and the pose.
 //!
-//! Every contact has the normal of its own point: a vertex before a face that of the face, two edges
-//! their cross product, what is beside a face the line between the two points. Whether the features
-//! face each other is judged in the full mesh (`facing`), so no border of a patch makes a contact.
+//! Every contact has the normal of its own point: a vertex before a face that of the face, two
+//! edges their cross product, what is beside a face the line between the two points. Whether the
+//! features face each other is judged in the full mesh (`facing`), so no border of a patch makes a
+//! contact.
 
 use cranny_exact::DVec3;
 use cranny_geometry::{EdgeId, FaceId, Model, VertexId};
@@ -43,8 +44,8 @@ fn contact(
     if side == Side::First { told } else { told.swapped() }
 }
 
-/// A vertex of `side`, at `p`, before a face of the other body, of these corners; not behind its plane (but
-/// for rounding), no farther than `below`.
+/// A vertex of `side`, at `p`, before a face of the other body, of these corners; not behind its
+/// plane (but for rounding), no farther than `below`.
 pub(crate) fn vertex_face(
     pair: &Pair,
     side: Side,
@@ -72,8 +73,8 @@ pub(crate) fn vertex_face(
     Stand::Over(real.then(|| contact(side, features, [p, foot], -outward, separation)))
 }
 
-/// A vertex before an edge or a vertex of the other body, no farther than `below`, where both are the
-/// nearest of their bodies.
+/// A vertex before an edge or a vertex of the other body, no farther than `below`, where both are
+/// the nearest of their bodies.
 pub(crate) fn vertex_rim(
     pair: &Pair,
     side: Side,
@@ -109,8 +110,8 @@ pub(crate) fn vertex_rim(
     faced.then(|| contact(side, [Feature::Vertex(vertex), rim], [p, foot], towards, separation))
 }
 
-/// Two edges that cross when seen along their common normal, no farther than `below` (or rounding) apart; the
-/// separation is negative where the solids beneath them overlap.
+/// Two edges that cross when seen along their common normal, no farther than `below` (or rounding)
+/// apart; the separation is negative where the solids beneath them overlap.
 pub(crate) fn edge_edge(pair: &Pair, e: EdgeId, g: EdgeId, below: f64) -> Option<Contact> {
     let (p, q) = (pair.segment(Side::First, e), pair.segment(Side::Second, g));
     let (d1, d2) = (p[1] - p[0], q[1] - q[0]);

@@ -1,11 +1,13 @@
-//! Contacts where solids overlap: each vertex inside has its way out, each crossing of edges its depth.
+//! Contacts where solids overlap: each vertex inside has its way out, each crossing of edges its
+//! depth.
 //!
-//! Vertices inside are reached from the faces that cross, along edges, and told exactly. The nearest
-//! point of the other surface is the shortest local way out; at a face its direction is the face's
-//! normal. Edges that cross, each dipping under the other, are parted along their common normal.
+//! Vertices inside are reached from the faces that cross, along edges, and told exactly. The
+//! nearest point of the other surface is the shortest local way out; at a face its direction is the
+//! face's normal. Edges that cross, each dipping under the other, are parted along their common
+//! normal.
 //!
-//! What this does not see is left to the caller: a tip that has passed the middle of a thin part, whose
-//! far side is nearer than the one it came in by, has no contact here.
+//! What this does not see is left to the caller: a tip that has passed the middle of a thin part,
+//! whose far side is nearer than the one it came in by, has no contact here.
 
 use std::collections::BTreeMap;
 
@@ -24,10 +26,10 @@ use crate::search::Vicinity;
 use crate::surface::FacePair;
 use cranny_geometry::triangle_distance::{Part, closest_on_triangle};
 
-/// How much farther than the nearest way out the faces at the other edge may be from a point of an edge that
-/// crosses it: 1 where edges cross locally, however sharp they are, and a little more where these faces are
-/// smaller than the overlap is deep. Smaller: finely cut edges get no contact; larger: edges on opposite sides of
-/// a thin bar are pressed through it.
+/// How much farther than the nearest way out the faces at the other edge may be from a point of an
+/// edge that crosses it: 1 where edges cross locally, however sharp they are, and a little more
+/// where these faces are smaller than the overlap is deep. Smaller: finely cut edges get no
+/// contact; larger: edges on opposite sides of a thin bar are pressed through it.
 const DETOUR: f64 = 2.0;
 
 /// Contacts of negative separation by pairs of patches: all where they are to span the pair, else
@@ -189,8 +191,8 @@ fn edges_crossing(
     }
 }
 
-/// By how much of its length two edges may miss each other, seen along their common normal, and still
-/// be looked at closely. Smaller: rounding of edges at small angles loses crossings at ends.
+/// By how much of its length two edges may miss each other, seen along their common normal, and
+/// still be looked at closely. Smaller: rounding of edges at small angles loses crossings at ends.
 const NEAR_MISS: f64 = 1e-3;
 
 /// How deep the contact of two segments is at most; `None` where they do not cross, seen along

@@ -1,7 +1,8 @@
 //! Which vertices about a crossing lie inside the other solid.
 //!
-//! Both ends of an edge that does not meet the other surface are on one side of it. So one vertex is asked for all
-//! that hang together by such edges: mostly one within and one without, whatever the number of faces that cross.
+//! Both ends of an edge that does not meet the other surface are on one side of it. So one vertex
+//! is asked for all that hang together by such edges: mostly one within and one without, whatever
+//! the number of faces that cross.
 
 use cranny_exact::{Meeting, WeightedPoint, classify_segment_triangle};
 use cranny_geometry::{FaceId, VertexId};
@@ -12,11 +13,12 @@ use crate::numbering::Numbering;
 use crate::pair::{Pair, Side};
 use crate::surface::FacePair;
 
-/// Lists the vertices of a body that lie inside the other one, which is closed: those of faces that meet the other's, and what
-/// can be reached from these inside. `meeting` holds all pairs of faces that meet.
+/// Lists the vertices of a body that lie inside the other one, which is closed: those of faces that
+/// meet the other's, and what can be reached from these inside. `meeting` holds all pairs of faces
+/// that meet.
 ///
-/// Cost: a search along a ray for each set of vertices that hangs together; a test for each edge of a face that meets
-/// and each face that it may; the vertices found.
+/// Cost: a search along a ray for each set of vertices that hangs together; a test for each edge of
+/// a face that meets and each face that it may; the vertices found.
 pub(super) fn vertices_within(
     pair: &Pair,
     side: Side,
@@ -80,7 +82,8 @@ fn edges_that_meet(pair: &Pair, side: Side, meeting: &[FacePair]) -> Numbering {
             Side::First => [p.first, p.second],
             Side::Second => [p.second, p.first],
         };
-        // Where faces cross in general position, the ends of what they share name the edges that pierce.
+        // Where faces cross in general position, the ends of what they share name the edges that
+        // pierce.
         if let Some(crossing) = p.crossing {
             for end in crossing.ends.iter().filter(|end| usize::from(end.owner) == side.index()) {
                 found.number(u64::from(pair.edge(side, own, usize::from(end.edge)).0));
@@ -160,7 +163,8 @@ mod tests {
         let mut rng = Rng::new(21);
         let (mut some, mut spared) = (0, 0);
         for round in 0..400 {
-            // Every other one without a turn and at quarters: faces on faces, corners on faces and on edges.
+            // Every other one without a turn and at quarters: faces on faces, corners on faces and
+            // on edges.
             let turned = round % 2 == 1;
             let [a, b] = [&bodies[rng.below(5)], &bodies[rng.below(5)]];
             let turn = DQuat::from_xyzw(rng.unit(), rng.unit(), rng.unit(), 1.5).normalize();

@@ -1,8 +1,9 @@
 //! What few contacts can press and twist, beside what all can.
 //!
-//! A contact presses along its normal, and so twists about any centre. Of forces that are 1 in all, what a set of
-//! contacts can do along a direction (u, v) of forces and torques is the greatest u · n + v · (p − c) × n / L: the support
-//! function of its wrenches, with L the lesser body's radius, so that a torque counts as the force at its rim.
+//! A contact presses along its normal, and so twists about any centre. Of forces that are 1 in all,
+//! what a set of contacts can do along a direction (u, v) of forces and torques is the greatest u ·
+//! n + v · (p − c) × n / L: the support function of its wrenches, with L the lesser body's radius,
+//! so that a torque counts as the force at its rim.
 
 use std::collections::BTreeSet;
 
@@ -184,12 +185,13 @@ fn directions() -> Vec<[DVec3; 2]> {
 struct Seen {
     /// The most that either set lost against all.
     lost: [f64; 2],
-    /// The most that what either set can do along a direction changed by from one step to the next, while all
-    /// contacts, or pairs of patches that have any, were those of the step before.
+    /// The most that what either set can do along a direction changed by from one step to the next,
+    /// while all contacts, or pairs of patches that have any, were those of the step before.
     quiet: [f64; 2],
     /// Quiet steps.
     steps: [usize; 2],
-    /// How many were there, and of these in the next step had gone: pairs of patches; contacts of regions that all still held.
+    /// How many were there, and of these in the next step had gone: pairs of patches; contacts of
+    /// regions that all still held.
     stayed: [usize; 2],
     gone: [usize; 2],
     /// All contacts at most, and those of either set.
@@ -238,15 +240,17 @@ impl Seen {
     }
 }
 
-/// What patches may lose: of each pair of patches, which are up to a quarter of a body long, the nearest contact stays,
-/// and two tubes that cross have two contacts.
+/// What patches may lose: of each pair of patches, which are up to a quarter of a body long, the
+/// nearest contact stays, and two tubes that cross have two contacts.
 const LOST_BY_PATCHES: f64 = 0.35;
 
-/// What regions may lose: of one direction, contacts that bear alike lose up to 0.21 of their extent (`reduce`), which is
-/// a part of the lesser body's radius, along torques, which are a part of a direction.
+/// What regions may lose: of one direction, contacts that bear alike lose up to 0.21 of their
+/// extent (`reduce`), which is a part of the lesser body's radius, along torques, which are a part
+/// of a direction.
 const LOST_BY_REGIONS: f64 = 0.1;
 
-/// By how much what either can do along a direction may change in a step in which no region changes.
+/// By how much what either can do along a direction may change in a step in which no region
+/// changes.
 const QUIET: [f64; 2] = [0.15, 0.05];
 
 #[test]
@@ -256,7 +260,8 @@ fn few_contacts_do_what_all_can_and_stay_the_same_as_bodies_slide() {
         let told = format!("{}: {seen:.4?}", scene.name);
         assert!(seen.lost[0] < LOST_BY_PATCHES && seen.lost[1] < LOST_BY_REGIONS, "{told}");
         assert!((0..2).all(|i| seen.steps[i] > 10 && seen.quiet[i] < QUIET[i]), "{told}");
-        // Of pairs of patches one in 200 goes from step to step; of contacts that regions keep, one in 25.
+        // Of pairs of patches one in 200 goes from step to step; of contacts that regions keep, one
+        // in 25.
         assert!(200 * seen.gone[0] < seen.stayed[0], "{told}");
         assert!(25 * seen.gone[1] < seen.stayed[1], "{told}");
         assert!(seen.most[0] >= seen.most[1].max(seen.most[2]) && seen.most[0] >= 6, "{told}");

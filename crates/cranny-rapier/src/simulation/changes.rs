@@ -18,8 +18,8 @@ use crate::joint::JointIndex;
 use crate::mass::mass_properties;
 
 impl Simulation {
-    /// Takes a body out, with its joints and exclusions. Its number is free then: the next body that
-    /// is inserted gets the lowest that is.
+    /// Takes a body out, with its joints and exclusions. Its number is free then: the next body
+    /// that is inserted gets the lowest that is.
     ///
     /// Nothing happens to a body that is not there.
     pub fn remove(&mut self, body: BodyIndex) {
@@ -125,7 +125,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// rapier itself would do so within the next step, after an impulse was divided by the old mass.
+    /// rapier itself would do so within the next step, after an impulse was divided by the old
+    /// mass.
     fn set_mass(&mut self, body: BodyIndex, mass: MassProperties) {
         self.collider_mut(body).set_mass_properties(mass);
         let handle = self.handle(body);
@@ -140,8 +141,8 @@ impl Simulation {
         self.wake(body);
     }
 
-    /// Says in which groups a body is, and which it meets, as bits: two bodies meet where each is in
-    /// a group that the other meets.
+    /// Says in which groups a body is, and which it meets, as bits: two bodies meet where each is
+    /// in a group that the other meets.
     pub fn set_groups(&mut self, body: BodyIndex, memberships: u32, filters: u32) {
         let [memberships, filters] = [memberships, filters].map(Group::from_bits_truncate);
         let groups = InteractionGroups::new(memberships, filters, InteractionTestMode::And);
@@ -156,7 +157,8 @@ impl Simulation {
         self.bodies[handle].set_gravity_scale(scale as Real, true);
     }
 
-    /// Which motions a body cannot make: translations along world x, y, z, then rotations about them.
+    /// Which motions a body cannot make: translations along world x, y, z, then rotations about
+    /// them.
     pub fn set_locked_axes(&mut self, body: BodyIndex, translations: [bool; 3], turns: [bool; 3]) {
         let bits = translations.into_iter().chain(turns).enumerate();
         let bits = bits.fold(0, |bits, (i, locked)| bits | (u8::from(locked) << i));
@@ -202,8 +204,8 @@ impl Simulation {
         rigid.add_torque(narrow(torque), true);
     }
 
-    /// Changes a body's velocities at once: by an impulse at its centre of mass, and an angular one,
-    /// world axes.
+    /// Changes a body's velocities at once: by an impulse at its centre of mass, and an angular
+    /// one, world axes.
     pub fn apply_impulse(&mut self, body: BodyIndex, linear: DVec3, angular: DVec3) {
         let handle = self.handle(body);
         self.bodies[handle].apply_impulse(narrow(linear), true);

@@ -1,5 +1,5 @@
-//! What is asked about bodies and pairs: effects, margins, demands. How an effect is added says
-//! CONTRIBUTING, 'An effect'.
+//! What is asked about bodies and pairs: effects, margins, demands. CONTRIBUTING, 'An effect',
+//! says how to add one.
 
 use cranny_broad_phase::{BroadPhase, ProxyId};
 use cranny_narrow_phase::Demand;
@@ -40,8 +40,8 @@ impl World {
     ///
     /// # Errors
     ///
-    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`], or a [margin](WorldError::Margin) that
-    /// is no length.
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`], or a [margin](WorldError::Margin)
+    /// that is no length.
     pub fn set_pair_effects(
         &mut self,
         a: BodyId,
@@ -82,7 +82,8 @@ impl World {
         Ok(())
     }
 
-    /// Whether a pair may meet at all: its bodies' layers meet, they are not both fixed, and it is not
+    /// Whether a pair may meet at all: its bodies' layers meet, they are not both fixed, and it is
+    /// not
     /// [excluded](Self::exclude_pair).
     ///
     /// # Errors
@@ -93,16 +94,18 @@ impl World {
         Ok(!self.excluded.contains(&pair) && self.known(a)?.may_meet(self.known(b)?))
     }
 
-    /// Says what somebody reads of the effect `Contacts` from now on: no more is computed for it. Until then, all.
-    /// Where nobody reads anything, the effect asks nothing. An answer may hold more than is read.
+    /// Says what somebody reads of the effect `Contacts` from now on: no more is computed for it.
+    /// Until then, all. Where nobody reads anything, the effect asks nothing. An answer may hold
+    /// more than is read.
     ///
     /// Boxes keep the margins of the effects, so candidate pairs do not depend on it.
     pub fn set_contact_fields(&mut self, read: ContactFields) {
         self.read = read;
     }
 
-    /// What is asked of the narrow phase about a pair: the least that tells the fields which are read, joined over
-    /// the scene's, both bodies' and the pair's effects; [`Demand::None`] where the pair
+    /// What is asked of the narrow phase about a pair: the least that tells the fields which are
+    /// read, joined over the scene's, both bodies' and the pair's effects; [`Demand::None`] where
+    /// the pair
     /// [may not meet](Self::may_meet).
     ///
     /// # Errors
