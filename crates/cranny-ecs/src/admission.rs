@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::hierarchy::ChildOf;
-use bevy_ecs::lifecycle::{HookContext, Remove};
+use bevy_ecs::lifecycle::{HookContext, Insert, Remove};
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
@@ -58,20 +58,42 @@ pub(crate) struct AdmissionPlugin;
 impl Plugin for AdmissionPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Noted>().init_resource::<Bodies>();
-        app.add_observer(take_leave);
+        app.add_observer(take_leave).add_observer(refuse_parent);
+        note_present(app.world_mut());
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+            let is_noted = |noted: Res<Noted>| noted.pairs || !noted.entities.is_empty();
             app.add_systems(
                 label,
-                admit_bodies
+                (begin_step, admit_bodies.run_if(is_noted))
+                    .chain()
                     .in_set(StepSystems::Admit)
-                    .in_set(CoreSystems::Admit)
-                    .run_if(|noted: Res<Noted>| noted.pairs || !noted.entities.is_empty()),
-            );
-            app.add_systems(
-                label,
-                forget_departed.in_set(StepSystems::Advance).in_set(CoreSystems::Admit),
+                    .in_set(CoreSystems::Admit),
             );
         }
+    }
+}
+
+/// Notes what was spawned before the plugins were added: no hook could.
+fn note_present(world: &mut World) {
+    for component in [world.component_id::<Collider>(), world.component_id::<BodyPair>()] {
+        let Some(component) = component else { continue };
+        let with = world.archetypes().iter().filter(|archetype| archetype.contains(component));
+        let entities = with.flat_map(|archetype| archetype.entities().iter().map(|e| e.id()));
+        let mut entities: Vec<Entity> = entities.collect();
+        entities.sort_unstable();
+        world.resource_mut::<Noted>().entities.extend(entities);
+    }
+}
+
+/// A body's `Transform` is its place in the world.
+fn refuse_parent(
+    inserted: On<Insert<ChildOf>>,
+    bodies: Query<&Body>,
+    records: Res<Bodies>,
+    mut failure: ResMut<Failure>,
+) {
+    if let Ok(&Body { id }) = bodies.get(inserted.entity) {
+        failure.set(SceneAppError::ChildBody { body: records.name(id).to_owned() });
     }
 }
 
@@ -158,7 +180,6 @@ fn take_leave(
     }
 }
 
-/// The events of this step have told of those that left before it.
-fn forget_departed(mut records: ResMut<Bodies>) {
-    records.forget_departed();
+fn begin_step(mut records: ResMut<Bodies>) {
+    records.begin_step();
 }

@@ -55,7 +55,9 @@ pub struct Bodies {
     by_name: BTreeMap<String, BodyId>,
     /// The id of the next body.
     next: u32,
-    /// Entity and name of bodies that left since the last step told its events.
+    /// Entity and name of bodies that left since this step began, and before it did: the events of
+    /// a step are about bodies that left before it.
+    departing: BTreeMap<BodyId, (Entity, String)>,
     departed: BTreeMap<BodyId, (Entity, String)>,
     /// Names of bodies that left and that a run's summary will mention.
     remembered: BTreeMap<BodyId, String>,
@@ -81,7 +83,11 @@ impl Bodies {
             record.name = before.name;
         } else if record.name.is_empty() || self.by_name.contains_key(&record.name) {
             let stem = if record.name.is_empty() { "body" } else { &record.name };
-            record.name = format!("{stem}#{}", id.0);
+            let mut name = format!("{stem}#{}", id.0);
+            while self.by_name.contains_key(&name) {
+                name.push('#');
+            }
+            record.name = name;
         }
         self.by_name.insert(record.name.clone(), id);
         self.records.insert(id, record);
@@ -95,13 +101,17 @@ impl Bodies {
             if remember {
                 self.remembered.insert(body, record.name.clone());
             }
-            self.departed.insert(body, (record.entity, record.name));
+            self.departing.insert(body, (record.entity, record.name));
         }
     }
 
-    /// Whatever left before this step has been reported.
-    pub(crate) fn forget_departed(&mut self) {
-        self.departed.clear();
+    /// A step begins, which reports the end of what has left by now.
+    pub(crate) fn begin_step(&mut self) {
+        self.departed = std::mem::take(&mut self.departing);
+    }
+
+    fn departed(&self, body: BodyId) -> Option<&(Entity, String)> {
+        self.departing.get(&body).or_else(|| self.departed.get(&body))
     }
 
     /// A body's record.
@@ -113,7 +123,7 @@ impl Bodies {
     /// The entity of a body; of one that left, until a step has told of it.
     pub(crate) fn entity(&self, body: BodyId) -> Option<Entity> {
         let present = self.get(body).map(|record| record.entity);
-        present.or_else(|| self.departed.get(&body).map(|(entity, _)| *entity))
+        present.or_else(|| self.departed(body).map(|(entity, _)| *entity))
     }
 
     /// The body of a name.
@@ -131,7 +141,7 @@ impl Bodies {
     /// body has.
     #[must_use]
     pub fn name(&self, body: BodyId) -> &str {
-        let departed = || self.departed.get(&body).map(|(_, name)| name);
+        let departed = || self.departed(body).map(|(_, name)| name);
         let present = self.get(body).map(|record| &record.name);
         present.or_else(departed).or_else(|| self.remembered.get(&body)).map_or("", |name| name)
     }

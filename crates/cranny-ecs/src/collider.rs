@@ -61,5 +61,5 @@ impl From<&Model> for Collider {
 
 /// What is drawn and recorded of a body, where it differs from its collider's mesh.
 #[derive(Component, Clone, Debug)]
-#[component(immutable)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct VisualMesh(pub Arc<Mesh>);

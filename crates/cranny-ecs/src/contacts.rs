@@ -1,7 +1,7 @@
 //! `Contacts`: points, curves and regions of pairs that are asked for them.
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::lifecycle::Add;
+use bevy_ecs::lifecycle::{Add, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use cranny_exact::Pose;
@@ -66,6 +66,9 @@ impl Plugin for ContactsPlugin {
         app.init_resource::<ContactReport>();
         app.add_observer(|added: On<Add<Body>>, mut commands: Commands| {
             commands.entity(added.entity).insert(BodyContacts::default());
+        });
+        app.add_observer(|removed: On<Remove<Body>>, mut commands: Commands| {
+            commands.entity(removed.entity).try_remove::<BodyContacts>();
         });
         // Order among effects that are there: naming a set would put it into the schedule.
         let beside_trigger = app.is_plugin_added::<TriggerPlugin>();

@@ -241,6 +241,11 @@ impl EffectTable {
         self.excluded.iter().copied()
     }
 
+    /// Whether a pair is excluded.
+    pub(crate) fn excludes(&self, a: BodyId, b: BodyId) -> bool {
+        self.excluded.contains(&ordered(a, b))
+    }
+
     /// Bodies, by id.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyId> {
         self.bodies.keys().copied()

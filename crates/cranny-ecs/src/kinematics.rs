@@ -29,6 +29,12 @@ pub struct Kinematic {
     pub center: DVec3,
 }
 
+impl Kinematic {
+    pub(crate) fn of(model: &Model) -> Self {
+        Self { center: center_of_mass(model) }
+    }
+}
+
 /// Moves kinematic bodies that the solver does not have.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KinematicsPlugin;
@@ -48,14 +54,17 @@ fn mark(
     query: Query<&Body>,
     bodies: Res<Bodies>,
     effects: Res<EffectTable>,
+    #[cfg(feature = "rapier")] solver: Option<Res<crate::solved::RigidBodies>>,
     mut commands: Commands,
 ) {
     let Ok(&Body { id }) = query.get(inserted.entity) else { return };
     let Some(record) = bodies.get(id) else { return };
     let solved = effects.names(EffectKind::Response) && effects.responds(id);
+    #[cfg(feature = "rapier")]
+    let solved = solved || solver.is_some_and(|solver| solver.index(id).is_some());
     let mut entity = commands.entity(inserted.entity);
     if record.kind == BodyKind::Kinematic && !solved {
-        entity.insert(Kinematic { center: center_of_mass(&record.model) });
+        entity.insert(Kinematic::of(&record.model));
     } else {
         entity.try_remove::<Kinematic>();
     }

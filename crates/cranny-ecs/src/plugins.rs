@@ -41,8 +41,8 @@ pub struct PluginOptions {
     /// than the thinner one is thick; `None`: 2. Our detector only.
     #[cfg(feature = "rapier")]
     pub most_parts: Option<usize>,
-    /// What the solver takes for a metre, in units of length; `None`: twice the volume per
-    /// area of the thinnest moving body.
+    /// What the solver takes for a metre, in units of length; `None`: twice the volume per area of
+    /// a scene's thinnest moving body, 1 without a scene.
     pub length_unit: Option<f64>,
     /// What the program itself reads of `Contacts` (in [`ContactReport`](crate::ContactReport) or
     /// [`Detected`](crate::Detected)): all, unless it says less. What summary, recording and
@@ -91,8 +91,6 @@ pub struct CrannyPlugins {
     available: Vec<EffectKind>,
     options: PluginOptions,
     scene: Option<SpawnScene>,
-    /// Whether kinematic bodies may move that no solver has.
-    kinematics: bool,
     #[cfg(feature = "record")]
     recording: Option<crate::recording::RecordingPlugin>,
     #[cfg(feature = "render")]
@@ -120,7 +118,6 @@ impl CrannyPlugins {
             available: Vec::new(),
             options: PluginOptions::default(),
             scene: None,
-            kinematics: true,
             #[cfg(feature = "record")]
             recording: None,
             #[cfg(feature = "render")]
@@ -183,13 +180,7 @@ impl CrannyPlugins {
         let mut options = options.clone();
         let size = || typical_size(scene, spawn.models());
         options.length_unit = Some(options.length_unit.unwrap_or_else(size));
-        Ok(Self {
-            gravity: scene.gravity,
-            kinematics: moves_kinematic(scene),
-            options,
-            scene: Some(spawn),
-            ..plugins
-        })
+        Ok(Self { gravity: scene.gravity, options, scene: Some(spawn), ..plugins })
     }
 
     fn checked(self) -> Result<Self, SceneAppError> {
@@ -247,10 +238,7 @@ impl PluginGroup for CrannyPlugins {
         let core = CorePlugin { effects: effects.clone() };
         // Those that keep bodies of their own come before the scene, whose bodies they take in.
         let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(core);
-        group = group.add(AdmissionPlugin);
-        if self.kinematics {
-            group = group.add(KinematicsPlugin);
-        }
+        group = group.add(AdmissionPlugin).add(KinematicsPlugin);
         if detects {
             group = group.add(DetectionPlugin::new(&self.scene_effects, &effects, &self.options));
         }
@@ -286,15 +274,6 @@ impl PluginGroup for CrannyPlugins {
         }
         group
     }
-}
-
-/// Whether a kinematic body moves, whoever moves it: so another effect adds its own systems to a
-/// plan and takes none away.
-fn moves_kinematic(scene: &SceneDescription) -> bool {
-    scene.bodies.iter().any(|body| {
-        body.kind == BodyKind::Kinematic
-            && (body.linear_velocity != DVec3::ZERO || body.angular_velocity != DVec3::ZERO)
-    })
 }
 
 /// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a

@@ -1,13 +1,15 @@
 //! `Recording`: frames to MCAP.
 
-use std::collections::BTreeSet;
-use std::sync::{Mutex, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
+use cranny_geometry::{Mesh, Model};
 use cranny_record::{
     Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
     Recorder, Summary,
@@ -18,9 +20,10 @@ use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactReport;
 use crate::detection::Detected;
-use crate::effects::{EffectKind, EffectTable, Pair};
+use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::readers::ContactReaders;
+use crate::trigger::TriggeredPairs;
 
 /// The systems of `Recording`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,28 +40,28 @@ pub struct FrameRecorder {
     recorder: Mutex<Option<Recorder>>,
     every: u32,
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
-    events: Vec<PairEvent>,
-    /// Pairs of which the beginning was recorded.
-    begun: BTreeSet<Pair>,
+    events: Vec<(String, String, PairEventKind)>,
+    /// What is shown of each body.
+    shown: BTreeMap<BodyId, (Model, Option<Arc<Mesh>>)>,
 }
 
 impl FrameRecorder {
-    /// Only pairs that ask for `Trigger` have events; what began ends, whether or not they still
-    /// ask.
-    fn note_events(&mut self, (_, _, effects, detected, _): &Sources) {
+    /// Only pairs that ask for `Trigger` have events. Names are taken now: a body may have left by the
+    /// time of the frame.
+    fn note_events(&mut self, sources: &Sources) {
+        let Sources { records, effects, detected, triggered, .. } = sources;
         let report = detected.as_ref().and_then(|detected| detected.report.as_ref());
-        for event in report.iter().flat_map(|report| &report.events) {
-            let pair = (event.a, event.b);
-            let asks = || effects.asks(EffectKind::Trigger, event.a, event.b);
-            let reported = match event.kind {
-                PairEventKind::Began => asks() && self.begun.insert(pair),
-                PairEventKind::Ended => self.begun.remove(&pair),
-                _ => asks(),
-            };
-            if reported {
-                self.events.push(*event);
-            }
-        }
+        let of_regions = report.iter().flat_map(|report| &report.events).copied().filter(|event| {
+            !matches!(event.kind, PairEventKind::Began | PairEventKind::Ended)
+                && effects.asks(EffectKind::Trigger, event.a, event.b)
+        });
+        let of_pairs = triggered.iter().flat_map(|triggered| triggered.events());
+        let mut events: Vec<PairEvent> = of_pairs.chain(of_regions).collect();
+        events.sort_unstable();
+        self.events.extend(events.into_iter().map(|event| {
+            let [a, b] = [event.a, event.b].map(|id| records.name(id).to_owned());
+            (a, b, event.kind)
+        }));
     }
 
     fn open(&mut self) -> Option<&mut Recorder> {
@@ -122,10 +125,12 @@ impl Plugin for RecordingPlugin {
             recorder: Mutex::new(recorder),
             every: self.every,
             events: Vec::new(),
-            begun: BTreeSet::new(),
+            shown: BTreeMap::new(),
         };
-        let present = app.world().resource::<Bodies>().iter();
-        let written = record_bodies(&mut recorder, present);
+        let bodies = app.world().resource::<Bodies>();
+        let written = record_bodies(&mut recorder, bodies.iter());
+        let shown = bodies.iter().map(|(id, r)| (id, (r.model.clone(), r.visual.clone())));
+        recorder.shown = shown.collect();
         app.world_mut().resource_mut::<Failure>().note(written);
         app.insert_resource(recorder);
         app.add_observer(record_body).add_observer(record_removal);
@@ -164,6 +169,18 @@ fn record_body(
 ) {
     let Ok(&Body { id }) = query.get(inserted.entity) else { return };
     let Some(record) = bodies.get(id) else { return };
+    let shown = (record.model.clone(), record.visual.clone());
+    let before = recorder.shown.insert(id, shown);
+    let is_same = |(model, visual): &(Model, Option<Arc<Mesh>>)| {
+        let same_visual = match (visual, &record.visual) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        model.is_same(&record.model) && same_visual
+    };
+    if before.as_ref().is_some_and(is_same) {
+        return;
+    }
     if let Some(recorder) = recorder.open() {
         failure.note(recorder.remove_body(&record.name));
     }
@@ -178,6 +195,7 @@ fn record_removal(
     mut failure: ResMut<Failure>,
 ) {
     let Ok(&Body { id }) = query.get(removed.entity) else { return };
+    recorder.shown.remove(&id);
     if let Some(recorder) = recorder.open() {
         failure.note(recorder.remove_body(bodies.name(id)));
     }
@@ -193,14 +211,16 @@ fn hue(number: u32) -> [f64; 4] {
     [channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0), 1.0]
 }
 
-/// What a frame is made of; the last two exist only where the scene asks for them.
-type Sources<'w, 's> = (
-    Query<'w, 's, (&'static Body, &'static Transform)>,
-    Res<'w, Bodies>,
-    Res<'w, EffectTable>,
-    Option<Res<'w, Detected>>,
-    Option<Res<'w, ContactReport>>,
-);
+/// What a frame is made of; the last three exist only where somebody asks for them.
+#[derive(SystemParam)]
+struct Sources<'w, 's> {
+    bodies: Query<'w, 's, (&'static Body, &'static Transform)>,
+    records: Res<'w, Bodies>,
+    effects: Res<'w, EffectTable>,
+    detected: Option<Res<'w, Detected>>,
+    contacts: Option<Res<'w, ContactReport>>,
+    triggered: Option<Res<'w, TriggeredPairs>>,
+}
 
 fn record_step(
     sources: Sources,
@@ -229,12 +249,13 @@ fn record_end(
 }
 
 fn record(
-    (bodies, records, _, detected, contacts): &Sources,
+    sources: &Sources,
     time: &SimulatedTime,
     recorder: &mut FrameRecorder,
     times: &mut PhaseTimes,
     failure: &mut Failure,
 ) {
+    let Sources { bodies, records, detected, contacts, .. } = sources;
     let events = std::mem::take(&mut recorder.events);
     let Some(recorder) = recorder.open() else { return };
     let start = Instant::now();
@@ -253,10 +274,7 @@ fn record(
             b: records.name(d.b),
         });
     }
-    frame.events = events
-        .iter()
-        .map(|e| RecordedEvent { a: records.name(e.a), b: records.name(e.b), kind: e.kind })
-        .collect();
+    frame.events = events.iter().map(|(a, b, kind)| RecordedEvent { a, b, kind: *kind }).collect();
     frame.contacts = contacts
         .iter()
         .flat_map(|contacts| &contacts.pairs)

@@ -118,6 +118,7 @@ impl Plugin for ResponsePlugin {
                 (
                     solved::relate,
                     solved::join,
+                    solved::refresh_reading,
                     solved::push_changes,
                     solved::push_impulses,
                     solved::push_gravity,
@@ -149,6 +150,9 @@ fn step_solver(
     mut times: ResMut<PhaseTimes>,
     mut failure: ResMut<Failure>,
 ) {
+    if failure.is_set() {
+        return; // what failed may have left numbers that are none
+    }
     let bodies = &mut *bodies;
     if let Some(readers) = readers.filter(|readers| readers.is_changed()) {
         bodies.reading().fields = readers.fields();

@@ -18,8 +18,8 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_geometry::Model;
 use cranny_rapier::{
-    BodyIndex, BodySpec, Detector as Detection, JointIndex, JointSpec, PairContacts, Simulation,
-    SimulationError,
+    BodyIndex, BodySpec, Detector as Detection, Energy, JointIndex, JointSpec, PairContacts,
+    Simulation, SimulationError,
 };
 use cranny_world::description::{BodyKind, JointKind, Normals};
 use cranny_world::{BodyId, Layers};
@@ -62,12 +62,17 @@ pub struct RigidBodies {
     detection: Detection,
     /// `None` before the first step.
     energy: Option<EnergyRange>,
+    /// At the end of the last step.
+    energy_left: Energy,
+    stepped: bool,
     excluded: BTreeSet<Pair>,
     /// Of the effects that memberships and exclusions follow.
     revision: Option<u64>,
     joints: BTreeMap<Entity, (Joint, JointIndex)>,
-    /// Joints whose ends are not both in the solver's world.
-    loose: BTreeSet<Entity>,
+    /// Joints whose ends are not both in the solver's world, in the order in which they came.
+    loose: BTreeMap<u64, Entity>,
+    /// How many joints came to wait so far.
+    joints_noted: u64,
     /// Entities that lost a component, which now means its default.
     bereft: Vec<Entity>,
 }
@@ -128,6 +133,33 @@ impl GivenItem<'_, '_> {
             locked: self.locked.copied().unwrap_or_default(),
             force: self.force.copied().unwrap_or_default(),
         }
+    }
+}
+
+impl GivenValues {
+    /// Fails if a number is none.
+    fn check(&self) -> Result<(), SimulationError> {
+        let [linear, angular] = self.velocities;
+        let vectors = [
+            ("Transform::translation", self.transform.translation),
+            ("LinearVelocity", linear),
+            ("AngularVelocity", angular),
+            ("ExternalForce::force", self.force.force),
+            ("ExternalForce::torque", self.force.torque),
+        ];
+        let numbers = [
+            ("Friction::coefficient", self.friction.coefficient),
+            ("Restitution::coefficient", self.restitution.coefficient),
+            ("GravityScale", self.gravity.0),
+        ];
+        let components = vectors.into_iter().flat_map(|(what, v)| v.to_array().map(|x| (what, x)));
+        for (what, value) in components.chain(numbers) {
+            if !value.is_finite() {
+                let value = value.into();
+                return Err(SimulationError::Number { what, value, expected: "finite" });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -207,10 +239,13 @@ impl RigidBodies {
             reading_is_current: false,
             detection,
             energy: None,
+            energy_left: Energy::default(),
+            stepped: false,
             excluded: BTreeSet::new(),
             revision: None,
             joints: BTreeMap::new(),
-            loose: BTreeSet::new(),
+            loose: BTreeMap::new(),
+            joints_noted: 0,
             bereft: Vec::new(),
         }
     }
@@ -219,13 +254,20 @@ impl RigidBodies {
         self.reading.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Energies count from here on.
+    /// Energies count from the first step on. What an app has changed since the step before, as by
+    /// a body that came, is no gain and no loss.
     pub(crate) fn begin(&mut self) {
-        self.energy = Some(self.energy());
+        let now = self.simulation.energy();
+        let energy = self.energy.get_or_insert_with(|| EnergyRange::starting(now));
+        if self.energy_left != now && self.stepped {
+            energy.shift(self.energy_left, now);
+        }
+        self.stepped = true;
     }
 
     pub(crate) fn note_energy(&mut self) {
         let now = self.simulation.energy();
+        self.energy_left = now;
         if let Some(energy) = &mut self.energy {
             energy.note(now);
         }
@@ -280,7 +322,6 @@ impl RigidBodies {
         effects: &BodyEffects,
         given: GivenValues,
     ) -> Result<BodyIndex, SimulationError> {
-        let before = self.energy.map(|_| self.simulation.energy());
         let layers = layers_of(effects);
         let index = self.simulation.insert(&BodySpec {
             model: &record.model,
@@ -313,9 +354,6 @@ impl RigidBodies {
         self.index_of.insert(id, index);
         self.slots.insert(index, Slot { id, known });
         self.push(index, given)?;
-        if let (Some(energy), Some(before)) = (&mut self.energy, before) {
-            energy.shift(before, self.simulation.energy());
-        }
         self.reading_is_current = false;
         Ok(index)
     }
@@ -351,11 +389,16 @@ impl RigidBodies {
     /// Passes on values that are other ones than the solver knows.
     fn push(&mut self, index: BodyIndex, given: GivenValues) -> Result<(), SimulationError> {
         let Some(Slot { known, .. }) = self.slots.get_mut(&index) else { return Ok(()) };
-        let before = std::mem::replace(&mut known.given, given);
+        let before = known.given;
         if before == given {
             return Ok(());
         }
+        given.check()?;
         let simulation = &mut self.simulation;
+        if before.density != given.density && known.kind == BodyKind::Dynamic {
+            simulation.set_density(index, &known.model, given.density.0)?;
+        }
+        known.given = given;
         if before.transform != given.transform {
             simulation.set_pose(index, pose_of(&given.transform));
         }
@@ -367,9 +410,6 @@ impl RigidBodies {
             let [friction, restitution] =
                 [given.friction.coefficient, given.restitution.coefficient].map(f64::from);
             simulation.set_material(index, friction, restitution);
-        }
-        if before.density != given.density && known.kind == BodyKind::Dynamic {
-            simulation.set_density(index, &known.model, given.density.0)?;
         }
         if before.gravity != given.gravity {
             simulation.set_gravity_scale(index, given.gravity.0.into());
@@ -391,14 +431,22 @@ impl RigidBodies {
             self.joints.iter().filter(|(_, (j, _))| ends(j)).map(|(&e, _)| e).collect();
         for joint in freed {
             self.joints.remove(&joint);
-            self.loose.insert(joint);
+            self.loosen(joint);
         }
+        self.take_out(id);
+    }
+
+    /// A joint waits for its ends, after those that wait already.
+    fn loosen(&mut self, joint: Entity) {
+        self.loose.retain(|_, waiting| *waiting != joint);
+        self.loose.insert(self.joints_noted, joint);
+        self.joints_noted += 1;
+    }
+
+    /// Takes a body out of the solver's world.
+    fn take_out(&mut self, id: BodyId) {
         let Some(index) = self.index_of.remove(&id) else { return };
-        let before = self.energy.map(|_| self.simulation.energy());
         self.simulation.remove(index);
-        if let (Some(energy), Some(before)) = (&mut self.energy, before) {
-            energy.shift(before, self.simulation.energy());
-        }
         self.slots.remove(&index);
         let others = |pair: &Pair| pair.0 != id && pair.1 != id;
         self.answers.retain(|(pair, _)| others(pair));
@@ -438,7 +486,9 @@ impl RigidBodies {
             .iter()
             .enumerate()
             .flat_map(|(i, &a)| members[i + 1..].iter().map(move |&b| (a, b)));
-        pairs.filter(|&(a, b)| !effects.asks(EffectKind::Response, a, b)).collect()
+        // Those whose layers or kinds keep them apart need no exclusion.
+        let meet = |&(a, b): &Pair| effects.may_meet(a, b) || effects.excludes(a, b);
+        pairs.filter(meet).filter(|&(a, b)| !effects.asks(EffectKind::Response, a, b)).collect()
     }
 }
 
@@ -489,6 +539,42 @@ impl Insertion<'_, '_> {
     }
 }
 
+impl Insertion<'_, '_> {
+    /// Takes out bodies that have a part in no response any more, by themselves or by joints.
+    fn take_out_idle(&mut self) {
+        let id = |end: Entity| self.given.get(end).ok().map(|(body, _)| body.id);
+        let present = self.bodies.index_of.keys().copied();
+        let mut kept: BTreeSet<BodyId> =
+            present.filter(|&body| self.effects.responds(body)).collect();
+        let joints = self.bodies.joints.values();
+        let ends: Vec<[BodyId; 2]> =
+            joints.filter_map(|(j, _)| Some([id(j.parent)?, id(j.child)?])).collect();
+        loop {
+            let before = kept.len();
+            for ends in &ends {
+                if ends.iter().any(|end| kept.contains(end)) {
+                    kept.extend(ends);
+                }
+            }
+            if kept.len() == before {
+                break;
+            }
+        }
+        let idle: Vec<BodyId> =
+            self.bodies.index_of.keys().copied().filter(|body| !kept.contains(body)).collect();
+        for body in idle {
+            if let Some(record) = self.records.get(body) {
+                self.bodies.leave(body, record.entity);
+                let mut entity = self.commands.entity(record.entity);
+                entity.try_remove::<SolverBody>();
+                if record.kind == BodyKind::Kinematic {
+                    entity.insert(Kinematic::of(&record.model));
+                }
+            }
+        }
+    }
+}
+
 /// Takes in a body that was admitted, or what has become of it.
 fn take_in(inserted: On<Insert<Body>>, mut insertion: Insertion) {
     let entity = inserted.entity;
@@ -531,13 +617,15 @@ fn note_joint(inserted: On<Insert<Joint>>, mut bodies: ResMut<RigidBodies>) {
     if let Some((_, index)) = bodies.joints.remove(&joint) {
         bodies.simulation.part(index);
     }
-    bodies.loose.insert(joint);
+    bodies.loosen(joint);
 }
 
 fn part(removed: On<Remove<Joint>>, mut bodies: ResMut<RigidBodies>) {
-    bodies.loose.remove(&removed.entity);
+    bodies.loose.retain(|_, waiting| *waiting != removed.entity);
     if let Some((_, index)) = bodies.joints.remove(&removed.entity) {
         bodies.simulation.part(index);
+        // What it held may have no part in any response now.
+        bodies.revision = None;
     }
 }
 
@@ -553,17 +641,22 @@ pub(crate) fn relate(mut insertion: Insertion) {
         for (_, entity) in outside {
             insertion.insert(entity);
         }
+        insertion.take_out_idle();
         let apart = insertion.bodies.apart(&insertion.effects);
         insertion.bodies.set_excluded(apart);
         insertion.bodies.revision = Some(insertion.effects.revision());
         insertion.bodies.reading_is_current = false;
     }
-    let bodies = &mut *insertion.bodies;
-    if !bodies.reading_is_current && insertion.effects.names(EffectKind::Contacts) {
+}
+
+/// Says whose contacts are read, in the solver's step.
+pub(crate) fn refresh_reading(effects: Res<EffectTable>, mut bodies: ResMut<RigidBodies>) {
+    let bodies = &mut *bodies;
+    if !bodies.reading_is_current && effects.names(EffectKind::Contacts) {
         let count = bodies.slots.last_key_value().map_or(0, |(index, _)| index.0 + 1);
         let ids = (0..count).map(|index| bodies.id(BodyIndex(index))).collect();
         let mut reading = bodies.reading();
-        (reading.ids, reading.effects) = (ids, insertion.effects.clone());
+        (reading.ids, reading.effects) = (ids, effects.clone());
     }
     bodies.reading_is_current = true;
 }
@@ -572,11 +665,12 @@ pub(crate) fn relate(mut insertion: Insertion) {
 pub(crate) fn join(joints: Query<&Joint>, solved: Query<(), With<Body>>, mut insertion: Insertion) {
     // A joint carries the response on; chains of joints need several passes.
     loop {
-        let loose: Vec<Entity> = insertion.bodies.loose.iter().copied().collect();
+        let loose: Vec<(u64, Entity)> =
+            insertion.bodies.loose.iter().map(|(&number, &joint)| (number, joint)).collect();
         let mut made = 0;
-        for entity in loose {
+        for (number, entity) in loose {
             let Ok(&joint) = joints.get(entity) else {
-                insertion.bodies.loose.remove(&entity);
+                insertion.bodies.loose.remove(&number);
                 continue;
             };
             let ends = [joint.parent, joint.child];
@@ -607,7 +701,7 @@ pub(crate) fn join(joints: Query<&Joint>, solved: Query<(), With<Body>>, mut ins
                 true,
             );
             insertion.bodies.joints.insert(entity, (joint, made_now));
-            insertion.bodies.loose.remove(&entity);
+            insertion.bodies.loose.remove(&number);
             made += 1;
         }
         if made == 0 {

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::lifecycle::Add;
+use bevy_ecs::lifecycle::{Add, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
-use cranny_world::{BodyId, PairEventKind};
+use cranny_world::{BodyId, PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, StepSystems};
@@ -37,7 +37,7 @@ pub struct CollisionStart {
     pub ids: [BodyId; 2],
 }
 
-/// Two bodies touch no more, or one of them was removed. Told as [`CollisionStart`] is.
+/// Two bodies touch no more, or one of them was removed. Reported as [`CollisionStart`] is.
 #[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CollisionEnd {
     /// The entity that the event is about.
@@ -53,20 +53,43 @@ pub struct CollisionEnd {
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct TouchingBodies(pub BTreeSet<BodyId>);
 
-/// Tells [`CollisionStart`] and [`CollisionEnd`], and keeps [`TouchingBodies`].
+/// Pairs that touch and ask for `Trigger`, and what this step has changed about them.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct TriggeredPairs {
+    touching: BTreeSet<Pair>,
+    /// Ascending.
+    changed: Vec<Pair>,
+}
+
+impl TriggeredPairs {
+    /// What began and what ended in this step, ascending.
+    pub(crate) fn events(&self) -> impl Iterator<Item = PairEvent> {
+        self.changed.iter().map(|&pair| {
+            let began = self.touching.contains(&pair);
+            let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };
+            PairEvent { a: pair.0, b: pair.1, kind }
+        })
+    }
+}
+
+/// Reports [`CollisionStart`] and [`CollisionEnd`], and keeps [`TouchingBodies`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TriggerPlugin;
 
 impl Plugin for TriggerPlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<CollisionStart>().add_message::<CollisionEnd>();
+        app.init_resource::<TriggeredPairs>();
         app.add_observer(|added: On<Add<Body>>, mut commands: Commands| {
             commands.entity(added.entity).insert(TouchingBodies::default());
+        });
+        app.add_observer(|removed: On<Remove<Body>>, mut commands: Commands| {
+            commands.entity(removed.entity).try_remove::<TouchingBodies>();
         });
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             app.add_systems(
                 label,
-                tell_collisions
+                report_collisions
                     .in_set(StepSystems::Report)
                     .in_set(TriggerSystems::Report)
                     .after(DetectionSystems::Tally),
@@ -75,35 +98,29 @@ impl Plugin for TriggerPlugin {
     }
 }
 
-fn tell_collisions(
+fn report_collisions(
     detected: Res<Detected>,
     effects: Res<EffectTable>,
     bodies: Res<Bodies>,
     mut touching: Query<&mut TouchingBodies, With<Body>>,
     mut starts: MessageWriter<CollisionStart>,
     mut ends: MessageWriter<CollisionEnd>,
-    mut begun: Local<BTreeSet<Pair>>,
+    mut triggered: ResMut<TriggeredPairs>,
     mut commands: Commands,
 ) {
-    for event in detected.report.iter().flat_map(|report| &report.events) {
-        let began = match event.kind {
-            PairEventKind::Began => true,
-            PairEventKind::Ended => false,
-            _ => continue,
-        };
-        // What began ends, whether or not it is still asked for.
-        let pair = (event.a, event.b);
-        let known = if began {
-            effects.asks(EffectKind::Trigger, event.a, event.b) && begun.insert(pair)
-        } else {
-            begun.remove(&pair)
-        };
-        if !known {
-            continue;
-        }
-        let (Some(a), Some(b)) = (bodies.entity(event.a), bodies.entity(event.b)) else { continue };
-        let sides = [(a, b, [event.a, event.b]), (b, a, [event.b, event.a])];
-        for (turn, (body, other, ids)) in sides.into_iter().enumerate() {
+    let Some(report) = &detected.report else { return };
+    // By what is asked now: an effect that comes or goes begins and ends what touches.
+    let touches = report.touching.iter().copied();
+    let now: BTreeSet<Pair> =
+        touches.filter(|&(a, b)| effects.asks(EffectKind::Trigger, a, b)).collect();
+    let before = std::mem::replace(&mut triggered.touching, now);
+    triggered.changed = before.symmetric_difference(&triggered.touching).copied().collect();
+    for &(id_a, id_b) in &triggered.changed {
+        let began = triggered.touching.contains(&(id_a, id_b));
+        let (Some(a), Some(b)) = (bodies.entity(id_a), bodies.entity(id_b)) else { continue };
+        for (turn, (body, other, ids)) in
+            [(a, b, [id_a, id_b]), (b, a, [id_b, id_a])].into_iter().enumerate()
+        {
             let (start, end) =
                 (CollisionStart { body, other, ids }, CollisionEnd { body, other, ids });
             match (turn, began) {

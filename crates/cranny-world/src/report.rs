@@ -15,6 +15,8 @@ pub struct StepReport {
     /// Which pairs began or ended to touch, among those that have a demand, and which regions of
     /// contact split or merged, where regions are asked for.
     pub events: Vec<PairEvent>,
+    /// Pairs that touch or overlap, among those that have a demand; ascending.
+    pub touching: Vec<(BodyId, BodyId)>,
     /// Counts and sums.
     pub stats: StepStats,
     /// Where memory changed an answer, sorted by body ids: faults of Cranny's. Always empty unless

@@ -272,7 +272,8 @@ impl World {
         self.left = std::mem::take(&mut self.leaving);
         let step = self.steps;
         self.steps += 1;
-        Ok(StepReport { step, answers, events, stats, mismatches })
+        let touching = self.touching.iter().copied().collect();
+        Ok(StepReport { step, answers, events, touching, stats, mismatches })
     }
 
     /// Says how many threads answer pairs from now on; until then one does, the caller's. Answers

@@ -182,8 +182,8 @@ fn the_plan_tells_order_pairs_and_reasons() {
     let steps = &plan.schedules[0];
     let at = |name: &str| steps.systems.iter().position(|s| s.name == name).unwrap();
     assert!(at("detection::read_transforms") < at("detection::detect_pairs"));
-    assert!(at("detection::detect_pairs") < at("trigger::tell_collisions"));
-    assert!(at("trigger::tell_collisions") < at("kinematics::follow_velocities"));
+    assert!(at("detection::detect_pairs") < at("trigger::report_collisions"));
+    assert!(at("trigger::report_collisions") < at("kinematics::follow_velocities"));
     assert_eq!(plan.effects[0].asked_by, ["body 'guest'"]);
     assert_eq!(plan.pairs[0].count, 2);
     assert_eq!(plan.pairs[0].why, "body 'guest' asks for Trigger");

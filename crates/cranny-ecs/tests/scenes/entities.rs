@@ -574,3 +574,98 @@ fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
     };
     assert_eq!(run(), run());
 }
+
+/// The pattern of bullets: whoever is hit takes the other out, in the step in which it is reported.
+#[test]
+fn a_body_that_is_despawned_as_its_collision_is_reported_ends_in_the_next_step() {
+    let mut app = SceneApp::new(&gate(&[Effect::Trigger]), &RunOptions::default()).unwrap();
+    let guest = app.app().world().resource::<Bodies>().get(BodyId(1)).unwrap().entity;
+    let post = app.app().world().resource::<Bodies>().get(BodyId(0)).unwrap().entity;
+    app.app_mut().add_observer(move |hit: On<CollisionStart>, mut commands: Commands| {
+        if hit.body == guest {
+            commands.entity(guest).despawn();
+        }
+    });
+    let (mut starts, mut ends) = (Vec::new(), Vec::new());
+    for _ in 0..20 {
+        steps(&mut app, 1);
+        starts.extend(messages::<CollisionStart>(&app));
+        ends.extend(messages::<CollisionEnd>(&app).iter().map(|end| [end.body, end.other]));
+    }
+    assert_eq!((starts.len(), &ends[..]), (1, &[[post, guest]][..]));
+    assert!(app.app().world().get::<TouchingBodies>(post).unwrap().0.is_empty());
+}
+
+#[test]
+fn a_trigger_that_comes_or_goes_on_what_touches_begins_and_ends_it() {
+    let mut app = bevy_app::App::empty();
+    let plugins = CrannyPlugins::new(0.25).unwrap().effects(&[CONTACTS]).unwrap();
+    app.add_plugins(plugins.available(&[EffectKind::Trigger]).unwrap());
+    let world = app.world_mut();
+    let a = world.spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+    let b = world.spawn((RigidBody::Kinematic, unit(), up(0.5))).id();
+    let touching = |world: &mut World| {
+        world.run_schedule(CrannyStep);
+        [a, b].map(|body| world.get::<TouchingBodies>(body).unwrap().0.len())
+    };
+    assert_eq!(touching(world), [0, 0]);
+    world.entity_mut(b).insert(Trigger);
+    assert_eq!(touching(world), [1, 1]);
+    world.entity_mut(b).remove::<Trigger>();
+    assert_eq!(touching(world), [0, 0]);
+    assert!(!world.resource::<Failure>().is_set());
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_body_that_asks_for_no_response_any_more_stands_still() {
+    let mut app = bevy_app::App::empty();
+    let plugins = CrannyPlugins::new(1.0 / 64.0).unwrap();
+    app.add_plugins(plugins.available(&[EffectKind::Response]).unwrap());
+    let world = app.world_mut();
+    let body = world.spawn((RigidBody::Dynamic, unit(), up(9.0), Response)).id();
+    let aside = world.spawn((RigidBody::Dynamic, unit(), Transform::from_xyz(5.0, 0.0, 9.0))).id();
+    let hung = Transform::from_xyz(0.0, 0.0, 7.0);
+    let hung = world.spawn((RigidBody::Dynamic, unit(), hung)).id();
+    let layers = CollisionLayers::shared(2);
+    world.entity_mut(hung).insert(layers);
+    world.entity_mut(aside).insert(layers);
+    let anchors = [Pose::at(DVec3::new(0.0, 0.0, -2.0)), Pose::IDENTITY];
+    world.spawn(Joint::fixed(body, hung).with_anchors(anchors[0], anchors[1]));
+    let fallen = |world: &mut World, entity: Entity| {
+        let before = world.get::<Transform>(entity).unwrap().translation.z;
+        (0..16).for_each(|_| world.run_schedule(CrannyStep));
+        before - world.get::<Transform>(entity).unwrap().translation.z > 0.1
+    };
+    assert!(fallen(world, body) && fallen(world, hung) && !fallen(world, aside));
+    world.entity_mut(body).remove::<Response>();
+    assert!(!fallen(world, body) && !fallen(world, hung));
+    assert!(world.get::<SolverBody>(body).is_none());
+    world.entity_mut(body).insert(Response);
+    assert!(fallen(world, body) && fallen(world, hung), "and the joint holds again");
+    assert!(!world.resource::<Failure>().is_set());
+}
+
+#[test]
+fn what_was_spawned_before_the_plugins_is_a_body_too_and_a_parent_is_refused() {
+    let mut app = bevy_app::App::empty();
+    let early = app.world_mut().spawn((Name::new("early"), unit(), up(0.0))).id();
+    app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(&[Effect::Trigger]).unwrap());
+    let world = app.world_mut();
+    world.run_schedule(CrannyStep);
+    assert_eq!(world.get::<Body>(early).map(|body| body.id), Some(BodyId(0)));
+    let parent = world.spawn(up(1.0)).id();
+    world.entity_mut(early).insert(ChildOf(parent));
+    let refused = world.resource_mut::<Failure>().take().unwrap().to_string();
+    assert!(refused.contains("'early'") && refused.contains("root"), "{refused}");
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn numbers_that_are_none_are_refused_with_the_body_and_the_component() {
+    let mut app = empty(&[Effect::Response]);
+    let [_, upper] = stack(&mut app);
+    world(&mut app).get_mut::<LinearVelocity>(upper).unwrap().0.x = f32::NAN;
+    let refused = app.step().unwrap_err().to_string();
+    assert!(refused.contains("body#1") && refused.contains("LinearVelocity"), "{refused}");
+}

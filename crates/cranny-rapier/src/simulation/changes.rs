@@ -80,8 +80,12 @@ impl Simulation {
         if let Some(mass) = mass {
             self.set_mass(body, mass);
         }
+        if self.body(body).soft_ccd_prediction() > 0.0 {
+            let handle = self.handle(body);
+            self.bodies[handle].set_soft_ccd_prediction(model.radius() as Real);
+        }
         self.forget(body);
-        self.settled = false;
+        self.place(body);
         self.wake(body);
         Ok(())
     }
@@ -139,6 +143,19 @@ impl Simulation {
         collider.set_friction(friction as Real);
         collider.set_restitution(restitution as Real);
         self.wake(body);
+        // rapier sees no change in it: what rests on the body would sleep on.
+        let handle = self.tagged[body.0 as usize].collider;
+        let partners: Vec<_> = self
+            .narrow_phase
+            .contact_pairs_with(handle)
+            .flat_map(|pair| [pair.collider1, pair.collider2])
+            .filter_map(|collider| self.colliders.get(collider)?.parent())
+            .collect();
+        for partner in partners {
+            if let Some(rigid) = self.bodies.get_mut(partner) {
+                rigid.wake_up(true);
+            }
+        }
     }
 
     /// Says in which groups a body is, and which it meets, as bits: two bodies meet where each is
