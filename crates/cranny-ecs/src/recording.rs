@@ -46,8 +46,8 @@ pub struct FrameRecorder {
 }
 
 impl FrameRecorder {
-    /// Only pairs that ask for `Trigger` have events. Names are taken now: a body may have left by the
-    /// time of the frame.
+    /// Only pairs that ask for `Trigger` have events. Names are taken now: a body may have left by
+    /// the time of the frame.
     fn note_events(&mut self, sources: &Sources) {
         let Sources { records, effects, detected, triggered, .. } = sources;
         let report = detected.as_ref().and_then(|detected| detected.report.as_ref());
