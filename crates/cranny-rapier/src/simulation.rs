@@ -212,7 +212,7 @@ impl Simulation {
             self.tagged.push(tagged);
             self.poses_before.push(self.pose(BodyIndex(index)));
         }
-        self.place(BodyIndex(index));
+        self.settled = false;
         Ok(BodyIndex(index))
     }
 
@@ -287,19 +287,7 @@ impl Simulation {
     pub fn set_pose(&mut self, body: BodyIndex, pose: Pose) {
         let handle = self.handle(body);
         self.bodies[handle].set_position(pose_to_rapier(&pose), true);
-        self.place(body);
-    }
-
-    /// Says to the broad phase where a body is: what looks ahead asks it who is near. Before the
-    /// first step it knows nobody.
-    fn place(&mut self, body: BodyIndex) {
-        if !self.settled {
-            return;
-        }
-        let handle = self.tagged[body.0 as usize].collider;
-        let shape = self.colliders[handle].shape();
-        let around = shape.compute_aabb(self.body(body).position());
-        self.broad_phase.set_aabb(&self.parameters, handle, around);
+        self.settled = false;
     }
 
     /// Gives a body other velocities; what its locked axes do not allow is left out.

@@ -85,7 +85,7 @@ impl Simulation {
             self.bodies[handle].set_soft_ccd_prediction(model.radius() as Real);
         }
         self.forget(body);
-        self.place(body);
+        self.settled = false;
         self.wake(body);
         Ok(())
     }
