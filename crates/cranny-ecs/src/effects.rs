@@ -242,6 +242,7 @@ impl EffectTable {
     }
 
     /// Whether a pair is excluded.
+    #[cfg(feature = "rapier")]
     pub(crate) fn excludes(&self, a: BodyId, b: BodyId) -> bool {
         self.excluded.contains(&ordered(a, b))
     }

@@ -85,6 +85,7 @@ impl PluginOptions {
 /// ```
 pub struct CrannyPlugins {
     step: f64,
+    #[cfg_attr(not(feature = "rapier"), allow(dead_code, reason = "the solver reads it"))]
     gravity: DVec3,
     scene_effects: Vec<Effect>,
     /// Effects that bodies and pairs may ask for besides.

@@ -6,7 +6,9 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Add, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
-use cranny_world::{BodyId, PairEvent, PairEventKind};
+use cranny_world::BodyId;
+#[cfg(feature = "record")]
+use cranny_world::{PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, StepSystems};
@@ -63,6 +65,7 @@ pub(crate) struct TriggeredPairs {
 
 impl TriggeredPairs {
     /// What began and what ended in this step, ascending.
+    #[cfg(feature = "record")]
     pub(crate) fn events(&self) -> impl Iterator<Item = PairEvent> {
         self.changed.iter().map(|&pair| {
             let began = self.touching.contains(&pair);
