@@ -1,6 +1,5 @@
 //! A hoop that counts what goes through it: a thin sensor fills the hole, and the hoop itself is
-//! solid. No collision is missed and none is made up: a ball on the rim bounces off, and the sensor
-//! hears nothing. z is up.
+//! solid. Of three balls one goes through, one falls on the rim, one beside. z is up.
 //!
 //! `cargo run --example triggers --features ecs,rapier`
 

@@ -118,6 +118,7 @@ impl Plugin for ResponsePlugin {
                 (
                     solved::relate,
                     solved::join,
+                    solved::set_apart,
                     solved::refresh_reading,
                     solved::push_changes,
                     solved::push_impulses,

@@ -22,7 +22,6 @@ use rapier3d::prelude::{
     SoftBodySet, SolverFlags,
 };
 
-use self::body::check_numbers;
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
 use self::changes::rapier_kind;
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
@@ -179,7 +178,7 @@ impl Simulation {
     /// [`SimulationError`] where parry refuses the mesh, a dynamic body has no mass, a pose is
     /// none, or another number is out of range. Nothing is inserted then.
     pub fn insert(&mut self, spec: &BodySpec) -> Result<BodyIndex, SimulationError> {
-        check_numbers(spec)?;
+        spec.check()?;
         let pose = Pose::checked(spec.pose.rotation, spec.pose.translation)?;
         let index = self.free.first().copied().unwrap_or(self.handles.len() as u32);
         let shape = self.options.detector.shape_with(spec.model, spec.normals, index)?;

@@ -667,5 +667,30 @@ fn numbers_that_are_none_are_refused_with_the_body_and_the_component() {
     let [_, upper] = stack(&mut app);
     world(&mut app).get_mut::<LinearVelocity>(upper).unwrap().0.x = f32::NAN;
     let refused = app.step().unwrap_err().to_string();
-    assert!(refused.contains("body#1") && refused.contains("LinearVelocity"), "{refused}");
+    assert!(refused.contains("body#1") && refused.contains("linear velocity"), "{refused}");
+    let mut app = empty(&[Effect::Response]);
+    let [_, upper] = stack(&mut app);
+    world(&mut app).entity_mut(upper).insert(Friction::new(-0.5));
+    let refused = app.step().unwrap_err().to_string();
+    assert!(refused.contains("friction") && refused.contains("-0.5"), "{refused}");
+}
+
+/// The solver gives the number of a body that left to the next one: its order is not that of ids.
+#[cfg(feature = "rapier")]
+#[test]
+fn contacts_are_of_the_lower_id_first_whatever_number_the_solver_gave() {
+    let mut app = empty(&[Effect::Response, CONTACTS]);
+    let [floor, upper] = stack(&mut app);
+    world(&mut app).despawn(floor);
+    let floor = world(&mut app).spawn((RigidBody::Fixed, unit(), up(-0.02))).id();
+    steps(&mut app, 32);
+    let world = world(&mut app);
+    let [index, other] = [floor, upper].map(|body| world.get::<SolverBody>(body).unwrap().index);
+    assert!(index < other, "the new floor has the old one's number");
+    let report = world.resource::<ContactReport>();
+    let pair = &report.pairs[0];
+    assert_eq!((pair.a, pair.b), (BodyId(1), BodyId(2)));
+    assert!(pair.poses[0].translation.z > 0.9 && pair.poses[1].translation.z < 0.1);
+    let contacts = &pair.answer.contacts;
+    assert!(!contacts.is_empty() && contacts.iter().all(|contact| contact.normal.z < -0.9));
 }

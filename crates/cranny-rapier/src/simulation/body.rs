@@ -81,8 +81,20 @@ pub enum SimulationError {
     },
 }
 
-/// Refuses what rapier would carry into every pose that it touches.
-pub(super) fn check_numbers(spec: &BodySpec) -> Result<(), SimulationError> {
+impl BodySpec<'_> {
+    /// Whether a simulation takes the numbers: rapier would carry what is none into every pose that
+    /// it touches. The mass depends on the solid, and is looked at by whoever makes it.
+    ///
+    /// # Errors
+    ///
+    /// [`SimulationError`]: a pose that is none, a velocity or coefficient out of range.
+    pub fn check(&self) -> Result<(), SimulationError> {
+        Pose::checked(self.pose.rotation, self.pose.translation)?;
+        check_numbers(self)
+    }
+}
+
+fn check_numbers(spec: &BodySpec) -> Result<(), SimulationError> {
     let (linear, angular) = (spec.linear_velocity, spec.angular_velocity);
     let velocities = linear.to_array().map(|v| ("linear velocity", v)).into_iter();
     let velocities = velocities.chain(angular.to_array().map(|v| ("angular velocity", v)));

@@ -25,6 +25,16 @@ pub struct PairContacts {
     pub fresh: bool,
 }
 
+impl PairContacts {
+    /// The same with the bodies exchanged.
+    #[must_use]
+    pub fn swapped(self) -> Self {
+        let Self { a, b, answer, poses: [of_a, of_b], fresh } = self;
+        let answer = Arc::new(Arc::unwrap_or_clone(answer).swapped());
+        Self { a: b, b: a, answer, poses: [of_b, of_a], fresh }
+    }
+}
+
 /// Mechanical energy of all dynamic bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
@@ -114,12 +124,9 @@ impl Simulation {
                 let answer = logged.answer.as_ref().clone().moved(&world);
                 let other = before.compose(&logged.first_from_second);
                 let (a, b) = (BodyIndex(first), BodyIndex(second));
-                Some(if a < b {
-                    PairContacts { a, b, answer: Arc::new(answer), poses: [before, other], fresh }
-                } else {
-                    let answer = Arc::new(answer.swapped());
-                    PairContacts { a: b, b: a, answer, poses: [other, before], fresh }
-                })
+                let (answer, poses) = (Arc::new(answer), [before, other]);
+                let pair = PairContacts { a, b, answer, poses, fresh };
+                Some(if a < b { pair } else { pair.swapped() })
             })
             .collect();
         pairs.sort_by_key(|p| (p.a, p.b));

@@ -124,6 +124,25 @@ fn a_pile_a_hinge_and_a_pair_that_is_left_out() {
     }
 }
 
+/// Numbers of bodies that left stay free, and are given again in the same order.
+#[test]
+fn a_pile_that_bodies_have_left() {
+    let (_, models) = pile(Detector::Cranny);
+    let thinned = || {
+        let mut simulation = pile(Detector::Cranny).0;
+        (0..20).for_each(|_| simulation.step());
+        [4, 2].into_iter().for_each(|index| simulation.remove(BodyIndex(index)));
+        simulation
+    };
+    let also = |simulation: &mut Simulation| {
+        let falling = spec(&models[1], BodyKind::Dynamic, DVec3::new(0.0, 0.0, 3.0));
+        let numbers = [0, 1].map(|_| simulation.insert(&falling).unwrap());
+        assert_eq!(numbers, [BodyIndex(2), BodyIndex(4)]);
+        simulation.step();
+    };
+    goes_on(thinned, &models, [30, 40], also);
+}
+
 /// Written while contacts are carried on: they go on being carried on, from the same search.
 #[test]
 fn what_is_carried_on_goes_on_being_so() {

@@ -1,0 +1,88 @@
+//! What the components of a body say to the solver.
+
+use bevy_ecs::query::QueryData;
+use bevy_math::Vec3;
+use bevy_transform::components::Transform;
+use cranny_rapier::{BodySpec, SimulationError};
+
+use super::Known;
+use crate::body::{pose_of, widened};
+use crate::properties::{
+    AngularVelocity, Density, ExternalForce, Friction, GravityScale, LinearVelocity, LockedAxes,
+    Restitution,
+};
+
+/// The components that the solver reads of a body.
+#[derive(QueryData)]
+pub(crate) struct Given {
+    transform: &'static Transform,
+    linear: &'static LinearVelocity,
+    angular: &'static AngularVelocity,
+    friction: Option<&'static Friction>,
+    restitution: Option<&'static Restitution>,
+    pub(super) density: Option<&'static Density>,
+    gravity: Option<&'static GravityScale>,
+    locked: Option<&'static LockedAxes>,
+    force: Option<&'static ExternalForce>,
+}
+
+/// Their values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GivenValues {
+    pub(super) transform: Transform,
+    pub(super) velocities: [Vec3; 2],
+    pub(super) friction: Friction,
+    pub(super) restitution: Restitution,
+    pub(super) density: Density,
+    pub(super) gravity: GravityScale,
+    pub(super) locked: LockedAxes,
+    pub(super) force: ExternalForce,
+}
+
+impl GivenItem<'_, '_> {
+    pub(super) fn values(&self) -> GivenValues {
+        GivenValues {
+            transform: *self.transform,
+            velocities: [self.linear.0, self.angular.0],
+            friction: self.friction.copied().unwrap_or_default(),
+            restitution: self.restitution.copied().unwrap_or_default(),
+            density: self.density.copied().unwrap_or_default(),
+            gravity: self.gravity.copied().unwrap_or_default(),
+            locked: self.locked.copied().unwrap_or_default(),
+            force: self.force.copied().unwrap_or_default(),
+        }
+    }
+}
+
+impl GivenValues {
+    /// The body that a record and these values describe.
+    pub(super) fn spec<'a>(&self, known: &'a Known) -> BodySpec<'a> {
+        BodySpec {
+            model: &known.model,
+            kind: super::rapier_kind(known.kind),
+            pose: pose_of(&self.transform),
+            linear_velocity: widened(self.velocities[0]),
+            angular_velocity: widened(self.velocities[1]),
+            density: self.density.0,
+            friction: self.friction.coefficient.into(),
+            restitution: self.restitution.coefficient.into(),
+            normals: known.normals,
+            groups: known.layers.memberships,
+        }
+    }
+
+    /// Fails if the solver would not take a number.
+    pub(super) fn check(&self, known: &Known) -> Result<(), SimulationError> {
+        self.spec(known).check()?;
+        let [force, torque] = [self.force.force, self.force.torque].map(|v| v.to_array());
+        let forces = force.map(|x| ("force", x)).into_iter();
+        let numbers = forces.chain(torque.map(|x| ("torque", x)));
+        for (what, value) in numbers.chain([("gravity scale", self.gravity.0)]) {
+            if !value.is_finite() {
+                let (value, expected) = (value.into(), "a finite number");
+                return Err(SimulationError::Number { what, value, expected });
+            }
+        }
+        Ok(())
+    }
+}
