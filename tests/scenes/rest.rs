@@ -21,8 +21,7 @@ const GAIN: f64 = 0.01;
 
 /// All poses and velocities, to the bit.
 fn state(simulation: &Simulation) -> Vec<u64> {
-    let bodies = (0..simulation.len() as u32).map(BodyIndex);
-    let numbers = bodies.flat_map(|body| {
+    let numbers = simulation.indices().flat_map(|body| {
         let (pose, (linear, angular)) = (simulation.pose(body), simulation.velocity(body));
         let vectors = [pose.translation, linear, angular].map(|v| v.to_array());
         pose.rotation.to_array().into_iter().chain(vectors.into_iter().flatten())

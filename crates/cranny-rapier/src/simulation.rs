@@ -263,6 +263,13 @@ impl Simulation {
         self.handles.len() - self.free.len()
     }
 
+    /// Numbers of the bodies, ascending. They are those from 0 to [`len`](Self::len) as long as no
+    /// body has left.
+    pub fn indices(&self) -> impl Iterator<Item = BodyIndex> {
+        let all = (0..self.handles.len() as u32).map(BodyIndex);
+        all.filter(|index| !self.free.contains(&index.0))
+    }
+
     /// Whether there is no body.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -52,7 +52,9 @@ pub struct BodySpec<'a> {
     pub groups: u32,
 }
 
-/// A body of a simulation, counted from 0 in order of insertion.
+/// A body of a simulation, counted from 0 in order of insertion. The number of a body that has left
+/// is free, and is given to a later one; until then whatever takes a number panics on it, but for
+/// [`contains`](super::Simulation::contains) and [`remove`](super::Simulation::remove).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyIndex(pub u32);
 

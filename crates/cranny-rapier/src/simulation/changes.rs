@@ -245,7 +245,8 @@ impl Simulation {
     pub fn set_gravity(&mut self, gravity: DVec3) {
         if gravity != self.options.gravity {
             self.options.gravity = gravity;
-            (0..self.handles.len() as u32).for_each(|index| self.wake(BodyIndex(index)));
+            let all: Vec<BodyIndex> = self.indices().collect();
+            all.into_iter().for_each(|index| self.wake(index));
         }
     }
 

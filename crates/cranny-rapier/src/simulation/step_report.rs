@@ -84,8 +84,8 @@ impl Simulation {
     #[must_use]
     pub fn energy(&self) -> Energy {
         let mut energy = Energy::default();
-        for &handle in &self.handles {
-            let Some(body) = self.bodies.get(handle) else { continue };
+        for index in self.indices() {
+            let body = self.body(index);
             if body.is_dynamic() {
                 energy.kinetic += f64::from(body.kinetic_energy());
                 let center = wide(body.center_of_mass());

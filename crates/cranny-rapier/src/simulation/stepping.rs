@@ -48,10 +48,9 @@ impl Simulation {
     fn advance(&mut self) {
         self.log.begin_step();
         self.searches.begin_step();
-        for index in (0..self.handles.len() as u32).map(BodyIndex) {
-            if self.contains(index) {
-                self.poses_before[index.0 as usize] = self.pose(index);
-            }
+        let poses: Vec<_> = self.indices().map(|index| (index, self.pose(index))).collect();
+        for (BodyIndex(index), pose) in poses {
+            self.poses_before[index as usize] = pose;
         }
         let parameters = self.looking_ahead();
         self.looked_ahead = parameters.prediction_distance();

@@ -19,14 +19,13 @@ fn bits(v: DVec3) -> [u64; 3] {
 
 /// All poses and velocities, to the bit.
 fn state(simulation: &Simulation) -> Vec<([u64; 4], [[u64; 3]; 3])> {
-    let bodies = (0..simulation.len() as u32).map(BodyIndex);
     let of = |body| {
         let pose = simulation.pose(body);
         let (linear, angular) = simulation.velocity(body);
         let rotation = pose.rotation.to_array().map(f64::to_bits);
         (rotation, [pose.translation, linear, angular].map(bits))
     };
-    bodies.map(of).collect()
+    simulation.indices().map(of).collect()
 }
 
 /// What is reported of all pairs, written out; but for the names of regions, which are history and
