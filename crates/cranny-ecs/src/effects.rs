@@ -241,12 +241,6 @@ impl EffectTable {
         self.excluded.iter().copied()
     }
 
-    /// Whether a pair is excluded.
-    #[cfg(feature = "rapier")]
-    pub(crate) fn excludes(&self, a: BodyId, b: BodyId) -> bool {
-        self.excluded.contains(&ordered(a, b))
-    }
-
     /// Bodies, by id.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyId> {
         self.bodies.keys().copied()

@@ -71,7 +71,7 @@ fn mark(
 }
 
 /// The centre of the solid; of the bounds where the mesh is open.
-fn center_of_mass(model: &Model) -> DVec3 {
+pub(crate) fn center_of_mass(model: &Model) -> DVec3 {
     model.mass_properties().map_or_else(|| model.bounds().center(), |mass| mass.center)
 }
 

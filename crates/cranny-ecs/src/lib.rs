@@ -38,6 +38,7 @@ mod app;
 mod body;
 mod clock;
 mod collider;
+mod collision;
 mod contacts;
 mod detection;
 mod effects;
@@ -46,6 +47,8 @@ mod energy;
 mod error;
 #[cfg(feature = "scene")]
 mod excerpt;
+#[cfg(feature = "rapier")]
+mod hooks;
 mod joints;
 mod kinematics;
 mod links;
@@ -76,6 +79,7 @@ pub use app::{RunOptions, SceneApp};
 pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 pub use collider::{Collider, VisualMesh};
+pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
 pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
 pub use cranny_world::{BodyId, ContactFields};
 pub use detection::{Detected, DetectionSystems, Detector};
@@ -85,6 +89,8 @@ pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};
 #[cfg(feature = "scene")]
 pub use excerpt::{helices, rings};
+#[cfg(feature = "rapier")]
+pub use hooks::{CollisionHooks, SolverContacts};
 pub use joints::Joint;
 pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
 pub use links::{Link, LinkLog, Ring};

@@ -92,6 +92,9 @@ pub struct CrannyPlugins {
     available: Vec<EffectKind>,
     options: PluginOptions,
     scene: Option<SpawnScene>,
+    /// Adds the system that makes the solver's step.
+    #[cfg(feature = "rapier")]
+    add_step: fn(&mut App),
     #[cfg(feature = "record")]
     recording: Option<crate::recording::RecordingPlugin>,
     #[cfg(feature = "render")]
@@ -119,6 +122,8 @@ impl CrannyPlugins {
             available: Vec::new(),
             options: PluginOptions::default(),
             scene: None,
+            #[cfg(feature = "rapier")]
+            add_step: crate::response::add_step::<()>,
             #[cfg(feature = "record")]
             recording: None,
             #[cfg(feature = "render")]
@@ -153,6 +158,17 @@ impl CrannyPlugins {
     #[must_use]
     pub fn gravity(self, gravity: DVec3) -> Self {
         Self { gravity, ..self }
+    }
+
+    /// Hooks, which decide about pairs while the solver makes a step. Without them nothing is asked.
+    #[cfg(feature = "rapier")]
+    #[must_use]
+    pub fn hooks<H>(self) -> Self
+    where
+        H: bevy_ecs::system::SystemParam + 'static,
+        for<'w, 's> bevy_ecs::system::SystemParamItem<'w, 's, H>: crate::hooks::CollisionHooks,
+    {
+        Self { add_step: crate::response::add_hooked_step::<H>, ..self }
     }
 
     /// How plugins are built.
@@ -257,6 +273,7 @@ impl PluginGroup for CrannyPlugins {
                 length_unit: self.options.length_unit.unwrap_or(1.0),
                 options: self.options.clone(),
                 detection_present: detects,
+                add_step: self.add_step,
             });
         }
         if let Some(scene) = self.scene {

@@ -11,6 +11,8 @@ use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_ecs::system::{SystemParam, SystemParamItem};
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Answer, Fields};
@@ -18,10 +20,11 @@ use cranny_rapier::{BodyIndex, Detector as Detection, Simulation, SimulationOpti
 use cranny_world::{BodyId, ContactFields};
 
 use crate::body::{Bodies, Body, narrowed, transform_of};
-use crate::clock::{CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::detection::{DetectionSystems, Detector};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
+use crate::hooks::{CollisionHooks, step_solver};
 use crate::plugins::PluginOptions;
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::readers::ContactReaders;
@@ -74,6 +77,27 @@ pub(crate) struct ResponsePlugin {
     pub(crate) options: PluginOptions,
     /// Whether somebody wants exact answers of the world.
     pub(crate) detection_present: bool,
+    /// Adds the system that makes the solver's step.
+    pub(crate) add_step: fn(&mut App),
+}
+
+/// Adds the system that makes the solver's step, with hooks.
+pub(crate) fn add_step<H>(app: &mut App)
+where
+    H: SystemParam + 'static,
+    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+{
+    app.add_systems(CrannyStep, step_solver::<H>.in_set(ResponseSystems::Solve));
+}
+
+/// The same with hooks that are an app's.
+pub(crate) fn add_hooked_step<H>(app: &mut App)
+where
+    H: SystemParam + 'static,
+    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+{
+    app.world_mut().resource_mut::<RigidBodies>().hook();
+    add_step::<H>(app);
 }
 
 impl ResponsePlugin {
@@ -118,7 +142,7 @@ impl Plugin for ResponsePlugin {
                 (
                     solved::relate,
                     solved::join,
-                    solved::set_apart,
+                    solved::set_hooks,
                     solved::refresh_reading,
                     solved::push_changes,
                     solved::push_impulses,
@@ -126,66 +150,85 @@ impl Plugin for ResponsePlugin {
                 )
                     .chain()
                     .in_set(ResponseSystems::Sync),
-                step_solver.in_set(ResponseSystems::Solve),
                 tally_solver.in_set(ResponseSystems::Tally),
                 pull_transforms.in_set(ResponseSystems::Advance),
             ),
         );
-        if detection == Detection::Cranny {
-            app.world_mut().resource_mut::<Tally>().depths_known = true;
-            if self.detection_present {
-                app.configure_sets(
-                    CrannyStep,
-                    ResponseSystems::Supply.in_set(DetectionSystems::Supply),
-                );
-                app.add_systems(CrannyStep, supply_answers.in_set(ResponseSystems::Supply));
+        (self.add_step)(app);
+        let exact = detection == Detection::Cranny;
+        app.world_mut().resource_mut::<Tally>().depths_known |= exact;
+        let presses = app.world().resource::<EffectTable>().names(EffectKind::Trigger);
+        let supplies = exact && self.detection_present;
+        if presses || supplies {
+            let supply = ResponseSystems::Supply.in_set(DetectionSystems::Supply);
+            app.configure_sets(CrannyStep, supply);
+        }
+        if supplies {
+            app.add_systems(CrannyStep, supply_answers.in_set(ResponseSystems::Supply));
+        }
+        if presses {
+            app.configure_sets(CrannyEnd, ResponseSystems::Supply.in_set(DetectionSystems::Supply));
+            for label in [CrannyStep.intern(), CrannyEnd.intern()] {
+                app.add_systems(label, press.in_set(ResponseSystems::Supply));
             }
         }
     }
 }
 
-fn step_solver(
-    mut bodies: ResMut<RigidBodies>,
-    readers: Option<Res<ContactReaders>>,
-    time: Res<SimulatedTime>,
-    mut times: ResMut<PhaseTimes>,
-    mut failure: ResMut<Failure>,
-) {
-    if failure.is_set() {
-        return; // what failed may have left numbers that are none
-    }
-    let bodies = &mut *bodies;
-    if let Some(readers) = readers.filter(|readers| readers.is_changed()) {
-        bodies.reading().fields = readers.fields();
-    }
-    bodies.begin();
-    let start = Instant::now();
-    if let Err(why) = stepped(bodies) {
-        failure.set(SceneAppError::SolverPanicked { step: time.steps(), why });
-        return;
-    }
-    let spent = 1e3 * start.elapsed().as_secs_f64();
-    let timings = bodies.simulation().timings_ms();
-    times.broad += timings.broad;
-    times.narrow += timings.narrow;
-    times.report += timings.reading;
-    times.solver += (spent - timings.broad - timings.narrow - timings.reading).max(0.0);
-    if bodies.is_exact() {
+/// What a step of the solver's needs.
+#[derive(SystemParam)]
+pub(crate) struct Stepping<'w> {
+    bodies: ResMut<'w, RigidBodies>,
+    effects: Res<'w, EffectTable>,
+    readers: Option<Res<'w, ContactReaders>>,
+    time: Res<'w, SimulatedTime>,
+    times: ResMut<'w, PhaseTimes>,
+    failure: ResMut<'w, Failure>,
+}
+
+impl Stepping<'_> {
+    /// Makes a step.
+    pub(crate) fn step(&mut self, hooks: &impl CollisionHooks) {
+        if self.failure.is_set() {
+            return; // what failed may have left numbers that are none
+        }
+        let (bodies, times) = (&mut *self.bodies, &mut *self.times);
+        if let Some(readers) = self.readers.as_ref().filter(|readers| readers.is_changed()) {
+            bodies.reading().fields = readers.fields();
+        }
+        bodies.begin();
         let start = Instant::now();
-        bodies.collect_answers();
-        times.report += 1e3 * start.elapsed().as_secs_f64();
+        if let Err(why) = stepped(bodies, &self.effects, hooks) {
+            self.failure.set(SceneAppError::SolverPanicked { step: self.time.steps(), why });
+            return;
+        }
+        let spent = 1e3 * start.elapsed().as_secs_f64();
+        let timings = bodies.simulation().timings_ms();
+        times.broad += timings.broad;
+        times.narrow += timings.narrow;
+        times.report += timings.reading;
+        times.solver += (spent - timings.broad - timings.narrow - timings.reading).max(0.0);
+        if bodies.is_exact() {
+            let start = Instant::now();
+            bodies.collect_answers();
+            times.report += 1e3 * start.elapsed().as_secs_f64();
+        }
     }
 }
 
 /// Makes a step. What rapier's own detectors cannot take may make them panic, which ends the run in
 /// order; a panic under our detector is ours, and is let through.
-fn stepped(bodies: &mut RigidBodies) -> Result<(), String> {
+fn stepped(
+    bodies: &mut RigidBodies,
+    effects: &EffectTable,
+    hooks: &impl CollisionHooks,
+) -> Result<(), String> {
     if bodies.is_exact() {
-        bodies.simulation_mut().step();
+        bodies.step(effects, hooks);
         return Ok(());
     }
     // The simulation is not used again after a failure.
-    unless_it_panics(|| bodies.simulation_mut().step())
+    unless_it_panics(|| bodies.step(effects, hooks))
 }
 
 /// Does something; what it says should it panic.
@@ -212,6 +255,21 @@ fn supply_answers(
         if read {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             detector.supplied_poses.insert((a, b), pair.poses);
+        }
+    }
+}
+
+/// Pairs that the solver kept apart by an impulse in its last step touch: what bounces off may do so
+/// between two poses.
+fn press(
+    bodies: Res<RigidBodies>,
+    effects: Res<EffectTable>,
+    mut detector: ResMut<Detector>,
+    mut failure: ResMut<Failure>,
+) {
+    for ((a, b), _) in bodies.impulses() {
+        if effects.asks(EffectKind::Trigger, a, b) {
+            failure.note(detector.world().press(a, b));
         }
     }
 }

@@ -19,16 +19,17 @@ use cranny_geometry::Model;
 use cranny_rapier::{
     BodyIndex, Detector as Detection, Energy, JointIndex, PairContacts, Simulation, SimulationError,
 };
-use cranny_world::description::{BodyKind, Normals};
+use cranny_world::description::{BodyKind, Effect, Normals};
 use cranny_world::{BodyId, Layers};
 
 use self::given::GivenValues;
 pub(crate) use self::upkeep::{
-    join, observe, push_changes, push_gravity, push_impulses, refresh_reading, relate, set_apart,
+    join, observe, push_changes, push_gravity, push_impulses, refresh_reading, relate, set_hooks,
 };
 use crate::body::{BodyRecord, pose_of, widened};
-use crate::effects::{BodyEffects, EffectKind, EffectTable, Pair};
+use crate::effects::{BodyEffects, EffectKind, EffectTable, Pair, ordered};
 use crate::energy::EnergyRange;
+use crate::hooks::{CollisionHooks, Deciding};
 use crate::joints::Joint;
 use crate::properties::{Density, ExternalForce, GravityScale, LockedAxes};
 use crate::response::Reading;
@@ -49,7 +50,7 @@ pub struct RigidBodies {
     known: BTreeMap<BodyIndex, Known>,
     /// What the solver's detector found, at the poses of the beginning of this step, or of its last
     /// part.
-    answers: Vec<(Pair, PairContacts)>,
+    answers: Vec<SolverAnswer>,
     /// The `Transform`s from which a pair's latest answer was computed.
     answered_at: BTreeMap<Pair, [Transform; 2]>,
     /// Shared with the solver's step.
@@ -61,9 +62,14 @@ pub struct RigidBodies {
     energy: Option<EnergyRange>,
     /// At the end of the last step.
     energy_left: Energy,
-    excluded: BTreeSet<Pair>,
-    /// Of the effects that memberships and exclusions follow.
-    revision: Option<u64>,
+    /// What was asked when it was last looked who takes part; `None` before the first step.
+    asked: Option<EffectTable>,
+    /// Whether it need not be looked again.
+    members_are_current: bool,
+    /// Whether all bodies have the hooks that they need.
+    hooks_are_current: bool,
+    /// Whether an app's hooks decide too.
+    hooked: bool,
     joints: BTreeMap<Entity, (Joint, JointIndex)>,
     /// Joints whose ends are not both in the solver's world, in the order in which they came.
     loose: BTreeMap<u64, Entity>,
@@ -73,10 +79,20 @@ pub struct RigidBodies {
     bereft: Vec<Entity>,
 }
 
+/// What the solver's detector found of a pair; A is the body with the lower id.
+#[derive(Clone, Debug)]
+struct SolverAnswer {
+    pair: Pair,
+    contacts: PairContacts,
+    /// Whether it was computed for the very poses at which the solver used it.
+    exact: bool,
+}
+
 /// What the solver knows of a body.
 #[derive(Clone, Debug)]
-struct Known {
-    id: BodyId,
+pub(crate) struct Known {
+    pub(crate) id: BodyId,
+    pub(crate) entity: Entity,
     model: Model,
     kind: BodyKind,
     normals: Normals,
@@ -127,7 +143,21 @@ impl RigidBodies {
     /// here only if neither body has moved since (it lets resting pairs sleep). Empty with rapier's
     /// own detectors.
     pub fn answers(&self) -> impl Iterator<Item = (BodyId, BodyId, &PairContacts)> {
-        self.answers.iter().map(|((a, b), pair)| (*a, *b, pair))
+        let exact = self.answers.iter().filter(|answer| answer.exact);
+        exact.map(|answer| (answer.pair.0, answer.pair.1, &answer.contacts))
+    }
+
+    /// The contacts that the solver used in this step, by ascending ids, as [`answers`](Self::answers)
+    /// has them; beside those the ones that it carried on from an older step, with the points and
+    /// normals that they had in the frame of the body which rapier has first.
+    pub fn contacts(&self) -> impl Iterator<Item = (BodyId, BodyId, &PairContacts)> {
+        self.answers.iter().map(|answer| (answer.pair.0, answer.pair.1, &answer.contacts))
+    }
+
+    /// The same of one pair, the lower id first.
+    pub(crate) fn contacts_of(&self, pair: Pair) -> Option<&PairContacts> {
+        let at = self.answers.binary_search_by_key(&pair, |answer| answer.pair).ok()?;
+        Some(&self.answers[at].contacts)
     }
 
     /// Whether the solver's own detector gives exact answers.
@@ -161,13 +191,42 @@ impl RigidBodies {
             detection,
             energy: None,
             energy_left: Energy::default(),
-            excluded: BTreeSet::new(),
-            revision: None,
+            asked: None,
+            members_are_current: false,
+            hooks_are_current: false,
+            hooked: false,
             joints: BTreeMap::new(),
             loose: BTreeMap::new(),
             joints_noted: 0,
             bereft: Vec::new(),
         }
+    }
+
+    /// Makes a step.
+    pub(crate) fn step(&mut self, effects: &EffectTable, hooks: &impl CollisionHooks) {
+        let Self { simulation, known: members, .. } = self;
+        simulation.step_with(&Deciding { hooks, effects, members });
+    }
+
+    /// Has an app's hooks decide too.
+    pub(crate) fn hook(&mut self) {
+        self.hooked = true;
+    }
+
+    /// The impulses along the normals that pairs of bodies gave each other in the last step, where
+    /// they did.
+    pub(crate) fn impulses(&self) -> impl Iterator<Item = (Pair, f64)> {
+        self.simulation.candidate_pairs().filter_map(|(a, b)| {
+            let impulse = self.simulation.contact_impulse(a, b);
+            let [a, b] = [self.id(a)?, self.id(b)?];
+            (impulse > 0.0).then_some((ordered(a, b), impulse))
+        })
+    }
+
+    /// The same of one pair; 0 for bodies that the solver does not have.
+    pub(crate) fn impulse(&self, a: BodyId, b: BodyId) -> f64 {
+        let pair = self.index(a).zip(self.index(b));
+        pair.map_or(0.0, |(a, b)| self.simulation.contact_impulse(a, b))
     }
 
     pub(crate) fn reading(&self) -> MutexGuard<'_, Reading> {
@@ -212,12 +271,14 @@ impl RigidBodies {
             let turned = a.id > b.id;
             let [a, b] = if turned { [b, a] } else { [a, b] };
             let (key, now) = ((a.id, b.id), [a, b].map(|known| known.given.transform));
-            if pair.fresh || self.answered_at.get(&key) == Some(&now) {
+            let exact = pair.fresh || self.answered_at.get(&key) == Some(&now);
+            if exact {
                 answered_at.insert(key, now);
-                answers.push((key, if turned { pair.swapped() } else { pair }));
             }
+            let contacts = if turned { pair.swapped() } else { pair };
+            answers.push(SolverAnswer { pair: key, contacts, exact });
         }
-        answers.sort_unstable_by_key(|(key, _)| *key);
+        answers.sort_unstable_by_key(|answer| answer.pair);
         (self.answers, self.answered_at) = (answers, answered_at);
     }
 }
@@ -233,6 +294,7 @@ impl RigidBodies {
     ) -> Result<BodyIndex, SimulationError> {
         let known = Known {
             id,
+            entity: record.entity,
             model: record.model.clone(),
             kind: record.kind,
             normals: record.normals,
@@ -349,45 +411,36 @@ impl RigidBodies {
         self.simulation.remove(index);
         self.known.remove(&index);
         let others = |pair: &Pair| pair.0 != id && pair.1 != id;
-        self.answers.retain(|(pair, _)| others(pair));
+        self.answers.retain(|answer| others(&answer.pair));
         self.answered_at.retain(|pair, _| others(pair));
-        self.excluded.retain(others);
         self.reading_is_current = false;
     }
 
-    /// Excludes and includes pairs of bodies that are in the solver's world.
-    fn set_excluded(&mut self, excluded: BTreeSet<Pair>) {
-        let before = std::mem::replace(&mut self.excluded, excluded);
-        let indices = |(a, b): Pair, bodies: &Self| bodies.index(a).zip(bodies.index(b));
-        for &pair in before.difference(&self.excluded) {
-            if let Some((a, b)) = indices(pair, self) {
-                self.simulation.include(a, b);
-            }
-        }
-        let more: Vec<Pair> = self.excluded.difference(&before).copied().collect();
-        for pair in more {
-            if let Some((a, b)) = indices(pair, self) {
-                self.simulation.exclude(a, b);
-            }
+    /// Has a step ask, for bodies that may be near others without a response, who responds.
+    fn set_hooked(&mut self, effects: &EffectTable) {
+        let of_scene = effects.of_scene().contains(&Effect::Response);
+        let apart: BTreeSet<BodyId> = effects.excluded().flat_map(|(a, b)| [a, b]).collect();
+        for (&index, known) in &self.known {
+            let filters = self.hooked || !of_scene || apart.contains(&known.id);
+            self.simulation.set_hooked(index, filters, self.hooked);
         }
     }
 
-    /// Pairs of bodies in the solver's world that do not respond to each other, of layers that
-    /// meet.
-    fn apart(&self, effects: &EffectTable) -> BTreeSet<Pair> {
-        if effects.of_scene().iter().any(|e| EffectKind::of(e) == Some(EffectKind::Response)) {
-            let present = |pair: &Pair| {
-                self.index_of.contains_key(&pair.0) && self.index_of.contains_key(&pair.1)
-            };
-            return effects.excluded().filter(present).collect();
+    /// Wakes pairs about whose response something else is asked now.
+    fn reconsider(&mut self, before: &EffectTable, now: &EffectTable) {
+        let responds = |effects: &EffectTable, a: &Known, b: &Known| {
+            effects.asks(EffectKind::Response, a.id, b.id)
+        };
+        let changed: Vec<_> = self
+            .simulation
+            .candidate_pairs()
+            .filter(|(a, b)| {
+                let pair = self.known.get(a).zip(self.known.get(b));
+                pair.is_some_and(|(a, b)| responds(before, a, b) != responds(now, a, b))
+            })
+            .collect();
+        for (a, b) in changed {
+            self.simulation.reconsider(a, b);
         }
-        let members: Vec<BodyId> = self.index_of.keys().copied().collect();
-        let pairs = members
-            .iter()
-            .enumerate()
-            .flat_map(|(i, &a)| members[i + 1..].iter().map(move |&b| (a, b)));
-        // Those whose layers or kinds keep them apart need no exclusion.
-        let meet = |&(a, b): &Pair| effects.may_meet(a, b) || effects.excludes(a, b);
-        pairs.filter(meet).filter(|&(a, b)| !effects.asks(EffectKind::Response, a, b)).collect()
     }
 }

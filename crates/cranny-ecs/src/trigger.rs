@@ -6,12 +6,14 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Add, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
-use cranny_world::BodyId;
+use bevy_ecs::system::SystemParam;
+use cranny_world::{BodyId, PairAnswer};
 #[cfg(feature = "record")]
 use cranny_world::{PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, StepSystems};
+use crate::collision::{CollisionContact, Velocities, deepest};
 use crate::detection::{Detected, DetectionSystems};
 use crate::effects::{EffectKind, EffectTable, Pair};
 
@@ -24,11 +26,12 @@ pub enum TriggerSystems {
     Report,
 }
 
-/// Two bodies began to touch or overlap.
+/// Two bodies began to touch or overlap: at the poses at the beginning of the step, or within it,
+/// where the solver kept them apart.
 ///
 /// As a message it is written once a pair, `body` having the lower id. As an event it is triggered
 /// for each of the two entities, as `body`; for one that does not exist any more it is not.
-#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, Clone, Copy, Debug, PartialEq)]
 pub struct CollisionStart {
     /// The entity that the event is about.
     #[event_target]
@@ -37,6 +40,19 @@ pub struct CollisionStart {
     pub other: Entity,
     /// Their stable ids, in the same order.
     pub ids: [BodyId; 2],
+    /// Where and how hard, of pairs whose contacts somebody finds anyway: those with
+    /// [`Response`](crate::Response) or [`Contacts`](crate::Contacts). `None` for pairs with
+    /// [`Trigger`](crate::Trigger) alone, of which nothing but the verdict is computed.
+    pub contact: Option<CollisionContact>,
+}
+
+impl CollisionStart {
+    /// Seen from the other body.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        let ([a, b], contact) = (self.ids, self.contact.map(CollisionContact::flipped));
+        Self { body: self.other, other: self.body, ids: [b, a], contact }
+    }
 }
 
 /// Two bodies touch no more, or one of them was removed. Reported as [`CollisionStart`] is.
@@ -49,6 +65,15 @@ pub struct CollisionEnd {
     pub other: Entity,
     /// Their stable ids, in the same order.
     pub ids: [BodyId; 2],
+}
+
+impl CollisionEnd {
+    /// Seen from the other body.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        let [a, b] = self.ids;
+        Self { body: self.other, other: self.body, ids: [b, a] }
+    }
 }
 
 /// What a body touches now, by id, among the pairs that are asked for `Trigger`.
@@ -64,6 +89,10 @@ pub(crate) struct TriggeredPairs {
 }
 
 impl TriggeredPairs {
+    pub(crate) fn touches(&self, pair: Pair) -> bool {
+        self.touching.contains(&pair)
+    }
+
     /// What began and what ended in this step, ascending.
     #[cfg(feature = "record")]
     pub(crate) fn events(&self) -> impl Iterator<Item = PairEvent> {
@@ -101,10 +130,45 @@ impl Plugin for TriggerPlugin {
     }
 }
 
+/// What is known of the contact of a pair that began to touch.
+#[derive(SystemParam)]
+struct Beginnings<'w, 's> {
+    velocities: Velocities<'w, 's>,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
+}
+
+impl Beginnings<'_, '_> {
+    /// Seen from the body with the lower id.
+    fn contact(
+        &self,
+        bodies: &Bodies,
+        answers: &[PairAnswer],
+        (a, b): Pair,
+    ) -> Option<CollisionContact> {
+        let at = answers.binary_search_by_key(&(a, b), |pair| (pair.a, pair.b)).ok();
+        let point = at.and_then(|at| deepest(&answers[at].answer));
+        // What the solver carries on from an older step was not detected in this one.
+        #[cfg(feature = "rapier")]
+        let point = point.or_else(|| {
+            let carried = self.solver.as_ref()?.contacts_of((a, b))?;
+            deepest(&carried.answer)
+        });
+        let deepest = point?;
+        let speed = self.velocities.closing(bodies, [a, b], &deepest);
+        #[cfg(feature = "rapier")]
+        let impulse = self.solver.as_ref().map_or(0.0, |solver| solver.impulse(a, b));
+        #[cfg(not(feature = "rapier"))]
+        let impulse = 0.0;
+        Some(CollisionContact { deepest, impulse, speed })
+    }
+}
+
 fn report_collisions(
     detected: Res<Detected>,
     effects: Res<EffectTable>,
     bodies: Res<Bodies>,
+    beginnings: Beginnings,
     mut touching: Query<&mut TouchingBodies, With<Body>>,
     mut starts: MessageWriter<CollisionStart>,
     mut ends: MessageWriter<CollisionEnd>,
@@ -118,27 +182,27 @@ fn report_collisions(
         touches.filter(|&(a, b)| effects.asks(EffectKind::Trigger, a, b)).collect();
     let before = std::mem::replace(&mut triggered.touching, now);
     triggered.changed = before.symmetric_difference(&triggered.touching).copied().collect();
-    for &(id_a, id_b) in &triggered.changed {
-        let began = triggered.touching.contains(&(id_a, id_b));
+    for &pair @ (id_a, id_b) in &triggered.changed {
         let (Some(a), Some(b)) = (bodies.entity(id_a), bodies.entity(id_b)) else { continue };
-        for (turn, (body, other, ids)) in
-            [(a, b, [id_a, id_b]), (b, a, [id_b, id_a])].into_iter().enumerate()
-        {
-            let (start, end) =
-                (CollisionStart { body, other, ids }, CollisionEnd { body, other, ids });
-            match (turn, began) {
-                (0, true) => drop(starts.write(start)),
-                (0, false) => drop(ends.write(end)),
-                _ => {}
+        if triggered.touching.contains(&pair) {
+            let contact = beginnings.contact(&bodies, &report.answers, pair);
+            let start = CollisionStart { body: a, other: b, ids: [id_a, id_b], contact };
+            starts.write(start);
+            for start in [start, start.flipped()] {
+                if let Ok(mut set) = touching.get_mut(start.body) {
+                    set.0.insert(start.ids[1]);
+                    commands.trigger(start);
+                }
             }
-            // A body that was removed hears nothing; its partner does.
-            let Ok(mut set) = touching.get_mut(body) else { continue };
-            if began {
-                set.0.insert(ids[1]);
-                commands.trigger(start);
-            } else {
-                set.0.remove(&ids[1]);
-                commands.trigger(end);
+        } else {
+            let end = CollisionEnd { body: a, other: b, ids: [id_a, id_b] };
+            ends.write(end);
+            for end in [end, end.flipped()] {
+                // A body that was removed hears nothing; its partner does.
+                if let Ok(mut set) = touching.get_mut(end.body) {
+                    set.0.remove(&end.ids[1]);
+                    commands.trigger(end);
+                }
             }
         }
     }

@@ -90,7 +90,7 @@ pub use mass::{MassError, mass_properties};
 pub use shape::{MeshShape, ShapeError};
 pub use simulation::{
     BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Simulation, SimulationError,
-    SimulationOptions, Timings,
+    SimulationOptions, SolvedContacts, StepHooks, Timings,
 };
 #[cfg(feature = "snapshot")]
 pub use snapshot::{RestoreError, Sets, SnapshotError, restore, snapshot};

@@ -5,25 +5,25 @@
 
 mod body;
 mod changes;
+mod hooks;
 mod options;
 mod step_report;
 mod stepping;
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use cranny_exact::{DVec3, Pose};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::math::Real;
-use rapier3d::pipeline::PairFilterContext;
 use rapier3d::prelude::{
     ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
     ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase,
-    PhysicsHooks, PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet,
-    SoftBodySet, SolverFlags,
+    PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet,
 };
 
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
 use self::changes::rapier_kind;
+pub use self::hooks::{SolvedContacts, StepHooks};
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
 pub use self::step_report::{Energy, PairContacts, Timings};
 use crate::ahead::{Motions, Tagged};
@@ -63,7 +63,11 @@ pub struct Simulation {
     pub(crate) parts: usize,
     timings: Timings,
     pub(crate) poses_before: Vec<Pose>,
-    pub(crate) exclusions: Exclusions,
+    /// Pairs of numbers that never meet, the lower first.
+    pub(crate) excluded: HashSet<(u32, u32)>,
+    /// Impulses of the parts of the last step but its last one, by pairs of numbers, the lower
+    /// first.
+    earlier_impulses: BTreeMap<(u32, u32), f64>,
     pub(crate) log: AnswerLog,
     pub(crate) searches: Searches,
     /// How the contacts of the last step were found.
@@ -71,21 +75,6 @@ pub struct Simulation {
     /// Whether joints were inserted that no step has seen: rapier's serde would lose that.
     #[cfg_attr(not(feature = "snapshot"), allow(dead_code, reason = "a snapshot asks"))]
     pub(crate) joined: bool,
-}
-
-/// Pairs of tags that never meet, lower first.
-#[derive(Default)]
-pub(crate) struct Exclusions(pub(crate) HashSet<(u32, u32)>);
-
-impl PhysicsHooks for Exclusions {
-    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
-        let tag = |handle| context.colliders.get(handle).map(|c| c.user_data as u32);
-        let excluded = match (tag(context.collider1), tag(context.collider2)) {
-            (Some(a), Some(b)) => self.0.contains(&(a.min(b), a.max(b))),
-            _ => false,
-        };
-        (!excluded).then(SolverFlags::default)
-    }
 }
 
 fn dispatcher_of(
@@ -152,7 +141,8 @@ impl Simulation {
             parts: 1,
             timings: Timings::default(),
             poses_before: Vec::new(),
-            exclusions: Exclusions::default(),
+            excluded: HashSet::new(),
+            earlier_impulses: BTreeMap::new(),
             log,
             searches,
             pair_counts: PairCounts::default(),
@@ -232,12 +222,14 @@ impl Simulation {
 
     /// Two bodies never meet from now on.
     pub fn exclude(&mut self, a: BodyIndex, b: BodyIndex) {
-        self.exclusions.0.insert((a.0.min(b.0), a.0.max(b.0)));
+        self.excluded.insert((a.0.min(b.0), a.0.max(b.0)));
         self.log.forget(a.0, b.0);
         self.log.forget(b.0, a.0);
         for index in [a, b] {
             for &collider in self.bodies[self.handle(index)].colliders() {
-                self.colliders[collider].set_active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
+                let collider = &mut self.colliders[collider];
+                let hooks = collider.active_hooks() | ActiveHooks::FILTER_CONTACT_PAIRS;
+                collider.set_active_hooks(hooks);
             }
             self.wake(index);
         }

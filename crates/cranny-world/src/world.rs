@@ -48,6 +48,8 @@ pub struct World {
     /// Whether pairs are answered without memory as well.
     verify: bool,
     supplied: BTreeMap<Pair, Answer>,
+    /// Pairs that met within the coming step, whatever their answers.
+    pressed: BTreeSet<Pair>,
     /// Pairs with a demand that touched at the last step.
     touching: BTreeSet<Pair>,
     /// Names of bodies that were removed since the last step, and before it.
@@ -124,6 +126,7 @@ impl World {
         let others = |pair: &Pair| pair.0 != body && pair.1 != body;
         self.excluded.retain(others);
         self.supplied.retain(|pair, _| others(pair));
+        self.pressed.retain(others);
         let freed: Vec<Pair> = self.pair_wishes.keys().copied().filter(|p| !others(p)).collect();
         for (a, b) in freed {
             self.pair_wishes.remove(&(a, b));
@@ -182,6 +185,7 @@ impl World {
         known.model = model;
         self.memories.retain(|pair, _| pair.0 != body && pair.1 != body);
         self.supplied.retain(|pair, _| pair.0 != body && pair.1 != body);
+        self.pressed.retain(|pair| pair.0 != body && pair.1 != body);
         self.refresh_box(body)
     }
 
@@ -242,6 +246,18 @@ impl World {
         let pair = self.known_pair(a, b)?;
         let answer = if pair == (a, b) { answer } else { swapped(answer) };
         self.supplied.insert(pair, answer);
+        Ok(())
+    }
+
+    /// Says that two bodies press on each other in the coming step: a solver kept them apart by an
+    /// impulse. They then count as touching, however far apart their surfaces are at its poses.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn press(&mut self, a: BodyId, b: BodyId) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        self.pressed.insert(pair);
         Ok(())
     }
 
@@ -371,15 +387,14 @@ impl World {
 
     /// Replaces the set of touching pairs and tells the difference.
     fn update_touching(&mut self, answers: &[PairAnswer]) -> Vec<PairEvent> {
+        let pressed = std::mem::take(&mut self.pressed);
         let asked = |a: &BodyId, b: &BodyId| match (self.bodies.get(a), self.bodies.get(b)) {
             (Some(body_a), Some(body_b)) => self.demand((*a, *b), body_a, body_b) != Demand::None,
             _ => false,
         };
-        let touching: BTreeSet<Pair> = answers
-            .iter()
-            .filter(|pair| touches(&pair.answer) && asked(&pair.a, &pair.b))
-            .map(|pair| (pair.a, pair.b))
-            .collect();
+        let met = answers.iter().filter(|pair| touches(&pair.answer));
+        let met = met.map(|pair| (pair.a, pair.b)).chain(pressed);
+        let touching: BTreeSet<Pair> = met.filter(|(a, b)| asked(a, b)).collect();
         let changed = self.touching.symmetric_difference(&touching).map(|&(a, b)| {
             let began = touching.contains(&(a, b));
             let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };
@@ -420,6 +435,7 @@ impl World {
             |(a, b): &Pair| a < b && self.bodies.contains_key(a) && self.bodies.contains_key(b);
         unless(self.pair_wishes.keys().all(present), "pair effects are of bodies present")?;
         unless(self.excluded.iter().all(present), "excluded pairs are of bodies present")?;
+        unless(self.pressed.iter().all(present), "pressing pairs are of bodies present")?;
         unless(self.supplied.keys().all(present), "supplied answers are of bodies present")
     }
 }

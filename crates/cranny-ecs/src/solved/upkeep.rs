@@ -58,7 +58,7 @@ impl Insertion<'_, '_> {
             Ok(index) => {
                 self.commands.entity(entity).insert(SolverBody { index });
                 self.commands.entity(entity).try_remove::<Kinematic>();
-                self.bodies.revision = None; // who is excluded is found again
+                self.bodies.hooks_are_current = false;
                 true
             }
             Err(source) => {
@@ -154,13 +154,16 @@ fn part(removed: On<Remove<Joint>>, mut bodies: ResMut<RigidBodies>) {
     if let Some((_, index)) = bodies.joints.remove(&removed.entity) {
         bodies.simulation.part(index);
         // What it held may have no part in any response now.
-        bodies.revision = None;
+        bodies.members_are_current = false;
     }
 }
 
 /// Looks again who takes part, where what is asked has changed.
 pub(crate) fn relate(mut insertion: Insertion) {
-    if insertion.bodies.revision != Some(insertion.effects.revision()) {
+    let bodies = &mut insertion.bodies;
+    let asked = bodies.asked.as_ref().map(EffectTable::revision);
+    if !bodies.members_are_current || asked != Some(insertion.effects.revision()) {
+        bodies.members_are_current = true;
         let outside: Vec<Entity> = insertion
             .effects
             .bodies()
@@ -174,12 +177,18 @@ pub(crate) fn relate(mut insertion: Insertion) {
     }
 }
 
-/// Excludes pairs that do not respond to each other, once it is known who takes part.
-pub(crate) fn set_apart(effects: Res<EffectTable>, mut bodies: ResMut<RigidBodies>) {
-    if bodies.revision != Some(effects.revision()) {
-        let apart = bodies.apart(&effects);
-        bodies.set_excluded(apart);
-        bodies.revision = Some(effects.revision());
+/// Says of whom a step asks whether they respond, once it is known who takes part.
+pub(crate) fn set_hooks(effects: Res<EffectTable>, mut bodies: ResMut<RigidBodies>) {
+    let same = bodies.asked.as_ref().is_some_and(|asked| asked.revision() == effects.revision());
+    if same && bodies.hooks_are_current {
+        return;
+    }
+    bodies.set_hooked(&effects);
+    bodies.hooks_are_current = true;
+    if !same {
+        if let Some(before) = bodies.asked.replace(effects.clone()) {
+            bodies.reconsider(&before, &effects);
+        }
         bodies.reading_is_current = false;
     }
 }

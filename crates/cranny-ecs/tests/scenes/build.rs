@@ -2,6 +2,10 @@
 
 use std::sync::Arc;
 
+use bevy_ecs::message::Messages;
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use cranny_ecs::{Collider, PluginOptions, RunOptions, SceneApp};
 use cranny_exact::{DVec3, Pose};
 use cranny_shapes::Cuboid;
 use cranny_world::description::{
@@ -60,4 +64,41 @@ pub(crate) fn drop(effects: &[Effect]) -> SceneDescription {
         cube("box", BodyKind::Dynamic, DVec3::new(0.125, 0.0, 1.25), DVec3::ZERO),
     ];
     scene(bodies, effects)
+}
+
+/// An app without bodies.
+pub(crate) fn empty(effects: &[Effect]) -> SceneApp {
+    let mut description = scene(Vec::new(), effects);
+    description.duration = 100.0;
+    // As a scene of unit cubes has it.
+    let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
+    SceneApp::new(&description, &RunOptions { plugins, ..RunOptions::default() }).unwrap()
+}
+
+pub(crate) fn cuboid(size: [f64; 3]) -> Collider {
+    Collider::from_mesh(Cuboid { size }.build().unwrap()).unwrap()
+}
+
+pub(crate) fn unit() -> Collider {
+    cuboid([1.0; 3])
+}
+
+pub(crate) fn up(z: f32) -> Transform {
+    Transform::from_xyz(0.0, 0.0, z)
+}
+
+pub(crate) fn world(app: &mut SceneApp) -> &mut World {
+    app.app_mut().world_mut()
+}
+
+pub(crate) fn steps(app: &mut SceneApp, count: usize) {
+    (0..count).for_each(|_| assert!(app.step().unwrap()));
+}
+
+pub(crate) fn height(app: &SceneApp, entity: Entity) -> f32 {
+    app.app().world().get::<Transform>(entity).unwrap().translation.z
+}
+
+pub(crate) fn messages<M: Message + Clone>(app: &SceneApp) -> Vec<M> {
+    app.app().world().resource::<Messages<M>>().iter_current_update_messages().cloned().collect()
 }

@@ -3,57 +3,21 @@
 use std::f32::consts::FRAC_PI_2;
 
 use bevy_ecs::hierarchy::ChildOf;
-use bevy_ecs::message::Messages;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::{DVec3, Pose};
-use cranny_shapes::{Cuboid, Torus};
+use cranny_shapes::Torus;
 use cranny_world::description::{BodyKind, Effect};
 use proptest::prelude::*;
 
-use crate::build::{cube, drop, gate, scene};
+use crate::build::{
+    cube, cuboid, drop, empty, gate, height, messages, scene, steps, unit, up, world,
+};
 
 const CONTACTS: Effect = Effect::Contacts { margin: 0.005 };
-
-/// An app without bodies.
-fn empty(effects: &[Effect]) -> SceneApp {
-    let mut description = scene(Vec::new(), effects);
-    description.duration = 100.0;
-    // As a scene of unit cubes has it.
-    let plugins = PluginOptions { length_unit: Some(1.0 / 3.0), ..PluginOptions::default() };
-    SceneApp::new(&description, &RunOptions { plugins, ..RunOptions::default() }).unwrap()
-}
-
-fn cuboid(size: [f64; 3]) -> Collider {
-    Collider::from_mesh(Cuboid { size }.build().unwrap()).unwrap()
-}
-
-fn unit() -> Collider {
-    cuboid([1.0; 3])
-}
-
-fn up(z: f32) -> Transform {
-    Transform::from_xyz(0.0, 0.0, z)
-}
-
-fn world(app: &mut SceneApp) -> &mut World {
-    app.app_mut().world_mut()
-}
-
-fn steps(app: &mut SceneApp, count: usize) {
-    (0..count).for_each(|_| assert!(app.step().unwrap()));
-}
-
-fn height(app: &SceneApp, entity: Entity) -> f32 {
-    app.app().world().get::<Transform>(entity).unwrap().translation.z
-}
-
-fn messages<M: Message + Clone>(app: &SceneApp) -> Vec<M> {
-    app.app().world().resource::<Messages<M>>().iter_current_update_messages().cloned().collect()
-}
 
 /// A fixed unit cube, and another that rests on it.
 #[cfg(feature = "rapier")]

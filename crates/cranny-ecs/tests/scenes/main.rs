@@ -2,6 +2,8 @@
 
 mod absence;
 mod build;
+#[cfg(feature = "rapier")]
+mod collisions;
 mod detection;
 mod entities;
 mod fixed_update;

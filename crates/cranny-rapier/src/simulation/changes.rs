@@ -38,7 +38,7 @@ impl Simulation {
         );
         self.tagged[body.0 as usize].leave();
         self.free.insert(body.0);
-        self.exclusions.0.retain(|&(a, b)| a != body.0 && b != body.0);
+        self.excluded.retain(|&(a, b)| a != body.0 && b != body.0);
         self.forget(body);
     }
 
@@ -55,7 +55,7 @@ impl Simulation {
         (body.0 as usize) < self.handles.len() && !self.free.contains(&body.0)
     }
 
-    fn collider_mut(&mut self, body: BodyIndex) -> &mut Collider {
+    pub(super) fn collider_mut(&mut self, body: BodyIndex) -> &mut Collider {
         &mut self.colliders[self.tagged[body.0 as usize].collider]
     }
 
@@ -236,7 +236,7 @@ impl Simulation {
 
     /// Takes back that two bodies [never meet](Self::exclude).
     pub fn include(&mut self, a: BodyIndex, b: BodyIndex) {
-        self.exclusions.0.remove(&(a.0.min(b.0), a.0.max(b.0)));
+        self.excluded.remove(&(a.0.min(b.0), a.0.max(b.0)));
         self.wake(a);
         self.wake(b);
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use cranny_exact::Pose;
 use cranny_narrow_phase::{Answer, Fields};
+use rapier3d::geometry::{ContactPair, NEW_CONTACT_BIT};
 
 use super::{BodyIndex, Simulation};
 use crate::carried::PairCounts;
@@ -133,6 +134,27 @@ impl Simulation {
         pairs
     }
 
+    /// What the contacts of two bodies gave each of them along their normals in the last step,
+    /// summed as numbers: mass x length / second, >= 0. 0 for bodies between which nothing was
+    /// solved. With any detector.
+    #[must_use]
+    pub fn contact_impulse(&self, a: BodyIndex, b: BodyIndex) -> f64 {
+        let [first, second] = [a, b].map(|body| self.tagged[body.0 as usize].collider);
+        let pair = self.narrow_phase.contact_pair(first, second);
+        let earlier = self.earlier_impulses.get(&(a.0.min(b.0), a.0.max(b.0)));
+        pair.map_or(0.0, impulse_of) + earlier.copied().unwrap_or(0.0)
+    }
+
+    /// Keeps what a part of the step did: the next one begins anew.
+    pub(super) fn keep_impulses(&mut self) {
+        for pair in self.narrow_phase.contact_pairs() {
+            let impulse = impulse_of(pair);
+            if let Some((a, b)) = self.tags(pair).filter(|_| impulse > 0.0) {
+                *self.earlier_impulses.entry((a.min(b), a.max(b))).or_insert(0.0) += impulse;
+            }
+        }
+    }
+
     /// Points in the manifolds that rapier's solver saw in the last step.
     #[must_use]
     pub fn solver_contacts(&self) -> usize {
@@ -180,4 +202,18 @@ impl Simulation {
             step: counters.step_time_ms(),
         }
     }
+}
+
+/// The impulses at the points that the solver had. A point that it did not have may still hold that
+/// of a step before.
+fn impulse_of(pair: &ContactPair) -> f64 {
+    let solved = pair.solver_manifolds().iter().flat_map(|manifold| {
+        let contacts = manifold.data.solver_contacts.iter();
+        contacts.map(|contact| {
+            let id = contact.contact_id[0] & !NEW_CONTACT_BIT;
+            let point = manifold.points.get(id as usize);
+            point.map_or(0.0, |point| f64::from(point.data.impulse))
+        })
+    });
+    solved.sum()
 }

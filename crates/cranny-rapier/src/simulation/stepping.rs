@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use rapier3d::math::Real;
 use rapier3d::prelude::IntegrationParameters;
 
+use super::hooks::{Decisions, StepHooks};
 use super::{BodyIndex, Simulation, Timings};
 use crate::ahead::World;
 use crate::convert::narrow;
@@ -14,14 +15,24 @@ impl Simulation {
     /// Advances by one step, which may be made in parts
     /// ([`most_parts`](super::SimulationOptions::most_parts)).
     pub fn step(&mut self) {
+        self.step_with(&());
+    }
+
+    /// The same, with somebody who decides about pairs meanwhile
+    /// ([`set_hooked`](Self::set_hooked) says about what).
+    pub fn step_with(&mut self, hooks: &impl StepHooks) {
         let whole = self.parameters;
         self.parts = self.parts_needed();
         self.timings = Timings::default();
-        for _ in 0..self.parts {
+        self.earlier_impulses.clear();
+        for part in 0..self.parts {
+            if part > 0 {
+                self.keep_impulses();
+            }
             self.parameters.dt = whole.dt / self.parts as Real;
             let iterations = whole.num_solver_iterations.div_ceil(self.parts);
             self.parameters.num_solver_iterations = iterations;
-            self.advance();
+            self.advance(hooks);
             self.timings = self.timings.plus(&self.timings_of_part());
         }
         self.parameters.dt = whole.dt;
@@ -45,7 +56,7 @@ impl Simulation {
     }
 
     /// A step of rapier's.
-    fn advance(&mut self) {
+    fn advance(&mut self, hooks: &impl StepHooks) {
         self.log.begin_step();
         self.searches.begin_step();
         let poses: Vec<_> = self.indices().map(|index| (index, self.pose(index))).collect();
@@ -66,7 +77,7 @@ impl Simulation {
             &mut self.multibody_joints,
             &mut self.soft_bodies,
             &mut self.ccd,
-            &self.exclusions,
+            &Decisions { excluded: &self.excluded, hooks },
             &(),
         );
     }

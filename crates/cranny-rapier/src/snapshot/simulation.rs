@@ -143,7 +143,7 @@ impl Simulation {
             solver_iterations,
             most_parts,
         } = self.options;
-        let mut exclusions: Vec<(u32, u32)> = self.exclusions.0.iter().copied().collect();
+        let mut exclusions: Vec<(u32, u32)> = self.excluded.iter().copied().collect();
         exclusions.sort_unstable();
         let answers = self.log.all().into_iter().map(|(tags, logged)| WrittenAnswer {
             tags,
@@ -235,7 +235,7 @@ impl Simulation {
         simulation.settled = kept.settled;
         simulation.looked_ahead = kept.looked_ahead;
         simulation.poses_before = kept.poses_before.into_iter().map(WrittenPose::pose).collect();
-        simulation.exclusions.0 = kept.exclusions.into_iter().collect();
+        simulation.excluded = kept.exclusions.into_iter().collect();
         simulation.log.continue_at(kept.log_step);
         for answer in kept.answers {
             simulation.ask_again(&answer)?;

@@ -1,0 +1,249 @@
+//! What an app reads of a contact: where, which way, how deep, how hard.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use bevy_transform::components::Transform;
+use cranny_exact::DVec3;
+use cranny_narrow_phase::{Answer, Contact};
+use cranny_world::BodyId;
+
+use crate::body::{Bodies, Body, pose_of, widened};
+use crate::contacts::ContactReport;
+use crate::effects::ordered;
+use crate::properties::{AngularVelocity, LinearVelocity};
+use crate::trigger::TriggeredPairs;
+
+/// Where two bodies meet, at the poses at the beginning of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CollisionPoint {
+    /// Half-way between the surfaces, world coordinates.
+    pub point: DVec3,
+    /// Unit, from the body to the other one, world axes.
+    pub normal: DVec3,
+    /// How deep the bodies overlap along the normal, units of length; < 0 where a gap is left.
+    pub depth: f64,
+}
+
+impl CollisionPoint {
+    /// Of a contact, seen from its body A.
+    fn of(contact: &Contact) -> Self {
+        Self {
+            point: 0.5 * (contact.point_a + contact.point_b),
+            normal: contact.normal,
+            depth: -contact.separation,
+        }
+    }
+
+    /// Seen from the other body.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        Self { normal: -self.normal, ..self }
+    }
+}
+
+/// How two bodies came to touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CollisionContact {
+    /// The deepest point at which they meet.
+    pub deepest: CollisionPoint,
+    /// What the solver's contacts gave each of them along their normals in the step, summed as
+    /// numbers: mass x length / second; 0 for pairs without [`Response`](crate::Response).
+    pub impulse: f64,
+    /// The speed at which the bodies approached each other at the point, along the normal, at the
+    /// beginning of the step: length / second; < 0 where they part.
+    pub speed: f64,
+}
+
+impl CollisionContact {
+    /// Seen from the other body.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        Self { deepest: self.deepest.flipped(), ..self }
+    }
+}
+
+/// The deepest contact of an answer, seen from its body A.
+pub(crate) fn deepest(answer: &Answer) -> Option<CollisionPoint> {
+    let contacts = answer.contacts.iter();
+    contacts
+        .min_by(|a, b| a.separation.total_cmp(&b.separation))
+        .or_else(|| {
+            let regions = answer.regions.iter().map(|region| &region.deepest);
+            regions.min_by(|a, b| a.separation.total_cmp(&b.separation))
+        })
+        .map(CollisionPoint::of)
+}
+
+/// How fast points of bodies move at the beginning of a step.
+#[derive(SystemParam)]
+pub(crate) struct Velocities<'w, 's> {
+    bodies: Query<
+        'w,
+        's,
+        (&'static Transform, &'static LinearVelocity, &'static AngularVelocity),
+        With<Body>,
+    >,
+}
+
+impl Velocities<'_, '_> {
+    /// Of the point of a body that is at `place` in the world. Zero for a body that is gone.
+    fn at(&self, records: &Bodies, body: BodyId, place: DVec3) -> DVec3 {
+        let Some(record) = records.get(body) else { return DVec3::ZERO };
+        let Ok((transform, linear, angular)) = self.bodies.get(record.entity) else {
+            return DVec3::ZERO;
+        };
+        let center = crate::kinematics::center_of_mass(&record.model);
+        let arm = place - pose_of(transform).world_from_body().apply(center);
+        widened(linear.0) + widened(angular.0).cross(arm)
+    }
+
+    /// How fast two bodies approach each other at a point that is seen from the first.
+    pub(crate) fn closing(
+        &self,
+        records: &Bodies,
+        [a, b]: [BodyId; 2],
+        at: &CollisionPoint,
+    ) -> f64 {
+        let [of_a, of_b] = [a, b].map(|body| self.at(records, body, at.point));
+        (of_a - of_b).dot(at.normal)
+    }
+}
+
+/// Contacts of the last step, by entities: those of pairs with [`Contacts`](crate::Contacts), as
+/// far as their margin reaches, and those that the solver found of pairs with
+/// [`Response`](crate::Response).
+///
+/// ```
+/// use bevy_ecs::prelude::*;
+/// use cranny_ecs::{Collisions, Sensor};
+///
+/// fn report(collisions: Collisions, plates: Query<Entity, With<Sensor>>) {
+///     for plate in &plates {
+///         for collision in collisions.collisions_with(plate) {
+///             for point in collision.points() {
+///                 println!("{} at {} along {}", collision.other, point.point, point.normal);
+///             }
+///         }
+///     }
+/// }
+/// ```
+#[derive(SystemParam)]
+pub struct Collisions<'w, 's> {
+    ids: Query<'w, 's, &'static Body>,
+    records: Res<'w, Bodies>,
+    contacts: Option<Res<'w, ContactReport>>,
+    triggered: Option<Res<'w, TriggeredPairs>>,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
+}
+
+/// The contacts of a pair, seen from one of its bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct Collision<'a> {
+    /// The body from which it is seen.
+    pub body: Entity,
+    /// What it meets.
+    pub other: Entity,
+    /// Whether A of the answer is `other`.
+    turned: bool,
+    /// World coordinates; A is the body with the lower id. Holds the fields that somebody reads.
+    pub answer: &'a Answer,
+    /// What the solver's contacts gave each body along their normals, summed as numbers: mass x
+    /// length / second; 0 for pairs without [`Response`](crate::Response).
+    pub impulse: f64,
+}
+
+impl<'a> Collision<'a> {
+    /// Where the bodies meet.
+    pub fn points(&self) -> impl Iterator<Item = CollisionPoint> + use<'a> {
+        let turned = self.turned;
+        let points = self.answer.contacts.iter().map(CollisionPoint::of);
+        points.map(move |point| if turned { point.flipped() } else { point })
+    }
+
+    /// The deepest point at which they meet; `None` where no point is known.
+    #[must_use]
+    pub fn deepest(&self) -> Option<CollisionPoint> {
+        deepest(self.answer).map(|point| if self.turned { point.flipped() } else { point })
+    }
+}
+
+impl Collisions<'_, '_> {
+    /// All of them, by ascending ids; each pair once, seen from the body with the lower id.
+    pub fn iter(&self) -> impl Iterator<Item = Collision<'_>> {
+        let mut pairs = self.answers();
+        pairs.sort_by_key(|(pair, _)| *pair);
+        pairs.into_iter().filter_map(|(pair, answer)| self.seen(pair, answer))
+    }
+
+    /// Those of one body, by ascending ids, seen from it.
+    pub fn collisions_with(&self, body: Entity) -> impl Iterator<Item = Collision<'_>> {
+        let collisions = self.iter().filter(move |c| c.body == body || c.other == body);
+        collisions.map(move |c| if c.body == body { c } else { c.flipped() })
+    }
+
+    /// What a body meets, by ascending ids.
+    pub fn entities_colliding_with(&self, body: Entity) -> impl Iterator<Item = Entity> {
+        self.collisions_with(body).map(|collision| collision.other)
+    }
+
+    /// The contacts of two bodies, seen from the first; `None` where there are none.
+    #[must_use]
+    pub fn get(&self, body: Entity, other: Entity) -> Option<Collision<'_>> {
+        let [id, with] = [self.ids.get(body).ok()?.id, self.ids.get(other).ok()?.id];
+        let pair = ordered(id, with);
+        let (_, answer) = self.answers().into_iter().find(|(known, _)| *known == pair)?;
+        let seen = self.seen(pair, answer)?;
+        Some(if seen.body == body { seen } else { seen.flipped() })
+    }
+
+    /// Whether two bodies touch: of pairs with [`Trigger`](crate::Trigger) what
+    /// [`CollisionStart`](crate::CollisionStart) says, of others whether their contacts overlap or
+    /// press.
+    #[must_use]
+    pub fn are_touching(&self, body: Entity, other: Entity) -> bool {
+        let ids = [body, other].map(|entity| self.ids.get(entity).ok().map(|body| body.id));
+        let [Some(a), Some(b)] = ids else { return false };
+        let triggered = self.triggered.as_ref().is_some_and(|t| t.touches(ordered(a, b)));
+        triggered
+            || self.get(body, other).is_some_and(|collision| {
+                let overlaps = collision.deepest().is_some_and(|point| point.depth >= 0.0);
+                collision.impulse > 0.0 || overlaps
+            })
+    }
+
+    /// Answers by pairs, each once.
+    fn answers(&self) -> Vec<((BodyId, BodyId), &Answer)> {
+        let reported = self.contacts.iter().flat_map(|report| &report.pairs);
+        let answers: Vec<_> = reported.map(|pair| ((pair.a, pair.b), &pair.answer)).collect();
+        #[cfg(feature = "rapier")]
+        let answers = {
+            let mut answers = answers;
+            let known: std::collections::BTreeSet<_> =
+                answers.iter().map(|(pair, _)| *pair).collect();
+            let solved = self.solver.iter().flat_map(|solver| solver.contacts());
+            let solved = solved.map(|(a, b, pair)| ((a, b), &*pair.answer));
+            let met = solved.filter(|(_, answer)| !answer.contacts.is_empty());
+            answers.extend(met.filter(|(pair, _)| !known.contains(pair)));
+            answers
+        };
+        answers
+    }
+
+    fn seen<'a>(&self, (a, b): (BodyId, BodyId), answer: &'a Answer) -> Option<Collision<'a>> {
+        let [body, other] = [self.records.get(a)?.entity, self.records.get(b)?.entity];
+        #[cfg(feature = "rapier")]
+        let impulse = self.solver.as_ref().map_or(0.0, |solver| solver.impulse(a, b));
+        #[cfg(not(feature = "rapier"))]
+        let impulse = 0.0;
+        Some(Collision { body, other, turned: false, answer, impulse })
+    }
+}
+
+impl Collision<'_> {
+    /// Seen from the other body.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        Self { body: self.other, other: self.body, turned: !self.turned, ..self }
+    }
+}
