@@ -70,6 +70,7 @@ mod report;
 mod response;
 #[cfg(feature = "rapier")]
 mod solved;
+mod spatial;
 mod spawn;
 mod summary;
 mod tally;
@@ -118,6 +119,10 @@ pub use report::state_hash;
 pub use response::{Gravity, ResponseSystems};
 #[cfg(feature = "rapier")]
 pub use solved::{RigidBodies, SolverBody};
+pub use spatial::{
+    ClosestPoints, PointProjection, RayHitData, ShapeHitData, SpatialQuery, SpatialQueryError,
+    SpatialQueryFilter, TimeOfImpact,
+};
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
@@ -129,15 +134,16 @@ pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, T
 /// What most bevy apps want.
 pub mod prelude {
     pub use crate::{
-        AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider, CollisionEnd,
-        CollisionLayers, CollisionStart, ContactReport, Contacts, CrannyPlugins, CrannyStep,
-        Density, EffectKind, ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction,
-        GravityScale, Joint, LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Response,
-        Restitution, RigidBody, Sensor, SimulatedTime, SmoothNormals, SpawnScene, StepSystems,
-        TouchingBodies, Trigger,
+        AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider, Collision,
+        CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
+        Collisions, ContactReport, Contacts, CrannyPlugins, CrannyStep, Density, EffectKind,
+        ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction, GravityScale, Joint,
+        LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Response, Restitution, RigidBody,
+        Sensor, SimulatedTime, SmoothNormals, SpatialQuery, SpatialQueryFilter, SpawnScene,
+        StepSystems, TouchingBodies, Trigger,
     };
     #[cfg(feature = "rapier")]
-    pub use crate::{Gravity, RigidBodies};
+    pub use crate::{CollisionHooks, Gravity, RigidBodies, SolverContacts};
 }
 
 // The example of the README must compile and run as well.

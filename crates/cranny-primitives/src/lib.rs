@@ -20,7 +20,8 @@
 //! Verdicts here are not exact: a primitive's own points round, so what is apart or overlaps by a
 //! few units of rounding may be found to touch. (Between models that are not rounded they are.)
 //! A segment that lies flush over a face and ends exactly above an edge to a face of the same plane
-//! gets no contact. Casts of primitives are not here.
+//! gets no contact. Casts of primitives are not here; those of rays are
+//! [`cast_ray`], whose verdicts are exact.
 //!
 //! # A ball over a mesh
 //!
@@ -56,7 +57,7 @@
 //! where the signed distance from one is least on a segment, a triangle, a model. `contacts` finds
 //! where a mesh is locally nearest to a primitive, by the `normal_cone` of each feature and by what
 //! is `inside`; `separation` says how far the two are apart. `rounded` does the same for polyhedra
-//! with rounded edges. `deep` finds the way out of a deep overlap of two models, and `percussion`
+//! with rounded edges. `ray` casts rays. `deep` finds the way out of a deep overlap of two models, and `percussion`
 //! the places at which to lead a body without turning it.
 
 mod contacts;
@@ -65,6 +66,7 @@ mod inside;
 mod normal_cone;
 mod percussion;
 mod primitive;
+mod ray;
 pub mod revolved;
 mod rounded;
 mod separation;
@@ -73,6 +75,7 @@ pub use contacts::contacts;
 pub use inside::contains_point;
 pub use percussion::percussion_centers;
 pub use primitive::{Ball, Capsule, Cone, Cylinder, HalfSpace, Primitive, PrimitiveError, Segment};
+pub use ray::{RayHit, cast_ray};
 pub use rounded::{Rounded, rounded, rounded_contacts, rounded_separation};
 pub use separation::{Separation, meets, separation};
 

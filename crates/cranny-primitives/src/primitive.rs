@@ -94,7 +94,7 @@ pub enum PrimitiveError {
     /// A place that is not finite.
     #[error("{what} is {value}: it must be finite")]
     Place {
-        /// "center", "end" or "point".
+        /// "center", "end", "point" or "origin".
         what: &'static str,
         /// The value found.
         value: DVec3,
@@ -102,7 +102,7 @@ pub enum PrimitiveError {
     /// A direction that is zero or not finite.
     #[error("{what} is {value}: it must be finite and not zero")]
     Direction {
-        /// "axis" or "normal".
+        /// "axis", "normal" or "direction".
         what: &'static str,
         /// The value found.
         value: DVec3,
@@ -199,12 +199,12 @@ impl Primitive {
     }
 }
 
-fn place(what: &'static str, value: DVec3) -> Result<DVec3, PrimitiveError> {
+pub(crate) fn place(what: &'static str, value: DVec3) -> Result<DVec3, PrimitiveError> {
     value.is_finite().then_some(value).ok_or(PrimitiveError::Place { what, value })
 }
 
 /// Unit.
-fn direction(what: &'static str, value: DVec3) -> Result<DVec3, PrimitiveError> {
+pub(crate) fn direction(what: &'static str, value: DVec3) -> Result<DVec3, PrimitiveError> {
     value.try_normalize().ok_or(PrimitiveError::Direction { what, value })
 }
 

@@ -72,6 +72,8 @@ const TABLE: &[(&str, &[&str])] = &[
             "cranny-geometry",
             "cranny-broad-phase",
             "cranny-narrow-phase",
+            "cranny-impact",
+            "cranny-primitives",
             "cranny-world",
             "?cranny-rapier",
             "?cranny-record",

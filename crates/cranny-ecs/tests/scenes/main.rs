@@ -14,3 +14,4 @@ mod recording;
 mod rendering;
 #[cfg(feature = "rapier")]
 mod response;
+mod spatial;

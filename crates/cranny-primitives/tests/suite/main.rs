@@ -2,6 +2,7 @@
 //! hand.
 
 mod by_hand;
+mod rays;
 mod revolved;
 mod rounded;
 

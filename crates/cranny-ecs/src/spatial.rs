@@ -1,0 +1,512 @@
+//! Questions of an app about the bodies around a place: rays, shapes, points, distances.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use bevy_math::{Dir3, Vec3};
+use bevy_transform::components::Transform;
+use cranny_exact::{Aabb, DVec3, Pose};
+use cranny_geometry::{FaceId, Model};
+use cranny_impact::{Impact, ImpactError, ImpactOptions, Motion, Moving, time_of_impact};
+use cranny_narrow_phase::{
+    Answer, Demand, PairMemory, Placed, Query as PairQuery, QueryError, query,
+};
+use cranny_primitives::separation;
+use cranny_primitives::{Ball, PrimitiveError, RayHit, Separation, cast_ray, contains_point};
+use cranny_world::Layers;
+use thiserror::Error;
+
+use crate::body::{Bodies, Body, BodyRecord, pose_of, widened};
+use crate::collider::Collider;
+use crate::kinematics::center_of_mass;
+use crate::properties::{AngularVelocity, CollisionLayers, LinearVelocity};
+
+/// How near surfaces are where a cast ends, as a share of the smaller body's radius. Larger: bodies
+/// stop visibly short; smaller: f32 cannot tell, and it takes longer.
+const CAST_TOLERANCE: f64 = 1e-6;
+
+/// By what boxes are grown, as a share of the lengths that went into them: some hundred roundings.
+/// Smaller, and a body may stick out of its box; larger, and more bodies are looked at.
+const BOX_SLACK: f64 = 128.0 * f64::EPSILON;
+
+/// Which bodies a question is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SpatialQueryFilter {
+    /// Layers, as bits: bodies in none of them are left out. All until then.
+    pub mask: u32,
+    /// Entities that are left out.
+    pub excluded: Vec<Entity>,
+}
+
+impl Default for SpatialQueryFilter {
+    fn default() -> Self {
+        Self { mask: u32::MAX, excluded: Vec::new() }
+    }
+}
+
+impl SpatialQueryFilter {
+    /// Bodies in some layers.
+    #[must_use]
+    pub fn from_mask(mask: u32) -> Self {
+        Self { mask, ..Self::default() }
+    }
+
+    /// All but some entities.
+    #[must_use]
+    pub fn from_excluded_entities(excluded: impl IntoIterator<Item = Entity>) -> Self {
+        Self { excluded: excluded.into_iter().collect(), ..Self::default() }
+    }
+
+    fn takes(&self, entity: Entity, layers: Layers) -> bool {
+        layers.memberships & self.mask != 0 && !self.excluded.contains(&entity)
+    }
+}
+
+/// A question that cannot be answered.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SpatialQueryError {
+    /// An entity that is no body: it has no collider, or no step has taken it in yet.
+    #[error(
+        "entity {entity} is no body: it needs a Collider, and a step that has taken it in since"
+    )]
+    NoBody {
+        /// The entity.
+        entity: Entity,
+    },
+    /// A place, direction or length that is none.
+    #[error(transparent)]
+    Number(#[from] PrimitiveError),
+    /// A pose, margin or length that the narrow phase refuses.
+    #[error(transparent)]
+    Query(#[from] QueryError),
+    /// A motion that cannot be followed.
+    #[error(transparent)]
+    Motion(#[from] ImpactError),
+}
+
+/// Where a ray meets a body. World coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHitData {
+    /// The body.
+    pub entity: Entity,
+    /// From the ray's origin, >= 0, in units of length.
+    pub distance: f64,
+    /// The point on its surface.
+    pub point: DVec3,
+    /// Unit, out of the face.
+    pub normal: DVec3,
+    /// The face of the collider's mesh.
+    pub face: FaceId,
+    /// Whether the ray comes from inside the body's solid.
+    pub from_inside: bool,
+}
+
+/// Where a moving shape meets a body. World coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHitData {
+    /// The body.
+    pub entity: Entity,
+    /// How far the shape travels freely, in units of length: certified.
+    pub distance: f64,
+    /// Where the two meet, on the body; `None` where they meet at the beginning.
+    pub point: Option<DVec3>,
+    /// Unit, out of the body, at the point.
+    pub normal: Option<DVec3>,
+}
+
+/// How far two bodies are apart. World coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPoints {
+    /// Between their surfaces, >= 0; 0 where they meet.
+    pub distance: f64,
+    /// A point of each that realises it.
+    pub points: [DVec3; 2],
+    /// Whether they share interior points, or one lies inside the other.
+    pub overlap: bool,
+}
+
+/// The point of a body that is nearest to another. World coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointProjection {
+    /// The body.
+    pub entity: Entity,
+    /// The nearest point; the point itself where it lies in the body.
+    pub point: DVec3,
+    /// How far away it is: 0 inside.
+    pub distance: f64,
+    /// Whether the point lies in the body's solid or on its surface.
+    pub is_inside: bool,
+}
+
+/// When two bodies meet as they move now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeOfImpact {
+    /// Certified: not within the time that was asked about.
+    None,
+    /// Seconds from now: free until then, met to rounding then. 0 where they meet already.
+    At(f64),
+    /// It took too much work to decide: certified free for so many seconds, unknown from then on.
+    FreeFor(f64),
+}
+
+/// Asks about the bodies where their `Transform`s are now: in any schedule, at any time, without a
+/// plugin. Bodies are those that a step has taken in.
+///
+/// What is asked about meshes is exact or certified, as everywhere in Cranny: a ray slips through no
+/// edge, shapes overlap where their solids do and not where their hulls do, and a cast passes
+/// nothing, however thin or fast. A question costs a box a body, and beyond that what lies near.
+///
+/// ```
+/// use bevy_ecs::prelude::*;
+/// use bevy_math::{Dir3, Vec3};
+/// use cranny_ecs::{SpatialQuery, SpatialQueryError, SpatialQueryFilter};
+///
+/// fn look_down(spatial: SpatialQuery) -> Result<(), SpatialQueryError> {
+///     let all = SpatialQueryFilter::default();
+///     let from = Vec3::new(0.0, 0.0, 10.0);
+///     if let Some(hit) = spatial.cast_ray(from, Dir3::NEG_Z, 100.0, &all)? {
+///         println!("{} is {} below", hit.entity, hit.distance);
+///     }
+///     Ok(())
+/// }
+/// ```
+#[derive(SystemParam)]
+pub struct SpatialQuery<'w, 's> {
+    bodies: Query<
+        'w,
+        's,
+        (
+            &'static Body,
+            &'static Transform,
+            &'static LinearVelocity,
+            &'static AngularVelocity,
+            Option<&'static CollisionLayers>,
+        ),
+    >,
+    records: Res<'w, Bodies>,
+}
+
+/// A body that is asked about.
+#[derive(Clone, Copy)]
+struct Candidate<'a> {
+    record: &'a BodyRecord,
+    pose: Pose,
+}
+
+impl<'a> Candidate<'a> {
+    fn model(&self) -> &'a Model {
+        &self.record.model
+    }
+
+    fn bounds(&self) -> Aabb {
+        bounds_at(self.model(), &self.pose)
+    }
+}
+
+impl SpatialQuery<'_, '_> {
+    /// The first body that a ray meets, no farther away than `max_distance`; of equals the one with
+    /// the lowest id. A ray that begins in a body sees its surface from inside.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::Number`] for an origin or a distance that is none.
+    pub fn cast_ray(
+        &self,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f64,
+        filter: &SpatialQueryFilter,
+    ) -> Result<Option<RayHitData>, SpatialQueryError> {
+        finite("origin", origin)?;
+        let mut first: Option<RayHitData> = None;
+        for body in self.candidates(filter) {
+            let within = first.map_or(max_distance, |hit| hit.distance);
+            let hit = ray_at(&body, origin, direction, within)?;
+            first = match (first, hit) {
+                (Some(first), Some(hit)) if hit.distance >= first.distance => Some(first),
+                (first, hit) => hit.or(first),
+            };
+        }
+        Ok(first)
+    }
+
+    /// Where a ray enters or leaves bodies first, one hit a body, the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`cast_ray`](Self::cast_ray).
+    pub fn ray_hits(
+        &self,
+        origin: Vec3,
+        direction: Dir3,
+        max_distance: f64,
+        filter: &SpatialQueryFilter,
+    ) -> Result<Vec<RayHitData>, SpatialQueryError> {
+        finite("origin", origin)?;
+        let hits = self.candidates(filter);
+        let hits = hits.filter_map(|b| ray_at(&b, origin, direction, max_distance).transpose());
+        let mut hits: Vec<RayHitData> = hits.collect::<Result<_, _>>()?;
+        hits.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        Ok(hits)
+    }
+
+    /// The first body that a shape meets as it travels straight, without turning. A shape that
+    /// meets something at the beginning travels no way.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::Motion`] for a way that is none.
+    pub fn cast_shape(
+        &self,
+        shape: &Collider,
+        start: &Transform,
+        travel: Vec3,
+        filter: &SpatialQueryFilter,
+    ) -> Result<Option<ShapeHitData>, SpatialQueryError> {
+        let (start, travel) = (pose_of(start), finite("travel", travel)?);
+        let length = travel.length();
+        let mut first: Option<ShapeHitData> = None;
+        for body in self.candidates(filter) {
+            // Beyond what is met already nothing matters.
+            let share = first.map_or(1.0, |hit| (hit.distance / length).min(1.0));
+            let motion = Motion::straight(start, share * travel);
+            let ends = [0.0, 1.0].map(|t| bounds_at(shape.model(), &motion.pose_at(t)));
+            let swept = ends[0].union(&ends[1]);
+            if !swept.overlaps(&body.bounds()) {
+                continue;
+            }
+            let moving = Moving { model: shape.model(), motion };
+            let still = Moving { model: body.model(), motion: Motion::at_rest(body.pose) };
+            let entity = body.record.entity;
+            let before = first.is_some_and(|hit| hit.distance == 0.0);
+            let (impact, _) = time_of_impact(moving, still, &options(moving, still))?;
+            first = match impact {
+                Impact::None => first,
+                Impact::Initially { .. } if before => first,
+                Impact::Initially { .. } => {
+                    Some(ShapeHitData { entity, distance: 0.0, point: None, normal: None })
+                }
+                Impact::Hit(hit) => Some(ShapeHitData {
+                    entity,
+                    distance: share * length * hit.time.lo,
+                    point: Some(hit.witnesses[1].point),
+                    normal: Some(-hit.normal),
+                }),
+                Impact::Open { free_before } => Some(ShapeHitData {
+                    entity,
+                    distance: share * length * free_before,
+                    point: None,
+                    normal: None,
+                }),
+            };
+        }
+        Ok(first)
+    }
+
+    /// The bodies whose solids a shape touches or overlaps, by ascending ids.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::Query`] for a transform that is no pose.
+    pub fn shape_intersections(
+        &self,
+        shape: &Collider,
+        at: &Transform,
+        filter: &SpatialQueryFilter,
+    ) -> Result<Vec<Entity>, SpatialQueryError> {
+        let here = Placed { model: shape.model(), pose: pose_of(at) };
+        let around = bounds_at(here.model, &here.pose);
+        let mut met = Vec::new();
+        for body in self.candidates(filter).filter(|body| around.overlaps(&body.bounds())) {
+            let answer = asked(here, placed(&body), Demand::Intersects)?;
+            if meets(&answer) {
+                met.push(body.record.entity);
+            }
+        }
+        Ok(met)
+    }
+
+    /// The bodies in whose solids a point lies, by ascending ids.
+    #[must_use]
+    pub fn point_intersections(&self, point: Vec3, filter: &SpatialQueryFilter) -> Vec<Entity> {
+        let holds = |body: &Candidate<'_>| contains_point(body.model(), in_frame_of(body, point));
+        self.candidates(filter).filter(holds).map(|body| body.record.entity).collect()
+    }
+
+    /// The point of any body that is nearest to a given one, no farther away than `max_distance`;
+    /// of equals that of the lowest id.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::Number`] for a point that is none.
+    pub fn project_point(
+        &self,
+        point: Vec3,
+        max_distance: f64,
+        filter: &SpatialQueryFilter,
+    ) -> Result<Option<PointProjection>, SpatialQueryError> {
+        finite("point", point)?;
+        let mut nearest: Option<PointProjection> = None;
+        for body in self.candidates(filter) {
+            let within = nearest.map_or(max_distance, |found| found.distance);
+            let here = in_frame_of(&body, point);
+            let entity = body.record.entity;
+            let found =
+                match separation(body.model(), &Ball { center: here, radius: 0.0 }.into(), within)?
+                {
+                    Separation::Farther => None,
+                    Separation::Meeting => Some(PointProjection {
+                        entity,
+                        point: widened(point),
+                        distance: 0.0,
+                        is_inside: true,
+                    }),
+                    Separation::Apart { distance, witnesses: [on_body, _] } => {
+                        Some(PointProjection {
+                            entity,
+                            point: body.pose.world_from_body().apply(on_body),
+                            distance,
+                            is_inside: false,
+                        })
+                    }
+                };
+            let nearer = |found: &PointProjection| {
+                nearest.is_none_or(|nearest| found.distance < nearest.distance)
+            };
+            nearest = found.filter(nearer).or(nearest);
+        }
+        Ok(nearest)
+    }
+
+    /// How far two bodies are apart, and where.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::NoBody`].
+    pub fn closest_points(&self, a: Entity, b: Entity) -> Result<ClosestPoints, SpatialQueryError> {
+        let [a, b] = [self.body(a)?, self.body(b)?];
+        let answer = asked(placed(&a), placed(&b), Demand::Distance { below: None })?;
+        let points = answer.witnesses.map(|witnesses| witnesses.map(|witness| witness.point));
+        Ok(ClosestPoints {
+            distance: answer.distance.unwrap_or(0.0),
+            points: points.unwrap_or([a.pose.translation, b.pose.translation]),
+            overlap: answer.solid || answer.contained.is_some(),
+        })
+    }
+
+    /// Whether two bodies touch or overlap: exact.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::NoBody`].
+    pub fn intersects(&self, a: Entity, b: Entity) -> Result<bool, SpatialQueryError> {
+        let [a, b] = [self.body(a)?, self.body(b)?];
+        Ok(meets(&asked(placed(&a), placed(&b), Demand::Intersects)?))
+    }
+
+    /// When two bodies meet within so many seconds, if both keep their velocities: nothing is
+    /// missed, however fast.
+    ///
+    /// # Errors
+    ///
+    /// [`SpatialQueryError::NoBody`], or [`SpatialQueryError::Motion`] for velocities or a time that
+    /// are none.
+    pub fn time_of_impact(
+        &self,
+        a: Entity,
+        b: Entity,
+        seconds: f64,
+    ) -> Result<TimeOfImpact, SpatialQueryError> {
+        let moving = |entity: Entity| {
+            let body = self.body(entity)?;
+            let (_, _, linear, angular, _) =
+                self.bodies.get(entity).map_err(|_| SpatialQueryError::NoBody { entity })?;
+            let motion = Motion {
+                start: body.pose,
+                pivot: center_of_mass(body.model()),
+                turn: seconds * widened(angular.0),
+                travel: seconds * widened(linear.0),
+            };
+            Ok::<_, SpatialQueryError>(Moving { model: body.model(), motion })
+        };
+        let [a, b] = [moving(a)?, moving(b)?];
+        let (impact, _) = time_of_impact(a, b, &options(a, b))?;
+        Ok(match impact {
+            Impact::None => TimeOfImpact::None,
+            Impact::Initially { .. } => TimeOfImpact::At(0.0),
+            Impact::Hit(hit) => TimeOfImpact::At(seconds * hit.time.lo),
+            Impact::Open { free_before } => TimeOfImpact::FreeFor(seconds * free_before),
+        })
+    }
+
+    /// By ascending ids.
+    fn candidates<'a>(
+        &'a self,
+        filter: &'a SpatialQueryFilter,
+    ) -> impl Iterator<Item = Candidate<'a>> {
+        self.records.iter().filter_map(move |(_, record)| {
+            let (_, transform, _, _, layers) = self.bodies.get(record.entity).ok()?;
+            let layers = layers.copied().unwrap_or_default().0;
+            let taken = filter.takes(record.entity, layers);
+            taken.then(|| Candidate { record, pose: pose_of(transform) })
+        })
+    }
+
+    fn body(&self, entity: Entity) -> Result<Candidate<'_>, SpatialQueryError> {
+        let found = self.bodies.get(entity).ok().and_then(|(body, transform, ..)| {
+            Some(Candidate { record: self.records.get(body.id)?, pose: pose_of(transform) })
+        });
+        found.ok_or(SpatialQueryError::NoBody { entity })
+    }
+}
+
+fn placed<'a>(body: &Candidate<'a>) -> Placed<'a> {
+    Placed { model: body.model(), pose: body.pose }
+}
+
+fn asked(a: Placed<'_>, b: Placed<'_>, demand: Demand) -> Result<Answer, QueryError> {
+    query(a, b, &PairQuery::of(demand), &mut PairMemory::default())
+}
+
+fn meets(answer: &Answer) -> bool {
+    answer.solid || answer.surface != cranny_narrow_phase::Surface::None
+}
+
+fn in_frame_of(body: &Candidate<'_>, point: Vec3) -> DVec3 {
+    body.pose.world_from_body().inverse().apply(widened(point))
+}
+
+/// Where a ray meets a body.
+fn ray_at(
+    body: &Candidate<'_>,
+    origin: Vec3,
+    direction: Dir3,
+    within: f64,
+) -> Result<Option<RayHitData>, PrimitiveError> {
+    let map = body.pose.world_from_body();
+    let along = map.inverse().apply_vector(widened(direction.as_vec3()));
+    let hit = cast_ray(body.model(), in_frame_of(body, origin), along, within)?;
+    Ok(hit.map(|RayHit { distance, point, normal, face, from_behind }| RayHitData {
+        entity: body.record.entity,
+        distance,
+        point: map.apply(point),
+        normal: map.apply_vector(normal),
+        face: body.model().filed_face(face),
+        from_inside: from_behind,
+    }))
+}
+
+/// A box that holds a posed model, all rounding included.
+fn bounds_at(model: &Model, pose: &Pose) -> Aabb {
+    let size = model.radius() + pose.translation.abs().max_element();
+    pose.world_from_body().bounds(&model.bounds()).grown(BOX_SLACK * size)
+}
+
+fn finite(what: &'static str, value: Vec3) -> Result<DVec3, PrimitiveError> {
+    let value = widened(value);
+    if value.is_finite() { Ok(value) } else { Err(PrimitiveError::Place { what, value }) }
+}
+
+fn options(a: Moving<'_>, b: Moving<'_>) -> ImpactOptions {
+    ImpactOptions::within(CAST_TOLERANCE * a.model.radius().min(b.model.radius()))
+}
