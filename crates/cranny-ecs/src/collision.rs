@@ -87,7 +87,7 @@ pub(crate) struct Velocities<'w, 's> {
 
 impl Velocities<'_, '_> {
     /// Of the point of a body that is at `place` in the world. Zero for a body that is gone.
-    fn at(&self, records: &Bodies, body: BodyId, place: DVec3) -> DVec3 {
+    pub(crate) fn at(&self, records: &Bodies, body: BodyId, place: DVec3) -> DVec3 {
         let Some(record) = records.get(body) else { return DVec3::ZERO };
         let Ok((transform, linear, angular)) = self.bodies.get(record.entity) else {
             return DVec3::ZERO;

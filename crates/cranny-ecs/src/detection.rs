@@ -1,4 +1,4 @@
-//! Detection by the world: what `Trigger` and `Contacts` need of pairs that no solver detects.
+//! Detection by the world: what `Trigger`, `Proximity` and `Contacts` need of pairs that no solver detects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
@@ -21,6 +21,7 @@ use crate::contacts::ContactsSystems;
 use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
 use crate::plugins::PluginOptions;
+use crate::proximity::ProximitySystems;
 use crate::readers::ContactReaders;
 use crate::tally::Tally;
 use crate::trigger::TriggerSystems;
@@ -75,6 +76,7 @@ pub(crate) struct DetectionPlugin {
     threads: NonZeroUsize,
     /// Who needs it.
     trigger: bool,
+    proximity: bool,
     contacts: bool,
     /// What of contacts the program reads.
     program: ContactFields,
@@ -89,6 +91,7 @@ impl DetectionPlugin {
             scene: scene.to_vec(),
             threads: options.thread_count(),
             trigger: effects.names(EffectKind::Trigger),
+            proximity: effects.names(EffectKind::Proximity),
             contacts: effects.names(EffectKind::Contacts),
             program: options.contact_fields,
             beside_solver: effects.names(EffectKind::Response),
@@ -137,6 +140,9 @@ impl Plugin for DetectionPlugin {
             let all = || (poses, supply, pairs, tally);
             if self.trigger {
                 app.configure_sets(label, all().in_set(TriggerSystems::Detect));
+            }
+            if self.proximity {
+                app.configure_sets(label, all().in_set(ProximitySystems::Detect));
             }
             if self.contacts {
                 app.configure_sets(label, all().in_set(ContactsSystems::Detect));

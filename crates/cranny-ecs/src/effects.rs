@@ -14,6 +14,8 @@ use crate::admission::{note_change, note_removal};
 pub enum EffectKind {
     /// Overlap began and ended.
     Trigger,
+    /// Distances of what is near.
+    Proximity,
     /// Points, curves and regions.
     Contacts,
     /// Rigid bodies.
@@ -22,13 +24,14 @@ pub enum EffectKind {
 
 impl EffectKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Trigger, Self::Contacts, Self::Response];
+    pub const ALL: [Self; 4] = [Self::Trigger, Self::Proximity, Self::Contacts, Self::Response];
 
     /// Its name in scene files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Trigger => "Trigger",
+            Self::Proximity => "Proximity",
             Self::Contacts => "Contacts",
             Self::Response => "Response",
         }
@@ -39,6 +42,7 @@ impl EffectKind {
     pub fn of(effect: &Effect) -> Option<Self> {
         match effect {
             Effect::Trigger => Some(Self::Trigger),
+            Effect::Proximity { .. } => Some(Self::Proximity),
             Effect::Contacts { .. } => Some(Self::Contacts),
             Effect::Response => Some(Self::Response),
             _ => None,
@@ -62,6 +66,14 @@ pub enum AskedBy {
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct Trigger;
 
+/// `Proximity` for all pairs of a body, or for the pair whose entity has it.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Proximity {
+    /// Distance of surfaces up to which a pair is reported, > 0.
+    pub within: f64,
+}
+
 /// `Contacts` for all pairs of a body, or for the pair whose entity has it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
@@ -78,17 +90,23 @@ pub struct Response;
 /// What the components of an entity ask for.
 pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger);
+    let proximity = entity.get::<Proximity>();
+    let proximity = proximity.map(|proximity| Effect::Proximity { within: proximity.within });
     let contacts = entity.get::<Contacts>();
     let contacts = contacts.map(|contacts| Effect::Contacts { margin: contacts.margin });
     let response = entity.get::<Response>().map(|_| Effect::Response);
-    [trigger, contacts, response].into_iter().flatten().collect()
+    [trigger, proximity, contacts, response].into_iter().flatten().collect()
 }
 
-/// Makes an entity ask for some effects more; of two margins the larger counts.
+/// Makes an entity ask for some effects more; of two lengths the larger counts.
 pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     for effect in effects {
         match *effect {
             Effect::Trigger => drop(entity.insert(Trigger)),
+            Effect::Proximity { within } => {
+                let before = entity.get::<Proximity>().map_or(within, |p| p.within);
+                entity.insert(Proximity { within: within.max(before) });
+            }
             Effect::Contacts { margin } => {
                 let before = entity.get::<Contacts>().map_or(margin, |c| c.margin);
                 entity.insert(Contacts { margin: margin.max(before) });
@@ -294,6 +312,16 @@ impl EffectTable {
     #[must_use]
     pub fn asks(&self, kind: EffectKind, a: BodyId, b: BodyId) -> bool {
         self.of_pair(a, b).any(|(effect, _)| EffectKind::of(effect) == Some(kind))
+    }
+
+    /// The distance up to which a pair's distance is reported; `None` where nobody asks for it.
+    #[must_use]
+    pub fn proximity(&self, a: BodyId, b: BodyId) -> Option<f64> {
+        let distances = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
+            Effect::Proximity { within } => Some(within),
+            _ => None,
+        });
+        distances.reduce(f64::max)
     }
 
     /// The margin up to which contacts of a pair are reported; `None` where nobody asks for any.

@@ -60,6 +60,7 @@ mod pair;
 mod plan;
 mod plugins;
 mod properties;
+mod proximity;
 mod readers;
 #[cfg(feature = "record")]
 mod recording;
@@ -84,7 +85,7 @@ pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
 pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
 pub use cranny_world::{BodyId, ContactFields};
 pub use detection::{Detected, DetectionSystems, Detector};
-pub use effects::{AskedBy, Contacts, EffectKind, EffectTable, Response, Trigger};
+pub use effects::{AskedBy, Contacts, EffectKind, EffectTable, Proximity, Response, Trigger};
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};
@@ -106,6 +107,7 @@ pub use properties::{
     AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
     GravityScale, LinearVelocity, LockedAxes, Restitution, RigidBody, Sensor, SmoothNormals,
 };
+pub use proximity::{ProximityPair, ProximityPlugin, ProximityReport, ProximitySystems};
 pub use readers::ContactReaders;
 #[cfg(feature = "record")]
 pub use recording::{FrameRecorder, RecordingSystems};
@@ -138,9 +140,9 @@ pub mod prelude {
         CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
         Collisions, ContactReport, Contacts, CrannyPlugins, CrannyStep, Density, EffectKind,
         ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction, GravityScale, Joint,
-        LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Response, Restitution, RigidBody,
-        Sensor, SimulatedTime, SmoothNormals, SpatialQuery, SpatialQueryFilter, SpawnScene,
-        StepSystems, TouchingBodies, Trigger,
+        LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Proximity, ProximityReport, Response,
+        Restitution, RigidBody, Sensor, SimulatedTime, SmoothNormals, SpatialQuery,
+        SpatialQueryFilter, SpawnScene, StepSystems, TouchingBodies, Trigger,
     };
     #[cfg(feature = "rapier")]
     pub use crate::{CollisionHooks, Gravity, RigidBodies, SolverContacts};

@@ -17,6 +17,7 @@ use crate::clock::{CoreSystems, CrannyEnd, CrannyStep};
 use crate::contacts::ContactsSystems;
 use crate::effects::{AskedBy, EffectKind, EffectTable};
 use crate::kinematics::KinematicsSystems;
+use crate::proximity::ProximitySystems;
 use crate::readers::ContactReaders;
 use crate::trigger::TriggerSystems;
 
@@ -121,6 +122,7 @@ fn known_sets() -> Vec<KnownSet> {
     let mut sets = known! {
         "core": CoreSystems::Admit, CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move;
         "Trigger": TriggerSystems::Detect, TriggerSystems::Report;
+        "Proximity": ProximitySystems::Detect, ProximitySystems::Report;
         "Contacts": ContactsSystems::Detect, ContactsSystems::Report;
     };
     #[cfg(feature = "rapier")]
@@ -145,8 +147,9 @@ fn known_sets() -> Vec<KnownSet> {
 }
 
 /// All effects, with what asks for them.
-const EFFECTS: [(&str, &str); 5] = [
+const EFFECTS: [(&str, &str); 6] = [
     ("Trigger", "the scene, its bodies and pairs name no Trigger"),
+    ("Proximity", "the scene, its bodies and pairs name no Proximity"),
     ("Contacts", "the scene, its bodies and pairs name no Contacts"),
     ("Response", "the scene, its bodies and pairs name no Response"),
     ("Recording", "no recording is asked for (--record)"),
@@ -346,14 +349,15 @@ fn group_of(
         }
         match kind {
             EffectKind::Trigger => fields.push("verdict"),
+            EffectKind::Proximity => fields.push("distance"),
             EffectKind::Contacts => fields.extend(read.names()),
             EffectKind::Response => fields.push("solver contacts"),
         }
-        effects.push(match table.contact_margin(a, b) {
-            Some(margin) if kind == EffectKind::Contacts => format!("Contacts(margin: {margin})"),
-            _ if kind == EffectKind::Response && exact_solver && is_smooth(bodies, [a, b]) => {
-                "Response(normals: smooth)".to_owned()
-            }
+        let smooth = exact_solver && is_smooth(bodies, [a, b]);
+        effects.push(match (kind, table.proximity(a, b), table.contact_margin(a, b)) {
+            (EffectKind::Proximity, Some(within), _) => format!("Proximity(within: {within})"),
+            (EffectKind::Contacts, _, Some(margin)) => format!("Contacts(margin: {margin})"),
+            (EffectKind::Response, ..) if smooth => "Response(normals: smooth)".to_owned(),
             _ => kind.name().to_owned(),
         });
         let by = asked.iter().map(|by| match by {
@@ -371,7 +375,7 @@ fn group_of(
     let solver = table.asks(EffectKind::Response, a, b);
     let reported = effects.len() > usize::from(solver);
     let detected_by = match (solver, reported) {
-        (true, true) if !exact_solver => "solver and world",
+        (true, true) if !exact_solver || table.proximity(a, b).is_some() => "solver and world",
         (true, _) => "solver",
         (false, true) => "world",
         (false, false) => "nobody",

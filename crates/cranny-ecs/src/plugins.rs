@@ -20,6 +20,7 @@ use crate::error::{Failure, SceneAppError};
 use crate::kinematics::KinematicsPlugin;
 use crate::links::{LinkPlugin, Ring};
 use crate::motion::{Helix, MotionPlugin};
+use crate::proximity::ProximityPlugin;
 use crate::spawn::SpawnScene;
 use crate::tally::Tally;
 use crate::trigger::TriggerPlugin;
@@ -248,9 +249,10 @@ impl CrannyPlugins {
 impl PluginGroup for CrannyPlugins {
     fn build(self) -> PluginGroupBuilder {
         let effects = self.table();
-        let (trigger, contacts) =
-            (effects.names(EffectKind::Trigger), effects.names(EffectKind::Contacts));
-        let detects = trigger || contacts;
+        let named = |kind| effects.names(kind);
+        let [trigger, proximity, contacts] =
+            [EffectKind::Trigger, EffectKind::Proximity, EffectKind::Contacts].map(named);
+        let detects = trigger || proximity || contacts;
         let clock = ClockPlugin { step: self.step };
         let core = CorePlugin { effects: effects.clone() };
         // Those that keep bodies of their own come before the scene, whose bodies they take in.
@@ -261,6 +263,9 @@ impl PluginGroup for CrannyPlugins {
         }
         if trigger {
             group = group.add(TriggerPlugin);
+        }
+        if proximity {
+            group = group.add(ProximityPlugin);
         }
         if contacts {
             group = group.add(ContactsPlugin);

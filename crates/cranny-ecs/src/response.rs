@@ -252,7 +252,8 @@ fn supply_answers(
     for (a, b, pair) in bodies.answers() {
         let read =
             effects.asks(EffectKind::Trigger, a, b) || effects.contact_margin(a, b).is_some();
-        if read {
+        // A solver's answer holds no distance.
+        if read && effects.proximity(a, b).is_none() {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             detector.supplied_poses.insert((a, b), pair.poses);
         }

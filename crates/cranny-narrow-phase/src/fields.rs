@@ -11,8 +11,8 @@ use crate::query::Demand;
 pub struct Fields {
     /// How the surfaces meet, whether the solids do, containment.
     pub verdict: bool,
-    /// Distance and witness points.
-    pub distance: bool,
+    /// Distance and witness points of what is nearer than this, > 0; infinite for any distance.
+    pub distance: Option<f64>,
     /// How deep the bodies overlap: the depth of regions where there are any, otherwise minus the
     /// separation of the deepest contact, which is at most that.
     pub depth: bool,
@@ -26,7 +26,7 @@ pub struct Fields {
 impl Fields {
     /// Nobody reads anything.
     pub const NONE: Self =
-        Self { verdict: false, distance: false, depth: false, contacts: None, regions: None };
+        Self { verdict: false, distance: None, depth: false, contacts: None, regions: None };
 
     /// Contacts up to this far apart.
     #[must_use]
@@ -49,7 +49,7 @@ impl Fields {
         };
         Self {
             verdict: self.verdict || other.verdict,
-            distance: self.distance || other.distance,
+            distance: farther(self.distance, other.distance),
             depth: self.depth || other.depth,
             contacts: farther(self.contacts, other.contacts),
             regions: farther(self.regions, other.regions),
@@ -59,15 +59,12 @@ impl Fields {
     /// The least demand whose answer holds these fields.
     #[must_use]
     pub fn demand(&self) -> Demand {
-        let of_flags = [
-            (self.verdict, Demand::Intersects),
-            (self.distance, Demand::Distance { below: None }),
-            (self.depth, Demand::contacts(0.0)),
-        ];
+        let of_flags = [(self.verdict, Demand::Intersects), (self.depth, Demand::contacts(0.0))];
         let of_flags = of_flags.into_iter().filter(|(read, _)| *read).map(|(_, demand)| demand);
+        let distance = self.distance.map(nearer_than);
         let contacts = self.contacts.map(Demand::contacts);
         let regions = self.regions.map(|margin| Demand::Regions { margin });
-        of_flags.chain(contacts).chain(regions).fold(Demand::None, Demand::join)
+        of_flags.chain(distance).chain(contacts).chain(regions).fold(Demand::None, Demand::join)
     }
 
     /// Whether an answer to this demand holds these fields. What lies beyond a margin is the
@@ -82,18 +79,23 @@ impl Fields {
             want.is_none_or(|want| have.is_some_and(|have| have >= want))
         };
         (!self.verdict || demand.covers(Demand::Intersects))
-            && (!self.distance || demand.covers(Demand::Distance { below: None }))
+            && self.distance.is_none_or(|within| demand.covers(nearer_than(within)))
             && (!self.depth || demand.margin().is_some())
             && reaches(demand.margin(), self.contacts)
             && reaches(regions, self.regions)
     }
 }
 
+fn nearer_than(within: f64) -> Demand {
+    Demand::Distance { below: within.is_finite().then_some(within) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const DISTANCE: Fields = Fields { distance: true, ..Fields::NONE };
+    const DISTANCE: Fields = Fields { distance: Some(f64::INFINITY), ..Fields::NONE };
+    const NEAR: Fields = Fields { distance: Some(0.5), ..Fields::NONE };
     const DEPTH: Fields = Fields { depth: true, ..Fields::NONE };
     const VERDICT: Fields = Fields { verdict: true, ..Fields::NONE };
 
@@ -104,6 +106,8 @@ mod tests {
             (Fields::NONE, Demand::None),
             (VERDICT, Demand::Intersects),
             (DISTANCE.join(VERDICT), Demand::Distance { below: None }),
+            (NEAR.join(VERDICT), Demand::Distance { below: Some(0.5) }),
+            (NEAR.join(DISTANCE), Demand::Distance { below: None }),
             (DEPTH.join(VERDICT), Demand::contacts(0.0)),
             (DEPTH.join(Fields::contacts(0.1)), Demand::contacts(0.1)),
             (DEPTH.join(Fields::regions(0.1)), regions(0.1)),

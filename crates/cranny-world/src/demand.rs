@@ -65,6 +65,8 @@ impl ContactFields {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wish {
     verdict: bool,
+    /// The distance of `Proximity`.
+    within: Option<f64>,
     /// The margin of `Contacts`.
     contacts: Option<f64>,
 }
@@ -81,9 +83,15 @@ impl Wish {
         let mut wish = Self::default();
         for effect in effects {
             wish = wish.join(match *effect {
-                Effect::Trigger => Self { verdict: true, contacts: None },
+                Effect::Trigger => Self { verdict: true, ..Self::default() },
+                Effect::Proximity { within } if within.is_finite() && within > 0.0 => {
+                    Self { within: Some(within), ..Self::default() }
+                }
+                Effect::Proximity { within } => {
+                    return Err(WorldError::Proximity { owner: owner(), within });
+                }
                 Effect::Contacts { margin } if margin.is_finite() && margin >= 0.0 => {
-                    Self { verdict: false, contacts: Some(margin) }
+                    Self { contacts: Some(margin), ..Self::default() }
                 }
                 Effect::Contacts { margin } => {
                     return Err(WorldError::Margin { owner: owner(), margin });
@@ -96,22 +104,26 @@ impl Wish {
 
     /// What either asks for.
     pub(crate) fn join(self, other: Self) -> Self {
-        let contacts = match (self.contacts, other.contacts) {
+        let larger = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         };
-        Self { verdict: self.verdict || other.verdict, contacts }
+        Self {
+            verdict: self.verdict || other.verdict,
+            within: larger(self.within, other.within),
+            contacts: larger(self.contacts, other.contacts),
+        }
     }
 
     /// The fields that this takes, if so much of `Contacts` is read.
     pub(crate) fn fields(self, read: ContactFields) -> Fields {
-        let verdict = Fields { verdict: self.verdict, ..Fields::NONE };
-        self.contacts.map_or(verdict, |margin| verdict.join(read.within(margin)))
+        let own = Fields { verdict: self.verdict, distance: self.within, ..Fields::NONE };
+        self.contacts.map_or(own, |margin| own.join(read.within(margin)))
     }
 
-    /// The margin that the effects ask for; 0 where they ask for none.
+    /// How far apart the effects ask about; 0 where they ask about no gap.
     pub(crate) fn margin(&self) -> f64 {
-        self.contacts.unwrap_or(0.0)
+        self.contacts.unwrap_or(0.0).max(self.within.unwrap_or(0.0))
     }
 }
 
@@ -134,6 +146,9 @@ mod tests {
         let near = Effect::Contacts { margin: 0.25 };
         let far = Effect::Contacts { margin: 2.0 };
         assert_eq!(demand(&[Effect::Trigger, far, near]), Demand::Regions { margin: 2.0 });
+        let distance = |within| Effect::Proximity { within };
+        let of_both = demand(&[Effect::Trigger, distance(3.0), distance(0.5)]);
+        assert_eq!(of_both, Demand::Distance { below: Some(3.0) });
     }
 
     #[test]

@@ -103,6 +103,12 @@ impl Default for Material {
 pub enum Effect {
     /// Overlap began and ended: yes or no.
     Trigger,
+    /// Distance and nearest points of pairs whose surfaces are nearer than `within`; what is farther
+    /// apart costs the broad phase only.
+    Proximity {
+        /// Distance up to which pairs are reported, > 0.
+        within: f64,
+    },
     /// Contact points, curves and regions up to `margin` apart: as much of it as somebody reads
     /// ([`ContactFields`](crate::ContactFields)).
     Contacts {
@@ -119,6 +125,7 @@ impl Effect {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Trigger => "Trigger",
+            Self::Proximity { .. } => "Proximity",
             Self::Contacts { .. } => "Contacts",
             Self::Response => "Response",
         }

@@ -47,7 +47,17 @@ pub enum WorldError {
         /// The id.
         body: BodyId,
     },
-    /// A contact margin that is no length.
+    /// A distance of `Proximity` that is no length.
+    #[error(
+        "the distance `within` of Proximity of {owner} is {within}: it must be a finite length above zero"
+    )]
+    Proximity {
+        /// Whose effect it is.
+        owner: String,
+        /// The value found.
+        within: f64,
+    },
+    /// A margin of contacts that is no length.
     #[error(
         "the contact margin of {owner} is {margin}: it must be a finite length of at least zero"
     )]

@@ -16,6 +16,7 @@ use cranny_world::description::Effect;
 use crate::build::gate;
 
 const CONTACTS: Effect = Effect::Contacts { margin: 0.1 };
+const PROXIMITY: Effect = Effect::Proximity { within: 0.5 };
 
 fn app(effects: &[Effect]) -> SceneApp {
     SceneApp::new(&gate(effects), &RunOptions::default()).unwrap()
@@ -57,6 +58,17 @@ fn contacts_exist_where_they_are_named_and_only_there() {
         assert_eq!(scheduled(app, ContactsSystems::Detect.intern()), named);
         assert_eq!(world.component_id::<BodyContacts>().is_some(), named);
         assert_eq!(world.contains_resource::<ContactReport>(), named);
+    }
+}
+
+#[test]
+fn proximity_exists_where_it_is_named_and_only_there() {
+    for effects in [&[PROXIMITY][..], &[Effect::Trigger], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&PROXIMITY));
+        assert_eq!(scheduled(app, ProximitySystems::Report.intern()), named);
+        assert_eq!(scheduled(app, ProximitySystems::Detect.intern()), named);
+        assert_eq!(app.world().contains_resource::<ProximityReport>(), named);
     }
 }
 
@@ -132,8 +144,8 @@ fn names(plan: &Plan) -> BTreeSet<String> {
 
 #[test]
 fn one_effect_more_is_exactly_its_systems_more() {
-    let all = [Effect::Trigger, CONTACTS, Effect::Response];
-    let all = if cfg!(feature = "rapier") { &all[..] } else { &all[..2] };
+    let all = [Effect::Trigger, PROXIMITY, CONTACTS, Effect::Response];
+    let all = if cfg!(feature = "rapier") { &all[..] } else { &all[..3] };
     // Every subset that lacks the effect.
     let subsets = 0..1u32 << all.len();
     let cases = subsets.flat_map(|subset| {

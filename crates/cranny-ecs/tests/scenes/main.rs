@@ -8,6 +8,7 @@ mod detection;
 mod entities;
 mod fixed_update;
 mod links;
+mod proximity;
 #[cfg(feature = "record")]
 mod recording;
 #[cfg(feature = "render")]

@@ -10,14 +10,13 @@ use cranny_world::description::Effect;
 use serde::de::{self, EnumAccess, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::values::NotNegative;
+use super::values::{NotNegative, Positive};
 
 /// What this version computes.
-const AVAILABLE: [&str; 3] = ["Trigger", "Contacts", "Response"];
+const AVAILABLE: [&str; 4] = ["Trigger", "Proximity", "Contacts", "Response"];
 
 /// What later versions will.
-const LATER: [&str; 6] =
-    ["Proximity", "Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"];
+const LATER: [&str; 5] = ["Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"];
 
 /// What a scene gets by other means: the effect and how.
 const ELSEWHERE: [(&str, &str); 5] = [
@@ -52,6 +51,9 @@ impl<'de> Visitor<'de> for EffectVisitor {
         let effect = match name {
             Name::Trigger => content.struct_variant(&[], Nothing).map(|()| Effect::Trigger),
             Name::Response => content.struct_variant(&[], Nothing).map(|()| Effect::Response),
+            Name::Proximity => content
+                .struct_variant(&["within"], Proximity)
+                .map(|within| Effect::Proximity { within }),
             Name::Contacts => content
                 .struct_variant(&["margin"], Contacts)
                 .map(|margin| Effect::Contacts { margin }),
@@ -63,6 +65,7 @@ impl<'de> Visitor<'de> for EffectVisitor {
 /// The name, judged before its content is read.
 enum Name {
     Trigger,
+    Proximity,
     Contacts,
     Response,
 }
@@ -85,6 +88,7 @@ impl Visitor<'_> for NameVisitor {
     fn visit_str<E: de::Error>(self, name: &str) -> Result<Name, E> {
         match name {
             "Trigger" => return Ok(Name::Trigger),
+            "Proximity" => return Ok(Name::Proximity),
             "Contacts" => return Ok(Name::Contacts),
             "Response" => return Ok(Name::Response),
             _ => {}
@@ -123,6 +127,26 @@ impl<'de> Visitor<'de> for Nothing {
             ))),
             None => Ok(()),
         }
+    }
+}
+
+struct Proximity;
+
+impl<'de> Visitor<'de> for Proximity {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the parameter within")
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<f64, A::Error> {
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Fields {
+            within: Positive,
+        }
+        Fields::deserialize(de::value::MapAccessDeserializer::new(map))
+            .map(|fields| fields.within.0)
     }
 }
 
