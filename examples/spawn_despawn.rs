@@ -29,8 +29,7 @@ struct Fallen(u32);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let torus = Torus { major_radius: 0.4, minor_radius: 0.08, ..Torus::default() };
-    let cuboid =
-        |size| Collider::from_mesh(Cuboid { size }.build()?).map_err(Box::<dyn Error>::from);
+    let cuboid = |size| Ok::<_, Box<dyn Error>>(Collider::from_mesh(Cuboid { size }.build()?)?);
     let options = PluginOptions { length_unit: Some(0.08), ..PluginOptions::default() };
 
     let mut app = App::new();

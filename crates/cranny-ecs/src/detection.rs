@@ -1,4 +1,5 @@
-//! Detection by the world: what `Trigger`, `Proximity` and `Contacts` need of pairs that no solver detects.
+//! Detection by the world: what `Trigger`, `Proximity` and `Contacts` need of pairs that no solver
+//! detects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;

@@ -140,9 +140,10 @@ pub mod prelude {
         CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
         Collisions, ContactReport, Contacts, CrannyPlugins, CrannyStep, Density, EffectKind,
         ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction, GravityScale, Joint,
-        LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Proximity, ProximityReport, Response,
-        Restitution, RigidBody, Sensor, SimulatedTime, SmoothNormals, SpatialQuery,
-        SpatialQueryFilter, SpawnScene, StepSystems, TouchingBodies, Trigger,
+        LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Proximity, ProximityReport,
+        ProximitySystems, Response, Restitution, RigidBody, Sensor, SimulatedTime, SmoothNormals,
+        SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems, TouchingBodies, Trigger,
+        TriggerSystems,
     };
     #[cfg(feature = "rapier")]
     pub use crate::{CollisionHooks, Gravity, RigidBodies, SolverContacts};

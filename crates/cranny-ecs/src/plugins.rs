@@ -161,7 +161,8 @@ impl CrannyPlugins {
         Self { gravity, ..self }
     }
 
-    /// Hooks, which decide about pairs while the solver makes a step. Without them nothing is asked.
+    /// Hooks, which decide about pairs while the solver makes a step. Without them nothing is
+    /// asked.
     #[cfg(feature = "rapier")]
     #[must_use]
     pub fn hooks<H>(self) -> Self

@@ -260,8 +260,8 @@ fn supply_answers(
     }
 }
 
-/// Pairs that the solver kept apart by an impulse in its last step touch: what bounces off may do so
-/// between two poses.
+/// Pairs that the solver kept apart by an impulse in its last step touch: what bounces off may do
+/// so between two poses.
 fn press(
     bodies: Res<RigidBodies>,
     effects: Res<EffectTable>,

@@ -2,9 +2,9 @@
 //!
 //! A body is in the solver's world where something asks for its response, or a joint holds it to
 //! one of which that is so. [`upkeep`] holds the observers and systems that see to this: a body is
-//! inserted as it is admitted, memberships are found again where what is asked has changed, and what
-//! components say ([`given`]) is compared with what the solver knows, so that a component which was
-//! written without a change costs a comparison and wakes nobody.
+//! inserted as it is admitted, memberships are found again where what is asked has changed, and
+//! what components say ([`given`]) is compared with what the solver knows, so that a component
+//! which was written without a change costs a comparison and wakes nobody.
 
 mod given;
 mod upkeep;
@@ -147,9 +147,10 @@ impl RigidBodies {
         exact.map(|answer| (answer.pair.0, answer.pair.1, &answer.contacts))
     }
 
-    /// The contacts that the solver used in this step, by ascending ids, as [`answers`](Self::answers)
-    /// has them; beside those the ones that it carried on from an older step, with the points and
-    /// normals that they had in the frame of the body which rapier has first.
+    /// The contacts that the solver used in this step, by ascending ids, as
+    /// [`answers`](Self::answers) has them; beside those the ones that it carried on from an older
+    /// step, with the points and normals that they had in the frame of the body which rapier has
+    /// first.
     pub fn contacts(&self) -> impl Iterator<Item = (BodyId, BodyId, &PairContacts)> {
         self.answers.iter().map(|answer| (answer.pair.0, answer.pair.1, &answer.contacts))
     }

@@ -152,8 +152,8 @@ pub enum TimeOfImpact {
 /// Asks about the bodies where their `Transform`s are now: in any schedule, at any time, without a
 /// plugin. Bodies are those that a step has taken in.
 ///
-/// What is asked about meshes is exact or certified, as everywhere in Cranny: a ray slips through no
-/// edge, shapes overlap where their solids do and not where their hulls do, and a cast passes
+/// What is asked about meshes is exact or certified, as everywhere in Cranny: a ray slips through
+/// no edge, shapes overlap where their solids do and not where their hulls do, and a cast passes
 /// nothing, however thin or fast. A question costs a box a body, and beyond that what lies near.
 ///
 /// ```
@@ -409,8 +409,8 @@ impl SpatialQuery<'_, '_> {
     ///
     /// # Errors
     ///
-    /// [`SpatialQueryError::NoBody`], or [`SpatialQueryError::Motion`] for velocities or a time that
-    /// are none.
+    /// [`SpatialQueryError::NoBody`], or [`SpatialQueryError::Motion`] for velocities or a time
+    /// that are none.
     pub fn time_of_impact(
         &self,
         a: Entity,

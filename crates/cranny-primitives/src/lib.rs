@@ -57,8 +57,8 @@
 //! where the signed distance from one is least on a segment, a triangle, a model. `contacts` finds
 //! where a mesh is locally nearest to a primitive, by the `normal_cone` of each feature and by what
 //! is `inside`; `separation` says how far the two are apart. `rounded` does the same for polyhedra
-//! with rounded edges. `ray` casts rays. `deep` finds the way out of a deep overlap of two models, and `percussion`
-//! the places at which to lead a body without turning it.
+//! with rounded edges. `ray` casts rays. `deep` finds the way out of a deep overlap of two models,
+//! and `percussion` the places at which to lead a body without turning it.
 
 mod contacts;
 pub mod deep;

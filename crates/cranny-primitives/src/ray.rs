@@ -69,16 +69,16 @@ pub fn cast_ray(
     let bounds = model.bounds();
     let beyond = (bounds.center() - from).length() + bounds.diagonal();
     let length = within.min(2.0 * beyond);
-    let ray = Segment { from, to: from + length * along };
+    let ray = RaySegment { from, to: from + length * along };
     Ok(first_hit(model, &ray, length))
 }
 
-struct Segment {
+struct RaySegment {
     from: DVec3,
     to: DVec3,
 }
 
-fn first_hit(model: &Model, ray: &Segment, length: f64) -> Option<RayHit> {
+fn first_hit(model: &Model, ray: &RaySegment, length: f64) -> Option<RayHit> {
     let tree = model.tree();
     let mut best: Option<RayHit> = None;
     let mut stack: Vec<(f64, u32)> = Vec::new();
@@ -111,7 +111,7 @@ fn first_hit(model: &Model, ray: &Segment, length: f64) -> Option<RayHit> {
     best
 }
 
-impl Segment {
+impl RaySegment {
     /// At which share of the segment it enters a box, at the earliest; `None` where it does not.
     fn entry(&self, bounds: &Aabb) -> Option<f64> {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);

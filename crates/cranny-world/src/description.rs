@@ -103,8 +103,8 @@ impl Default for Material {
 pub enum Effect {
     /// Overlap began and ended: yes or no.
     Trigger,
-    /// Distance and nearest points of pairs whose surfaces are nearer than `within`; what is farther
-    /// apart costs the broad phase only.
+    /// Distance and nearest points of pairs whose surfaces are nearer than `within`; what is
+    /// farther apart costs the broad phase only.
     Proximity {
         /// Distance up to which pairs are reported, > 0.
         within: f64,

@@ -142,11 +142,11 @@ impl<'de> Visitor<'de> for Proximity {
     fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<f64, A::Error> {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
-        struct Fields {
+        struct Parameters {
             within: Positive,
         }
-        Fields::deserialize(de::value::MapAccessDeserializer::new(map))
-            .map(|fields| fields.within.0)
+        Parameters::deserialize(de::value::MapAccessDeserializer::new(map))
+            .map(|parameters| parameters.within.0)
     }
 }
 
