@@ -20,11 +20,14 @@ pub enum EffectKind {
     Contacts,
     /// Rigid bodies.
     Response,
+    /// Bodies that pass through nothing.
+    Continuous,
 }
 
 impl EffectKind {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Trigger, Self::Proximity, Self::Contacts, Self::Response];
+    pub const ALL: [Self; 5] =
+        [Self::Trigger, Self::Proximity, Self::Contacts, Self::Response, Self::Continuous];
 
     /// Its name in scene files.
     #[must_use]
@@ -34,6 +37,7 @@ impl EffectKind {
             Self::Proximity => "Proximity",
             Self::Contacts => "Contacts",
             Self::Response => "Response",
+            Self::Continuous => "Continuous",
         }
     }
 
@@ -45,6 +49,7 @@ impl EffectKind {
             Effect::Proximity { .. } => Some(Self::Proximity),
             Effect::Contacts { .. } => Some(Self::Contacts),
             Effect::Response => Some(Self::Response),
+            Effect::Continuous => Some(Self::Continuous),
             _ => None,
         }
     }
@@ -87,6 +92,12 @@ pub struct Contacts {
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct Response;
 
+/// A body with it passes through no other one, nor any through it, however fast; beside a pair it
+/// holds for both bodies. It needs [`Response`](crate::Response).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Continuous;
+
 /// What the components of an entity ask for.
 pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger);
@@ -95,7 +106,8 @@ pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let contacts = entity.get::<Contacts>();
     let contacts = contacts.map(|contacts| Effect::Contacts { margin: contacts.margin });
     let response = entity.get::<Response>().map(|_| Effect::Response);
-    [trigger, proximity, contacts, response].into_iter().flatten().collect()
+    let continuous = entity.get::<Continuous>().map(|_| Effect::Continuous);
+    [trigger, proximity, contacts, response, continuous].into_iter().flatten().collect()
 }
 
 /// Makes an entity ask for some effects more; of two lengths the larger counts.
@@ -112,6 +124,7 @@ pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
                 entity.insert(Contacts { margin: margin.max(before) });
             }
             Effect::Response => drop(entity.insert(Response)),
+            Effect::Continuous => drop(entity.insert(Continuous)),
             _ => {}
         }
     }
@@ -235,6 +248,16 @@ impl EffectTable {
         };
         self.pairs.iter().any(of_pair)
             || self.responding.iter().any(|&other| self.may_meet(body, other))
+    }
+
+    /// Whether the scene, a body or one of its pairs asks that the body passes through nothing.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn is_continuous(&self, body: BodyId) -> bool {
+        let names = |effects: &[Effect]| effects.contains(&Effect::Continuous);
+        let of_pair = |(pair, effects): (&Pair, &Vec<Effect>)| {
+            (pair.0 == body || pair.1 == body) && names(effects)
+        };
+        names(&self.scene) || names(self.of_body(body)) || self.pairs.iter().any(of_pair)
     }
 
     /// Effects of the scene as a whole.

@@ -49,6 +49,14 @@ pub enum SceneAppError {
         /// Name of the effect.
         effect: &'static str,
     },
+    /// An effect that works on what another one does, which the app does not have.
+    #[error("{effect} needs {needs}: name {needs} too, or leave {effect} out")]
+    NeedsEffect {
+        /// The effect asked for.
+        effect: &'static str,
+        /// The one that is missing.
+        needs: &'static str,
+    },
     /// A body that is the child of another entity.
     #[error(
         "body '{body}' is a child of another entity, but a body's Transform is its place in the world: spawn it as a root, or remove its ChildOf"

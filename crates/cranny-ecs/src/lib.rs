@@ -40,6 +40,8 @@ mod clock;
 mod collider;
 mod collision;
 mod contacts;
+#[cfg(feature = "rapier")]
+mod continuous;
 mod detection;
 mod effects;
 #[cfg(feature = "rapier")]
@@ -83,9 +85,13 @@ pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, S
 pub use collider::{Collider, VisualMesh};
 pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
 pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
+#[cfg(feature = "rapier")]
+pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
 pub use cranny_world::{BodyId, ContactFields};
 pub use detection::{Detected, DetectionSystems, Detector};
-pub use effects::{AskedBy, Contacts, EffectKind, EffectTable, Proximity, Response, Trigger};
+pub use effects::{
+    AskedBy, Contacts, Continuous, EffectKind, EffectTable, Proximity, Response, Trigger,
+};
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};
@@ -138,12 +144,12 @@ pub mod prelude {
     pub use crate::{
         AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider, Collision,
         CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
-        Collisions, ContactReport, Contacts, CrannyPlugins, CrannyStep, Density, EffectKind,
-        ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction, GravityScale, Joint,
-        LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Proximity, ProximityReport,
-        ProximitySystems, Response, Restitution, RigidBody, Sensor, SimulatedTime, SmoothNormals,
-        SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems, TouchingBodies, Trigger,
-        TriggerSystems,
+        Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep, Density,
+        EffectKind, ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction,
+        GravityScale, Joint, LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Proximity,
+        ProximityReport, ProximitySystems, Response, Restitution, RigidBody, Sensor, SimulatedTime,
+        SmoothNormals, SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems, TouchingBodies,
+        Trigger, TriggerSystems,
     };
     #[cfg(feature = "rapier")]
     pub use crate::{CollisionHooks, Gravity, RigidBodies, SolverContacts};

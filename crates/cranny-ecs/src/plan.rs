@@ -127,10 +127,12 @@ fn known_sets() -> Vec<KnownSet> {
     };
     #[cfg(feature = "rapier")]
     {
+        use crate::continuous::ContinuousSystems;
         use crate::response::ResponseSystems;
         sets.extend(known! {
             "Response": ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Supply,
                 ResponseSystems::Tally, ResponseSystems::Advance;
+            "Continuous": ContinuousSystems::Sync, ContinuousSystems::Report;
         });
     }
     #[cfg(feature = "record")]
@@ -147,11 +149,12 @@ fn known_sets() -> Vec<KnownSet> {
 }
 
 /// All effects, with what asks for them.
-const EFFECTS: [(&str, &str); 6] = [
+const EFFECTS: [(&str, &str); 7] = [
     ("Trigger", "the scene, its bodies and pairs name no Trigger"),
     ("Proximity", "the scene, its bodies and pairs name no Proximity"),
     ("Contacts", "the scene, its bodies and pairs name no Contacts"),
     ("Response", "the scene, its bodies and pairs name no Response"),
+    ("Continuous", "the scene, its bodies and pairs name no Continuous"),
     ("Recording", "no recording is asked for (--record)"),
     ("Rendering", "no pictures are asked for (--frames, --preview)"),
 ];
@@ -352,6 +355,7 @@ fn group_of(
             EffectKind::Proximity => fields.push("distance"),
             EffectKind::Contacts => fields.extend(read.names()),
             EffectKind::Response => fields.push("solver contacts"),
+            EffectKind::Continuous => fields.push("time of impact"),
         }
         let smooth = exact_solver && is_smooth(bodies, [a, b]);
         effects.push(match (kind, table.proximity(a, b), table.contact_margin(a, b)) {
@@ -373,7 +377,8 @@ fn group_of(
         }
     }
     let solver = table.asks(EffectKind::Response, a, b);
-    let reported = effects.len() > usize::from(solver);
+    let held = table.asks(EffectKind::Continuous, a, b);
+    let reported = effects.len() > usize::from(solver) + usize::from(held);
     let detected_by = match (solver, reported) {
         (true, true) if !exact_solver || table.proximity(a, b).is_some() => "solver and world",
         (true, _) => "solver",

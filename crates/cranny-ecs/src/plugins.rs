@@ -207,6 +207,9 @@ impl CrannyPlugins {
         if self.table().names(EffectKind::Response) {
             return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
         }
+        if self.table().names(EffectKind::Continuous) && !self.table().names(EffectKind::Response) {
+            return Err(SceneAppError::NeedsEffect { effect: "Continuous", needs: "Response" });
+        }
         Ok(self)
     }
 
@@ -281,6 +284,10 @@ impl PluginGroup for CrannyPlugins {
                 detection_present: detects,
                 add_step: self.add_step,
             });
+        }
+        #[cfg(feature = "rapier")]
+        if effects.names(EffectKind::Continuous) {
+            group = group.add(crate::continuous::ContinuousPlugin);
         }
         if let Some(scene) = self.scene {
             group = group.add(ScenePlugin { scene });

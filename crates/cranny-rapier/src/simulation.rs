@@ -5,6 +5,7 @@
 
 mod body;
 mod changes;
+mod continuous;
 mod hooks;
 mod options;
 mod step_report;
@@ -62,6 +63,8 @@ pub struct Simulation {
     /// In how many parts the last step was made, and what it took.
     pub(crate) parts: usize,
     timings: Timings,
+    /// Bodies that were held back in the last step.
+    held_back: usize,
     pub(crate) poses_before: Vec<Pose>,
     /// Pairs of numbers that never meet, the lower first.
     pub(crate) excluded: HashSet<(u32, u32)>,
@@ -140,6 +143,7 @@ impl Simulation {
             looked_ahead: 0.0,
             parts: 1,
             timings: Timings::default(),
+            held_back: 0,
             poses_before: Vec::new(),
             excluded: HashSet::new(),
             earlier_impulses: BTreeMap::new(),

@@ -184,7 +184,7 @@ fn errors_name_line_column_and_what_was_expected() {
 
 #[test]
 fn unknown_and_unavailable_effects_are_told_apart() {
-    for name in ["Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"] {
+    for name in ["Penetration", "Deformation", "ForceFeedback", "Sound"] {
         let text = refused("[Trigger()]", &format!("[{name}(depth: 3)]")).to_string();
         let says = format!("effect {name} is known but not available in this version");
         assert!(text.contains(&says) && text.contains("line 4"), "{text}");
@@ -196,7 +196,7 @@ fn unknown_and_unavailable_effects_are_told_apart() {
     let unknown = refused("[Trigger()]", "[Triger()]").to_string();
     assert!(
         unknown.contains("unknown effect Triger")
-            && unknown.contains("Trigger, Proximity, Contacts, Response")
+            && unknown.contains("Trigger, Proximity, Contacts, Response, Continuous")
     );
 }
 

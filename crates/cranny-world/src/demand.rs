@@ -96,7 +96,7 @@ impl Wish {
                 Effect::Contacts { margin } => {
                     return Err(WorldError::Margin { owner: owner(), margin });
                 }
-                Effect::Response => Self::default(),
+                Effect::Response | Effect::Continuous => Self::default(),
             });
         }
         Ok(wish)

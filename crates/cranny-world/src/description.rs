@@ -117,6 +117,8 @@ pub enum Effect {
     },
     /// Rigid bodies through rapier.
     Response,
+    /// A body passes through no other one, nor any through it, however fast. It needs `Response`.
+    Continuous,
 }
 
 impl Effect {
@@ -128,6 +130,7 @@ impl Effect {
             Self::Proximity { .. } => "Proximity",
             Self::Contacts { .. } => "Contacts",
             Self::Response => "Response",
+            Self::Continuous => "Continuous",
         }
     }
 }

@@ -92,6 +92,21 @@ fn response_exists_where_it_is_named_and_only_there() {
     }
 }
 
+#[cfg(feature = "rapier")]
+#[test]
+fn continuous_exists_where_it_is_named_and_only_there() {
+    for effects in [&[Effect::Response, Effect::Continuous][..], &[Effect::Response], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&Effect::Continuous));
+        assert_eq!(scheduled(app, ContinuousSystems::Sync.intern()), named);
+        assert_eq!(scheduled(app, ContinuousSystems::Report.intern()), named);
+        assert_eq!(app.world().contains_resource::<HeldBack>(), named);
+    }
+    let alone = SceneApp::new(&gate(&[Effect::Continuous]), &RunOptions::default());
+    let refused = alone.err().expect("nothing moves the bodies").to_string();
+    assert_eq!(refused, "Continuous needs Response: name Response too, or leave Continuous out");
+}
+
 #[cfg(feature = "record")]
 #[test]
 fn recording_exists_where_it_is_asked_for_and_only_there() {
@@ -144,8 +159,12 @@ fn names(plan: &Plan) -> BTreeSet<String> {
 
 #[test]
 fn one_effect_more_is_exactly_its_systems_more() {
-    let all = [Effect::Trigger, PROXIMITY, CONTACTS, Effect::Response];
+    let all = [Effect::Trigger, PROXIMITY, CONTACTS, Effect::Response, Effect::Continuous];
     let all = if cfg!(feature = "rapier") { &all[..] } else { &all[..3] };
+    // What works on what another effect does cannot be without it.
+    let works = |effects: &[Effect]| {
+        effects.contains(&Effect::Response) || !effects.contains(&Effect::Continuous)
+    };
     // Every subset that lacks the effect.
     let subsets = 0..1u32 << all.len();
     let cases = subsets.flat_map(|subset| {
@@ -156,6 +175,9 @@ fn one_effect_more_is_exactly_its_systems_more() {
     for (without, effect) in cases {
         let without = &without[..];
         let with: Vec<Effect> = without.iter().copied().chain([effect]).collect();
+        if !works(without) || !works(&with) {
+            continue;
+        }
         let (less, more) = (app(without).plan().unwrap(), app(&with).plan().unwrap());
         let systems = difference(&less, &more);
         assert!(systems.len() >= 2, "{systems:?}");

@@ -658,3 +658,38 @@ fn contacts_are_of_the_lower_id_first_whatever_number_the_solver_gave() {
     let contacts = &pair.answer.contacts;
     assert!(!contacts.is_empty() && contacts.iter().all(|contact| contact.normal.z < -0.9));
 }
+
+/// A bullet and a sheet that it would jump through: the bullet asks, the sheet, or nobody; and
+/// asking counts from the next step on.
+#[cfg(feature = "rapier")]
+#[test]
+fn a_body_that_asks_for_it_passes_through_nothing() {
+    let shot = |bullet_asks: bool, sheet_asks: bool, later: bool| {
+        let description = scene(Vec::new(), &[Effect::Response]);
+        let plugins = CrannyPlugins::new(1.0 / 64.0).unwrap().gravity(DVec3::ZERO);
+        let plugins = plugins.effects(&description.effects).unwrap();
+        let mut app = bevy_app::App::new();
+        app.add_plugins(plugins.available(&[EffectKind::Continuous]).unwrap());
+        let world = app.world_mut();
+        let sheet = world.spawn((RigidBody::Fixed, cuboid([4.0, 4.0, 0.02]))).id();
+        let fast = LinearVelocity(Vec3::new(0.0, 0.0, -300.0));
+        let bullet = (RigidBody::Dynamic, cuboid([0.1; 3]), up(21.0), fast);
+        let bullet = world.spawn(bullet).id();
+        if later {
+            world.run_schedule(CrannyStep);
+        }
+        for (body, asks) in [(bullet, bullet_asks), (sheet, sheet_asks)] {
+            if asks {
+                world.entity_mut(body).insert(Continuous);
+            }
+        }
+        (0..12).for_each(|_| world.run_schedule(CrannyStep));
+        assert!(!world.resource::<Failure>().is_set());
+        let passed = world.get::<Transform>(bullet).unwrap().translation.z < 0.0;
+        assert_eq!(world.resource::<HeldBack>().total > 0, !passed);
+        passed
+    };
+    assert!(shot(false, false, false));
+    assert!(!shot(true, false, false) && !shot(true, false, true));
+    assert!(!shot(false, true, false) && !shot(true, true, false));
+}

@@ -25,6 +25,7 @@ impl Simulation {
         self.parts = self.parts_needed();
         self.timings = Timings::default();
         self.earlier_impulses.clear();
+        self.held_back = 0;
         for part in 0..self.parts {
             if part > 0 {
                 self.keep_impulses();
@@ -33,6 +34,7 @@ impl Simulation {
             let iterations = whole.num_solver_iterations.div_ceil(self.parts);
             self.parameters.num_solver_iterations = iterations;
             self.advance(hooks);
+            self.hold_back(hooks);
             self.timings = self.timings.plus(&self.timings_of_part());
         }
         self.parameters.dt = whole.dt;

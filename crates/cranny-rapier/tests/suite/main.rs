@@ -7,6 +7,7 @@ mod changes;
 mod character;
 mod compounds;
 mod concave;
+mod continuous;
 mod fallback;
 mod falling;
 mod manifolds;

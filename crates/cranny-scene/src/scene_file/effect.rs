@@ -13,10 +13,10 @@ use serde::{Deserialize, Deserializer};
 use super::values::{NotNegative, Positive};
 
 /// What this version computes.
-const AVAILABLE: [&str; 4] = ["Trigger", "Proximity", "Contacts", "Response"];
+const AVAILABLE: [&str; 5] = ["Trigger", "Proximity", "Contacts", "Response", "Continuous"];
 
 /// What later versions will.
-const LATER: [&str; 5] = ["Penetration", "Continuous", "Deformation", "ForceFeedback", "Sound"];
+const LATER: [&str; 4] = ["Penetration", "Deformation", "ForceFeedback", "Sound"];
 
 /// What a scene gets by other means: the effect and how.
 const ELSEWHERE: [(&str, &str); 5] = [
@@ -51,6 +51,7 @@ impl<'de> Visitor<'de> for EffectVisitor {
         let effect = match name {
             Name::Trigger => content.struct_variant(&[], Nothing).map(|()| Effect::Trigger),
             Name::Response => content.struct_variant(&[], Nothing).map(|()| Effect::Response),
+            Name::Continuous => content.struct_variant(&[], Nothing).map(|()| Effect::Continuous),
             Name::Proximity => content
                 .struct_variant(&["within"], Proximity)
                 .map(|within| Effect::Proximity { within }),
@@ -68,6 +69,7 @@ enum Name {
     Proximity,
     Contacts,
     Response,
+    Continuous,
 }
 
 impl<'de> Deserialize<'de> for Name {
@@ -91,6 +93,7 @@ impl Visitor<'_> for NameVisitor {
             "Proximity" => return Ok(Name::Proximity),
             "Contacts" => return Ok(Name::Contacts),
             "Response" => return Ok(Name::Response),
+            "Continuous" => return Ok(Name::Continuous),
             _ => {}
         }
         if LATER.contains(&name) {
