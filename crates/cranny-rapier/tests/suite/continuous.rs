@@ -72,7 +72,8 @@ fn thrown(wall: &Model, body: &Model, rng: &mut Rng) -> Throw {
 /// Of so many throws, how many end behind the wall.
 fn behind(throws: usize, continuous: bool) -> usize {
     let walls = [0.005, 0.02, 0.05].map(corrugated);
-    let ring = Torus { major_radius: 0.5, minor_radius: 0.08, ..Torus::default() };
+    let ring =
+        Torus { major_radius: 0.5, minor_radius: 0.08, major_segments: 24, minor_segments: 8 };
     let bar = Cuboid { size: [1.5, 0.1, 0.1] };
     let bodies = [Hook::default().build(), ring.build(), bar.build()].map(|m| built(m.unwrap()));
     let mut rng = Rng::new(1);
