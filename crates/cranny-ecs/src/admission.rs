@@ -5,19 +5,21 @@
 //! inserts [`Body`]; of those that changed it inserts the same [`Body`] again. Whoever keeps bodies
 //! of its own (the solver, detection, a recording) observes `Insert<Body>` and `Remove<Body>`, and
 //! reads everything else from [`Bodies`], [`EffectTable`] and the components. A body that is
-//! removed or despawned leaves at once.
+//! removed or despawned leaves at once. [`parts`](crate::parts) says of which colliders a body
+//! consists.
 
 use std::collections::BTreeSet;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::hierarchy::ChildOf;
-use bevy_ecs::lifecycle::{HookContext, Insert, Remove};
+use bevy_ecs::lifecycle::{HookContext, Remove};
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
+use cranny_geometry::Model;
 use cranny_world::description::BodyKind;
 
 use crate::body::{Bodies, Body, BodyRecord};
@@ -26,28 +28,35 @@ use crate::collider::{Collider, VisualMesh};
 use crate::effects::{BodyEffects, EffectTable, effects_of};
 use crate::error::{Failure, SceneAppError};
 use crate::pair::{BodyPair, relate_pairs};
+use crate::parts::{
+    ColliderOf, MergedModels, has_parts, merge, note_moved_parts, note_orphan, note_parent,
+    owner_of,
+};
 use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
 use crate::tally::Tally;
 
 /// Entities of which a component that makes a body came, changed or went since the last step.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Noted {
-    entities: Vec<Entity>,
+    pub(crate) entities: Vec<Entity>,
     /// Whether pairs have to be related to bodies again.
     pub(crate) pairs: bool,
 }
 
 /// Hook of the components that make a body or a pair, as one is inserted.
 pub(crate) fn note_change(mut world: DeferredWorld<'_>, context: HookContext) {
+    let owner = owner_of(&world, context.entity);
     if let Some(mut noted) = world.get_resource_mut::<Noted>() {
-        noted.entities.push(context.entity);
+        noted.entities.extend([context.entity, owner]);
     }
 }
 
 /// The same as one is removed. A body without a collider is none any more.
 pub(crate) fn note_removal(mut world: DeferredWorld<'_>, context: HookContext) {
     note_change(world.reborrow(), context);
-    if world.component_id::<Collider>() == Some(context.component_id) {
+    if world.component_id::<Collider>() == Some(context.component_id)
+        && !has_parts(&world, context.entity)
+    {
         world.commands().entity(context.entity).try_remove::<Body>();
     }
 }
@@ -57,14 +66,14 @@ pub(crate) struct AdmissionPlugin;
 
 impl Plugin for AdmissionPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Noted>().init_resource::<Bodies>();
-        app.add_observer(take_leave).add_observer(refuse_parent);
+        app.init_resource::<Noted>().init_resource::<Bodies>().init_resource::<MergedModels>();
+        app.add_observer(take_leave).add_observer(note_parent).add_observer(note_orphan);
         note_present(app.world_mut());
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             let is_noted = |noted: Res<Noted>| noted.pairs || !noted.entities.is_empty();
             app.add_systems(
                 label,
-                (begin_step, admit_bodies.run_if(is_noted))
+                (begin_step, note_moved_parts, admit_bodies.run_if(is_noted))
                     .chain()
                     .in_set(StepSystems::Admit)
                     .in_set(CoreSystems::Admit),
@@ -85,18 +94,6 @@ fn note_present(world: &mut World) {
     }
 }
 
-/// A body's `Transform` is its place in the world.
-fn refuse_parent(
-    inserted: On<Insert<ChildOf>>,
-    bodies: Query<&Body>,
-    records: Res<Bodies>,
-    mut failure: ResMut<Failure>,
-) {
-    if let Ok(&Body { id }) = bodies.get(inserted.entity) {
-        failure.set(SceneAppError::ChildBody { body: records.name(id).to_owned() });
-    }
-}
-
 /// Makes bodies of what was spawned, and passes changes on.
 pub(crate) fn admit_bodies(world: &mut World) {
     let noted = std::mem::take(&mut world.resource_mut::<Noted>().entities);
@@ -105,17 +102,31 @@ pub(crate) fn admit_bodies(world: &mut World) {
     for entity in noted.into_iter().filter(|&entity| seen.insert(entity)) {
         let Ok(noted) = world.get_entity(entity) else { continue };
         pairs |= noted.contains::<BodyPair>();
-        if !noted.contains::<Collider>() {
+        let owner = owner_of(world, entity);
+        if owner != entity {
+            // It was noted with its owner; a body that became a part is none any more.
+            world.entity_mut(entity).remove::<Body>();
             continue;
         }
-        let (record, effects) = match described(noted) {
+        let merged = match merge(world, entity) {
+            Ok(Some(model)) => model,
+            Ok(None) => {
+                world.entity_mut(entity).remove::<(Body, ColliderOf)>();
+                continue;
+            }
+            Err(error) => {
+                world.resource_mut::<Failure>().set(error);
+                continue;
+            }
+        };
+        let (record, effects) = match described(world.entity(entity), merged) {
             Ok(described) => described,
             Err(error) => {
                 world.resource_mut::<Failure>().set(error);
                 continue;
             }
         };
-        let known = noted.get::<Body>().map(|body| body.id);
+        let known = world.get::<Body>(entity).map(|body| body.id);
         let Some(id) = world.resource_mut::<Bodies>().admit(known, record) else {
             world.resource_mut::<Failure>().set(SceneAppError::NoIdLeft);
             continue;
@@ -128,6 +139,7 @@ pub(crate) fn admit_bodies(world: &mut World) {
         }
         world.entity_mut(entity).insert(Body { id });
     }
+    world.resource_mut::<MergedModels>().forget_unused();
     if pairs || world.resource::<Noted>().pairs {
         world.resource_mut::<Noted>().pairs = false;
         relate_pairs(world);
@@ -135,7 +147,10 @@ pub(crate) fn admit_bodies(world: &mut World) {
 }
 
 /// What the components of an entity say of the body that it is.
-fn described(entity: EntityRef<'_>) -> Result<(BodyRecord, BodyEffects), SceneAppError> {
+fn described(
+    entity: EntityRef<'_>,
+    model: Model,
+) -> Result<(BodyRecord, BodyEffects), SceneAppError> {
     let given = entity.get::<Name>().map(|name| name.as_str().to_owned());
     let name = given.unwrap_or_default();
     let said = || if name.is_empty() { entity.id().to_string() } else { name.clone() };
@@ -146,15 +161,12 @@ fn described(entity: EntityRef<'_>) -> Result<(BodyRecord, BodyEffects), SceneAp
     if entity.contains::<ChildOf>() {
         return Err(SceneAppError::ChildBody { body: said() });
     }
-    let Some(collider) = entity.get::<Collider>() else {
-        return Err(SceneAppError::UnknownBody { name: said() });
-    };
     let kind = entity.get::<RigidBody>().map_or(BodyKind::Fixed, |&body| body.into());
     let layers = entity.get::<CollisionLayers>().copied().unwrap_or_default().0;
     let record = BodyRecord {
         entity: entity.id(),
         name,
-        model: collider.model().clone(),
+        model,
         visual: entity.get::<VisualMesh>().map(|visual| visual.0.clone()),
         kind,
         normals: SmoothNormals::normals(entity.get::<SmoothNormals>()),
@@ -171,9 +183,11 @@ fn take_leave(
     mut records: ResMut<Bodies>,
     mut table: ResMut<EffectTable>,
     mut noted: ResMut<Noted>,
+    mut merged: ResMut<MergedModels>,
     tally: Res<Tally>,
 ) {
     if let Ok(&Body { id }) = bodies.get(removed.entity) {
+        merged.leave(removed.entity);
         records.take_leave(id, tally.mentions(id));
         table.remove_body(id);
         noted.pairs = true;

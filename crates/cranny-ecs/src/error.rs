@@ -57,6 +57,14 @@ pub enum SceneAppError {
         /// The one that is missing.
         needs: &'static str,
     },
+    /// Colliders of a body that are no mesh together.
+    #[error("the colliders of body '{body}' cannot be put together: {why}")]
+    Parts {
+        /// Which body.
+        body: String,
+        /// What is wrong.
+        why: String,
+    },
     /// A body that is the child of another entity.
     #[error(
         "body '{body}' is a child of another entity, but a body's Transform is its place in the world: spawn it as a root, or remove its ChildOf"

@@ -22,8 +22,8 @@
 //!
 //! # Non-promises
 //!
-//! A body is a root entity with one collider, which is a mesh. Dynamic bodies without `Response`
-//! stand still.
+//! A body is a root entity; its colliders are meshes. Dynamic bodies without `Response` stand
+//! still.
 //!
 //! # Features
 //!
@@ -59,6 +59,7 @@ mod outputs;
 #[cfg(feature = "render")]
 mod painting;
 mod pair;
+mod parts;
 mod plan;
 mod plugins;
 mod properties;
@@ -107,6 +108,7 @@ pub use outputs::check_outputs;
 #[cfg(feature = "render")]
 pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
 pub use pair::{BodyPair, NeverMeet};
+pub use parts::ColliderOf;
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
 pub use properties::{

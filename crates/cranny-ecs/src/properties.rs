@@ -7,6 +7,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_math::{BVec3, Vec3};
+use bevy_transform::components::Transform;
 use cranny_world::Layers;
 use cranny_world::description::{BodyKind, Normals};
 
@@ -15,6 +16,7 @@ use crate::admission::{note_change, note_removal};
 /// How a body moves.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
+#[require(Transform)]
 pub enum RigidBody {
     /// As forces and contacts say; without [`Response`](crate::Response) it stands still.
     #[default]

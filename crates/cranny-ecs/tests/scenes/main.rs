@@ -8,6 +8,7 @@ mod detection;
 mod entities;
 mod fixed_update;
 mod links;
+mod parts;
 mod proximity;
 #[cfg(feature = "record")]
 mod recording;

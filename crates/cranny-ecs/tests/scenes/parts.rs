@@ -1,0 +1,145 @@
+//! Bodies of several colliders.
+
+use bevy_ecs::hierarchy::ChildOf;
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+use bevy_math::{Quat, Vec3};
+use bevy_transform::components::Transform;
+use cranny_ecs::*;
+use cranny_world::description::Effect;
+
+use crate::build::{cuboid, empty, height, steps, unit, up, world};
+
+fn record(app: &SceneApp, entity: Entity) -> BodyRecord {
+    let world = app.app().world();
+    let id = world.get::<Body>(entity).expect("a body").id;
+    world.resource::<Bodies>().get(id).expect("a record").clone()
+}
+
+fn bodies(app: &SceneApp) -> usize {
+    app.app().world().resource::<Bodies>().iter().count()
+}
+
+fn at(x: f32, y: f32, z: f32) -> Transform {
+    Transform::from_xyz(x, y, z)
+}
+
+/// A table: a top, and four legs that abut on it, one of them below an entity between.
+fn table(app: &mut SceneApp, place: Transform) -> (Entity, [Entity; 4]) {
+    let (top, leg) = (cuboid([2.0, 2.0, 0.25]), cuboid([0.25, 0.25, 1.0]));
+    let world = world(app);
+    let table = world.spawn((RigidBody::Dynamic, top, place)).id();
+    let between = world.spawn((at(0.75, 0.75, -0.625), ChildOf(table))).id();
+    let mut legs = [(-0.75, -0.75), (0.75, -0.75), (-0.75, 0.75)]
+        .map(|(x, y)| world.spawn((leg.clone(), at(x, y, -0.625), ChildOf(table))).id());
+    let last = world.spawn((leg, Transform::IDENTITY, ChildOf(between))).id();
+    legs.sort_unstable();
+    (table, [legs[0], legs[1], legs[2], last])
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_table_stands_on_its_legs_and_a_ball_rolls_below() {
+    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    world(&mut app).spawn((cuboid([9.0, 9.0, 1.0]), up(-0.5)));
+    let (table, legs) = table(&mut app, up(1.2));
+    let below = world(&mut app).spawn((RigidBody::Dynamic, cuboid([0.5; 3]), up(0.3))).id();
+    steps(&mut app, 90);
+    assert_eq!(bodies(&app), 3);
+    assert!((height(&app, table) - 1.125).abs() < 0.01, "{}", height(&app, table));
+    assert!((height(&app, below) - 0.25).abs() < 0.01, "its hull is full, the table is not");
+    let world = app.app().world();
+    assert!(legs.iter().all(|&leg| world.get::<ColliderOf>(leg).unwrap().body == table));
+    assert!(legs.iter().all(|&leg| world.get::<Body>(leg).is_none()));
+    let mass = record(&app, table).model.mass_properties().unwrap().volume;
+    assert!((mass - 1.25).abs() < 1e-9, "{mass}");
+}
+
+#[test]
+fn parts_come_move_and_go() {
+    let mut app = empty(&[]);
+    let body = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+    let part = world(&mut app).spawn((unit(), at(3.0, 0.0, 0.0), ChildOf(body))).id();
+    steps(&mut app, 1);
+    let reach = |app: &SceneApp| record(app, body).model.bounds().max.x;
+    assert_eq!((reach(&app), bodies(&app)), (3.5, 1));
+    let first = record(&app, body).model;
+
+    world(&mut app).get_mut::<Transform>(part).unwrap().translation.x = 5.0;
+    steps(&mut app, 1);
+    assert_eq!(reach(&app), 5.5);
+    world(&mut app).get_mut::<Transform>(part).unwrap().translation.x = 3.0;
+    steps(&mut app, 1);
+    assert_eq!(record(&app, body).model.digest(), first.digest());
+
+    // Its own collider may go, as long as a part is left.
+    world(&mut app).entity_mut(body).remove::<Collider>();
+    steps(&mut app, 1);
+    assert_eq!((record(&app, body).model.bounds().min.x, bodies(&app)), (2.5, 1));
+    world(&mut app).entity_mut(body).insert(unit());
+    steps(&mut app, 1);
+
+    // A part that is let go is a body of its own, and comes back as a part.
+    world(&mut app).entity_mut(part).remove::<ChildOf>();
+    steps(&mut app, 1);
+    assert_eq!((reach(&app), bodies(&app)), (0.5, 2));
+    assert!(app.app().world().get::<ColliderOf>(part).is_none());
+    world(&mut app).entity_mut(part).insert(ChildOf(body));
+    steps(&mut app, 1);
+    assert_eq!((reach(&app), bodies(&app)), (3.5, 1));
+
+    assert!(world(&mut app).despawn(part));
+    steps(&mut app, 1);
+    assert_eq!((reach(&app), bodies(&app)), (0.5, 1));
+    let part = (unit(), at(0.0, 3.0, 0.0), ChildOf(body));
+    let part = world(&mut app).spawn(part).id();
+    steps(&mut app, 1);
+    assert!(world(&mut app).despawn(body), "with its parts");
+    assert!(world(&mut app).get_entity(part).is_err());
+    steps(&mut app, 1);
+    assert_eq!(bodies(&app), 0);
+}
+
+#[test]
+fn bodies_of_the_same_parts_share_a_model_and_do_not_move_it() {
+    let mut app = empty(&[]);
+    let spawn = |app: &mut SceneApp, place: Transform| {
+        let (body, _) = table(app, place);
+        let moves = (RigidBody::Kinematic, LinearVelocity(Vec3::X));
+        world(app).entity_mut(body).insert(moves);
+        body
+    };
+    let turned = at(9.0, 0.0, 0.0).with_rotation(Quat::from_rotation_z(1.0));
+    let [one, two] = [up(0.0), turned].map(|place| spawn(&mut app, place));
+    steps(&mut app, 1);
+    let model = record(&app, one).model;
+    assert!(model.is_same(&record(&app, two).model));
+    let before = app.app().world().get::<Transform>(one).unwrap().translation.x;
+    steps(&mut app, 3);
+    assert!(app.app().world().get::<Transform>(one).unwrap().translation.x > before);
+    assert!(model.is_same(&record(&app, one).model));
+}
+
+#[test]
+fn what_no_body_can_be_made_of_is_said() {
+    // A body of its own below another body.
+    let mut app = empty(&[]);
+    let outer = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+    world(&mut app).spawn((RigidBody::Dynamic, unit(), up(3.0), ChildOf(outer)));
+    let refused = app.step().unwrap_err().to_string();
+    assert!(refused.contains("is a child of another entity"), "{refused}");
+
+    let mut app = empty(&[]);
+    let outer = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+    let large = up(3.0).with_scale(Vec3::splat(2.0));
+    world(&mut app).spawn((Name::new("knob"), unit(), large, ChildOf(outer)));
+    let refused = app.step().unwrap_err().to_string();
+    assert!(refused.contains("'knob': its Transform has the scale [2, 2, 2]"), "{refused}");
+
+    let mut app = empty(&[]);
+    let outer = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+    let far = at(f32::MAX, 0.0, 0.0);
+    world(&mut app).spawn((unit(), far, ChildOf(outer)));
+    let refused = app.step().unwrap_err().to_string();
+    assert!(refused.contains("cannot be put together"), "{refused}");
+}
