@@ -85,7 +85,7 @@ pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};
 #[cfg(feature = "scene")]
 pub use excerpt::{helices, rings};
-pub use joints::Joint;
+pub use joints::{Follows, Joint};
 pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
 pub use links::{Link, LinkLog, Ring};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
@@ -96,7 +96,7 @@ pub use pair::{BodyPair, NeverMeet};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
 pub use properties::{
-    AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
+    AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction, Mass,
     GravityScale, LinearVelocity, LockedAxes, Restitution, RigidBody, Sensor, SmoothNormals,
 };
 pub use readers::ContactReaders;
@@ -115,7 +115,7 @@ pub use solved::{RigidBodies, SolverBody};
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    JointSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 pub use tally::{Contained, DeepestSoFar, Series, Tally};
 pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};
