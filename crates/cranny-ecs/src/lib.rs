@@ -96,8 +96,8 @@ pub use pair::{BodyPair, NeverMeet};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
 pub use properties::{
-    AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction, Mass,
-    GravityScale, LinearVelocity, LockedAxes, Restitution, RigidBody, Sensor, SmoothNormals,
+    AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
+    GravityScale, LinearVelocity, LockedAxes, Mass, Restitution, RigidBody, Sensor, SmoothNormals,
 };
 pub use readers::ContactReaders;
 #[cfg(feature = "record")]
@@ -114,8 +114,8 @@ pub use response::{Gravity, ResponseSystems};
 pub use solved::{RigidBodies, SolverBody};
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    JointSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
+    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 pub use tally::{Contained, DeepestSoFar, Series, Tally};
 pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};

@@ -11,9 +11,9 @@ use crate::clock::{PhaseTimes, SimulatedTime};
 use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::properties::{AngularVelocity, LinearVelocity};
-use crate::summary::{JointSummary, 
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+use crate::summary::{
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
+    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 use crate::tally::{Series, Tally};
 

@@ -375,9 +375,10 @@ impl RigidBodies {
     /// A joint left the solver's world: what follows it has to be coupled again.
     fn uncouple(&mut self, joint: Entity) {
         self.uncoupled.remove(&joint);
-        let followers = self.joints.iter().filter(|(_, (known, _))| {
-            known.follows.is_some_and(|follows| follows.joint == joint)
-        });
+        let followers = self
+            .joints
+            .iter()
+            .filter(|(_, (known, _))| known.follows.is_some_and(|follows| follows.joint == joint));
         self.uncoupled.extend(followers.map(|(&entity, _)| entity).collect::<Vec<_>>());
     }
 

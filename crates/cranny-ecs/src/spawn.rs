@@ -16,8 +16,8 @@ use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
 use crate::properties::{
-    AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution, RigidBody,
-    SmoothNormals,
+    AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
+    RigidBody, SmoothNormals,
 };
 
 /// The bits of layers that scenes name. "all" is the first; others get theirs as they are first

@@ -240,6 +240,8 @@ pub enum JointKind {
         /// Unit normal.
         normal: DVec3,
     },
+    /// All: its bodies are not joined.
+    Floating,
 }
 
 /// One joint follows another.

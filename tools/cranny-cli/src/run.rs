@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    ContactFields, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp,
-    SceneAppError, check_outputs, helices, rings,
+    ContactFields, JointSummary, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary,
+    SceneApp, SceneAppError, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -172,6 +172,17 @@ fn text(summary: &RunSummary) -> String {
             c.steps, c.a, c.b, c.step
         );
         lines.add("inside", value);
+    }
+    let off = |joint: &JointSummary| joint.off_max;
+    if let Some(worst) = summary.joints.iter().max_by(|a, b| off(a).total_cmp(&off(b))) {
+        let value = format!(
+            "{} held, at most {:.6} off ({}), {:.6} at the end",
+            summary.joints.len(),
+            worst.off_max,
+            worst.joint,
+            worst.off
+        );
+        lines.add("joints", value);
     }
     if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
         let end = if energy.loss < 0.0 { "above" } else { "below" };

@@ -141,11 +141,7 @@ fn note_lost(lost: On<Remove<Defaulted>>, mut bodies: ResMut<RigidBodies>) {
     bodies.bereft.push(lost.entity);
 }
 
-fn note_joint(
-    inserted: On<Insert<Joint>>,
-    joints: Query<&Joint>,
-    mut bodies: ResMut<RigidBodies>,
-) {
+fn note_joint(inserted: On<Insert<Joint>>, joints: Query<&Joint>, mut bodies: ResMut<RigidBodies>) {
     let entity = inserted.entity;
     if let (Some(&(before, index)), Ok(&now)) = (bodies.joints.get(&entity), joints.get(entity)) {
         let as_before = Joint { motor: before.motor, resistance: before.resistance, ..now };
@@ -226,14 +222,15 @@ pub(crate) fn join(joints: Query<&Joint>, mut insertion: Insertion) {
             let of = ends.map(|end| insertion.given.get(end).ok().map(|(body, _)| body.id));
             let [Some(a), Some(b)] = of else { continue };
             let is_in = |id: BodyId| insertion.bodies.index(id).is_some();
-            let held = a != b && (is_in(a) || is_in(b));
+            let joins = a != b && joint.kind != JointKind::Floating;
+            let held = joins && (is_in(a) || is_in(b));
             if !held || !ends.iter().all(|&end| insertion.insert(end)) {
                 continue;
             }
             let [Some(parent), Some(child)] = [a, b].map(|id| insertion.bodies.index(id)) else {
                 continue;
             };
-            let made_now = made(&mut insertion.bodies.simulation, [parent, child], &joint);
+            let made_now = solver_joint(&mut insertion.bodies.simulation, [parent, child], &joint);
             insertion.bodies.joints.insert(entity, (joint, made_now));
             if joint.follows.is_some() {
                 insertion.bodies.uncoupled.insert(entity);
@@ -249,7 +246,7 @@ pub(crate) fn join(joints: Query<&Joint>, mut insertion: Insertion) {
 }
 
 /// Whether joined bodies meet is for pairs to say.
-fn made(simulation: &mut Simulation, ends: [BodyIndex; 2], joint: &Joint) -> JointIndex {
+fn solver_joint(simulation: &mut Simulation, ends: [BodyIndex; 2], joint: &Joint) -> JointIndex {
     let (spec, anchors) = (joint_spec(joint), [joint.parent_anchor, joint.child_anchor]);
     if joint.reduced {
         let (_, resistance) = driven(joint);
@@ -276,7 +273,8 @@ fn driven(joint: &Joint) -> (Option<Motor>, Resistance) {
 fn joint_spec(joint: &Joint) -> JointSpec {
     let (motor, _) = driven(joint);
     match joint.kind {
-        JointKind::Fixed => JointSpec::Fixed,
+        // The last is never joined.
+        JointKind::Fixed | JointKind::Floating => JointSpec::Fixed,
         JointKind::Revolute { axis, limits } => JointSpec::Revolute { axis, limits, motor },
         JointKind::Prismatic { axis, limits } => JointSpec::Prismatic { axis, limits, motor },
         JointKind::Planar { normal } => JointSpec::Planar { normal },

@@ -15,8 +15,8 @@ use std::collections::BTreeMap;
 use cranny_exact::{DVec3, Pose};
 use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::prelude::{
-    ImpulseJointHandle, JointAxesMask, JointAxis, Multibody, MultibodyDofCoupling, MultibodyJointHandle,
-    RigidBodyHandle, RigidBodySet,
+    ImpulseJointHandle, JointAxesMask, JointAxis, Multibody, MultibodyDofCoupling,
+    MultibodyJointHandle, RigidBodyHandle, RigidBodySet,
 };
 
 use super::{BodyIndex, Simulation};
@@ -271,8 +271,8 @@ impl Simulation {
             let body = pose_from_rapier(self.bodies.get(body)?.position());
             Some(body.compose(&pose_from_rapier(local)))
         };
-        let first = frame(joint.body1, &joint.data.local_frame1)?;
-        let second = frame(joint.body2, &joint.data.local_frame2)?;
+        let first = frame(joint.body1(), &joint.data.local_frame1)?;
+        let second = frame(joint.body2(), &joint.data.local_frame2)?;
         Some(position(&spec, &[first, second], 0.0))
     }
 

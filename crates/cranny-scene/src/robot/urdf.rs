@@ -5,22 +5,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_shapes::{Cuboid, Sphere};
-use cranny_world::description::{JointKind, Mimic};
+use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 use urdf_rs::{Geometry, Joint, JointType, Link};
 
 use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
+use super::sift::{Sifted, sift};
 use super::{Robot, RobotError, RobotJoint, RobotLink, package};
 use crate::byte_order_mark::without_mark;
 use crate::mesh_file::{UpAxis, read_mesh_with};
-use crate::xml::nested_beyond;
-
-/// XML elements nest at most so deep; URDF needs five. Deeper, and the recursive readers beneath
-/// could exhaust the stack.
-const MAX_DEPTH: usize = 64;
 
 /// Reads a robot from a URDF file.
 ///
@@ -31,13 +27,14 @@ const MAX_DEPTH: usize = 64;
 /// # Errors
 ///
 /// [`RobotError`]: the file or one of its collision meshes is missing or broken; links that do not
-/// form a tree; joints that are floating, planar or spherical.
+/// form a tree; an element or a number that cannot be meant, with its line. What is harmless is
+/// mended, and a note says so.
 pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
     let text = fs::read_to_string(path).map_err(unreadable)?;
     let text = without_mark(&text);
-    check_xml(path, text)?;
-    let urdf = urdf_rs::read_from_string(text).map_err(|error| {
+    let sifted = sift(path, text)?;
+    let urdf = urdf_rs::read_from_string(&sifted.text).map_err(|error| {
         let message = error.to_string();
         RobotError::Urdf { path: path.to_owned(), message }
     })?;
@@ -47,7 +44,9 @@ pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
         path: path.to_owned(),
         absolute,
         meshes: BTreeMap::new(),
-        notes: Vec::new(),
+        notes: sifted.notes.clone(),
+        sifted,
+        installed: package::Installed::from_environment(),
         files: vec![path.to_owned()],
     };
     let links = urdf.links.iter().map(|link| reader.link(link)).collect::<Result<Vec<_>, _>>()?;
@@ -64,43 +63,6 @@ pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     Ok(Robot { name: urdf.name, links, joints, root, notes, files, order })
 }
 
-/// Well-formed XML of sane depth: the URDF reader names no place, this check does.
-fn check_xml(path: &Path, text: &str) -> Result<(), RobotError> {
-    if let Some(at) = nested_beyond(text, MAX_DEPTH) {
-        let before = &text[..at];
-        let line = 1 + before.matches('\n').count() as u32;
-        let column = 1 + before.rsplit('\n').next().unwrap_or_default().chars().count() as u32;
-        let problem =
-            format!("elements are nested deeper than {MAX_DEPTH}: this is no URDF robot.");
-        return Err(RobotError::Xml { path: path.to_owned(), line, column, problem });
-    }
-    let document = roxmltree::Document::parse(text).map_err(|error| {
-        let advice = match &error {
-            roxmltree::Error::UnknownNamespace(prefix, _) => format!(
-                "the prefix {prefix:?} is used but never bound to a namespace. Add xmlns:{prefix}=\"…\" to the element 'robot', or remove the attributes and elements with this prefix."
-            ),
-            other => format!("not well-formed XML ({other}). Correct it or export the robot again."),
-        };
-        let at = error.pos();
-        RobotError::Xml { path: path.to_owned(), line: at.row, column: at.col, problem: advice }
-    })?;
-    let root = document.root_element();
-    if root.tag_name().name() != "robot" {
-        let at = document.text_pos_at(root.range().start);
-        let problem = format!(
-            "found the element {:?}, expected 'robot': this is no URDF file.",
-            root.tag_name().name()
-        );
-        return Err(RobotError::Xml {
-            path: path.to_owned(),
-            line: at.row,
-            column: at.col,
-            problem,
-        });
-    }
-    Ok(())
-}
-
 struct Reader {
     path: PathBuf,
     absolute: PathBuf,
@@ -108,11 +70,30 @@ struct Reader {
     meshes: BTreeMap<PathBuf, Arc<Mesh>>,
     notes: Vec<String>,
     files: Vec<PathBuf>,
+    sifted: Sifted,
+    installed: package::Installed,
 }
 
 impl Reader {
+    fn line(&self, element: &str, name: &str) -> Option<u32> {
+        self.sifted.lines[usize::from(element == "joint")].get(name).copied()
+    }
+
+    /// A sentence about a link or joint.
+    fn note(&mut self, element: &str, name: &str, what: &str) {
+        let line = self.line(element, name).map_or(String::new(), |line| format!("line {line}: "));
+        self.notes.push(format!("{line}{element} {name:?} {what}"));
+    }
+
     fn error(&self, element: &'static str, name: &str, problem: String) -> RobotError {
-        RobotError::Element { path: self.path.clone(), element, name: name.to_owned(), problem }
+        let line = self.line(element, name);
+        RobotError::Element {
+            path: self.path.clone(),
+            line,
+            element,
+            name: name.to_owned(),
+            problem,
+        }
     }
 
     fn unique<'a>(
@@ -148,7 +129,37 @@ impl Reader {
         }
         let mass = link.inertial.mass.value;
         let mass = (mass.is_finite() && mass > 0.0).then_some(mass);
-        Ok(RobotLink { name: link.name.clone(), collision, visual, mass })
+        let inertial = mass.map(|mass| self.inertial(link, mass)).transpose()?.flatten();
+        Ok(RobotLink { name: link.name.clone(), collision, visual, mass, inertial })
+    }
+
+    /// What the link's `inertial` says, in the link's frame. A tensor that no body can have is
+    /// noted and left out.
+    fn inertial(&mut self, link: &Link, mass: f64) -> Result<Option<StatedMass>, RobotError> {
+        if !self.sifted.weighed.contains(&link.name) {
+            self.note("link", &link.name, "states a mass and no inertia");
+            return Ok(None);
+        }
+        let origin = pose(&link.inertial.origin).map_err(|problem| {
+            self.error("link", &link.name, format!("the origin of its inertial {problem}"))
+        })?;
+        let i = &link.inertial.inertia;
+        let tensor = DMat3::from_cols(
+            DVec3::new(i.ixx, i.ixy, i.ixz),
+            DVec3::new(i.ixy, i.iyy, i.iyz),
+            DVec3::new(i.ixz, i.iyz, i.izz),
+        );
+        if !is_positive(&tensor) {
+            let what = format!(
+                "states the inertia ixx={} ixy={} ixz={} iyy={} iyz={} izz={}, which is not positive definite: that of its shape is used",
+                i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz
+            );
+            self.note("link", &link.name, &what);
+            return Ok(None);
+        }
+        let turn = DMat3::from_quat(origin.rotation);
+        let inertia = turn * tensor * turn.transpose();
+        Ok(Some(StatedMass { mass, center: origin.translation, inertia }))
     }
 
     /// An element's mesh in the link's frame, joined to those before it.
@@ -193,19 +204,22 @@ impl Reader {
     }
 
     fn mesh(&mut self, link: &str, uri: &str, scale: DVec3) -> Result<Arc<Mesh>, RobotError> {
-        let path =
-            package::find(&self.absolute, uri).map_err(|tried| RobotError::MeshNotFound {
+        let path = package::find(&self.absolute, uri, &self.installed).map_err(|tried| {
+            RobotError::MeshNotFound {
                 path: self.path.clone(),
+                line: self.line("link", link),
                 link: link.to_owned(),
                 uri: uri.to_owned(),
                 tried,
-            })?;
+            }
+        })?;
         let filed = match self.meshes.get(&path) {
             Some(mesh) => Arc::clone(mesh),
             None => {
                 let read =
                     read_mesh_with(&path, UpAxis::AsFiled).map_err(|source| RobotError::Mesh {
                         path: self.path.clone(),
+                        line: self.line("link", link),
                         link: link.to_owned(),
                         source: Box::new(source),
                     })?;
@@ -248,7 +262,11 @@ impl Reader {
             let unit = axis.is_finite().then(|| axis.try_normalize()).flatten();
             unit.ok_or_else(|| refuse(format!("its axis {axis} has no direction.")))
         };
+        let bounded = self.sifted.bounded.contains(&joint.name);
         let limits = || {
+            if !bounded {
+                return Ok(None);
+            }
             let [lower, upper] = [joint.limit.lower, joint.limit.upper];
             if lower <= upper {
                 // Infinite limits are how URDF 1.2 says 'none'.
@@ -264,11 +282,12 @@ impl Reader {
             JointType::Continuous => JointKind::Revolute { axis: axis()?, limits: None },
             JointType::Revolute => JointKind::Revolute { axis: axis()?, limits: limits()? },
             JointType::Prismatic => JointKind::Prismatic { axis: axis()?, limits: limits()? },
-            JointType::Floating | JointType::Planar | JointType::Spherical => {
-                return Err(refuse(format!(
-                    "its type {:?} is not supported. Use fixed, revolute, continuous or prismatic joints; let a floating robot's base be free in the scene instead.",
-                    joint.joint_type
-                )));
+            JointType::Planar => JointKind::Planar { normal: axis()? },
+            JointType::Floating => JointKind::Floating,
+            JointType::Spherical => {
+                return Err(refuse(
+                    "its type is spherical, which URDF does not have. Use three continuous joints about x, y and z.".to_owned(),
+                ));
             }
         };
         let mimic = joint.mimic.as_ref().map(|mimic| Mimic {
@@ -283,6 +302,9 @@ impl Reader {
             parent_from_joint,
             kind,
             mimic,
+            resistance: resistance(joint),
+            max_effort: most(joint.limit.effort),
+            max_velocity: most(joint.limit.velocity),
         })
     }
 
@@ -294,7 +316,7 @@ impl Reader {
             let problem = match leader {
                 None => "which is not in the file",
                 Some(leader) if leader.mimic.is_some() => "which follows another joint itself",
-                Some(leader) if leader.kind == JointKind::Fixed => "which is fixed",
+                Some(leader) if !leader.has_position() => "which has no position",
                 Some(_) if !(mimic.multiplier.is_finite() && mimic.offset.is_finite()) => {
                     "but its multiplier or offset is not a finite number"
                 }
@@ -360,6 +382,26 @@ impl Reader {
             None => Ok((root, order)),
         }
     }
+}
+
+/// URDF says 0 where no limit is known.
+fn most(limit: f64) -> Option<f64> {
+    (limit > 0.0 && limit.is_finite()).then_some(limit)
+}
+
+fn resistance(joint: &Joint) -> Resistance {
+    let at_least_0 = |value: f64| if value > 0.0 && value.is_finite() { value } else { 0.0 };
+    joint.dynamics.as_ref().map_or(Resistance::default(), |dynamics| Resistance {
+        damping: at_least_0(dynamics.damping),
+        friction: at_least_0(dynamics.friction),
+    })
+}
+
+/// Sylvester's criterion.
+fn is_positive(m: &DMat3) -> bool {
+    let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
+    let minor = a.x * b.y - a.y * b.x;
+    m.is_finite() && a.x > 0.0 && minor > 0.0 && a.dot(b.cross(c)) > 0.0
 }
 
 fn round(
