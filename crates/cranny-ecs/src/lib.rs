@@ -111,7 +111,7 @@ pub use report::state_hash;
 #[cfg(feature = "rapier")]
 pub use response::{Gravity, ResponseSystems};
 #[cfg(feature = "rapier")]
-pub use solved::{RigidBodies, SolverBody};
+pub use solved::{HeldJoint, RigidBodies, SolverBody};
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,

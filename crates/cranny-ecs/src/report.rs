@@ -123,11 +123,12 @@ fn joints(world: &World) -> Vec<JointSummary> {
         let name = world.get::<bevy_ecs::name::Name>(entity);
         name.map_or_else(|| format!("joint of {entity}"), |name| name.as_str().to_owned())
     };
-    let joints = bodies.held_joints().map(|(entity, held, [off, off_max])| JointSummary {
+    let joints = bodies.held_joints().map(|(entity, held)| JointSummary {
         joint: name(entity),
-        held,
-        off,
-        off_max,
+        held: held.position,
+        off: held.off,
+        off_max: held.off_max,
+        strained: held.strained,
     });
     joints.collect()
 }

@@ -66,8 +66,8 @@ pub struct RigidBodies {
     /// Of the effects that memberships and exclusions follow.
     revision: Option<u64>,
     joints: BTreeMap<Entity, (Joint, JointIndex)>,
-    /// How far off its position each joint is that a motor holds, and was at most.
-    off: BTreeMap<Entity, [f64; 2]>,
+    /// Of joints that motors hold.
+    held: BTreeMap<Entity, HeldJoint>,
     /// Joints that are to follow another and do not yet.
     uncoupled: BTreeSet<Entity>,
     /// Joints whose ends are not both in the solver's world, in the order in which they came.
@@ -76,6 +76,19 @@ pub struct RigidBodies {
     joints_noted: u64,
     /// Entities that lost a component, which now means its default.
     bereft: Vec<Entity>,
+}
+
+/// How well a motor holds a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HeldJoint {
+    /// Where it holds it, radians or units.
+    pub position: f64,
+    /// How far off the joint is.
+    pub off: f64,
+    /// How far off it was at most after a step.
+    pub off_max: f64,
+    /// In how many steps the motor was at its greatest effort.
+    pub strained: u64,
 }
 
 /// What the solver knows of a body.
@@ -169,7 +182,7 @@ impl RigidBodies {
             excluded: BTreeSet::new(),
             revision: None,
             joints: BTreeMap::new(),
-            off: BTreeMap::new(),
+            held: BTreeMap::new(),
             uncoupled: BTreeSet::new(),
             loose: BTreeMap::new(),
             joints_noted: 0,
@@ -206,18 +219,17 @@ impl RigidBodies {
             let Some((held, at)) = held.zip(self.simulation.joint_position(*index)) else {
                 continue;
             };
-            let off = (at - held).abs();
-            let known = self.off.entry(entity).or_default();
-            *known = [off, known[1].max(off)];
+            let known = self.held.entry(entity).or_default();
+            known.position = held;
+            known.off = (at - held).abs();
+            known.off_max = known.off_max.max(known.off);
+            known.strained += u64::from(self.simulation.is_strained(*index));
         }
     }
 
-    /// Joints that motors hold: where, how far off they are, and how far they were at most.
-    pub fn held_joints(&self) -> impl Iterator<Item = (Entity, f64, [f64; 2])> {
-        self.joints.iter().filter_map(|(&entity, (joint, _))| {
-            let held = joint.motor?.position?;
-            Some((entity, held, *self.off.get(&entity)?))
-        })
+    /// Joints that motors hold, or held.
+    pub fn held_joints(&self) -> impl Iterator<Item = (Entity, HeldJoint)> {
+        self.held.iter().map(|(&entity, &held)| (entity, held))
     }
 
     /// The solver has written these.

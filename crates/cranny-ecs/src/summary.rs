@@ -157,6 +157,8 @@ pub struct JointSummary {
     pub off: f64,
     /// The farthest that it was off after any step.
     pub off_max: f64,
+    /// In how many steps its motor was at its greatest effort, and could not do what was asked.
+    pub strained: u64,
 }
 
 /// How a nut moved on its bolt.

@@ -183,6 +183,13 @@ fn text(summary: &RunSummary) -> String {
             worst.off
         );
         lines.add("joints", value);
+        for joint in summary.joints.iter().filter(|joint| joint.strained > 0).take(MOTIONS_TOLD) {
+            let value = format!(
+                "the motor of {} was at its greatest effort in {} steps: it cannot hold more (`motors` gives it a larger max_effort)",
+                joint.joint, joint.strained
+            );
+            lines.add("joints", value);
+        }
     }
     if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
         let end = if energy.loss < 0.0 { "above" } else { "below" };

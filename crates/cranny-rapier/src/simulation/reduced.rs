@@ -69,6 +69,8 @@ struct ReducedJoint {
     start: f64,
     motor: Option<Motor>,
     resistance: Resistance,
+    /// Whether its motor was at its greatest effort in the last step.
+    strained: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -115,7 +117,7 @@ impl Simulation {
         };
         let number = self.reduced.next;
         self.reduced.next += 1;
-        let joint = ReducedJoint { place, axis, start, motor, resistance };
+        let joint = ReducedJoint { place, axis, start, motor, resistance, strained: false };
         self.reduced.joints.insert(number, joint);
         self.drive_impulses(number);
         self.joined = true;
@@ -256,6 +258,14 @@ impl Simulation {
         Some(start + coordinate)
     }
 
+    /// Whether the motor of a joint in reduced coordinates was at its greatest effort at the
+    /// beginning of the last step, so that it could not do what it was asked.
+    #[must_use]
+    pub fn is_strained(&self, joint: JointIndex) -> bool {
+        let JointPlace::Reduced(number) = joint.0 else { return false };
+        self.reduced.joints.get(&number).is_some_and(|joint| joint.strained)
+    }
+
     /// The position of a joint of impulses, from its bodies: a hinge's within half a turn.
     fn between(&self, handle: ImpulseJointHandle) -> Option<f64> {
         let joint = self.joints.get(handle)?;
@@ -325,12 +335,12 @@ impl Simulation {
         if self.joined {
             self.see_masses();
         }
-        let mut trees: BTreeMap<(u32, u32), Vec<(usize, ReducedJoint)>> = BTreeMap::new();
-        for joint in self.reduced.joints.values() {
+        let mut trees: BTreeMap<(u32, u32), Vec<(usize, u32, ReducedJoint)>> = BTreeMap::new();
+        for (&number, joint) in &self.reduced.joints {
             let Place::Above(body) = joint.place else { continue };
             if let Some(link) = self.multibody_joints.rigid_body_link(body) {
                 let tree = link.multibody.0.into_raw_parts();
-                trees.entry(tree).or_default().push((link.id, *joint));
+                trees.entry(tree).or_default().push((link.id, number, *joint));
             }
         }
         let speed = APPROACH;
@@ -339,7 +349,7 @@ impl Simulation {
         let mut busy = Vec::new();
         for joints in trees.values() {
             // Any link leads to the tree.
-            let Some(Place::Above(body)) = joints.first().map(|(_, joint)| joint.place) else {
+            let Some(Place::Above(body)) = joints.first().map(|(_, _, joint)| joint.place) else {
                 continue;
             };
             let Some(index) = self.multibody_joints.rigid_body_link(body).map(|l| l.multibody)
@@ -352,7 +362,7 @@ impl Simulation {
                 tree.forward_kinematics(bodies, true);
             }
             let (carried, firsts) = (carried(tree, bodies), first_coordinates(tree));
-            for &(link, joint) in joints {
+            for &(link, number, joint) in joints {
                 let Some(known) = tree.link(link) else { continue };
                 let (first, count) = (firsts[link], known.joint.ndofs());
                 for coordinate in first..first + count {
@@ -372,6 +382,9 @@ impl Simulation {
                     busy.push(known.rigid_body_handle());
                 }
                 let spring = joint.motor.map_or(Spring::default(), |motor| motor.spring(&now));
+                if let Some(known) = self.reduced.joints.get_mut(&number) {
+                    known.strained = spring.strained;
+                }
                 tree.damping_mut()[first] += spring.damping as Real;
                 let rest = spring.rest - joint.start;
                 if let Some(known) = tree.link_mut(link) {
@@ -421,6 +434,8 @@ struct Spring {
     stiffness: f64,
     rest: f64,
     damping: f64,
+    /// Whether it is softer than the motor asks.
+    strained: bool,
 }
 
 impl Motor {
@@ -467,7 +482,7 @@ impl Motor {
         };
         let stiff = if stiffness > 0.0 { stiffness } else { SOFTNESS * pull.abs() };
         let rest = if stiff > 0.0 { now.position + pull / stiff } else { now.position };
-        Spring { stiffness: share * stiff, rest, damping: share * damping }
+        Spring { stiffness: share * stiff, rest, damping: share * damping, strained: share < 1.0 }
     }
 }
 
@@ -486,6 +501,13 @@ fn carried(tree: &Multibody, bodies: &RigidBodySet) -> Vec<f64> {
             *sum += mass * f64::from(linear.length_squared());
             *sum += f64::from(angular.dot(inertia * angular));
         }
+    }
+    // What leads holds its followers as well.
+    let (alone, firsts) = (carried.clone(), first_coordinates(tree));
+    for coupling in tree.couplings() {
+        let follower = alone[firsts[coupling.link2] + coupling.dof2];
+        let ratio = f64::from(coupling.coeff);
+        carried[firsts[coupling.link1] + coupling.dof1] += ratio * ratio * follower;
     }
     carried
 }

@@ -18,6 +18,11 @@ use super::{Robot, RobotError, RobotJoint, RobotLink, package};
 use crate::byte_order_mark::without_mark;
 use crate::mesh_file::{UpAxis, read_mesh_with};
 
+/// Size of the smallest body that an inertia can be of, metres. Smaller: what exporters leave of 0
+/// (1e-19 kg m^2 beside 1 kg) is taken for an inertia, and the solver blows up; larger: screws lose
+/// theirs.
+const SPECK: f64 = 1e-4;
+
 /// Reads a robot from a URDF file.
 ///
 /// `package://` addresses are looked for going up from the file; COLLADA meshes keep their axes as
@@ -149,9 +154,9 @@ impl Reader {
             DVec3::new(i.ixy, i.iyy, i.iyz),
             DVec3::new(i.ixz, i.iyz, i.izz),
         );
-        if !is_positive(&tensor) {
+        if !is_possible(&tensor, mass) {
             let what = format!(
-                "states the inertia ixx={} ixy={} ixz={} iyy={} iyz={} izz={}, which is not positive definite: that of its shape is used",
+                "states the inertia ixx={} ixy={} ixz={} iyy={} iyz={} izz={}, which no body of {mass} kg has (it must be positive definite, and not of a point): that of its shape is used",
                 i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz
             );
             self.note("link", &link.name, &what);
@@ -397,11 +402,18 @@ fn resistance(joint: &Joint) -> Resistance {
     })
 }
 
-/// Sylvester's criterion.
-fn is_positive(m: &DMat3) -> bool {
+/// Whether a body of a mass can have a tensor: positive definite by Sylvester's criterion, and as
+/// of more than a [`SPECK`].
+fn is_possible(m: &DMat3, mass: f64) -> bool {
     let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
-    let minor = a.x * b.y - a.y * b.x;
-    m.is_finite() && a.x > 0.0 && minor > 0.0 && a.dot(b.cross(c)) > 0.0
+    let minors = [a.x * b.y - a.y * b.x, b.y * c.z - b.z * c.y, a.x * c.z - a.z * c.x];
+    let determinant = a.dot(b.cross(c));
+    if !(m.is_finite() && a.x > 0.0 && minors[0] > 0.0 && determinant > 0.0) {
+        return false;
+    }
+    // At most the least moment, and at least a third of it.
+    let least = determinant / minors.iter().sum::<f64>();
+    least > mass * SPECK * SPECK
 }
 
 fn round(
