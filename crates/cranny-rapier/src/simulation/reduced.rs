@@ -69,8 +69,18 @@ struct ReducedJoint {
     start: f64,
     motor: Option<Motor>,
     resistance: Resistance,
+    follows: Option<Coupling>,
     /// Whether its motor was at its greatest effort in the last step.
     strained: bool,
+}
+
+/// Position = multiplier * position of another joint + offset.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "snapshot", derive(serde::Serialize, serde::Deserialize))]
+struct Coupling {
+    leader: u32,
+    multiplier: f64,
+    offset: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +127,8 @@ impl Simulation {
         };
         let number = self.reduced.next;
         self.reduced.next += 1;
-        let joint = ReducedJoint { place, axis, start, motor, resistance, strained: false };
+        let joint =
+            ReducedJoint { place, axis, start, motor, resistance, follows: None, strained: false };
         self.reduced.joints.insert(number, joint);
         self.drive_impulses(number);
         self.joined = true;
@@ -148,6 +159,11 @@ impl Simulation {
 
     /// Makes a joint follow another of the same tree: position = `multiplier` * other + `offset`.
     /// Returns whether it does; both must have one coordinate.
+    ///
+    /// It is held to it by a constraint, and driven beside: where a motor of the default stiffness
+    /// holds the other one, one like it, with the greatest effort of its own motor, holds this one
+    /// where it should be then. (A constraint alone would have the leader carry it through rows
+    /// that are swept four times a step.) Its own motor does nothing else.
     pub fn couple(
         &mut self,
         follower: JointIndex,
@@ -168,6 +184,11 @@ impl Simulation {
             return false;
         }
         let Some(multibody) = self.multibody_joints.get_multibody_mut(tree) else { return false };
+        if let (JointPlace::Reduced(number), JointPlace::Reduced(leader)) = (follower.0, leader.0)
+            && let Some(joint) = self.reduced.joints.get_mut(&number)
+        {
+            joint.follows = Some(Coupling { leader, multiplier, offset });
+        }
         multibody.retain_dof_couplings(|known| known.link2 != link2);
         multibody.add_dof_coupling(MultibodyDofCoupling {
             link1,
@@ -340,7 +361,12 @@ impl Simulation {
             let Place::Above(body) = joint.place else { continue };
             if let Some(link) = self.multibody_joints.rigid_body_link(body) {
                 let tree = link.multibody.0.into_raw_parts();
-                trees.entry(tree).or_default().push((link.id, number, *joint));
+                let motor = self.reduced.motor_of(joint);
+                trees.entry(tree).or_default().push((
+                    link.id,
+                    number,
+                    ReducedJoint { motor, ..*joint },
+                ));
             }
         }
         let speed = APPROACH;
@@ -410,6 +436,23 @@ impl Simulation {
 }
 
 impl ReducedJoints {
+    /// What drives a joint: its motor, or one that keeps up with what it follows.
+    fn motor_of(&self, joint: &ReducedJoint) -> Option<Motor> {
+        let Some(Coupling { leader, multiplier, offset }) = joint.follows else {
+            return joint.motor;
+        };
+        let leader = self.joints.get(&leader)?.motor?;
+        let position = leader.position.filter(|_| leader.stiffness.is_none())?;
+        Some(Motor {
+            position: Some(multiplier * position + offset),
+            velocity: multiplier * leader.velocity,
+            max_effort: joint.motor.and_then(|motor| motor.max_effort),
+            max_velocity: Some(leader.max_velocity.unwrap_or(APPROACH) * multiplier.abs())
+                .filter(|most| *most > 0.0),
+            ..Motor::default()
+        })
+    }
+
     /// Bodies of all trees.
     fn bodies(&self, trees: &rapier3d::prelude::MultibodyJointSet) -> Vec<RigidBodyHandle> {
         trees.multibodies().flat_map(|tree| tree.links().map(|l| l.rigid_body_handle())).collect()
@@ -501,13 +544,6 @@ fn carried(tree: &Multibody, bodies: &RigidBodySet) -> Vec<f64> {
             *sum += mass * f64::from(linear.length_squared());
             *sum += f64::from(angular.dot(inertia * angular));
         }
-    }
-    // What leads holds its followers as well.
-    let (alone, firsts) = (carried.clone(), first_coordinates(tree));
-    for coupling in tree.couplings() {
-        let follower = alone[firsts[coupling.link2] + coupling.dof2];
-        let ratio = f64::from(coupling.coeff);
-        carried[firsts[coupling.link1] + coupling.dof1] += ratio * ratio * follower;
     }
     carried
 }

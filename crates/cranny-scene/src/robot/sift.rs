@@ -36,6 +36,8 @@ pub(super) struct Sifted {
     pub(super) weighed: Vec<String>,
     /// Joints that have a `limit` with bounds.
     pub(super) bounded: Vec<String>,
+    /// Whether elements of xacro were left in it.
+    pub(super) xacro: bool,
 }
 
 /// # Errors
@@ -146,6 +148,7 @@ impl<'a, 'input> Sifter<'a, 'input> {
                 left.tag_name().name()
             );
             self.note(*left, what);
+            self.sifted.xacro = true;
         }
         for node in elements.into_iter().filter(|node| !is_xacro(*node)) {
             match node.tag_name().name() {

@@ -57,12 +57,12 @@ pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let links = urdf.links.iter().map(|link| reader.link(link)).collect::<Result<Vec<_>, _>>()?;
     let index_of = reader.unique("link", links.iter().map(|link| link.name.as_str()))?;
     reader.unique("joint", urdf.joints.iter().map(|joint| joint.name.as_str()))?;
-    let joints = urdf
+    let mut joints = urdf
         .joints
         .iter()
         .map(|joint| reader.joint(joint, &index_of))
         .collect::<Result<Vec<_>, _>>()?;
-    reader.check_mimics(&joints)?;
+    reader.check_mimics(&mut joints)?;
     let (root, order) = reader.tree(&links, &joints)?;
     let Reader { notes, files, .. } = reader;
     Ok(Robot { name: urdf.name, links, joints, root, notes, files, order })
@@ -313,13 +313,24 @@ impl Reader {
         })
     }
 
-    /// A leader exists, moves, and follows nobody.
-    fn check_mimics(&self, joints: &[RobotJoint]) -> Result<(), RobotError> {
+    /// A leader moves, and follows nobody. One that does not exist leads nobody.
+    fn check_mimics(&mut self, joints: &mut [RobotJoint]) -> Result<(), RobotError> {
+        let names: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
+        for joint in joints.iter_mut() {
+            if let Some(mimic) = joint.mimic.take_if(|mimic| !names.contains(&mimic.joint)) {
+                let what = format!(
+                    "follows joint {:?}, which is not in the file: it moves by itself. Correct its element 'mimic'",
+                    mimic.joint
+                );
+                self.note("joint", &joint.name, &what);
+            }
+        }
+        let joints = &*joints;
         for joint in joints {
             let Some(mimic) = &joint.mimic else { continue };
             let leader = joints.iter().find(|other| other.name == mimic.joint);
             let problem = match leader {
-                None => "which is not in the file",
+                None => continue,
                 Some(leader) if leader.mimic.is_some() => "which follows another joint itself",
                 Some(leader) if !leader.has_position() => "which has no position",
                 Some(_) if !(mimic.multiplier.is_finite() && mimic.offset.is_finite()) => {
@@ -356,7 +367,12 @@ impl Reader {
         let roots: Vec<usize> = (0..links.len()).filter(|&i| parent_joint[i].is_none()).collect();
         let root = match roots[..] {
             [root] => root,
-            [] if links.is_empty() => return Err(tree("it has no links.".to_owned())),
+            [] if links.is_empty() => {
+                let xacro = self.sifted.xacro;
+                let advice =
+                    if xacro { " It holds xacro elements: run xacro on it first." } else { "" };
+                return Err(tree(format!("it has no links.{advice}")));
+            }
             [] => return Err(tree("every link is a child: its joints form a cycle.".to_owned())),
             _ => {
                 let names: Vec<_> = roots.iter().map(|&i| links[i].name.as_str()).collect();

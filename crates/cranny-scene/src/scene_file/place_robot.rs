@@ -480,8 +480,14 @@ impl Placing<'_> {
     /// What drives a joint: what the scene says, else what holds it.
     fn motor(&self, index: usize, start: f64, targets: &JointPositions) -> Option<Motor> {
         let joint = &self.robot.joints[index];
-        if !joint.has_position() || joint.mimic.is_some() {
+        if !joint.has_position() {
             return None;
+        }
+        if joint.mimic.is_some() {
+            // It follows within its own effort.
+            return joint
+                .max_effort
+                .map(|most| Motor { max_effort: Some(most), ..Motor::default() });
         }
         let target = targets.get(&joint.name).copied();
         let limited = Motor {
