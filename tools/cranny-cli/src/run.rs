@@ -21,6 +21,10 @@ use crate::scene_file::load;
 /// Bodies whose motion the text summary lists; the JSON lists all.
 const MOTIONS_TOLD: usize = 8;
 
+/// A joint that is farther off at the end, while its motor was at its greatest effort, is named.
+/// Smaller: motors that reach it on their way are; larger: arms that sag are not.
+const OFF: f64 = 1e-3;
+
 /// How often progress is drawn, at most.
 const REDRAWS_PER_SECOND: u8 = 5;
 
@@ -183,7 +187,8 @@ fn text(summary: &RunSummary) -> String {
             worst.off
         );
         lines.add("joints", value);
-        for joint in summary.joints.iter().filter(|joint| joint.strained > 0).take(MOTIONS_TOLD) {
+        let gave_way = |joint: &&JointSummary| joint.strained > 0 && joint.off > OFF;
+        for joint in summary.joints.iter().filter(gave_way).take(MOTIONS_TOLD) {
             let value = format!(
                 "the motor of {} was at its greatest effort in {} steps: it cannot hold more (`motors` gives it a larger max_effort)",
                 joint.joint, joint.strained

@@ -70,7 +70,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         source.error(place.clone(), problem)
     };
     robot.all_positions(&targets).map_err(position_error)?;
-    let motors = file.motors.iter().map(|(joint, _)| (joint.clone(), 0.0)).collect();
+    let motors = file.motors.keys().map(|joint| (joint.clone(), 0.0)).collect();
     robot.all_positions(&motors).map_err(position_error)?;
     let moved = clamp_to_limits(&robot, &mut positions);
     if !moved.is_empty() {
