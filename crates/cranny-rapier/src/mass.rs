@@ -27,15 +27,13 @@ pub enum MassError {
     },
     /// A stated mass, centre or inertia is out of range.
     #[error(
-        "the stated mass {mass:e} with the inertia {inertia} about {center} is none that rapier can hold: all must be finite, the mass and the principal moments greater than 0"
+        "the stated mass {mass:e}, of which the least principal moment is {least_moment:e}, is none that rapier can hold: mass, centre and inertia must be finite, mass and moments greater than 0"
     )]
     Stated {
         /// The mass.
         mass: f64,
-        /// Its centre.
-        center: DVec3,
-        /// About the centre.
-        inertia: DMat3,
+        /// NaN where it is not known.
+        least_moment: f64,
     },
 }
 
@@ -92,18 +90,19 @@ impl StatedMass {
     ///
     /// [`MassError::Stated`].
     fn properties(&self) -> Result<MassProperties, MassError> {
-        let Self { mass, center, inertia } = *self;
-        let wrong = MassError::Stated { mass, center, inertia };
+        let Self { mass, center, inertia: i } = *self;
         let narrowed = mass as Real;
-        let finite = center.is_finite() && inertia.is_finite() && narrowed.is_finite();
+        let finite = center.is_finite() && i.is_finite() && narrowed.is_finite();
         if !(finite && narrowed > 0.0) {
-            return Err(wrong);
+            return Err(MassError::Stated { mass, least_moment: f64::NAN });
         }
-        let i = inertia;
         let matrix = Matrix::from_cols(narrow(i.x_axis), narrow(i.y_axis), narrow(i.z_axis));
         let properties = MassProperties::with_inertia_matrix(narrow(center), narrowed, matrix);
-        let moments = properties.principal_inertia();
-        if moments.is_finite() && moments.min_element() > 0.0 { Ok(properties) } else { Err(wrong) }
+        let least = properties.principal_inertia().min_element();
+        if least > 0.0 && least.is_finite() {
+            return Ok(properties);
+        }
+        Err(MassError::Stated { mass, least_moment: least.into() })
     }
 }
 

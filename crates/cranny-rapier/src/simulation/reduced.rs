@@ -15,8 +15,8 @@ use std::collections::BTreeMap;
 use cranny_exact::{DVec3, Pose};
 use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::prelude::{
-    ImpulseJointHandle, JointAxesMask, JointAxis, Multibody, MultibodyDofCoupling,
-    MultibodyJointHandle, RigidBodyHandle, RigidBodySet,
+    ImpulseJointHandle, JointAxesMask, JointAxis, Multibody, MultibodyDofCoupling, MultibodyIndex,
+    MultibodyJointHandle, MultibodyJointSet, RigidBodyHandle, RigidBodySet,
 };
 
 use super::{BodyIndex, Simulation};
@@ -356,65 +356,37 @@ impl Simulation {
         if self.joined {
             self.see_masses();
         }
-        let mut trees: BTreeMap<(u32, u32), Vec<(usize, u32, ReducedJoint)>> = BTreeMap::new();
-        for (&number, joint) in &self.reduced.joints {
-            let Place::Above(body) = joint.place else { continue };
-            if let Some(link) = self.multibody_joints.rigid_body_link(body) {
-                let tree = link.multibody.0.into_raw_parts();
-                let motor = self.reduced.motor_of(joint);
-                trees.entry(tree).or_default().push((
-                    link.id,
-                    number,
-                    ReducedJoint { motor, ..*joint },
-                ));
-            }
-        }
-        let speed = APPROACH;
-        let length = self.options.length_unit;
-        let step = f64::from(self.parameters.dt);
         let mut busy = Vec::new();
-        for joints in trees.values() {
-            // Any link leads to the tree.
-            let Some(Place::Above(body)) = joints.first().map(|(_, _, joint)| joint.place) else {
-                continue;
-            };
-            let Some(index) = self.multibody_joints.rigid_body_link(body).map(|l| l.multibody)
-            else {
-                continue;
-            };
-            let bodies = &self.bodies;
+        for (index, joints) in self.reduced.by_tree(&self.multibody_joints) {
             let Some(tree) = self.multibody_joints.get_multibody_mut(index) else { continue };
             if self.joined || tree.body_jacobian(0).ncols() != tree.ndofs() {
-                tree.forward_kinematics(bodies, true);
+                tree.forward_kinematics(&self.bodies, true);
             }
-            let (carried, firsts) = (carried(tree, bodies), first_coordinates(tree));
-            for &(link, number, joint) in joints {
-                let Some(known) = tree.link(link) else { continue };
-                let (first, count) = (firsts[link], known.joint.ndofs());
-                for coordinate in first..first + count {
-                    tree.frictions_mut()[coordinate] = joint.resistance.friction as Real;
-                    tree.damping_mut()[coordinate] = joint.resistance.damping as Real;
-                }
+            let length = self.options.length_unit;
+            let step = f64::from(self.parameters.dt);
+            let (carried, firsts) = (carried(tree, &self.bodies), first_coordinates(tree));
+            for DrivenLink { link, number, joint } in joints {
+                let first = firsts[link];
+                resist(tree, link, first, joint.resistance);
                 let Some(axis) = joint.axis.map(usize::from) else { continue };
-                let Some(known) = tree.link(link) else { continue };
+                let velocity = f64::from(tree.generalized_velocity()[first]);
+                let Some(known) = tree.link_mut(link) else { continue };
                 let now = Now {
                     position: f64::from(known.joint.coords()[axis]) + joint.start,
-                    velocity: tree.generalized_velocity()[first].into(),
+                    velocity,
                     carried: carried[first],
-                    approach: if axis < 3 { speed * length } else { speed },
+                    approach: if axis < 3 { APPROACH * length } else { APPROACH },
                     step,
                 };
+                let spring = joint.motor.map_or(Spring::default(), |motor| motor.spring(&now));
+                let rest = spring.rest - joint.start;
+                known.joint.set_spring(axis, spring.stiffness as Real, rest as Real);
                 if joint.motor.is_some_and(|motor| motor.is_busy(&now)) {
                     busy.push(known.rigid_body_handle());
                 }
-                let spring = joint.motor.map_or(Spring::default(), |motor| motor.spring(&now));
+                tree.damping_mut()[first] += spring.damping as Real;
                 if let Some(known) = self.reduced.joints.get_mut(&number) {
                     known.strained = spring.strained;
-                }
-                tree.damping_mut()[first] += spring.damping as Real;
-                let rest = spring.rest - joint.start;
-                if let Some(known) = tree.link_mut(link) {
-                    known.joint.set_spring(axis, spring.stiffness as Real, rest as Real);
                 }
             }
         }
@@ -427,7 +399,8 @@ impl Simulation {
 
     /// rapier sees the masses of bodies that were inserted within its step only.
     fn see_masses(&mut self) {
-        for &handle in self.reduced.bodies(&self.multibody_joints).iter() {
+        let links = self.multibody_joints.multibodies().flat_map(Multibody::links);
+        for handle in links.map(|link| link.rigid_body_handle()) {
             if let Some(body) = self.bodies.get_mut(handle) {
                 body.recompute_mass_properties_from_colliders(&self.colliders);
             }
@@ -435,7 +408,41 @@ impl Simulation {
     }
 }
 
+/// A joint of a tree, with what drives it.
+struct DrivenLink {
+    /// The child's number in the tree.
+    link: usize,
+    /// The joint's.
+    number: u32,
+    joint: ReducedJoint,
+}
+
+/// Damping and friction of all coordinates of a link's joint.
+fn resist(tree: &mut Multibody, link: usize, first: usize, resistance: Resistance) {
+    let count = tree.link(link).map_or(0, |link| link.joint.ndofs());
+    for coordinate in first..first + count {
+        tree.frictions_mut()[coordinate] = resistance.friction as Real;
+        tree.damping_mut()[coordinate] = resistance.damping as Real;
+    }
+}
+
 impl ReducedJoints {
+    /// Joints that are coordinates, tree by tree.
+    fn by_tree(&self, trees: &MultibodyJointSet) -> Vec<(MultibodyIndex, Vec<DrivenLink>)> {
+        let mut found: Vec<(MultibodyIndex, Vec<DrivenLink>)> = Vec::new();
+        for (&number, joint) in &self.joints {
+            let Place::Above(body) = joint.place else { continue };
+            let Some(link) = trees.rigid_body_link(body) else { continue };
+            let joint = ReducedJoint { motor: self.motor_of(joint), ..*joint };
+            let driven = DrivenLink { link: link.id, number, joint };
+            match found.iter_mut().find(|(tree, _)| *tree == link.multibody) {
+                Some((_, joints)) => joints.push(driven),
+                None => found.push((link.multibody, vec![driven])),
+            }
+        }
+        found
+    }
+
     /// What drives a joint: its motor, or one that keeps up with what it follows.
     fn motor_of(&self, joint: &ReducedJoint) -> Option<Motor> {
         let Some(Coupling { leader, multiplier, offset }) = joint.follows else {
@@ -451,11 +458,6 @@ impl ReducedJoints {
                 .filter(|most| *most > 0.0),
             ..Motor::default()
         })
-    }
-
-    /// Bodies of all trees.
-    fn bodies(&self, trees: &rapier3d::prelude::MultibodyJointSet) -> Vec<RigidBodyHandle> {
-        trees.multibodies().flat_map(|tree| tree.links().map(|l| l.rigid_body_handle())).collect()
     }
 }
 
