@@ -7,8 +7,8 @@
 //! frequency for what the joint carries with all others held, and a motor at its greatest effort
 //! is a softer spring, so that damping stays implicit.
 //!
-//! Rows of constraints for motors (rapier's `set_motor`) are no replacement: they are swept four
-//! times a step without a warm start, and a UR5 sinks by tenths of a radian.
+//! rapier's motors as rows of constraints (`set_motor`) hold as well where their gains are these,
+//! and throw the arm about where they are softer; springs do neither, and need no sweeps.
 
 use std::collections::BTreeMap;
 
