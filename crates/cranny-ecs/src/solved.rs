@@ -2,9 +2,9 @@
 //!
 //! A body is in the solver's world where something asks for its response, or a joint holds it to
 //! one of which that is so. [`upkeep`] holds the observers and systems that see to this: a body is
-//! inserted as it is admitted, memberships are found again where what is asked has changed, and what
-//! components say ([`given`]) is compared with what the solver knows, so that a component which was
-//! written without a change costs a comparison and wakes nobody.
+//! inserted as it is admitted, memberships are found again where what is asked has changed, and
+//! what components say ([`given`]) is compared with what the solver knows, so that a component that
+//! was written without a change costs a comparison and wakes nobody.
 
 mod given;
 mod upkeep;

@@ -62,7 +62,7 @@ pub(crate) struct ReducedJoints {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "snapshot", derive(serde::Serialize, serde::Deserialize))]
 struct ReducedJoint {
-    place: Place,
+    place: ReducedPlace,
     /// As rapier counts them; `None`: it drives none.
     axis: Option<u8>,
     /// Position at which the coordinate is 0.
@@ -85,7 +85,7 @@ struct Coupling {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "snapshot", derive(serde::Serialize, serde::Deserialize))]
-enum Place {
+enum ReducedPlace {
     /// The joint above this body.
     Above(RigidBodyHandle),
     /// The tree could not take it: its child has a parent already, or is not dynamic.
@@ -122,8 +122,8 @@ impl Simulation {
         let axis = spec.driven_axis().map(|axis| axis as u8);
         let motor = spec.motor();
         let place = match taken {
-            Some(_) => Place::Above(second),
-            None => Place::Impulses(self.joints.insert(first, second, data, true)),
+            Some(_) => ReducedPlace::Above(second),
+            None => ReducedPlace::Impulses(self.joints.insert(first, second, data, true)),
         };
         let number = self.reduced.next;
         self.reduced.next += 1;
@@ -147,12 +147,12 @@ impl Simulation {
         let Some(known) = self.reduced.joints.get_mut(&number) else { return false };
         (known.motor, known.resistance) = (motor, resistance);
         match known.place {
-            Place::Above(body) => {
+            ReducedPlace::Above(body) => {
                 if let Some(body) = self.bodies.get_mut(body) {
                     body.wake_up(true);
                 }
             }
-            Place::Impulses(_) => self.drive_impulses(number),
+            ReducedPlace::Impulses(_) => self.drive_impulses(number),
         }
         true
     }
@@ -174,7 +174,7 @@ impl Simulation {
         let found = |joint: JointIndex| {
             let JointPlace::Reduced(number) = joint.0 else { return None };
             let joint = self.reduced.joints.get(&number)?;
-            let Place::Above(body) = joint.place else { return None };
+            let ReducedPlace::Above(body) = joint.place else { return None };
             let link = self.multibody_joints.rigid_body_link(body)?;
             Some((*joint, link.multibody, link.id, usize::from(joint.axis?)))
         };
@@ -205,10 +205,10 @@ impl Simulation {
 
     pub(super) fn part_reduced(&mut self, number: u32) {
         match self.reduced.joints.remove(&number).map(|joint| joint.place) {
-            Some(Place::Above(body)) => {
+            Some(ReducedPlace::Above(body)) => {
                 self.multibody_joints.remove(MultibodyJointHandle(body.0), true);
             }
-            Some(Place::Impulses(handle)) => {
+            Some(ReducedPlace::Impulses(handle)) => {
                 self.joints.remove(handle, true);
             }
             None => {}
@@ -219,8 +219,10 @@ impl Simulation {
     pub(super) fn forget_parted_joints(&mut self) {
         let (trees, joints) = (&self.multibody_joints, &self.joints);
         self.reduced.joints.retain(|_, joint| match joint.place {
-            Place::Above(body) => trees.rigid_body_link(body).is_some_and(|link| link.id > 0),
-            Place::Impulses(handle) => joints.get(handle).is_some(),
+            ReducedPlace::Above(body) => {
+                trees.rigid_body_link(body).is_some_and(|link| link.id > 0)
+            }
+            ReducedPlace::Impulses(handle) => joints.get(handle).is_some(),
         });
     }
 
@@ -228,7 +230,7 @@ impl Simulation {
     /// impulses.
     pub(super) fn leave_coordinates(&mut self, body: BodyIndex) {
         let child = self.handle(body);
-        let above = self.reduced.joints.iter().find(|(_, j)| j.place == Place::Above(child));
+        let above = self.reduced.joints.iter().find(|(_, j)| j.place == ReducedPlace::Above(child));
         let Some((&number, joint)) = above else { return };
         let Some((tree, id)) = self.multibody_joints.get(MultibodyJointHandle(child.0)) else {
             return;
@@ -238,14 +240,14 @@ impl Simulation {
         let (parent, data) = (parent.rigid_body_handle(), link.joint.data);
         let joint = *joint;
         self.multibody_joints.remove(MultibodyJointHandle(child.0), true);
-        let place = Place::Impulses(self.joints.insert(parent, child, data, true));
+        let place = ReducedPlace::Impulses(self.joints.insert(parent, child, data, true));
         self.reduced.joints.insert(number, ReducedJoint { place, ..joint });
         self.drive_impulses(number);
     }
 
     fn drive_impulses(&mut self, number: u32) {
         let Some(joint) = self.reduced.joints.get(&number).copied() else { return };
-        let Place::Impulses(handle) = joint.place else { return };
+        let ReducedPlace::Impulses(handle) = joint.place else { return };
         let Some(axis) = joint.axis.and_then(axis_of) else { return };
         if let Some(known) = self.joints.get_mut(handle, true) {
             match joint.motor {
@@ -262,19 +264,19 @@ impl Simulation {
     #[must_use]
     pub fn joint_position(&self, joint: JointIndex) -> Option<f64> {
         let (place, axis, start) = match joint.0 {
-            JointPlace::Impulses(handle) => (Place::Impulses(handle), None, 0.0),
+            JointPlace::Impulses(handle) => (ReducedPlace::Impulses(handle), None, 0.0),
             JointPlace::Reduced(number) => {
                 let joint = self.reduced.joints.get(&number)?;
                 (joint.place, joint.axis, joint.start)
             }
         };
         let coordinate = match place {
-            Place::Above(body) => {
+            ReducedPlace::Above(body) => {
                 let link = self.multibody_joints.rigid_body_link(body)?;
                 let link = self.multibody_joints.get_multibody(link.multibody)?.link(link.id)?;
                 f64::from(link.joint.coords()[usize::from(axis?)])
             }
-            Place::Impulses(handle) => self.between(handle)?,
+            ReducedPlace::Impulses(handle) => self.between(handle)?,
         };
         Some(start + coordinate)
     }
@@ -431,7 +433,7 @@ impl ReducedJoints {
     fn by_tree(&self, trees: &MultibodyJointSet) -> Vec<(MultibodyIndex, Vec<DrivenLink>)> {
         let mut found: Vec<(MultibodyIndex, Vec<DrivenLink>)> = Vec::new();
         for (&number, joint) in &self.joints {
-            let Place::Above(body) = joint.place else { continue };
+            let ReducedPlace::Above(body) = joint.place else { continue };
             let Some(link) = trees.rigid_body_link(body) else { continue };
             let joint = ReducedJoint { motor: self.motor_of(joint), ..*joint };
             let driven = DrivenLink { link: link.id, number, joint };

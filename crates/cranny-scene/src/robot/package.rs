@@ -92,7 +92,7 @@ mod tests {
             std::fs::create_dir_all(path.parent().unwrap()).unwrap();
             std::fs::write(path, "x").unwrap();
         }
-        let find = |urdf: &Path, address: &str| super::find(urdf, address, &Installed::default());
+        let find = |urdf: &Path, address: &str| find(urdf, address, &Installed::default());
         assert_eq!(find(&urdf, "package://arm_pkg/meshes/link.STL").unwrap(), mesh);
         assert_eq!(find(&urdf, "package://renamed/meshes/link.STL").unwrap(), mesh);
         assert_eq!(find(&urdf, &format!("file://{}", mesh.display())).unwrap(), mesh);
