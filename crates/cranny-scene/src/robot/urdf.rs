@@ -368,10 +368,12 @@ impl Reader {
         let root = match roots[..] {
             [root] => root,
             [] if links.is_empty() => {
-                let xacro = self.sifted.xacro;
-                let advice =
-                    if xacro { " It holds xacro elements: run xacro on it first." } else { "" };
-                return Err(tree(format!("it has no links.{advice}")));
+                let advice = if self.sifted.xacro {
+                    "It holds xacro elements: run xacro on it first."
+                } else {
+                    "Name a file that has some, or export this one again."
+                };
+                return Err(tree(format!("it has no links. {advice}")));
             }
             [] => return Err(tree("every link is a child: its joints form a cycle.".to_owned())),
             _ => {
