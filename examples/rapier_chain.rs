@@ -6,7 +6,9 @@
 #![expect(clippy::print_stdout, reason = "an example talks to a person")]
 
 use cranny::prelude::*;
-use cranny::rapier::{BodyIndex, BodyKind, BodySpec, Normals, Simulation, SimulationOptions};
+use cranny::rapier::{
+    BodyIndex, BodyKind, BodySpec, MassSource, Normals, Simulation, SimulationOptions,
+};
 use cranny::shapes::ChainLink;
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
@@ -32,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             },
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
-            density: 1.0,
+            mass: MassSource::Density(1.0),
             friction: 0.5,
             restitution: 0.0,
             normals: Normals::Flat,

@@ -51,12 +51,14 @@ pub struct RunOptions {
 /// let body = |name: &str, kind, x, velocity| BodyDescription {
 ///     name: name.into(),
 ///     collision: Arc::new(cranny_shapes::Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap()),
+///     model: None,
 ///     visual: None,
 ///     kind,
 ///     pose: Pose::at(DVec3::new(x, 0.0, 0.0)),
 ///     linear_velocity: DVec3::new(velocity, 0.0, 0.0),
 ///     angular_velocity: DVec3::ZERO,
 ///     material: Material::default(),
+///     mass: None,
 ///     normals: Normals::default(),
 ///     layers: vec!["all".into()],
 ///     effects: vec![],
@@ -306,13 +308,6 @@ fn what_is_skipped(
         skip(
             format!("detector {}", options.plugins.detector),
             "it detects for the solver, and the scene asks for no Response",
-        );
-    }
-    let mimics = scene.joints.iter().filter(|joint| joint.mimic.is_some()).count();
-    if responds && mimics > 0 {
-        skip(
-            format!("coupling of {mimics} mimic joints"),
-            "the solver has no such constraint; they move freely or hold their own targets",
         );
     }
     let _ = options;

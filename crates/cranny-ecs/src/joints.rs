@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use cranny_exact::{DVec3, Pose};
-use cranny_world::description::JointKind;
+use cranny_world::description::{JointKind, Motor, Resistance};
 
 /// A joint between two bodies. The solver has it while both ends are bodies that it moves;
 /// despawning the entity, or removing the component, takes it out. Inserting another one replaces
@@ -23,8 +23,30 @@ pub struct Joint {
     pub child_anchor: Pose,
     /// Which motions are free.
     pub kind: JointKind,
-    /// Position (radians or units) at which a motor holds it, if one does.
-    pub target: Option<f64>,
+    /// What drives it, if anything does.
+    pub motor: Option<Motor>,
+    /// What resists its motion.
+    pub resistance: Resistance,
+    /// The joint that it follows, if it does; both must be reduced, and of one tree.
+    pub follows: Option<Follows>,
+    /// Whether its position is a coordinate of a tree of bodies: then it does not yield, its motor
+    /// holds whatever the tree carries, and the child moves with its parent (a `Transform` or a
+    /// velocity that an app writes moves a tree by its root alone). Otherwise it is a constraint
+    /// between two bodies, which loops may hold.
+    pub reduced: bool,
+    /// About where the position of a hinge is at the bodies' poses, which leave whole turns open.
+    pub start: f64,
+}
+
+/// Position = `multiplier` * position of another joint + `offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follows {
+    /// The entity of the other joint.
+    pub joint: Entity,
+    /// Factor.
+    pub multiplier: f64,
+    /// Offset, radians or units.
+    pub offset: f64,
 }
 
 impl Joint {
@@ -48,7 +70,31 @@ impl Joint {
 
     const fn new(parent: Entity, child: Entity, kind: JointKind) -> Self {
         let frame = Pose::IDENTITY;
-        Self { parent, child, parent_anchor: frame, child_anchor: frame, kind, target: None }
+        Self {
+            parent,
+            child,
+            parent_anchor: frame,
+            child_anchor: frame,
+            kind,
+            motor: None,
+            resistance: Resistance { damping: 0.0, friction: 0.0 },
+            follows: None,
+            reduced: false,
+            start: 0.0,
+        }
+    }
+
+    /// What drives it. Inserted in place of a joint that differs in nothing else, it changes the
+    /// motor of a reduced joint without joining anew.
+    #[must_use]
+    pub const fn with_motor(self, motor: Motor) -> Self {
+        Self { motor: Some(motor), ..self }
+    }
+
+    /// Its position is a coordinate of a tree of bodies.
+    #[must_use]
+    pub const fn reduced(self) -> Self {
+        Self { reduced: true, ..self }
     }
 
     /// The joint's place in the parent's frame and in the child's.

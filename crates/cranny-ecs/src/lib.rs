@@ -100,7 +100,7 @@ pub use error::{Failure, SceneAppError};
 pub use excerpt::{helices, rings};
 #[cfg(feature = "rapier")]
 pub use hooks::{CollisionHooks, SolverContacts};
-pub use joints::Joint;
+pub use joints::{Follows, Joint};
 pub use kinematics::{Kinematic, KinematicsPlugin, KinematicsSystems};
 pub use links::{Link, LinkLog, Ring};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
@@ -113,7 +113,7 @@ pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule,
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
 pub use properties::{
     AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
-    GravityScale, LinearVelocity, LockedAxes, Restitution, RigidBody, Sensor, SmoothNormals,
+    GravityScale, LinearVelocity, LockedAxes, Mass, Restitution, RigidBody, Sensor, SmoothNormals,
 };
 pub use proximity::{ProximityPair, ProximityPlugin, ProximityReport, ProximitySystems};
 pub use readers::ContactReaders;
@@ -128,15 +128,15 @@ pub use report::state_hash;
 #[cfg(feature = "rapier")]
 pub use response::{Gravity, ResponseSystems};
 #[cfg(feature = "rapier")]
-pub use solved::{RigidBodies, SolverBody};
+pub use solved::{HeldJoint, RigidBodies, SolverBody};
 pub use spatial::{
     ClosestPoints, PointProjection, RayHitData, ShapeHitData, SpatialQuery, SpatialQueryError,
     SpatialQueryFilter, TimeOfImpact,
 };
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
+    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 pub use tally::{Contained, DeepestSoFar, Series, Tally};
 pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};

@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 use bevy_math::{BVec3, Vec3};
 use bevy_transform::components::Transform;
 use cranny_world::Layers;
-use cranny_world::description::{BodyKind, Normals};
+use cranny_world::description::{BodyKind, Normals, StatedMass};
 
 use crate::admission::{note_change, note_removal};
 
@@ -104,6 +104,11 @@ impl Default for Density {
         Self(1.0)
     }
 }
+
+/// Mass, centre and inertia of a dynamic body as stated, in place of those that follow from
+/// [`Density`] and the solid: its mesh need not bound one then.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct Mass(pub StatedMass);
 
 /// By what gravity is multiplied for a body.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]

@@ -12,8 +12,8 @@ use crate::links::LinkLog;
 use crate::motion::MotionLog;
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
+    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
 };
 use crate::tally::{Series, Tally};
 
@@ -80,6 +80,7 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
     let (energy_drift, energy) = energies(world);
     let (motion, helices) = motions(world, &bodies);
     let links = links(world, &bodies);
+    let joints = joints(world);
     let (wall_s, simulated_s) = (wall.as_secs_f64(), time.seconds());
     RunSummary {
         version: 1,
@@ -104,12 +105,37 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         energy,
         state_hash: state_hash(world),
         motion,
+        joints,
         helices,
         links,
         outputs: facts.outputs,
         skipped: facts.skipped,
         interrupted: facts.interrupted,
     }
+}
+
+#[cfg(feature = "rapier")]
+fn joints(world: &World) -> Vec<JointSummary> {
+    let Some(bodies) = world.get_resource::<crate::solved::RigidBodies>() else {
+        return Vec::new();
+    };
+    let name = |entity| {
+        let name = world.get::<bevy_ecs::name::Name>(entity);
+        name.map_or_else(|| format!("joint of {entity}"), |name| name.as_str().to_owned())
+    };
+    let joints = bodies.held_joints().map(|(entity, held)| JointSummary {
+        joint: name(entity),
+        held: held.position,
+        off: held.off,
+        off_max: held.off_max,
+        strained: held.strained,
+    });
+    joints.collect()
+}
+
+#[cfg(not(feature = "rapier"))]
+fn joints(_: &World) -> Vec<JointSummary> {
+    Vec::new()
 }
 
 fn count(series: &Series) -> CountSummary {

@@ -289,6 +289,7 @@ fn tally_solver(
         tally.note_depth(a, b, &pair.answer, time.steps());
     }
     bodies.note_energy();
+    bodies.note_joints();
 }
 
 fn pull_transforms(

@@ -17,7 +17,8 @@ use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_geometry::Model;
 use cranny_rapier::{
-    BodyIndex, Detector as Detection, Energy, JointIndex, PairContacts, Simulation, SimulationError,
+    BodyIndex, Detector as Detection, Energy, JointIndex, MassSource, PairContacts, Simulation,
+    SimulationError,
 };
 use cranny_world::description::{BodyKind, Effect, Normals};
 use cranny_world::{BodyId, Layers};
@@ -30,8 +31,8 @@ use crate::body::{BodyRecord, pose_of, widened};
 use crate::effects::{BodyEffects, EffectKind, EffectTable, Pair, ordered};
 use crate::energy::EnergyRange;
 use crate::hooks::{CollisionHooks, Deciding};
-use crate::joints::Joint;
-use crate::properties::{Density, ExternalForce, GravityScale, LockedAxes};
+use crate::joints::{Follows, Joint};
+use crate::properties::{ExternalForce, GravityScale, LockedAxes};
 use crate::response::Reading;
 
 /// A body that is in the solver's world.
@@ -73,6 +74,10 @@ pub struct RigidBodies {
     /// Whether an app's hooks decide too.
     hooked: bool,
     joints: BTreeMap<Entity, (Joint, JointIndex)>,
+    /// Of joints that motors hold.
+    held: BTreeMap<Entity, HeldJoint>,
+    /// Joints that are to follow another and do not yet.
+    uncoupled: BTreeSet<Entity>,
     /// Joints whose ends are not both in the solver's world, in the order in which they came.
     loose: BTreeMap<u64, Entity>,
     /// How many joints came to wait so far.
@@ -88,6 +93,19 @@ struct SolverAnswer {
     contacts: PairContacts,
     /// Whether it was computed for the very poses at which the solver used it.
     exact: bool,
+}
+
+/// How well a motor holds a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HeldJoint {
+    /// Where it holds it, radians or units.
+    pub position: f64,
+    /// How far off the joint is.
+    pub off: f64,
+    /// How far off it was at most after a step.
+    pub off_max: f64,
+    /// In how many steps the motor was at its greatest effort.
+    pub strained: u64,
 }
 
 /// What the solver knows of a body.
@@ -200,6 +218,8 @@ impl RigidBodies {
             inserted: 0,
             hooked: false,
             joints: BTreeMap::new(),
+            held: BTreeMap::new(),
+            uncoupled: BTreeSet::new(),
             loose: BTreeMap::new(),
             joints_noted: 0,
             bereft: Vec::new(),
@@ -254,6 +274,25 @@ impl RigidBodies {
         if let Some(energy) = &mut self.energy {
             energy.note(now);
         }
+    }
+
+    pub(crate) fn note_joints(&mut self) {
+        for (&entity, (joint, index)) in &self.joints {
+            let held = joint.motor.and_then(|motor| motor.position);
+            let Some((held, at)) = held.zip(self.simulation.joint_position(*index)) else {
+                continue;
+            };
+            let known = self.held.entry(entity).or_default();
+            known.position = held;
+            known.off = (at - held).abs();
+            known.off_max = known.off_max.max(known.off);
+            known.strained += u64::from(self.simulation.is_strained(*index));
+        }
+    }
+
+    /// Joints that motors hold, or held.
+    pub fn held_joints(&self) -> impl Iterator<Item = (Entity, HeldJoint)> {
+        self.held.iter().map(|(&entity, &held)| (entity, held))
     }
 
     /// The solver has written these.
@@ -331,18 +370,18 @@ impl RigidBodies {
         index: BodyIndex,
         record: &BodyRecord,
         effects: &BodyEffects,
-        density: Density,
+        mass: MassSource,
     ) -> Result<(), SimulationError> {
         let Some(known) = self.known.get_mut(&index) else { return Ok(()) };
         let layers = layers_of(effects);
         let reshaped = !known.model.is_same(&record.model) || known.normals != record.normals;
         if known.kind != record.kind {
             let kind = rapier_kind(record.kind);
-            self.simulation.set_kind(index, kind, &record.model, density.0)?;
+            self.simulation.set_kind(index, kind, &record.model, mass)?;
             known.kind = record.kind;
         }
         if reshaped {
-            self.simulation.set_shape(index, &record.model, record.normals, density.0)?;
+            self.simulation.set_shape(index, &record.model, record.normals, mass)?;
             (known.model, known.normals) = (record.model.clone(), record.normals);
         }
         if known.layers != layers {
@@ -362,8 +401,9 @@ impl RigidBodies {
         }
         given.check(known)?;
         let simulation = &mut self.simulation;
-        if before.density != given.density && known.kind == BodyKind::Dynamic {
-            simulation.set_density(index, &known.model, given.density.0)?;
+        let reweighed = (before.density, before.mass) != (given.density, given.mass);
+        if reweighed && known.kind == BodyKind::Dynamic {
+            simulation.set_mass(index, &known.model, given.mass_source())?;
         }
         known.given = given;
         if before.transform != given.transform {
@@ -398,6 +438,7 @@ impl RigidBodies {
             self.joints.iter().filter(|(_, (j, _))| ends(j)).map(|(&e, _)| e).collect();
         for joint in freed {
             self.joints.remove(&joint);
+            self.uncouple(joint);
             self.loosen(joint);
         }
         self.take_out(id);
@@ -408,6 +449,30 @@ impl RigidBodies {
         self.loose.retain(|_, waiting| *waiting != joint);
         self.loose.insert(self.joints_noted, joint);
         self.joints_noted += 1;
+    }
+
+    /// A joint left the solver's world: what follows it has to be coupled again.
+    fn uncouple(&mut self, joint: Entity) {
+        self.uncoupled.remove(&joint);
+        let followers = self
+            .joints
+            .iter()
+            .filter(|(_, (known, _))| known.follows.is_some_and(|follows| follows.joint == joint));
+        self.uncoupled.extend(followers.map(|(&entity, _)| entity).collect::<Vec<_>>());
+    }
+
+    /// Makes joints follow those that they name, where both are there.
+    fn couple(&mut self) {
+        let waiting: Vec<Entity> = self.uncoupled.iter().copied().collect();
+        for entity in waiting {
+            let Some(&(joint, follower)) = self.joints.get(&entity) else { continue };
+            let Some(follows) = joint.follows else { continue };
+            let Some(&(_, leader)) = self.joints.get(&follows.joint) else { continue };
+            let Follows { multiplier, offset, .. } = follows;
+            if self.simulation.couple(follower, leader, multiplier, offset) {
+                self.uncoupled.remove(&entity);
+            }
+        }
     }
 
     /// Takes a body out of the solver's world.

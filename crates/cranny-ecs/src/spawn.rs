@@ -13,11 +13,11 @@ use crate::body::{narrowed, transform_of};
 use crate::collider::{Collider, VisualMesh};
 use crate::effects::{EffectKind, EffectTable, add_effects};
 use crate::error::{Failure, SceneAppError};
-use crate::joints::Joint;
+use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
 use crate::properties::{
-    AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Restitution, RigidBody,
-    SmoothNormals,
+    AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
+    RigidBody, SmoothNormals,
 };
 
 /// The bits of layers that scenes name. "all" is the first; others get theirs as they are first
@@ -91,19 +91,7 @@ impl SpawnScene {
     pub fn spawn(&self, world: &mut World) -> Vec<Entity> {
         let bodies: Vec<Entity> =
             (0..self.scene.bodies.len()).map(|i| self.spawn_body(world, i)).collect();
-        for joint in &self.scene.joints {
-            world.spawn((
-                Name::new(joint.name.clone()),
-                Joint {
-                    parent: bodies[joint.parent],
-                    child: bodies[joint.child],
-                    parent_anchor: joint.parent_anchor,
-                    child_anchor: joint.child_anchor,
-                    kind: joint.kind,
-                    target: joint.target,
-                },
-            ));
-        }
+        self.spawn_joints(world, &bodies);
         for &(a, b) in &self.scene.excluded_pairs {
             world.spawn((NeverMeet, BodyPair { a: bodies[a], b: bodies[b] }));
         }
@@ -114,6 +102,31 @@ impl SpawnScene {
             add_effects(&mut world.spawn(BodyPair { a, b }), &pair.effects);
         }
         bodies
+    }
+
+    fn spawn_joints(&self, world: &mut World, bodies: &[Entity]) {
+        let joints = &self.scene.joints;
+        let entities: Vec<Entity> =
+            joints.iter().map(|joint| world.spawn(Name::new(joint.name.clone())).id()).collect();
+        for (joint, &entity) in joints.iter().zip(&entities) {
+            let follows = joint.mimic.as_ref().and_then(|mimic| {
+                let leader = joints.iter().position(|other| other.name == mimic.joint)?;
+                let (multiplier, offset) = (mimic.multiplier, mimic.offset);
+                Some(Follows { joint: entities[leader], multiplier, offset })
+            });
+            world.entity_mut(entity).insert(Joint {
+                parent: bodies[joint.parent],
+                child: bodies[joint.child],
+                parent_anchor: joint.parent_anchor,
+                child_anchor: joint.child_anchor,
+                kind: joint.kind,
+                motor: joint.motor,
+                resistance: joint.resistance,
+                follows,
+                reduced: joint.reduced,
+                start: joint.start,
+            });
+        }
     }
 
     fn spawn_body(&self, world: &mut World, index: usize) -> Entity {
@@ -140,6 +153,9 @@ impl SpawnScene {
                 Restitution::new(body.material.restitution as f32),
                 Density(body.material.density),
             ));
+            if let Some(mass) = body.mass {
+                entity.insert(Mass(mass));
+            }
         }
         add_effects(&mut entity, &body.effects);
         if !self.effects_known {
@@ -212,6 +228,9 @@ fn build_models(scene: &SceneDescription) -> Result<Vec<Model>, SceneAppError> {
     let mut models = Vec::with_capacity(scene.bodies.len());
     for body in &scene.bodies {
         let key = Arc::as_ptr(&body.collision);
+        if let Some(model) = &body.model {
+            built.insert(key, model.clone());
+        }
         let model = match built.get(&key) {
             Some(model) => model.clone(),
             None => {

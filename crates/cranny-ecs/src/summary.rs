@@ -59,6 +59,8 @@ pub struct RunSummary {
     pub state_hash: String,
     /// Motion of each body that can move.
     pub motion: Vec<MotionSummary>,
+    /// How far each joint that a motor holds was off its position.
+    pub joints: Vec<JointSummary>,
     /// Screw motion of each nut on its bolt.
     pub helices: Vec<HelixSummary>,
     /// Links of a chain; `None` where no rings were linked at the start.
@@ -142,6 +144,21 @@ pub struct MotionSummary {
     pub axis: Option<[f64; 3]>,
     /// Turns about that axis.
     pub turns: Option<f64>,
+}
+
+/// How well a motor held a joint.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointSummary {
+    /// Its name.
+    pub joint: String,
+    /// The position that its motor holds at the end, radians or units.
+    pub held: f64,
+    /// How far off the joint was at the end.
+    pub off: f64,
+    /// The farthest that it was off after any step.
+    pub off_max: f64,
+    /// In how many steps its motor was at its greatest effort, and could not do what was asked.
+    pub strained: u64,
 }
 
 /// How a nut moved on its bolt.

@@ -3,7 +3,7 @@
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
-use cranny_rapier_f64::{BodyKind, BodySpec, Normals, Simulation, SimulationOptions};
+use cranny_rapier_f64::{BodyKind, BodySpec, MassSource, Normals, Simulation, SimulationOptions};
 use cranny_shapes::Torus;
 
 /// Far enough that steps of f32 are 0.008 there.
@@ -21,7 +21,7 @@ fn falls(origin: DVec3) -> Vec<Pose> {
         pose: Pose { rotation: DQuat::from_rotation_arc(DVec3::Z, axis), translation: origin + at },
         linear_velocity: DVec3::ZERO,
         angular_velocity: DVec3::ZERO,
-        density: 1.0,
+        mass: MassSource::Density(1.0),
         friction: 0.5,
         restitution: 0.0,
         normals: Normals::Flat,

@@ -222,9 +222,11 @@ pub(crate) struct Tagged {
 }
 
 impl Tagged {
-    /// The origin stands for a centre of mass where a model has none.
-    pub(crate) fn new(model: &Model, collider: ColliderHandle) -> Self {
-        let center = model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
+    /// `center` is the centre of mass that the body has, if it has one; else it is the solid's, and
+    /// the origin where a model has none.
+    pub(crate) fn new(model: &Model, collider: ColliderHandle, center: Option<DVec3>) -> Self {
+        let solid = || model.mass_properties().map_or(DVec3::ZERO, |mass| mass.center);
+        let center = center.unwrap_or_else(solid);
         let away = |p: &DVec3| p.distance(center);
         let radius = model.mesh().vertices().iter().map(away).fold(0.0, f64::max);
         Self {

@@ -25,7 +25,7 @@
 //! ```
 //! use cranny_exact::{DVec3, Pose};
 //! use cranny_geometry::{BuildOptions, Model};
-//! use cranny_rapier::{BodyKind, BodySpec, Normals, Simulation, SimulationOptions};
+//! use cranny_rapier::{BodyKind, BodySpec, MassSource, Normals, Simulation, SimulationOptions};
 //! use cranny_shapes::Cuboid;
 //!
 //! let cube = Cuboid { size: [1.0, 1.0, 1.0] }.build()?;
@@ -37,7 +37,7 @@
 //!     pose: Pose::at(DVec3::new(0.0, 0.0, z)),
 //!     linear_velocity: DVec3::ZERO,
 //!     angular_velocity: DVec3::ZERO,
-//!     density: 1.0,
+//!     mass: MassSource::Density(1.0),
 //!     friction: 0.5,
 //!     restitution: 0.0,
 //!     normals: Normals::Flat,
@@ -84,12 +84,12 @@ pub use convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 pub use cranny_narrow_phase::Normals;
 pub use detector::{Detector, UnknownDetector};
 pub use dispatcher::{Dispatcher, dispatcher};
-pub use joint::{JointIndex, JointSpec};
+pub use joint::{APPROACH, JointIndex, JointSpec, Motor};
 pub use log::{AnswerLog, LoggedAnswer};
-pub use mass::{MassError, mass_properties};
+pub use mass::{MassError, MassSource, StatedMass, mass_properties};
 pub use shape::{MeshShape, ShapeError};
 pub use simulation::{
-    BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Simulation, SimulationError,
+    BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Resistance, Simulation, SimulationError,
     SimulationOptions, SolvedContacts, StepHooks, Timings,
 };
 #[cfg(feature = "snapshot")]

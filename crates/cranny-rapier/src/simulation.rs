@@ -8,6 +8,7 @@ mod changes;
 mod continuous;
 mod hooks;
 mod options;
+mod reduced;
 mod step_report;
 mod stepping;
 
@@ -26,15 +27,16 @@ pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
 use self::changes::rapier_kind;
 pub use self::hooks::{SolvedContacts, StepHooks};
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
+pub(crate) use self::reduced::ReducedJoints;
+pub use self::reduced::Resistance;
 pub use self::step_report::{Energy, PairContacts, Timings};
 use crate::ahead::{Motions, Tagged};
 use crate::carried::{PairCounts, Searches};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};
 use crate::detector::Detector;
 use crate::dispatcher::Dispatcher;
-use crate::joint::{JointIndex, JointSpec, generic_joint};
+use crate::joint::{JointIndex, JointPlace, JointSpec, generic_joint, set_impulse_motor};
 use crate::log::AnswerLog;
-use crate::mass::mass_properties;
 
 /// A rapier world of models.
 pub struct Simulation {
@@ -78,6 +80,8 @@ pub struct Simulation {
     /// Whether joints were inserted that no step has seen: rapier's serde would lose that.
     #[cfg_attr(not(feature = "snapshot"), allow(dead_code, reason = "a snapshot asks"))]
     pub(crate) joined: bool,
+    /// Joints whose positions are coordinates.
+    pub(crate) reduced: ReducedJoints,
 }
 
 fn dispatcher_of(
@@ -151,6 +155,7 @@ impl Simulation {
             searches,
             pair_counts: PairCounts::default(),
             joined: false,
+            reduced: ReducedJoints::default(),
         }
     }
 
@@ -184,7 +189,7 @@ impl Simulation {
             .collision_groups(InteractionGroups::new(groups, groups, InteractionTestMode::And))
             .user_data(u128::from(index));
         if spec.kind == BodyKind::Dynamic {
-            collider = collider.mass_properties(mass_properties(spec.model, spec.density)?);
+            collider = collider.mass_properties(spec.mass.properties(spec.model)?);
         }
         // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning
         // of the step.
@@ -196,7 +201,7 @@ impl Simulation {
             .angvel(narrow(spec.angular_velocity));
         let handle = self.bodies.insert(body);
         let collider = self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
-        let (at, tagged) = (index as usize, Tagged::new(spec.model, collider));
+        let (at, tagged) = (index as usize, Tagged::new(spec.model, collider, spec.mass.center()));
         if self.free.remove(&index) {
             (self.handles[at], self.tagged[at]) = (handle, tagged);
             self.poses_before[at] = self.pose(BodyIndex(index));
@@ -219,9 +224,14 @@ impl Simulation {
         spec: &JointSpec,
         contacts_enabled: bool,
     ) -> JointIndex {
-        let joint = generic_joint(&parent_from_joint, &child_from_joint, spec, contacts_enabled);
+        let frames = [&parent_from_joint, &child_from_joint];
+        let mut joint = generic_joint(frames[0], frames[1], spec, 0.0, contacts_enabled);
+        if let Some((axis, motor)) = spec.driven_axis().zip(spec.motor()) {
+            set_impulse_motor(&mut joint, axis, motor, 0.0);
+        }
         self.joined = true;
-        JointIndex(self.joints.insert(self.handle(parent), self.handle(child), joint, true))
+        let handle = self.joints.insert(self.handle(parent), self.handle(child), joint, true);
+        JointIndex(JointPlace::Impulses(handle))
     }
 
     /// Two bodies never meet from now on.
@@ -298,6 +308,7 @@ impl Simulation {
         self.bodies[handle].set_linvel(narrow(linear), true);
         self.bodies[handle].set_angvel(narrow(angular), true);
         self.keep_locked(body);
+        self.take_velocity_of_root(body);
     }
 
     /// Mass; 0 for bodies that are not dynamic.

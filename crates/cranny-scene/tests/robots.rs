@@ -2,10 +2,14 @@
 
 use std::path::PathBuf;
 
-use cranny_exact::DVec3;
+use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_scene::robot::PositionError;
-use cranny_scene::{LoadOptions, Robot, RobotError, SceneError, parse_scene, read_robot};
-use cranny_world::description::{BodyKind, JointKind, JointPositions, SceneDescription};
+use cranny_scene::{
+    LoadOptions, LoadedScene, Robot, RobotError, SceneError, parse_scene, read_robot,
+};
+use cranny_world::description::{
+    BodyKind, JointDescription, JointKind, JointPositions, SceneDescription,
+};
 
 /// A tetrahedron, beside the URDF as `m.OBJ`.
 const MESH: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
@@ -32,10 +36,14 @@ impl Files {
     }
 
     fn scene(&self, urdf: &str, robot: &str) -> Result<SceneDescription, SceneError> {
+        self.loaded(urdf, robot).map(|loaded| loaded.description)
+    }
+
+    fn loaded(&self, urdf: &str, robot: &str) -> Result<LoadedScene, SceneError> {
         std::fs::write(self.path(), urdf).unwrap();
         let text = format!("(robots: [(path: \"pkg/urdf/r.urdf\", name: \"r\", {robot})])");
         let at = self.folder.path().join("s.ron");
-        parse_scene(text, &at, &LoadOptions::default()).map(|loaded| loaded.description)
+        parse_scene(text, &at, &LoadOptions::default())
     }
 }
 
@@ -77,6 +85,11 @@ fn arm() -> String {
             "<axis xyz=\"0 0 1\"/><mimic joint=\"turn\" multiplier=\"-2\" offset=\"0.5\"/>"
         ),
     ))
+}
+
+/// Where a motor holds a joint.
+fn held(joint: &JointDescription) -> Option<f64> {
+    joint.motor?.position
 }
 
 fn positions(list: &[(&str, f64)]) -> JointPositions {
@@ -161,20 +174,32 @@ fn broken_robots_say_what_is_wrong() {
         (String::new(), "XML"),
         ("<robot name=\"x\">".to_owned(), "line 1"),
         ("<scene/>".to_owned(), "expected 'robot'"),
-        (
-            urdf("<link name=\"a\" foo:x=\"1\"/>"),
-            "line 3, column 16: the prefix \"foo\" is used but never bound",
-        ),
         (urdf(""), "no links"),
-        (urdf("<link/>"), "not a URDF robot"),
+        (urdf("<link/>"), "line 3, column 1: a link has no name"),
         (urdf("<link name=\"a\"/><link name=\"a\"/>"), "two of them have this name"),
         (urdf(&links), "2 links without parent (a, b)"),
         (urdf(&format!("{links}{}", joint("j", "fixed", "a", "z", ""))), "names the link \"z\""),
         (
-            urdf(&format!("{links}{}", joint("j", "floating", "a", "b", ""))),
-            "joint \"j\": its type Floating is not supported",
+            urdf(&format!("{links}{}", joint("j", "spherical", "a", "b", ""))),
+            "joint \"j\": its type is spherical",
         ),
-        (urdf(&format!("{links}{}", joint("j", "bendy", "a", "b", ""))), "not a URDF robot"),
+        (
+            urdf(&format!("{links}\n{}", joint("j", "bendy", "a", "b", ""))),
+            "line 4, column 1: joint \"j\" has the type \"bendy\"",
+        ),
+        (
+            urdf("<link name=\"a\"><inertial>\n<mass value=\"${m}\"/></inertial></link>"),
+            "line 4, column 1: link \"a\": the attribute \"value\" of its element \"mass\" is \"${m}\", expected a number. This is xacro",
+        ),
+        (
+            urdf("<link name=\"a\"><collision><geometry><mesh/></geometry></collision></link>"),
+            "has no attribute \"filename\"",
+        ),
+        (
+            urdf("<link name=\"a\"><collision><geometry><cone/></geometry></collision></link>"),
+            "a geometry of [\"cone\"]",
+        ),
+        (urdf("<xacro:arm xmlns:xacro=\"http://ros.org/wiki/xacro\"/>"), "run xacro on it first"),
         (
             urdf(&format!(
                 "{links}{}{}",
@@ -197,10 +222,6 @@ fn broken_robots_say_what_is_wrong() {
                 joint("j", "continuous", "a", "b", "<axis xyz=\"0 0 0\"/>")
             )),
             "has no direction",
-        ),
-        (
-            urdf(&format!("{links}{}", joint("j", "continuous", "a", "b", "<mimic joint=\"q\"/>"))),
-            "follows joint \"q\", which is not in the file",
         ),
         (
             urdf(&format!("{links}{}", joint("j", "continuous", "a", "b", "<mimic joint=\"j\"/>"))),
@@ -286,11 +307,12 @@ fn robots_become_bodies_and_joints() {
     assert_eq!(names, [("r/root", Fixed), ("r/a", Dynamic), ("r/b", Dynamic), ("r/c", Dynamic)]);
     assert_eq!(scene.bodies[0].pose.translation, DVec3::new(0.0, 0.0, 5.0));
     assert_eq!(scene.bodies[1].pose.translation, DVec3::new(0.0, 0.0, 6.0));
-    assert!((scene.bodies[1].material.density - 3.0 / 0.001).abs() < 1e-6);
-    assert_eq!(scene.bodies[2].material.density, 1.0);
+    let mass = scene.bodies[1].mass.unwrap();
+    assert_eq!((mass.mass, mass.center, mass.inertia), (3.0, DVec3::ZERO, DMat3::IDENTITY));
+    assert!((scene.bodies[2].mass.unwrap().mass - 0.001).abs() < 1e-12, "by its volume");
     assert_eq!(scene.excluded_pairs, [(0, 1), (1, 2), (1, 3)]);
     let joints: Vec<_> =
-        scene.joints.iter().map(|j| (j.name.as_str(), j.parent, j.child, j.target)).collect();
+        scene.joints.iter().map(|j| (j.name.as_str(), j.parent, j.child, held(j))).collect();
     assert_eq!(
         joints,
         [("r/turn", 0, 1, Some(0.5)), ("r/slide", 1, 2, Some(0.25)), ("r/follow", 1, 3, None)]
@@ -302,7 +324,7 @@ fn robots_become_bodies_and_joints() {
     assert_eq!(joint.translation, scene.bodies[j.child].pose.compose(&j.child_anchor).translation);
     let free = files.scene(&arm(), "fixed_base: false, hold: false").unwrap();
     assert_eq!(free.bodies[0].kind, Dynamic);
-    assert!(free.joints.iter().all(|joint| joint.target.is_none()));
+    assert!(free.joints.iter().all(|joint| held(joint).is_none()));
 }
 
 #[test]
@@ -324,13 +346,6 @@ fn links_without_geometry_are_carried() {
     assert_eq!(scene.joints[0].parent_anchor.translation, DVec3::new(1.0, 1.0, 0.0));
     assert_eq!(scene.joints[1].kind, JointKind::Fixed);
     assert_eq!(scene.excluded_pairs, [(0, 1), (0, 2)]);
-    let lost = urdf(&format!(
-        "<link name=\"a\">{BOX}</link><link name=\"b\"/><link name=\"c\">{BOX}</link>{}{}",
-        joint("j1", "continuous", "a", "b", ""),
-        joint("j2", "continuous", "b", "c", ""),
-    ));
-    let error = files.scene(&lost, "").unwrap_err().to_string();
-    assert!(error.contains("link \"b\" has no collision geometry"), "{error}");
     let bare = files.scene(&urdf("<link name=\"a\"/>"), "").unwrap_err().to_string();
     assert!(bare.contains("none of its links"), "{bare}");
 }
@@ -350,4 +365,190 @@ fn wrong_positions_are_placed_in_the_scene() {
         let error = files.scene(&arm(), robot).unwrap_err().to_string();
         assert!(error.contains(says) && error.contains("line 1, column 43"), "{error}");
     }
+}
+
+/// The mass of a link, its centre and the turn of its tensor.
+fn inertial(mass: f64, origin: &str, tensor: [f64; 3]) -> String {
+    let [ixx, iyy, izz] = tensor;
+    format!(
+        "<inertial>{origin}<mass value=\"{mass}\"/><inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"{iyy}\" iyz=\"0\" izz=\"{izz}\"/></inertial>"
+    )
+}
+
+#[test]
+fn a_stated_tensor_is_turned_by_its_origin() {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let origin = format!("<origin xyz=\"0.1 0.2 0.3\" rpy=\"0 0 {quarter}\"/>");
+    let text =
+        urdf(&format!("<link name=\"a\">{BOX}{}</link>", inertial(2.0, &origin, [1.0, 2.0, 2.5])));
+    let stated = Files::new().read(&text).unwrap().links[0].inertial.unwrap();
+    assert_eq!((stated.mass, stated.center), (2.0, DVec3::new(0.1, 0.2, 0.3)));
+    let turned = DMat3::from_diagonal(DVec3::new(2.0, 1.0, 2.5));
+    assert!((stated.inertia - turned).x_axis.length() < 1e-15);
+    assert!((stated.inertia - turned).y_axis.length() < 1e-15);
+    assert_eq!(stated.inertia.z_axis, turned.z_axis);
+}
+
+/// base (fixed) - frame (nothing) - arm (mass alone) - plate (open mesh, mass stated) - tag (fixed,
+/// a mass without geometry).
+fn bare() -> String {
+    let open = "<collision><geometry><mesh filename=\"../sheet.obj\"/></geometry></collision>";
+    let arm = inertial(2.0, "<origin xyz=\"0.5 0 0\"/>", [0.1, 0.1, 0.1]);
+    let plate = inertial(1.0, "", [0.1, 0.1, 0.1]);
+    urdf(&format!(
+        "<link name=\"base\"/><link name=\"frame\"/><link name=\"arm\">{arm}</link><link name=\"plate\">{open}{plate}</link><link name=\"tag\">{plate}</link>{}{}{}{}",
+        joint("j0", "continuous", "base", "frame", "<axis xyz=\"0 0 1\"/>"),
+        joint("j1", "continuous", "frame", "arm", "<axis xyz=\"0 1 0\"/>"),
+        joint("j2", "continuous", "arm", "plate", "<origin xyz=\"1 0 0\"/><axis xyz=\"0 1 0\"/>"),
+        joint("j3", "fixed", "plate", "tag", "<origin xyz=\"0 0 2\"/>"),
+    ))
+}
+
+#[test]
+fn links_without_geometry_are_masses_and_frames() {
+    let files = Files::new();
+    let sheet = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(files.folder.path().join("pkg/sheet.obj"), sheet).unwrap();
+    let loaded = files.loaded(&bare(), "").unwrap();
+    let scene = loaded.description;
+    let bodies: Vec<_> = scene.bodies.iter().map(|b| (b.name.as_str(), b.layers.len())).collect();
+    assert_eq!(bodies, [("r/base", 0), ("r/frame", 0), ("r/arm", 0), ("r/plate", 1)]);
+    assert_eq!(scene.bodies[0].kind, BodyKind::Fixed);
+    assert_eq!(scene.bodies[1].mass.unwrap().mass, 1e-3);
+    assert_eq!(scene.bodies[2].mass.unwrap().center, DVec3::new(0.5, 0.0, 0.0));
+    // The plate and the tag 2 above it as one: m (1^2 + 1^2) about the middle.
+    let both = scene.bodies[3].mass.unwrap();
+    assert_eq!((both.mass, both.center), (2.0, DVec3::new(0.0, 0.0, 1.0)));
+    let diagonal = DVec3::new(both.inertia.x_axis.x, both.inertia.y_axis.y, both.inertia.z_axis.z);
+    assert!((diagonal - DVec3::new(2.2, 2.2, 0.2)).length() < 1e-15, "{diagonal}");
+    assert_eq!(scene.joints.len(), 3);
+    assert!(scene.joints.iter().all(|joint| joint.reduced));
+    let said = loaded.warnings.join("\n");
+    assert!(said.contains("\"r/frame\" move and have neither mass nor geometry"), "{said}");
+    assert!(said.contains("meet nothing: \"base\", \"frame\", \"arm\""), "{said}");
+}
+
+#[test]
+fn an_open_mesh_without_a_mass_weighs_like_its_box_and_is_named() {
+    let files = Files::new();
+    let sheet = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n";
+    std::fs::write(files.folder.path().join("pkg/sheet.obj"), sheet).unwrap();
+    let open = "<collision><geometry><mesh filename=\"../sheet.obj\"/></geometry></collision>";
+    let text = urdf(&format!("<link name=\"lid\">{open}</link>"));
+    let loaded = files.loaded(&text, "fixed_base: false, material: (density: 4)").unwrap();
+    let mass = loaded.description.bodies[0].mass.unwrap();
+    assert_eq!((mass.mass, mass.center), (4.0, DVec3::splat(0.5)));
+    assert!(loaded.warnings[0].contains("r.urdf: link \"lid\""), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn what_is_harmless_is_mended_and_said() {
+    let files = Files::new();
+    let links = format!("<link name=\"a\">{BOX}</link><link name=\"b\">{BOX}</link>");
+    let follows = joint("j", "continuous", "a", "b", "<mimic joint=\"q\"/>");
+    for (text, says) in [
+        (
+            urdf("<link name=\"a\" foo:x=\"1\"/>"),
+            "line 3: the prefix \"foo\" is bound to no namespace",
+        ),
+        (
+            urdf(&format!("{links}{follows}")),
+            "line 3: joint \"j\" follows joint \"q\", which is not in the file",
+        ),
+        (
+            urdf("<link name=\"a\"><visual><geometry><mesh/></geometry></visual></link>"),
+            "a visual element was left out",
+        ),
+        (
+            urdf("<link name=\"a\"><inertial><mass value=\"2\"/></inertial></link>"),
+            "link \"a\" states a mass and no inertia",
+        ),
+        (
+            urdf(&format!("<link name=\"a\">{}</link>", inertial(2.0, "", [1e-19, 0.1, 0.1]))),
+            "which no body of 2 kg has",
+        ),
+    ] {
+        let robot = files.read(&text).unwrap();
+        assert!(robot.notes.iter().any(|note| note.contains(says)), "{says}: {:?}", robot.notes);
+    }
+    // What nobody reads may be as it likes; limits without bounds bound nothing.
+    let text = urdf(&format!(
+        "{links}{}<material><texture/></material><gazebo><plugin/></gazebo><transmission/>",
+        joint("j", "revolute", "a", "b", "<limit/><dynamics damping=\"0.5\" friction=\"0.25\"/>")
+    ));
+    let robot = files.read(&text).unwrap();
+    assert!(robot.notes.is_empty(), "{:?}", robot.notes);
+    assert_eq!(robot.joints[0].limits(), None);
+    assert_eq!(
+        (robot.joints[0].resistance.damping, robot.joints[0].resistance.friction),
+        (0.5, 0.25)
+    );
+}
+
+#[test]
+fn motors_have_the_limits_of_the_robot_and_the_gains_of_the_scene() {
+    let files = Files::new();
+    let said = "motors: {\"turn\": (position: 0.5, stiffness: 30, damping: 2, max_effort: 9)}, targets: {\"slide\": 0.5}";
+    let scene = files.scene(&arm(), said).unwrap();
+    let turn = scene.joints[0].motor.unwrap();
+    assert_eq!((turn.position, turn.stiffness, turn.damping), (Some(0.5), Some(30.0), Some(2.0)));
+    assert_eq!((turn.max_effort, turn.max_velocity), (Some(9.0), Some(1.0)));
+    let slide = scene.joints[1].motor.unwrap();
+    assert_eq!((slide.position, slide.stiffness, slide.max_effort), (Some(0.5), None, Some(1.0)));
+    let error = files.scene(&arm(), "motors: {\"bend\": ()}").unwrap_err().to_string();
+    assert!(error.contains("no joint \"bend\""), "{error}");
+}
+
+#[test]
+fn joints_start_within_their_limits() {
+    let text = arm().replace("lower=\"-2\" upper=\"2\"", "lower=\"-2\" upper=\"-0.5\"");
+    let loaded = Files::new().loaded(&text, "").unwrap();
+    assert_eq!(held(&loaded.description.joints[0]), Some(-0.5));
+    assert!(loaded.warnings.iter().any(|what| what.contains("limits of \"turn\"")));
+}
+
+#[test]
+fn links_that_meet_at_rest_are_left_out_and_said() {
+    let files = Files::new();
+    // b slides from 1 away to a's place; c lies in a, and meets nothing else.
+    let text = arm().replace("<origin xyz=\"1 0 0\"/><axis", "<origin xyz=\"0.05 0 0\"/><axis");
+    let pairs = |robot: &str| files.scene(&text, robot).unwrap().excluded_pairs;
+    assert_eq!(pairs(""), [(0, 1), (1, 2), (1, 3), (2, 3)]);
+    let said = files.loaded(&text, "").unwrap().warnings.join("\n");
+    assert!(
+        said.contains("1 pairs of links meet where the robot starts and never collide: \"b - c\""),
+        "{said}"
+    );
+    assert_eq!(pairs("self_collisions: Adjacent"), [(0, 1), (1, 2), (1, 3)]);
+    assert_eq!(pairs("self_collisions: All"), []);
+    assert_eq!(pairs("self_collisions: None").len(), 6);
+    let srdf = "<robot name=\"r\"><disable_collisions link1=\"b\" link2=\"root\"/></robot>";
+    std::fs::write(files.folder.path().join("r.srdf"), srdf).unwrap();
+    assert_eq!(pairs("self_collisions: All, srdf: \"r.srdf\""), [(0, 2)]);
+    assert!(files.scene(&text, "srdf: \"none.srdf\"").is_err());
+}
+
+#[test]
+fn floating_links_are_free_and_planar_ones_slide() {
+    let links = format!(
+        "<link name=\"a\">{BOX}</link><link name=\"b\">{BOX}</link><link name=\"c\">{BOX}</link>"
+    );
+    let text = urdf(&format!(
+        "{links}{}{}",
+        joint("j", "floating", "a", "b", "<origin xyz=\"0 0 1\"/>"),
+        joint("k", "planar", "a", "c", "<origin xyz=\"1 0 0\"/><axis xyz=\"0 0 1\"/>")
+    ));
+    let scene = Files::new().scene(&text, "").unwrap();
+    assert_eq!(scene.bodies[1].pose, Pose::at(DVec3::Z));
+    assert_eq!(scene.joints.len(), 1);
+    assert_eq!(scene.joints[0].kind, JointKind::Planar { normal: DVec3::Z });
+}
+
+#[test]
+fn a_robot_of_visual_meshes_alone_meets_by_them() {
+    let shown = BOX.replace("collision", "visual");
+    let loaded =
+        Files::new().loaded(&urdf(&format!("<link name=\"a\">{shown}</link>")), "").unwrap();
+    assert_eq!(loaded.description.bodies[0].collision.faces().len(), 12);
+    assert!(loaded.warnings[0].contains("visual meshes stand for it"), "{:?}", loaded.warnings);
 }

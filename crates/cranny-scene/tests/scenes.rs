@@ -7,7 +7,9 @@ use cranny_scene::scene_file::SceneProblem;
 use cranny_scene::{
     LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
 };
-use cranny_world::description::{BodyKind, CameraView, Effect, JointKind, Material, Normals};
+use cranny_world::description::{
+    BodyKind, CameraView, Effect, JointKind, Material, Motor, Normals,
+};
 use miette::Diagnostic;
 
 fn parse(text: &str) -> Result<LoadedScene, SceneError> {
@@ -59,7 +61,7 @@ fn everything_in_a_scene_arrives() {
     assert_eq!((scene.bodies.len(), scene.bodies[5].name.as_str()), (6, "p_2"));
     assert!(std::sync::Arc::ptr_eq(&scene.bodies[3].collision, &scene.bodies[4].collision));
     let joint = &scene.joints[0];
-    assert_eq!((joint.parent, joint.child, joint.target), (1, 0, Some(0.5)));
+    assert_eq!((joint.parent, joint.child, joint.motor), (1, 0, Some(Motor::at(0.5))));
     assert_eq!(joint.kind, JointKind::Revolute { axis: DVec3::Z, limits: Some([-1.0, 1.0]) });
     assert_eq!(scene.excluded_pairs, [(0, 1)]);
     assert_eq!(scene.effects, [Effect::Response, Effect::Contacts { margin: 0.05 }]);

@@ -2,8 +2,8 @@
 //!
 //! Lengths are in the scene's unit, times in seconds, angles in radians, masses density x volume.
 
-use cranny_exact::{DVec3, Pose};
-use cranny_geometry::Mesh;
+use cranny_exact::{DMat3, DVec3, Pose};
+use cranny_geometry::{Mesh, Model};
 pub use cranny_narrow_phase::Normals;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -56,6 +56,8 @@ pub struct BodyDescription {
     pub name: String,
     /// Collision geometry in the body's frame, shared between bodies that use the same file.
     pub collision: Arc<Mesh>,
+    /// The prepared model of `collision`, where somebody has prepared it already.
+    pub model: Option<Model>,
     /// Geometry to draw where it differs.
     pub visual: Option<Arc<Mesh>>,
     /// How it moves.
@@ -68,6 +70,8 @@ pub struct BodyDescription {
     pub angular_velocity: DVec3,
     /// What it is made of.
     pub material: Material,
+    /// Its mass, where it does not follow from the material's density and the solid.
+    pub mass: Option<StatedMass>,
     /// Whose normals its contacts have for a solver: its facets' or those of the curved surface
     /// that they stand for.
     pub normals: Normals,
@@ -75,6 +79,17 @@ pub struct BodyDescription {
     pub layers: Vec<String>,
     /// Effects of this body beyond the scene's.
     pub effects: Vec<Effect>,
+}
+
+/// Mass, centre and inertia as somebody states them, whatever the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StatedMass {
+    /// Greater than 0.
+    pub mass: f64,
+    /// Centre of mass in the body's frame.
+    pub center: DVec3,
+    /// About the centre, along the axes of the body's frame: symmetric, positive definite.
+    pub inertia: DMat3,
 }
 
 /// Physical constants of a body.
@@ -163,8 +178,52 @@ pub struct JointDescription {
     pub kind: JointKind,
     /// Motion of the joint in step with another: position = multiplier * other + offset.
     pub mimic: Option<Mimic>,
-    /// Position (radians or units) at which the joint is held by a motor, if it is.
-    pub target: Option<f64>,
+    /// What drives it, if anything does.
+    pub motor: Option<Motor>,
+    /// What resists its motion.
+    pub resistance: Resistance,
+    /// Whether its position is a coordinate of a tree of bodies, so that it does not yield, rather
+    /// than a constraint between two bodies. A robot's joints are.
+    pub reduced: bool,
+    /// Position of the joint at the poses of its bodies.
+    pub start: f64,
+}
+
+/// What drives a joint: `stiffness * (position - q) + damping * (velocity - q') + effort`, at most
+/// `max_effort` in either direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motor {
+    /// Position (radians or units) that is held, if one is.
+    pub position: Option<f64>,
+    /// Velocity that is aimed at.
+    pub velocity: f64,
+    /// Force or torque that is there whatever the joint does.
+    pub effort: f64,
+    /// Per radian or unit of distance; `None`: as stiff as the solver resolves.
+    pub stiffness: Option<f64>,
+    /// Per unit of velocity; `None`: critical for the stiffness.
+    pub damping: Option<f64>,
+    /// Greatest force or torque; `None`: unbounded.
+    pub max_effort: Option<f64>,
+    /// Greatest velocity with which the position is approached; `None`: the solver's default.
+    pub max_velocity: Option<f64>,
+}
+
+impl Motor {
+    /// Holds a position.
+    #[must_use]
+    pub fn at(position: f64) -> Self {
+        Self { position: Some(position), ..Self::default() }
+    }
+}
+
+/// What resists the motion of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resistance {
+    /// Force or torque per velocity, against it, >= 0.
+    pub damping: f64,
+    /// Greatest force or torque of dry friction, >= 0.
+    pub friction: f64,
 }
 
 /// Which motions a joint leaves free; axes are unit vectors in the joint's frame.
@@ -186,6 +245,13 @@ pub enum JointKind {
         /// Least and greatest position; `None`: unbounded.
         limits: Option<[f64; 2]>,
     },
+    /// Translation in a plane, and rotation about its normal.
+    Planar {
+        /// Unit normal.
+        normal: DVec3,
+    },
+    /// All: its bodies are not joined.
+    Floating,
 }
 
 /// One joint follows another.

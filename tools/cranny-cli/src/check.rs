@@ -20,6 +20,7 @@ struct CheckSummary<'a> {
     cameras: usize,
     files: usize,
     notes: &'a [String],
+    warnings: &'a [String],
 }
 
 /// Runs the command.
@@ -43,6 +44,7 @@ pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Fail
         cameras: what.cameras.len(),
         files: scene.files.len(),
         notes: &scene.notes,
+        warnings: &scene.warnings,
     };
     let mut output = Output::new();
     match format.unwrap_or(Format::Text) {
@@ -55,8 +57,10 @@ fn text(summary: &CheckSummary) -> String {
     let counted = |count: usize, one: &str, many: &str| {
         format!("{count} {}", if count == 1 { one } else { many })
     };
+    let warnings: String =
+        summary.warnings.iter().map(|warning| format!("\nwarning: {warning}")).collect();
     format!(
-        "ok: {}: {}, {}, {}, {}",
+        "ok: {}: {}, {}, {}, {}{warnings}",
         summary.scene,
         counted(summary.bodies, "body", "bodies"),
         counted(summary.joints, "joint", "joints"),

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    ContactFields, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary, SceneApp,
-    SceneAppError, check_outputs, helices, rings,
+    ContactFields, JointSummary, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary,
+    SceneApp, SceneAppError, check_outputs, helices, rings,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -20,6 +20,10 @@ use crate::scene_file::load;
 
 /// Bodies whose motion the text summary lists; the JSON lists all.
 const MOTIONS_TOLD: usize = 8;
+
+/// A joint that is farther off at the end, while its motor was at its greatest effort, is named.
+/// Smaller: motors that reach it on their way are; larger: arms that sag are not.
+const OFF: f64 = 1e-3;
 
 /// How often progress is drawn, at most.
 const REDRAWS_PER_SECOND: u8 = 5;
@@ -172,6 +176,25 @@ fn text(summary: &RunSummary) -> String {
             c.steps, c.a, c.b, c.step
         );
         lines.add("inside", value);
+    }
+    let off = |joint: &JointSummary| joint.off_max;
+    if let Some(worst) = summary.joints.iter().max_by(|a, b| off(a).total_cmp(&off(b))) {
+        let value = format!(
+            "{} held, at most {:.6} off ({}), {:.6} at the end",
+            summary.joints.len(),
+            worst.off_max,
+            worst.joint,
+            worst.off
+        );
+        lines.add("joints", value);
+        let gave_way = |joint: &&JointSummary| joint.strained > 0 && joint.off > OFF;
+        for joint in summary.joints.iter().filter(gave_way).take(MOTIONS_TOLD) {
+            let value = format!(
+                "the motor of {} was at its greatest effort in {} steps: it cannot hold more (`motors` gives it a larger max_effort)",
+                joint.joint, joint.strained
+            );
+            lines.add("joints", value);
+        }
     }
     if let (Some(drift), Some(energy)) = (summary.energy_drift, &summary.energy) {
         let end = if energy.loss < 0.0 { "above" } else { "below" };

@@ -27,6 +27,9 @@ pub(crate) fn load(path: &Path, seed: Option<u64>) -> Result<LoadedScene, Failur
     waiting.finish_and_clear();
     let (bodies, files) = (scene.description.bodies.len(), scene.files.len());
     tracing::info!("{}: {bodies} bodies, {files} files named", path.display());
+    for warning in &scene.warnings {
+        tracing::warn!(scene = %path.display(), "{warning}");
+    }
     for note in &scene.notes {
         tracing::info!(scene = %path.display(), "{note}");
     }

@@ -254,3 +254,62 @@ fn a_signal_completes_the_recording(signal: &str) {
     assert!(recording.is_complete() && recording.was_interrupted());
     assert!(!partial.exists());
 }
+
+/// An arm that is stretched out level: a frame of nothing, links with an open mesh and with none,
+/// two fingers of which one follows.
+const ARM: &str = r#"<robot name="arm">
+  <link name="base"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+  <link name="frame"/>
+  <link name="upper"><inertial><origin xyz="0.2 0 0"/><mass value="8"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  <link name="lower"><collision><geometry><mesh filename="sheet.obj"/></geometry></collision>
+    <inertial><origin xyz="0.2 0 0"/><mass value="3"/>
+    <inertia ixx="0.004" ixy="0" ixz="0" iyy="0.04" iyz="0" izz="0.04"/></inertial></link>
+  <link name="left"><collision><origin xyz="0.05 0.1 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></collision></link>
+  <link name="right"><collision><origin xyz="0.05 -0.1 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></collision></link>
+  <joint name="turn" type="continuous"><parent link="base"/><child link="frame"/>
+    <origin xyz="0 0 0.2"/><axis xyz="0 0 1"/></joint>
+  <joint name="lift" type="revolute"><parent link="frame"/><child link="upper"/><axis xyz="0 1 0"/>
+    <limit lower="-3" upper="3" effort="EFFORT" velocity="2"/></joint>
+  <joint name="bend" type="continuous"><parent link="upper"/><child link="lower"/>
+    <origin xyz="0.4 0 0"/><axis xyz="0 1 0"/><dynamics damping="0.5" friction="0.1"/></joint>
+  <joint name="open" type="revolute"><parent link="lower"/><child link="left"/>
+    <origin xyz="0.4 0 0"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="5" velocity="2"/></joint>
+  <joint name="follow" type="revolute"><parent link="lower"/><child link="right"/>
+    <origin xyz="0.4 0 0"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="5" velocity="2"/>
+    <mimic joint="open" multiplier="-1"/></joint>
+</robot>"#;
+
+#[test]
+fn the_motors_of_a_robot_hold_as_far_as_their_effort_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("sheet.obj", "v 0 -0.02 0\nv 0.4 -0.02 0\nv 0.4 0.02 0\nv 0 0.02 0\nf 1 2 3\nf 1 3 4\n");
+    let scene = folder.path().join("arm.ron");
+    // Shoulder: (8 * 0.2 + 3 * 0.6) * 9.81 = 33.4, and the fingers.
+    for (effort, held) in [("50", true), ("20", false)] {
+        write("arm.urdf", &ARM.replace("EFFORT", effort));
+        let robot = r#"path: "arm.urdf", material: (density: 1000), targets: {"open": 0.4}"#;
+        let text = format!("(robots: [({robot})], effects: [Response()], duration: 1)");
+        fs::write(&scene, text).unwrap();
+        let line = run_json(scene.to_str().unwrap(), &[]);
+        let joints = line["joints"].as_array().unwrap();
+        assert_eq!(joints.len(), 4, "{joints:?}");
+        for joint in joints {
+            let (off, strained) =
+                (joint["off"].as_f64().unwrap(), joint["strained"].as_u64().unwrap());
+            if held {
+                assert!(off < 1e-3 && strained == 0, "{joint}");
+            } else if joint["joint"] == "arm/lift" {
+                assert!(off > 0.1 && strained > 100, "{joint}");
+            }
+        }
+        let text = cranny(&["run", scene.to_str().unwrap()]);
+        let text = str::from_utf8(&text.stdout).unwrap();
+        assert!(text.contains("joints     4 held, at most"), "{text}");
+        assert_eq!(text.contains("motor of arm/lift was at its greatest effort"), !held, "{text}");
+    }
+    let checked = cranny(&["check", scene.to_str().unwrap()]);
+    let said = str::from_utf8(&checked.stdout).unwrap();
+    assert!(said.contains("warning: ") && said.contains("\"arm/frame\""), "{said}");
+}

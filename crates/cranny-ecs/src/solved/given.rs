@@ -3,13 +3,14 @@
 use bevy_ecs::query::QueryData;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
-use cranny_rapier::{BodySpec, SimulationError};
+use cranny_rapier::{BodySpec, MassSource, SimulationError};
+use cranny_world::description::StatedMass;
 
 use super::Known;
 use crate::body::{pose_of, widened};
 use crate::properties::{
     AngularVelocity, Density, ExternalForce, Friction, GravityScale, LinearVelocity, LockedAxes,
-    Restitution,
+    Mass, Restitution,
 };
 
 /// The components that the solver reads of a body.
@@ -21,6 +22,7 @@ pub(crate) struct Given {
     friction: Option<&'static Friction>,
     restitution: Option<&'static Restitution>,
     pub(super) density: Option<&'static Density>,
+    pub(super) mass: Option<&'static Mass>,
     gravity: Option<&'static GravityScale>,
     locked: Option<&'static LockedAxes>,
     force: Option<&'static ExternalForce>,
@@ -34,6 +36,7 @@ pub(crate) struct GivenValues {
     pub(super) friction: Friction,
     pub(super) restitution: Restitution,
     pub(super) density: Density,
+    pub(super) mass: Option<Mass>,
     pub(super) gravity: GravityScale,
     pub(super) locked: LockedAxes,
     pub(super) force: ExternalForce,
@@ -47,6 +50,7 @@ impl GivenItem<'_, '_> {
             friction: self.friction.copied().unwrap_or_default(),
             restitution: self.restitution.copied().unwrap_or_default(),
             density: self.density.copied().unwrap_or_default(),
+            mass: self.mass.copied(),
             gravity: self.gravity.copied().unwrap_or_default(),
             locked: self.locked.copied().unwrap_or_default(),
             force: self.force.copied().unwrap_or_default(),
@@ -55,6 +59,15 @@ impl GivenItem<'_, '_> {
 }
 
 impl GivenValues {
+    pub(super) fn mass_source(&self) -> MassSource {
+        match self.mass {
+            None => MassSource::Density(self.density.0),
+            Some(Mass(StatedMass { mass, center, inertia })) => {
+                MassSource::Stated(cranny_rapier::StatedMass { mass, center, inertia })
+            }
+        }
+    }
+
     /// The body that a record and these values describe.
     pub(super) fn spec<'a>(&self, known: &'a Known) -> BodySpec<'a> {
         BodySpec {
@@ -63,7 +76,7 @@ impl GivenValues {
             pose: pose_of(&self.transform),
             linear_velocity: widened(self.velocities[0]),
             angular_velocity: widened(self.velocities[1]),
-            density: self.density.0,
+            mass: self.mass_source(),
             friction: self.friction.coefficient.into(),
             restitution: self.restitution.coefficient.into(),
             normals: known.normals,

@@ -7,7 +7,7 @@ use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
-use cranny_rapier::{BodyIndex, JointSpec};
+use cranny_rapier::{BodyIndex, JointIndex, JointSpec, Motor, Resistance, Simulation};
 use cranny_world::BodyId;
 use cranny_world::description::{BodyKind, JointKind};
 
@@ -20,7 +20,7 @@ use crate::joints::Joint;
 use crate::kinematics::Kinematic;
 use crate::properties::{
     AngularVelocity, Density, ExternalForce, ExternalImpulse, Friction, GravityScale,
-    LinearVelocity, LockedAxes, Restitution,
+    LinearVelocity, LockedAxes, Mass, Restitution,
 };
 use crate::response::Gravity;
 
@@ -113,8 +113,8 @@ fn take_in(inserted: On<Insert<Body>>, mut insertion: Insertion) {
         else {
             return;
         };
-        let density = given.density.copied().unwrap_or_default();
-        if let Err(source) = insertion.bodies.change(index, record, effects, density) {
+        let mass = given.values().mass_source();
+        if let Err(source) = insertion.bodies.change(index, record, effects, mass) {
             let body = record.name.clone();
             insertion.failure.set(SceneAppError::Solver { body, source });
         }
@@ -135,24 +135,34 @@ fn let_go(
     }
 }
 
-type Defaulted = (Friction, Restitution, Density, GravityScale, LockedAxes, ExternalForce);
+type Defaulted = (Friction, Restitution, Density, Mass, GravityScale, LockedAxes, ExternalForce);
 
 fn note_lost(lost: On<Remove<Defaulted>>, mut bodies: ResMut<RigidBodies>) {
     bodies.bereft.push(lost.entity);
 }
 
-fn note_joint(inserted: On<Insert<Joint>>, mut bodies: ResMut<RigidBodies>) {
-    let joint = inserted.entity;
-    if let Some((_, index)) = bodies.joints.remove(&joint) {
-        bodies.simulation.part(index);
+fn note_joint(inserted: On<Insert<Joint>>, joints: Query<&Joint>, mut bodies: ResMut<RigidBodies>) {
+    let entity = inserted.entity;
+    if let (Some(&(before, index)), Ok(&now)) = (bodies.joints.get(&entity), joints.get(entity)) {
+        let as_before = Joint { motor: before.motor, resistance: before.resistance, ..now };
+        let (motor, resistance) = driven(&now);
+        if as_before == before && bodies.simulation.set_motor(index, motor, resistance) {
+            bodies.joints.insert(entity, (now, index));
+            return;
+        }
     }
-    bodies.loosen(joint);
+    if let Some((_, index)) = bodies.joints.remove(&entity) {
+        bodies.simulation.part(index);
+        bodies.uncouple(entity);
+    }
+    bodies.loosen(entity);
 }
 
 fn part(removed: On<Remove<Joint>>, mut bodies: ResMut<RigidBodies>) {
     bodies.loose.retain(|_, waiting| *waiting != removed.entity);
     if let Some((_, index)) = bodies.joints.remove(&removed.entity) {
         bodies.simulation.part(index);
+        bodies.uncouple(removed.entity);
         // What it held may have no part in any response now.
         bodies.members_are_current = false;
     }
@@ -221,23 +231,19 @@ pub(crate) fn join(joints: Query<&Joint>, mut insertion: Insertion) {
             let of = ends.map(|end| insertion.given.get(end).ok().map(|(body, _)| body.id));
             let [Some(a), Some(b)] = of else { continue };
             let is_in = |id: BodyId| insertion.bodies.index(id).is_some();
-            let held = a != b && (is_in(a) || is_in(b));
+            let joins = a != b && joint.kind != JointKind::Floating;
+            let held = joins && (is_in(a) || is_in(b));
             if !held || !ends.iter().all(|&end| insertion.insert(end)) {
                 continue;
             }
             let [Some(parent), Some(child)] = [a, b].map(|id| insertion.bodies.index(id)) else {
                 continue;
             };
-            // Whether joined bodies meet is for pairs to say.
-            let made_now = insertion.bodies.simulation.join(
-                parent,
-                child,
-                joint.parent_anchor,
-                joint.child_anchor,
-                &joint_spec(&joint),
-                true,
-            );
+            let made_now = solver_joint(&mut insertion.bodies.simulation, [parent, child], &joint);
             insertion.bodies.joints.insert(entity, (joint, made_now));
+            if joint.follows.is_some() {
+                insertion.bodies.uncoupled.insert(entity);
+            }
             insertion.bodies.loose.remove(&number);
             made += 1;
         }
@@ -245,14 +251,42 @@ pub(crate) fn join(joints: Query<&Joint>, mut insertion: Insertion) {
             break;
         }
     }
+    insertion.bodies.couple();
+}
+
+/// Whether joined bodies meet is for pairs to say.
+fn solver_joint(simulation: &mut Simulation, ends: [BodyIndex; 2], joint: &Joint) -> JointIndex {
+    let (spec, anchors) = (joint_spec(joint), [joint.parent_anchor, joint.child_anchor]);
+    if joint.reduced {
+        let (_, resistance) = driven(joint);
+        return simulation.join_reduced(ends, anchors, &spec, resistance, joint.start);
+    }
+    simulation.join(ends[0], ends[1], anchors[0], anchors[1], &spec, true)
+}
+
+/// What drives and what resists a joint, as the solver says it.
+fn driven(joint: &Joint) -> (Option<Motor>, Resistance) {
+    let motor = joint.motor.map(|motor| Motor {
+        position: motor.position,
+        velocity: motor.velocity,
+        effort: motor.effort,
+        stiffness: motor.stiffness,
+        damping: motor.damping,
+        max_effort: motor.max_effort,
+        max_velocity: motor.max_velocity,
+    });
+    let (damping, friction) = (joint.resistance.damping, joint.resistance.friction);
+    (motor, Resistance { damping, friction })
 }
 
 fn joint_spec(joint: &Joint) -> JointSpec {
-    let target = joint.target;
+    let (motor, _) = driven(joint);
     match joint.kind {
-        JointKind::Fixed => JointSpec::Fixed,
-        JointKind::Revolute { axis, limits } => JointSpec::Revolute { axis, limits, target },
-        JointKind::Prismatic { axis, limits } => JointSpec::Prismatic { axis, limits, target },
+        // The last is never joined.
+        JointKind::Fixed | JointKind::Floating => JointSpec::Fixed,
+        JointKind::Revolute { axis, limits } => JointSpec::Revolute { axis, limits, motor },
+        JointKind::Prismatic { axis, limits } => JointSpec::Prismatic { axis, limits, motor },
+        JointKind::Planar { normal } => JointSpec::Planar { normal },
     }
 }
 
@@ -263,6 +297,7 @@ type AnyChanged = Or<(
     Changed<Friction>,
     Changed<Restitution>,
     Changed<Density>,
+    Changed<Mass>,
     Changed<GravityScale>,
     Changed<LockedAxes>,
     Changed<ExternalForce>,

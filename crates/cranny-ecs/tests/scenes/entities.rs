@@ -10,7 +10,7 @@ use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::{DVec3, Pose};
 use cranny_shapes::Torus;
-use cranny_world::description::{BodyKind, Effect};
+use cranny_world::description::{BodyKind, Effect, Motor, StatedMass};
 use proptest::prelude::*;
 
 use crate::build::{
@@ -248,6 +248,42 @@ fn layers_and_pairs_keep_bodies_apart_until_they_do_not() {
     assert!(rest(&mut app) < 0.0, "layers are mutual");
     world(&mut app).entity_mut(upper).insert(CollisionLayers::new(2, 1));
     assert!((rest(&mut app) - 1.0).abs() < 0.01);
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn a_reduced_joint_is_driven_and_driven_otherwise() {
+    let mut app = empty(&[Effect::Response]);
+    let post = world(&mut app).spawn((RigidBody::Fixed, unit(), up(5.0))).id();
+    let arm = Transform::from_xyz(2.0, 0.0, 5.0);
+    let hung = world(&mut app).spawn((RigidBody::Dynamic, unit(), arm)).id();
+    let anchors = [Pose::IDENTITY, Pose::at(DVec3::new(-2.0, 0.0, 0.0))];
+    let joint = Joint::revolute(post, hung, DVec3::Y).with_anchors(anchors[0], anchors[1]);
+    let held = joint.reduced().with_motor(Motor::at(0.0));
+    let joint = world(&mut app).spawn(held).id();
+    steps(&mut app, 64);
+    assert!((height(&app, hung) - 5.0).abs() < 2e-3, "{}", height(&app, hung));
+    // Another motor does not join anew: the arm goes on from where it is.
+    world(&mut app).entity_mut(joint).insert(held.with_motor(Motor::at(-0.5)));
+    steps(&mut app, 64);
+    let raised = 5.0 + 2.0 * 0.5f32.sin();
+    assert!((height(&app, hung) - raised).abs() < 5e-3, "{}", height(&app, hung));
+    // Its mass is stated; one that goes is that of its solid again.
+    let mass = |app: &SceneApp| {
+        let solved = app.app().world().get::<SolverBody>(hung).unwrap().index;
+        app.app().world().resource::<RigidBodies>().simulation().mass(solved)
+    };
+    let (center, inertia) = (DVec3::ZERO, cranny_exact::DMat3::IDENTITY);
+    let stated = Mass(StatedMass { mass: 7.0, center, inertia });
+    world(&mut app).entity_mut(hung).insert(stated);
+    steps(&mut app, 1);
+    assert!((mass(&app) - 7.0).abs() < 1e-5);
+    world(&mut app).entity_mut(hung).remove::<Mass>();
+    steps(&mut app, 1);
+    assert!((mass(&app) - 1.0).abs() < 1e-5);
+    world(&mut app).despawn(joint);
+    steps(&mut app, 64);
+    assert!(height(&app, hung) < 4.0, "{}", height(&app, hung));
 }
 
 #[cfg(feature = "rapier")]

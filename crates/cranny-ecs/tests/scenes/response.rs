@@ -9,7 +9,7 @@ use cranny_ecs::*;
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
-use cranny_rapier::{BodySpec, Detector as Detection};
+use cranny_rapier::{BodySpec, Detector as Detection, MassSource};
 use cranny_shapes::{Cuboid, Torus};
 use cranny_world::description::{BodyKind, Effect, Normals, PairDescription};
 
@@ -172,7 +172,7 @@ fn bodies_rest_on_what_only_the_solver_knows() {
         pose: Pose::at(DVec3::new(0.125, 0.0, 0.1)),
         linear_velocity: DVec3::ZERO,
         angular_velocity: DVec3::ZERO,
-        density: 1.0,
+        mass: MassSource::Density(1.0),
         friction: 0.5,
         restitution: 0.0,
         normals: Normals::Flat,

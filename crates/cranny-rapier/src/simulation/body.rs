@@ -6,7 +6,7 @@ use cranny_narrow_phase::Normals;
 use rapier3d::math::Real;
 use thiserror::Error;
 
-use crate::mass::MassError;
+use crate::mass::{MassError, MassSource};
 use crate::shape::ShapeError;
 
 /// How a body moves.
@@ -37,8 +37,8 @@ pub struct BodySpec<'a> {
     pub linear_velocity: DVec3,
     /// Radians a second.
     pub angular_velocity: DVec3,
-    /// Mass per volume.
-    pub density: f64,
+    /// Where its mass comes from; read of dynamic bodies.
+    pub mass: MassSource,
     /// Coulomb coefficient.
     pub friction: f64,
     /// 0 to 1.

@@ -14,8 +14,8 @@ use super::{BodyIndex, BodyKind, Simulation, SimulationError};
 use crate::ahead::Tagged;
 use crate::convert::narrow;
 use crate::detector::Detector;
-use crate::joint::JointIndex;
-use crate::mass::mass_properties;
+use crate::joint::{JointIndex, JointPlace};
+use crate::mass::MassSource;
 
 impl Simulation {
     /// Takes a body out, with its joints and exclusions. Its number is free then: the next body
@@ -36,6 +36,7 @@ impl Simulation {
             &mut self.soft_bodies,
             true,
         );
+        self.forget_parted_joints();
         self.tagged[body.0 as usize].leave();
         self.free.insert(body.0);
         self.excluded.retain(|&(a, b)| a != body.0 && b != body.0);
@@ -59,7 +60,7 @@ impl Simulation {
         &mut self.colliders[self.tagged[body.0 as usize].collider]
     }
 
-    /// Gives a body another geometry. Its mass follows, if it is dynamic.
+    /// Gives a body another geometry. Its mass follows from it or is stated, if it is dynamic.
     ///
     /// # Errors
     ///
@@ -69,16 +70,17 @@ impl Simulation {
         body: BodyIndex,
         model: &Model,
         normals: Normals,
-        density: f64,
+        mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
+        let source = mass.into();
         let shape = self.options.detector.shape_with(model, normals, body.0)?;
         let dynamic = self.body(body).is_dynamic();
-        let mass = dynamic.then(|| mass_properties(model, density)).transpose()?;
+        let mass = dynamic.then(|| source.properties(model)).transpose()?;
         let collider = self.tagged[body.0 as usize].collider;
-        self.tagged[body.0 as usize] = Tagged::new(model, collider);
+        self.tagged[body.0 as usize] = Tagged::new(model, collider, source.center());
         self.collider_mut(body).set_shape(shape);
         if let Some(mass) = mass {
-            self.set_mass(body, mass);
+            self.put_mass(body, mass);
         }
         if self.body(body).soft_ccd_prediction() > 0.0 {
             let handle = self.handle(body);
@@ -90,7 +92,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Says how a body moves from now on. A body that becomes dynamic gets the mass of its solid.
+    /// Says how a body moves from now on. A body that becomes dynamic gets its mass.
     ///
     /// # Errors
     ///
@@ -100,10 +102,12 @@ impl Simulation {
         body: BodyIndex,
         kind: BodyKind,
         model: &Model,
-        density: f64,
+        mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
         if kind == BodyKind::Dynamic {
-            self.set_density(body, model, density)?;
+            self.set_mass(body, model, mass)?;
+        } else {
+            self.leave_coordinates(body);
         }
         let own = kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let handle = self.handle(body);
@@ -113,25 +117,29 @@ impl Simulation {
         Ok(())
     }
 
-    /// Gives a body the mass of its solid at another density.
+    /// Gives a body another mass: that of its solid at a density, or one that is stated.
     ///
     /// # Errors
     ///
     /// [`SimulationError::Mass`]; the body stays as it was.
-    pub fn set_density(
+    pub fn set_mass(
         &mut self,
         body: BodyIndex,
         model: &Model,
-        density: f64,
+        mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
-        self.set_mass(body, mass_properties(model, density)?);
+        let source = mass.into();
+        let properties = source.properties(model)?;
+        let collider = self.tagged[body.0 as usize].collider;
+        self.tagged[body.0 as usize] = Tagged::new(model, collider, source.center());
+        self.put_mass(body, properties);
         self.wake(body);
         Ok(())
     }
 
     /// rapier itself would do so within the next step, after an impulse was divided by the old
     /// mass.
-    fn set_mass(&mut self, body: BodyIndex, mass: MassProperties) {
+    fn put_mass(&mut self, body: BodyIndex, mass: MassProperties) {
         self.collider_mut(body).set_mass_properties(mass);
         let handle = self.handle(body);
         self.bodies[handle].recompute_mass_properties_from_colliders(&self.colliders);
@@ -227,11 +235,17 @@ impl Simulation {
         let handle = self.handle(body);
         self.bodies[handle].apply_impulse(narrow(linear), true);
         self.bodies[handle].apply_torque_impulse(narrow(angular), true);
+        self.push_coordinates(body, narrow(linear), narrow(angular));
     }
 
     /// Takes a joint out. Nothing happens to one that is not there.
     pub fn part(&mut self, joint: JointIndex) {
-        self.joints.remove(joint.0, true);
+        match joint.0 {
+            JointPlace::Impulses(handle) => {
+                self.joints.remove(handle, true);
+            }
+            JointPlace::Reduced(number) => self.part_reduced(number),
+        }
     }
 
     /// Takes back that two bodies [never meet](Self::exclude).

@@ -65,6 +65,7 @@ impl Simulation {
         for (BodyIndex(index), pose) in poses {
             self.poses_before[index as usize] = pose;
         }
+        self.drive_joints();
         let parameters = self.looking_ahead();
         self.looked_ahead = parameters.prediction_distance();
         self.pipeline.step(

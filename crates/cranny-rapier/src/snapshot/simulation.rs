@@ -16,7 +16,7 @@ use crate::ahead::Tagged;
 use crate::ask::ask;
 use crate::log::LoggedAnswer;
 use crate::pair::ours;
-use crate::simulation::{Simulation, SimulationOptions};
+use crate::simulation::{ReducedJoints, Simulation, SimulationOptions};
 
 /// What a simulation keeps beside rapier's sets.
 #[derive(Serialize, Deserialize)]
@@ -38,6 +38,7 @@ struct Kept {
     poses_before: Vec<WrittenPose>,
     /// Ascending.
     exclusions: Vec<(u32, u32)>,
+    reduced: ReducedJoints,
     /// The log's step.
     log_step: u64,
     answers: Vec<WrittenAnswer>,
@@ -171,6 +172,7 @@ impl Simulation {
             looked_ahead: self.looked_ahead,
             poses_before: self.poses_before.iter().map(WrittenPose::of).collect(),
             exclusions,
+            reduced: self.reduced.clone(),
             log_step: self.log.step(),
             answers: answers.collect(),
             searches: searches
@@ -236,6 +238,7 @@ impl Simulation {
         simulation.looked_ahead = kept.looked_ahead;
         simulation.poses_before = kept.poses_before.into_iter().map(WrittenPose::pose).collect();
         simulation.excluded = kept.exclusions.into_iter().collect();
+        simulation.reduced = kept.reduced;
         simulation.log.continue_at(kept.log_step);
         for answer in kept.answers {
             simulation.ask_again(&answer)?;

@@ -17,6 +17,7 @@ mod nut;
 mod pairs;
 mod parts;
 mod queries;
+mod reduced;
 mod resting;
 mod rolling;
 mod round;

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_PI_4;
 
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_rapier::{
-    BodyIndex, BodyKind, BodySpec, Detector, JointSpec, Simulation, SimulationError,
-    SimulationOptions,
+    BodyIndex, BodyKind, BodySpec, Detector, JointSpec, MassSource, Motor, Simulation,
+    SimulationError, SimulationOptions,
 };
 use cranny_shapes::{LPrism, Torus};
 
@@ -31,7 +31,7 @@ fn droop(pose: &Pose) -> f64 {
 #[test]
 fn a_hinge_stops_at_its_limit() {
     let limits = Some([-FRAC_PI_4, FRAC_PI_4]);
-    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits, target: None };
+    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits, motor: None };
     let (mut simulation, _, bar) = pinned(&hinge, DVec3::ZERO);
     let mut most = 0.0f64;
     for _ in 0..240 {
@@ -47,7 +47,7 @@ fn a_hinge_stops_at_its_limit() {
 
 #[test]
 fn a_motor_holds_its_target_against_the_weight() {
-    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, target: Some(0.3) };
+    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, motor: Some(Motor::at(0.3)) };
     let (mut simulation, _, bar) = pinned(&hinge, DVec3::ZERO);
     for _ in 0..240 {
         simulation.step();
@@ -70,7 +70,7 @@ fn a_fixed_joint_leaves_nothing_free() {
 
 #[test]
 fn a_slider_slides_along_its_axis_to_its_limit() {
-    let slider = JointSpec::Prismatic { axis: -DVec3::Z, limits: Some([0.0, 0.4]), target: None };
+    let slider = JointSpec::Prismatic { axis: -DVec3::Z, limits: Some([0.0, 0.4]), motor: None };
     let (mut simulation, _, bar) = pinned(&slider, DVec3::ZERO);
     for _ in 0..180 {
         simulation.step();
@@ -87,7 +87,7 @@ fn a_body_in_free_fall_keeps_its_energy() {
     let falling = BodySpec {
         linear_velocity: DVec3::new(1.0, 2.0, 3.0),
         angular_velocity: DVec3::new(0.0, 0.0, 4.0), // a principal axis
-        density: 2.0,
+        mass: MassSource::Density(2.0),
         ..spec(&l, BodyKind::Dynamic, DVec3::new(0.0, 0.0, 20.0))
     };
     let body = simulation.insert(&falling).expect("a body");
@@ -207,14 +207,14 @@ fn numbers_that_are_none_are_refused() {
         },
         BodySpec { linear_velocity: nan, ..good() },
         BodySpec { angular_velocity: DVec3::splat(f64::INFINITY), ..good() },
-        BodySpec { density: f64::NAN, ..good() },
+        BodySpec { mass: MassSource::Density(f64::NAN), ..good() },
         BodySpec { friction: f64::NAN, ..good() },
         BodySpec { friction: -0.5, ..good() },
         BodySpec { restitution: f64::NEG_INFINITY, ..good() },
     ] {
         let refused = simulation.insert(&bad);
         let numbers = (bad.pose, bad.linear_velocity, bad.angular_velocity);
-        assert!(refused.is_err(), "accepted {numbers:?} {}", bad.density);
+        assert!(refused.is_err(), "accepted {numbers:?} {:?}", bad.mass);
     }
     assert!(simulation.is_empty());
     assert_eq!(simulation.insert(&good()).expect("a body"), BodyIndex(0));

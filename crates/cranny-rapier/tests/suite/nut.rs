@@ -6,7 +6,9 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use cranny_exact::{DVec3, Pose};
-use cranny_rapier::{BodyKind, BodySpec, Detector, Normals, Simulation, SimulationOptions};
+use cranny_rapier::{
+    BodyKind, BodySpec, Detector, MassSource, Normals, Simulation, SimulationOptions,
+};
 use cranny_shapes::{IsoBolt, IsoNut};
 
 use crate::world::model;
@@ -35,7 +37,7 @@ fn a_spun_nut_keeps_turning_along_its_helix() {
         pose: Pose::at(DVec3::new(0.0, 0.0, z)),
         linear_velocity: DVec3::ZERO,
         angular_velocity: DVec3::new(0.0, 0.0, spin),
-        density: 1.0,
+        mass: MassSource::Density(1.0),
         friction: 0.0,
         restitution: 0.0,
         normals: Normals::Flat,

@@ -2,7 +2,7 @@
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_rapier::{BodyKind, BodySpec, MeshShape, Normals, dispatcher};
+use cranny_rapier::{BodyKind, BodySpec, MassSource, MeshShape, Normals, dispatcher};
 use cranny_shapes::{Cuboid, Shape};
 use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::shape::SharedShape;
@@ -72,7 +72,7 @@ pub(crate) fn spec(model: &Model, kind: BodyKind, at: DVec3) -> BodySpec<'_> {
         pose: Pose::at(at),
         linear_velocity: DVec3::ZERO,
         angular_velocity: DVec3::ZERO,
-        density: 1.0,
+        mass: MassSource::Density(1.0),
         friction: 0.5,
         restitution: 0.0,
         normals: Normals::Flat,

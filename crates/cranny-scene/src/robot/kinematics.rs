@@ -23,7 +23,7 @@ pub enum PositionError {
     NotFree {
         /// The name.
         joint: String,
-        /// "is fixed" or "follows joint …".
+        /// "is fixed", "is planar", "is floating" or "follows joint …".
         reason: String,
     },
     /// Not a number.
@@ -73,8 +73,11 @@ impl Robot {
             })?;
             let refuse = |reason| PositionError::NotFree { joint: name.clone(), reason };
             let joint = &self.joints[index];
-            if joint.kind == JointKind::Fixed {
-                return Err(refuse("is fixed".to_owned()));
+            match joint.kind {
+                JointKind::Fixed => return Err(refuse("is fixed".to_owned())),
+                JointKind::Planar { .. } => return Err(refuse("is planar".to_owned())),
+                JointKind::Floating => return Err(refuse("is floating".to_owned())),
+                JointKind::Revolute { .. } | JointKind::Prismatic { .. } => {}
             }
             if let Some(mimic) = &joint.mimic {
                 return Err(refuse(format!("follows joint {:?}", mimic.joint)));
@@ -95,18 +98,24 @@ impl Robot {
     }
 
     fn movable_joints(&self) -> String {
-        let free = |joint: &&RobotJoint| joint.kind != JointKind::Fixed && joint.mimic.is_none();
+        let free = |joint: &&RobotJoint| joint.has_position() && joint.mimic.is_none();
         let names: Vec<_> = self.joints.iter().filter(free).map(|j| j.name.as_str()).collect();
         if names.is_empty() { "none".to_owned() } else { names.join(", ") }
     }
 }
 
 impl RobotJoint {
+    /// Whether one number says where it is.
+    #[must_use]
+    pub fn has_position(&self) -> bool {
+        matches!(self.kind, JointKind::Revolute { .. } | JointKind::Prismatic { .. })
+    }
+
     /// The child's pose in the joint's frame at a position.
     #[must_use]
     pub fn joint_from_child(&self, position: f64) -> Pose {
         match self.kind {
-            JointKind::Fixed => Pose::IDENTITY,
+            JointKind::Fixed | JointKind::Planar { .. } | JointKind::Floating => Pose::IDENTITY,
             JointKind::Revolute { axis, .. } => {
                 Pose { rotation: about(axis, position), translation: DVec3::ZERO }
             }
@@ -118,7 +127,7 @@ impl RobotJoint {
     #[must_use]
     pub fn limits(&self) -> Option<[f64; 2]> {
         match self.kind {
-            JointKind::Fixed => None,
+            JointKind::Fixed | JointKind::Planar { .. } | JointKind::Floating => None,
             JointKind::Revolute { limits, .. } | JointKind::Prismatic { limits, .. } => limits,
         }
     }

@@ -8,6 +8,8 @@ mod cylinder;
 mod kinematics;
 mod package;
 mod problem;
+mod sift;
+mod srdf;
 mod urdf;
 
 use std::path::PathBuf;
@@ -15,10 +17,11 @@ use std::sync::Arc;
 
 use cranny_exact::Pose;
 use cranny_geometry::Mesh;
-use cranny_world::description::{JointKind, Mimic};
+use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 
 pub use kinematics::PositionError;
 pub use problem::RobotError;
+pub use srdf::disabled_pairs;
 pub use urdf::read_robot;
 
 /// A tree of links joined by joints.
@@ -51,6 +54,9 @@ pub struct RobotLink {
     pub visual: Option<Arc<Mesh>>,
     /// Mass, where the file states one above 0.
     pub mass: Option<f64>,
+    /// Mass, centre and inertia in the link's frame, where the file states a mass above 0 and an
+    /// inertia that a body can have.
+    pub inertial: Option<StatedMass>,
 }
 
 /// A joint between two links of a robot.
@@ -68,6 +74,12 @@ pub struct RobotJoint {
     pub kind: JointKind,
     /// The joint that it follows, if it does.
     pub mimic: Option<Mimic>,
+    /// Damping and dry friction.
+    pub resistance: Resistance,
+    /// Greatest force or torque of its motor, where the file states one above 0.
+    pub max_effort: Option<f64>,
+    /// Greatest velocity, where the file states one above 0.
+    pub max_velocity: Option<f64>,
 }
 
 impl Robot {

@@ -40,10 +40,12 @@ pub enum RobotError {
         message: String,
     },
     /// A link or joint says something that cannot be.
-    #[error("robot file {}, {element} {name:?}: {problem}", path.display())]
+    #[error("robot file {}{}, {element} {name:?}: {problem}", path.display(), at(*line))]
     Element {
         /// The path.
         path: PathBuf,
+        /// Where the element begins, from 1.
+        line: Option<u32>,
         /// "link" or "joint".
         element: &'static str,
         /// Its name.
@@ -61,12 +63,14 @@ pub enum RobotError {
     },
     /// A collision mesh cannot be found.
     #[error(
-        "robot file {}, link {link:?}: the collision mesh {uri:?} was not found. Looked for {}. Put the mesh there, or correct the path.",
-        path.display(), list(tried)
+        "robot file {}{}, link {link:?}: the collision mesh {uri:?} was not found. Looked for {}. Put the mesh there, correct the path, or name the folder above the package in ROS_PACKAGE_PATH.",
+        path.display(), at(*line), list(tried)
     )]
     MeshNotFound {
         /// The path.
         path: PathBuf,
+        /// Where the link begins, from 1.
+        line: Option<u32>,
         /// Link that wants it.
         link: String,
         /// As written.
@@ -75,15 +79,21 @@ pub enum RobotError {
         tried: Vec<PathBuf>,
     },
     /// A collision mesh cannot be read.
-    #[error("robot file {}, link {link:?}: {source}", path.display())]
+    #[error("robot file {}{}, link {link:?}: {source}", path.display(), at(*line))]
     Mesh {
         /// The path.
         path: PathBuf,
+        /// Where the link begins, from 1.
+        line: Option<u32>,
         /// Link that wants it.
         link: String,
         /// What is wrong with the mesh file.
         source: Box<MeshFileError>,
     },
+}
+
+fn at(line: Option<u32>) -> String {
+    line.map_or_else(String::new, |line| format!(", line {line}"))
 }
 
 fn list(paths: &[PathBuf]) -> String {

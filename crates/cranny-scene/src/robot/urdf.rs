@@ -5,22 +5,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::{DMat3, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_shapes::{Cuboid, Sphere};
-use cranny_world::description::{JointKind, Mimic};
+use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 use urdf_rs::{Geometry, Joint, JointType, Link};
 
 use super::cylinder::{SEGMENTS, capsule, cylinder};
 use super::kinematics::roll_pitch_yaw;
+use super::sift::{Sifted, sift};
 use super::{Robot, RobotError, RobotJoint, RobotLink, package};
 use crate::byte_order_mark::without_mark;
 use crate::mesh_file::{UpAxis, read_mesh_with};
-use crate::xml::nested_beyond;
 
-/// XML elements nest at most so deep; URDF needs five. Deeper, and the recursive readers beneath
-/// could exhaust the stack.
-const MAX_DEPTH: usize = 64;
+/// Size of the smallest body that an inertia can be of, metres. Smaller: what exporters leave of 0
+/// (1e-19 kg m^2 beside 1 kg) is taken for an inertia, and the solver blows up; larger: screws lose
+/// theirs.
+const SPECK: f64 = 1e-4;
 
 /// Reads a robot from a URDF file.
 ///
@@ -31,13 +32,14 @@ const MAX_DEPTH: usize = 64;
 /// # Errors
 ///
 /// [`RobotError`]: the file or one of its collision meshes is missing or broken; links that do not
-/// form a tree; joints that are floating, planar or spherical.
+/// form a tree; an element or a number that cannot be meant, with its line. What is harmless is
+/// mended, and a note says so.
 pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
     let unreadable = |source| RobotError::Unreadable { path: path.to_owned(), source };
     let text = fs::read_to_string(path).map_err(unreadable)?;
     let text = without_mark(&text);
-    check_xml(path, text)?;
-    let urdf = urdf_rs::read_from_string(text).map_err(|error| {
+    let sifted = sift(path, text)?;
+    let urdf = urdf_rs::read_from_string(&sifted.text).map_err(|error| {
         let message = error.to_string();
         RobotError::Urdf { path: path.to_owned(), message }
     })?;
@@ -47,58 +49,23 @@ pub fn read_robot(path: &Path) -> Result<Robot, RobotError> {
         path: path.to_owned(),
         absolute,
         meshes: BTreeMap::new(),
-        notes: Vec::new(),
+        notes: sifted.notes.clone(),
+        sifted,
+        installed: package::Installed::from_environment(),
         files: vec![path.to_owned()],
     };
     let links = urdf.links.iter().map(|link| reader.link(link)).collect::<Result<Vec<_>, _>>()?;
     let index_of = reader.unique("link", links.iter().map(|link| link.name.as_str()))?;
     reader.unique("joint", urdf.joints.iter().map(|joint| joint.name.as_str()))?;
-    let joints = urdf
+    let mut joints = urdf
         .joints
         .iter()
         .map(|joint| reader.joint(joint, &index_of))
         .collect::<Result<Vec<_>, _>>()?;
-    reader.check_mimics(&joints)?;
+    reader.check_mimics(&mut joints)?;
     let (root, order) = reader.tree(&links, &joints)?;
     let Reader { notes, files, .. } = reader;
     Ok(Robot { name: urdf.name, links, joints, root, notes, files, order })
-}
-
-/// Well-formed XML of sane depth: the URDF reader names no place, this check does.
-fn check_xml(path: &Path, text: &str) -> Result<(), RobotError> {
-    if let Some(at) = nested_beyond(text, MAX_DEPTH) {
-        let before = &text[..at];
-        let line = 1 + before.matches('\n').count() as u32;
-        let column = 1 + before.rsplit('\n').next().unwrap_or_default().chars().count() as u32;
-        let problem =
-            format!("elements are nested deeper than {MAX_DEPTH}: this is no URDF robot.");
-        return Err(RobotError::Xml { path: path.to_owned(), line, column, problem });
-    }
-    let document = roxmltree::Document::parse(text).map_err(|error| {
-        let advice = match &error {
-            roxmltree::Error::UnknownNamespace(prefix, _) => format!(
-                "the prefix {prefix:?} is used but never bound to a namespace. Add xmlns:{prefix}=\"…\" to the element 'robot', or remove the attributes and elements with this prefix."
-            ),
-            other => format!("not well-formed XML ({other}). Correct it or export the robot again."),
-        };
-        let at = error.pos();
-        RobotError::Xml { path: path.to_owned(), line: at.row, column: at.col, problem: advice }
-    })?;
-    let root = document.root_element();
-    if root.tag_name().name() != "robot" {
-        let at = document.text_pos_at(root.range().start);
-        let problem = format!(
-            "found the element {:?}, expected 'robot': this is no URDF file.",
-            root.tag_name().name()
-        );
-        return Err(RobotError::Xml {
-            path: path.to_owned(),
-            line: at.row,
-            column: at.col,
-            problem,
-        });
-    }
-    Ok(())
 }
 
 struct Reader {
@@ -108,11 +75,30 @@ struct Reader {
     meshes: BTreeMap<PathBuf, Arc<Mesh>>,
     notes: Vec<String>,
     files: Vec<PathBuf>,
+    sifted: Sifted,
+    installed: package::Installed,
 }
 
 impl Reader {
+    fn line(&self, element: &str, name: &str) -> Option<u32> {
+        self.sifted.lines[usize::from(element == "joint")].get(name).copied()
+    }
+
+    /// A sentence about a link or joint.
+    fn note(&mut self, element: &str, name: &str, what: &str) {
+        let line = self.line(element, name).map_or(String::new(), |line| format!("line {line}: "));
+        self.notes.push(format!("{line}{element} {name:?} {what}"));
+    }
+
     fn error(&self, element: &'static str, name: &str, problem: String) -> RobotError {
-        RobotError::Element { path: self.path.clone(), element, name: name.to_owned(), problem }
+        let line = self.line(element, name);
+        RobotError::Element {
+            path: self.path.clone(),
+            line,
+            element,
+            name: name.to_owned(),
+            problem,
+        }
     }
 
     fn unique<'a>(
@@ -148,7 +134,37 @@ impl Reader {
         }
         let mass = link.inertial.mass.value;
         let mass = (mass.is_finite() && mass > 0.0).then_some(mass);
-        Ok(RobotLink { name: link.name.clone(), collision, visual, mass })
+        let inertial = mass.map(|mass| self.inertial(link, mass)).transpose()?.flatten();
+        Ok(RobotLink { name: link.name.clone(), collision, visual, mass, inertial })
+    }
+
+    /// What the link's `inertial` says, in the link's frame. A tensor that no body can have is
+    /// noted and left out.
+    fn inertial(&mut self, link: &Link, mass: f64) -> Result<Option<StatedMass>, RobotError> {
+        if !self.sifted.weighed.contains(&link.name) {
+            self.note("link", &link.name, "states a mass and no inertia");
+            return Ok(None);
+        }
+        let origin = pose(&link.inertial.origin).map_err(|problem| {
+            self.error("link", &link.name, format!("the origin of its inertial {problem}"))
+        })?;
+        let i = &link.inertial.inertia;
+        let tensor = DMat3::from_cols(
+            DVec3::new(i.ixx, i.ixy, i.ixz),
+            DVec3::new(i.ixy, i.iyy, i.iyz),
+            DVec3::new(i.ixz, i.iyz, i.izz),
+        );
+        if !is_possible(&tensor, mass) {
+            let what = format!(
+                "states the inertia ixx={} ixy={} ixz={} iyy={} iyz={} izz={}, which no body of {mass} kg has (it must be positive definite, and not of a point): that of its shape is used",
+                i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz
+            );
+            self.note("link", &link.name, &what);
+            return Ok(None);
+        }
+        let turn = DMat3::from_quat(origin.rotation);
+        let inertia = turn * tensor * turn.transpose();
+        Ok(Some(StatedMass { mass, center: origin.translation, inertia }))
     }
 
     /// An element's mesh in the link's frame, joined to those before it.
@@ -193,19 +209,22 @@ impl Reader {
     }
 
     fn mesh(&mut self, link: &str, uri: &str, scale: DVec3) -> Result<Arc<Mesh>, RobotError> {
-        let path =
-            package::find(&self.absolute, uri).map_err(|tried| RobotError::MeshNotFound {
+        let path = package::find(&self.absolute, uri, &self.installed).map_err(|tried| {
+            RobotError::MeshNotFound {
                 path: self.path.clone(),
+                line: self.line("link", link),
                 link: link.to_owned(),
                 uri: uri.to_owned(),
                 tried,
-            })?;
+            }
+        })?;
         let filed = match self.meshes.get(&path) {
             Some(mesh) => Arc::clone(mesh),
             None => {
                 let read =
                     read_mesh_with(&path, UpAxis::AsFiled).map_err(|source| RobotError::Mesh {
                         path: self.path.clone(),
+                        line: self.line("link", link),
                         link: link.to_owned(),
                         source: Box::new(source),
                     })?;
@@ -248,7 +267,11 @@ impl Reader {
             let unit = axis.is_finite().then(|| axis.try_normalize()).flatten();
             unit.ok_or_else(|| refuse(format!("its axis {axis} has no direction.")))
         };
+        let bounded = self.sifted.bounded.contains(&joint.name);
         let limits = || {
+            if !bounded {
+                return Ok(None);
+            }
             let [lower, upper] = [joint.limit.lower, joint.limit.upper];
             if lower <= upper {
                 // Infinite limits are how URDF 1.2 says 'none'.
@@ -264,11 +287,12 @@ impl Reader {
             JointType::Continuous => JointKind::Revolute { axis: axis()?, limits: None },
             JointType::Revolute => JointKind::Revolute { axis: axis()?, limits: limits()? },
             JointType::Prismatic => JointKind::Prismatic { axis: axis()?, limits: limits()? },
-            JointType::Floating | JointType::Planar | JointType::Spherical => {
-                return Err(refuse(format!(
-                    "its type {:?} is not supported. Use fixed, revolute, continuous or prismatic joints; let a floating robot's base be free in the scene instead.",
-                    joint.joint_type
-                )));
+            JointType::Planar => JointKind::Planar { normal: axis()? },
+            JointType::Floating => JointKind::Floating,
+            JointType::Spherical => {
+                return Err(refuse(
+                    "its type is spherical, which URDF does not have. Use three continuous joints about x, y and z.".to_owned(),
+                ));
             }
         };
         let mimic = joint.mimic.as_ref().map(|mimic| Mimic {
@@ -283,18 +307,32 @@ impl Reader {
             parent_from_joint,
             kind,
             mimic,
+            resistance: resistance(joint),
+            max_effort: most(joint.limit.effort),
+            max_velocity: most(joint.limit.velocity),
         })
     }
 
-    /// A leader exists, moves, and follows nobody.
-    fn check_mimics(&self, joints: &[RobotJoint]) -> Result<(), RobotError> {
+    /// A leader moves, and follows nobody. One that does not exist leads nobody.
+    fn check_mimics(&mut self, joints: &mut [RobotJoint]) -> Result<(), RobotError> {
+        let names: BTreeSet<String> = joints.iter().map(|joint| joint.name.clone()).collect();
+        for joint in joints.iter_mut() {
+            if let Some(mimic) = joint.mimic.take_if(|mimic| !names.contains(&mimic.joint)) {
+                let what = format!(
+                    "follows joint {:?}, which is not in the file: it moves by itself. Correct its element 'mimic'",
+                    mimic.joint
+                );
+                self.note("joint", &joint.name, &what);
+            }
+        }
+        let joints = &*joints;
         for joint in joints {
             let Some(mimic) = &joint.mimic else { continue };
             let leader = joints.iter().find(|other| other.name == mimic.joint);
             let problem = match leader {
-                None => "which is not in the file",
+                None => continue,
                 Some(leader) if leader.mimic.is_some() => "which follows another joint itself",
-                Some(leader) if leader.kind == JointKind::Fixed => "which is fixed",
+                Some(leader) if !leader.has_position() => "which has no position",
                 Some(_) if !(mimic.multiplier.is_finite() && mimic.offset.is_finite()) => {
                     "but its multiplier or offset is not a finite number"
                 }
@@ -329,7 +367,14 @@ impl Reader {
         let roots: Vec<usize> = (0..links.len()).filter(|&i| parent_joint[i].is_none()).collect();
         let root = match roots[..] {
             [root] => root,
-            [] if links.is_empty() => return Err(tree("it has no links.".to_owned())),
+            [] if links.is_empty() => {
+                let advice = if self.sifted.xacro {
+                    "It holds xacro elements: run xacro on it first."
+                } else {
+                    "Name a file that has some, or export this one again."
+                };
+                return Err(tree(format!("it has no links. {advice}")));
+            }
             [] => return Err(tree("every link is a child: its joints form a cycle.".to_owned())),
             _ => {
                 let names: Vec<_> = roots.iter().map(|&i| links[i].name.as_str()).collect();
@@ -360,6 +405,33 @@ impl Reader {
             None => Ok((root, order)),
         }
     }
+}
+
+/// URDF says 0 where no limit is known.
+fn most(limit: f64) -> Option<f64> {
+    (limit > 0.0 && limit.is_finite()).then_some(limit)
+}
+
+fn resistance(joint: &Joint) -> Resistance {
+    let at_least_0 = |value: f64| if value > 0.0 && value.is_finite() { value } else { 0.0 };
+    joint.dynamics.as_ref().map_or(Resistance::default(), |dynamics| Resistance {
+        damping: at_least_0(dynamics.damping),
+        friction: at_least_0(dynamics.friction),
+    })
+}
+
+/// Whether a body of a mass can have a tensor: positive definite by Sylvester's criterion, and as
+/// of more than a [`SPECK`].
+fn is_possible(m: &DMat3, mass: f64) -> bool {
+    let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
+    let minors = [a.x * b.y - a.y * b.x, b.y * c.z - b.z * c.y, a.x * c.z - a.z * c.x];
+    let determinant = a.dot(b.cross(c));
+    if !(m.is_finite() && a.x > 0.0 && minors[0] > 0.0 && determinant > 0.0) {
+        return false;
+    }
+    // At most the least moment, and at least a third of it.
+    let least = determinant / minors.iter().sum::<f64>();
+    least > mass * SPECK * SPECK
 }
 
 fn round(

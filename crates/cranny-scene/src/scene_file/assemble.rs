@@ -10,7 +10,7 @@ use cranny_exact::{Aabb, DVec3};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
-    PairDescription, RecordDescription, SceneDescription,
+    PairDescription, RecordDescription, Resistance, SceneDescription,
 };
 
 use super::problem::{SceneError, SceneProblem, located};
@@ -22,7 +22,7 @@ use super::values::Finite;
 use super::{LoadOptions, locate, pile, place_robot};
 use crate::mesh_file::{MeshFormat, read_mesh};
 
-type Assembled = (SceneDescription, Vec<PathBuf>, Vec<String>);
+type Assembled = (SceneDescription, Vec<PathBuf>, [Vec<String>; 2]);
 
 pub(super) fn assemble(
     scene: SceneFile,
@@ -46,8 +46,14 @@ pub(super) fn assemble(
         record: RecordDescription { every: scene.record.every.0 },
     };
     let source = Source { text, path };
-    let mut assembly =
-        Assembly { source, description, shapes: Vec::new(), files: Vec::new(), notes: Vec::new() };
+    let mut assembly = Assembly {
+        source,
+        description,
+        shapes: Vec::new(),
+        files: Vec::new(),
+        notes: Vec::new(),
+        warnings: Vec::new(),
+    };
     for body in &scene.bodies {
         assembly.body(body)?;
     }
@@ -71,7 +77,7 @@ pub(super) fn assemble(
     }
     assembly.description.excluded_pairs.sort_unstable();
     assembly.description.excluded_pairs.dedup();
-    Ok((assembly.description, assembly.files, assembly.notes))
+    Ok((assembly.description, assembly.files, [assembly.notes, assembly.warnings]))
 }
 
 /// The text that is being assembled, for places.
@@ -104,6 +110,8 @@ pub(super) struct Assembly<'a> {
     shapes: Vec<(ShapeFile, Arc<Mesh>)>,
     files: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
+    /// One sentence each: what somebody should know before the scene runs.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Assembly<'_> {
@@ -121,6 +129,7 @@ impl Assembly<'_> {
         let description = BodyDescription {
             name: body.name.clone(),
             collision: self.shape(&body.name, &body.shape)?,
+            model: None,
             visual: body
                 .visual
                 .as_ref()
@@ -131,6 +140,7 @@ impl Assembly<'_> {
             linear_velocity: velocity[0],
             angular_velocity: velocity[1],
             material: body.material.into(),
+            mass: None,
             normals: body.normals.into(),
             layers: body.layers.clone(),
             effects: effects(&body.effects),
@@ -164,12 +174,14 @@ impl Assembly<'_> {
         let body = |(i, piece): (usize, pile::Piece)| BodyDescription {
             name: format!("{}_{i}", group.name),
             collision: Arc::clone(&shapes[piece.shape]),
+            model: None,
             visual: None,
             kind: group.kind.into(),
             pose: piece.pose,
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             material: group.material.into(),
+            mass: None,
             normals: group.normals.into(),
             layers: group.layers.clone(),
             effects: effects(&group.effects),
@@ -318,7 +330,10 @@ impl Assembly<'_> {
             child_anchor: joint.child_anchor.into(),
             kind,
             mimic: None,
-            target: joint.target.map(|target| target.0),
+            motor: place_robot::motor_of(joint.motor.as_ref(), joint.target.map(|t| t.0)),
+            resistance: Resistance::default(),
+            reduced: false,
+            start: 0.0,
         });
         Ok(())
     }

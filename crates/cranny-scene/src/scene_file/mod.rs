@@ -62,6 +62,8 @@ pub struct LoadedScene {
     pub files: Vec<PathBuf>,
     /// One sentence each, from mesh and robot readers: what was left out or changed.
     pub notes: Vec<String>,
+    /// One sentence each, about robots: what was mended, left out or supposed.
+    pub warnings: Vec<String>,
 }
 
 /// Loads a scene file and every mesh and robot that it names.
@@ -96,6 +98,13 @@ pub fn parse_scene(
 ) -> Result<LoadedScene, SceneError> {
     let text = without_mark(&text).to_owned();
     let scene = syntax::parse(&text, path)?;
-    let (description, files, notes) = assemble::assemble(scene, &text, path, options)?;
-    Ok(LoadedScene { description, source_text: text, path: path.to_owned(), files, notes })
+    let (description, files, [notes, warnings]) = assemble::assemble(scene, &text, path, options)?;
+    Ok(LoadedScene {
+        description,
+        source_text: text,
+        path: path.to_owned(),
+        files,
+        notes,
+        warnings,
+    })
 }

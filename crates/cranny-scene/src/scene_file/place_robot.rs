@@ -1,21 +1,37 @@
 //! Robots in scenes: links become bodies, joints become joints.
 //!
-//! A body needs collision geometry. A link without any is carried by the nearest ancestor with
-//! geometry, as long as fixed joints lead there: its joints are then anchored to that body. Links
-//! held together by fixed joints, and links that a joint joins, are excluded from meeting.
+//! Links that fixed joints hold together are a *group*. A link with collision geometry is a body of
+//! its own; one without adds its mass and its drawing to the group's *carrier*, the first link of
+//! the group with geometry. A group without any is a body that meets nothing, if it has mass or if
+//! joints beyond it move something. Joints are placed in the bodies that carry their links.
 
+use std::collections::BTreeMap;
+use std::fs;
 use std::sync::Arc;
 
-use cranny_exact::{DVec3, Pose};
-use cranny_geometry::MassProperties;
+use cranny_exact::{DMat3, DVec3, Pose};
+use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_shapes::Cuboid;
 use cranny_world::description::{
-    BodyDescription, BodyKind, JointDescription, JointKind, JointPositions, Material, Mimic,
+    BodyDescription, BodyKind, Effect, JointDescription, JointKind, JointPositions, Material,
+    Mimic, Motor, StatedMass,
 };
+use cranny_world::{BodyId, BodySpec, World};
 
 use super::assemble::{Assembly, is_mesh};
 use super::problem::{SceneError, SceneProblem};
-use super::syntax::{RobotFile, effects};
-use crate::robot::{Robot, read_robot};
+use super::syntax::{MotorFile, RobotFile, SelfCollisionsFile, effects};
+use crate::robot::{Robot, disabled_pairs, read_robot};
+
+/// Mass of a frame that moves and has neither mass nor geometry, kilograms. Smaller: what hangs on
+/// it has no weight beside the last digits in single precision; larger: an arm feels it.
+const FRAME_MASS: f64 = 1e-3;
+
+/// Edge of the cube that such a frame weighs like, metres.
+const FRAME_SIZE: f64 = 0.05;
+
+/// Names that a warning lists.
+const NAMED: usize = 8;
 
 /// What carries a link: a body and where the link is in it.
 #[derive(Clone, Copy)]
@@ -25,63 +41,96 @@ struct Carrier {
 }
 
 pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(), SceneError> {
-    let path = assembly.source.resolve(&file.path);
-    let place = assembly.source.find("path", &file.path);
+    let source = assembly.source;
+    let path = source.resolve(&file.path);
+    let place = source.find("path", &file.path);
     if is_mesh(&path) {
         let what =
             format!("robots are URDF files, but {:?} is a mesh. Name it in `bodies`", file.path);
-        return Err(assembly.source.error(place, SceneProblem::Contradiction(what)));
+        return Err(source.error(place, SceneProblem::Contradiction(what)));
     }
-    let robot = read_robot(&path)
-        .map_err(|error| assembly.source.error(place.clone(), SceneProblem::Robot(error)))?;
+    let mut robot = read_robot(&path)
+        .map_err(|error| source.error(place.clone(), SceneProblem::Robot(error)))?;
+    let mut warnings = robot.notes.clone();
     let name = file.name.clone().unwrap_or_else(|| robot.name.clone());
     let place = match &file.name {
-        Some(name) => assembly.source.find("name", name),
+        Some(name) => source.find("name", name),
         None => place,
     };
     let refuse = |problem: String| {
         let what = format!("robot {name:?}: {problem}");
-        assembly.source.error(place.clone(), SceneProblem::Contradiction(what))
+        source.error(place.clone(), SceneProblem::Contradiction(what))
     };
-    let positions = numbers(&file.positions);
+    let mut positions = numbers(&file.positions);
     let targets = numbers(&file.targets);
     check_limits(&robot, "position", &positions).map_err(refuse)?;
     check_limits(&robot, "target", &targets).map_err(refuse)?;
-    let position_error = |source| {
-        let problem = SceneProblem::Position { robot: name.clone(), source };
-        assembly.source.error(place.clone(), problem)
+    let position_error = |wrong| {
+        let problem = SceneProblem::Position { robot: name.clone(), source: wrong };
+        source.error(place.clone(), problem)
     };
-    let root_from_links = robot.forward_kinematics(&positions).map_err(position_error)?;
     robot.all_positions(&targets).map_err(position_error)?;
-
+    let motors = file.motors.keys().map(|joint| (joint.clone(), 0.0)).collect();
+    robot.all_positions(&motors).map_err(position_error)?;
+    let moved = clamp_to_limits(&robot, &mut positions);
+    if !moved.is_empty() {
+        warnings.push(format!(
+            "0 is outside the limits of {}: they start at the nearer limit. `positions` says otherwise",
+            listed(&moved)
+        ));
+    }
+    let root_from_links = robot.forward_kinematics(&positions).map_err(position_error)?;
+    let starts = robot.all_positions(&positions).map_err(position_error)?;
+    if robot.links.iter().all(|link| link.collision.is_none()) {
+        let drawn = robot.links.iter_mut().filter(|link| link.visual.is_some());
+        drawn.for_each(|link| link.collision = link.visual.clone());
+        if robot.links.iter().any(|link| link.collision.is_some()) {
+            warnings
+                .push("no link has collision geometry: the visual meshes stand for it".to_owned());
+        }
+    }
+    let disabled = match &file.srdf {
+        None => Vec::new(),
+        Some(srdf) => {
+            let srdf = source.resolve(srdf);
+            let text = fs::read_to_string(&srdf);
+            let pairs = text.map_err(|error| error.to_string()).and_then(|t| disabled_pairs(&t));
+            let pairs = pairs
+                .map_err(|problem| refuse(format!("SRDF file {}: {problem}", srdf.display())))?;
+            assembly.add_file(srdf);
+            pairs
+        }
+    };
     let world_from_root = Pose::from(file.pose);
-    let first = assembly.description.bodies.len();
     let mut placing = Placing {
         robot: &robot,
         file,
         name: &name,
-        first,
+        first: assembly.description.bodies.len(),
+        groups: Groups::of(&robot),
         bodies: Vec::new(),
+        weights: Vec::new(),
         joints: Vec::new(),
         carriers: vec![None; robot.links.len()],
-        rigid: Vec::new(),
-        notes: Vec::new(),
+        group_of_body: Vec::new(),
+        link_of_body: Vec::new(),
+        models: Vec::new(),
+        warnings,
     };
     let world_from_links: Vec<Pose> =
         root_from_links.iter().map(|pose| world_from_root.compose(pose)).collect();
-    placing.build(&world_from_links, &positions, &targets).map_err(refuse)?;
-    let Placing { bodies, joints, rigid, notes, .. } = placing;
-    let excluded = excluded(first, &rigid, &joints);
+    placing.build(&world_from_links, &starts, &targets).map_err(refuse)?;
+    let excluded = placing.excluded(&disabled).map_err(refuse)?;
+    let Placing { bodies, joints, warnings, .. } = placing;
     assembly.description.bodies.extend(bodies);
     assembly.description.joints.extend(joints);
     assembly.description.excluded_pairs.extend(excluded);
-    let heard = robot.notes.iter().cloned().chain(notes);
-    assembly.notes.extend(heard.map(|note| format!("{}: {note}", path.display())));
+    assembly.warnings.extend(warnings.iter().map(|what| format!("{}: {what}", path.display())));
     robot.files.into_iter().for_each(|file| assembly.add_file(file));
     Ok(())
 }
 
-fn numbers(values: &std::collections::BTreeMap<String, super::values::Finite>) -> JointPositions {
+fn numbers(values: &BTreeMap<String, super::values::Finite>) -> JointPositions {
     values.iter().map(|(name, value)| (name.clone(), value.0)).collect()
 }
 
@@ -97,154 +146,558 @@ fn check_limits(robot: &Robot, what: &str, positions: &JointPositions) -> Result
     Ok(())
 }
 
+/// Joints whose position is not given start at 0, or at the limit that is nearer to it; returns
+/// those.
+fn clamp_to_limits(robot: &Robot, positions: &mut JointPositions) -> Vec<String> {
+    let mut moved = Vec::new();
+    for joint in robot.joints.iter().filter(|joint| joint.mimic.is_none()) {
+        let Some([low, high]) = joint.limits() else { continue };
+        let start = 0f64.clamp(low, high);
+        if start != 0.0 && !positions.contains_key(&joint.name) {
+            positions.insert(joint.name.clone(), start);
+            moved.push(joint.name.clone());
+        }
+    }
+    moved
+}
+
+/// Names as a sentence has them.
+fn listed(names: &[String]) -> String {
+    let mut shown: Vec<String> = names.iter().take(NAMED).map(|name| format!("{name:?}")).collect();
+    if names.len() > NAMED {
+        shown.push(format!("{} more", names.len() - NAMED));
+    }
+    shown.join(", ")
+}
+
+/// Links that fixed joints hold together.
+struct Groups {
+    /// By link.
+    group_of: Vec<usize>,
+    /// By group: its first link, reached from the root.
+    top: Vec<usize>,
+    /// By group: the first link with collision geometry, else the top.
+    carrier: Vec<usize>,
+    /// By group: whether it is a body.
+    present: Vec<bool>,
+    /// By link: the joint above it.
+    above: Vec<Option<usize>>,
+}
+
+impl Groups {
+    fn of(robot: &Robot) -> Self {
+        let mut above = vec![None; robot.links.len()];
+        let mut group_of = vec![0; robot.links.len()];
+        let mut top = vec![robot.root];
+        let mut order = vec![robot.root];
+        for &index in robot.joints_from_root() {
+            let joint = &robot.joints[index];
+            above[joint.child] = Some(index);
+            order.push(joint.child);
+            group_of[joint.child] = if joint.kind == JointKind::Fixed {
+                group_of[joint.parent]
+            } else {
+                top.push(joint.child);
+                top.len() - 1
+            };
+        }
+        let mut carrier = vec![None; top.len()];
+        let mut present = vec![false; top.len()];
+        for &link in &order {
+            let (group, known) = (group_of[link], &robot.links[link]);
+            if known.collision.is_some() {
+                carrier[group].get_or_insert(link);
+            }
+            present[group] |= known.collision.is_some() || known.mass.is_some();
+        }
+        // What moves something is there, and so is what it hangs on.
+        for &index in robot.joints_from_root().iter().rev() {
+            let joint = &robot.joints[index];
+            let (parent, child) = (group_of[joint.parent], group_of[joint.child]);
+            if joint.kind != JointKind::Floating {
+                present[parent] |= parent != child && present[child];
+            }
+        }
+        let carrier = carrier.iter().zip(&top).map(|(found, &top)| found.unwrap_or(top)).collect();
+        Self { group_of, top, carrier, present, above }
+    }
+
+    /// Whether a link is a body of its own.
+    fn has_body(&self, robot: &Robot, link: usize) -> bool {
+        let group = self.group_of[link];
+        self.present[group]
+            && (self.carrier[group] == link || robot.links[link].collision.is_some())
+    }
+}
+
 struct Placing<'a> {
     robot: &'a Robot,
     file: &'a RobotFile,
     name: &'a str,
     /// Index of the robot's first body in the scene.
     first: usize,
+    groups: Groups,
     bodies: Vec<BodyDescription>,
+    /// By body: masses that it is made of, in its frame.
+    weights: Vec<Vec<StatedMass>>,
     joints: Vec<JointDescription>,
     /// By link.
     carriers: Vec<Option<Carrier>>,
-    /// By body of the robot: the first body that fixed joints hold it to.
-    rigid: Vec<usize>,
-    notes: Vec<String>,
+    /// By body of the robot.
+    group_of_body: Vec<usize>,
+    link_of_body: Vec<usize>,
+    models: Vec<(Arc<Mesh>, Model)>,
+    warnings: Vec<String>,
 }
 
 impl Placing<'_> {
     fn build(
         &mut self,
         world_from_links: &[Pose],
-        positions: &JointPositions,
+        starts: &[f64],
         targets: &JointPositions,
     ) -> Result<(), String> {
         let root = self.robot.root;
-        self.add_body(root, world_from_links[root], None);
-        for &index in self.robot.joints_from_root() {
-            let joint = &self.robot.joints[index];
-            let parent = self.carriers[joint.parent];
-            let fixed = joint.kind == JointKind::Fixed;
-            let has_body = self.robot.links[joint.child].collision.is_some();
-            match (parent, has_body) {
-                (Some(carrier), true) => {
-                    let group = fixed.then(|| self.rigid[carrier.body - self.first]);
-                    self.add_body(joint.child, world_from_links[joint.child], group);
-                    self.add_joint(index, carrier, positions, targets);
-                }
-                (Some(carrier), false) if fixed => {
-                    let parent_from_child = joint.parent_from_joint;
-                    let body_from_link = carrier.body_from_link.compose(&parent_from_child);
-                    self.carriers[joint.child] = Some(Carrier { body_from_link, ..carrier });
-                }
-                // Nothing of the robot is left behind: what is fixed to a root without geometry
-                // becomes the base.
-                (None, true) if fixed && self.bodies.is_empty() => {
-                    self.add_body(joint.child, world_from_links[joint.child], None);
-                }
-                (None, true) if fixed && self.file.fixed_base => {
-                    self.add_body(joint.child, world_from_links[joint.child], Some(0));
-                }
-                (None, false) if fixed => {}
-                (_, false) if self.carries_nothing(joint.child) => self.notes.push(format!(
-                    "joint {:?} was left out: nothing beyond it has collision geometry",
-                    joint.name
-                )),
-                _ => {
-                    let link = if has_body { joint.parent } else { joint.child };
-                    return Err(format!(
-                        "link {:?} has no collision geometry, but joint {:?} moves between it and links that have some. Give it a collision element",
-                        self.robot.links[link].name, joint.name
-                    ));
-                }
+        let links: Vec<usize> = std::iter::once(root)
+            .chain(self.robot.joints_from_root().iter().map(|&i| self.robot.joints[i].child))
+            .collect();
+        // A carrier may lie below links that it carries: bodies come first.
+        for &link in &links {
+            if self.groups.has_body(self.robot, link) {
+                self.add_body(link, world_from_links[link])?;
             }
         }
         if self.bodies.is_empty() {
-            return Err("none of its links has collision geometry. Nothing can meet it".to_owned());
+            return Err("none of its links has geometry or mass. Nothing can meet it".to_owned());
+        }
+        for &link in &links {
+            self.carry(link);
+        }
+        for &link in &links {
+            self.weigh(link)?;
+        }
+        for &link in &links {
+            self.join(link, starts, targets);
+        }
+        self.settle_masses()?;
+        self.tell_of_ghosts();
+        Ok(())
+    }
+
+    fn is_base(&self, group: usize) -> bool {
+        group == self.groups.group_of[self.robot.root] && self.file.fixed_base
+    }
+
+    fn add_body(&mut self, link: usize, pose: Pose) -> Result<(), String> {
+        let described = &self.robot.links[link];
+        let group = self.groups.group_of[link];
+        let (collision, layers) = match &described.collision {
+            Some(mesh) => (Arc::clone(mesh), self.file.layers.clone()),
+            // It meets nothing; what it looks like says how heavy it is.
+            None => (Arc::new(inertia_box(described.inertial.as_ref())?), Vec::new()),
+        };
+        let model = self.model(&collision, &described.name)?;
+        self.carriers[link] =
+            Some(Carrier { body: self.first + self.bodies.len(), body_from_link: Pose::IDENTITY });
+        self.group_of_body.push(group);
+        self.link_of_body.push(link);
+        self.weights.push(Vec::new());
+        self.bodies.push(BodyDescription {
+            name: format!("{}/{}", self.name, described.name),
+            collision,
+            model: Some(model),
+            visual: described.visual.clone(),
+            kind: if self.is_base(group) { BodyKind::Fixed } else { BodyKind::Dynamic },
+            pose,
+            linear_velocity: DVec3::ZERO,
+            angular_velocity: DVec3::ZERO,
+            material: Material::from(self.file.material),
+            mass: None,
+            normals: self.file.normals.into(),
+            layers,
+            effects: effects(&self.file.effects),
+        });
+        Ok(())
+    }
+
+    /// Says what carries a link that is no body of its own.
+    fn carry(&mut self, link: usize) {
+        let group = self.groups.group_of[link];
+        if self.carriers[link].is_some() || !self.groups.present[group] {
+            return;
+        }
+        let carrier = self.groups.carrier[group];
+        let from_top = |of: usize| self.top_from_link(of);
+        let parent = self.groups.above[link].map(|joint| &self.robot.joints[joint]);
+        let over = parent
+            .filter(|joint| joint.kind == JointKind::Fixed)
+            .and_then(|joint| Some((self.carriers[joint.parent]?, joint.parent_from_joint)));
+        self.carriers[link] = match over {
+            Some((over, parent_from_link)) => {
+                let body_from_link = over.body_from_link.compose(&parent_from_link);
+                Some(Carrier { body_from_link, ..over })
+            }
+            // The carrier lies below.
+            None => self.carriers[carrier].map(|body| Carrier {
+                body_from_link: inverse(&from_top(carrier)).compose(&from_top(link)),
+                ..body
+            }),
+        };
+    }
+
+    /// Where a link is in the first one of its group.
+    fn top_from_link(&self, link: usize) -> Pose {
+        let (mut at, mut pose) = (link, Pose::IDENTITY);
+        while at != self.groups.top[self.groups.group_of[link]] {
+            let Some(joint) = self.groups.above[at].map(|joint| &self.robot.joints[joint]) else {
+                break;
+            };
+            pose = joint.parent_from_joint.compose(&pose);
+            at = joint.parent;
+        }
+        pose
+    }
+
+    /// The prepared model of a mesh.
+    fn model(&mut self, mesh: &Arc<Mesh>, link: &str) -> Result<Model, String> {
+        if let Some((_, model)) = self.models.iter().find(|(known, _)| Arc::ptr_eq(known, mesh)) {
+            return Ok(model.clone());
+        }
+        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        let (model, _) = Model::build(Mesh::clone(mesh), &options).map_err(|error| {
+            format!("the collision geometry of link {link:?} cannot be prepared: {error}")
+        })?;
+        self.models.push((Arc::clone(mesh), model.clone()));
+        Ok(model)
+    }
+
+    /// Adds a link's mass, and what it looks like, to the body that carries it.
+    fn weigh(&mut self, link: usize) -> Result<(), String> {
+        let Some(Carrier { body, body_from_link }) = self.carriers[link] else { return Ok(()) };
+        let body = body - self.first;
+        let described = &self.robot.links[link];
+        if let Some(stated) = self.stated(link)? {
+            self.weights[body].push(moved(&stated, &body_from_link));
+        }
+        if self.link_of_body[body] != link
+            && let Some(visual) = &described.visual
+        {
+            let carrier = self.link_of_body[body];
+            let before = self.bodies[body].visual.take();
+            let before = before.or_else(|| self.robot.links[carrier].collision.clone());
+            let world = body_from_link.world_from_body();
+            let vertices = visual.vertices().iter().map(|&p| world.apply(p)).collect();
+            let placed = Mesh::new(vertices, visual.faces().to_vec())
+                .map_err(|error| format!("the visual of link {:?}: {error}", described.name))?;
+            self.bodies[body].visual = Some(Arc::new(match before {
+                Some(before) => Mesh::clone(&before).joined(&placed),
+                None => placed,
+            }));
         }
         Ok(())
     }
 
-    /// `group` is the rigid group that a fixed joint puts it in.
-    fn add_body(&mut self, link: usize, pose: Pose, group: Option<usize>) {
+    /// The mass of a link in its frame: as the file has it, or with the inertia of its shape; from
+    /// its shape where the file has none.
+    fn stated(&mut self, link: usize) -> Result<Option<StatedMass>, String> {
         let described = &self.robot.links[link];
-        let Some(collision) = &described.collision else { return };
-        let index = self.bodies.len();
-        let group = group.unwrap_or(index);
-        let in_base = group == 0 && self.file.fixed_base;
-        let mut material = Material::from(self.file.material);
-        if let Some(mass) = described.mass {
-            let volume = MassProperties::of(collision).volume.abs();
-            let density = mass / volume;
-            if density.is_normal() {
-                material.density = density;
-            } else {
-                self.notes.push(format!(
-                    "link {:?} has a mass but no volume: the robot's density is used",
-                    described.name
-                ));
-            }
+        if described.inertial.is_some() {
+            return Ok(described.inertial);
         }
-        self.rigid.push(group);
-        self.carriers[link] =
-            Some(Carrier { body: self.first + index, body_from_link: Pose::IDENTITY });
-        self.bodies.push(BodyDescription {
-            name: format!("{}/{}", self.name, described.name),
-            collision: Arc::clone(collision),
-            visual: described.visual.clone(),
-            kind: if in_base { BodyKind::Fixed } else { BodyKind::Dynamic },
-            pose,
-            linear_velocity: DVec3::ZERO,
-            angular_velocity: DVec3::ZERO,
-            material,
-            normals: self.file.normals.into(),
-            layers: self.file.layers.clone(),
-            effects: effects(&self.file.effects),
-        });
+        let name = &described.name;
+        let Some(mesh) = &described.collision else {
+            // A mass without inertia and shape: as a small cube.
+            return Ok(described.mass.map(|mass| cube_of(mass, FRAME_SIZE, DVec3::ZERO)));
+        };
+        let model = self.model(&Arc::clone(mesh), name)?;
+        let density = self.file.material.density();
+        let solid = model.mass_properties().filter(|solid| solid.volume > 0.0);
+        let by_volume = |volume: f64| described.mass.map_or(density, |mass| mass / volume);
+        if let Some(solid) = solid {
+            let density = by_volume(solid.volume);
+            return Ok(Some(StatedMass {
+                mass: density * solid.volume,
+                center: solid.center,
+                inertia: solid.inertia * density,
+            }));
+        }
+        let bounds = model.bounds();
+        let edges = bounds.max - bounds.min;
+        // A flat shape has some thickness.
+        let edges = edges.max(DVec3::splat(1e-3 * edges.max_element()));
+        let density = by_volume(edges.x * edges.y * edges.z);
+        let mass = density * edges.x * edges.y * edges.z;
+        let what = match described.mass {
+            Some(_) => "its inertia is",
+            None => "its mass and inertia are",
+        };
+        self.warnings.push(format!(
+            "link {name:?} states no usable inertia and its collision mesh is not closed: {what} that of its bounding box ({mass:.4} kg). Give it an element 'inertial'"
+        ));
+        Ok(Some(box_of(mass, edges, bounds.center())))
     }
 
-    /// Joins the body added last to what carries its parent.
-    fn add_joint(
-        &mut self,
-        index: usize,
-        parent: Carrier,
-        positions: &JointPositions,
-        targets: &JointPositions,
-    ) {
+    /// Joins the body of a link, if it has one, to what carries the link above.
+    fn join(&mut self, link: usize, starts: &[f64], targets: &JointPositions) {
+        let groups = &self.groups;
+        if !groups.has_body(self.robot, link) {
+            return;
+        }
+        let group = groups.group_of[link];
+        // A carrier hangs on the joint above its group, the others on the link above them.
+        let hung = if groups.carrier[group] == link { groups.top[group] } else { link };
+        let Some(index) = groups.above[hung] else { return };
         let joint = &self.robot.joints[index];
+        let (Some(parent), Some(carried)) = (self.carriers[joint.parent], self.carriers[hung])
+        else {
+            return;
+        };
+        let Some(own) = self.carriers[link] else { return };
+        if joint.kind == JointKind::Floating || parent.body == own.body {
+            return;
+        }
         let in_scene = |name: &str| format!("{}/{name}", self.name);
-        let free = joint.kind != JointKind::Fixed && joint.mimic.is_none();
-        let start = positions.get(&joint.name).copied().unwrap_or(0.0);
-        let held = (free && self.file.hold).then_some(start);
+        let child_anchor = if hung == link { Pose::IDENTITY } else { carried.body_from_link };
+        let start = starts[index];
         self.joints.push(JointDescription {
             name: in_scene(&joint.name),
             parent: parent.body,
-            child: self.first + self.bodies.len() - 1,
+            child: own.body,
             parent_anchor: parent.body_from_link.compose(&joint.parent_from_joint),
-            child_anchor: Pose::IDENTITY,
+            child_anchor,
             kind: joint.kind,
             mimic: joint
                 .mimic
                 .as_ref()
                 .map(|mimic| Mimic { joint: in_scene(&mimic.joint), ..mimic.clone() }),
-            target: targets.get(&joint.name).copied().or(held),
+            motor: self.motor(index, start, targets),
+            resistance: joint.resistance,
+            reduced: true,
+            start,
         });
     }
 
-    fn carries_nothing(&self, link: usize) -> bool {
-        let mut children = self.robot.joints.iter().filter(|joint| joint.parent == link);
-        self.robot.links[link].collision.is_none()
-            && children.all(|joint| self.carries_nothing(joint.child))
+    /// What drives a joint: what the scene says, else what holds it.
+    fn motor(&self, index: usize, start: f64, targets: &JointPositions) -> Option<Motor> {
+        let joint = &self.robot.joints[index];
+        if !joint.has_position() {
+            return None;
+        }
+        if joint.mimic.is_some() {
+            // It follows within its own effort.
+            return joint
+                .max_effort
+                .map(|most| Motor { max_effort: Some(most), ..Motor::default() });
+        }
+        let target = targets.get(&joint.name).copied();
+        let limited = Motor {
+            max_effort: joint.max_effort,
+            max_velocity: joint.max_velocity,
+            ..Motor::default()
+        };
+        match self.file.motors.get(&joint.name) {
+            Some(said) => Some(said.motor(target, limited)),
+            None => {
+                let held = target.or(self.file.hold.then_some(start))?;
+                Some(Motor { position: Some(held), ..limited })
+            }
+        }
+    }
+
+    /// Gives each body the mass of all that it is made of.
+    fn settle_masses(&mut self) -> Result<(), String> {
+        let mut weightless = Vec::new();
+        for (body, weights) in self.bodies.iter_mut().zip(&self.weights) {
+            let mass = summed(weights);
+            if body.kind != BodyKind::Dynamic {
+                continue;
+            }
+            if mass.is_none() {
+                weightless.push(body.name.clone());
+            }
+            body.mass = Some(mass.unwrap_or_else(|| cube_of(FRAME_MASS, FRAME_SIZE, DVec3::ZERO)));
+        }
+        if !weightless.is_empty() {
+            self.warnings.push(format!(
+                "{} move and have neither mass nor geometry: each weighs {FRAME_MASS} kg. Give them an element 'inertial'",
+                listed(&weightless)
+            ));
+        }
+        Ok(())
+    }
+
+    fn tell_of_ghosts(&mut self) {
+        let ghosts: Vec<String> = self
+            .link_of_body
+            .iter()
+            .map(|&link| &self.robot.links[link])
+            .filter(|link| link.collision.is_none())
+            .map(|link| link.name.clone())
+            .collect();
+        if !ghosts.is_empty() {
+            self.warnings.push(format!(
+                "links without collision geometry have mass and meet nothing: {}",
+                listed(&ghosts)
+            ));
+        }
+        let left_out: Vec<String> = self
+            .robot
+            .joints
+            .iter()
+            .filter(|joint| joint.kind != JointKind::Fixed && self.carriers[joint.child].is_none())
+            .map(|joint| joint.name.clone())
+            .collect();
+        if !left_out.is_empty() {
+            self.warnings.push(format!(
+                "joints were left out, since nothing beyond them has mass or geometry: {}",
+                listed(&left_out)
+            ));
+        }
+    }
+
+    /// Pairs of scene bodies that never meet: of one group; unless all are asked for, joined by a
+    /// joint, disabled, or meeting at rest.
+    fn excluded(&mut self, disabled: &[[String; 2]]) -> Result<Vec<(usize, usize)>, String> {
+        let count = self.bodies.len();
+        let pairs = (0..count).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let in_scene = |(i, j): (usize, usize)| (self.first + i, self.first + j);
+        let mut excluded: Vec<(usize, usize)> = pairs
+            .clone()
+            .filter(|&(i, j)| self.group_of_body[i] == self.group_of_body[j])
+            .map(in_scene)
+            .collect();
+        let named = |a: &str, b: &str| {
+            disabled.iter().any(|[x, y]| (x == a && y == b) || (x == b && y == a))
+        };
+        let name = |body: usize| self.robot.links[self.link_of_body[body]].name.as_str();
+        excluded.extend(pairs.clone().filter(|&(i, j)| named(name(i), name(j))).map(in_scene));
+        let adjacent = self.joints.iter().map(|j| (j.parent.min(j.child), j.parent.max(j.child)));
+        match self.file.self_collisions {
+            SelfCollisionsFile::All => return Ok(excluded),
+            SelfCollisionsFile::None => return Ok(pairs.map(in_scene).collect()),
+            SelfCollisionsFile::Adjacent => excluded.extend(adjacent),
+            SelfCollisionsFile::Apart => {
+                excluded.extend(adjacent);
+                let meeting = self.meeting(&excluded).map_err(|error| error.to_string())?;
+                if !meeting.is_empty() {
+                    let names: Vec<String> = meeting
+                        .iter()
+                        .map(|&(i, j)| format!("{} - {}", name(i), name(j)))
+                        .collect();
+                    self.warnings.push(format!(
+                        "{} pairs of links meet where the robot starts and never collide: {}. `self_collisions: Adjacent` keeps them",
+                        names.len(), listed(&names)
+                    ));
+                }
+                excluded.extend(meeting.into_iter().map(|(i, j)| (self.first + i, self.first + j)));
+            }
+        }
+        Ok(excluded)
+    }
+
+    /// Pairs of bodies that touch or overlap where the robot starts, beside those excluded.
+    fn meeting(
+        &self,
+        excluded: &[(usize, usize)],
+    ) -> Result<Vec<(usize, usize)>, cranny_world::WorldError> {
+        let mut world = World::new();
+        world.set_scene_effects(&[Effect::Trigger])?;
+        let mut ids: BTreeMap<BodyId, usize> = BTreeMap::new();
+        for (index, body) in self.bodies.iter().enumerate() {
+            let Some(model) = body.model.clone().filter(|_| !body.layers.is_empty()) else {
+                continue;
+            };
+            let spec = BodySpec { pose: body.pose, ..BodySpec::new(&body.name, model) };
+            ids.insert(world.insert(spec)?, index);
+        }
+        let id_of: BTreeMap<usize, BodyId> = ids.iter().map(|(&id, &index)| (index, id)).collect();
+        for &(a, b) in excluded {
+            if let (Some(&a), Some(&b)) =
+                (id_of.get(&(a - self.first)), id_of.get(&(b - self.first)))
+            {
+                world.exclude_pair(a, b)?;
+            }
+        }
+        let touching = world.step()?.touching;
+        Ok(touching.iter().map(|(a, b)| (ids[a], ids[b])).collect())
     }
 }
 
-/// Pairs of scene bodies that never meet: of one rigid group, or joined by a joint.
-fn excluded(first: usize, rigid: &[usize], joints: &[JointDescription]) -> Vec<(usize, usize)> {
-    let mut pairs: Vec<(usize, usize)> =
-        joints.iter().map(|j| (j.parent.min(j.child), j.parent.max(j.child))).collect();
-    for (i, group) in rigid.iter().enumerate() {
-        let same = (0..i).filter(|&j| rigid[j] == *group);
-        pairs.extend(same.map(|j| (first + j, first + i)));
+impl MotorFile {
+    /// The motor that is said, within limits where it says none.
+    fn motor(&self, target: Option<f64>, limited: Motor) -> Motor {
+        Motor {
+            position: self.position.map(|position| position.0).or(target),
+            velocity: self.velocity.0,
+            effort: self.effort.0,
+            stiffness: self.stiffness.map(|stiffness| stiffness.0),
+            damping: self.damping.map(|damping| damping.0),
+            max_effort: self.max_effort.map(|most| most.0).or(limited.max_effort),
+            max_velocity: self.max_velocity.map(|most| most.0).or(limited.max_velocity),
+        }
     }
-    pairs
+}
+
+/// A joint of a scene file's own motor.
+pub(super) fn motor_of(said: Option<&MotorFile>, target: Option<f64>) -> Option<Motor> {
+    match said {
+        Some(said) => Some(said.motor(target, Motor::default())),
+        None => target.map(Motor::at),
+    }
+}
+
+fn inverse(pose: &Pose) -> Pose {
+    let rotation = pose.rotation.conjugate();
+    Pose { rotation, translation: rotation * -pose.translation }
+}
+
+fn box_of(mass: f64, edges: DVec3, center: DVec3) -> StatedMass {
+    let s = edges * edges;
+    let moments = DVec3::new(s.y + s.z, s.z + s.x, s.x + s.y) * (mass / 12.0);
+    StatedMass { mass, center, inertia: DMat3::from_diagonal(moments) }
+}
+
+fn cube_of(mass: f64, edge: f64, center: DVec3) -> StatedMass {
+    box_of(mass, DVec3::splat(edge), center)
+}
+
+/// A cube about a link's centre of mass, which a link without geometry is drawn as.
+fn inertia_box(inertial: Option<&StatedMass>) -> Result<Mesh, String> {
+    let size = inertial.map_or(FRAME_SIZE, |stated| {
+        let mean =
+            (stated.inertia.x_axis.x + stated.inertia.y_axis.y + stated.inertia.z_axis.z) / 3.0;
+        (6.0 * mean / stated.mass).sqrt().clamp(0.1 * FRAME_SIZE, 20.0 * FRAME_SIZE)
+    });
+    let center = inertial.map_or(DVec3::ZERO, |stated| stated.center);
+    let cube = Cuboid { size: [size; 3] }.build().map_err(|error| error.to_string())?;
+    let vertices = cube.vertices().iter().map(|&p| p + center).collect();
+    Mesh::new(vertices, cube.faces().to_vec()).map_err(|error| error.to_string())
+}
+
+/// The same mass in the frame of what carries it.
+fn moved(stated: &StatedMass, body_from_link: &Pose) -> StatedMass {
+    let turn = DMat3::from_quat(body_from_link.rotation);
+    StatedMass {
+        mass: stated.mass,
+        center: body_from_link.rotation * stated.center + body_from_link.translation,
+        inertia: turn * stated.inertia * turn.transpose(),
+    }
+}
+
+/// Several masses as one (Steiner).
+fn summed(parts: &[StatedMass]) -> Option<StatedMass> {
+    let mass: f64 = parts.iter().map(|part| part.mass).sum();
+    if let [part] = parts {
+        return Some(*part);
+    }
+    let weighted: DVec3 = parts.iter().map(|part| part.center * part.mass).sum();
+    let center = weighted / mass;
+    let mut inertia = DMat3::ZERO;
+    for part in parts {
+        let arm = part.center - center;
+        let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+        let steiner = DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer;
+        inertia += part.inertia + steiner * part.mass;
+    }
+    (mass > 0.0).then_some(StatedMass { mass, center, inertia })
 }

@@ -190,6 +190,12 @@ impl Default for MaterialFile {
     }
 }
 
+impl MaterialFile {
+    pub(super) fn density(&self) -> f64 {
+        self.density.0
+    }
+}
+
 impl From<MaterialFile> for Material {
     fn from(material: MaterialFile) -> Self {
         Self {
@@ -289,9 +295,18 @@ pub(super) struct RobotFile {
     /// Where motors hold the joints; default: where they start.
     #[serde(default)]
     pub(super) targets: BTreeMap<String, Finite>,
-    /// Whether motors hold the joints not named in `targets`.
+    /// Whether motors hold the joints not named in `targets` or `motors`.
     #[serde(default = "yes")]
     pub(super) hold: bool,
+    /// What drives single joints.
+    #[serde(default)]
+    pub(super) motors: BTreeMap<String, MotorFile>,
+    /// Which links may meet each other.
+    #[serde(default)]
+    pub(super) self_collisions: SelfCollisionsFile,
+    /// An SRDF file, relative to the scene file: the pairs that it disables never meet.
+    #[serde(default)]
+    pub(super) srdf: Option<String>,
     /// Its density is for links whose URDF states no mass.
     #[serde(default)]
     pub(super) material: MaterialFile,
@@ -307,6 +322,48 @@ fn yes() -> bool {
     true
 }
 
+/// Which links of a robot may meet each other. Those that fixed joints hold together never do.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "SelfCollisions")]
+pub(super) enum SelfCollisionsFile {
+    /// All that no joint joins and that are apart where the robot starts.
+    #[default]
+    Apart,
+    /// All that no joint joins.
+    Adjacent,
+    /// All.
+    All,
+    /// None.
+    None,
+}
+
+/// stiffness * (position - q) + damping * (velocity - q') + effort, at most max_effort.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Motor")]
+pub(super) struct MotorFile {
+    pub(super) position: Option<Finite>,
+    pub(super) velocity: Finite,
+    pub(super) effort: Finite,
+    pub(super) stiffness: Option<NotNegative>,
+    pub(super) damping: Option<NotNegative>,
+    pub(super) max_effort: Option<NotNegative>,
+    pub(super) max_velocity: Option<Positive>,
+}
+
+impl Default for MotorFile {
+    fn default() -> Self {
+        Self {
+            position: None,
+            velocity: Finite(0.0),
+            effort: Finite(0.0),
+            stiffness: None,
+            damping: None,
+            max_effort: None,
+            max_velocity: None,
+        }
+    }
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename = "Joint")]
 pub(super) struct JointFile {
@@ -320,6 +377,8 @@ pub(super) struct JointFile {
     pub(super) kind: JointKindFile,
     #[serde(default)]
     pub(super) target: Option<Finite>,
+    #[serde(default)]
+    pub(super) motor: Option<MotorFile>,
     /// Whether the two bodies may meet.
     #[serde(default)]
     pub(super) collide: bool,

@@ -6,8 +6,8 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Fields, Region, RegionId};
 use cranny_rapier::{
-    BodyIndex, BodyKind, BodySpec, Detector, JointSpec, Simulation, SimulationOptions,
-    SnapshotError,
+    BodyIndex, BodyKind, BodySpec, Detector, JointSpec, Motor, Resistance, Simulation,
+    SimulationOptions, SnapshotError,
 };
 use cranny_shapes::{IsoBolt, IsoNut};
 
@@ -109,7 +109,7 @@ fn pile(detector: Detector) -> (Simulation, Vec<Model>) {
     let (post, arm) = (add(2, BodyKind::Fixed, 2.0, 1.5), add(1, BodyKind::Dynamic, 2.6, 2.0));
     let passer = add(2, BodyKind::Dynamic, 0.0, 9.0);
     let at = |x: f64, z: f64| Pose::at(DVec3::new(x, 0.0, z));
-    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, target: None };
+    let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, motor: None };
     simulation.join(post, arm, at(0.2, 0.5), at(-0.4, 0.0), &hinge, false);
     simulation.exclude(passer, BodyIndex(1));
     (simulation, models)
@@ -121,6 +121,40 @@ fn a_pile_a_hinge_and_a_pair_that_is_left_out() {
         let (_, models) = pile(detector);
         goes_on(|| pile(detector).0, &models, [50, 70], |_| ());
     }
+}
+
+/// Motors, couplings and positions of joints that are coordinates go on.
+#[test]
+fn an_arm_that_is_driven() {
+    let models = vec![cuboid(0.4, 0.1, 0.1)];
+    let arm = || {
+        let step = 1.0 / 240.0;
+        let mut simulation = Simulation::new(SimulationOptions { step, ..Default::default() });
+        let mut bodies = Vec::new();
+        for i in 0..4 {
+            let kind = if i == 0 { BodyKind::Fixed } else { BodyKind::Dynamic };
+            let place = DVec3::new(0.5 * f64::from(i), 0.0, 0.0);
+            bodies.push(simulation.insert(&spec(&models[0], kind, place)).unwrap());
+        }
+        let end = |side: f64| Pose::at(DVec3::new(0.25 * side, 0.0, 0.0));
+        let mut joints = Vec::new();
+        for (i, ends) in bodies.windows(2).enumerate() {
+            let motor = (i < 2).then(|| Motor::at(0.5 * i as f64));
+            let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, motor };
+            let resistance = Resistance { damping: 0.1, friction: 0.01 };
+            let ends = [ends[0], ends[1]];
+            joints.push(simulation.join_reduced(
+                ends,
+                [end(1.0), end(-1.0)],
+                &hinge,
+                resistance,
+                0.0,
+            ));
+        }
+        assert!(simulation.couple(joints[2], joints[1], -1.0, 0.0));
+        simulation
+    };
+    goes_on(arm, &models, [20, 60], |_| ());
 }
 
 /// Numbers of bodies that left stay free, and are given again in the same order.
