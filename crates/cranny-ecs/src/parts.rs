@@ -187,10 +187,13 @@ fn put_together(parts: &[(Model, Transform)]) -> Result<Model, String> {
     Model::build(mesh, &options).map(|(model, _)| model).map_err(|error| error.to_string())
 }
 
+/// An entity above others that was moved and is no body.
+type MovedGroup = (With<Children>, Without<Body>, Changed<Transform>);
+
 /// A part that was moved in its body's frame makes another body of it.
 pub(crate) fn note_moved_parts(
     moved: Query<&ColliderOf, Changed<Transform>>,
-    between: Query<Entity, (With<Children>, Without<Body>, Changed<Transform>)>,
+    between: Query<Entity, MovedGroup>,
     hierarchy: Query<&Children>,
     parts: Query<&ColliderOf>,
     mut noted: ResMut<Noted>,
