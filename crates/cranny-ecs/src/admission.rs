@@ -8,7 +8,7 @@
 //! removed or despawned leaves at once. [`parts`](crate::parts) says of which colliders a body
 //! consists.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::hierarchy::ChildOf;
@@ -30,7 +30,7 @@ use crate::error::{Failure, SceneAppError};
 use crate::pair::{BodyPair, relate_pairs};
 use crate::parts::{
     ColliderOf, MergedModels, has_parts, merge, note_moved_parts, note_orphan, note_parent,
-    owner_of,
+    owner_of, parts_of,
 };
 use crate::properties::{CollisionLayers, RigidBody, Sensor, SmoothNormals};
 use crate::tally::Tally;
@@ -53,6 +53,12 @@ pub(crate) fn note_change(mut world: DeferredWorld<'_>, context: HookContext) {
 
 /// The same as one is removed. A body without a collider is none any more.
 pub(crate) fn note_removal(mut world: DeferredWorld<'_>, context: HookContext) {
+    if world.component_id::<RigidBody>() == Some(context.component_id) {
+        let parts = parts_of(&world, context.entity);
+        if let Some(mut noted) = world.get_resource_mut::<Noted>() {
+            noted.entities.extend(parts);
+        }
+    }
     note_change(world.reborrow(), context);
     if world.component_id::<Collider>() == Some(context.component_id)
         && !has_parts(&world, context.entity)
@@ -96,16 +102,20 @@ fn note_present(world: &mut World) {
 
 /// Makes bodies of what was spawned, and passes changes on.
 pub(crate) fn admit_bodies(world: &mut World) {
-    let noted = std::mem::take(&mut world.resource_mut::<Noted>().entities);
+    let mut noted = VecDeque::from(std::mem::take(&mut world.resource_mut::<Noted>().entities));
     let mut seen = BTreeSet::new();
     let mut pairs = false;
-    for entity in noted.into_iter().filter(|&entity| seen.insert(entity)) {
-        let Ok(noted) = world.get_entity(entity) else { continue };
-        pairs |= noted.contains::<BodyPair>();
+    while let Some(entity) = noted.pop_front() {
+        if !seen.insert(entity) {
+            continue;
+        }
+        let Ok(found) = world.get_entity(entity) else { continue };
+        pairs |= found.contains::<BodyPair>();
         let owner = owner_of(world, entity);
         if owner != entity {
-            // It was noted with its owner; a body that became a part is none any more.
+            // A body that became a part is none any more.
             world.entity_mut(entity).remove::<Body>();
+            noted.push_back(owner);
             continue;
         }
         let merged = match merge(world, entity) {

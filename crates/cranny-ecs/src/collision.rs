@@ -9,7 +9,7 @@ use cranny_world::BodyId;
 
 use crate::body::{Bodies, Body, pose_of, widened};
 use crate::contacts::ContactReport;
-use crate::effects::ordered;
+use crate::effects::{Pair, ordered};
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::trigger::TriggeredPairs;
 
@@ -171,14 +171,15 @@ impl<'a> Collision<'a> {
 impl Collisions<'_, '_> {
     /// All of them, by ascending ids; each pair once, seen from the body with the lower id.
     pub fn iter(&self) -> impl Iterator<Item = Collision<'_>> {
-        let mut pairs = self.answers();
-        pairs.sort_by_key(|(pair, _)| *pair);
-        pairs.into_iter().filter_map(|(pair, answer)| self.seen(pair, answer))
+        self.answers(|_| true).into_iter().filter_map(|(pair, answer)| self.seen(pair, answer))
     }
 
     /// Those of one body, by ascending ids, seen from it.
     pub fn collisions_with(&self, body: Entity) -> impl Iterator<Item = Collision<'_>> {
-        let collisions = self.iter().filter(move |c| c.body == body || c.other == body);
+        let id = self.ids.get(body).ok().map(|body| body.id);
+        let own = |(a, b): Pair| Some(a) == id || Some(b) == id;
+        let collisions = self.answers(own).into_iter();
+        let collisions = collisions.filter_map(|(pair, answer)| self.seen(pair, answer));
         collisions.map(move |c| if c.body == body { c } else { c.flipped() })
     }
 
@@ -192,7 +193,16 @@ impl Collisions<'_, '_> {
     pub fn get(&self, body: Entity, other: Entity) -> Option<Collision<'_>> {
         let [id, with] = [self.ids.get(body).ok()?.id, self.ids.get(other).ok()?.id];
         let pair = ordered(id, with);
-        let (_, answer) = self.answers().into_iter().find(|(known, _)| *known == pair)?;
+        let reported = self.contacts.as_ref().and_then(|report| {
+            let at = report.pairs.binary_search_by_key(&pair, |known| (known.a, known.b)).ok()?;
+            Some(&report.pairs[at].answer)
+        });
+        #[cfg(feature = "rapier")]
+        let reported = reported.or_else(|| {
+            let found = self.solver.as_ref()?.contacts_of(pair)?;
+            (!found.answer.contacts.is_empty()).then_some(&*found.answer)
+        });
+        let answer = reported?;
         let seen = self.seen(pair, answer)?;
         Some(if seen.body == body { seen } else { seen.flipped() })
     }
@@ -212,25 +222,33 @@ impl Collisions<'_, '_> {
             })
     }
 
-    /// Answers by pairs, each once.
-    fn answers(&self) -> Vec<((BodyId, BodyId), &Answer)> {
+    /// Answers by pairs that are wanted, each once, ascending.
+    fn answers(&self, wanted: impl Fn(Pair) -> bool) -> Vec<(Pair, &Answer)> {
         let reported = self.contacts.iter().flat_map(|report| &report.pairs);
-        let answers: Vec<_> = reported.map(|pair| ((pair.a, pair.b), &pair.answer)).collect();
+        let reported = reported.map(|pair| ((pair.a, pair.b), &pair.answer));
+        let answers: Vec<_> = reported.filter(|(pair, _)| wanted(*pair)).collect();
         #[cfg(feature = "rapier")]
         let answers = {
             let mut answers = answers;
-            let known: std::collections::BTreeSet<_> =
-                answers.iter().map(|(pair, _)| *pair).collect();
             let solved = self.solver.iter().flat_map(|solver| solver.contacts());
             let solved = solved.map(|(a, b, pair)| ((a, b), &*pair.answer));
-            let met = solved.filter(|(_, answer)| !answer.contacts.is_empty());
-            answers.extend(met.filter(|(pair, _)| !known.contains(pair)));
+            let solved = solved.filter(|(pair, answer)| {
+                let reported = |pair| {
+                    let report = self.contacts.as_ref();
+                    report.is_some_and(|report| {
+                        report.pairs.binary_search_by_key(&pair, |p| (p.a, p.b)).is_ok()
+                    })
+                };
+                wanted(*pair) && !answer.contacts.is_empty() && !reported(*pair)
+            });
+            answers.extend(solved);
+            answers.sort_by_key(|(pair, _)| *pair);
             answers
         };
         answers
     }
 
-    fn seen<'a>(&self, (a, b): (BodyId, BodyId), answer: &'a Answer) -> Option<Collision<'a>> {
+    fn seen<'a>(&self, (a, b): Pair, answer: &'a Answer) -> Option<Collision<'a>> {
         let [body, other] = [self.records.get(a)?.entity, self.records.get(b)?.entity];
         #[cfg(feature = "rapier")]
         let impulse = self.solver.as_ref().map_or(0.0, |solver| solver.impulse(a, b));

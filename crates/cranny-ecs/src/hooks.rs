@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::{QueryData, QueryFilter};
-use bevy_ecs::system::{StaticSystemParam, SystemParam, SystemParamItem};
 use bevy_math::Vec3;
 use cranny_rapier::{BodyIndex, SolvedContacts, StepHooks};
 
 use crate::body::{narrowed, widened};
 use crate::effects::{EffectKind, EffectTable};
-use crate::response::Stepping;
 use crate::solved::Known;
 
 /// Decides about pairs while the solver makes a step: which of them respond to each other, and what
@@ -162,13 +160,4 @@ impl<H: CollisionHooks> StepHooks for Deciding<'_, H> {
             contacts.clear();
         }
     }
-}
-
-/// Makes the solver's step.
-pub(crate) fn step_solver<H>(hooks: StaticSystemParam<'_, '_, H>, mut stepping: Stepping<'_>)
-where
-    H: SystemParam + 'static,
-    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
-{
-    stepping.step(&*hooks);
 }

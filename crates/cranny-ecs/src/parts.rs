@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use bevy_ecs::hierarchy::{ChildOf, Children};
-use bevy_ecs::lifecycle::{Insert, Remove};
+use bevy_ecs::lifecycle::{Discard, Insert};
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
@@ -113,6 +113,11 @@ fn parts_below<H: Hierarchy>(world: &H, body: Entity) -> Vec<Vec<Entity>> {
         open.extend(children.into_iter().rev().map(|child| [&*path, &[child]].concat()));
     }
     found
+}
+
+/// The entities of the colliders below an entity that belong to its body.
+pub(crate) fn parts_of(world: &impl Hierarchy, body: Entity) -> Vec<Entity> {
+    parts_below(world, body).into_iter().filter_map(|path| path.last().copied()).collect()
 }
 
 /// Whether there are colliders below an entity that belong to its body.
@@ -232,8 +237,9 @@ pub(crate) fn note_parent(
 
 /// What a collider leaves is another body than before.
 pub(crate) fn note_orphan(
-    removed: On<Remove<ChildOf>>,
+    removed: On<Discard<ChildOf>>,
     above: Query<&ChildOf>,
+    hierarchy: Query<&Children>,
     rigid: Query<(), With<RigidBody>>,
     mut noted: ResMut<Noted>,
     mut commands: Commands,
@@ -242,5 +248,8 @@ pub(crate) fn note_orphan(
         std::iter::successors(Some(removed.entity), |&at| above.get(at).ok().map(ChildOf::parent));
     let owner = owner.skip(1).find(|&entity| rigid.contains(entity));
     noted.entities.extend([Some(removed.entity), owner].into_iter().flatten());
-    commands.entity(removed.entity).try_remove::<ColliderOf>();
+    for part in hierarchy.iter_descendants(removed.entity).chain([removed.entity]) {
+        noted.entities.push(part);
+        commands.entity(part).try_remove::<ColliderOf>();
+    }
 }

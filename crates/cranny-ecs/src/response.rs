@@ -12,7 +12,7 @@ use std::time::Instant;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
-use bevy_ecs::system::{SystemParam, SystemParamItem};
+use bevy_ecs::system::{StaticSystemParam, SystemParam, SystemParamItem};
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Answer, Fields};
@@ -24,7 +24,7 @@ use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems
 use crate::detection::{DetectionSystems, Detector};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
-use crate::hooks::{CollisionHooks, step_solver};
+use crate::hooks::CollisionHooks;
 use crate::plugins::PluginOptions;
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::readers::ContactReaders;
@@ -175,9 +175,18 @@ impl Plugin for ResponsePlugin {
     }
 }
 
+/// Makes the solver's step.
+fn step_solver<H>(hooks: StaticSystemParam<'_, '_, H>, mut stepping: Stepping<'_>)
+where
+    H: SystemParam + 'static,
+    for<'w, 's> SystemParamItem<'w, 's, H>: CollisionHooks,
+{
+    stepping.step(&*hooks);
+}
+
 /// What a step of the solver's needs.
 #[derive(SystemParam)]
-pub(crate) struct Stepping<'w> {
+struct Stepping<'w> {
     bodies: ResMut<'w, RigidBodies>,
     effects: Res<'w, EffectTable>,
     readers: Option<Res<'w, ContactReaders>>,
@@ -188,7 +197,7 @@ pub(crate) struct Stepping<'w> {
 
 impl Stepping<'_> {
     /// Makes a step.
-    pub(crate) fn step(&mut self, hooks: &impl CollisionHooks) {
+    fn step(&mut self, hooks: &impl CollisionHooks) {
         if self.failure.is_set() {
             return; // what failed may have left numbers that are none
         }

@@ -240,10 +240,9 @@ impl RigidBodies {
     /// The impulses along the normals that pairs of bodies gave each other in the last step, where
     /// they did.
     pub(crate) fn impulses(&self) -> impl Iterator<Item = (Pair, f64)> {
-        self.simulation.candidate_pairs().filter_map(|(a, b)| {
-            let impulse = self.simulation.contact_impulse(a, b);
+        self.simulation.contact_impulses().filter_map(|((a, b), impulse)| {
             let [a, b] = [self.id(a)?, self.id(b)?];
-            (impulse > 0.0).then_some((ordered(a, b), impulse))
+            Some((ordered(a, b), impulse))
         })
     }
 

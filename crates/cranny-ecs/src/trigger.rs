@@ -27,7 +27,7 @@ pub enum TriggerSystems {
 }
 
 /// Two bodies began to touch or overlap: at the poses at the beginning of the step, or within it,
-/// where the solver kept them apart.
+/// where the solver kept them apart. At the end of a run what the last step kept apart touches too.
 ///
 /// As a message it is written once a pair, `body` having the lower id. As an event it is triggered
 /// for each of the two entities, as `body`; for one that does not exist any more it is not.

@@ -67,6 +67,8 @@ pub struct Simulation {
     timings: Timings,
     /// Bodies that were held back in the last step.
     held_back: usize,
+    /// Bodies that were held back in the last step and got nowhere.
+    pub(crate) stalled: BTreeSet<u32>,
     pub(crate) poses_before: Vec<Pose>,
     /// Pairs of numbers that never meet, the lower first.
     pub(crate) excluded: HashSet<(u32, u32)>,
@@ -148,6 +150,7 @@ impl Simulation {
             parts: 1,
             timings: Timings::default(),
             held_back: 0,
+            stalled: BTreeSet::new(),
             poses_before: Vec::new(),
             excluded: HashSet::new(),
             earlier_impulses: BTreeMap::new(),

@@ -165,9 +165,23 @@ fn meeting_links(robot: &Robot, poses: &[Pose]) -> Vec<[String; 2]> {
 }
 
 #[test]
-fn an_unbound_prefix_is_noted_with_its_line() {
+fn an_unbound_prefix_is_mended_and_noted_with_its_line() {
     let Some(corpus) = corpus() else { return };
-    let robot = read_robot(&corpus.join("ur5e/ur5e_airo.urdf")).expect("the prefix alone is wrong");
+    let file = corpus.join("ur5e/ur5e_airo.urdf");
+    // Its meshes are not in the corpus: the prefix is not what stops it.
+    let missing = read_robot(&file).unwrap_err().to_string();
+    assert!(missing.contains("shoulder_link") && missing.contains("collision/shoulder.obj"));
+    assert!(missing.contains("32"), "{missing}");
+    // Without them it is read, and says what was mended.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let bare = folder.path().join("bare.urdf");
+    let ball = |line: &str| match line.contains("<mesh") {
+        true => "<sphere radius=\"0.1\"/>".to_owned(),
+        false => line.to_owned(),
+    };
+    std::fs::write(&bare, text.lines().map(ball).collect::<Vec<_>>().join("\n")).unwrap();
+    let robot = read_robot(&bare).expect("the prefix alone is wrong");
     let said = robot.notes.iter().find(|note| note.contains("prefix \"drake\""));
     assert!(said.is_some_and(|note| note.starts_with("line 166:")), "{:?}", robot.notes);
 }

@@ -101,6 +101,38 @@ fn parts_come_move_and_go() {
 }
 
 #[test]
+fn a_part_goes_from_one_body_to_another_and_a_group_with_its_parts() {
+    let mut app = empty(&[]);
+    let [one, two] = [0.0, 20.0]
+        .map(|y| world(&mut app).spawn((RigidBody::Fixed, unit(), at(0.0, y, 0.0))).id());
+    let group = world(&mut app).spawn((at(3.0, 0.0, 0.0), ChildOf(one))).id();
+    let part = world(&mut app).spawn((unit(), Transform::IDENTITY, ChildOf(group))).id();
+    steps(&mut app, 1);
+    let reach = |app: &SceneApp, body| record(app, body).model.bounds().max.x;
+    assert_eq!([one, two].map(|body| reach(&app, body)), [3.5, 0.5]);
+    world(&mut app).entity_mut(group).insert(ChildOf(two));
+    steps(&mut app, 1);
+    assert_eq!([one, two].map(|body| reach(&app, body)), [0.5, 3.5]);
+    assert_eq!(app.app().world().get::<ColliderOf>(part).unwrap().body, two);
+    world(&mut app).entity_mut(part).insert(ChildOf(one));
+    steps(&mut app, 1);
+    assert_eq!([one, two].map(|body| reach(&app, body)), [0.5, 0.5]); // at its centre
+    assert_eq!(app.app().world().get::<ColliderOf>(part).unwrap().body, one);
+}
+
+#[test]
+fn a_body_of_parts_alone_may_be_spawned_before_the_plugins() {
+    let mut app = bevy_app::App::new();
+    let body = app.world_mut().spawn((RigidBody::Fixed, up(0.0))).id();
+    let part = (unit(), at(2.0, 0.0, 0.0), ChildOf(body));
+    app.world_mut().spawn(part);
+    app.add_plugins(CrannyPlugins::new(0.25).unwrap());
+    app.world_mut().run_schedule(CrannyStep);
+    assert!(!app.world().resource::<Failure>().is_set());
+    assert!(app.world().get::<Body>(body).is_some());
+}
+
+#[test]
 fn bodies_of_the_same_parts_share_a_model_and_do_not_move_it() {
     let mut app = empty(&[]);
     let spawn = |app: &mut SceneApp, place: Transform| {

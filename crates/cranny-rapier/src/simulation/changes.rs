@@ -40,6 +40,8 @@ impl Simulation {
         self.tagged[body.0 as usize].leave();
         self.free.insert(body.0);
         self.excluded.retain(|&(a, b)| a != body.0 && b != body.0);
+        self.earlier_impulses.retain(|&(a, b), _| a != body.0 && b != body.0);
+        self.stalled.remove(&body.0);
         self.forget(body);
     }
 

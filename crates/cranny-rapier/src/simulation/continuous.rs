@@ -13,6 +13,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_impact::{Impact, ImpactOptions, Motion, Moving, time_of_impact};
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, Surface, query};
@@ -47,6 +48,27 @@ const KEPT_SPEED: Real = 0.5;
 /// many faces end before they have to.
 const BUDGET: u64 = 200_000;
 
+/// Bodies that met each other, by the lowest of each group.
+#[derive(Default)]
+struct Groups(BTreeMap<BodyIndex, BodyIndex>);
+
+impl Groups {
+    fn of(&self, body: BodyIndex) -> BodyIndex {
+        let mut at = body;
+        while let Some(&next) = self.0.get(&at) {
+            at = next;
+        }
+        at
+    }
+
+    fn join(&mut self, [a, b]: [BodyIndex; 2]) {
+        let [a, b] = [self.of(a), self.of(b)];
+        if a != b {
+            self.0.insert(a.max(b), a.min(b));
+        }
+    }
+}
+
 /// What a body does within a step, and up to which share of its way.
 #[derive(Clone, Copy)]
 struct Going {
@@ -55,6 +77,11 @@ struct Going {
 }
 
 impl Going {
+    /// Whether it goes anywhere.
+    fn moves(&self) -> bool {
+        self.motion.travel != DVec3::ZERO || self.motion.turn != DVec3::ZERO
+    }
+
     /// As far as it may go.
     fn motion(&self) -> Motion {
         let Motion { turn, travel, .. } = self.motion;
@@ -67,11 +94,14 @@ impl Simulation {
     /// from now on; until then it may, where it moves by more than its radius in a step. It costs a
     /// certified time of impact for each body that is near its way, in steps in which it moves by
     /// more than the thinner of both is thick. With our detector, and where neither is overlapped
-    /// by the other already; a kinematic body is not held back.
+    /// by the other already; kinematic bodies and links of a robot are not held back. Of an app's
+    /// hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
     pub fn set_continuous(&mut self, body: BodyIndex, continuous: bool) {
         let handle = self.handle(body);
         // rapier's own way is off for our shapes, which are as thick as can be to it.
-        self.bodies[handle].enable_ccd(continuous);
+        if self.body(body).is_ccd_enabled() != continuous {
+            self.bodies[handle].enable_ccd(continuous);
+        }
     }
 
     /// How many bodies were held back in the last step.
@@ -82,14 +112,10 @@ impl Simulation {
 
     /// Holds back what would have passed through something.
     pub(super) fn hold_back(&mut self, hooks: &impl StepHooks) {
-        let named: Vec<BodyIndex> = self
-            .indices()
-            .filter(|&index| {
-                let body = self.body(index);
-                body.is_ccd_enabled() && !(body.is_dynamic() && body.is_sleeping())
-            })
-            .collect();
+        let named: Vec<BodyIndex> =
+            self.indices().filter(|&index| self.body(index).is_ccd_enabled()).collect();
         if named.is_empty() {
+            self.stalled.clear();
             return;
         }
         let pairs = self.pairs_on_the_way(&named, hooks);
@@ -101,7 +127,7 @@ impl Simulation {
             }
         }
         let free = going.clone();
-        let mut earliest = 1.0_f64;
+        let mut together = Groups::default();
         for round in 0.. {
             let meetings: Vec<([BodyIndex; 2], f64)> = pairs
                 .iter()
@@ -110,38 +136,56 @@ impl Simulation {
             if meetings.is_empty() {
                 break;
             }
+            let before = going.clone();
             for (pair, time) in meetings {
-                for body in pair.into_iter().filter(|&body| self.body(body).is_dynamic()) {
+                if pair.iter().all(|&body| self.can_be_held(body)) {
+                    together.join(pair);
+                }
+                for body in pair.into_iter().filter(|&body| self.can_be_held(body)) {
                     if let Some(going) = going.get_mut(&body) {
-                        let until = going.until.min(time * going.until);
-                        earliest = earliest.min(until);
-                        going.until = until;
+                        going.until = going.until.min(time * before[&body].until);
                     }
                 }
             }
             if round == ROUNDS {
-                // Together, as far as nobody has met anybody.
+                // Whoever met stops together, as far as none of them has met another.
+                let mut earliest: BTreeMap<BodyIndex, f64> = BTreeMap::new();
+                for (&body, going) in &going {
+                    let first = earliest.entry(together.of(body)).or_insert(1.0);
+                    *first = first.min(going.until);
+                }
                 for (body, going) in &mut going {
-                    let dynamic = self.body(*body).is_dynamic();
-                    *going = Going { until: if dynamic { earliest } else { 1.0 }, ..free[body] };
+                    *going = Going { until: earliest[&together.of(*body)], ..free[body] };
                 }
                 break;
             }
         }
-        let stopped: Vec<(BodyIndex, Going)> =
-            going.into_iter().filter(|(_, going)| going.until < 1.0).collect();
+        let stopped: Vec<(BodyIndex, Going)> = going
+            .into_iter()
+            .filter(|(body, going)| going.until < 1.0 && going.moves() && self.can_be_held(*body))
+            .collect();
         self.held_back += stopped.len();
+        let stalled_before = std::mem::take(&mut self.stalled);
         for (body, going) in stopped {
             let pose = going.motion.pose_at(going.until);
             let handle = self.handle(body);
             let rigid = &mut self.bodies[handle];
             rigid.set_position(pose_to_rapier(&pose), true);
             if going.until < NOWHERE {
-                rigid.set_linvel(rigid.linvel() * KEPT_SPEED, true);
-                rigid.set_angvel(rigid.angvel() * KEPT_SPEED, true);
+                self.stalled.insert(body.0);
+                if stalled_before.contains(&body.0) {
+                    rigid.set_linvel(rigid.linvel() * KEPT_SPEED, true);
+                    rigid.set_angvel(rigid.angvel() * KEPT_SPEED, true);
+                }
             }
             self.settled = false;
         }
+    }
+
+    /// Whether a body may be put elsewhere on its way: a link of a robot is where its joints say.
+    fn can_be_held(&self, body: BodyIndex) -> bool {
+        let is_link = || self.multibody_joints.rigid_body_link(self.handle(body)).is_some();
+        self.body(body).is_dynamic() && !is_link()
     }
 
     fn model_of(&self, body: BodyIndex) -> Option<&Model> {
@@ -169,8 +213,11 @@ impl Simulation {
             &self.colliders,
             QueryFilter::new(),
         );
-        // Others may have come from as far as any of them moves.
-        let travel = |body| self.way_of(body).travel.length() as Real;
+        // Others may have come from as far as any of them moves and turns.
+        let travel = |body: BodyIndex| {
+            let (way, radius) = (self.way_of(body), self.tagged[body.0 as usize].radius);
+            way.travel.length() as Real + (way.turn.length() as Real).min(2.0) * radius
+        };
         let farthest = self.indices().map(travel).fold(0.0, Real::max);
         let mut pairs = BTreeSet::new();
         for &body in named {
@@ -179,7 +226,12 @@ impl Simulation {
                 let other = BodyIndex(collider.user_data as u32);
                 let pair = [body.min(other), body.max(other)];
                 let crosses = || self.swept(other).is_some_and(|way| way.intersects(&swept));
-                if other != body && self.may_pass(pair) && crosses() && self.responds(pair, hooks) {
+                if other != body
+                    && self.may_pass(pair)
+                    && self.can_give_way(pair)
+                    && crosses()
+                    && self.responds(pair, hooks)
+                {
                     pairs.insert(pair);
                 }
             }
@@ -200,7 +252,9 @@ impl Simulation {
 
     /// Whether two bodies move far enough beside each other for one to be beyond the other.
     fn may_pass(&self, pair: [BodyIndex; 2]) -> bool {
+        // A surface without a volume is as thin as can be.
         let thin = pair.map(|body| f64::from(self.tagged[body.0 as usize].thickness));
+        let thin = thin.map(|thin| if thin.is_finite() { thin } else { 0.0 });
         let moved = pair.map(|body| {
             let (motion, tagged) = (self.way_of(body), &self.tagged[body.0 as usize]);
             (motion.travel, motion.turn.length() * f64::from(tagged.radius))
@@ -209,13 +263,17 @@ impl Simulation {
         travel > 0.5 * thin[0].min(thin[1])
     }
 
+    /// Whether one of two bodies has a way of its own to give up: what is at rest cannot flee.
+    fn can_give_way(&self, pair: [BodyIndex; 2]) -> bool {
+        let goes = |body| Going { motion: self.way_of(body), until: 1.0 }.moves();
+        pair.into_iter().any(|body| self.can_be_held(body) && goes(body))
+    }
+
     /// Whether two bodies meet at all.
     fn responds(&self, [a, b]: [BodyIndex; 2], hooks: &impl StepHooks) -> bool {
         let [first, second] =
             [a, b].map(|body| &self.colliders[self.tagged[body.0 as usize].collider]);
-        let moves = [a, b].iter().any(|&body| self.body(body).is_dynamic());
-        moves
-            && first.collision_groups().test(second.collision_groups())
+        first.collision_groups().test(second.collision_groups())
             && !self.excluded.contains(&(a.0, b.0))
             && hooks.responds(a, b)
     }

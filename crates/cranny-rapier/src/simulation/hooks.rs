@@ -156,7 +156,11 @@ impl Simulation {
         let mut hooks = ActiveHooks::empty();
         hooks.set(ActiveHooks::FILTER_CONTACT_PAIRS, responds || excluded);
         hooks.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, modify);
-        self.collider_mut(body).set_active_hooks(hooks);
+        // To rapier a collider that is borrowed to be written has changed.
+        let collider = self.tagged[body.0 as usize].collider;
+        if self.colliders.get(collider).is_some_and(|known| known.active_hooks() != hooks) {
+            self.collider_mut(body).set_active_hooks(hooks);
+        }
     }
 
     /// Has the next step decide anew whether two bodies respond to each other: both wake, and what

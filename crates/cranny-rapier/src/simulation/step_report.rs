@@ -136,7 +136,8 @@ impl Simulation {
 
     /// What the contacts of two bodies gave each of them along their normals in the last step,
     /// summed as numbers: mass x length / second, >= 0. 0 for bodies between which nothing was
-    /// solved. With any detector.
+    /// solved; of bodies asleep that of the last step of rapier's in which they were awake. With
+    /// any detector.
     #[must_use]
     pub fn contact_impulse(&self, a: BodyIndex, b: BodyIndex) -> f64 {
         let [first, second] = [a, b].map(|body| self.tagged[body.0 as usize].collider);
@@ -145,11 +146,28 @@ impl Simulation {
         pair.map_or(0.0, impulse_of) + earlier.copied().unwrap_or(0.0)
     }
 
-    /// Keeps what a part of the step did: the next one begins anew.
+    /// [`contact_impulse`](Self::contact_impulse) of all pairs in which it is above 0, the lower
+    /// number first; in no order.
+    pub fn contact_impulses(&self) -> impl Iterator<Item = ((BodyIndex, BodyIndex), f64)> {
+        self.narrow_phase.contact_pairs().filter_map(|pair| {
+            let (a, b) = self.tags(pair)?;
+            let (a, b) = (a.min(b), a.max(b));
+            let earlier = self.earlier_impulses.get(&(a, b)).copied().unwrap_or(0.0);
+            let impulse = impulse_of(pair) + earlier;
+            (impulse > 0.0).then_some(((BodyIndex(a), BodyIndex(b)), impulse))
+        })
+    }
+
+    /// Keeps what a part of the step did: the next one begins anew. What sleeps keeps what it had.
     pub(super) fn keep_impulses(&mut self) {
         for pair in self.narrow_phase.contact_pairs() {
+            let awake = [pair.collider1, pair.collider2].into_iter().any(|collider| {
+                let parent = self.colliders.get(collider).and_then(|c| c.parent());
+                let body = parent.and_then(|parent| self.bodies.get(parent));
+                body.is_some_and(|body| body.is_dynamic() && !body.is_sleeping())
+            });
             let impulse = impulse_of(pair);
-            if let Some((a, b)) = self.tags(pair).filter(|_| impulse > 0.0) {
+            if let Some((a, b)) = self.tags(pair).filter(|_| awake && impulse > 0.0) {
                 *self.earlier_impulses.entry((a.min(b), a.max(b))).or_insert(0.0) += impulse;
             }
         }

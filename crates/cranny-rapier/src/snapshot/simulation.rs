@@ -36,6 +36,8 @@ struct Kept {
     settled: bool,
     looked_ahead: Real,
     poses_before: Vec<WrittenPose>,
+    /// Bodies that were held back and got nowhere, ascending.
+    stalled: Vec<u32>,
     /// Ascending.
     exclusions: Vec<(u32, u32)>,
     reduced: ReducedJoints,
@@ -171,6 +173,7 @@ impl Simulation {
             settled: self.settled,
             looked_ahead: self.looked_ahead,
             poses_before: self.poses_before.iter().map(WrittenPose::of).collect(),
+            stalled: self.stalled.iter().copied().collect(),
             exclusions,
             reduced: self.reduced.clone(),
             log_step: self.log.step(),
@@ -237,6 +240,7 @@ impl Simulation {
         simulation.settled = kept.settled;
         simulation.looked_ahead = kept.looked_ahead;
         simulation.poses_before = kept.poses_before.into_iter().map(WrittenPose::pose).collect();
+        simulation.stalled = kept.stalled.into_iter().collect();
         simulation.excluded = kept.exclusions.into_iter().collect();
         simulation.reduced = kept.reduced;
         simulation.log.continue_at(kept.log_step);

@@ -127,6 +127,47 @@ fn whoever_is_named_it_holds_for_both() {
     }
 }
 
+/// What rests and sleeps is not flown through either.
+#[test]
+fn a_sheet_that_sleeps_is_not_passed() {
+    let (sheet, bullet) = (cuboid(0.02, 4.0, 4.0), cuboid(0.05, 0.05, 0.05));
+    for named in [false, true] {
+        let mut simulation = world();
+        let sheet = spec(&sheet, BodyKind::Dynamic, DVec3::ZERO);
+        let sheet = simulation.insert(&sheet).unwrap();
+        simulation.set_continuous(sheet, named);
+        (0..300).for_each(|_| simulation.step()); // two seconds make it sleep
+        let far = flying(&bullet, DVec3::new(-10.0, 0.0, 0.0), DVec3::X * 390.0);
+        let bullet = simulation.insert(&far).unwrap();
+        (0..10).for_each(|_| simulation.step());
+        let x = |body| simulation.pose(body).translation.x;
+        assert_eq!(x(bullet) > x(sheet), !named, "{} {}", x(bullet), x(sheet));
+    }
+}
+
+/// A piston that cannot be held runs through what it meets; bodies elsewhere go on as they went.
+#[test]
+fn what_cannot_be_resolved_stops_nobody_else() {
+    let (piston, ball) = (cuboid(0.02, 1.0, 1.0), cuboid(0.1, 0.1, 0.1));
+    let wall = cuboid(0.02, 24.0, 24.0);
+    let mut simulation = world();
+    let moved = BodySpec {
+        linear_velocity: DVec3::X * 100.0,
+        ..spec(&piston, BodyKind::Kinematic, DVec3::new(-8.0, 50.0, 0.0))
+    };
+    simulation.insert(&moved).unwrap();
+    let met = simulation.insert(&flying(&ball, DVec3::new(0.0, 50.0, 0.0), -DVec3::X)).unwrap();
+    simulation.insert(&spec(&wall, BodyKind::Fixed, DVec3::ZERO)).unwrap();
+    let along = flying(&ball, DVec3::new(-0.5, -8.0, 0.0), DVec3::Y * 90.0);
+    let along = simulation.insert(&along).unwrap();
+    simulation.set_continuous(met, true);
+    simulation.set_continuous(along, true);
+    (0..10).for_each(|_| simulation.step());
+    let at = simulation.pose(along).translation;
+    assert!((at.y - 7.0).abs() < 0.01, "{at} {} held", simulation.held_back());
+    assert!((simulation.velocity(along).0 - DVec3::Y * 90.0).length() < 0.01);
+}
+
 /// Three in a row: the second is stopped by the third, so the first by the second.
 #[test]
 fn what_is_held_back_holds_others_back() {
