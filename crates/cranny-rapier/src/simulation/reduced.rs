@@ -435,7 +435,7 @@ impl ReducedJoints {
         for (&number, joint) in &self.joints {
             let ReducedPlace::Above(body) = joint.place else { continue };
             let Some(link) = trees.rigid_body_link(body) else { continue };
-            let joint = ReducedJoint { motor: self.motor_of(joint), ..*joint };
+            let joint = ReducedJoint { motor: self.motor_of(joint, self.joints.len()), ..*joint };
             let driven = DrivenLink { link: link.id, number, joint };
             match found.iter_mut().find(|(tree, _)| *tree == link.multibody) {
                 Some((_, joints)) => joints.push(driven),
@@ -445,12 +445,14 @@ impl ReducedJoints {
         found
     }
 
-    /// What drives a joint: its motor, or one that keeps up with what it follows.
-    fn motor_of(&self, joint: &ReducedJoint) -> Option<Motor> {
+    /// What drives a joint: its motor, or one that keeps up with what it follows, through so many
+    /// joints at most. A joint whose leader is gone has its own motor again.
+    fn motor_of(&self, joint: &ReducedJoint, through: usize) -> Option<Motor> {
         let Some(Coupling { leader, multiplier, offset }) = joint.follows else {
             return joint.motor;
         };
-        let leader = self.joints.get(&leader)?.motor?;
+        let Some(leader) = self.joints.get(&leader) else { return joint.motor };
+        let leader = self.motor_of(leader, through.checked_sub(1)?)?;
         let position = leader.position.filter(|_| leader.stiffness.is_none())?;
         Some(Motor {
             position: Some(multiplier * position + offset),

@@ -190,6 +190,19 @@ fn a_follower_keeps_its_ratio() {
 }
 
 #[test]
+fn what_follows_a_follower_is_driven_too() {
+    let (mut simulation, joints, _) = arm(true, |i| (i != 3 && i != 4).then(|| Motor::at(0.0)));
+    assert!(simulation.couple(joints[3], joints[2], 1.0, 0.0));
+    assert!(simulation.couple(joints[4], joints[3], -1.0, 0.0));
+    simulation.set_motor(joints[2], Some(Motor::at(0.2)), Resistance::default());
+    steps(&mut simulation, 480);
+    for (joint, expected) in [(2, 0.2), (3, 0.2), (4, -0.2)] {
+        let at = position(&simulation, joints[joint]);
+        assert!((at - expected).abs() < 2e-3, "joint {joint} is at {at}");
+    }
+}
+
+#[test]
 fn an_arm_comes_apart_where_a_joint_or_a_body_is_taken_out() {
     let (mut simulation, joints, bodies) = arm(true, |_| Some(Motor::at(0.0)));
     steps(&mut simulation, 10);
