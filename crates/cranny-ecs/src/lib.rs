@@ -110,7 +110,7 @@ pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
-pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions};
+pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions, check_effects};
 pub use properties::{
     AngularVelocity, CollisionLayers, Density, ExternalForce, ExternalImpulse, Friction,
     GravityScale, LinearVelocity, LockedAxes, Mass, Restitution, RigidBody, Sensor, SmoothNormals,

@@ -227,7 +227,11 @@ fn systems(world: &mut World, label: InternedScheduleLabel) -> Result<Vec<Planne
         systems
             // bevy's own points of synchronisation are no effect's.
             .filter(|(_, system)| system.name().as_string() != "bevy_ecs::apply_deferred")
-            .map(|(key, system)| planned(&schedule, key, &system.name().as_string(), &known))
+            .map(|(key, system)| {
+                let name = system.name().as_string();
+                // Hooks of an app are a parameter of the system's type.
+                planned(&schedule, key, name.split('<').next().unwrap_or_default(), &known)
+            })
             .collect()
     });
     let planned = planned.map_err(|error| error.to_string());

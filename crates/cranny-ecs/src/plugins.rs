@@ -207,9 +207,8 @@ impl CrannyPlugins {
         if self.table().names(EffectKind::Response) {
             return Err(SceneAppError::MissingFeature { what: "Response", feature: "rapier" });
         }
-        if self.table().names(EffectKind::Continuous) && !self.table().names(EffectKind::Response) {
-            return Err(SceneAppError::NeedsEffect { effect: "Continuous", needs: "Response" });
-        }
+        let table = self.table();
+        go_together(|kind| table.names(kind))?;
         Ok(self)
     }
 
@@ -305,6 +304,26 @@ impl PluginGroup for CrannyPlugins {
         }
         group
     }
+}
+
+/// Fails if an effect is named and another one is not on which it works.
+fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> {
+    if named(EffectKind::Continuous) && !named(EffectKind::Response) {
+        return Err(SceneAppError::NeedsEffect { effect: "Continuous", needs: "Response" });
+    }
+    Ok(())
+}
+
+/// Whether the effects that a scene, its bodies and its pairs name go together.
+///
+/// # Errors
+///
+/// [`SceneAppError::NeedsEffect`].
+pub fn check_effects(scene: &SceneDescription) -> Result<(), SceneAppError> {
+    let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
+    let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
+    let all = || scene.effects.iter().chain(of_bodies.clone()).chain(of_pairs.clone());
+    go_together(|kind| all().any(|effect| EffectKind::of(effect) == Some(kind)))
 }
 
 /// Twice the volume per area of the thinnest moving body (the thickness of a plate, the radius of a

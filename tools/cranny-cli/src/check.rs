@@ -1,10 +1,12 @@
 //! `cranny check`: is a scene file right?
 
+use cranny_ecs::check_effects;
 use serde::Serialize;
 
 use crate::args::{CheckArgs, Format};
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::run::failure;
 use crate::scene_file::load;
 
 /// What a right scene holds.
@@ -31,6 +33,7 @@ struct CheckSummary<'a> {
 pub(crate) fn check(args: &CheckArgs, format: Option<Format>) -> Result<(), Failure> {
     let scene = load(&args.scene, None)?;
     let what = &scene.description;
+    check_effects(what).map_err(failure)?;
     let named = what.bodies.iter().map(|body| body.effects.len()).sum::<usize>()
         + what.pairs.iter().map(|pair| pair.effects.len()).sum::<usize>();
     let summary = CheckSummary {

@@ -77,7 +77,7 @@ fn the_text_tells_effects_systems_pairs_and_what_is_absent() {
     for word in [
         "Response: named by the scene",
         "CrannyStep, in this order",
-        "response::step_solver",
+        "response::step_solver ",
         "ResponseSystems::Solve",
         "CrannyEnd, in this order",
         "1: Trigger, Response, detected by solver",
