@@ -198,7 +198,7 @@ fn what_follows_a_follower_is_driven_too() {
     steps(&mut simulation, 480);
     for (joint, expected) in [(2, 0.2), (3, 0.2), (4, -0.2)] {
         let at = position(&simulation, joints[joint]);
-        assert!((at - expected).abs() < 2e-3, "joint {joint} is at {at}");
+        assert!((at - expected).abs() < 1e-4, "joint {joint} is at {at}");
     }
 }
 
