@@ -149,7 +149,6 @@ pub(crate) fn admit_bodies(world: &mut World) {
         }
         world.entity_mut(entity).insert(Body { id });
     }
-    world.resource_mut::<MergedModels>().forget_unused();
     if pairs || world.resource::<Noted>().pairs {
         world.resource_mut::<Noted>().pairs = false;
         relate_pairs(world);

@@ -2,12 +2,14 @@
 //! here it learns whose bodies they are.
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::Insert;
 use bevy_ecs::prelude::*;
 
+use crate::body::Body;
 use crate::clock::{CrannyStep, StepSystems};
 use crate::effects::EffectTable;
 use crate::response::ResponseSystems;
-use crate::solved::RigidBodies;
+use crate::solved::{RigidBodies, SolverBody};
 
 /// The systems of `Continuous`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,7 +35,7 @@ pub struct ContinuousPlugin;
 
 impl Plugin for ContinuousPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<HeldBack>();
+        app.init_resource::<HeldBack>().add_observer(name_new);
         app.configure_sets(
             CrannyStep,
             (
@@ -51,16 +53,32 @@ impl Plugin for ContinuousPlugin {
     }
 }
 
-fn name_bodies(
+/// Names a body that comes.
+fn name_new(
+    inserted: On<Insert<SolverBody>>,
+    known: Query<(&Body, &SolverBody)>,
     effects: Res<EffectTable>,
     mut bodies: ResMut<RigidBodies>,
-    mut known: Local<Option<(u64, usize)>>,
 ) {
-    // Bodies come and go without a change of what is asked about others.
-    let now = Some((effects.revision(), bodies.changes()));
-    if *known != now {
-        *known = now;
-        bodies.set_continuous(&effects);
+    if let Ok((body, solved)) = known.get(inserted.entity) {
+        let continuous = effects.is_continuous(body.id);
+        bodies.simulation_mut().set_continuous(solved.index, continuous);
+    }
+}
+
+/// Names all bodies again, where what is asked has changed.
+fn name_bodies(
+    effects: Res<EffectTable>,
+    known: Query<(&Body, &SolverBody)>,
+    mut bodies: ResMut<RigidBodies>,
+    mut revision: Local<Option<u64>>,
+) {
+    if revision.replace(effects.revision()) == Some(effects.revision()) {
+        return;
+    }
+    for (body, solved) in &known {
+        let continuous = effects.is_continuous(body.id);
+        bodies.simulation_mut().set_continuous(solved.index, continuous);
     }
 }
 

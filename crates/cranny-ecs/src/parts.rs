@@ -4,19 +4,20 @@
 //! The meshes of a body's colliders are put together where their `Transform`s say, in the order of
 //! the hierarchy, and prepared as one; bodies of the same parts share the model.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bevy_ecs::hierarchy::{ChildOf, Children};
 use bevy_ecs::lifecycle::{Discard, Insert};
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_exact::DVec3;
 use cranny_geometry::{BuildOptions, Mesh, Model};
 
 use crate::admission::Noted;
-use crate::body::{Body, pose_of};
+use crate::body::{Bodies, Body, pose_of};
 use crate::collider::Collider;
 use crate::error::{Failure, SceneAppError};
 use crate::properties::RigidBody;
@@ -32,61 +33,51 @@ pub struct ColliderOf {
 /// The digest of a collider's model and the bits of its `Transform` in the body's frame.
 type Part = ([u8; 32], [u32; 7]);
 
-/// Models of several colliders, by their parts, and who uses them.
+/// Models of several colliders.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct MergedModels {
-    models: BTreeMap<Vec<Part>, Model>,
-    used_by: BTreeMap<Entity, Vec<Part>>,
+    /// By their parts, with the bodies that use them.
+    models: BTreeMap<Vec<Part>, (Model, BTreeSet<Entity>)>,
+    parts_of: BTreeMap<Entity, Vec<Part>>,
 }
 
 impl MergedModels {
-    /// A body left.
+    /// The model of these parts, if a body uses it.
+    fn get(&self, parts: &[Part]) -> Option<Model> {
+        self.models.get(parts).map(|(model, _)| model.clone())
+    }
+
+    /// A body is made of these parts from now on.
+    fn join(&mut self, body: Entity, parts: Vec<Part>, model: Model) {
+        if self.parts_of.get(&body) == Some(&parts) {
+            return;
+        }
+        self.leave(body);
+        self.models.entry(parts.clone()).or_insert((model, BTreeSet::new())).1.insert(body);
+        self.parts_of.insert(body, parts);
+    }
+
+    /// A body is made of none of them any more.
     pub(crate) fn leave(&mut self, body: Entity) {
-        if let Some(parts) = self.used_by.remove(&body) {
-            self.drop_unless_used(&parts);
+        let Some(parts) = self.parts_of.remove(&body) else { return };
+        if let Some((_, users)) = self.models.get_mut(&parts) {
+            users.remove(&body);
+            if users.is_empty() {
+                self.models.remove(&parts);
+            }
         }
-    }
-
-    fn drop_unless_used(&mut self, parts: &[Part]) {
-        if !self.used_by.values().any(|used| used == parts) {
-            self.models.remove(parts);
-        }
-    }
-
-    /// Drops what no body is made of any more.
-    pub(crate) fn forget_unused(&mut self) {
-        let Self { models, used_by } = self;
-        models.retain(|parts, _| used_by.values().any(|used| used == parts));
-    }
-}
-
-/// Reads the hierarchy, of a `World` and of one whose structure stands still.
-pub(crate) trait Hierarchy {
-    /// A component of an entity.
-    fn component<C: Component>(&self, entity: Entity) -> Option<&C>;
-}
-
-impl Hierarchy for World {
-    fn component<C: Component>(&self, entity: Entity) -> Option<&C> {
-        self.get::<C>(entity)
-    }
-}
-
-impl Hierarchy for bevy_ecs::world::DeferredWorld<'_> {
-    fn component<C: Component>(&self, entity: Entity) -> Option<&C> {
-        self.get::<C>(entity)
     }
 }
 
 /// The entity to whose body the collider of an entity belongs: the nearest one above it with a
 /// [`RigidBody`], unless it has one itself; itself where there is none.
-pub(crate) fn owner_of(world: &impl Hierarchy, entity: Entity) -> Entity {
+pub(crate) fn owner_of(world: &World, entity: Entity) -> Entity {
     let mut at = entity;
     loop {
-        if world.component::<RigidBody>(at).is_some() {
+        if world.get::<RigidBody>(at).is_some() {
             return at;
         }
-        match world.component::<ChildOf>(at) {
+        match world.get::<ChildOf>(at) {
             Some(above) => at = above.parent(),
             None => return entity,
         }
@@ -95,20 +86,20 @@ pub(crate) fn owner_of(world: &impl Hierarchy, entity: Entity) -> Entity {
 
 /// The colliders below an entity that belong to its body, in the order of the hierarchy, each with
 /// the entities between.
-fn parts_below<H: Hierarchy>(world: &H, body: Entity) -> Vec<Vec<Entity>> {
+fn parts_below(world: &World, body: Entity) -> Vec<Vec<Entity>> {
     let mut found = Vec::new();
     let mut open: Vec<Vec<Entity>> = vec![vec![body]];
     while let Some(path) = open.pop() {
         let Some(&entity) = path.last() else { continue };
         if entity != body {
-            if world.component::<RigidBody>(entity).is_some() {
+            if world.get::<RigidBody>(entity).is_some() {
                 continue;
             }
-            if world.component::<Collider>(entity).is_some() {
+            if world.get::<Collider>(entity).is_some() {
                 found.push(path[1..].to_vec());
             }
         }
-        let children = world.component::<Children>(entity).into_iter().flat_map(|c| c.iter());
+        let children = world.get::<Children>(entity).into_iter().flat_map(|c| c.iter());
         let children: Vec<Entity> = children.collect();
         open.extend(children.into_iter().rev().map(|child| [&*path, &[child]].concat()));
     }
@@ -116,13 +107,13 @@ fn parts_below<H: Hierarchy>(world: &H, body: Entity) -> Vec<Vec<Entity>> {
 }
 
 /// The entities of the colliders below an entity that belong to its body.
-pub(crate) fn parts_of(world: &impl Hierarchy, body: Entity) -> Vec<Entity> {
+pub(crate) fn parts_of(world: &World, body: Entity) -> Vec<Entity> {
     parts_below(world, body).into_iter().filter_map(|path| path.last().copied()).collect()
 }
 
 /// Whether there are colliders below an entity that belong to its body.
-pub(crate) fn has_parts(world: &impl Hierarchy, entity: Entity) -> bool {
-    world.component::<RigidBody>(entity).is_some() && !parts_below(world, entity).is_empty()
+pub(crate) fn has_parts(world: &World, entity: Entity) -> bool {
+    world.get::<RigidBody>(entity).is_some() && !parts_below(world, entity).is_empty()
 }
 
 /// The model of a body: that of its collider, or of all its colliders; `None` without any.
@@ -161,7 +152,7 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, Sc
         }
     }
     let key: Vec<Part> = parts.iter().map(|(model, place)| (model.digest(), bits(place))).collect();
-    let known = world.resource::<MergedModels>().models.get(&key).cloned();
+    let known = world.resource::<MergedModels>().get(&key);
     let model = match known {
         Some(model) => model,
         None => put_together(&parts).map_err(|why| {
@@ -169,9 +160,7 @@ pub(crate) fn merge(world: &mut World, body: Entity) -> Result<Option<Model>, Sc
             SceneAppError::Parts { body: name.unwrap_or_else(|| body.to_string()), why }
         })?,
     };
-    let mut merged = world.resource_mut::<MergedModels>();
-    merged.models.insert(key.clone(), model.clone());
-    merged.used_by.insert(body, key);
+    world.resource_mut::<MergedModels>().join(body, key, model.clone());
     Ok(Some(model))
 }
 
@@ -209,47 +198,64 @@ pub(crate) fn note_moved_parts(
 }
 
 /// A body's `Transform` is its place in the world; what has no motion of its own becomes a part.
-pub(crate) fn note_parent(
-    inserted: On<Insert<ChildOf>>,
-    colliders: Query<(), With<Collider>>,
-    children: Query<&Children>,
-    bodies: Query<(&Body, Has<RigidBody>)>,
-    above: Query<(&ChildOf, Has<RigidBody>)>,
-    rigid: Query<(), With<RigidBody>>,
-    records: Res<crate::body::Bodies>,
-    mut noted: ResMut<Noted>,
-    mut failure: ResMut<Failure>,
-) {
-    let owner = std::iter::successors(Some(inserted.entity), |&at| {
-        above.get(at).ok().map(|(above, _)| above.parent())
-    });
-    let owner = owner.skip(1).find(|&entity| rigid.contains(entity));
-    if let Ok((&Body { id }, own)) = bodies.get(inserted.entity)
-        && (own || owner.is_none())
-    {
-        failure.set(SceneAppError::ChildBody { body: records.name(id).to_owned() });
-        return;
-    }
-    if colliders.contains(inserted.entity) || children.contains(inserted.entity) {
-        noted.entities.extend([Some(inserted.entity), owner].into_iter().flatten());
+pub(crate) fn note_parent(inserted: On<Insert<ChildOf>>, mut world: DeferredWorld<'_>) {
+    let entity = inserted.entity;
+    let owner = owner_of(&world, entity);
+    if owner != entity {
+        world.resource_mut::<Noted>().entities.extend([entity, owner]);
+    } else if let Some(&Body { id }) = world.get::<Body>(entity) {
+        let body = world.resource::<Bodies>().name(id).to_owned();
+        world.resource_mut::<Failure>().set(SceneAppError::ChildBody { body });
     }
 }
 
 /// What a collider leaves is another body than before.
-pub(crate) fn note_orphan(
-    removed: On<Discard<ChildOf>>,
-    above: Query<&ChildOf>,
-    hierarchy: Query<&Children>,
-    rigid: Query<(), With<RigidBody>>,
-    mut noted: ResMut<Noted>,
-    mut commands: Commands,
-) {
-    let owner =
-        std::iter::successors(Some(removed.entity), |&at| above.get(at).ok().map(ChildOf::parent));
-    let owner = owner.skip(1).find(|&entity| rigid.contains(entity));
-    noted.entities.extend([Some(removed.entity), owner].into_iter().flatten());
-    for part in hierarchy.iter_descendants(removed.entity).chain([removed.entity]) {
-        noted.entities.push(part);
-        commands.entity(part).try_remove::<ColliderOf>();
+pub(crate) fn note_orphan(removed: On<Discard<ChildOf>>, mut world: DeferredWorld<'_>) {
+    let entity = removed.entity;
+    let owner = owner_of(&world, entity);
+    if owner == entity {
+        return; // it takes its parts along
+    }
+    let parts = [vec![entity], parts_of(&world, entity)].concat();
+    for &part in &parts {
+        world.commands().entity(part).try_remove::<ColliderOf>();
+    }
+    world.resource_mut::<Noted>().entities.extend([vec![owner], parts].concat());
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_app::App;
+    use cranny_shapes::Cuboid;
+
+    use super::*;
+    use crate::clock::CrannyStep;
+    use crate::plugins::CrannyPlugins;
+
+    #[test]
+    fn a_model_of_parts_lasts_as_long_as_a_body_is_made_of_it() {
+        let mut app = App::new();
+        app.add_plugins(CrannyPlugins::new(0.25).unwrap());
+        let world = app.world_mut();
+        let cube = Collider::from_mesh(Cuboid { size: [1.0; 3] }.build().unwrap()).unwrap();
+        let mut bodies = Vec::new();
+        for _ in 0..2 {
+            let body = world.spawn((RigidBody::Fixed, cube.clone())).id();
+            let aside = Transform::from_xyz(2.0, 0.0, 0.0);
+            bodies.push([body, world.spawn((cube.clone(), aside, ChildOf(body))).id()]);
+        }
+        let models = |world: &mut World| {
+            world.run_schedule(CrannyStep);
+            let merged = world.resource::<MergedModels>();
+            (merged.models.len(), merged.parts_of.len())
+        };
+        assert_eq!(models(world), (1, 2));
+        let [[_, part], [other, _]] = bodies[..] else { panic!("two bodies") };
+        world.get_mut::<Transform>(part).unwrap().translation.y = 1.0;
+        assert_eq!(models(world), (2, 2));
+        world.despawn(part);
+        assert_eq!(models(world), (1, 1));
+        world.despawn(other);
+        assert_eq!(models(world), (0, 0));
     }
 }

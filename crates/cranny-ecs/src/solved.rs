@@ -69,8 +69,6 @@ pub struct RigidBodies {
     members_are_current: bool,
     /// Whether all bodies have the hooks that they need.
     hooks_are_current: bool,
-    /// Bodies that came so far.
-    inserted: usize,
     /// Whether an app's hooks decide too.
     hooked: bool,
     joints: BTreeMap<Entity, (Joint, JointIndex)>,
@@ -215,7 +213,6 @@ impl RigidBodies {
             asked: None,
             members_are_current: false,
             hooks_are_current: false,
-            inserted: 0,
             hooked: false,
             joints: BTreeMap::new(),
             held: BTreeMap::new(),
@@ -355,7 +352,6 @@ impl RigidBodies {
         if filters != memberships {
             self.simulation.set_groups(index, memberships, filters);
         }
-        self.inserted += 1;
         self.index_of.insert(id, index);
         self.known.insert(index, known);
         self.push(index, given)?;
@@ -492,18 +488,6 @@ impl RigidBodies {
         for (&index, known) in &self.known {
             let filters = self.hooked || !of_scene || apart.contains(&known.id);
             self.simulation.set_hooked(index, filters, self.hooked);
-        }
-    }
-
-    /// Counts bodies that came to the solver's world.
-    pub(crate) fn changes(&self) -> usize {
-        self.inserted
-    }
-
-    /// Says which bodies pass through nothing.
-    pub(crate) fn set_continuous(&mut self, effects: &EffectTable) {
-        for (&index, known) in &self.known {
-            self.simulation.set_continuous(index, effects.is_continuous(known.id));
         }
     }
 

@@ -12,7 +12,7 @@ use cranny_narrow_phase::{
 };
 use cranny_primitives::separation;
 use cranny_primitives::{Ball, PrimitiveError, RayHit, Separation, cast_ray, contains_point};
-use cranny_world::Layers;
+use cranny_world::{Layers, world_box};
 use thiserror::Error;
 
 use crate::body::{Bodies, Body, BodyRecord, pose_of, widened};
@@ -23,10 +23,6 @@ use crate::properties::{AngularVelocity, CollisionLayers, LinearVelocity};
 /// How near surfaces are where a cast ends, as a share of the smaller body's radius. Larger: bodies
 /// stop visibly short; smaller: f32 cannot tell, and it takes longer.
 const CAST_TOLERANCE: f64 = 1e-6;
-
-/// By what boxes are grown, as a share of the lengths that went into them: some hundred roundings.
-/// Smaller, and a body may stick out of its box; larger, and more bodies are looked at.
-const BOX_SLACK: f64 = 128.0 * f64::EPSILON;
 
 /// Which bodies a question is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -199,7 +195,7 @@ impl<'a> Candidate<'a> {
     }
 
     fn bounds(&self) -> Aabb {
-        bounds_at(self.model(), &self.pose)
+        world_box(self.model(), &self.pose, 0.0)
     }
 }
 
@@ -270,7 +266,7 @@ impl SpatialQuery<'_, '_> {
             // Beyond what is met already nothing matters.
             let share = first.map_or(1.0, |hit| (hit.distance / length).min(1.0));
             let motion = Motion::straight(start, share * travel);
-            let ends = [0.0, 1.0].map(|t| bounds_at(shape.model(), &motion.pose_at(t)));
+            let ends = [0.0, 1.0].map(|t| world_box(shape.model(), &motion.pose_at(t), 0.0));
             let swept = ends[0].union(&ends[1]);
             if !swept.overlaps(&body.bounds()) {
                 continue;
@@ -315,11 +311,11 @@ impl SpatialQuery<'_, '_> {
         filter: &SpatialQueryFilter,
     ) -> Result<Vec<Entity>, SpatialQueryError> {
         let here = Placed { model: shape.model(), pose: pose_of(at) };
-        let around = bounds_at(here.model, &here.pose);
+        let around = world_box(here.model, &here.pose, 0.0);
         let mut met = Vec::new();
         for body in self.candidates(filter).filter(|body| around.overlaps(&body.bounds())) {
             let answer = asked(here, placed(&body), Demand::Intersects)?;
-            if meets(&answer) {
+            if answer.touches() {
                 met.push(body.record.entity);
             }
         }
@@ -401,7 +397,7 @@ impl SpatialQuery<'_, '_> {
     /// [`SpatialQueryError::NoBody`].
     pub fn intersects(&self, a: Entity, b: Entity) -> Result<bool, SpatialQueryError> {
         let [a, b] = [self.body(a)?, self.body(b)?];
-        Ok(meets(&asked(placed(&a), placed(&b), Demand::Intersects)?))
+        Ok(asked(placed(&a), placed(&b), Demand::Intersects)?.touches())
     }
 
     /// When two bodies meet within so many seconds, if both keep their velocities: nothing is
@@ -468,10 +464,6 @@ fn asked(a: Placed<'_>, b: Placed<'_>, demand: Demand) -> Result<Answer, QueryEr
     query(a, b, &PairQuery::of(demand), &mut PairMemory::default())
 }
 
-fn meets(answer: &Answer) -> bool {
-    answer.solid || answer.surface != cranny_narrow_phase::Surface::None
-}
-
 fn in_frame_of(body: &Candidate<'_>, point: Vec3) -> DVec3 {
     body.pose.world_from_body().inverse().apply(widened(point))
 }
@@ -494,12 +486,6 @@ fn ray_at(
         face: body.model().filed_face(face),
         from_inside: from_behind,
     }))
-}
-
-/// A box that holds a posed model, all rounding included.
-fn bounds_at(model: &Model, pose: &Pose) -> Aabb {
-    let size = model.radius() + pose.translation.abs().max_element();
-    pose.world_from_body().bounds(&model.bounds()).grown(BOX_SLACK * size)
 }
 
 fn finite(what: &'static str, value: Vec3) -> Result<DVec3, PrimitiveError> {

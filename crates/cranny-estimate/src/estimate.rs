@@ -77,7 +77,7 @@ impl Estimate {
     /// The estimate of an exact answer.
     pub(crate) fn of_answer(answer: Answer) -> Self {
         Self {
-            verdict: match answer.solid || answer.surface.meets() {
+            verdict: match answer.touches() {
                 true => Verdict::Certain,
                 false => Verdict::Excluded,
             },

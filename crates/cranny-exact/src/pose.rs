@@ -165,6 +165,15 @@ impl Pose {
         }
     }
 
+    /// The pose of the world in the body: `body_from_world`.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        Self {
+            rotation: self.rotation.conjugate(),
+            translation: self.world_from_body().inverse().translation,
+        }
+    }
+
     /// The seven numbers that define the pose, as bits: a total order for canonical pairs and
     /// hashes.
     #[must_use]

@@ -304,6 +304,12 @@ impl AddAssign for Counters {
 }
 
 impl Answer {
+    /// Whether the bodies share a point, or one lies inside the other.
+    #[must_use]
+    pub fn touches(&self) -> bool {
+        self.solid || self.surface.meets()
+    }
+
     /// The same answer with the bodies' names exchanged.
     #[must_use]
     pub fn swapped(mut self) -> Self {

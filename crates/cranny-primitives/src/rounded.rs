@@ -31,7 +31,7 @@ pub fn rounded_separation(
     let [r1, r2] = pair.map(|rounded| rounded.radius);
     let demand = Demand::Distance { below: None };
     let answer = query_pair(pair.map(|r| &r.model), first_from_second, demand, memory)?;
-    if answer.solid || answer.surface.meets() {
+    if answer.touches() {
         return Ok(Separation::Meeting);
     }
     let (Some([a, b]), Some(between)) = (answer.witnesses, answer.distance) else {

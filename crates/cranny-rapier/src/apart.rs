@@ -7,7 +7,7 @@ use cranny_primitives::{Primitive, Rounded, Separation, rounded_separation, sepa
 use rapier3d::parry::shape::Shape;
 
 use crate::ask::logged;
-use crate::pair::{inverse, ours};
+use crate::pair::ours;
 use crate::partners::{measured, rounded_polyhedron};
 
 /// How far two shapes are apart, if no farther than `within`, in the first one's frame; `None`
@@ -31,7 +31,7 @@ pub(crate) fn apart(
         }
         (None, Some(shape)) => {
             if let Some(partner) = measured(g1) {
-                let found = of_partner(shape.model(), &partner, &inverse(pose))?;
+                let found = of_partner(shape.model(), &partner, &pose.inverse())?;
                 return Some(swapped(found, pose));
             }
         }

@@ -297,7 +297,7 @@ impl PairWorkspace {
         let mut contacts = Vec::new();
         let seconds = parts(g2);
         for (i, (pose1, part1)) in parts(g1).into_iter().enumerate() {
-            let back = inverse(&pose1);
+            let back = pose1.inverse();
             let home = pose1.world_from_body();
             let near = part1.compute_local_aabb().loosened(reach as Real);
             for (j, &(pose2, part2)) in seconds.iter().enumerate() {
@@ -341,13 +341,6 @@ fn solver_contact(
         Placed { model: cores[1].model(), pose: *pose },
     ];
     SolverContact { normal: smooth_normal(contact, bodies, smooth), ..plain }
-}
-
-pub(crate) fn inverse(pose: &ExactPose) -> ExactPose {
-    ExactPose {
-        rotation: pose.rotation.conjugate(),
-        translation: pose.world_from_body().inverse().translation,
-    }
 }
 
 /// A length between rounded bodies as one between their cores.
@@ -399,7 +392,7 @@ fn partner_contacts(
     if let Some(shape) = ours(g1) {
         return primitive_contacts(shape, g2, pose, reach);
     }
-    let contacts = primitive_contacts(ours(g2)?, g1, &inverse(pose), reach)?;
+    let contacts = primitive_contacts(ours(g2)?, g1, &pose.inverse(), reach)?;
     let forth = pose.world_from_body();
     Some(contacts.into_iter().map(|c| c.moved(&forth).swapped()).collect())
 }

@@ -86,7 +86,7 @@ impl Dispatcher {
         let answer =
             ask([&m1, &m2], pose, &Query::of(Demand::Intersects), &mut PairMemory::default())
                 .ok_or(Unsupported)?;
-        let intersecting = answer.solid || answer.surface.meets();
+        let intersecting = answer.touches();
         // parry knows which of a composite's parts it is; the verdict is ours.
         Ok(ShapeIntersection {
             intersecting,

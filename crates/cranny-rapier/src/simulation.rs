@@ -12,15 +12,15 @@ mod reduced;
 mod step_report;
 mod stepping;
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 
 use cranny_exact::{DVec3, Pose};
 use rapier3d::geometry::{ContactPair, Group, InteractionGroups, InteractionTestMode};
 use rapier3d::math::Real;
 use rapier3d::prelude::{
-    ActiveHooks, CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel,
-    ImpulseJointSet, IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase,
-    PhysicsPipeline, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet,
+    CCDSolver, ColliderBuilder, ColliderSet, DefaultBroadPhase, FrictionModel, ImpulseJointSet,
+    IntegrationParameters, IslandManager, MultibodyJointSet, NarrowPhase, PhysicsPipeline,
+    RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet,
 };
 
 pub use self::body::{BodyIndex, BodyKind, BodySpec, SimulationError};
@@ -70,8 +70,6 @@ pub struct Simulation {
     /// Bodies that were held back in the last step and got nowhere.
     pub(crate) stalled: BTreeSet<u32>,
     pub(crate) poses_before: Vec<Pose>,
-    /// Pairs of numbers that never meet, the lower first.
-    pub(crate) excluded: HashSet<(u32, u32)>,
     /// Impulses of the parts of the last step but its last one, by pairs of numbers, the lower
     /// first.
     earlier_impulses: BTreeMap<(u32, u32), f64>,
@@ -152,7 +150,6 @@ impl Simulation {
             held_back: 0,
             stalled: BTreeSet::new(),
             poses_before: Vec::new(),
-            excluded: HashSet::new(),
             earlier_impulses: BTreeMap::new(),
             log,
             searches,
@@ -235,21 +232,6 @@ impl Simulation {
         self.joined = true;
         let handle = self.joints.insert(self.handle(parent), self.handle(child), joint, true);
         JointIndex(JointPlace::Impulses(handle))
-    }
-
-    /// Two bodies never meet from now on.
-    pub fn exclude(&mut self, a: BodyIndex, b: BodyIndex) {
-        self.excluded.insert((a.0.min(b.0), a.0.max(b.0)));
-        self.log.forget(a.0, b.0);
-        self.log.forget(b.0, a.0);
-        for index in [a, b] {
-            for &collider in self.bodies[self.handle(index)].colliders() {
-                let collider = &mut self.colliders[collider];
-                let hooks = collider.active_hooks() | ActiveHooks::FILTER_CONTACT_PAIRS;
-                collider.set_active_hooks(hooks);
-            }
-            self.wake(index);
-        }
     }
 
     /// Numbers of a pair's bodies, in rapier's order.

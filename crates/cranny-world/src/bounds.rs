@@ -16,7 +16,8 @@ use cranny_geometry::Model;
 const BOX_SLACK: f64 = 64.0 * f64::EPSILON;
 
 /// The body's box in world coordinates, grown by `margin >= 0` and by all rounding.
-pub(crate) fn world_box(model: &Model, pose: &Pose, margin: f64) -> Aabb {
+#[must_use]
+pub fn world_box(model: &Model, pose: &Pose, margin: f64) -> Aabb {
     let scale = model.radius() + pose.translation.abs().max_element() + margin;
     pose.world_from_body().bounds(&model.bounds()).grown(margin + BOX_SLACK * scale)
 }

@@ -60,10 +60,10 @@ pub mod description;
 mod error;
 mod layers;
 mod report;
-mod supply;
 mod world;
 
 pub use body::{Body, BodyId, BodySpec};
+pub use bounds::world_box;
 pub use demand::ContactFields;
 pub use error::{WorldError, WorldInvariantError};
 pub use layers::Layers;

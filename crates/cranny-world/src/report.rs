@@ -1,7 +1,7 @@
 //! What a step tells.
 
 use cranny_broad_phase::BroadPhaseCounters;
-use cranny_narrow_phase::{Answer, Counters, Mismatch, RegionId, Surface};
+use cranny_narrow_phase::{Answer, Counters, Mismatch, RegionId};
 
 use crate::body::BodyId;
 
@@ -138,7 +138,7 @@ impl StepStats {
     /// Adds what an answer found; whether it was queried or supplied is the caller's to count.
     pub(crate) fn add(&mut self, pair: &PairAnswer) {
         let answer = &pair.answer;
-        self.touching_pairs += usize::from(touches(answer));
+        self.touching_pairs += usize::from(answer.touches());
         let in_regions: usize = answer.regions.iter().map(|r| r.points.len()).sum();
         // Where regions are told, the answer's contacts are their points, told again.
         self.contacts += if in_regions > 0 { in_regions } else { answer.contacts.len() };
@@ -149,11 +149,6 @@ impl StepStats {
             self.deepest = Some(Deepest { depth, a: pair.a, b: pair.b });
         }
     }
-}
-
-/// Whether the bodies share a point, or one lies inside the other.
-pub(crate) fn touches(answer: &Answer) -> bool {
-    answer.solid || answer.surface != Surface::None
 }
 
 /// How the regions of a pair's contact split and merged since its last answer.

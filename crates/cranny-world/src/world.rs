@@ -20,9 +20,7 @@ use crate::error::{WorldError, WorldInvariantError};
 use crate::layers::Layers;
 use crate::report::{
     PairAnswer, PairEvent, PairEventKind, PairMismatch, StepReport, StepStats, region_events,
-    touches,
 };
-use crate::supply::swapped;
 
 /// Two bodies, the lower id first.
 type Pair = (BodyId, BodyId);
@@ -244,7 +242,7 @@ impl World {
     /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
     pub fn supply(&mut self, a: BodyId, b: BodyId, answer: Answer) -> Result<(), WorldError> {
         let pair = self.known_pair(a, b)?;
-        let answer = if pair == (a, b) { answer } else { swapped(answer) };
+        let answer = if pair == (a, b) { answer } else { answer.swapped() };
         self.supplied.insert(pair, answer);
         Ok(())
     }
@@ -392,7 +390,7 @@ impl World {
             (Some(body_a), Some(body_b)) => self.demand((*a, *b), body_a, body_b) != Demand::None,
             _ => false,
         };
-        let met = answers.iter().filter(|pair| touches(&pair.answer));
+        let met = answers.iter().filter(|pair| pair.answer.touches());
         let met = met.map(|pair| (pair.a, pair.b)).chain(pressed);
         let touching: BTreeSet<Pair> = met.filter(|(a, b)| asked(a, b)).collect();
         let changed = self.touching.symmetric_difference(&touching).map(|&(a, b)| {

@@ -1,17 +1,13 @@
 //! Bodies as entities: spawned, changed and despawned while the app runs.
 
-use std::f32::consts::FRAC_PI_2;
-
 use bevy_ecs::hierarchy::ChildOf;
 use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
-use bevy_math::{Quat, Vec3};
+use bevy_math::Vec3;
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::{DVec3, Pose};
-use cranny_shapes::Torus;
 use cranny_world::description::{BodyKind, Effect, Motor, StatedMass};
-use proptest::prelude::*;
 
 use crate::build::{
     cube, cuboid, drop, empty, gate, height, messages, scene, steps, unit, up, world,
@@ -422,157 +418,6 @@ fn a_recording_shows_who_comes_and_goes() {
     let events: Vec<usize> =
         recording.events().unwrap().iter().map(|(_, e)| e.events.len()).collect();
     assert_eq!(events.iter().sum::<usize>(), 3, "began, ended, began: {events:?}");
-}
-
-/// What an app does between two steps.
-#[derive(Clone, Debug)]
-enum Act {
-    Spawn { dynamic: bool, torus: bool, at: [i8; 3] },
-    Despawn(usize),
-    Strip(usize),
-    Turn(usize),
-    Step,
-}
-
-fn act() -> impl Strategy<Value = Act> {
-    let place = prop::array::uniform3(-3i8..=3);
-    prop_oneof![
-        4 => (any::<bool>(), any::<bool>(), place)
-            .prop_map(|(dynamic, torus, at)| Act::Spawn { dynamic, torus, at }),
-        3 => (0usize..100).prop_map(Act::Despawn),
-        1 => (0usize..100).prop_map(Act::Strip),
-        1 => (0usize..100).prop_map(Act::Turn),
-        2 => Just(Act::Step),
-    ]
-}
-
-/// Acts, and returns how many bodies came and the hash of the state.
-fn acted(app: &mut SceneApp, acts: &[Act]) -> (usize, String) {
-    let (cube, ring) = (unit(), Collider::from_mesh(Torus::default().build().unwrap()).unwrap());
-    let mut live: Vec<Entity> = Vec::new();
-    let mut came = 0;
-    for act in acts {
-        let pick = |i: &usize, live: &[Entity]| (!live.is_empty()).then(|| i % live.len());
-        match act {
-            Act::Spawn { dynamic, torus, at } => {
-                let collider = if *torus { ring.clone() } else { cube.clone() };
-                let kind = if *dynamic { RigidBody::Dynamic } else { RigidBody::Fixed };
-                let [x, y, z] = at.map(|c| 0.6 * f32::from(c));
-                live.push(world(app).spawn((kind, collider, Transform::from_xyz(x, y, z))).id());
-                came += 1;
-            }
-            Act::Despawn(i) => {
-                if let Some(i) = pick(i, &live) {
-                    assert!(world(app).despawn(live.remove(i)));
-                }
-            }
-            Act::Strip(i) => {
-                if let Some(i) = pick(i, &live) {
-                    world(app).entity_mut(live[i]).remove::<Collider>();
-                    steps(app, 1);
-                    world(app).despawn(live.remove(i));
-                }
-            }
-            Act::Turn(i) => {
-                if let Some(i) = pick(i, &live) {
-                    let rotation = Quat::from_rotation_x(FRAC_PI_2);
-                    world(app).get_mut::<Transform>(live[i]).unwrap().rotation = rotation;
-                }
-            }
-            Act::Step => steps(app, 1),
-        }
-    }
-    steps(app, 1);
-    let hash = state_hash(app.app().world());
-    for entity in live {
-        world(app).despawn(entity);
-    }
-    steps(app, 2);
-    (came, hash)
-}
-
-/// How many entities an app has that has seen a body come and go: systems are entities too.
-fn settled(app: &mut SceneApp) -> u32 {
-    let body = world(app).spawn((RigidBody::Dynamic, unit())).id();
-    steps(app, 2);
-    world(app).despawn(body);
-    steps(app, 2);
-    world(app).entities().count_spawned()
-}
-
-fn nothing_is_left(app: &mut SceneApp, entities: u32) {
-    let world = world(app);
-    assert_eq!(world.entities().count_spawned(), entities);
-    assert_eq!(world.resource::<Bodies>().iter().len(), 0);
-    assert_eq!(world.resource::<EffectTable>().bodies().len(), 0);
-    let mut detector = world.resource_mut::<Detector>();
-    let pairs = detector.world();
-    pairs.validate().unwrap();
-    assert_eq!((pairs.bodies().len(), pairs.remembered_pairs()), (0, 0));
-    #[cfg(feature = "rapier")]
-    if let Some(rigid) = world.get_resource::<RigidBodies>() {
-        let simulation = rigid.simulation();
-        assert_eq!((simulation.len(), simulation.pair_count()), (0, 0));
-        assert_eq!(rigid.answers().count(), 0);
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
-
-    #[test]
-    fn whatever_comes_and_goes_leaves_nothing_and_repeats_to_the_bit(
-        acts in prop::collection::vec(act(), 60),
-    ) {
-        let effects = [Effect::Trigger, Effect::Response];
-        let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
-        let run = || {
-            let mut app = empty(effects);
-            let before = settled(&mut app);
-            let (_, hash) = acted(&mut app, &acts);
-            nothing_is_left(&mut app, before);
-            hash
-        };
-        prop_assert_eq!(run(), run());
-    }
-}
-
-#[test]
-fn ten_thousand_bodies_that_come_and_go_leave_nothing() {
-    let effects = [Effect::Trigger, Effect::Response];
-    let effects = if cfg!(feature = "rapier") { &effects[..] } else { &effects[..1] };
-    let run = || {
-        let mut app = empty(effects);
-        let before = settled(&mut app);
-        // A small generator of its own: the same acts in every run.
-        let mut seed = 0x2545_f491_4f6c_dd1du64;
-        let mut next = move |below: u64| {
-            seed ^= seed << 13;
-            seed ^= seed >> 7;
-            seed ^= seed << 17;
-            seed % below
-        };
-        let mut acts = Vec::new();
-        let (mut spawned, mut present) = (0, 0i64);
-        while spawned < 10_000 {
-            let place = [next(200) as i8, next(200) as i8, next(100) as i8];
-            if next(2) == 0 && present < 40 {
-                acts.push(Act::Spawn { dynamic: next(2) == 0, torus: false, at: place });
-                (spawned, present) = (spawned + 1, present + 1);
-            } else if present > 0 {
-                acts.push(Act::Despawn(next(100) as usize));
-                present -= 1;
-            }
-            if next(16) == 0 {
-                acts.push(Act::Step);
-            }
-        }
-        let (came, hash) = acted(&mut app, &acts);
-        assert_eq!(came, 10_000);
-        nothing_is_left(&mut app, before);
-        hash
-    };
-    assert_eq!(run(), run());
 }
 
 /// The pattern of bullets: whoever is hit takes the other out, in the step in which it is reported.

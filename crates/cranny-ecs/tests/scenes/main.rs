@@ -4,6 +4,7 @@ mod absence;
 mod build;
 #[cfg(feature = "rapier")]
 mod collisions;
+mod comings;
 mod detection;
 mod entities;
 mod fixed_update;

@@ -18,7 +18,7 @@ use crate::joint::{JointIndex, JointPlace};
 use crate::mass::MassSource;
 
 impl Simulation {
-    /// Takes a body out, with its joints and exclusions. Its number is free then: the next body
+    /// Takes a body out, with its joints. Its number is free then: the next body
     /// that is inserted gets the lowest that is.
     ///
     /// Nothing happens to a body that is not there.
@@ -39,7 +39,6 @@ impl Simulation {
         self.forget_parted_joints();
         self.tagged[body.0 as usize].leave();
         self.free.insert(body.0);
-        self.excluded.retain(|&(a, b)| a != body.0 && b != body.0);
         self.earlier_impulses.retain(|&(a, b), _| a != body.0 && b != body.0);
         self.stalled.remove(&body.0);
         self.forget(body);
@@ -248,13 +247,6 @@ impl Simulation {
             }
             JointPlace::Reduced(number) => self.part_reduced(number),
         }
-    }
-
-    /// Takes back that two bodies [never meet](Self::exclude).
-    pub fn include(&mut self, a: BodyIndex, b: BodyIndex) {
-        self.excluded.remove(&(a.0.min(b.0), a.0.max(b.0)));
-        self.wake(a);
-        self.wake(b);
     }
 
     /// Acceleration of dynamic bodies from now on.

@@ -4,19 +4,19 @@
 //! be beyond a thin wall at its end. So once rapier has moved the bodies, the way of each one that
 //! is named for it is held against those of the bodies around it, by the certified time of impact,
 //! and whoever would have met something on its way stays where it was just before. It keeps its
-//! velocity, unless it gets nowhere: the next step finds the contact, and solves it.
+//! velocity: the next step finds the contact, and solves it.
 //!
 //! Ways are screws from the pose before to the pose after. Of several bodies that meet, each is
 //! held back to the earliest of its meetings; as that changes ways, they are held against each
 //! other again, and what has not come to an end after [`ROUNDS`] stops at one common time, up to
 //! which nothing met anything.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_impact::{Impact, ImpactOptions, Motion, Moving, time_of_impact};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, Surface, query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
 use rapier3d::math::Real;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::QueryFilter;
@@ -32,21 +32,53 @@ use crate::pair::ours;
 const ROUNDS: usize = 4;
 
 /// How near a body is let to what it would meet, as a part of the thinner body's thickness. Larger:
-/// it hovers; smaller: f32 cannot tell the gap from none.
+/// it hovers; smaller: f32 does not tell the gap from none.
 const NEAR: f64 = 0.01;
 
 /// The least gap, as a part of the same. Larger: what touches is held; smaller: it is none in f32.
 const NEAREST: f64 = 1e-5;
 
-/// The share of its way below which a body gets nowhere, and what is left of its velocities then: a
-/// rod that swings about a tip which the solver holds would go on to swing through the wall.
-/// Larger: what slides along a wall is braked; smaller: it hangs there for many steps.
+/// The share of its way below which a body gets nowhere. Larger: what slides along a wall counts;
+/// smaller: what hangs there for many steps does not.
 const NOWHERE: f64 = 0.05;
+
+/// What is left of the velocities of a body that gets nowhere twice in a row: a rod that swings
+/// about a tip which the solver holds would go on to swing through the wall. Larger: it hangs there
+/// for more steps; smaller: a throw that the solver would turn back loses its speed.
 const KEPT_SPEED: Real = 0.5;
 
 /// Elementary tests of a way. More: what slides along a thread stalls the step; fewer: ways among
 /// many faces end before they have to.
 const BUDGET: u64 = 200_000;
+
+/// What a body does within a step, and up to which share of its way it goes.
+#[derive(Clone, Copy)]
+struct Way {
+    motion: Motion,
+    until: f64,
+}
+
+impl Way {
+    /// Whether it goes anywhere.
+    fn moves(&self) -> bool {
+        self.motion.travel != DVec3::ZERO || self.motion.turn != DVec3::ZERO
+    }
+
+    /// As far as it goes.
+    fn motion(&self) -> Motion {
+        let Motion { turn, travel, .. } = self.motion;
+        Motion { turn: self.until * turn, travel: self.until * travel, ..self.motion }
+    }
+}
+
+/// Two bodies that may meet on their ways.
+struct Encounter {
+    pair: [BodyIndex; 2],
+    /// How near they are let: half as near as at the beginning, where they are very near already.
+    tolerance: f64,
+    /// Whether they are as near at the beginning as rapier tells: they part, or stay.
+    stays: bool,
+}
 
 /// Bodies that met each other, by the lowest of each group.
 #[derive(Default)]
@@ -69,32 +101,12 @@ impl Groups {
     }
 }
 
-/// What a body does within a step, and up to which share of its way.
-#[derive(Clone, Copy)]
-struct Going {
-    motion: Motion,
-    until: f64,
-}
-
-impl Going {
-    /// Whether it goes anywhere.
-    fn moves(&self) -> bool {
-        self.motion.travel != DVec3::ZERO || self.motion.turn != DVec3::ZERO
-    }
-
-    /// As far as it may go.
-    fn motion(&self) -> Motion {
-        let Motion { turn, travel, .. } = self.motion;
-        Motion { turn: self.until * turn, travel: self.until * travel, ..self.motion }
-    }
-}
-
 impl Simulation {
     /// Says whether a body passes through no other one, and no other one through it, however fast,
     /// from now on; until then it may, where it moves by more than its radius in a step. It costs a
     /// certified time of impact for each body that is near its way, in steps in which it moves by
-    /// more than the thinner of both is thick. With our detector, and where neither is overlapped
-    /// by the other already; kinematic bodies and links of a robot are not held back. Of an app's
+    /// more than half of what the thinner of both is thick. With our detector, and where neither is
+    /// overlapped by the other already; kinematic bodies and links of a robot are not held back. Of
     /// hooks [`StepHooks::responds`] counts, not [`StepHooks::modify`].
     pub fn set_continuous(&mut self, body: BodyIndex, continuous: bool) {
         let handle = self.handle(body);
@@ -114,70 +126,76 @@ impl Simulation {
     pub(super) fn hold_back(&mut self, hooks: &impl StepHooks) {
         let named: Vec<BodyIndex> =
             self.indices().filter(|&index| self.body(index).is_ccd_enabled()).collect();
-        if named.is_empty() {
-            self.stalled.clear();
-            return;
+        let mut ways = BTreeMap::new();
+        if !named.is_empty() {
+            ways.extend(self.indices().map(|body| (body, self.way_of(body))));
+            let encounters = self.encounters(&named, &ways, hooks);
+            self.shorten(&mut ways, &encounters);
         }
-        let pairs = self.pairs_on_the_way(&named, hooks);
-        let mut going: BTreeMap<BodyIndex, Going> = BTreeMap::new();
-        for &[a, b] in &pairs {
-            for body in [a, b] {
-                let all = || Going { motion: self.way_of(body), until: 1.0 };
-                going.entry(body).or_insert_with(all);
-            }
-        }
-        let free = going.clone();
+        self.stop(&ways);
+    }
+
+    /// From the pose before the step to the one after it.
+    fn way_of(&self, body: BodyIndex) -> Way {
+        let before = self.poses_before[body.0 as usize];
+        let center = wide(self.tagged[body.0 as usize].center);
+        Way { motion: Motion::between(before, self.pose(body), center), until: 1.0 }
+    }
+
+    /// Lets bodies go as far as nobody meets anybody.
+    fn shorten(&self, ways: &mut BTreeMap<BodyIndex, Way>, encounters: &[Encounter]) {
         let mut together = Groups::default();
-        for round in 0.. {
-            let meetings: Vec<([BodyIndex; 2], f64)> = pairs
+        for round in 0..=ROUNDS {
+            let before = ways.clone();
+            let meetings = encounters
                 .iter()
-                .filter_map(|&pair| Some((pair, self.meeting(pair, &going)?)))
-                .collect();
-            if meetings.is_empty() {
-                break;
-            }
-            let before = going.clone();
+                .filter_map(|encounter| Some((encounter.pair, self.meeting(encounter, &before)?)));
+            let mut met = false;
             for (pair, time) in meetings {
-                if pair.iter().all(|&body| self.can_be_held(body)) {
+                met = true;
+                let held = pair.into_iter().filter(|&body| self.can_be_held(body));
+                for body in held.clone() {
+                    let way = ways.entry(body).or_insert(before[&body]);
+                    way.until = way.until.min(time * before[&body].until);
+                }
+                if held.count() == 2 {
                     together.join(pair);
                 }
-                for body in pair.into_iter().filter(|&body| self.can_be_held(body)) {
-                    if let Some(going) = going.get_mut(&body) {
-                        going.until = going.until.min(time * before[&body].until);
-                    }
-                }
+            }
+            if !met {
+                return;
             }
             if round == ROUNDS {
-                // Whoever met stops together, as far as none of them has met another.
-                let mut earliest: BTreeMap<BodyIndex, f64> = BTreeMap::new();
-                for (&body, going) in &going {
-                    let first = earliest.entry(together.of(body)).or_insert(1.0);
-                    *first = first.min(going.until);
-                }
-                for (body, going) in &mut going {
-                    *going = Going { until: earliest[&together.of(*body)], ..free[body] };
-                }
                 break;
             }
         }
-        let stopped: Vec<(BodyIndex, Going)> = going
-            .into_iter()
-            .filter(|(body, going)| going.until < 1.0 && going.moves() && self.can_be_held(*body))
-            .collect();
-        self.held_back += stopped.len();
-        let stalled_before = std::mem::take(&mut self.stalled);
-        for (body, going) in stopped {
-            let pose = going.motion.pose_at(going.until);
+        // Whoever met stops at one time, up to which none of them has met another.
+        let mut earliest: BTreeMap<BodyIndex, f64> = BTreeMap::new();
+        for (&body, way) in &*ways {
+            let first = earliest.entry(together.of(body)).or_insert(1.0);
+            *first = first.min(way.until);
+        }
+        for (&body, way) in ways {
+            way.until = earliest[&together.of(body)];
+        }
+    }
+
+    /// Puts bodies where their ways end now, and brakes what gets nowhere for the second time.
+    fn stop(&mut self, ways: &BTreeMap<BodyIndex, Way>) {
+        let stalled = std::mem::take(&mut self.stalled);
+        for (&body, way) in ways.iter().filter(|(_, way)| way.until < 1.0 && way.moves()) {
+            let pose = pose_to_rapier(&way.motion.pose_at(way.until));
             let handle = self.handle(body);
             let rigid = &mut self.bodies[handle];
-            rigid.set_position(pose_to_rapier(&pose), true);
-            if going.until < NOWHERE {
+            rigid.set_position(pose, true);
+            if way.until < NOWHERE {
                 self.stalled.insert(body.0);
-                if stalled_before.contains(&body.0) {
+                if stalled.contains(&body.0) {
                     rigid.set_linvel(rigid.linvel() * KEPT_SPEED, true);
                     rigid.set_angvel(rigid.angvel() * KEPT_SPEED, true);
                 }
             }
+            self.held_back += 1;
             self.settled = false;
         }
     }
@@ -193,19 +211,13 @@ impl Simulation {
         Some(ours(collider.shape())?.model())
     }
 
-    /// From the pose before the step to the one after it.
-    fn way_of(&self, body: BodyIndex) -> Motion {
-        let before = self.poses_before[body.0 as usize];
-        let center = wide(self.tagged[body.0 as usize].center);
-        Motion::between(before, self.pose(body), center)
-    }
-
-    /// Pairs of bodies, one of them named, that may have met on their ways.
-    fn pairs_on_the_way(
+    /// Pairs of bodies, one of them named, that may meet on their ways.
+    fn encounters(
         &self,
         named: &[BodyIndex],
+        ways: &BTreeMap<BodyIndex, Way>,
         hooks: &impl StepHooks,
-    ) -> BTreeSet<[BodyIndex; 2]> {
+    ) -> Vec<Encounter> {
         let dispatcher = Dispatcher::default();
         let tree = self.broad_phase.as_query_pipeline(
             &dispatcher,
@@ -213,97 +225,102 @@ impl Simulation {
             &self.colliders,
             QueryFilter::new(),
         );
-        // Others may have come from as far as any of them moves and turns.
-        let travel = |body: BodyIndex| {
-            let (way, radius) = (self.way_of(body), self.tagged[body.0 as usize].radius);
-            way.travel.length() as Real + (way.turn.length() as Real).min(2.0) * radius
+        // Its boxes are those at the end: others may have come from as far as any of them moves.
+        let travel = |(&body, way): (&BodyIndex, &Way)| {
+            let radius = self.tagged[body.0 as usize].radius;
+            way.motion.travel.length() as Real
+                + (way.motion.turn.length() as Real).min(2.0) * radius
         };
-        let farthest = self.indices().map(travel).fold(0.0, Real::max);
-        let mut pairs = BTreeSet::new();
+        let farthest = ways.iter().map(travel).fold(0.0, Real::max);
+        let mut pairs: Vec<[BodyIndex; 2]> = Vec::new();
         for &body in named {
-            let Some(swept) = self.swept(body) else { continue };
+            let Some(swept) = self.swept(body, &ways[&body]) else { continue };
             for (_, collider) in tree.intersect_aabb_conservative(swept.loosened(farthest)) {
                 let other = BodyIndex(collider.user_data as u32);
                 let pair = [body.min(other), body.max(other)];
-                let crosses = || self.swept(other).is_some_and(|way| way.intersects(&swept));
-                if other != body
-                    && self.may_pass(pair)
-                    && self.can_give_way(pair)
-                    && crosses()
-                    && self.responds(pair, hooks)
-                {
-                    pairs.insert(pair);
+                let of_pair = pair.map(|body| &ways[&body]);
+                let crosses = || {
+                    let way = self.swept(other, &ways[&other]);
+                    way.is_some_and(|way| way.intersects(&swept))
+                };
+                if other != body && self.may_pass(pair, of_pair) && crosses() {
+                    pairs.push(pair);
                 }
             }
         }
-        pairs
+        pairs.sort_unstable();
+        pairs.dedup();
+        let pairs = pairs.into_iter().filter(|&pair| self.responds(pair, hooks));
+        pairs.filter_map(|pair| self.encounter(pair, ways)).collect()
     }
 
     /// A box that holds a body all along its way.
-    fn swept(&self, body: BodyIndex) -> Option<Aabb> {
-        let tagged = &self.tagged[body.0 as usize];
-        let motion = self.way_of(body);
-        let centers = [0.0, 1.0].map(|t| motion.pose_at(t).world_from_body().apply(motion.pivot));
-        let around = centers.map(|center| Aabb::new(narrow(center), narrow(center)));
-        let reach = tagged.radius * (1.0 + Real::EPSILON.sqrt());
+    fn swept(&self, body: BodyIndex, way: &Way) -> Option<Aabb> {
+        let center = |t| way.motion.pose_at(t).world_from_body().apply(way.motion.pivot);
+        let around = [0.0, 1.0].map(|t| Aabb::new(narrow(center(t)), narrow(center(t))));
+        let reach = self.tagged[body.0 as usize].radius * (1.0 + Real::EPSILON.sqrt());
         let swept = around[0].merged(&around[1]).loosened(reach);
         (swept.mins.is_finite() && swept.maxs.is_finite()).then_some(swept)
     }
 
-    /// Whether two bodies move far enough beside each other for one to be beyond the other.
-    fn may_pass(&self, pair: [BodyIndex; 2]) -> bool {
+    /// Whether two bodies move far enough beside each other for one to be beyond the other, and one
+    /// of them has a way of its own to give up.
+    fn may_pass(&self, pair: [BodyIndex; 2], ways: [&Way; 2]) -> bool {
+        let tagged = pair.map(|body| &self.tagged[body.0 as usize]);
         // A surface without a volume is as thin as can be.
-        let thin = pair.map(|body| f64::from(self.tagged[body.0 as usize].thickness));
-        let thin = thin.map(|thin| if thin.is_finite() { thin } else { 0.0 });
-        let moved = pair.map(|body| {
-            let (motion, tagged) = (self.way_of(body), &self.tagged[body.0 as usize]);
-            (motion.travel, motion.turn.length() * f64::from(tagged.radius))
-        });
-        let travel = (moved[0].0 - moved[1].0).length() + moved[0].1 + moved[1].1;
-        travel > 0.5 * thin[0].min(thin[1])
-    }
-
-    /// Whether one of two bodies has a way of its own to give up: what is at rest cannot flee.
-    fn can_give_way(&self, pair: [BodyIndex; 2]) -> bool {
-        let goes = |body| Going { motion: self.way_of(body), until: 1.0 }.moves();
-        pair.into_iter().any(|body| self.can_be_held(body) && goes(body))
+        let thin = tagged.map(|t| if t.thickness.is_finite() { t.thickness } else { 0.0 });
+        let [a, b] = ways.map(|way| way.motion);
+        let turned = |k: usize| ways[k].motion.turn.length() * f64::from(tagged[k].radius);
+        let travel = (a.travel - b.travel).length() + turned(0) + turned(1);
+        let gives_way = |k: usize| ways[k].moves() && self.can_be_held(pair[k]);
+        travel > 0.5 * f64::from(thin[0].min(thin[1])) && (gives_way(0) || gives_way(1))
     }
 
     /// Whether two bodies meet at all.
     fn responds(&self, [a, b]: [BodyIndex; 2], hooks: &impl StepHooks) -> bool {
         let [first, second] =
             [a, b].map(|body| &self.colliders[self.tagged[body.0 as usize].collider]);
-        first.collision_groups().test(second.collision_groups())
-            && !self.excluded.contains(&(a.0, b.0))
-            && hooks.responds(a, b)
+        first.collision_groups().test(second.collision_groups()) && hooks.responds(a, b)
     }
 
-    /// At which share of the ways that are left two bodies come as near each other as they are let:
-    /// half as near as they are at the beginning, where they are very near already. `None` also
-    /// where they overlap at the beginning.
-    fn meeting(&self, pair: [BodyIndex; 2], going: &BTreeMap<BodyIndex, Going>) -> Option<f64> {
-        let moving = |body: BodyIndex| {
-            Some(Moving { model: self.model_of(body)?, motion: going.get(&body)?.motion() })
-        };
-        let ends = [moving(pair[0])?, moving(pair[1])?];
+    /// `None` for bodies that touch or overlap at the beginning.
+    fn encounter(
+        &self,
+        pair: [BodyIndex; 2],
+        ways: &BTreeMap<BodyIndex, Way>,
+    ) -> Option<Encounter> {
         let sizes = pair.map(|body| {
             let tagged = &self.tagged[body.0 as usize];
             f64::from(tagged.thickness.min(tagged.radius))
         });
-        let near = NEAR * sizes[0].min(sizes[1]);
-        let gap = answered(&ends, 0.0, Demand::Distance { below: Some(near) })?.distance?;
-        if gap == 0.0 {
-            return None;
-        }
-        let options = ImpactOptions { tolerance: near.min(0.5 * gap), budget: BUDGET };
+        let size = sizes[0].min(sizes[1]);
+        let below = Some(NEAR * size);
+        let gap = answered(&self.moving(pair, ways)?, 0.0, Demand::Distance { below })?.distance?;
+        let tolerance = (0.5 * gap).min(NEAR * size);
+        (gap > 0.0).then_some(Encounter { pair, tolerance, stays: tolerance < NEAREST * size })
+    }
+
+    fn moving(
+        &self,
+        pair: [BodyIndex; 2],
+        ways: &BTreeMap<BodyIndex, Way>,
+    ) -> Option<[Moving<'_>; 2]> {
+        let [a, b] = pair.map(|body| {
+            Some(Moving { model: self.model_of(body)?, motion: ways.get(&body)?.motion() })
+        });
+        Some([a?, b?])
+    }
+
+    /// At which share of the ways that are left two bodies come as near each other as they are let.
+    fn meeting(&self, encounter: &Encounter, ways: &BTreeMap<BodyIndex, Way>) -> Option<f64> {
+        let ends = self.moving(encounter.pair, ways)?;
+        let options = ImpactOptions { tolerance: encounter.tolerance, budget: BUDGET };
         let time = match time_of_impact(ends[0], ends[1], &options) {
             Ok((Impact::None | Impact::Initially { .. }, _)) | Err(_) => return None,
             Ok((Impact::Hit(hit), _)) => hit.time.lo,
             Ok((Impact::Open { free_before }, _)) => free_before,
         };
-        // What is as near as rapier can tell stays where it is, or leaves.
-        let stays = 0.5 * gap < NEAREST * sizes[0].min(sizes[1]);
-        Some(if stays { 0.0 } else { free_until(&ends, time) })
+        Some(if encounter.stays { 0.0 } else { free_until(&ends, time) })
     }
 }
 
@@ -320,7 +337,7 @@ fn answered(ends: &[Moving<'_>; 2], time: f64, demand: Demand) -> Option<Answer>
 fn free_until(ends: &[Moving<'_>; 2], mut time: f64) -> f64 {
     while time > f64::from(Real::EPSILON) {
         let answer = answered(ends, time, Demand::Intersects);
-        if answer.is_some_and(|answer| !answer.solid && answer.surface == Surface::None) {
+        if answer.is_some_and(|answer| !answer.touches()) {
             return time;
         }
         time *= 0.5;

@@ -1,8 +1,6 @@
 //! What a program decides about pairs while a step is made: which respond to each other, and what
 //! the solver gets of their contacts.
 
-use std::collections::HashSet;
-
 use cranny_exact::DVec3;
 use rapier3d::geometry::{ColliderHandle, ColliderSet};
 use rapier3d::math::Real;
@@ -108,11 +106,8 @@ impl SolvedContacts<'_> {
     }
 }
 
-/// Pairs that never meet, by numbers, the lower first; and what else decides.
-pub(super) struct Decisions<'a, H> {
-    pub(super) excluded: &'a HashSet<(u32, u32)>,
-    pub(super) hooks: &'a H,
-}
+/// Hooks, as rapier has them.
+pub(super) struct Decisions<'a, H>(pub(super) &'a H);
 
 /// The numbers of two colliders' bodies; `None` for colliders that are not ours.
 fn numbers(colliders: &ColliderSet, pair: [ColliderHandle; 2]) -> Option<[u32; 2]> {
@@ -123,10 +118,8 @@ fn numbers(colliders: &ColliderSet, pair: [ColliderHandle; 2]) -> Option<[u32; 2
 impl<H: StepHooks> PhysicsHooks for Decisions<'_, H> {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
         let pair = [context.collider1, context.collider2];
-        let responds = numbers(context.colliders, pair).is_none_or(|[a, b]| {
-            let (a, b) = (a.min(b), a.max(b));
-            !self.excluded.contains(&(a, b)) && self.hooks.responds(BodyIndex(a), BodyIndex(b))
-        });
+        let responds = numbers(context.colliders, pair)
+            .is_none_or(|[a, b]| self.0.responds(BodyIndex(a.min(b)), BodyIndex(a.max(b))));
         responds.then(SolverFlags::default)
     }
 
@@ -143,7 +136,7 @@ impl<H: StepHooks> PhysicsHooks for Decisions<'_, H> {
             user_data: &mut *rigid.user_data,
         };
         let bodies = [BodyIndex(a.min(b)), BodyIndex(a.max(b))];
-        self.hooks.modify(&mut SolvedContacts { bodies, turned: a > b, manifold });
+        self.0.modify(&mut SolvedContacts { bodies, turned: a > b, manifold });
     }
 }
 
@@ -152,9 +145,8 @@ impl Simulation {
     /// and whether they see its contacts before they are solved; neither until then. What nobody
     /// decides costs nothing.
     pub fn set_hooked(&mut self, body: BodyIndex, responds: bool, modify: bool) {
-        let excluded = self.excluded.iter().any(|&(a, b)| a == body.0 || b == body.0);
         let mut hooks = ActiveHooks::empty();
-        hooks.set(ActiveHooks::FILTER_CONTACT_PAIRS, responds || excluded);
+        hooks.set(ActiveHooks::FILTER_CONTACT_PAIRS, responds);
         hooks.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, modify);
         // To rapier a collider that is borrowed to be written has changed.
         let collider = self.tagged[body.0 as usize].collider;

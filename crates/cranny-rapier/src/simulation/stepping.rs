@@ -80,7 +80,7 @@ impl Simulation {
             &mut self.multibody_joints,
             &mut self.soft_bodies,
             &mut self.ccd,
-            &Decisions { excluded: &self.excluded, hooks },
+            &Decisions(hooks),
             &(),
         );
     }

@@ -38,8 +38,6 @@ struct Kept {
     poses_before: Vec<WrittenPose>,
     /// Bodies that were held back and got nowhere, ascending.
     stalled: Vec<u32>,
-    /// Ascending.
-    exclusions: Vec<(u32, u32)>,
     reduced: ReducedJoints,
     /// The log's step.
     log_step: u64,
@@ -146,8 +144,6 @@ impl Simulation {
             solver_iterations,
             most_parts,
         } = self.options;
-        let mut exclusions: Vec<(u32, u32)> = self.excluded.iter().copied().collect();
-        exclusions.sort_unstable();
         let answers = self.log.all().into_iter().map(|(tags, logged)| WrittenAnswer {
             tags,
             first_from_second: WrittenPose::of(&logged.first_from_second),
@@ -174,7 +170,6 @@ impl Simulation {
             looked_ahead: self.looked_ahead,
             poses_before: self.poses_before.iter().map(WrittenPose::of).collect(),
             stalled: self.stalled.iter().copied().collect(),
-            exclusions,
             reduced: self.reduced.clone(),
             log_step: self.log.step(),
             answers: answers.collect(),
@@ -241,7 +236,6 @@ impl Simulation {
         simulation.looked_ahead = kept.looked_ahead;
         simulation.poses_before = kept.poses_before.into_iter().map(WrittenPose::pose).collect();
         simulation.stalled = kept.stalled.into_iter().collect();
-        simulation.excluded = kept.exclusions.into_iter().collect();
         simulation.reduced = kept.reduced;
         simulation.log.continue_at(kept.log_step);
         for answer in kept.answers {

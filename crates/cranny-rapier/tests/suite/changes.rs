@@ -4,7 +4,7 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::Model;
 use cranny_rapier::{BodyIndex, BodyKind, JointSpec, Simulation, SimulationOptions};
 
-use crate::world::{cuboid, spec};
+use crate::world::{Apart, cuboid, spec};
 
 fn cube(size: f64) -> Model {
     cuboid(size, size, size)
@@ -49,12 +49,12 @@ fn what_stood_on_a_removed_body_falls() {
 fn numbers_of_removed_bodies_are_given_again_and_tell_nothing_of_the_past() {
     let cube = cube(1.0);
     let (mut simulation, [lower, upper]) = stack(&cube);
-    simulation.exclude(lower, upper);
+    simulation.set_hooked(upper, true, false);
     simulation.remove(upper);
     let again = simulation.insert(&spec(&cube, BodyKind::Dynamic, up(1.01))).unwrap();
     assert_eq!(again, upper);
-    steps(&mut simulation, 60);
-    assert!((height(&simulation, upper) - 1.0).abs() < 0.01, "the exclusion went with the body");
+    (0..60).for_each(|_| simulation.step_with(&Apart(lower, upper)));
+    assert!((height(&simulation, upper) - 1.0).abs() < 0.01, "nobody asks about the new body");
     // Far away, on a number that was near.
     simulation.remove(upper);
     let far = spec(&cube, BodyKind::Dynamic, DVec3::new(50.0, 0.0, 1.0));
@@ -88,14 +88,15 @@ fn a_run_with_removals_repeats_to_the_bit() {
 }
 
 #[test]
-fn bodies_that_rest_fall_once_they_are_excluded_and_hold_once_they_are_included() {
+fn bodies_that_rest_fall_once_they_do_not_respond_and_hold_once_they_do() {
     let cube = cube(1.0);
     let (mut simulation, [lower, upper]) = stack(&cube);
     steps(&mut simulation, 240); // asleep
-    simulation.exclude(lower, upper);
-    steps(&mut simulation, 20);
+    simulation.set_hooked(lower, true, false);
+    simulation.reconsider(lower, upper);
+    (0..20).for_each(|_| simulation.step_with(&Apart(lower, upper)));
     assert!(height(&simulation, upper) < 0.6, "{}", height(&simulation, upper));
-    simulation.include(upper, lower);
+    simulation.reconsider(upper, lower);
     simulation.set_pose(upper, Pose::at(up(1.01)));
     simulation.set_velocity(upper, DVec3::ZERO, DVec3::ZERO);
     steps(&mut simulation, 60);

@@ -2,7 +2,9 @@
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_rapier::{BodyKind, BodySpec, MassSource, MeshShape, Normals, dispatcher};
+use cranny_rapier::{
+    BodyIndex, BodyKind, BodySpec, MassSource, MeshShape, Normals, StepHooks, dispatcher,
+};
 use cranny_shapes::{Cuboid, Shape};
 use rapier3d::math::{Pose as RapierPose, Real, Vector};
 use rapier3d::parry::shape::SharedShape;
@@ -77,6 +79,15 @@ pub(crate) fn spec(model: &Model, kind: BodyKind, at: DVec3) -> BodySpec<'_> {
         restitution: 0.0,
         normals: Normals::Flat,
         groups: 1,
+    }
+}
+
+/// Two bodies that do not respond to each other, the lower number first.
+pub(crate) struct Apart(pub(crate) BodyIndex, pub(crate) BodyIndex);
+
+impl StepHooks for Apart {
+    fn responds(&self, a: BodyIndex, b: BodyIndex) -> bool {
+        (a, b) != (self.0, self.1)
     }
 }
 

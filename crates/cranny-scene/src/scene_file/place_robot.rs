@@ -5,30 +5,31 @@
 //! the group with geometry. A group without any is a body that meets nothing, if it has mass or if
 //! joints beyond it move something. Joints are placed in the bodies that carry their links.
 
+mod groups;
+mod masses;
+mod self_collisions;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::sync::Arc;
 
-use cranny_exact::{DMat3, DVec3, Pose};
+use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Mesh, Model};
-use cranny_shapes::Cuboid;
 use cranny_world::description::{
-    BodyDescription, BodyKind, Effect, JointDescription, JointKind, JointPositions, Material,
-    Mimic, Motor, StatedMass,
+    BodyDescription, BodyKind, JointDescription, JointKind, JointPositions, Material, Mimic, Motor,
+    StatedMass,
 };
-use cranny_world::{BodyId, BodySpec, World};
 
+use self::groups::Groups;
+use self::masses::{FRAME_SIZE, box_of, cube_of, inertia_box, moved, summed};
 use super::assemble::{Assembly, is_mesh};
 use super::problem::{SceneError, SceneProblem};
-use super::syntax::{MotorFile, RobotFile, SelfCollisionsFile, effects};
+use super::syntax::{MotorFile, RobotFile, effects};
 use crate::robot::{Robot, disabled_pairs, read_robot};
 
 /// Mass of a frame that moves and has neither mass nor geometry, kilograms. Smaller: what hangs on
 /// it has no weight beside the last digits in single precision; larger: an arm feels it.
 const FRAME_MASS: f64 = 1e-3;
-
-/// Edge of the cube that such a frame weighs like, metres.
-const FRAME_SIZE: f64 = 0.05;
 
 /// Names that a warning lists.
 const NAMED: usize = 8;
@@ -170,66 +171,6 @@ fn listed(names: &[String]) -> String {
     shown.join(", ")
 }
 
-/// Links that fixed joints hold together.
-struct Groups {
-    /// By link.
-    group_of: Vec<usize>,
-    /// By group: its first link, reached from the root.
-    top: Vec<usize>,
-    /// By group: the first link with collision geometry, else the top.
-    carrier: Vec<usize>,
-    /// By group: whether it is a body.
-    present: Vec<bool>,
-    /// By link: the joint above it.
-    above: Vec<Option<usize>>,
-}
-
-impl Groups {
-    fn of(robot: &Robot) -> Self {
-        let mut above = vec![None; robot.links.len()];
-        let mut group_of = vec![0; robot.links.len()];
-        let mut top = vec![robot.root];
-        let mut order = vec![robot.root];
-        for &index in robot.joints_from_root() {
-            let joint = &robot.joints[index];
-            above[joint.child] = Some(index);
-            order.push(joint.child);
-            group_of[joint.child] = if joint.kind == JointKind::Fixed {
-                group_of[joint.parent]
-            } else {
-                top.push(joint.child);
-                top.len() - 1
-            };
-        }
-        let mut carrier = vec![None; top.len()];
-        let mut present = vec![false; top.len()];
-        for &link in &order {
-            let (group, known) = (group_of[link], &robot.links[link]);
-            if known.collision.is_some() {
-                carrier[group].get_or_insert(link);
-            }
-            present[group] |= known.collision.is_some() || known.mass.is_some();
-        }
-        // What moves something is there, and so is what it hangs on.
-        for &index in robot.joints_from_root().iter().rev() {
-            let joint = &robot.joints[index];
-            let (parent, child) = (group_of[joint.parent], group_of[joint.child]);
-            if joint.kind != JointKind::Floating {
-                present[parent] |= parent != child && present[child];
-            }
-        }
-        let carrier = carrier.iter().zip(&top).map(|(found, &top)| found.unwrap_or(top)).collect();
-        Self { group_of, top, carrier, present, above }
-    }
-
-    /// Whether a link is a body of its own.
-    fn has_body(&self, robot: &Robot, link: usize) -> bool {
-        let group = self.group_of[link];
-        self.present[group]
-            && (self.carrier[group] == link || robot.links[link].collision.is_some())
-    }
-}
-
 struct Placing<'a> {
     robot: &'a Robot,
     file: &'a RobotFile,
@@ -280,7 +221,7 @@ impl Placing<'_> {
             self.join(link, starts, targets);
         }
         self.settle_masses()?;
-        self.tell_of_ghosts();
+        self.warn_of_ghosts();
         Ok(())
     }
 
@@ -339,7 +280,7 @@ impl Placing<'_> {
             }
             // The carrier lies below.
             None => self.carriers[carrier].map(|body| Carrier {
-                body_from_link: inverse(&from_top(carrier)).compose(&from_top(link)),
+                body_from_link: from_top(carrier).inverse().compose(&from_top(link)),
                 ..body
             }),
         };
@@ -526,7 +467,7 @@ impl Placing<'_> {
         Ok(())
     }
 
-    fn tell_of_ghosts(&mut self) {
+    fn warn_of_ghosts(&mut self) {
         let ghosts: Vec<String> = self
             .link_of_body
             .iter()
@@ -554,73 +495,6 @@ impl Placing<'_> {
             ));
         }
     }
-
-    /// Pairs of scene bodies that never meet: of one group; unless all are asked for, joined by a
-    /// joint, disabled, or meeting at rest.
-    fn excluded(&mut self, disabled: &[[String; 2]]) -> Result<Vec<(usize, usize)>, String> {
-        let count = self.bodies.len();
-        let pairs = (0..count).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let in_scene = |(i, j): (usize, usize)| (self.first + i, self.first + j);
-        let mut excluded: Vec<(usize, usize)> = pairs
-            .clone()
-            .filter(|&(i, j)| self.group_of_body[i] == self.group_of_body[j])
-            .map(in_scene)
-            .collect();
-        let named = |a: &str, b: &str| {
-            disabled.iter().any(|[x, y]| (x == a && y == b) || (x == b && y == a))
-        };
-        let name = |body: usize| self.robot.links[self.link_of_body[body]].name.as_str();
-        excluded.extend(pairs.clone().filter(|&(i, j)| named(name(i), name(j))).map(in_scene));
-        let adjacent = self.joints.iter().map(|j| (j.parent.min(j.child), j.parent.max(j.child)));
-        match self.file.self_collisions {
-            SelfCollisionsFile::All => return Ok(excluded),
-            SelfCollisionsFile::None => return Ok(pairs.map(in_scene).collect()),
-            SelfCollisionsFile::Adjacent => excluded.extend(adjacent),
-            SelfCollisionsFile::Apart => {
-                excluded.extend(adjacent);
-                let meeting = self.meeting(&excluded).map_err(|error| error.to_string())?;
-                if !meeting.is_empty() {
-                    let names: Vec<String> = meeting
-                        .iter()
-                        .map(|&(i, j)| format!("{} - {}", name(i), name(j)))
-                        .collect();
-                    self.warnings.push(format!(
-                        "{} pairs of links meet where the robot starts and never collide: {}. `self_collisions: Adjacent` keeps them",
-                        names.len(), listed(&names)
-                    ));
-                }
-                excluded.extend(meeting.into_iter().map(|(i, j)| (self.first + i, self.first + j)));
-            }
-        }
-        Ok(excluded)
-    }
-
-    /// Pairs of bodies that touch or overlap where the robot starts, beside those excluded.
-    fn meeting(
-        &self,
-        excluded: &[(usize, usize)],
-    ) -> Result<Vec<(usize, usize)>, cranny_world::WorldError> {
-        let mut world = World::new();
-        world.set_scene_effects(&[Effect::Trigger])?;
-        let mut ids: BTreeMap<BodyId, usize> = BTreeMap::new();
-        for (index, body) in self.bodies.iter().enumerate() {
-            let Some(model) = body.model.clone().filter(|_| !body.layers.is_empty()) else {
-                continue;
-            };
-            let spec = BodySpec { pose: body.pose, ..BodySpec::new(&body.name, model) };
-            ids.insert(world.insert(spec)?, index);
-        }
-        let id_of: BTreeMap<usize, BodyId> = ids.iter().map(|(&id, &index)| (index, id)).collect();
-        for &(a, b) in excluded {
-            if let (Some(&a), Some(&b)) =
-                (id_of.get(&(a - self.first)), id_of.get(&(b - self.first)))
-            {
-                world.exclude_pair(a, b)?;
-            }
-        }
-        let touching = world.step()?.touching;
-        Ok(touching.iter().map(|(a, b)| (ids[a], ids[b])).collect())
-    }
 }
 
 impl MotorFile {
@@ -644,60 +518,4 @@ pub(super) fn motor_of(said: Option<&MotorFile>, target: Option<f64>) -> Option<
         Some(said) => Some(said.motor(target, Motor::default())),
         None => target.map(Motor::at),
     }
-}
-
-fn inverse(pose: &Pose) -> Pose {
-    let rotation = pose.rotation.conjugate();
-    Pose { rotation, translation: rotation * -pose.translation }
-}
-
-fn box_of(mass: f64, edges: DVec3, center: DVec3) -> StatedMass {
-    let s = edges * edges;
-    let moments = DVec3::new(s.y + s.z, s.z + s.x, s.x + s.y) * (mass / 12.0);
-    StatedMass { mass, center, inertia: DMat3::from_diagonal(moments) }
-}
-
-fn cube_of(mass: f64, edge: f64, center: DVec3) -> StatedMass {
-    box_of(mass, DVec3::splat(edge), center)
-}
-
-/// A cube about a link's centre of mass, which a link without geometry is drawn as.
-fn inertia_box(inertial: Option<&StatedMass>) -> Result<Mesh, String> {
-    let size = inertial.map_or(FRAME_SIZE, |stated| {
-        let mean =
-            (stated.inertia.x_axis.x + stated.inertia.y_axis.y + stated.inertia.z_axis.z) / 3.0;
-        (6.0 * mean / stated.mass).sqrt().clamp(0.1 * FRAME_SIZE, 20.0 * FRAME_SIZE)
-    });
-    let center = inertial.map_or(DVec3::ZERO, |stated| stated.center);
-    let cube = Cuboid { size: [size; 3] }.build().map_err(|error| error.to_string())?;
-    let vertices = cube.vertices().iter().map(|&p| p + center).collect();
-    Mesh::new(vertices, cube.faces().to_vec()).map_err(|error| error.to_string())
-}
-
-/// The same mass in the frame of what carries it.
-fn moved(stated: &StatedMass, body_from_link: &Pose) -> StatedMass {
-    let turn = DMat3::from_quat(body_from_link.rotation);
-    StatedMass {
-        mass: stated.mass,
-        center: body_from_link.rotation * stated.center + body_from_link.translation,
-        inertia: turn * stated.inertia * turn.transpose(),
-    }
-}
-
-/// Several masses as one (Steiner).
-fn summed(parts: &[StatedMass]) -> Option<StatedMass> {
-    let mass: f64 = parts.iter().map(|part| part.mass).sum();
-    if let [part] = parts {
-        return Some(*part);
-    }
-    let weighted: DVec3 = parts.iter().map(|part| part.center * part.mass).sum();
-    let center = weighted / mass;
-    let mut inertia = DMat3::ZERO;
-    for part in parts {
-        let arm = part.center - center;
-        let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-        let steiner = DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer;
-        inertia += part.inertia + steiner * part.mass;
-    }
-    (mass > 0.0).then_some(StatedMass { mass, center, inertia })
 }

@@ -111,7 +111,11 @@ fn pile(detector: Detector) -> (Simulation, Vec<Model>) {
     let at = |x: f64, z: f64| Pose::at(DVec3::new(x, 0.0, z));
     let hinge = JointSpec::Revolute { axis: DVec3::Y, limits: None, motor: None };
     simulation.join(post, arm, at(0.2, 0.5), at(-0.4, 0.0), &hinge, false);
-    simulation.exclude(passer, BodyIndex(1));
+    let all: Vec<BodyIndex> = simulation.indices().collect();
+    for body in all {
+        let group = if body == BodyIndex(1) { 0b10 } else { 0b01 };
+        simulation.set_groups(body, group, if body == passer { !0b10 } else { u32::MAX });
+    }
     (simulation, models)
 }
 
