@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_impact::{Impact, ImpactOptions, Motion, Moving, time_of_impact};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use rapier3d::math::Real;
 use rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use rapier3d::prelude::QueryFilter;
@@ -34,9 +34,6 @@ const ROUNDS: usize = 4;
 /// How near a body is let to what it would meet, as a part of the thinner body's thickness. Larger:
 /// it hovers; smaller: f32 does not tell the gap from none.
 const NEAR: f64 = 0.01;
-
-/// The least gap, as a part of the same. Larger: what touches is held; smaller: it is none in f32.
-const NEAREST: f64 = 1e-5;
 
 /// The share of its way below which a body gets nowhere. Larger: what slides along a wall counts;
 /// smaller: what hangs there for many steps does not.
@@ -69,15 +66,6 @@ impl Way {
         let Motion { turn, travel, .. } = self.motion;
         Motion { turn: self.until * turn, travel: self.until * travel, ..self.motion }
     }
-}
-
-/// Two bodies that may meet on their ways.
-struct Encounter {
-    pair: [BodyIndex; 2],
-    /// How near they are let: half as near as at the beginning, where they are very near already.
-    tolerance: f64,
-    /// Whether they are as near at the beginning as rapier tells: they part, or stay.
-    stays: bool,
 }
 
 /// Bodies that met each other, by the lowest of each group.
@@ -129,8 +117,8 @@ impl Simulation {
         let mut ways = BTreeMap::new();
         if !named.is_empty() {
             ways.extend(self.indices().map(|body| (body, self.way_of(body))));
-            let encounters = self.encounters(&named, &ways, hooks);
-            self.shorten(&mut ways, &encounters);
+            let pairs = self.pairs_on_the_way(&named, &ways, hooks);
+            self.shorten(&mut ways, &pairs);
         }
         self.stop(&ways);
     }
@@ -143,13 +131,12 @@ impl Simulation {
     }
 
     /// Lets bodies go as far as nobody meets anybody.
-    fn shorten(&self, ways: &mut BTreeMap<BodyIndex, Way>, encounters: &[Encounter]) {
+    fn shorten(&self, ways: &mut BTreeMap<BodyIndex, Way>, pairs: &[[BodyIndex; 2]]) {
         let mut together = Groups::default();
         for round in 0..=ROUNDS {
             let before = ways.clone();
-            let meetings = encounters
-                .iter()
-                .filter_map(|encounter| Some((encounter.pair, self.meeting(encounter, &before)?)));
+            let meetings =
+                pairs.iter().filter_map(|&pair| Some((pair, self.meeting(pair, &before)?)));
             let mut met = false;
             for (pair, time) in meetings {
                 met = true;
@@ -212,12 +199,12 @@ impl Simulation {
     }
 
     /// Pairs of bodies, one of them named, that may meet on their ways.
-    fn encounters(
+    fn pairs_on_the_way(
         &self,
         named: &[BodyIndex],
         ways: &BTreeMap<BodyIndex, Way>,
         hooks: &impl StepHooks,
-    ) -> Vec<Encounter> {
+    ) -> Vec<[BodyIndex; 2]> {
         let dispatcher = Dispatcher::default();
         let tree = self.broad_phase.as_query_pipeline(
             &dispatcher,
@@ -250,8 +237,8 @@ impl Simulation {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        let pairs = pairs.into_iter().filter(|&pair| self.responds(pair, hooks));
-        pairs.filter_map(|pair| self.encounter(pair, ways)).collect()
+        pairs.retain(|&pair| self.responds(pair, hooks));
+        pairs
     }
 
     /// A box that holds a body all along its way.
@@ -269,11 +256,21 @@ impl Simulation {
         let tagged = pair.map(|body| &self.tagged[body.0 as usize]);
         // A surface without a volume is as thin as can be.
         let thin = tagged.map(|t| if t.thickness.is_finite() { t.thickness } else { 0.0 });
+        // One of them may be held back, and the other go on.
         let [a, b] = ways.map(|way| way.motion);
-        let turned = |k: usize| ways[k].motion.turn.length() * f64::from(tagged[k].radius);
-        let travel = (a.travel - b.travel).length() + turned(0) + turned(1);
+        let stopped = |of: Motion| Motion { travel: DVec3::ZERO, ..of };
+        let travel = [[a, b], [stopped(a), b], [a, stopped(b)]]
+            .map(|motions| self.travel_beside(pair, motions))
+            .into_iter()
+            .fold(0.0, f64::max);
         let gives_way = |k: usize| ways[k].moves() && self.can_be_held(pair[k]);
         travel > 0.5 * f64::from(thin[0].min(thin[1])) && (gives_way(0) || gives_way(1))
+    }
+
+    /// How far a point of one body moves beside another one, at most.
+    fn travel_beside(&self, pair: [BodyIndex; 2], [a, b]: [Motion; 2]) -> f64 {
+        let [of_a, of_b] = pair.map(|body| f64::from(self.tagged[body.0 as usize].radius));
+        (a.travel - b.travel).length() + a.turn.length() * of_a + b.turn.length() * of_b
     }
 
     /// Whether two bodies meet at all.
@@ -283,64 +280,42 @@ impl Simulation {
         first.collision_groups().test(second.collision_groups()) && hooks.responds(a, b)
     }
 
-    /// `None` for bodies that touch or overlap at the beginning.
-    fn encounter(
-        &self,
-        pair: [BodyIndex; 2],
-        ways: &BTreeMap<BodyIndex, Way>,
-    ) -> Option<Encounter> {
+    /// At which share of the ways that are left two bodies come as near each other as they are let,
+    /// to a factor of two. `None` also where they touch or overlap at the beginning.
+    fn meeting(&self, pair: [BodyIndex; 2], ways: &BTreeMap<BodyIndex, Way>) -> Option<f64> {
+        let moving =
+            |body| Some(Moving { model: self.model_of(body)?, motion: ways.get(&body)?.motion() });
+        let ends = [moving(pair[0])?, moving(pair[1])?];
         let sizes = pair.map(|body| {
             let tagged = &self.tagged[body.0 as usize];
             f64::from(tagged.thickness.min(tagged.radius))
         });
-        let size = sizes[0].min(sizes[1]);
-        let below = Some(NEAR * size);
-        let gap = answered(&self.moving(pair, ways)?, 0.0, Demand::Distance { below })?.distance?;
-        let tolerance = (0.5 * gap).min(NEAR * size);
-        (gap > 0.0).then_some(Encounter { pair, tolerance, stays: tolerance < NEAREST * size })
-    }
-
-    fn moving(
-        &self,
-        pair: [BodyIndex; 2],
-        ways: &BTreeMap<BodyIndex, Way>,
-    ) -> Option<[Moving<'_>; 2]> {
-        let [a, b] = pair.map(|body| {
-            Some(Moving { model: self.model_of(body)?, motion: ways.get(&body)?.motion() })
-        });
-        Some([a?, b?])
-    }
-
-    /// At which share of the ways that are left two bodies come as near each other as they are let.
-    fn meeting(&self, encounter: &Encounter, ways: &BTreeMap<BodyIndex, Way>) -> Option<f64> {
-        let ends = self.moving(encounter.pair, ways)?;
-        let options = ImpactOptions { tolerance: encounter.tolerance, budget: BUDGET };
+        let tolerance = NEAR * sizes[0].min(sizes[1]);
+        let options = ImpactOptions { tolerance, budget: BUDGET };
         let time = match time_of_impact(ends[0], ends[1], &options) {
             Ok((Impact::None | Impact::Initially { .. }, _)) | Err(_) => return None,
             Ok((Impact::Hit(hit), _)) => hit.time.lo,
             Ok((Impact::Open { free_before }, _)) => free_before,
         };
-        Some(if encounter.stays { 0.0 } else { free_until(&ends, time) })
+        // They may touch at that time.
+        let travel = self.travel_beside(pair, ends.map(|end| end.motion));
+        Some(free_until(&ends, time, tolerance / travel))
     }
 }
 
-/// What is true of two bodies at a share of their ways, in rapier's numbers.
-fn answered(ends: &[Moving<'_>; 2], time: f64, demand: Demand) -> Option<Answer> {
-    let [a, b] = ends.map(|end| {
-        let pose = pose_from_rapier(&pose_to_rapier(&end.motion.pose_at(time)));
-        Placed { model: end.model, pose }
-    });
-    query(a, b, &Query::of(demand), &mut PairMemory::default()).ok()
-}
-
-/// The time, or an earlier one if rounding to rapier's numbers makes the bodies meet there.
-fn free_until(ends: &[Moving<'_>; 2], mut time: f64) -> f64 {
-    while time > f64::from(Real::EPSILON) {
-        let answer = answered(ends, time, Demand::Intersects);
-        if answer.is_some_and(|answer| !answer.touches()) {
-            return time;
+/// A time before the given one, by `back` or more, at which bodies are apart in rapier's numbers; 0
+/// where there is none.
+fn free_until(ends: &[Moving<'_>; 2], time: f64, mut back: f64) -> f64 {
+    let ask = Query::of(Demand::Intersects);
+    while back < time {
+        let [a, b] = ends.map(|end| {
+            let pose = pose_from_rapier(&pose_to_rapier(&end.motion.pose_at(time - back)));
+            Placed { model: end.model, pose }
+        });
+        if query(a, b, &ask, &mut PairMemory::default()).is_ok_and(|answer| !answer.touches()) {
+            return time - back;
         }
-        time *= 0.5;
+        back *= 2.0;
     }
     0.0
 }
