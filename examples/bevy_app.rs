@@ -100,7 +100,7 @@ fn hear(time: Res<SimulatedTime>, mut starts: MessageReader<CollisionStart>, nam
 }
 
 fn tell(time: Res<SimulatedTime>, places: Query<(&Name, &Transform)>) {
-    if time.steps() == 0 || time.steps() % 30 != 0 {
+    if time.steps() == 0 || !time.steps().is_multiple_of(30) {
         return;
     }
     let height = |name: &str| {

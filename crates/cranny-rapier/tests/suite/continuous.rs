@@ -275,7 +275,7 @@ fn what_is_near_and_leaves_is_not_held() {
     }
 }
 
-/// A blade of 2 turns by 60 degrees; a small ball is in its way, beyond where its box is at the end.
+/// A blade of 2 turns by 60 degrees. A small ball is in its way, beyond the blade's box at the end.
 #[test]
 fn a_blade_that_turns_does_not_pass_a_named_ball() {
     let (blade, ball) = (cuboid(2.0, 0.02, 0.2), cuboid(0.02, 0.02, 0.02));
