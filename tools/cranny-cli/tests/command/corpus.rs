@@ -283,7 +283,7 @@ fn links_meet_where_others_say_they_do() {
         let expected = expected["configs"].as_array().unwrap();
         let folder = Folder::new();
         let configurations: Value = expected.iter().map(|config| config["q"].clone()).collect();
-        let configurations = folder.write("q.json", &configurations.to_string());
+        let configurations = folder.write("q.json", configurations.to_string());
         let urdf = format!("example-robot-data/robots/{name}_description/urdf/{name}.urdf");
         let urdf = argument(&corpus.join("robots").join(urdf));
         let found = run(&["robot", &urdf, "--configurations", &configurations, "--distance"]);
