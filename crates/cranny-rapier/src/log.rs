@@ -24,9 +24,9 @@ pub struct LoggedAnswer {
 }
 
 impl LoggedAnswer {
-    /// How deep the bodies can overlap at another relative pose, below 0 where a gap is left; `None`
-    /// where the answer does not say: it holds no contacts for a solver (depths of regions are
-    /// others), or a body lay within the other's material.
+    /// How deep the bodies can overlap at another relative pose, below 0 where a gap is left;
+    /// `None` where the answer does not say: it holds no contacts for a solver (depths of regions
+    /// are others), or a body lay within the other's material.
     ///
     /// A contact has come nearer by the [drift](drift()) at most, and one that was not listed was
     /// farther than what stood for its patches by as much.

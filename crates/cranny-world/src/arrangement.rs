@@ -136,8 +136,8 @@ impl Arrangement {
         Ok(Arranged { meeting, nearest })
     }
 
-    /// The nearest pair of models that do not meet: by ascending distance of their boxes, until none
-    /// can be nearer.
+    /// The nearest pair of models that do not meet: by ascending distance of their boxes, until
+    /// none can be nearer.
     fn nearest_apart(
         &mut self,
         poses: &[Pose],

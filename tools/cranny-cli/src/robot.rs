@@ -24,7 +24,7 @@ use description::Description;
 
 /// What is found at a configuration.
 #[derive(Debug, Serialize)]
-struct Line<'a> {
+struct ConfigurationLine<'a> {
     configuration: usize,
     hits: Vec<[&'a str; 2]>,
     distance: Option<f64>,
@@ -92,7 +92,8 @@ fn check(
     for (index, poses) in poses.iter().enumerate() {
         let start = Instant::now();
         let found = links.at(poses, wanted).map_err(|error| wrong(index, &error))?;
-        let line = Line::of(index, robot, &found, start.elapsed().as_nanos() as f64 / 1e3);
+        let line =
+            ConfigurationLine::of(index, robot, &found, start.elapsed().as_nanos() as f64 / 1e3);
         match format {
             Format::Json => output.json(&line),
             Format::Text => output.line(&line.text()),
@@ -103,7 +104,7 @@ fn check(
     Ok(())
 }
 
-impl<'a> Line<'a> {
+impl<'a> ConfigurationLine<'a> {
     fn of(configuration: usize, robot: &'a Robot, found: &Arranged, micros: f64) -> Self {
         let named = |(a, b): (usize, usize)| {
             let mut names = [a, b].map(|link| robot.links[link].name.as_str());

@@ -143,6 +143,25 @@ fn bodies_without_the_effect_pass_through_each_other() {
 }
 
 #[test]
+fn a_sensor_of_a_scene_is_noticed_and_stops_nothing() {
+    let fallen = |sensor: bool| {
+        let mut floor = cube("floor", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+        floor.sensor = sensor;
+        let falling = cube("box", BodyKind::Dynamic, DVec3::Z * 1.25, DVec3::ZERO);
+        let effects = [Effect::Response, Effect::Trigger];
+        let options = RunOptions::default();
+        let mut app = SceneApp::new(&scene(vec![floor, falling], &effects), &options).unwrap();
+        let mut starts = 0;
+        while app.step().unwrap() {
+            starts += app.app().world().resource::<Messages<CollisionStart>>().len();
+        }
+        (height(&app, "box") < -1.0, starts > 0)
+    };
+    assert_eq!(fallen(true), (true, true));
+    assert_eq!(fallen(false), (false, true));
+}
+
+#[test]
 fn a_moved_transform_moves_the_rigid_body_and_a_despawned_one_meets_nothing() {
     let mut app = SceneApp::new(&drop(&[Effect::Response]), &RunOptions::default()).unwrap();
     (0..4).for_each(|_| assert!(app.step().unwrap()));

@@ -137,8 +137,8 @@ impl Simulation {
     /// How deep pairs of bodies can have overlapped at the poses at the beginning of the last step,
     /// or of its last part, the lower number first; below 0 where a gap was left. It follows from
     /// the pair's latest answer and how far the bodies have moved since, and is right to what a
-    /// search would cost where they have moved little. A pair of which the detector knows nothing is
-    /// left out. In no order.
+    /// search would cost where they have moved little. A pair of which the detector knows nothing
+    /// is left out. In no order.
     pub fn depth_bounds(&self) -> impl Iterator<Item = ((BodyIndex, BodyIndex), f64)> {
         self.narrow_phase.contact_pairs().filter_map(|pair| {
             let (first, second) = self.tags(pair)?;

@@ -149,7 +149,7 @@ impl RobotJoint {
 }
 
 /// A rotation about a unit axis by an angle in radians.
-fn about(axis: DVec3, angle: f64) -> DQuat {
+pub(crate) fn about(axis: DVec3, angle: f64) -> DQuat {
     let (sin, cos) = (0.5 * angle).sin_cos();
     let v = axis * sin;
     let rotation = DQuat::from_xyzw(v.x, v.y, v.z, cos);

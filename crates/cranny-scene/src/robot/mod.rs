@@ -21,6 +21,7 @@ use cranny_geometry::Mesh;
 use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 
 pub use kinematics::PositionError;
+pub(crate) use kinematics::about;
 pub use models::LinkModelError;
 pub(crate) use models::LinkModels;
 pub use problem::RobotError;

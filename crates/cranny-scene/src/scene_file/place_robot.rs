@@ -97,7 +97,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
             pairs
         }
     };
-    let world_from_root = Pose::from(file.pose);
+    let world_from_root = assembly.pose(&format!("robot {name:?}"), file.pose);
     let mut placing = Placing {
         robot: &robot,
         file,
@@ -235,6 +235,7 @@ impl Placing<'_> {
             material: Material::from(self.file.material),
             mass: None,
             normals: self.file.normals.into(),
+            sensor: false,
             layers,
             effects: effects(&self.file.effects),
         });

@@ -12,8 +12,8 @@ pub(crate) struct RobotArgs {
     #[arg(value_name = "URDF")]
     pub(crate) urdf: PathBuf,
 
-    /// List of configurations, `[{"joint": position, ...}, ...]`: a line for each is printed instead
-    /// of the description (see below)
+    /// List of configurations, `[{"joint": position, ...}, ...]`: a line for each is printed
+    /// instead of the description (see below)
     #[arg(long, value_name = "Q.json")]
     pub(crate) configurations: Option<PathBuf>,
 
