@@ -81,7 +81,7 @@ pub(crate) fn prepare(
     for (i, body) in scene.bodies.iter().enumerate() {
         let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
         let (mesh, color) = (drawn(&bodies, &of, &body.name)?, palette(i));
-        list.instances.push(Instance { mesh: mesh.clone(), pose: body.pose, color });
+        list.instances.push(Instance::solid(mesh.clone(), body.pose, color));
         bodies.insert(BodyId(i as u32), Painted { mesh, color, of });
     }
     let start = list.bounds();
@@ -195,7 +195,7 @@ impl Palette {
         list.ground = Some(self.ground);
         for (id, pose) in poses {
             if let Some(Painted { mesh, color, .. }) = self.bodies.get(&id) {
-                list.instances.push(Instance { mesh: mesh.clone(), pose, color: *color });
+                list.instances.push(Instance::solid(mesh.clone(), pose, *color));
             }
         }
         let pairs = contacts.iter().flat_map(|c| &c.pairs);

@@ -156,6 +156,21 @@ impl Image {
         Some(Color { r, g, b, a })
     }
 
+    /// Lays a colour over a pixel, as much of it as `share` (0 to 1) says beside its alpha; nothing
+    /// outside the picture.
+    pub(crate) fn blend(&mut self, [x, y]: [i32; 2], color: Color, share: f32) {
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return };
+        if x >= self.size.width || y >= self.size.height || share <= 0.0 {
+            return;
+        }
+        let at = 4 * (y as usize * self.size.width as usize + x as usize);
+        let share = (share * f32::from(color.a) / 255.0).min(1.0);
+        for (below, above) in self.pixels[at..at + 3].iter_mut().zip([color.r, color.g, color.b]) {
+            let mixed = f32::from(*below) + share * (f32::from(above) - f32::from(*below));
+            *below = mixed.round() as u8;
+        }
+    }
+
     /// How far `other` differs; pixels count as differing where a channel is more than `threshold`
     /// apart. Graphics drivers round and sample differently, so the same draw list gives pictures
     /// that are close, not equal.
@@ -216,7 +231,7 @@ impl Image {
     }
 
     /// Copies `tile` to column `x`, row `y`; it must fit.
-    fn place(&mut self, tile: &Self, x: u32, y: u32) {
+    pub(crate) fn place(&mut self, tile: &Self, x: u32, y: u32) {
         let bytes = 4 * tile.size.width as usize;
         for (row, source) in tile.pixels.chunks_exact(bytes).enumerate() {
             let at = (y as usize + row) * self.size.width as usize + x as usize;

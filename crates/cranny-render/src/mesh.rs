@@ -1,10 +1,13 @@
 //! What can be drawn of a body: triangles, flat-shaded, ready for the graphics adapter.
 
+use std::sync::OnceLock;
+
 use bytemuck::{Pod, Zeroable};
 use cranny_exact::{Aabb, DVec3};
 use thiserror::Error;
 
 use crate::color::Color;
+use crate::edges::Edges;
 
 /// Triangles in a body's frame, prepared for drawing once and shared by every frame and instance.
 ///
@@ -19,6 +22,10 @@ pub struct DrawMesh {
     bounds: Aabb,
     center: DVec3,
     radius: f64,
+    /// By vertex index as given: those that are drawn, in their order, then those without area.
+    faces: Vec<[u32; 3]>,
+    /// Made when first needed.
+    edges: OnceLock<Edges>,
 }
 
 /// Three of them make a face; no vertex is shared, since each face has its own normal.
@@ -116,8 +123,9 @@ impl DrawMesh {
             false => (bounds.center(), positive_or_one(bounds.half_extents().max_element())),
         };
         let mut prepared = Vec::with_capacity(3 * faces.len());
-        for (face, corners) in faces.iter().enumerate() {
-            let corners = corners.map(|i| (vertices[i as usize] - center) / radius);
+        let (mut drawn, mut flat) = (Vec::with_capacity(faces.len()), Vec::new());
+        for (face, &indices) in faces.iter().enumerate() {
+            let corners = indices.map(|i| (vertices[i as usize] - center) / radius);
             if let Some(normal) = unit_normal(corners) {
                 let color = color(face).to_bytes();
                 prepared.extend(corners.map(|p| Vertex {
@@ -125,9 +133,14 @@ impl DrawMesh {
                     normal,
                     color,
                 }));
+                drawn.push(indices);
+            } else {
+                flat.push(indices);
             }
         }
-        Ok(Self { vertices: prepared, bounds, center, radius })
+        drawn.append(&mut flat);
+        let edges = OnceLock::new();
+        Ok(Self { vertices: prepared, bounds, center, radius, faces: drawn, edges })
     }
 
     /// The box of all vertices that a face uses, in the body's frame; empty without faces.
@@ -142,14 +155,39 @@ impl DrawMesh {
         self.vertices.len() / 3
     }
 
+    /// Whether every edge is passed as often one way as the other, so that the mesh bounds a solid: a
+    /// section fills what it cuts of such a mesh.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.edges().closed
+    }
+
+    pub(crate) fn edges(&self) -> &Edges {
+        self.edges.get_or_init(|| {
+            let normals: Vec<DVec3> = self.normals().collect();
+            Edges::of(&self.faces, self.triangle_count(), &normals)
+        })
+    }
+
+    /// Of each face that is drawn; unit, to 16 bits.
+    pub(crate) fn normals(&self) -> impl Iterator<Item = DVec3> {
+        let faces = self.vertices.chunks_exact(3).map(|face| face[0].normal);
+        faces.map(|[x, y, z, _]| DVec3::new(x.into(), y.into(), z.into()) / f64::from(i16::MAX))
+    }
+
     pub(crate) fn vertices(&self) -> &[Vertex] {
         &self.vertices
     }
 
     /// Vertex positions in the body's frame, as they are drawn (rounded to `f32` about the centre).
     pub(crate) fn positions(&self) -> impl Iterator<Item = DVec3> {
-        let position = |v: &Vertex| DVec3::from_array(v.position.map(f64::from));
-        self.vertices.iter().map(move |v| self.center + self.radius * position(v))
+        (0..self.vertices.len() as u32).map(|vertex| self.position(vertex))
+    }
+
+    /// Of one of the vertices that are drawn.
+    pub(crate) fn position(&self, vertex: u32) -> DVec3 {
+        let local = self.vertices[vertex as usize].position.map(f64::from);
+        self.center + self.radius * DVec3::from_array(local)
     }
 
     /// Origin of the vertex positions, in the body's frame.

@@ -10,11 +10,11 @@ use crate::camera::Camera;
 use crate::device::{Gpu, RendererOptions};
 use crate::draw_list::DrawList;
 use crate::error::RenderError;
-use crate::frame::{Batch, Frame, Globals};
+use crate::frame::{Batch, Frame, Globals, PatchRange};
 use crate::image::{Image, ImageSize};
 use crate::mesh::DrawMesh;
-use crate::pipelines::Pipelines;
-use crate::target::Target;
+use crate::pipelines::{COVERED, Pipelines};
+use crate::target::{Pass, Target};
 
 /// Draws pictures on a graphics adapter, without a window.
 ///
@@ -29,6 +29,8 @@ pub struct Renderer {
     instances: Stream,
     lines: Stream,
     points: Stream,
+    caps: Stream,
+    patches: Stream,
     /// By the address of the mesh.
     meshes: HashMap<usize, Uploaded>,
     target: Option<Target>,
@@ -62,7 +64,7 @@ impl Renderer {
     /// [`RenderError::Device`] where it cannot do what is needed.
     pub fn new(options: &RendererOptions) -> Result<Self, RenderError> {
         let gpu = Gpu::open(options)?;
-        let pipelines = Pipelines::new(&gpu.device);
+        let pipelines = Pipelines::new(&gpu.device, gpu.depth_format);
         let globals = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("globals"),
             size: size_of::<Globals>() as u64,
@@ -85,6 +87,8 @@ impl Renderer {
             instances: Stream { what: "the instances", buffer: None },
             lines: Stream { what: "the lines", buffer: None },
             points: Stream { what: "the points", buffer: None },
+            caps: Stream { what: "the cut faces", buffer: None },
+            patches: Stream { what: "the patches", buffer: None },
             meshes: HashMap::new(),
             target: None,
         })
@@ -125,20 +129,29 @@ impl Renderer {
         self.upload(&frame)?;
         let target = match self.target.take() {
             Some(target) if target.size == size => target,
-            _ => Target::new(&self.gpu, size)?,
+            _ => Target::new(&self.gpu, &self.pipelines.depths_layout, size)?,
         };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.draw(&frame, &mut target.begin(&mut encoder));
-        let image = target.finish(&self.gpu, encoder);
-        if image.is_ok() {
-            self.target = Some(target);
+        if let Some(depths) = target.depths.as_ref().filter(|_| frame.occlusion) {
+            self.draw_bodies(&frame, &mut target.begin(&mut encoder, Pass::First));
+            self.draw_occlusion(depths, &mut target.begin(&mut encoder, Pass::OverDepths));
+            self.draw_marks(&frame, &mut target.begin(&mut encoder, Pass::Last));
+        } else {
+            let mut pass = target.begin(&mut encoder, Pass::Only);
+            self.draw_bodies(&frame, &mut pass);
+            self.draw_marks(&frame, &mut pass);
         }
-        image
+        let mut image = target.finish(&self.gpu, encoder)?;
+        self.target = Some(target);
+        for label in &list.labels {
+            label.write(&mut image, camera);
+        }
+        Ok(image)
     }
 
     fn upload(&mut self, frame: &Frame<'_>) -> Result<(), RenderError> {
         self.meshes.retain(|_, uploaded| uploaded.handle.strong_count() > 0);
-        for batch in frame.opaque.iter().chain(&frame.translucent) {
+        for batch in frame.batches() {
             let key = address(batch.mesh);
             if !self.meshes.contains_key(&key) {
                 let usage = wgpu::BufferUsages::VERTEX;
@@ -152,18 +165,48 @@ impl Renderer {
         self.gpu.queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&frame.globals));
         self.instances.fill(&self.gpu, &frame.instances)?;
         self.lines.fill(&self.gpu, &frame.lines)?;
+        self.caps.fill(&self.gpu, &frame.caps)?;
+        self.patches.fill(&self.gpu, &frame.patch_vertices)?;
         self.points.fill(&self.gpu, &frame.points)
     }
 
-    /// In the order that [`DrawList`] promises.
-    fn draw(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+    /// What hides, in the order that [`DrawList`] promises.
+    fn draw_bodies(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(0, &self.globals_group, &[]);
         pass.set_pipeline(&self.pipelines.backdrop);
         pass.draw(0..3, 0..1);
         if frame.shadows {
             self.draw_batches(pass, &self.pipelines.shadow, &frame.opaque);
+            self.draw_batches(pass, &self.pipelines.shadow, &frame.opened);
         }
         self.draw_batches(pass, &self.pipelines.opaque, &frame.opaque);
+        self.draw_batches(pass, &self.pipelines.opened, &frame.opened);
+        self.draw_caps(frame, pass);
+    }
+
+    fn draw_caps(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+        let cap = &self.pipelines.cap;
+        for cut in &frame.cut {
+            pass.set_stencil_reference(0);
+            self.draw_batches(pass, &cap.winding, std::slice::from_ref(&cut.body));
+            pass.set_stencil_reference(COVERED);
+            for step in [&cap.face, &cap.overlap, &cap.mark] {
+                draw_quads(pass, step, &self.caps, cut.cap..cut.cap + 1);
+            }
+        }
+        pass.set_stencil_reference(0);
+    }
+
+    fn draw_occlusion(&self, depths: &wgpu::BindGroup, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.globals_group, &[]);
+        pass.set_bind_group(1, depths, &[]);
+        pass.set_pipeline(&self.pipelines.occlusion);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// What lets through what is behind it, and marks.
+    fn draw_marks(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.globals_group, &[]);
         if frame.ground {
             pass.set_pipeline(&self.pipelines.grid);
             pass.draw(0..4, 0..1);
@@ -173,14 +216,28 @@ impl Renderer {
                 self.draw_batches(pass, side, batch);
             }
         }
+        self.draw_batches(pass, &self.pipelines.xray, &frame.xrays);
         let (lines, points) = (frame.lines.len() as u32, frame.points.len() as u32);
         let layers = [
             (0..frame.lines_hidden, 0..frame.points_hidden),
             (frame.lines_hidden..lines, frame.points_hidden..points),
         ];
         for (layer, (lines, points)) in layers.into_iter().enumerate() {
+            self.draw_patches(frame, layer, pass);
             draw_quads(pass, &self.pipelines.lines[layer], &self.lines, lines);
             draw_quads(pass, &self.pipelines.points[layer], &self.points, points);
+        }
+    }
+
+    fn draw_patches(&self, frame: &Frame<'_>, layer: usize, pass: &mut wgpu::RenderPass<'_>) {
+        let Some(vertices) = &self.patches.buffer else { return };
+        let in_layer = |patch: &&PatchRange| usize::from(patch.on_top) == layer;
+        for patch in frame.patches.iter().filter(in_layer).filter(|p| !p.vertices.is_empty()) {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+            for step in [&self.pipelines.patch_count, &self.pipelines.patch_paint[layer]] {
+                pass.set_pipeline(step);
+                pass.draw(patch.vertices.clone(), 0..1);
+            }
         }
     }
 

@@ -8,6 +8,7 @@ struct MeshVertex {
     @location(4) row_y: vec4<f32>,
     @location(5) row_z: vec4<f32>,
     @location(6) tint: vec4<f32>,
+    @location(7) cut: f32,              // 1 for what a section cuts, 0 for what it leaves whole
 }
 
 struct MeshFragment {
@@ -15,6 +16,7 @@ struct MeshFragment {
     @location(0) position: vec3<f32>,
     @location(1) @interpolate(flat) normal: vec3<f32>,
     @location(2) @interpolate(flat) color: vec4<f32>,
+    @location(3) before: f32,           // of the section's plane, where the body is cut
 }
 
 fn placed(v: MeshVertex) -> vec3<f32> {
@@ -32,7 +34,8 @@ fn mesh_vertex(v: MeshVertex) -> MeshFragment {
     let n = v.normal.xyz;
     let normal = vec3(dot(v.row_x.xyz, n), dot(v.row_y.xyz, n), dot(v.row_z.xyz, n));
     let color = vec4(linear_from_srgb(v.color.rgb) * v.tint.rgb, v.color.a * v.tint.a);
-    return MeshFragment(to_clip(position), position, normalize(normal), color);
+    let before = mix(-1.0, before_section(position), v.cut);
+    return MeshFragment(to_clip(position), position, normalize(normal), color, before);
 }
 
 // Light from the sky and the ground, a key light, a fill light, a highlight and a rim.
@@ -62,12 +65,34 @@ fn opaque_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @loca
     return vec4(shaded(f, front), 1.0);
 }
 
+@fragment
+fn cut_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
+    return vec4(shaded(f, front), 1.0);
+}
+
 // Denser where it is seen at a grazing angle, as glass is, so that outlines can be read.
 @fragment
 fn overlay_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
     let facing = abs(dot(f.normal, normalize(-f.position)));
     let density = mix(1.0, 1.8, pow(1.0 - facing, 3.0)) * select(0.6, 1.0, front);
     return vec4(shaded(f, front), min(f.color.a * density, 1.0));
+}
+
+// Each layer takes away its share of the light behind it, so layers need no order.
+@fragment
+fn xray_fragment(f: MeshFragment) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
+    let facing = abs(dot(f.normal, normalize(-f.position)));
+    let density = f.color.a * mix(0.14, 0.75, pow(1.0 - facing, 2.0));
+    return vec4(mix(vec3(1.0), f.color.rgb, density), 1.0);
 }
 
 struct ShadowFragment {
