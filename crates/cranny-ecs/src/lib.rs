@@ -106,7 +106,9 @@ pub use links::{Link, LinkLog, Ring};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
 pub use outputs::check_outputs;
 #[cfg(feature = "render")]
-pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
+pub use painting::{
+    DEFAULT_CAMERA, MARKS_MAX, MeetingPair, Moment, NamedCamera, PictureQuality, ScenePainter,
+};
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
@@ -122,7 +124,7 @@ pub use recording::{FrameRecorder, RecordingSystems};
 #[cfg(feature = "render")]
 pub use rendering::{
     FRAME_SIZE, FRAMES_PER_SECOND, PREVIEW_FRAMES, PREVIEW_SIZE, Painter, PictureOptions,
-    RenderingSystems, frame_path,
+    RECORDED_SIZE, RenderingSystems, frame_path,
 };
 pub use report::state_hash;
 #[cfg(feature = "rapier")]

@@ -165,6 +165,16 @@ impl DrawList {
         bodies.chain(lines).chain(self.points.iter().map(|p| p.position))
     }
 
+    /// The same with widths, radii and letters so many times as large: for a larger picture.
+    #[must_use]
+    pub fn enlarged(&self, times: f32) -> Self {
+        let mut list = self.clone();
+        list.lines.iter_mut().for_each(|line| line.width = line.width.map(|w| times * w));
+        list.points.iter_mut().for_each(|point| point.radius *= times);
+        list.labels.iter_mut().for_each(|label| label.size *= times);
+        list
+    }
+
     /// Adds a line of even width, hidden by what is in front of it.
     pub fn push_line(&mut self, from: DVec3, to: DVec3, color: Color, width: f32) {
         self.lines.push(Line { from, to, color, width: [width; 2], on_top: false });

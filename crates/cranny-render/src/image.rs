@@ -230,6 +230,20 @@ impl Image {
         Self { size: ImageSize { width, height }, pixels }
     }
 
+    /// The picture in the upper left corner of one of another size, cut off or filled up.
+    #[must_use]
+    pub fn on_canvas(&self, size: ImageSize, background: Color) -> Self {
+        if size == self.size {
+            return self.clone();
+        }
+        let mut canvas = Self::filled(size, background);
+        let bytes = 4 * size.width.min(self.size.width) as usize;
+        let rows = self.pixels.chunks_exact(4 * self.size.width as usize);
+        let places = canvas.pixels.chunks_exact_mut(4 * size.width as usize);
+        places.zip(rows).for_each(|(to, from)| to[..bytes].copy_from_slice(&from[..bytes]));
+        canvas
+    }
+
     /// Copies `tile` to column `x`, row `y`; it must fit.
     pub(crate) fn place(&mut self, tile: &Self, x: u32, y: u32) {
         let bytes = 4 * tile.size.width as usize;
@@ -309,6 +323,17 @@ mod tests {
         assert_eq!(a.difference(&b, 9).unwrap().differing, 0.0);
         let other = Image::filled(size(1, 2), Color::BLACK);
         assert!(matches!(a.difference(&other, 0), Err(ImageError::Mismatch { .. })));
+    }
+
+    #[test]
+    fn a_canvas_cuts_off_and_fills_up() {
+        let red = Color::rgb(200, 0, 0);
+        let image = Image::filled(size(3, 2), red);
+        let wide = image.on_canvas(size(5, 1), Color::WHITE);
+        let row: Vec<Color> = (0..5).filter_map(|x| wide.pixel(x, 0)).collect();
+        assert_eq!(row, [red, red, red, Color::WHITE, Color::WHITE]);
+        let high = image.on_canvas(size(2, 3), Color::WHITE);
+        assert_eq!((high.pixel(1, 1), high.pixel(1, 2)), (Some(red), Some(Color::WHITE)));
     }
 
     #[test]

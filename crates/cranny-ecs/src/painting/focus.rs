@@ -1,0 +1,225 @@
+//! The contact that tells most, and the plane that shows it: through the contact, along its normal.
+
+use cranny_exact::{Aabb, DVec3};
+use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, Query, query};
+use cranny_render::{Camera, CameraError, Section, palette};
+use cranny_world::BodyId;
+
+use super::coats::Coats;
+use super::{MeetingPair, Moment};
+
+/// What a close-up looks at.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Focus {
+    /// The bodies that meet, A and B of the contact; one alone where nothing does.
+    pub(crate) bodies: Vec<BodyId>,
+    /// The contact; `None` where nothing meets.
+    pub(crate) contact: Option<Contact>,
+    pub(crate) point: DVec3,
+    /// Of the plane: towards who looks; unit.
+    pub(crate) plane: DVec3,
+    /// How much a close-up shows around the point, units of length.
+    pub(crate) radius: f64,
+}
+
+/// A contact that is at least this share as deep as the deepest may be shown in its place, where the
+/// last close-up looked nearly there. Smaller: the deepest is missed; larger: close-ups jump.
+const AS_DEEP: f64 = 0.6;
+
+/// What a close-up shows around its point, in parts of the smaller body's diagonal.
+const AROUND: f64 = 0.3;
+
+/// A body's centre gives the plane a direction where it lies aside of the contact's normal by more
+/// than this sine. Smaller: rounding chooses the plane; larger: cuts miss the axis of round bodies.
+const ASIDE: f64 = 0.15;
+
+/// Off the contact's own plane, in parts of the close-up's radius: a plane that runs along faces or
+/// through a row of vertices shows neither side.
+const NUDGE: f64 = 2e-4;
+
+impl Focus {
+    /// Of a moment; `last` is that of the moment before. `None` where there is no body.
+    pub(super) fn of(
+        coats: &Coats,
+        moment: &Moment,
+        last: Option<&Focus>,
+        camera: &Camera,
+    ) -> Option<Self> {
+        let met = moment.pairs.iter().filter_map(|pair| Some((pair, deepest(&pair.answer)?)));
+        let deepest_of_all = met.clone().min_by(|a, b| order(&a.1, &b.1));
+        let Some((deepest_pair, least)) = deepest_of_all else {
+            return Self::of_lone_body(coats, moment, last, camera);
+        };
+        let kept = last.and_then(|last| {
+            let (pair, contact) = met.clone().find(|(pair, _)| last.bodies == [pair.a, pair.b])?;
+            is_as_deep(&contact, &least).then_some(pair)
+        });
+        let pair = kept.unwrap_or(deepest_pair);
+        let last = last.filter(|last| last.bodies == [pair.a, pair.b]);
+        Self::of_pair(coats, moment, pair, last, camera)
+    }
+
+    fn of_pair(
+        coats: &Coats,
+        moment: &Moment,
+        pair: &MeetingPair,
+        last: Option<&Focus>,
+        camera: &Camera,
+    ) -> Option<Self> {
+        let least = deepest(&pair.answer)?;
+        let near_last = last.and_then(|last| {
+            let away = |c: &Contact| (middle(c) - last.point).dot(last.plane).abs();
+            let deep = contacts(&pair.answer).filter(|c| is_as_deep(c, &least));
+            deep.min_by(|a, b| away(a).total_cmp(&away(b)))
+        });
+        let contact = near_last.unwrap_or(least);
+        let point = middle(&contact);
+        let bounds = [pair.a, pair.b].map(|id| bounds_of(coats, moment, id));
+        let [a, b] = bounds.map(|b| b.diagonal());
+        let mover = mover_of(coats, pair);
+        let center = bounds_of(coats, moment, mover).center();
+        let plane = plane_through(point, contact.normal, center, camera);
+        let bodies = vec![pair.a, pair.b];
+        let radius = AROUND * positive_or_one(a.min(b));
+        Some(Self { bodies, contact: Some(contact), point, plane, radius })
+    }
+
+    /// The last one goes on; else the first body that moves, else the first.
+    fn of_lone_body(
+        coats: &Coats,
+        moment: &Moment,
+        last: Option<&Focus>,
+        camera: &Camera,
+    ) -> Option<Self> {
+        let present = |id: &BodyId| moment.poses.contains_key(id);
+        let moves = coats.iter().filter(|(_, coat)| coat.moves()).map(|(id, _)| id);
+        let any = coats.iter().map(|(id, _)| id);
+        let before = last.iter().flat_map(|last| &last.bodies).copied();
+        let before = before.filter(|id| coats.get(*id).is_some_and(|coat| coat.moves()));
+        let body = before.chain(moves).chain(any).find(present)?;
+        let bounds = bounds_of(coats, moment, body);
+        let plane = level(camera.axes()[2]);
+        let radius = 0.6 * positive_or_one(bounds.diagonal());
+        Some(Self { bodies: vec![body], contact: None, point: bounds.center(), plane, radius })
+    }
+
+    /// A little off the point.
+    pub(super) fn section(&self) -> Option<Section> {
+        let nudged = self.point + NUDGE * self.radius * self.plane;
+        Section::through(nudged, self.plane, palette::OVERLAP)
+    }
+
+    /// Looks at the plane, a little from above and aside, so that what is behind it is seen too.
+    pub(super) fn camera(&self, radius: f64) -> Result<Camera, CameraError> {
+        let up = (DVec3::Z - self.plane.z * self.plane).normalize_or_zero();
+        let direction = self.plane + 0.2 * up + 0.12 * up.cross(self.plane);
+        let half = 0.5 * Camera::FIELD_OF_VIEW.to_radians();
+        let eye = self.point + radius / half.tan() * direction.normalize();
+        Camera::look_at(eye, self.point)
+    }
+
+    /// How far a close-up that shows the depth or gap itself reaches; `None` where it would show no
+    /// more than the section does, or nothing but rounding.
+    pub(super) fn magnified(&self) -> Option<f64> {
+        let gap = self.contact?.separation.abs();
+        let radius = (MAGNIFIED * gap).max(FINEST * self.radius);
+        (radius < 0.4 * self.radius).then_some(radius)
+    }
+}
+
+/// A magnified view reaches this many times the depth or gap.
+const MAGNIFIED: f64 = 5.0;
+
+/// No magnified view is finer than this part of a close-up: bodies are drawn in single precision.
+const FINEST: f64 = 2e-4;
+
+fn positive_or_one(length: f64) -> f64 {
+    if length.is_normal() { length } else { 1.0 }
+}
+
+fn bounds_of(coats: &Coats, moment: &Moment, id: BodyId) -> Aabb {
+    let coat = coats.get(id).zip(moment.poses.get(&id));
+    coat.map_or(Aabb::EMPTY, |(coat, pose)| coat.bounds(pose))
+}
+
+/// Of two bodies that which moves; the lower one of two that do.
+pub(super) fn mover_of(coats: &Coats, pair: &MeetingPair) -> BodyId {
+    let moves = |id: BodyId| coats.get(id).is_some_and(|coat| coat.moves());
+    if moves(pair.b) && !moves(pair.a) { pair.b } else { pair.a }
+}
+
+/// Holds the normal and, where it lies aside, the body's centre: a cut through the axis of what is
+/// round. Turned towards the camera.
+fn plane_through(point: DVec3, normal: DVec3, center: DVec3, camera: &Camera) -> DVec3 {
+    let backward = camera.axes()[2];
+    let aside = (center - point).normalize_or_zero().cross(normal);
+    let across = backward - backward.dot(normal) * normal;
+    let plane = match aside.length() > ASIDE {
+        true => aside.normalize(),
+        false => across.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector()),
+    };
+    if plane.dot(backward) < 0.0 { -plane } else { plane }
+}
+
+/// A direction without its height, where it has another.
+fn level(direction: DVec3) -> DVec3 {
+    let flat = DVec3::new(direction.x, direction.y, 0.0);
+    flat.try_normalize().unwrap_or(DVec3::NEG_Y)
+}
+
+pub(super) fn middle(contact: &Contact) -> DVec3 {
+    0.5 * (contact.point_a + contact.point_b)
+}
+
+/// All contacts of an answer: those for a solver, else those of its regions.
+pub(super) fn contacts(answer: &Answer) -> impl Iterator<Item = Contact> + Clone + '_ {
+    let of_regions = answer.regions.iter().filter(|_| answer.contacts.is_empty());
+    let of_regions = of_regions.flat_map(|region| &region.points);
+    answer.contacts.iter().chain(of_regions).copied()
+}
+
+fn deepest(answer: &Answer) -> Option<Contact> {
+    let finite = |c: &Contact| middle(c).is_finite() && c.normal.try_normalize().is_some();
+    contacts(answer).filter(finite).min_by(order)
+}
+
+fn order(a: &Contact, b: &Contact) -> std::cmp::Ordering {
+    a.separation.total_cmp(&b.separation)
+}
+
+fn is_as_deep(contact: &Contact, least: &Contact) -> bool {
+    match least.separation < 0.0 {
+        true => contact.separation <= AS_DEEP * least.separation,
+        false => contact.separation <= least.separation / AS_DEEP,
+    }
+}
+
+/// How deep two bodies overlap, >= 0: by regions where they are known, else by contacts.
+pub(super) fn depth(answer: &Answer) -> f64 {
+    let regions = answer.regions.iter().filter_map(|region| region.depth).reduce(f64::max);
+    regions.unwrap_or_else(|| contacts(answer).map(|c| -c.separation).fold(0.0, f64::max))
+}
+
+/// Regions of pairs of which only contacts are known, of at most this many pairs: more are too small
+/// to be seen.
+const PAIRS_LOOKED_INTO: usize = 24;
+
+/// Finds what regions a few pairs meet in, so that they can be painted. It is the painter's own
+/// question: the run knows nothing of it.
+pub(super) fn look_into(coats: &Coats, moment: &mut Moment) {
+    if moment.pairs.len() > PAIRS_LOOKED_INTO {
+        return;
+    }
+    for pair in moment.pairs.iter_mut().filter(|pair| pair.answer.regions.is_empty()) {
+        let margin = contacts(&pair.answer).map(|c| c.separation).fold(0.0, f64::max);
+        let models = [pair.a, pair.b].map(|id| coats.get(id)?.model.as_ref());
+        let poses = [pair.a, pair.b].map(|id| moment.poses.get(&id).copied());
+        let ([Some(a), Some(b)], [Some(pose_a), Some(pose_b)]) = (models, poses) else { continue };
+        let of = |model, pose| Placed { model, pose };
+        let question = Query::of(Demand::Regions { margin });
+        let memory = &mut PairMemory::default();
+        if let Ok(found) = query(of(a, pose_a), of(b, pose_b), &question, memory) {
+            pair.answer.regions = found.regions;
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! A page of a moment: all of it beside a section through what touches, and that magnified.
+
+use cranny_render::{
+    Camera, DrawList, Image, ImageSize, Key, Mark, Panel, Renderer, Sheet, palette,
+};
+
+use super::coats::Coats;
+use super::focus::{Focus, depth, look_into};
+use super::{Moment, ScenePainter, marks};
+use crate::error::SceneAppError;
+
+/// What of a page's width each of its pictures takes: all, the section, and that magnified.
+const SHARES: [f64; 3] = [0.46, 0.31, 0.23];
+
+/// Pixels between pictures.
+const GAPS: u32 = 12;
+
+/// Sizes of the pictures of a page that is so wide and whose pictures are so high.
+pub(crate) fn panel_sizes(width: u32, height: u32) -> Option<[ImageSize; 3]> {
+    let room = f64::from(width.saturating_sub(GAPS));
+    let sizes = SHARES.map(|share| ImageSize::new((share * room).round() as u32, height));
+    let [Ok(all), Ok(section), Ok(magnified)] = sizes else { return None };
+    Some([all, section, magnified])
+}
+
+impl ScenePainter {
+    /// A moment that explains itself: the scene, what touches cut open, how deep, and in words.
+    ///
+    /// # Errors
+    ///
+    /// Where a picture cannot be drawn.
+    pub fn page(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        width: u32,
+        height: u32,
+    ) -> Result<Image, SceneAppError> {
+        let (name, camera) = self.cameras[0].clone();
+        let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
+        let sizes = panel_sizes(width, height)
+            .ok_or_else(|| failed(format!("a page of {width} x {height} pixels is no picture")))?;
+        let mut moment = moment.clone();
+        look_into(&self.coats, &mut moment);
+        let focus = Focus::of(&self.coats, &moment, self.focus.as_ref(), &camera);
+        let mut list = self.view(&moment, &camera);
+        if let Some(focus) = &focus {
+            marks::ring(&mut list, focus, &camera);
+        }
+        let mut panels = Vec::new();
+        let image = self.render(renderer, &list, &camera, sizes[0]);
+        let image = image.map_err(|error| failed(error.to_string()))?;
+        panels.push(Panel { image, title: String::new(), scale: Some(scale(&camera, sizes[0])) });
+        let close_ups = self.close_ups(&moment, focus.as_ref(), [sizes[1], sizes[2]]);
+        for (list, camera, size, title) in close_ups.map_err(failed)? {
+            let image = self.render(renderer, &list, &camera, size);
+            let image = image.map_err(|error| failed(error.to_string()))?;
+            panels.push(Panel { image, title, scale: Some(scale(&camera, size)) });
+        }
+        let keys = self.keys(&moment, focus.as_ref());
+        let caption = caption(&self.coats, &moment);
+        self.focus = focus;
+        let sheet = Sheet { title: self.title.clone(), panels, keys, caption };
+        sheet.compose().map_err(|error| failed(error.to_string()))
+    }
+
+    /// The section, and what it shows magnified.
+    fn close_ups(
+        &self,
+        moment: &Moment,
+        focus: Option<&Focus>,
+        sizes: [ImageSize; 2],
+    ) -> Result<Vec<(DrawList, Camera, ImageSize, String)>, String> {
+        let mut views = Vec::new();
+        let whole = focus.map(|focus| (focus, focus.radius, "section through the deepest contact"));
+        let magnified = focus.and_then(|focus| Some((focus, focus.magnified()?)));
+        let near = magnified.map(|(focus, radius)| (focus, radius, "magnified"));
+        for (view, size) in [whole, near].into_iter().zip(sizes) {
+            let Some((focus, radius, words)) = view else { continue };
+            let mut list = self.bodies(moment);
+            list.section = focus.section();
+            list.ground = None;
+            marks::contact_of_focus(&mut list, focus, radius);
+            let camera = focus.camera(radius).map_err(|error| error.to_string())?;
+            let title = match (&focus.contact, words) {
+                (None, _) => "cut open; nothing touches".to_owned(),
+                (Some(_), "magnified") => {
+                    format!("magnified {} x", marks::number((focus.radius / radius).round()))
+                }
+                _ => words.to_owned(),
+            };
+            views.push((list, camera, size, title));
+        }
+        // A page keeps its size: where nothing is to be magnified, an empty picture.
+        while views.len() < sizes.len() {
+            let camera = focus.map(|focus| focus.camera(focus.radius));
+            let camera = camera.unwrap_or_else(|| Ok(self.cameras[0].1));
+            let camera = camera.map_err(|error| error.to_string())?;
+            views.push((DrawList::new(), camera, sizes[views.len()], "nothing touches".to_owned()));
+        }
+        Ok(views)
+    }
+
+    fn keys(&self, moment: &Moment, focus: Option<&Focus>) -> Vec<Key> {
+        let mut keys = Vec::new();
+        for id in focus.iter().flat_map(|focus| &focus.bodies) {
+            if let Some(coat) = self.coats.get(*id) {
+                let still = if coat.moves() { "" } else { " (stands still)" };
+                keys.push(Key::new(Mark::Hatched(coat.color), format!("{}{still}", coat.name)));
+            }
+        }
+        if moment.pairs.iter().any(|pair| depth(&pair.answer) > 0.0) {
+            keys.push(Key::new(Mark::Body(palette::OVERLAP), "overlap"));
+        }
+        keys.extend(self.scales().keys(moment));
+        keys
+    }
+}
+
+/// Units a pixel, where a camera looks.
+fn scale(camera: &Camera, size: ImageSize) -> f64 {
+    2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
+}
+
+fn caption(coats: &Coats, moment: &Moment) -> Vec<String> {
+    let mut words = format!("t = {:.3} s", moment.time);
+    let points: usize = moment.pairs.iter().map(|p| super::focus::contacts(&p.answer).count()).sum();
+    let deepest = moment
+        .pairs
+        .iter()
+        .map(|pair| (pair, depth(&pair.answer)))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    match deepest {
+        None => words += "; no contacts",
+        Some((pair, deep)) => {
+            let pairs = moment.pairs.len();
+            let s = |n: usize| if n == 1 { "" } else { "s" };
+            words += &format!("; {points} contact{} of {pairs} pair{}", s(points), s(pairs));
+            let [a, b] = [pair.a, pair.b].map(|id| coats.name(id));
+            words += &match deep > 0.0 {
+                true => format!("; deepest: {a} and {b}, {}", marks::number(deep)),
+                false => "; no overlap".to_owned(),
+            };
+        }
+    }
+    vec![words]
+}
