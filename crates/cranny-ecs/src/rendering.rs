@@ -16,11 +16,11 @@ use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
-use cranny_render::{Animation, Image, ImageSize, Renderer};
 use cranny_narrow_phase::Answer;
 use cranny_render::palette;
-use cranny_world::{BodyId, ContactFields};
+use cranny_render::{Animation, Image, ImageSize, Renderer};
 use cranny_world::description::SceneDescription;
+use cranny_world::{BodyId, ContactFields};
 
 use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
@@ -35,7 +35,7 @@ pub const FRAMES_PER_SECOND: f64 = 30.0;
 
 /// Pictures of a preview, at most. More: minutes of drawing in software for a file of megabytes;
 /// fewer: motion is a slide show.
-pub const PREVIEW_FRAMES: usize = 60;
+pub const PREVIEW_FRAMES: usize = 32;
 
 /// Width of a preview, and height of its pictures, which stand side by side.
 pub const PREVIEW_SIZE: [u32; 2] = [1180, 360];
@@ -234,8 +234,7 @@ impl RenderingPlugin {
         };
         let usual = if options.frames.is_some() { FRAME_SIZE } else { RECORDED_SIZE };
         let [width, height] = options.size.unwrap_or(usual);
-        let size =
-            ImageSize::new(width, height).map_err(|error| refused(error.to_string()))?;
+        let size = ImageSize::new(width, height).map_err(|error| refused(error.to_string()))?;
         let page_size = options.size.unwrap_or(PREVIEW_SIZE);
         let [main, ..] = panel_sizes(page_size[0], page_size[1])
             .ok_or_else(|| refused(format!("{} x {} pixels", page_size[0], page_size[1])))?;

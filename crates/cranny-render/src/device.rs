@@ -26,6 +26,9 @@ pub(crate) struct Gpu {
     /// Whether shaders can read depths of several samples. wgpu 30 makes such a texture of the wrong
     /// kind under OpenGL, and all that is drawn to it fails.
     pub(crate) reads_depths: bool,
+    /// Whether a face takes its flat values from its last corner: wgpu leaves OpenGL at that, where
+    /// all others take the first.
+    pub(crate) last_provokes: bool,
     /// The first error since it was last taken.
     error: Arc<Mutex<Option<String>>>,
 }
@@ -61,8 +64,11 @@ impl Gpu {
         tracing::debug!(adapter = %name, "graphics adapter opened");
         let software = info.device_type == wgpu::DeviceType::Cpu;
         let depth_format = if has_fine { fine } else { coarse };
-        let reads_depths = info.backend != wgpu::Backend::Gl;
-        Ok(Self { device, queue, name, software, depth_format, reads_depths, error })
+        let (reads_depths, last_provokes) = match info.backend {
+            wgpu::Backend::Gl => (false, true),
+            _ => (true, false),
+        };
+        Ok(Self { device, queue, name, software, depth_format, reads_depths, last_provokes, error })
     }
 
     /// The first error that the graphics library reported since the last call.

@@ -108,6 +108,8 @@ pub(crate) struct CutBody<'a> {
     pub(crate) body: Batch<'a>,
     /// Its place in [`Frame::caps`].
     pub(crate) cap: u32,
+    /// Where its cut face may be in the picture: left, top, width, height.
+    pub(crate) pixels: [u32; 4],
 }
 
 /// A patch: a range of [`Frame::patch_vertices`].
@@ -196,7 +198,7 @@ impl<'a> Frame<'a> {
         frame.add_instances(&list.instances, &space)?;
         let section = list.section.filter(|section| section.faces(camera));
         if let Some(section) = &section {
-            frame.add_caps(&list.instances, section, &space)?;
+            frame.add_caps(&list.instances, section, (camera, size), &space)?;
         }
         frame.add_patches(list, &space)?;
         frame.add_edges(list, section.as_ref(), camera.eye(), &space)?;
@@ -253,18 +255,26 @@ impl<'a> Frame<'a> {
         &mut self,
         all: &'a [Instance],
         section: &Section,
+        view: (&Camera, ImageSize),
         space: &Space,
     ) -> Result<(), RenderError> {
         let opened = |i: &Instance| i.cut && i.is_opaque() && i.mesh.triangle_count() > 0;
-        for (i, instance) in all.iter().enumerate().filter(|(_, i)| opened(i)) {
-            let Some(square) = section.square(&instance.mesh, &instance.pose) else { continue };
-            if !instance.mesh.is_closed() {
-                continue;
-            }
-            let cap = cap_data(square, instance, self.caps.len(), space);
+        let discs =
+            all.iter().enumerate().filter(|(_, i)| opened(i)).filter_map(|(i, instance)| {
+                let disc = section.disc(&instance.mesh, &instance.pose)?;
+                instance.mesh.is_closed().then_some((i, disc))
+            });
+        let discs: Vec<(usize, (DVec3, f64))> = discs.collect();
+        let reach = |&(_, (center, radius)): &(usize, (DVec3, f64))| {
+            (center - view.0.target()).length() + radius
+        };
+        let square = section.square(view.0, discs.iter().map(reach).fold(0.0, f64::max));
+        for (i, disc) in discs {
+            let cap = cap_data(square, &all[i], self.caps.len(), space);
             self.caps.push(finite(cap, "instance", i)?);
             let body = self.add_batch(all, &[i], space)?;
-            self.cut.push(CutBody { body, cap: self.caps.len() as u32 - 1 });
+            let pixels = pixels_of(disc, section, view);
+            self.cut.push(CutBody { body, cap: self.caps.len() as u32 - 1, pixels });
         }
         Ok(())
     }
@@ -394,6 +404,27 @@ fn instance_data(instance: &Instance, space: &Space) -> InstanceData {
     };
     let cut = f32::from(u8::from(instance.cut));
     InstanceData { rows: [row(0), row(1), row(2)], color: instance.color.to_linear(), cut }
+}
+
+/// The pixels of a disc in the section's plane; all, where a part of it is not before the camera.
+fn pixels_of(
+    (center, radius): (DVec3, f64),
+    section: &Section,
+    (camera, size): (&Camera, ImageSize),
+) -> [u32; 4] {
+    let u = radius * section.normal.any_orthonormal_vector();
+    let v = section.normal.cross(u);
+    let corners = [u + v, u - v, -u + v, -u - v].map(|side| camera.project(center + side, size));
+    let all = [0, 0, size.width(), size.height()];
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return all };
+    let range = |axis: usize, end: u32| {
+        let along = [a, b, c, d].map(|corner| corner[axis]);
+        let least = along.into_iter().fold(f64::INFINITY, f64::min) - 2.0;
+        let most = along.into_iter().fold(f64::NEG_INFINITY, f64::max) + 2.0;
+        [least, most].map(|x| x.clamp(0.0, f64::from(end)) as u32)
+    };
+    let ([left, right], [top, bottom]) = (range(0, size.width()), range(1, size.height()));
+    [left, top, right - left, bottom - top]
 }
 
 /// How much the hatching turns from one body to the next: the golden angle, so that many differ.

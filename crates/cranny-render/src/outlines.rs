@@ -56,7 +56,7 @@ pub(crate) fn edge_lines(instance: &Instance, shading: Shading, eye: DVec3) -> V
 fn facing(instance: &Instance, eye: DVec3) -> Vec<bool> {
     let mesh = &instance.mesh;
     let eye = instance.pose.world_from_body().inverse().apply(eye);
-    let corners = (0u32..).step_by(3).map(|vertex| mesh.position(vertex));
+    let corners = mesh.indices().chunks_exact(3).map(|face| mesh.position(face[0]));
     mesh.normals().zip(corners).map(|(normal, corner)| normal.dot(eye - corner) > 0.0).collect()
 }
 

@@ -19,7 +19,8 @@ pub(crate) struct Pipelines {
     pub(crate) globals_layout: wgpu::BindGroupLayout,
     pub(crate) depths_layout: wgpu::BindGroupLayout,
     pub(crate) backdrop: wgpu::RenderPipeline,
-    pub(crate) shadow: wgpu::RenderPipeline,
+    /// Where shadows fall, into the stencil; then their shade.
+    pub(crate) shadow: [wgpu::RenderPipeline; 2],
     pub(crate) opaque: wgpu::RenderPipeline,
     /// Without what the section takes away.
     pub(crate) opened: wgpu::RenderPipeline,
@@ -75,7 +76,7 @@ enum Depth {
 /// The stencil's bit that says that a cut face of an earlier body is here; the other bits count.
 pub(crate) const COVERED: u32 = 0x80;
 const COUNT: u32 = 0x7f;
-/// The bit in which patches count; cut faces leave it clear.
+/// The bit of shadows, and of patches; whoever uses it leaves it clear.
 const ODD: u32 = 0x01;
 
 const SHADERS: &str = concat!(
@@ -87,16 +88,6 @@ const SHADERS: &str = concat!(
     include_str!("shaders/patch.wgsl"),
     include_str!("shaders/occlusion.wgsl"),
 );
-
-/// The result is the darker of the two, channel by channel.
-const DARKEST: wgpu::BlendState = {
-    let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Min,
-    };
-    wgpu::BlendState { color: component, alpha: component }
-};
 
 /// The result is the product: the fragment says how much light is left.
 const LEFT: wgpu::BlendState = wgpu::BlendState {
@@ -159,7 +150,7 @@ impl Pipelines {
         let over_all = Maker { layout: &with_depths, depth: None, ..maker };
         Self {
             backdrop: maker.whole("backdrop_vertex", "backdrop_fragment", None),
-            shadow: maker.mesh("shadow_vertex", "shadow_fragment", Some(DARKEST), Depth::Ignore),
+            shadow: maker.shadow(),
             opaque: maker.mesh("mesh_vertex", "opaque_fragment", None, Depth::TestAndWrite),
             opened: maker.mesh("mesh_vertex", "cut_fragment", None, Depth::TestAndWrite),
             cap: maker.cap(),
@@ -238,6 +229,26 @@ impl Maker<'_> {
         self.mesh_recipe(vertex, fragment, color, None, depth, stencil)
     }
 
+    fn shadow(&self) -> [wgpu::RenderPipeline; 2] {
+        use wgpu::{CompareFunction as Compare, StencilOperation as Op};
+        let falls = both_sides(Compare::Equal, Op::Invert, ODD, ODD);
+        let fallen = both_sides(Compare::NotEqual, Op::Zero, ODD, ODD);
+        let fragment = "shadow_fragment";
+        [
+            self.mesh_recipe("shadow_vertex", fragment, None, None, Depth::Ignore, falls),
+            self.make(&Recipe {
+                vertex: "grid_vertex",
+                fragment: "shade_fragment",
+                buffers: &[],
+                color: drawn(Some(LEFT)),
+                cull: None,
+                depth: Depth::Ignore,
+                stencil: fallen,
+                strip: true,
+            }),
+        ]
+    }
+
     fn overlay(&self, cull: wgpu::Face) -> wgpu::RenderPipeline {
         let (color, stencil) = (drawn(Some(OVER)), Default::default());
         let fragment = "overlay_fragment";
@@ -253,7 +264,7 @@ impl Maker<'_> {
         depth: Depth,
         stencil: wgpu::StencilState,
     ) -> wgpu::RenderPipeline {
-        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Unorm8x4];
+        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Unorm16x4];
         let instance = wgpu::vertex_attr_array![
             3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32
         ];

@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::device::{Gpu, RendererOptions};
 use crate::draw_list::DrawList;
 use crate::error::RenderError;
-use crate::frame::{Batch, Frame, Globals, PatchRange};
+use crate::frame::{Batch, CutBody, Frame, Globals, PatchRange};
 use crate::image::{Image, ImageSize};
 use crate::mesh::DrawMesh;
 use crate::pipelines::{COVERED, Pipelines};
@@ -41,6 +41,7 @@ pub struct Renderer {
 struct Uploaded {
     handle: Weak<DrawMesh>,
     vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
 }
 
 /// A buffer that is filled anew for each picture, and grows when it must.
@@ -133,12 +134,12 @@ impl Renderer {
         };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         if let Some(depths) = target.depths.as_ref().filter(|_| frame.occlusion) {
-            self.draw_bodies(&frame, &mut target.begin(&mut encoder, Pass::First));
+            self.draw_bodies(&frame, size, &mut target.begin(&mut encoder, Pass::First));
             self.draw_occlusion(depths, &mut target.begin(&mut encoder, Pass::OverDepths));
             self.draw_marks(&frame, &mut target.begin(&mut encoder, Pass::Last));
         } else {
             let mut pass = target.begin(&mut encoder, Pass::Only);
-            self.draw_bodies(&frame, &mut pass);
+            self.draw_bodies(&frame, size, &mut pass);
             self.draw_marks(&frame, &mut pass);
         }
         let mut image = target.finish(&self.gpu, encoder)?;
@@ -154,12 +155,8 @@ impl Renderer {
         for batch in frame.batches() {
             let key = address(batch.mesh);
             if !self.meshes.contains_key(&key) {
-                let usage = wgpu::BufferUsages::VERTEX;
-                let bytes: &[u8] = bytemuck::cast_slice(batch.mesh.vertices());
-                let vertices = new_buffer(&self.gpu, "a mesh's triangles", bytes.len(), usage)?;
-                self.gpu.queue.write_buffer(&vertices, 0, bytes);
-                let handle = Arc::downgrade(batch.mesh);
-                self.meshes.insert(key, Uploaded { handle, vertices });
+                let uploaded = Uploaded::new(&self.gpu, batch.mesh)?;
+                self.meshes.insert(key, uploaded);
             }
         }
         self.gpu.queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&frame.globals));
@@ -171,22 +168,28 @@ impl Renderer {
     }
 
     /// What hides, in the order that [`DrawList`] promises.
-    fn draw_bodies(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+    fn draw_bodies(&self, frame: &Frame<'_>, size: ImageSize, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(0, &self.globals_group, &[]);
         pass.set_pipeline(&self.pipelines.backdrop);
         pass.draw(0..3, 0..1);
         if frame.shadows {
-            self.draw_batches(pass, &self.pipelines.shadow, &frame.opaque);
-            self.draw_batches(pass, &self.pipelines.shadow, &frame.opened);
+            let [falls, shade] = &self.pipelines.shadow;
+            self.draw_batches(pass, falls, &frame.opaque);
+            self.draw_batches(pass, falls, &frame.opened);
+            pass.set_pipeline(shade);
+            pass.draw(0..4, 0..1);
         }
         self.draw_batches(pass, &self.pipelines.opaque, &frame.opaque);
         self.draw_batches(pass, &self.pipelines.opened, &frame.opened);
-        self.draw_caps(frame, pass);
+        self.draw_caps(frame, size, pass);
     }
 
-    fn draw_caps(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+    fn draw_caps(&self, frame: &Frame<'_>, size: ImageSize, pass: &mut wgpu::RenderPass<'_>) {
         let cap = &self.pipelines.cap;
-        for cut in &frame.cut {
+        let seen = |cut: &&CutBody<'_>| cut.pixels[2] > 0 && cut.pixels[3] > 0;
+        for cut in frame.cut.iter().filter(seen) {
+            let [left, top, width, height] = cut.pixels;
+            pass.set_scissor_rect(left, top, width, height);
             pass.set_stencil_reference(0);
             self.draw_batches(pass, &cap.winding, std::slice::from_ref(&cut.body));
             pass.set_stencil_reference(COVERED);
@@ -195,6 +198,7 @@ impl Renderer {
             }
         }
         pass.set_stencil_reference(0);
+        pass.set_scissor_rect(0, 0, size.width(), size.height());
     }
 
     fn draw_occlusion(&self, depths: &wgpu::BindGroup, pass: &mut wgpu::RenderPass<'_>) {
@@ -253,8 +257,9 @@ impl Renderer {
         for batch in batches {
             if let Some(uploaded) = self.meshes.get(&address(batch.mesh)) {
                 pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
-                let vertices = batch.mesh.vertices().len() as u32;
-                pass.draw(0..vertices, batch.instances.clone());
+                pass.set_index_buffer(uploaded.indices.slice(..), wgpu::IndexFormat::Uint32);
+                let corners = batch.mesh.indices().len() as u32;
+                pass.draw_indexed(0..corners, 0, batch.instances.clone());
             }
         }
     }
@@ -276,6 +281,27 @@ fn draw_quads(
         pass.set_pipeline(pipeline);
         pass.set_vertex_buffer(0, buffer.slice(..));
         pass.draw(0..4, range);
+    }
+}
+
+impl Uploaded {
+    fn new(gpu: &Gpu, mesh: &Arc<DrawMesh>) -> Result<Self, RenderError> {
+        let upload = |bytes: &[u8], usage| {
+            let buffer = new_buffer(gpu, "a mesh's triangles", bytes.len(), usage)?;
+            gpu.queue.write_buffer(&buffer, 0, bytes);
+            Ok(buffer)
+        };
+        let vertices = bytemuck::cast_slice(mesh.vertices());
+        let mut indices = mesh.indices().to_vec();
+        if gpu.last_provokes {
+            indices.chunks_exact_mut(3).for_each(|face| face.rotate_left(1));
+        }
+        let indices = bytemuck::cast_slice(&indices);
+        Ok(Self {
+            handle: Arc::downgrade(mesh),
+            vertices: upload(vertices, wgpu::BufferUsages::VERTEX)?,
+            indices: upload(indices, wgpu::BufferUsages::INDEX)?,
+        })
     }
 }
 

@@ -6,6 +6,10 @@ use crate::camera::Camera;
 use crate::draw_list::Instance;
 use crate::mesh::DrawMesh;
 
+/// How much of a plane is seen, in distances from the eye to where it looks. Smaller: planes that are
+/// seen at a slant end within the picture; larger: depths on the plane round.
+const SEEN: f64 = 12.0;
+
 /// A plane that takes away all in front of it of those instances that are [cut](Instance::cut).
 ///
 /// Cut faces of closed bodies are filled and hatched, each body in a direction of its own; where two
@@ -43,18 +47,24 @@ impl Section {
         self.before(camera.eye()) > 0.0
     }
 
-    /// Half the sides of a square in the plane, and its centre, that holds all that the plane cuts
-    /// of a mesh at a pose; `None` where the mesh lies beside the plane.
-    pub(crate) fn square(&self, mesh: &DrawMesh, pose: &Pose) -> Option<[DVec3; 3]> {
+    /// Whether the plane passes through the ball about a mesh at a pose: its centre's place on the
+    /// plane, and the ball's radius there.
+    pub(crate) fn disc(&self, mesh: &DrawMesh, pose: &Pose) -> Option<(DVec3, f64)> {
         let center = pose.world_from_body().apply(mesh.center());
         let radius = mesh.radius() * 3.0f64.sqrt();
         let away = self.before(center);
-        if away.abs() >= radius {
-            return None;
-        }
+        let there = (radius * radius - away * away).sqrt();
+        (away.abs() < radius).then_some((center - away * self.normal, there))
+    }
+
+    /// A square in the plane that covers what the camera sees of it as far as `reach` from where it
+    /// looks: its centre, and half its sides. All cut faces are drawn on this one square, so that
+    /// where two bodies share space neither is nearer.
+    pub(crate) fn square(&self, camera: &Camera, reach: f64) -> [DVec3; 3] {
+        let center = camera.target() - self.before(camera.target()) * self.normal;
         let u = self.normal.any_orthonormal_vector();
-        let half = (radius * radius - away * away).sqrt() * 1.001;
-        Some([center - away * self.normal, half * u, half * self.normal.cross(u)])
+        let half = reach.min(SEEN * camera.distance());
+        [center, half * u, half * self.normal.cross(u)]
     }
 
     /// The segments in which the plane cuts an instance's faces, in world coordinates.
@@ -63,8 +73,9 @@ impl Section {
         instance: &'a Instance,
     ) -> impl Iterator<Item = [DVec3; 2]> + 'a {
         let world_from_body = instance.pose.world_from_body();
-        let placed = instance.mesh.positions().map(move |p| world_from_body.apply(p));
-        triples(placed).filter_map(|corners| self.cut(corners))
+        let placed = instance.mesh.triangles();
+        let placed = placed.map(move |corners| corners.map(|p| world_from_body.apply(p)));
+        placed.filter_map(|corners| self.cut(corners))
     }
 
     fn cut(&self, corners: [DVec3; 3]) -> Option<[DVec3; 2]> {
@@ -81,10 +92,6 @@ impl Section {
         }
         Some([ends[0]?, ends[1]?])
     }
-}
-
-fn triples(mut points: impl Iterator<Item = DVec3>) -> impl Iterator<Item = [DVec3; 3]> {
-    std::iter::from_fn(move || Some([points.next()?, points.next()?, points.next()?]))
 }
 
 #[cfg(test)]
@@ -107,9 +114,13 @@ mod tests {
         }
         let beside = Section::through(3.0 * DVec3::X, DVec3::X, Color::BLACK).unwrap();
         assert_eq!(beside.segments(&instance).count(), 0);
-        assert!(beside.square(&instance.mesh, &instance.pose).is_none());
-        let [center, u, v] = section.square(&instance.mesh, &instance.pose).unwrap();
-        assert!((center.x - 1.0).abs() < 1e-6 && u.dot(v).abs() < 1e-9 && u.x.abs() < 1e-9);
+        assert!(beside.disc(&instance.mesh, &instance.pose).is_none());
+        let (center, radius) = section.disc(&instance.mesh, &instance.pose).unwrap();
+        assert!((center - DVec3::new(1.0, 1.0, 0.0)).length() < 1e-6 && radius > 1.0);
+        let camera = Camera::look_at(DVec3::new(9.0, 1.0, 2.0), DVec3::ZERO).unwrap();
+        let [center, u, v] = section.square(&camera, 5.0);
+        assert!((center - DVec3::X).length() < 1e-9 && u.dot(v).abs() < 1e-9 && u.x.abs() < 1e-9);
+        assert!((u.length() - 5.0).abs() < 1e-9);
     }
 
     #[test]

@@ -208,7 +208,8 @@ fn draw_scale(image: &mut Image, scale: f64) {
     for end in [x, x + pixels - 1] {
         image.fill([end, y - 5], [1, 8], INK);
     }
-    let words = format!("{} units", round_number(length));
+    let unit = if length == 1.0 { "unit" } else { "units" };
+    let words = format!("{} {unit}", round_number(length));
     image.write([x, y - 8 - line(WORDS)], &words, WORDS, INK, Some(PAPER));
 }
 

@@ -118,12 +118,10 @@ impl Focus {
         Camera::look_at(eye, self.point)
     }
 
-    /// How far a close-up that shows the depth or gap itself reaches; `None` where it would show no
-    /// more than the section does, or nothing but rounding.
+    /// How far a close-up reaches that shows the depth or gap itself; `None` where nothing meets.
     pub(super) fn magnified(&self) -> Option<f64> {
         let gap = self.contact?.separation.abs();
-        let radius = (MAGNIFIED * gap).max(FINEST * self.radius);
-        (radius < 0.4 * self.radius).then_some(radius)
+        Some((MAGNIFIED * gap).clamp(FINEST * self.radius, COARSEST * self.radius))
     }
 }
 
@@ -132,6 +130,9 @@ const MAGNIFIED: f64 = 5.0;
 
 /// No magnified view is finer than this part of a close-up: bodies are drawn in single precision.
 const FINEST: f64 = 2e-4;
+
+/// Nor coarser than this one: it would show what the close-up shows.
+const COARSEST: f64 = 0.35;
 
 fn positive_or_one(length: f64) -> f64 {
     if length.is_normal() { length } else { 1.0 }
@@ -142,10 +143,21 @@ fn bounds_of(coats: &Coats, moment: &Moment, id: BodyId) -> Aabb {
     coat.map_or(Aabb::EMPTY, |(coat, pose)| coat.bounds(pose))
 }
 
-/// Of two bodies that which moves; the lower one of two that do.
+/// Of two bodies that which moves; of two that do, the one which is pushed up.
 pub(super) fn mover_of(coats: &Coats, pair: &MeetingPair) -> BodyId {
     let moves = |id: BodyId| coats.get(id).is_some_and(|coat| coat.moves());
-    if moves(pair.b) && !moves(pair.a) { pair.b } else { pair.a }
+    let up = deepest(&pair.answer).is_some_and(|contact| contact.normal.z > 0.0);
+    match (moves(pair.a), moves(pair.b)) {
+        (true, true) => {
+            if up {
+                pair.b
+            } else {
+                pair.a
+            }
+        }
+        (false, true) => pair.b,
+        _ => pair.a,
+    }
 }
 
 /// Holds the normal and, where it lies aside, the body's centre: a cut through the axis of what is
@@ -198,6 +210,51 @@ fn is_as_deep(contact: &Contact, least: &Contact) -> bool {
 pub(super) fn depth(answer: &Answer) -> f64 {
     let regions = answer.regions.iter().filter_map(|region| region.depth).reduce(f64::max);
     regions.unwrap_or_else(|| contacts(answer).map(|c| -c.separation).fold(0.0, f64::max))
+}
+
+/// Pairs of bodies of which neither is farther from the other than this part of the smaller one's
+/// size are looked at where nothing meets.
+const NEARLY: f64 = 0.5;
+
+/// Where nothing meets: the pair that is nearest, with its distance as a contact across a gap. A
+/// question of the painter's own, about as many pairs as [`look_into`] takes.
+pub(super) fn nearest(coats: &Coats, moment: &Moment) -> Option<MeetingPair> {
+    let placed = || coats.iter().filter_map(|(id, c)| Some((id, c, moment.poses.get(&id)?)));
+    let mut near = Vec::new();
+    for (a, coat_a, pose_a) in placed() {
+        for (b, coat_b, pose_b) in placed().filter(|(b, ..)| *b > a) {
+            let [box_a, box_b] = [coat_a.bounds(pose_a), coat_b.bounds(pose_b)];
+            let reach = NEARLY * box_a.diagonal().min(box_b.diagonal());
+            let (Some(of_a), Some(of_b)) = (&coat_a.model, &coat_b.model) else { continue };
+            if (coat_a.moves() || coat_b.moves()) && box_a.grown(reach).overlaps(&box_b) {
+                near.push(([a, b], [of_a, of_b], [*pose_a, *pose_b]));
+            }
+        }
+    }
+    if near.len() > PAIRS_LOOKED_INTO {
+        return None;
+    }
+    let distances = near.into_iter().filter_map(|([a, b], models, poses)| {
+        let [placed_a, placed_b] = [0, 1].map(|i| Placed { model: models[i], pose: poses[i] });
+        let question = Query::of(Demand::Distance { below: None });
+        let answer = query(placed_a, placed_b, &question, &mut PairMemory::default()).ok()?;
+        Some(MeetingPair { a, b, answer, impulse: 0.0 })
+    });
+    distances.filter_map(with_witnesses).min_by(|a, b| {
+        let separation = |pair: &MeetingPair| pair.answer.contacts[0].separation;
+        separation(a).total_cmp(&separation(b))
+    })
+}
+
+/// The nearest points as a contact.
+fn with_witnesses(mut pair: MeetingPair) -> Option<MeetingPair> {
+    let [a, b] = pair.answer.witnesses?;
+    let separation = pair.answer.distance.filter(|distance| *distance > 0.0)?;
+    let normal = (b.point - a.point).try_normalize()?;
+    let id = (a.feature, b.feature);
+    pair.answer.contacts =
+        vec![Contact { id, point_a: a.point, point_b: b.point, normal, separation }];
+    Some(pair)
 }
 
 /// Regions of pairs of which only contacts are known, of at most this many pairs: more are too small

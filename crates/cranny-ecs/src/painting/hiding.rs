@@ -32,12 +32,24 @@ pub(super) fn of(coats: &Coats, moment: &Moment, eye: DVec3) -> Vec<BodyId> {
     posed(false).filter(|(_, coat, pose)| stands_before(coat, pose)).map(|(id, ..)| id).collect()
 }
 
-/// Some vertices, evenly among all.
+/// The farthest vertices in directions all around: what of a body is seen from outside.
 fn points(coat: &Coat, pose: &Pose) -> Vec<DVec3> {
     let map = pose.world_from_body();
     let vertices = coat.of.mesh().vertices();
-    let step = vertices.len().div_ceil(LOOKED_FOR).max(1);
-    vertices.iter().step_by(step).map(|&p| map.apply(p)).collect()
+    let farthest = |i: usize| {
+        let direction = direction(i);
+        let along = |p: &DVec3| p.dot(direction);
+        vertices.iter().max_by(|a, b| along(a).total_cmp(&along(b))).map(|&p| map.apply(p))
+    };
+    (0..LOOKED_FOR).filter_map(farthest).collect()
+}
+
+/// Evenly spread over the sphere, along a spiral.
+fn direction(i: usize) -> DVec3 {
+    let z = 1.0 - (2 * i + 1) as f64 / LOOKED_FOR as f64;
+    let angle = i as f64 * std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
+    let r = (1.0 - z * z).sqrt();
+    DVec3::new(r * angle.cos(), r * angle.sin(), z)
 }
 
 /// A stationary body, and who looks.

@@ -2,9 +2,7 @@
 
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Contact, Region};
-use cranny_render::{
-    Camera, Color, DrawList, Key, Label, Mark, Patch, Point, Ramp, palette,
-};
+use cranny_render::{Camera, Color, DrawList, Key, Label, Mark, Patch, Point, Ramp, palette};
 
 use super::coats::Coats;
 use super::focus::{Focus, contacts, depth, middle, mover_of};
@@ -20,7 +18,10 @@ const ARROW: f64 = 0.16;
 const SHORTEST: f64 = 0.25;
 
 /// Pixels.
-const POINT: f32 = 3.2;
+const POINT: f32 = 3.4;
+/// Of more than [`CROWD`] contacts: they bury what they mark.
+const CROWDED: f32 = 2.2;
+const CROWD: usize = 60;
 const CURVE: f32 = 2.2;
 const SHAFT: f32 = 2.4;
 
@@ -97,10 +98,12 @@ pub(super) fn push_contacts(
     for region in moment.pairs.iter().flat_map(|pair| &pair.answer.regions) {
         push_region(list, region);
     }
+    let count: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
+    let radius = if count > CROWD { CROWDED } else { POINT };
     let points = moment.pairs.iter().flat_map(|pair| contacts(&pair.answer)).take(MARKS_MAX);
     for contact in points {
         let color = scales.point_color(&contact);
-        list.points.push(Point { position: middle(&contact), color, radius: POINT, on_top: true });
+        list.points.push(Point { position: middle(&contact), color, radius, on_top: true });
     }
     for pair in &moment.pairs {
         push_arrow(list, pair, scales, ARROW * height);
@@ -167,7 +170,9 @@ pub(super) fn contact_of_focus(list: &mut DrawList, focus: &Focus, radius: f64) 
     if let Some(line) = list.lines.last_mut() {
         line.on_top = true;
     }
-    for (side, to) in [(-1.0, contact.point_a), (1.0, contact.point_b)] {
+    // From outside, as a dimension is drawn: from within the bodies across a gap, else from beyond.
+    let outward = if contact.separation > 0.0 { 1.0 } else { -1.0 };
+    for (side, to) in [(-outward, contact.point_a), (outward, contact.point_b)] {
         let from = to + side * 0.3 * radius * normal;
         list.push_arrow(from, to + side * 0.03 * radius * normal, palette::INK, 1.6, true);
     }

@@ -5,8 +5,9 @@ use cranny_render::{
 };
 
 use super::coats::Coats;
-use super::focus::{Focus, depth, look_into};
-use super::{Moment, ScenePainter, marks};
+use super::focus::{Focus, contacts, depth, look_into, nearest};
+use super::marks::number;
+use super::{MeetingPair, Moment, ScenePainter, marks};
 use crate::error::SceneAppError;
 
 /// What of a page's width each of its pictures takes: all, the section, and that magnified.
@@ -42,7 +43,11 @@ impl ScenePainter {
             .ok_or_else(|| failed(format!("a page of {width} x {height} pixels is no picture")))?;
         let mut moment = moment.clone();
         look_into(&self.coats, &mut moment);
-        let focus = Focus::of(&self.coats, &moment, self.focus.as_ref(), &camera);
+        let lonely = moment.pairs.is_empty();
+        let nearest = if lonely { nearest(&self.coats, &moment) } else { None };
+        let mut looked_at = moment.clone();
+        looked_at.pairs.extend(nearest.clone());
+        let focus = Focus::of(&self.coats, &looked_at, self.focus.as_ref(), &camera);
         let mut list = self.view(&moment, &camera);
         if let Some(focus) = &focus {
             marks::ring(&mut list, focus, &camera);
@@ -58,7 +63,7 @@ impl ScenePainter {
             panels.push(Panel { image, title, scale: Some(scale(&camera, size)) });
         }
         let keys = self.keys(&moment, focus.as_ref());
-        let caption = caption(&self.coats, &moment);
+        let caption = vec![caption(&self.coats, &moment, nearest.as_ref())];
         self.focus = focus;
         let sheet = Sheet { title: self.title.clone(), panels, keys, caption };
         sheet.compose().map_err(|error| failed(error.to_string()))
@@ -72,33 +77,39 @@ impl ScenePainter {
         sizes: [ImageSize; 2],
     ) -> Result<Vec<(DrawList, Camera, ImageSize, String)>, String> {
         let mut views = Vec::new();
-        let whole = focus.map(|focus| (focus, focus.radius, "section through the deepest contact"));
+        let whole = focus.map(|focus| (focus, focus.radius));
         let magnified = focus.and_then(|focus| Some((focus, focus.magnified()?)));
-        let near = magnified.map(|(focus, radius)| (focus, radius, "magnified"));
-        for (view, size) in [whole, near].into_iter().zip(sizes) {
-            let Some((focus, radius, words)) = view else { continue };
+        for (view, size) in [whole, magnified].into_iter().zip(sizes) {
+            let Some((focus, radius)) = view else { continue };
             let mut list = self.bodies(moment);
             list.section = focus.section();
             list.ground = None;
             marks::contact_of_focus(&mut list, focus, radius);
             let camera = focus.camera(radius).map_err(|error| error.to_string())?;
-            let title = match (&focus.contact, words) {
-                (None, _) => "cut open; nothing touches".to_owned(),
-                (Some(_), "magnified") => {
-                    format!("magnified {} x", marks::number((focus.radius / radius).round()))
-                }
-                _ => words.to_owned(),
-            };
-            views.push((list, camera, size, title));
+            views.push((list, camera, size, self.close_up_title(focus, radius)));
         }
         // A page keeps its size: where nothing is to be magnified, an empty picture.
         while views.len() < sizes.len() {
             let camera = focus.map(|focus| focus.camera(focus.radius));
             let camera = camera.unwrap_or_else(|| Ok(self.cameras[0].1));
             let camera = camera.map_err(|error| error.to_string())?;
-            views.push((DrawList::new(), camera, sizes[views.len()], "nothing touches".to_owned()));
+            views.push((DrawList::new(), camera, sizes[views.len()], String::new()));
         }
         Ok(views)
+    }
+
+    fn close_up_title(&self, focus: &Focus, radius: f64) -> String {
+        let name = |id| self.coats.name(id);
+        match (&focus.bodies[..], &focus.contact) {
+            (&[a, b], Some(_)) if radius == focus.radius => {
+                format!("{} and {} cut open", name(a), name(b))
+            }
+            (_, Some(_)) => format!("magnified {} x", number((focus.radius / radius).round())),
+            (bodies, None) => {
+                let names: Vec<&str> = bodies.iter().map(|&id| name(id)).collect();
+                format!("{} cut open; nothing is near", names.join(" and "))
+            }
+        }
     }
 
     fn keys(&self, moment: &Moment, focus: Option<&Focus>) -> Vec<Key> {
@@ -122,26 +133,28 @@ fn scale(camera: &Camera, size: ImageSize) -> f64 {
     2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
 }
 
-fn caption(coats: &Coats, moment: &Moment) -> Vec<String> {
-    let mut words = format!("t = {:.3} s", moment.time);
-    let points: usize = moment.pairs.iter().map(|p| super::focus::contacts(&p.answer).count()).sum();
-    let deepest = moment
-        .pairs
-        .iter()
-        .map(|pair| (pair, depth(&pair.answer)))
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    match deepest {
-        None => words += "; no contacts",
-        Some((pair, deep)) => {
-            let pairs = moment.pairs.len();
-            let s = |n: usize| if n == 1 { "" } else { "s" };
-            words += &format!("; {points} contact{} of {pairs} pair{}", s(points), s(pairs));
-            let [a, b] = [pair.a, pair.b].map(|id| coats.name(id));
-            words += &match deep > 0.0 {
-                true => format!("; deepest: {a} and {b}, {}", marks::number(deep)),
-                false => "; no overlap".to_owned(),
-            };
+/// When, how many contacts, how deep; how near where nothing overlaps.
+fn caption(coats: &Coats, moment: &Moment, nearest: Option<&MeetingPair>) -> String {
+    let points: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
+    let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let count = match moment.pairs.len() {
+        0 => "no contacts".to_owned(),
+        pairs => format!("{} of {}", plural(points, "contact"), plural(pairs, "pair")),
+    };
+    let names = |pair: &MeetingPair| format!("{} and {}", coats.name(pair.a), coats.name(pair.b));
+    let all = || moment.pairs.iter().chain(nearest);
+    let by_depth = all().max_by(|a, b| depth(&a.answer).total_cmp(&depth(&b.answer)));
+    let extreme = match by_depth.filter(|pair| depth(&pair.answer) > 0.0) {
+        Some(pair) => {
+            format!("; deepest: {}, {}", names(pair), number(depth(&pair.answer)))
         }
-    }
-    vec![words]
+        None => all().min_by(|a, b| gap(a).total_cmp(&gap(b))).map_or(String::new(), |pair| {
+            format!("; no overlap; nearest: {}, {} apart", names(pair), number(gap(pair).max(0.0)))
+        }),
+    };
+    format!("t = {:.3} s; {count}{extreme}", moment.time)
+}
+
+fn gap(pair: &MeetingPair) -> f64 {
+    contacts(&pair.answer).map(|contact| contact.separation).fold(f64::INFINITY, f64::min)
 }
