@@ -21,6 +21,7 @@ mod pose_file;
 mod progress;
 mod query;
 mod run;
+mod quiet_driver;
 mod scene_file;
 mod stability;
 
@@ -32,6 +33,7 @@ use args::{Cli, Command};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    quiet_driver::restart_without_noise(&cli.command);
     logging::start(cli.verbose);
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),

@@ -54,7 +54,9 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
             frames: args.frames.clone(),
             preview: args.preview.clone(),
             record: args.record.is_some() && pictured,
-            ..PictureOptions::default()
+            size: args.pictures.size,
+            camera: args.pictures.camera.clone(),
+            quality: args.pictures.quality.into(),
         },
         inputs: std::iter::once(scene.path).chain(scene.files).collect(),
         source: Some(scene.source_text),

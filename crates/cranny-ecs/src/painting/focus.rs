@@ -69,18 +69,18 @@ impl Focus {
         let least = deepest(&pair.answer)?;
         let near_last = last.and_then(|last| {
             let away = |c: &Contact| (middle(c) - last.point).dot(last.plane).abs();
-            let deep = contacts(&pair.answer).filter(|c| is_as_deep(c, &least));
+            let deep = exact_contacts(&pair.answer).filter(|c| is_as_deep(c, &least));
             deep.min_by(|a, b| away(a).total_cmp(&away(b)))
         });
         let contact = near_last.unwrap_or(least);
-        let point = middle(&contact);
         let bounds = [pair.a, pair.b].map(|id| bounds_of(coats, moment, id));
         let [a, b] = bounds.map(|b| b.diagonal());
         let mover = mover_of(coats, pair);
         let center = bounds_of(coats, moment, mover).center();
-        let plane = plane_through(point, contact.normal, center, camera);
-        let bodies = vec![pair.a, pair.b];
+        let plane = plane_through(middle(&contact), contact.normal, center, camera);
         let radius = AROUND * positive_or_one(a.min(b));
+        let contact = moved_inside(contact, pair, plane, radius);
+        let (point, bodies) = (middle(&contact), vec![pair.a, pair.b]);
         Some(Self { bodies, contact: Some(contact), point, plane, radius })
     }
 
@@ -143,6 +143,24 @@ fn bounds_of(coats: &Coats, moment: &Moment, id: BodyId) -> Aabb {
     coat.map_or(Aabb::EMPTY, |(coat, pose)| coat.bounds(pose))
 }
 
+/// Of contacts that share a line (the tooth of a gear along a tooth), the solver's are its ends, where
+/// a plane across it cuts nothing: a contact at an end is moved to the middle of its line.
+fn moved_inside(contact: Contact, pair: &MeetingPair, plane: DVec3, radius: f64) -> Contact {
+    let along = |c: &Contact| (middle(c) - middle(&contact)).dot(plane);
+    let beside = exact_contacts(&pair.answer).filter(|c| {
+        let away = middle(c) - middle(&contact);
+        let aside = away - away.dot(plane) * plane;
+        c.normal.dot(contact.normal) > ALIKE && aside.length() < ASIDE * radius
+    });
+    let ends = beside.map(|c| along(&c)).fold([0.0f64; 2], |[a, b], at| [a.min(at), b.max(at)]);
+    let shift = 0.5 * (ends[0] + ends[1]) * plane;
+    let [point_a, point_b] = [contact.point_a, contact.point_b].map(|p| p + shift);
+    Contact { point_a, point_b, ..contact }
+}
+
+/// Cosine of normals that count as one.
+const ALIKE: f64 = 0.99;
+
 /// Of two bodies that which moves; of two that do, the one which is pushed up.
 pub(super) fn mover_of(coats: &Coats, pair: &MeetingPair) -> BodyId {
     let moves = |id: BodyId| coats.get(id).is_some_and(|coat| coat.moves());
@@ -190,9 +208,17 @@ pub(super) fn contacts(answer: &Answer) -> impl Iterator<Item = Contact> + Clone
     answer.contacts.iter().chain(of_regions).copied()
 }
 
+/// Contacts as they are at the very poses that are drawn: those of regions where they are known. A
+/// solver's may be carried on from poses a little away.
+fn exact_contacts(answer: &Answer) -> impl Iterator<Item = Contact> + '_ {
+    let of_regions = answer.regions.iter().flat_map(|r| r.points.iter().chain([&r.deepest]));
+    let others = answer.contacts.iter().filter(|_| answer.regions.is_empty());
+    of_regions.chain(others).copied()
+}
+
 fn deepest(answer: &Answer) -> Option<Contact> {
     let finite = |c: &Contact| middle(c).is_finite() && c.normal.try_normalize().is_some();
-    contacts(answer).filter(finite).min_by(order)
+    exact_contacts(answer).filter(finite).min_by(order)
 }
 
 fn order(a: &Contact, b: &Contact) -> std::cmp::Ordering {
@@ -263,11 +289,11 @@ const PAIRS_LOOKED_INTO: usize = 24;
 
 /// Finds what regions a few pairs meet in, so that they can be painted. It is the painter's own
 /// question: the run knows nothing of it.
-pub(super) fn look_into(coats: &Coats, moment: &mut Moment) {
-    if moment.pairs.len() > PAIRS_LOOKED_INTO {
-        return;
-    }
-    for pair in moment.pairs.iter_mut().filter(|pair| pair.answer.regions.is_empty()) {
+pub(super) fn look_into(coats: &Coats, moment: &mut Moment, surely: &[BodyId]) {
+    let all = moment.pairs.len() <= PAIRS_LOOKED_INTO;
+    let wanted = |pair: &&mut MeetingPair| all || surely == [pair.a, pair.b];
+    let unknown = moment.pairs.iter_mut().filter(|pair| pair.answer.regions.is_empty());
+    for pair in unknown.filter(wanted) {
         let margin = contacts(&pair.answer).map(|c| c.separation).fold(0.0, f64::max);
         let models = [pair.a, pair.b].map(|id| coats.get(id)?.model.as_ref());
         let poses = [pair.a, pair.b].map(|id| moment.poses.get(&id).copied());

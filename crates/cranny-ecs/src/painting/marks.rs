@@ -22,6 +22,8 @@ const POINT: f32 = 3.4;
 /// Of more than [`CROWD`] contacts: they bury what they mark.
 const CROWDED: f32 = 2.2;
 const CROWD: usize = 60;
+/// Of more contacts than this, those across a gap are left out.
+const THRONG: usize = 250;
 const CURVE: f32 = 2.2;
 const SHAFT: f32 = 2.4;
 
@@ -59,7 +61,7 @@ impl Scales<'_> {
             let text = format!("contact, by depth: 0 to {}", number(self.depth));
             keys.push(Key::new(Mark::Ramp(Ramp::Depth), text));
         }
-        if all().any(|c| c.separation > 0.0) {
+        if all().count() <= THRONG && all().any(|c| c.separation > 0.0) {
             keys.push(Key::new(Mark::Body(palette::GAP), "contact across a gap"));
         }
         if moment.pairs.iter().any(|pair| self.share(pair) > 0.0) {
@@ -101,7 +103,7 @@ pub(super) fn push_contacts(
     let count: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
     let radius = if count > CROWD { CROWDED } else { POINT };
     let points = moment.pairs.iter().flat_map(|pair| contacts(&pair.answer)).take(MARKS_MAX);
-    for contact in points {
+    for contact in points.filter(|contact| count <= THRONG || contact.separation <= 0.0) {
         let color = scales.point_color(&contact);
         list.points.push(Point { position: middle(&contact), color, radius, on_top: true });
     }

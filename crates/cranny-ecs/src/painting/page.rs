@@ -42,7 +42,9 @@ impl ScenePainter {
         let sizes = panel_sizes(width, height)
             .ok_or_else(|| failed(format!("a page of {width} x {height} pixels is no picture")))?;
         let mut moment = moment.clone();
-        look_into(&self.coats, &mut moment);
+        let first = Focus::of(&self.coats, &moment, self.focus.as_ref(), &camera);
+        let surely = first.map_or(Vec::new(), |focus| focus.bodies);
+        look_into(&self.coats, &mut moment, &surely);
         let lonely = moment.pairs.is_empty();
         let nearest = if lonely { nearest(&self.coats, &moment) } else { None };
         let mut looked_at = moment.clone();
