@@ -42,6 +42,22 @@ pub enum PictureQuality {
     Fine,
 }
 
+/// What a picture of a moment shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ScenePainterView {
+    /// The scene beside a section through what touches, and that magnified.
+    #[default]
+    Page,
+    /// The scene with its contacts.
+    Scene,
+    /// The section through what touches.
+    Section,
+    /// The scene, bodies as x-rays.
+    XRay,
+    /// The scene, bodies as wireframes.
+    Wireframe,
+}
+
 /// What is drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Moment {
@@ -144,6 +160,57 @@ impl ScenePainter {
     /// Draws a body no more.
     pub(crate) fn remove(&mut self, id: BodyId) {
         self.coats.remove(id);
+    }
+
+    /// The size for which cameras of a view of this size are fitted.
+    ///
+    /// # Errors
+    ///
+    /// A size that no picture can have.
+    pub fn camera_size(
+        view: ScenePainterView,
+        [width, height]: [u32; 2],
+    ) -> Result<ImageSize, SceneAppError> {
+        let size = match view {
+            ScenePainterView::Page => panel_sizes(width, height).map(|[main, ..]| main),
+            _ => ImageSize::new(width, height).ok(),
+        };
+        size.ok_or_else(|| SceneAppError::Picture {
+            camera: DEFAULT_CAMERA.to_owned(),
+            why: format!("a picture of {width} x {height} pixels is too small or too large"),
+        })
+    }
+
+    /// A moment in a view, by the first camera.
+    ///
+    /// # Errors
+    ///
+    /// Where a picture cannot be drawn.
+    pub fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        view: ScenePainterView,
+        [width, height]: [u32; 2],
+    ) -> Result<Image, SceneAppError> {
+        let size = Self::camera_size(view, [width, height])?;
+        let (name, camera) = self.cameras[0].clone();
+        let failed = |error: RenderError| SceneAppError::Picture {
+            camera: name,
+            why: error.to_string(),
+        };
+        let style = match view {
+            ScenePainterView::Page => return self.page(renderer, moment, width, height),
+            ScenePainterView::Section => return self.section(renderer, moment, size),
+            ScenePainterView::Scene => {
+                return self.picture(renderer, moment, &camera, size).map_err(failed);
+            }
+            ScenePainterView::XRay => Style::XRay,
+            ScenePainterView::Wireframe => Style::Wireframe,
+        };
+        let mut list = self.view(moment, &camera);
+        list.instances.iter_mut().for_each(|instance| instance.style = style);
+        self.render(renderer, &list, &camera, size).map_err(failed)
     }
 
     /// A moment as a camera sees it: bodies, contacts, stationary bodies faded where they hide.

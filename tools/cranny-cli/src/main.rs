@@ -22,6 +22,7 @@ mod progress;
 mod query;
 mod run;
 mod quiet_driver;
+mod replay;
 mod scene_file;
 mod stability;
 
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
     logging::start(cli.verbose);
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),
+        Command::Replay(args) => replay::replay(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
         Command::Compare(args) => compare::compare(args, cli.format),

@@ -34,6 +34,7 @@ fn draws(command: &Command) -> bool {
         Command::Run(args) => {
             args.preview.is_some() || args.frames.is_some() || args.record.is_some()
         }
+        Command::Replay(args) => args.render.is_some(),
         Command::Inspect(args) => args.render.is_some(),
         _ => false,
     }

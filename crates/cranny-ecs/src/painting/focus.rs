@@ -1,6 +1,6 @@
 //! The contact that tells most, and the plane that shows it: through the contact, along its normal.
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::{Aabb, DQuat, DVec3};
 use cranny_narrow_phase::{Answer, Contact, Demand, PairMemory, Placed, Query, query};
 use cranny_render::{Camera, CameraError, Section, palette};
 use cranny_world::BodyId;
@@ -18,6 +18,8 @@ pub(crate) struct Focus {
     pub(crate) point: DVec3,
     /// Of the plane: towards who looks; unit.
     pub(crate) plane: DVec3,
+    /// 1 where the plane may be nudged along its normal, -1 where against it: into the bodies.
+    pub(crate) inwards: f64,
     /// How much a close-up shows around the point, units of length.
     pub(crate) radius: f64,
 }
@@ -33,9 +35,9 @@ const AROUND: f64 = 0.3;
 /// than this sine. Smaller: rounding chooses the plane; larger: cuts miss the axis of round bodies.
 const ASIDE: f64 = 0.15;
 
-/// Off the contact's own plane, in parts of the close-up's radius: a plane that runs along faces or
-/// through a row of vertices shows neither side.
-const NUDGE: f64 = 2e-4;
+/// Off the contact's own plane, in parts of what the magnified view reaches: a plane that runs along
+/// faces or through a tip shows neither side.
+const NUDGE: f64 = 0.04;
 
 impl Focus {
     /// Of a moment; `last` is that of the moment before. `None` where there is no body.
@@ -78,10 +80,13 @@ impl Focus {
         let mover = mover_of(coats, pair);
         let center = bounds_of(coats, moment, mover).center();
         let plane = plane_through(middle(&contact), contact.normal, center, camera);
+        let turns = [pair.a, pair.b].map(|id| moment.poses.get(&id).map(|pose| pose.rotation));
+        let plane = along_an_axis(plane, turns.into_iter().flatten());
         let radius = AROUND * positive_or_one(a.min(b));
         let contact = moved_inside(contact, pair, plane, radius);
         let (point, bodies) = (middle(&contact), vec![pair.a, pair.b]);
-        Some(Self { bodies, contact: Some(contact), point, plane, radius })
+        let inwards = if (center - point).dot(plane) < 0.0 { -1.0 } else { 1.0 };
+        Some(Self { bodies, contact: Some(contact), point, plane, inwards, radius })
     }
 
     /// The last one goes on; else the first body that moves, else the first.
@@ -100,12 +105,14 @@ impl Focus {
         let bounds = bounds_of(coats, moment, body);
         let plane = level(camera.axes()[2]);
         let radius = 0.6 * positive_or_one(bounds.diagonal());
-        Some(Self { bodies: vec![body], contact: None, point: bounds.center(), plane, radius })
+        let (bodies, point) = (vec![body], bounds.center());
+        Some(Self { bodies, contact: None, point, plane, inwards: 1.0, radius })
     }
 
     /// A little off the point.
     pub(super) fn section(&self) -> Option<Section> {
-        let nudged = self.point + NUDGE * self.radius * self.plane;
+        let reach = self.magnified().unwrap_or(self.radius);
+        let nudged = self.point + NUDGE * reach * self.inwards * self.plane;
         Section::through(nudged, self.plane, palette::OVERLAP)
     }
 
@@ -189,6 +196,18 @@ fn plane_through(point: DVec3, normal: DVec3, center: DVec3, camera: &Camera) ->
         false => across.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector()),
     };
     if plane.dot(backward) < 0.0 { -plane } else { plane }
+}
+
+/// Cosine within which a plane is turned to one of a body's own axes, across which its sections are
+/// those that people draw.
+const NEARLY_AN_AXIS: f64 = 0.96;
+
+/// The axis that a direction nearly has, else the direction.
+fn along_an_axis(direction: DVec3, turns: impl Iterator<Item = DQuat>) -> DVec3 {
+    let axes = turns.flat_map(|turn| [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis));
+    let axes = axes.map(|axis| axis * axis.dot(direction).signum());
+    let nearest = axes.max_by(|a, b| a.dot(direction).total_cmp(&b.dot(direction)));
+    nearest.filter(|axis| axis.dot(direction) > NEARLY_AN_AXIS).unwrap_or(direction)
 }
 
 /// A direction without its height, where it has another.

@@ -71,6 +71,32 @@ impl ScenePainter {
         sheet.compose().map_err(|error| failed(error.to_string()))
     }
 
+    /// The section through what touches, alone.
+    pub(super) fn section(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        size: ImageSize,
+    ) -> Result<Image, SceneAppError> {
+        let (name, camera) = self.cameras[0].clone();
+        let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
+        let mut looked_at = moment.clone();
+        if looked_at.pairs.is_empty() {
+            looked_at.pairs.extend(nearest(&self.coats, moment));
+        }
+        let focus = Focus::of(&self.coats, &looked_at, self.focus.as_ref(), &camera);
+        let views = self.close_ups(moment, focus.as_ref(), [size, size]).map_err(failed)?;
+        let (list, camera, size, title) = views.into_iter().next().ok_or_else(|| {
+            failed("there is no body".to_owned())
+        })?;
+        let mut image = self.render(renderer, &list, &camera, size);
+        self.focus = focus;
+        if let Ok(image) = &mut image {
+            image.write([8, 8], &title, 15.0, palette::INK, Some(palette::PAPER));
+        }
+        image.map_err(|error| failed(error.to_string()))
+    }
+
     /// The section, and what it shows magnified.
     fn close_ups(
         &self,
