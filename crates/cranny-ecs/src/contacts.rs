@@ -131,6 +131,8 @@ fn take_contacts(
             contacts.pairs.push(ContactPair { a, b, poses, frame, answer });
         }
     }
+    // They belong to this step's answers: at the end of a run no solver supplies new ones.
+    detector.supplied_poses.clear();
 }
 
 fn share_contacts(

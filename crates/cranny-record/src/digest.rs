@@ -5,7 +5,8 @@ use cranny_narrow_phase::{Answer, Contact, Containment, Feature, Region, Surface
 
 /// Hash of the fields of an answer that are a function of models, poses and margin alone: verdicts,
 /// containment, and regions with their points and curves. Names of regions, counters, distances and
-/// contacts for a solver are left out: history and other readers decide what they are.
+/// contacts for a solver are left out: history and other readers decide what they are. So are normals
+/// across a gap, whose last bit depends on what a pair remembers; the points on both sides are in.
 #[must_use]
 pub fn answer_digest(answer: &Answer) -> String {
     let mut hash = Hash(blake3::Hasher::new());
@@ -57,18 +58,25 @@ impl Hash {
         self.number(kind << 32 | u64::from(id));
     }
 
+    /// The points on either side of a gap say which way it is.
+    fn normal(&mut self, normal: DVec3, separation: f64) {
+        if separation <= 0.0 {
+            self.vector(normal);
+        }
+    }
+
     fn contact(&mut self, contact: &Contact) {
         self.feature(contact.id.0);
         self.feature(contact.id.1);
         self.vector(contact.point_a);
         self.vector(contact.point_b);
-        self.vector(contact.normal);
         self.float(contact.separation);
+        self.normal(contact.normal, contact.separation);
     }
 
     fn region(&mut self, region: &Region) {
         self.contact(&region.deepest);
-        self.vector(region.normal);
+        self.normal(region.normal, region.deepest.separation);
         self.optional(region.depth);
         self.optional(region.area);
         self.number(u64::from(region.triangle_pairs));
