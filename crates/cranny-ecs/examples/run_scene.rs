@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..PluginOptions::default()
         },
         duration,
-        pictures: PictureOptions { preview, record: record.is_some(), frames: None },
+        pictures: PictureOptions { preview, record: record.is_some(), ..PictureOptions::default() },
         record,
         inputs: vec![scene.path.clone()],
         source: Some(scene.source_text.clone()),

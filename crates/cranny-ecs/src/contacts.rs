@@ -43,8 +43,20 @@ pub struct ContactPair {
     pub b: BodyId,
     /// From which the answer was computed, to the bit.
     pub poses: [Pose; 2],
+    /// The frame in which it was computed; `None`: in the world's.
+    pub frame: Option<QueryFrame>,
     /// World coordinates.
     pub answer: Answer,
+}
+
+/// A solver queries a pair in the frame of one body: the other one's pose in it, rounded as the
+/// solver has it, is what decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QueryFrame {
+    /// Whether the frame is that of `a`.
+    pub first_is_a: bool,
+    /// The other body's pose in it, to the bit.
+    pub first_from_second: Pose,
 }
 
 /// A body's share of the [`ContactReport`], which holds what is read.
@@ -115,9 +127,12 @@ fn take_contacts(
         answer.contacts.retain(|contact| contact.separation <= margin);
         // A solver's answers carry contacts without regions.
         if !answer.regions.is_empty() || !answer.contacts.is_empty() {
-            contacts.pairs.push(ContactPair { a, b, poses: detector.poses(a, b), answer });
+            let (poses, frame) = detector.poses(a, b);
+            contacts.pairs.push(ContactPair { a, b, poses, frame, answer });
         }
     }
+    // They belong to this step's answers: at the end of a run no solver supplies new ones.
+    detector.supplied_poses.clear();
 }
 
 fn share_contacts(

@@ -19,6 +19,7 @@ use cranny_world::{BodyId, BodySpec, ContactFields, StepReport, World as PairWor
 use crate::body::{Bodies, Body, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactsSystems;
+use crate::contacts::QueryFrame;
 use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
 use crate::plugins::PluginOptions;
@@ -53,7 +54,7 @@ pub struct Detector {
     /// Whether a solver detects too: the world then works for reports only.
     beside_solver: bool,
     /// From which poses the supplied answers of this step were computed.
-    pub(crate) supplied_poses: BTreeMap<(BodyId, BodyId), [Pose; 2]>,
+    pub(crate) supplied_poses: BTreeMap<(BodyId, BodyId), ([Pose; 2], QueryFrame)>,
     /// What the world knows of pairs, and of which revision of the effects that is.
     pairs: BTreeMap<Pair, Vec<Effect>>,
     excluded: BTreeSet<Pair>,
@@ -189,12 +190,15 @@ impl Detector {
         self.world.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The poses from which the pair's latest answer was computed, to the bit.
-    pub(crate) fn poses(&mut self, a: BodyId, b: BodyId) -> [Pose; 2] {
-        let supplied = self.supplied_poses.get(&(a, b)).copied();
+    /// The poses from which the pair's latest answer was computed, to the bit, and the frame in which
+    /// a solver did.
+    pub(crate) fn poses(&mut self, a: BodyId, b: BodyId) -> ([Pose; 2], Option<QueryFrame>) {
+        if let Some(&(poses, frame)) = self.supplied_poses.get(&(a, b)) {
+            return (poses, Some(frame));
+        }
         let world = self.world();
         let current = |id| world.body(id).map_or(Pose::IDENTITY, |body| body.pose());
-        supplied.unwrap_or_else(|| [current(a), current(b)])
+        ([current(a), current(b)], None)
     }
 }
 

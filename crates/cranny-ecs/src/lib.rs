@@ -69,6 +69,8 @@ mod readers;
 mod recording;
 #[cfg(feature = "render")]
 mod rendering;
+#[cfg(feature = "record")]
+mod replay;
 mod report;
 #[cfg(feature = "rapier")]
 mod response;
@@ -85,7 +87,9 @@ pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 pub use collider::{Collider, VisualMesh};
 pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
-pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems};
+pub use contacts::{
+    BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems, QueryFrame,
+};
 #[cfg(feature = "rapier")]
 pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
 pub use cranny_world::{BodyId, ContactFields};
@@ -106,7 +110,10 @@ pub use links::{Link, LinkLog, Ring};
 pub use motion::{BodyMotion, Helix, HelixMotion, MotionLog};
 pub use outputs::check_outputs;
 #[cfg(feature = "render")]
-pub use painting::{DEFAULT_CAMERA, MARKS_MAX};
+pub use painting::{
+    DEFAULT_CAMERA, MARKS_MAX, MeetingPair, Moment, NamedCamera, PictureQuality, ScenePainter,
+    ScenePainterView,
+};
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
@@ -122,8 +129,10 @@ pub use recording::{FrameRecorder, RecordingSystems};
 #[cfg(feature = "render")]
 pub use rendering::{
     FRAME_SIZE, FRAMES_PER_SECOND, PREVIEW_FRAMES, PREVIEW_SIZE, Painter, PictureOptions,
-    RenderingSystems, frame_path,
+    RECORDED_SIZE, RenderingSystems, frame_path,
 };
+#[cfg(feature = "record")]
+pub use replay::{Replay, ReplayDifference, ReplayError, ReplayFrame, ReplayReport};
 pub use report::state_hash;
 #[cfg(feature = "rapier")]
 pub use response::{Gravity, ResponseSystems};

@@ -1,213 +1,294 @@
-//! What is drawn: bodies in colours of their own, ground, contact marks; cameras that stay put.
+//! What is drawn of a run: bodies, what hides them, where they meet, and a page that explains it.
+//!
+//! Nothing here changes the run. A [`ScenePainter`] is given a [`Moment`] (poses, and what was found
+//! of pairs) and draws it: [`coats`] has meshes and colours, [`hiding`] says which stationary bodies
+//! stand before moving ones, [`cameras`] where from, [`focus`] which contact tells most and the plane
+//! that shows it, [`marks`] how contacts look, [`page`] puts views beside each other.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+mod cameras;
+mod coats;
+mod focus;
+mod hiding;
+mod marks;
+mod page;
 
-use cranny_exact::{Aabb, DVec3, Pose};
-use cranny_geometry::{Mesh, Model};
+use std::collections::{BTreeMap, BTreeSet};
+
+use cranny_exact::Pose;
+use cranny_narrow_phase::Answer;
 use cranny_render::{
-    Camera, Color, DrawList, DrawMesh, Ground, ImageSize, Instance, Preset, palette,
+    Camera, DrawList, Ground, Image, ImageSize, Instance, RenderError, Renderer, Shading, Style,
 };
 use cranny_world::BodyId;
-use cranny_world::description::{BodyKind, CameraDescription, CameraView, SceneDescription};
+use cranny_world::description::SceneDescription;
 
+pub use self::cameras::{DEFAULT_CAMERA, NamedCamera};
+use self::coats::Coats;
+use self::focus::Focus;
+pub use self::marks::MARKS_MAX;
+pub(crate) use self::page::panel_sizes;
 use crate::body::BodyRecord;
-use crate::contacts::ContactReport;
 use crate::error::SceneAppError;
 
-/// Contacts beyond these many are not marked: a picture of more shows nothing but marks.
-pub const MARKS_MAX: usize = 2_000;
+/// How much a picture does for the eye, and what that costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PictureQuality {
+    /// Light on the faces alone: the fastest.
+    Draft,
+    /// Outlines, and shade where bodies stand close.
+    #[default]
+    Normal,
+    /// The same at twice the size, scaled down: four times the pixels.
+    Fine,
+}
 
-/// Length of a contact's arrow, in parts of the scene's diagonal.
-const ARROW: f64 = 0.03;
+/// What a picture of a moment shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ScenePainterView {
+    /// The scene beside a section through what touches, and that magnified.
+    #[default]
+    Page,
+    /// The scene with its contacts.
+    Scene,
+    /// The section through what touches.
+    Section,
+    /// The scene, bodies as x-rays.
+    XRay,
+    /// The scene, bodies as wireframes.
+    Wireframe,
+}
 
-/// Surfaces that meet.
-const MEETING: Color = Color::rgb(214, 40, 40);
-/// Surfaces that are near.
-const NEAR: Color = Color::rgb(250, 170, 40);
+/// What is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Moment {
+    /// Seconds simulated.
+    pub time: f64,
+    /// `world_from_body`.
+    pub poses: BTreeMap<BodyId, Pose>,
+    /// What was found of pairs that meet or nearly do, by ascending ids.
+    pub pairs: Vec<MeetingPair>,
+}
 
-/// Name of the camera of a scene that names none.
-pub const DEFAULT_CAMERA: &str = "main";
+/// Two bodies that meet or nearly do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeetingPair {
+    /// The answer's A.
+    pub a: BodyId,
+    /// Its B.
+    pub b: BodyId,
+    /// World coordinates; contacts at least, regions where they are known.
+    pub answer: Answer,
+    /// What they gave each other along their normals in the step; 0 where nobody says.
+    pub impulse: f64,
+}
 
-/// All that pictures of a scene share.
-pub(crate) struct Palette {
-    bodies: BTreeMap<BodyId, Painted>,
+/// Draws moments of a scene.
+pub struct ScenePainter {
+    title: String,
+    coats: Coats,
+    cameras: Vec<NamedCamera>,
     ground: Ground,
-    arrow: f64,
+    quality: PictureQuality,
+    /// Stationary bodies that have hidden moving ones: they stay faded, so that nothing flickers.
+    faded: BTreeSet<BodyId>,
+    /// What the last close-up showed.
+    focus: Option<Focus>,
+    /// The greatest so far: arrows and colours keep their scale.
+    impulse_max: f64,
+    depth_max: f64,
 }
 
-/// How a body is drawn.
-struct Painted {
-    mesh: Arc<DrawMesh>,
-    color: Color,
-    /// For others of the same geometry.
-    of: Geometry,
-}
+impl ScenePainter {
+    /// Prepares meshes, and cameras for pictures of `size`.
+    ///
+    /// # Errors
+    ///
+    /// A mesh that cannot be drawn, or a camera that cannot see.
+    pub fn new(
+        scene: &SceneDescription,
+        size: ImageSize,
+        quality: PictureQuality,
+    ) -> Result<Self, SceneAppError> {
+        let (coats, instances) = Coats::of_scene(scene)?;
+        let room = cameras::room(scene, &instances);
+        Ok(Self {
+            title: scene.name.clone(),
+            coats,
+            cameras: cameras::of_scene(scene, &room, size)?,
+            ground: cameras::ground(scene, &instances),
+            quality,
+            faded: BTreeSet::new(),
+            focus: None,
+            impulse_max: 0.0,
+            depth_max: 0.0,
+        })
+    }
 
-/// What a mesh is drawn of.
-#[derive(Clone)]
-enum Geometry {
-    Described(Arc<Mesh>),
-    Prepared(Model),
-}
+    /// The cameras by name, in the scene's order; never empty.
+    #[must_use]
+    pub fn cameras(&self) -> &[NamedCamera] {
+        &self.cameras
+    }
 
-impl Geometry {
-    fn mesh(&self) -> &Mesh {
-        match self {
-            Self::Described(mesh) => mesh,
-            Self::Prepared(model) => model.mesh(),
+    /// Keeps one camera, by its name or the name of a preset (`isometric`, `front`, `side`, `top`),
+    /// fitted as a scene's own.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneAppError::Camera`] where there is none of that name, naming those there are.
+    pub fn choose_camera(
+        &mut self,
+        scene: &SceneDescription,
+        name: &str,
+        size: ImageSize,
+    ) -> Result<(), SceneAppError> {
+        if let Some(at) = self.cameras.iter().position(|(known, _)| known == name) {
+            self.cameras = vec![self.cameras.swap_remove(at)];
+            return Ok(());
         }
+        let (_, instances) = Coats::of_scene(scene)?;
+        let room = cameras::room(scene, &instances);
+        self.cameras = vec![cameras::preset(name, &self.cameras, &room, size)?];
+        Ok(())
     }
 
-    fn is_same(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Described(a), Self::Described(b)) => Arc::ptr_eq(a, b),
-            (Self::Prepared(a), Self::Prepared(b)) => a.is_same(b),
-            _ => false,
-        }
-    }
-}
-
-/// A camera by name.
-pub(crate) type NamedCamera = (String, Camera);
-
-/// Prepares meshes, and cameras for pictures of `size`.
-pub(crate) fn prepare(
-    scene: &SceneDescription,
-    size: ImageSize,
-) -> Result<(Palette, Vec<NamedCamera>), SceneAppError> {
-    let mut bodies = BTreeMap::new();
-    let mut list = DrawList::new();
-    for (i, body) in scene.bodies.iter().enumerate() {
-        let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
-        let (mesh, color) = (drawn(&bodies, &of, &body.name)?, palette(i));
-        list.instances.push(Instance { mesh: mesh.clone(), pose: body.pose, color });
-        bodies.insert(BodyId(i as u32), Painted { mesh, color, of });
-    }
-    let start = list.bounds();
-    let room = room_to_fall(scene, &start);
-    if room != start {
-        // Two corners are enough to make the list's bounds those of the room.
-        list.push_line(room.min, room.max, Color::BLACK, 1.0);
-    }
-    let cameras = match &scene.cameras[..] {
-        [] => vec![camera(&CameraView::Isometric, DEFAULT_CAMERA, &list, size)?],
-        all => all
-            .iter()
-            .map(|CameraDescription { name, view }| camera(view, name, &list, size))
-            .collect::<Result<_, _>>()?,
-    };
-    let arrow = if start.is_empty() { ARROW } else { ARROW * start.diagonal() };
-    Ok((Palette { bodies, ground: Ground::under(&room), arrow }, cameras))
-}
-
-/// The mesh to draw of a geometry, shared with a body that has the same.
-fn drawn(
-    bodies: &BTreeMap<BodyId, Painted>,
-    of: &Geometry,
-    name: &str,
-) -> Result<Arc<DrawMesh>, SceneAppError> {
-    if let Some(painted) = bodies.values().find(|painted| painted.of.is_same(of)) {
-        return Ok(painted.mesh.clone());
-    }
-    let mesh = of.mesh();
-    let drawn = DrawMesh::new(mesh.vertices(), mesh.faces()).map_err(|error| {
-        SceneAppError::Undrawable { body: name.to_owned(), why: error.to_string() }
-    })?;
-    Ok(Arc::new(drawn))
-}
-
-fn camera(
-    view: &CameraView,
-    name: &str,
-    list: &DrawList,
-    size: ImageSize,
-) -> Result<NamedCamera, SceneAppError> {
-    let camera = match *view {
-        CameraView::Isometric => Camera::fitted_to(Preset::Isometric, list, size),
-        CameraView::Front => Camera::fitted_to(Preset::Front, list, size),
-        CameraView::Side => Camera::fitted_to(Preset::Side, list, size),
-        CameraView::Top => Camera::fitted_to(Preset::Top, list, size),
-        CameraView::LookAt { eye, target, field_of_view } => Camera::look_at(eye, target)
-            .and_then(|camera| camera.with_field_of_view(field_of_view.to_degrees())),
-    };
-    let camera = camera.map_err(|error| SceneAppError::Camera {
-        camera: name.to_owned(),
-        why: error.to_string(),
-    })?;
-    Ok((name.to_owned(), camera))
-}
-
-/// How far a scene that nothing carries may hang down, in parts of its greatest extent: half the
-/// circumference of a ring is 1.57 of its diameter. Larger: everything is drawn small.
-const HANGING: f64 = 1.6;
-
-/// The bounds of the start, and below them, where nothing fixed carries the scene, room to fall: a
-/// chain that is held at one end will hang.
-fn room_to_fall(scene: &SceneDescription, start: &Aabb) -> Aabb {
-    let falls = scene.gravity.z < 0.0
-        && scene.bodies.iter().any(|b| b.kind == BodyKind::Dynamic)
-        && scene.effects.iter().any(|e| matches!(e, cranny_world::description::Effect::Response));
-    if start.is_empty() || !falls {
-        return *start;
-    }
-    let bottom = |kind_fixed: bool| {
-        let bodies = scene.bodies.iter().filter(|b| (b.kind == BodyKind::Fixed) == kind_fixed);
-        bodies
-            .flat_map(|b| {
-                let map = b.pose.world_from_body();
-                b.collision.vertices().iter().map(move |&p| map.apply(p).z)
-            })
-            .fold(f64::INFINITY, f64::min)
-    };
-    if bottom(true) <= bottom(false) {
-        return *start;
-    }
-    let size = start.max - start.min;
-    let depth = (HANGING * size.max_element() - size.z).max(0.0);
-    Aabb { min: start.min - depth * DVec3::Z, max: start.max }
-}
-
-impl Palette {
     /// Takes in a body that the scene does not describe, or another geometry of one that it does.
     pub(crate) fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
-        let of = match &record.visual {
-            Some(visual) => Geometry::Described(visual.clone()),
-            None => Geometry::Prepared(record.model.clone()),
-        };
-        let mesh = drawn(&self.bodies, &of, &record.name)?;
-        self.bodies.insert(id, Painted { mesh, color: palette(id.0 as usize), of });
-        Ok(())
+        self.coats.put(id, record)
     }
 
     /// Draws a body no more.
     pub(crate) fn remove(&mut self, id: BodyId) {
-        self.bodies.remove(&id);
+        self.coats.remove(id);
     }
 
-    /// The picture of bodies at poses, and of contacts.
-    pub(crate) fn draw_list(
-        &self,
-        poses: impl Iterator<Item = (BodyId, Pose)>,
-        contacts: Option<&ContactReport>,
-    ) -> DrawList {
-        let mut list = DrawList::new();
-        list.ground = Some(self.ground);
-        for (id, pose) in poses {
-            if let Some(Painted { mesh, color, .. }) = self.bodies.get(&id) {
-                list.instances.push(Instance { mesh: mesh.clone(), pose, color: *color });
+    /// The size for which cameras of a view of this size are fitted.
+    ///
+    /// # Errors
+    ///
+    /// A size that no picture can have.
+    pub fn camera_size(
+        view: ScenePainterView,
+        [width, height]: [u32; 2],
+    ) -> Result<ImageSize, SceneAppError> {
+        let size = match view {
+            ScenePainterView::Page => panel_sizes(width, height).map(|[main, ..]| main),
+            _ => ImageSize::new(width, height).ok(),
+        };
+        size.ok_or_else(|| SceneAppError::Picture {
+            camera: DEFAULT_CAMERA.to_owned(),
+            why: format!("a picture of {width} x {height} pixels is too small or too large"),
+        })
+    }
+
+    /// A moment in a view, by the first camera.
+    ///
+    /// # Errors
+    ///
+    /// Where a picture cannot be drawn.
+    pub fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        view: ScenePainterView,
+        [width, height]: [u32; 2],
+    ) -> Result<Image, SceneAppError> {
+        let size = Self::camera_size(view, [width, height])?;
+        let (name, camera) = self.cameras[0].clone();
+        let failed =
+            |error: RenderError| SceneAppError::Picture { camera: name, why: error.to_string() };
+        let style = match view {
+            ScenePainterView::Page => return self.page(renderer, moment, width, height),
+            ScenePainterView::Section => return self.section(renderer, moment, size),
+            ScenePainterView::Scene => {
+                return self.picture(renderer, moment, &camera, size).map_err(failed);
+            }
+            ScenePainterView::XRay => Style::XRay,
+            ScenePainterView::Wireframe => Style::Wireframe,
+        };
+        let mut list = self.view(moment, &camera);
+        list.instances.iter_mut().for_each(|instance| instance.style = style);
+        self.render(renderer, &list, &camera, size).map_err(failed)
+    }
+
+    /// A moment as a camera sees it: bodies, contacts, stationary bodies faded where they hide.
+    ///
+    /// # Errors
+    ///
+    /// As [`Renderer::render`].
+    pub fn picture(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<Image, RenderError> {
+        let list = self.view(moment, camera);
+        self.render(renderer, &list, camera, size)
+    }
+
+    fn view(&mut self, moment: &Moment, camera: &Camera) -> DrawList {
+        let hiding = hiding::of(&self.coats, moment, camera.eye());
+        self.faded.extend(hiding);
+        self.note_scales(moment);
+        let mut list = self.bodies(moment);
+        for (id, instance) in self.placed(moment).zip(&mut list.instances) {
+            if self.faded.contains(&id) {
+                instance.style = Style::XRay;
             }
         }
-        let pairs = contacts.iter().flat_map(|c| &c.pairs);
-        for point in pairs.flat_map(|pair| &pair.answer.contacts).take(MARKS_MAX) {
-            let color = if point.separation > 0.0 { NEAR } else { MEETING };
-            list.push_contact(
-                0.5 * (point.point_a + point.point_b),
-                point.normal,
-                self.arrow,
-                color,
-            );
+        marks::push_contacts(&mut list, moment, &self.scales(), camera);
+        list
+    }
+
+    /// The greatest impulse and depth so far.
+    fn note_scales(&mut self, moment: &Moment) {
+        for pair in &moment.pairs {
+            self.impulse_max = self.impulse_max.max(pair.impulse);
+            self.depth_max = self.depth_max.max(focus::depth(&pair.answer));
+        }
+    }
+
+    fn scales(&self) -> marks::Scales<'_> {
+        marks::Scales { impulse: self.impulse_max, depth: self.depth_max, coats: &self.coats }
+    }
+
+    /// Those that are drawn, in the order of the list's instances.
+    fn placed(&self, moment: &Moment) -> impl Iterator<Item = BodyId> + use<> {
+        let drawn = moment.poses.keys().copied().filter(|id| self.coats.get(*id).is_some());
+        drawn.collect::<Vec<_>>().into_iter()
+    }
+
+    /// All bodies, opaque, cut where the list gets a section.
+    fn bodies(&self, moment: &Moment) -> DrawList {
+        let shading = match self.quality {
+            PictureQuality::Draft => Shading::PLAIN,
+            PictureQuality::Normal | PictureQuality::Fine => Shading::FULL,
+        };
+        let mut list = DrawList { shading, ground: Some(self.ground), ..DrawList::new() };
+        for (id, pose) in &moment.poses {
+            if let Some(coat) = self.coats.get(*id) {
+                let instance = Instance::solid(coat.mesh.clone(), *pose, coat.color);
+                list.instances.push(Instance { cut: true, ..instance });
+            }
         }
         list
+    }
+
+    fn render(
+        &self,
+        renderer: &mut Renderer,
+        list: &DrawList,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<Image, RenderError> {
+        let twice = ImageSize::new(2 * size.width(), 2 * size.height());
+        match (self.quality, twice) {
+            (PictureQuality::Fine, Ok(twice)) => {
+                let image = renderer.render(&list.enlarged(2.0), camera, twice)?;
+                Ok(image.scaled_down(size.width()))
+            }
+            _ => renderer.render(list, camera, size),
+        }
     }
 }

@@ -11,8 +11,8 @@ use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_geometry::{Mesh, Model};
 use cranny_record::{
-    Frame, LogLevel, PairContacts, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
-    Recorder, Summary,
+    Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth,
+    RecordedEvent, Recorder, Summary,
 };
 use cranny_world::{BodyId, ContactFields, PairEvent, PairEventKind};
 
@@ -154,6 +154,8 @@ fn record_bodies<'a>(
             name: &record.name,
             mesh: record.visual.as_deref().unwrap_or(record.model.mesh()),
             color: hue(id.0),
+            model: Some(&record.model),
+            kind: Some(record.kind),
         })
         .collect();
     recorder.open().map_or(Ok(()), |r| r.bodies(&bodies)).map_err(Into::into)
@@ -255,7 +257,7 @@ fn record(
     times: &mut PhaseTimes,
     failure: &mut Failure,
 ) {
-    let Sources { bodies, records, detected, contacts, .. } = sources;
+    let Sources { bodies, records, effects, detected, contacts, .. } = sources;
     let events = std::mem::take(&mut recorder.events);
     let Some(recorder) = recorder.open() else { return };
     let start = Instant::now();
@@ -283,6 +285,11 @@ fn record(
             b: records.name(pair.b),
             pose_a: pair.poses[0],
             pose_b: pair.poses[1],
+            frame: pair.frame.map(|frame| PairFrame {
+                first_is_a: frame.first_is_a,
+                first_from_second: frame.first_from_second,
+            }),
+            margin: effects.contact_margin(pair.a, pair.b),
             answer: &pair.answer,
         })
         .collect();

@@ -6,8 +6,9 @@
 //! time. So pictures are drawn at moments of *simulated* time: with [`PictureOptions::frames`]
 //! [`FRAMES_PER_SECOND`] of them a second, else [`PREVIEW_FRAMES`] in all; and the final state.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use bevy_app::{App, Plugin};
@@ -15,15 +16,18 @@ use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
-use cranny_render::{Animation, DrawList, Image, ImageSize, Renderer};
-use cranny_world::ContactFields;
+use cranny_narrow_phase::Answer;
+use cranny_render::palette;
+use cranny_render::{Animation, Image, ImageSize, Renderer};
 use cranny_world::description::SceneDescription;
+use cranny_world::{BodyId, ContactFields};
 
-use crate::body::{Bodies, Body, pose_of};
+use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 use crate::contacts::ContactReport;
+use crate::effects::Pair;
 use crate::error::{Failure, SceneAppError};
-use crate::painting::{NamedCamera, Palette, prepare};
+use crate::painting::{MeetingPair, Moment, PictureQuality, ScenePainter, panel_sizes};
 use crate::readers::ContactReaders;
 
 /// Pictures a simulated second, with [`PictureOptions::frames`].
@@ -31,10 +35,13 @@ pub const FRAMES_PER_SECOND: f64 = 30.0;
 
 /// Pictures of a preview, at most. More: minutes of drawing in software for a file of megabytes;
 /// fewer: motion is a slide show.
-pub const PREVIEW_FRAMES: usize = 60;
+pub const PREVIEW_FRAMES: usize = 32;
 
-/// Width and height of a preview's pictures and of those in a recording.
-pub const PREVIEW_SIZE: [u32; 2] = [640, 360];
+/// Width of a preview, and height of its pictures, which stand side by side.
+pub const PREVIEW_SIZE: [u32; 2] = [1180, 360];
+
+/// Width and height of the pictures in a recording.
+pub const RECORDED_SIZE: [u32; 2] = [640, 360];
 
 /// Width and height of [`PictureOptions::frames`].
 pub const FRAME_SIZE: [u32; 2] = [1280, 720];
@@ -55,11 +62,20 @@ pub enum RenderingSystems {
 pub struct PictureOptions {
     /// A folder for one PNG a moment and camera: `main_00000.png`.
     pub frames: Option<PathBuf>,
-    /// An animated PNG of the first camera. Its first picture, which is all that other viewers
-    /// show, is the final state.
+    /// An animated PNG of pages: the first camera's picture beside a section through the deepest
+    /// contact. Its first picture, which is all that other viewers show, is the last moment with a
+    /// contact, or the final state.
     pub preview: Option<PathBuf>,
     /// Into the recording, as `/camera/<name>`.
     pub record: bool,
+    /// Width and height of frames; width of the preview and height of its pictures. `None`:
+    /// [`FRAME_SIZE`] and [`PREVIEW_SIZE`].
+    pub size: Option<[u32; 2]>,
+    /// The only camera: one of the scene's, or `isometric`, `front`, `side`, `top`. `None`: all of
+    /// the scene's.
+    pub camera: Option<String>,
+    /// How much is done for the eye.
+    pub quality: PictureQuality,
 }
 
 impl PictureOptions {
@@ -104,13 +120,16 @@ impl Moments {
 #[derive(Resource)]
 pub struct Painter {
     renderer: Mutex<Renderer>,
-    palette: Palette,
-    cameras: Vec<NamedCamera>,
+    /// For frames and recordings, and for the pages of the preview: sizes differ.
+    scene: ScenePainter,
+    pages: ScenePainter,
     size: ImageSize,
+    page_size: [u32; 2],
     moments: Moments,
     options: PictureOptions,
     drawn: usize,
-    preview: Vec<Image>,
+    /// Pages, and whether something meets on each.
+    preview: Vec<(Image, bool)>,
     /// Pictures for the recording: camera, step, PNG.
     encoded: Vec<(String, u64, Vec<u8>)>,
 }
@@ -129,45 +148,61 @@ impl Painter {
     /// Where the file cannot be written.
     pub fn finish(&mut self) -> Result<(), SceneAppError> {
         let Some(path) = &self.options.preview else { return Ok(()) };
-        let mut frames = std::mem::take(&mut self.preview);
-        let Some(last) = frames.last().cloned() else { return Ok(()) };
-        frames.insert(0, last);
+        let pages = std::mem::take(&mut self.preview);
+        let telling = pages.iter().rev().find(|(_, meets)| *meets).or(pages.last());
+        let Some((poster, _)) = telling.cloned() else { return Ok(()) };
         // Players hold a picture for 20 ms at least.
         let delay = (1e3 * self.moments.preview_seconds).round().clamp(20.0, 1e3) as u16;
         let mut animation = Animation::new(delay);
         let failed = |why: String| SceneAppError::Output { path: path.clone(), why };
-        for frame in frames {
-            animation.push(frame).map_err(|error| failed(error.to_string()))?;
+        let size = poster.size();
+        for page in std::iter::once(poster).chain(pages.into_iter().map(|(page, _)| page)) {
+            // Legends differ in length from moment to moment.
+            let page = page.on_canvas(size, palette::PAPER);
+            animation.push(page).map_err(|error| failed(error.to_string()))?;
         }
         animation.save(path).map_err(|error| failed(error.to_string()))
     }
 
-    fn paint(&mut self, list: &DrawList, step: u64, last: bool) -> Result<(), SceneAppError> {
-        for (number, (name, camera)) in self.cameras.iter().enumerate() {
+    fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
+        self.scene.put(id, record)?;
+        self.pages.put(id, record)
+    }
+
+    fn remove(&mut self, id: BodyId) {
+        self.scene.remove(id);
+        self.pages.remove(id);
+    }
+
+    fn paint(&mut self, moment: &Moment, step: u64, last: bool) -> Result<(), SceneAppError> {
+        let in_preview = last || self.drawn.is_multiple_of(self.moments.preview_every);
+        let cameras = self.scene.cameras().to_vec();
+        let renderer = &mut self.renderer;
+        let renderer = renderer.get_mut().unwrap_or_else(PoisonError::into_inner);
+        let recorded = self.options.record && in_preview;
+        let pictured = cameras.iter().filter(|_| recorded || self.options.frames.is_some());
+        for (name, camera) in pictured {
             let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
-            let mut renderer = self.renderer.lock().map_err(|error| failed(error.to_string()))?;
-            let image = renderer
-                .render(list, camera, self.size)
+            let image = self
+                .scene
+                .picture(renderer, moment, camera, self.size)
                 .map_err(|error| failed(error.to_string()))?;
-            drop(renderer);
             if let Some(folder) = &self.options.frames {
                 let path = frame_path(folder, name, self.drawn);
                 image
                     .save_png(&path)
                     .map_err(|error| SceneAppError::Output { path, why: error.to_string() })?;
             }
-            let in_preview = last || self.drawn.is_multiple_of(self.moments.preview_every);
-            if !in_preview {
-                continue;
-            }
-            let small = image.scaled_down(PREVIEW_SIZE[0]);
-            if self.options.record {
+            if recorded {
+                let small = image.scaled_down(RECORDED_SIZE[0]);
                 let png = small.encode_png().map_err(|error| failed(error.to_string()))?;
                 self.encoded.push((name.clone(), step, png));
             }
-            if number == 0 && self.options.preview.is_some() {
-                self.preview.push(small);
-            }
+        }
+        if in_preview && self.options.preview.is_some() {
+            let [width, height] = self.page_size;
+            let page = self.pages.page(renderer, moment, width, height)?;
+            self.preview.push((page, !moment.pairs.is_empty()));
         }
         self.drawn += 1;
         Ok(())
@@ -193,18 +228,30 @@ impl RenderingPlugin {
         renderer: Renderer,
         options: PictureOptions,
     ) -> Result<Self, SceneAppError> {
-        let [width, height] = if options.frames.is_some() { FRAME_SIZE } else { PREVIEW_SIZE };
-        let size = ImageSize::new(width, height).map_err(|error| SceneAppError::Picture {
+        let refused = |why: String| SceneAppError::Picture {
             camera: crate::painting::DEFAULT_CAMERA.to_owned(),
-            why: error.to_string(),
-        })?;
-        let (palette, cameras) = prepare(scene, size)?;
+            why,
+        };
+        let usual = if options.frames.is_some() { FRAME_SIZE } else { RECORDED_SIZE };
+        let [width, height] = options.size.unwrap_or(usual);
+        let size = ImageSize::new(width, height).map_err(|error| refused(error.to_string()))?;
+        let page_size = options.size.unwrap_or(PREVIEW_SIZE);
+        let [main, ..] = panel_sizes(page_size[0], page_size[1])
+            .ok_or_else(|| refused(format!("{} x {} pixels", page_size[0], page_size[1])))?;
+        let painter = |size| {
+            let mut painter = ScenePainter::new(scene, size, options.quality)?;
+            if let Some(name) = &options.camera {
+                painter.choose_camera(scene, name, size)?;
+            }
+            Ok::<_, SceneAppError>(painter)
+        };
         Ok(Self {
             painter: Mutex::new(Some(Painter {
                 renderer: Mutex::new(renderer),
-                palette,
-                cameras,
+                scene: painter(size)?,
+                pages: painter(main)?,
                 size,
+                page_size,
                 moments: Moments::new(steps, scene.step, options.frames.is_some()),
                 options,
                 drawn: 0,
@@ -254,13 +301,13 @@ fn paint_body(
 ) {
     let Ok(&Body { id }) = query.get(inserted.entity) else { return };
     if let Some(record) = bodies.get(id) {
-        failure.note(painter.palette.put(id, record));
+        failure.note(painter.put(id, record));
     }
 }
 
 fn paint_no_more(removed: On<Remove<Body>>, query: Query<&Body>, mut painter: ResMut<Painter>) {
     if let Ok(&Body { id }) = query.get(removed.entity) {
-        painter.palette.remove(id);
+        painter.remove(id);
     }
 }
 
@@ -289,6 +336,8 @@ fn read_for_end(mut readers: ResMut<ContactReaders>) {
 struct Drawing<'w, 's> {
     bodies: Query<'w, 's, (&'static Body, &'static Transform)>,
     contacts: Option<Res<'w, ContactReport>>,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
     time: Res<'w, SimulatedTime>,
     painter: ResMut<'w, Painter>,
     times: ResMut<'w, PhaseTimes>,
@@ -301,10 +350,36 @@ impl Drawing<'_, '_> {
             return;
         }
         let start = Instant::now();
-        let poses = self.bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
-        let list = self.painter.palette.draw_list(poses, self.contacts.as_deref());
-        self.failure.note(self.painter.paint(&list, self.time.steps(), last));
+        let moment = self.moment();
+        self.failure.note(self.painter.paint(&moment, self.time.steps(), last));
         self.times.render += 1e3 * start.elapsed().as_secs_f64();
+    }
+
+    fn moment(&self) -> Moment {
+        let poses = self.bodies.iter().map(|(body, transform)| (body.id, pose_of(transform)));
+        let reported = self.contacts.iter().flat_map(|report| &report.pairs);
+        let pairs: BTreeMap<Pair, Answer> =
+            reported.map(|pair| ((pair.a, pair.b), pair.answer.clone())).collect();
+        #[cfg(not(feature = "rapier"))]
+        let impulse = |_: Pair| 0.0;
+        // What the solver found of pairs that nobody reports.
+        #[cfg(feature = "rapier")]
+        let (pairs, impulse) = {
+            let mut pairs = pairs;
+            for (a, b, found) in self.solver.iter().flat_map(|solver| solver.contacts()) {
+                if !found.answer.contacts.is_empty() {
+                    pairs.entry((a, b)).or_insert_with(|| (*found.answer).clone());
+                }
+            }
+            let impulse =
+                |(a, b): Pair| self.solver.as_ref().map_or(0.0, |solver| solver.impulse(a, b));
+            (pairs, impulse)
+        };
+        let pairs = pairs.into_iter().map(|((a, b), answer)| {
+            let impulse = impulse((a, b));
+            MeetingPair { a, b, answer, impulse }
+        });
+        Moment { time: self.time.seconds(), poses: poses.collect(), pairs: pairs.collect() }
     }
 }
 

@@ -21,6 +21,7 @@ use cranny_world::{BodyId, ContactFields};
 
 use crate::body::{Bodies, Body, narrowed, transform_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
+use crate::contacts::QueryFrame;
 use crate::detection::{DetectionSystems, Detector};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
@@ -265,7 +266,9 @@ fn supply_answers(
         // A solver's answer holds no distance.
         if read && effects.proximity(a, b).is_none() {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
-            detector.supplied_poses.insert((a, b), pair.poses);
+            let cranny_rapier::PairContacts { poses, first_is_a, first_from_second, .. } = *pair;
+            let frame = QueryFrame { first_is_a, first_from_second };
+            detector.supplied_poses.insert((a, b), (poses, frame));
         }
     }
     for ((a, b), at_most) in bodies.depth_bounds() {

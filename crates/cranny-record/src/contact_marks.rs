@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use cranny_exact::{DQuat, DVec3, Pose};
-use cranny_narrow_phase::{Contact, Curve};
+use cranny_narrow_phase::{Answer, Contact, Curve};
 use foxglove::bytes::Bytes;
 use foxglove::messages::{
-    ArrowPrimitive, LinePrimitive, PackedElementField, PointCloud, PosesInFrame, SceneEntity,
-    SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp, line_primitive,
+    ArrowPrimitive, KeyValuePair, LinePrimitive, PackedElementField, PointCloud, PosesInFrame,
+    SceneEntity, SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp, line_primitive,
     packed_element_field::NumericType, scene_entity_deletion,
 };
 
@@ -70,13 +70,15 @@ impl ContactMarks {
     fn entity(&self, pair: &PairContacts, timestamp: Timestamp) -> SceneEntity {
         let answer = pair.answer;
         let curves = answer.regions.iter().flat_map(|region| &region.curves);
+        let deepest = || answer.regions.iter().map(|region| &region.deepest);
         SceneEntity {
             timestamp: Some(timestamp),
             frame_id: WORLD_FRAME.to_owned(),
             // Quoted, so that no two pairs of names share an id.
             id: format!("{:?} {:?}", pair.a, pair.b),
-            spheres: answer.contacts.iter().map(|c| self.sphere(c)).collect(),
-            arrows: answer.contacts.iter().filter_map(|c| self.arrow(c)).collect(),
+            spheres: deepest().map(|c| self.sphere(c)).collect(),
+            arrows: deepest().filter_map(|c| self.arrow(c)).collect(),
+            metadata: metadata(answer),
             lines: curves.map(line).collect(),
             ..SceneEntity::default()
         }
@@ -111,7 +113,7 @@ fn line(curve: &Curve) -> LinePrimitive {
         pose: Some(pose(&Pose::IDENTITY)),
         thickness: CURVE_THICKNESS,
         scale_invariant: true,
-        points: curve.points.iter().map(|&p| point3(p)).collect(),
+        points: curve.points.iter().map(|&p| point3(for_the_eye(p))).collect(),
         color: Some(color(CURVE)),
         ..LinePrimitive::default()
     }
@@ -167,8 +169,29 @@ pub(crate) fn normal_poses(frame: &Frame, timestamp: Timestamp) -> PosesInFrame 
     PosesInFrame {
         timestamp: Some(timestamp),
         frame_id: WORLD_FRAME.to_owned(),
-        poses: poses.map(|p| pose(&p)).collect(),
+        poses: poses.map(|p| pose(&short(p))).collect(),
     }
+}
+
+/// Rounded to single precision: what a recording need not hold compresses away.
+fn for_the_eye(p: DVec3) -> DVec3 {
+    p.as_vec3().as_dvec3()
+}
+
+fn short(pose: Pose) -> Pose {
+    let rotation = pose.rotation.as_quat().as_dquat();
+    Pose { rotation, translation: for_the_eye(pose.translation) }
+}
+
+/// What viewers list beside a pair's picture.
+fn metadata(answer: &Answer) -> Vec<KeyValuePair> {
+    let entry = |key: &str, value: String| KeyValuePair { key: key.to_owned(), value };
+    let sum = answer.regions.iter().filter_map(|r| r.area).reduce(|a, b| a + b);
+    let depth = answer.regions.iter().filter_map(|r| r.depth).reduce(f64::max);
+    let depth = depth.map(|d| entry("depth", d.to_string()));
+    let area = sum.map(|a| entry("area", a.to_string()));
+    let count = entry("regions", answer.regions.len().to_string());
+    depth.into_iter().chain(area).chain([count]).collect()
 }
 
 fn middle(contact: &Contact) -> DVec3 {

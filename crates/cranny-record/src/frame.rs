@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use cranny_exact::Pose;
-use cranny_geometry::Mesh;
+use cranny_geometry::{Mesh, Model};
 use cranny_narrow_phase::Answer;
+use cranny_world::description::BodyKind;
 use cranny_world::{BodyId, PairEventKind, StepReport, StepStats, World};
 
 use crate::error::RecordError;
@@ -49,7 +50,7 @@ impl RecordingInfo {
     pub(crate) fn metadata(&self) -> BTreeMap<String, String> {
         let entries = [
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
-            ("format", "1".to_owned()),
+            ("format", "2".to_owned()),
             ("scene", self.scene.clone()),
             ("scene_hash", self.scene_hash.clone()),
             ("detector", self.detector.clone()),
@@ -76,7 +77,7 @@ pub struct RecordedAttachment {
 }
 
 /// A body as viewers shall draw it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct RecordedBody<'a> {
     /// Unique; the name of its frame.
     pub name: &'a str,
@@ -84,6 +85,11 @@ pub struct RecordedBody<'a> {
     pub mesh: &'a Mesh,
     /// Red, green, blue and opacity, 0 to 1.
     pub color: [f64; 4],
+    /// What collides: its digest is recorded, and all of it where it differs from what is drawn.
+    /// `None`: nothing can be computed anew.
+    pub model: Option<&'a Model>,
+    /// How it moves; `None` where the caller does not say.
+    pub kind: Option<BodyKind>,
 }
 
 /// One recorded step.
@@ -117,8 +123,22 @@ pub struct PairContacts<'a> {
     pub pose_a: Pose,
     /// Where B was.
     pub pose_b: Pose,
+    /// The frame in which it was computed; `None`: in the world's, from these poses.
+    pub frame: Option<PairFrame>,
+    /// Regions farther apart were not looked for, >= 0; `None` where the caller does not say, and
+    /// then the answer cannot be computed anew.
+    pub margin: Option<f64>,
     /// What was found.
     pub answer: &'a Answer,
+}
+
+/// The frame of one body of a pair, in which the other is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairFrame {
+    /// Whether the frame is that of A.
+    pub first_is_a: bool,
+    /// The other body's pose in it, to the bit.
+    pub first_from_second: Pose,
 }
 
 /// Something that happened between two bodies.
@@ -174,6 +194,8 @@ impl<'a> Frame<'a> {
                 b: name(pair.b)?,
                 pose_a: pose(pair.a)?,
                 pose_b: pose(pair.b)?,
+                frame: None,
+                margin: None,
                 answer: &pair.answer,
             })
         });

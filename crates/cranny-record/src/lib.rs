@@ -39,6 +39,7 @@
 
 mod contact_marks;
 mod convert;
+mod digest;
 mod error;
 mod exact_pose;
 mod frame;
@@ -48,17 +49,18 @@ mod recorder;
 mod recording;
 pub mod topic;
 
+pub use digest::answer_digest;
 pub use error::{ReadError, RecordError};
 pub use exact_pose::ExactPose;
 pub use frame::{
-    Frame, PairContacts, RecordedAttachment, RecordedBody, RecordedDepth, RecordedEvent,
+    Frame, PairContacts, PairFrame, RecordedAttachment, RecordedBody, RecordedDepth, RecordedEvent,
     RecordingInfo,
 };
 pub use message::{
-    ContactMessage, ContactsMessage, CurveMessage, DeepestMessage, EventMessage, EventsMessage,
+    ContactMessage, ContactsMessage, DeepestMessage, EventMessage, EventsMessage, FrameMessage,
     IntervalMessage, MeasureMessage, PairMessage, RegionMessage, StatsMessage, VectorMessage,
     WitnessMessage,
 };
 pub use output::FRAMES_PER_CHUNK;
 pub use recorder::{LogLevel, Recorder, Summary};
-pub use recording::{PosesByName, Recording, TopicSummary};
+pub use recording::{DrawnBody, PosesByName, Recording, TopicSummary};

@@ -8,6 +8,7 @@ use cranny_narrow_phase::{Contact, Containment, Feature, Region, Surface, Witnes
 use cranny_world::PairEventKind;
 use serde::{Deserialize, Serialize};
 
+use crate::digest::answer_digest;
 use crate::exact_pose::ExactPose;
 use crate::frame::{Frame, PairContacts};
 
@@ -82,6 +83,14 @@ pub struct PairMessage {
     pub pose_a: ExactPose,
     /// Where B was.
     pub pose_b: ExactPose,
+    /// The frame in which a solver computed it; absent: the world's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameMessage>,
+    /// Regions farther apart were not looked for; absent where nobody says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub margin: Option<f64>,
+    /// Hash of verdicts and regions to the bit, points and curves with them: 32 hexadecimal digits.
+    pub digest: String,
     /// `none`, `touch` or `cross`.
     pub surface: String,
     /// Whether the bodies share interior points.
@@ -102,8 +111,17 @@ pub struct PairMessage {
     pub triangle_pairs: u32,
     /// Connected regions of contact.
     pub regions: Vec<RegionMessage>,
-    /// Contacts for a solver, where they are not simply the regions' points; else empty.
-    pub contacts: Vec<ContactMessage>,
+    /// How many contacts there are; `/contacts/points` and `/contacts/normals` hold them.
+    pub contact_count: u32,
+}
+
+/// The frame of one body of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameMessage {
+    /// Whether the frame is that of A.
+    pub first_is_a: bool,
+    /// The other body's pose in it.
+    pub first_from_second: ExactPose,
 }
 
 /// A point of a surface.
@@ -133,10 +151,10 @@ pub struct RegionMessage {
     pub area: Option<f64>,
     /// How many triangle pairs meet in it.
     pub triangle_pairs: u32,
-    /// Contacts that represent it, deepest first.
-    pub points: Vec<ContactMessage>,
-    /// Where the surfaces intersect.
-    pub curves: Vec<CurveMessage>,
+    /// How many contacts represent it.
+    pub point_count: u32,
+    /// How many curves bound it; `/contacts/scene` holds them.
+    pub curve_count: u32,
 }
 
 /// A pair of points where bodies meet or nearly do.
@@ -154,15 +172,6 @@ pub struct ContactMessage {
     pub normal: VectorMessage,
     /// Above 0: apart.
     pub separation: f64,
-}
-
-/// A polyline in which surfaces intersect.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CurveMessage {
-    /// The last point is joined to the first.
-    pub closed: bool,
-    /// In order.
-    pub points: Vec<VectorMessage>,
 }
 
 /// `cranny.PairEvents`: what began and ended in a step.
@@ -282,14 +291,18 @@ impl ContactsMessage {
 impl PairMessage {
     fn of(pair: &PairContacts) -> Self {
         let answer = pair.answer;
-        let of_regions = answer.regions.iter().flat_map(|r| &r.points);
-        let further =
-            if answer.contacts.iter().eq(of_regions) { &[][..] } else { &answer.contacts };
+        let frame = pair.frame.map(|frame| FrameMessage {
+            first_is_a: frame.first_is_a,
+            first_from_second: ExactPose(frame.first_from_second),
+        });
         Self {
             a: pair.a.to_owned(),
             b: pair.b.to_owned(),
             pose_a: ExactPose(pair.pose_a),
             pose_b: ExactPose(pair.pose_b),
+            frame,
+            margin: pair.margin,
+            digest: answer_digest(answer),
             surface: surface_name(answer.surface).to_owned(),
             solid: answer.solid,
             contained: answer.contained.map(|c| containment_name(c).to_owned()),
@@ -298,7 +311,7 @@ impl PairMessage {
             witnesses: answer.witnesses.as_ref().map(|w| [&w[0], &w[1]].map(WitnessMessage::of)),
             triangle_pairs: answer.triangle_pairs,
             regions: answer.regions.iter().map(RegionMessage::of).collect(),
-            contacts: further.iter().map(ContactMessage::of).collect(),
+            contact_count: answer.contacts.len() as u32,
         }
     }
 }
@@ -311,10 +324,6 @@ impl WitnessMessage {
 
 impl RegionMessage {
     fn of(region: &Region) -> Self {
-        let curve = |c: &cranny_narrow_phase::Curve| CurveMessage {
-            closed: c.closed,
-            points: c.points.iter().map(|&p| p.into()).collect(),
-        };
         Self {
             id: region.id.0,
             deepest: ContactMessage::of(&region.deepest),
@@ -322,8 +331,8 @@ impl RegionMessage {
             depth: region.depth,
             area: region.area,
             triangle_pairs: region.triangle_pairs,
-            points: region.points.iter().map(ContactMessage::of).collect(),
-            curves: region.curves.iter().map(curve).collect(),
+            point_count: region.points.len() as u32,
+            curve_count: region.curves.len() as u32,
         }
     }
 }

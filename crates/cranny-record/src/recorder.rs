@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use foxglove::bytes::Bytes;
 use foxglove::messages::{
-    CompressedImage, FrameTransform, FrameTransforms, Log, SceneEntity, SceneEntityDeletion,
-    SceneUpdate, Timestamp, TriangleListPrimitive, log::Level, scene_entity_deletion,
+    CompressedImage, FrameTransform, FrameTransforms, KeyValuePair, Log, SceneEntity,
+    SceneEntityDeletion, SceneUpdate, Timestamp, TriangleListPrimitive, log::Level,
+    scene_entity_deletion,
 };
 
 use crate::contact_marks::{ContactMarks, normal_poses, point_cloud};
@@ -19,6 +20,7 @@ use crate::message::{
 use crate::output::Output;
 use crate::topic;
 use cranny_exact::Pose;
+use cranny_world::description::BodyKind;
 
 /// How urgent a line of the log is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -58,6 +60,8 @@ pub struct Recorder {
     frames: u64,
     last_step: Option<u64>,
     names: BTreeSet<String>,
+    /// Digests of models that are attached.
+    attached: BTreeSet<String>,
     marks: ContactMarks,
 }
 
@@ -96,6 +100,7 @@ impl Recorder {
             frames: 0,
             last_step: None,
             names: BTreeSet::new(),
+            attached: BTreeSet::new(),
             marks: ContactMarks::of_size(LONE_MARK_SIZE),
         })
     }
@@ -119,6 +124,7 @@ impl Recorder {
                 return Err(RecordError::DuplicateBody { name: body.name.to_owned() });
             }
         }
+        bodies.iter().try_for_each(|body| self.attach_model(body))?;
         let time = timestamp(self.now);
         let entities = bodies.iter().map(|body| entity(body, time)).collect();
         let update = SceneUpdate { deletions: Vec::new(), entities };
@@ -129,6 +135,19 @@ impl Recorder {
             self.marks.resize(MARK_SIZE * smallest);
         }
         self.output.flush()
+    }
+
+    /// What is drawn of most bodies is what collides; of the others both are kept.
+    fn attach_model(&mut self, body: &RecordedBody) -> Result<(), RecordError> {
+        let Some(model) = body.model.filter(|model| model.mesh() != body.mesh) else {
+            return Ok(());
+        };
+        let digest = hexadecimal(&model.digest());
+        if self.attached.insert(digest.clone()) {
+            let name = topic::model(&digest);
+            self.output.attach(&name, "application/octet-stream", &model.encode())?;
+        }
+        Ok(())
     }
 
     /// Takes a body out of the picture from the time of the latest frame on. Its name is free then.
@@ -266,9 +285,25 @@ fn entity(body: &RecordedBody, timestamp: Timestamp) -> SceneEntity {
         frame_id: body.name.to_owned(),
         id: body.name.to_owned(),
         frame_locked: true,
+        metadata: facts(body),
         triangles: vec![triangles],
         ..SceneEntity::default()
     }
+}
+
+fn facts(body: &RecordedBody) -> Vec<KeyValuePair> {
+    let entry = |key: &str, value: String| KeyValuePair { key: key.to_owned(), value };
+    let model = body.model.map(|model| entry(topic::MODEL_KEY, hexadecimal(&model.digest())));
+    let kind = body.kind.map(|kind| match kind {
+        BodyKind::Fixed => "fixed",
+        BodyKind::Kinematic => "kinematic",
+        BodyKind::Dynamic => "dynamic",
+    });
+    model.into_iter().chain(kind.map(|kind| entry(topic::KIND_KEY, kind.to_owned()))).collect()
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn transform(name: &str, pose: &Pose, timestamp: Timestamp) -> FrameTransform {

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::Mesh;
 use foxglove::Decode;
-use foxglove::messages::{FrameTransform, FrameTransforms};
+use foxglove::messages::{FrameTransform, FrameTransforms, SceneEntity, SceneUpdate};
 use mcap::McapError;
 use mcap::read::{ChunkFlattener, Options};
 use mcap::records::Record;
@@ -27,6 +28,19 @@ pub struct TopicSummary {
     pub schema: String,
     /// How many there are.
     pub messages: u64,
+}
+
+/// A body as it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnBody {
+    /// Its name and frame.
+    pub name: String,
+    /// What is drawn of it, in its frame, to the bit.
+    pub mesh: Mesh,
+    /// Digest of the model that collides, hexadecimal; `None` where the recording does not say.
+    pub model: Option<String>,
+    /// `fixed`, `kinematic` or `dynamic`; `None` where the recording does not say.
+    pub kind: Option<String>,
 }
 
 /// An opened recording. The file is held in memory as filed (compressed).
@@ -115,6 +129,19 @@ impl Recording {
             let message = FrameTransforms::decode(data).map_err(|e| e.to_string())?;
             message.transforms.into_iter().map(named_pose).collect()
         })
+    }
+
+    /// Bodies in the order in which they came, each as it was first recorded.
+    ///
+    /// # Errors
+    ///
+    /// [`ReadError::Message`] for a message that cannot be decoded or holds no mesh.
+    pub fn bodies(&self) -> Result<Vec<DrawnBody>, ReadError> {
+        let updates = self.messages(topic::BODIES, |data| {
+            let update = SceneUpdate::decode(data).map_err(|e| e.to_string())?;
+            update.entities.into_iter().map(drawn_body).collect::<Result<Vec<_>, String>>()
+        })?;
+        Ok(updates.into_iter().flat_map(|(_, bodies)| bodies).collect())
     }
 
     /// Log times (nanoseconds) and what was found about pairs, frame by frame; poses to the bit.
@@ -210,6 +237,21 @@ fn records(bytes: &[u8]) -> mcap::McapResult<ChunkFlattener<'_>> {
 
 fn from_json<T: DeserializeOwned>(data: &[u8]) -> Result<T, String> {
     serde_json::from_slice(data).map_err(|e| e.to_string())
+}
+
+fn drawn_body(entity: SceneEntity) -> Result<DrawnBody, String> {
+    let name = entity.id;
+    let [triangles] = <[_; 1]>::try_from(entity.triangles)
+        .map_err(|all| format!("body '{name}' has {} meshes in place of one", all.len()))?;
+    let vertices = triangles.points.iter().map(|p| DVec3::new(p.x, p.y, p.z)).collect();
+    let faces = triangles.indices.chunks_exact(3).map(|face| [face[0], face[1], face[2]]).collect();
+    let mesh = Mesh::new(vertices, faces).map_err(|e| format!("body '{name}': {e}"))?;
+    let fact = |key: &str| {
+        let found = entity.metadata.iter().find(|pair| pair.key == key);
+        found.map(|pair| pair.value.clone())
+    };
+    let (model, kind) = (fact(topic::MODEL_KEY), fact(topic::KIND_KEY));
+    Ok(DrawnBody { name, mesh, model, kind })
 }
 
 fn named_pose(transform: FrameTransform) -> Result<(String, Pose), String> {

@@ -32,3 +32,14 @@ pub const WORLD_FRAME: &str = "world";
 pub const METADATA: &str = "cranny";
 /// Metadata record at the file's end: how it ended. Absent where the run was killed.
 pub const METADATA_END: &str = "cranny.end";
+
+/// Key of a body's metadata: the digest of its model, hexadecimal.
+pub const MODEL_KEY: &str = "model";
+/// Key of a body's metadata: `fixed`, `kinematic` or `dynamic`.
+pub const KIND_KEY: &str = "kind";
+
+/// Name of the attachment that holds a model which differs from what is drawn.
+#[must_use]
+pub fn model(digest: &str) -> String {
+    format!("models/{digest}.cranny")
+}

@@ -75,7 +75,7 @@ fn scene() -> Result<DrawList, DrawMeshError> {
     let mut list = DrawList::new();
     let mut place = |mesh: &Arc<DrawMesh>, x, y, z, rotation, color| {
         let pose = Pose { rotation, translation: DVec3::new(x, y, z) };
-        list.instances.push(Instance { mesh: mesh.clone(), pose, color });
+        list.instances.push(Instance::solid(mesh.clone(), pose, color));
     };
     let flat = DQuat::IDENTITY;
     place(&torus, -2.0, 0.0, 0.3, flat, palette(0));

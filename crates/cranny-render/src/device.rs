@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::RenderError;
+use crate::pipelines::DEPTH_FORMATS;
 
 /// How a [`Renderer`](crate::Renderer) chooses its adapter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -21,6 +22,13 @@ pub(crate) struct Gpu {
     pub(crate) queue: wgpu::Queue,
     pub(crate) name: String,
     pub(crate) software: bool,
+    pub(crate) depth_format: wgpu::TextureFormat,
+    /// Whether shaders can read depths of several samples. wgpu 30 makes such a texture of the wrong
+    /// kind under OpenGL, and all that is drawn to it fails.
+    pub(crate) reads_depths: bool,
+    /// Whether a face takes its flat values from its last corner: wgpu leaves OpenGL at that, where
+    /// all others take the first.
+    pub(crate) last_provokes: bool,
     /// The first error since it was last taken.
     error: Arc<Mutex<Option<String>>>,
 }
@@ -35,8 +43,12 @@ impl Gpu {
         let info = adapter.get_info();
         let name = format!("{} ({})", info.name, info.backend);
         let refused = |reason: String| RenderError::Device { adapter: name.clone(), reason };
+        let [fine, coarse] = DEPTH_FORMATS;
+        let has_fine = adapter.features().contains(wgpu::Features::DEPTH32FLOAT_STENCIL8);
+        let wanted = wgpu::Features::DEPTH32FLOAT_STENCIL8;
         let request = wgpu::DeviceDescriptor {
             label: Some("cranny-render"),
+            required_features: if has_fine { wanted } else { wgpu::Features::empty() },
             required_limits: adapter.limits(),
             ..Default::default()
         };
@@ -51,7 +63,12 @@ impl Gpu {
         }));
         tracing::debug!(adapter = %name, "graphics adapter opened");
         let software = info.device_type == wgpu::DeviceType::Cpu;
-        Ok(Self { device, queue, name, software, error })
+        let depth_format = if has_fine { fine } else { coarse };
+        let (reads_depths, last_provokes) = match info.backend {
+            wgpu::Backend::Gl => (false, true),
+            _ => (true, false),
+        };
+        Ok(Self { device, queue, name, software, depth_format, reads_depths, last_provokes, error })
     }
 
     /// The first error that the graphics library reported since the last call.

@@ -5,13 +5,17 @@ use std::sync::Arc;
 use cranny_exact::{Aabb, DVec2, DVec3, Pose};
 
 use crate::color::Color;
+use crate::label::Label;
 use crate::mesh::DrawMesh;
+use crate::patch::Patch;
+use crate::section::Section;
+use crate::style::{Shading, Style};
 
 /// Everything that one picture shows. World coordinates are right-handed with z up.
 ///
-/// Drawn in this order: backdrop, shadows on the ground, opaque instances, ground grid, translucent
-/// instances (far to near), lines, points; then what is marked `on_top`, which nothing hides.
-/// Within a kind the later entry is drawn later.
+/// Drawn in this order: backdrop, shadows on the ground, opaque instances, cut faces of the section,
+/// ground grid, translucent instances (far to near), x-rays, patches, lines, points; then what is
+/// marked `on_top`, which nothing hides; then labels. Within a kind the later entry is drawn later.
 #[derive(Clone, Debug)]
 pub struct DrawList {
     /// Bodies.
@@ -20,6 +24,14 @@ pub struct DrawList {
     pub lines: Vec<Line>,
     /// Discs of a radius in pixels.
     pub points: Vec<Point>,
+    /// Areas that loops bound.
+    pub patches: Vec<Patch>,
+    /// Words at places.
+    pub labels: Vec<Label>,
+    /// A plane that cuts instances open; `None` cuts nothing.
+    pub section: Option<Section>,
+    /// What makes form and depth readable.
+    pub shading: Shading,
     /// Grid and shadows below the bodies; `None` draws neither.
     pub ground: Option<Ground>,
     /// The colours of the background at the top and at the bottom of the picture.
@@ -37,6 +49,24 @@ pub struct Instance {
     /// overlay: drawn after everything opaque, hidden by it, hiding nothing, casting no shadow.
     /// Overlays that interleave are ordered by their centres only.
     pub color: Color,
+    /// What of it is drawn.
+    pub style: Style,
+    /// Whether the list's [section](DrawList::section) cuts it open.
+    pub cut: bool,
+}
+
+impl Instance {
+    /// The faces of a mesh at a pose, whole.
+    #[must_use]
+    pub fn solid(mesh: Arc<DrawMesh>, pose: Pose, color: Color) -> Self {
+        Self { mesh, pose, color, style: Style::Solid, cut: false }
+    }
+
+    /// Whether its faces hide what is behind them.
+    #[must_use]
+    pub fn is_opaque(&self) -> bool {
+        self.style == Style::Solid && self.color.is_opaque()
+    }
 }
 
 /// A segment in space, drawn with a width in pixels, so that it can be seen at any distance.
@@ -91,6 +121,10 @@ impl Default for DrawList {
             instances: Vec::new(),
             lines: Vec::new(),
             points: Vec::new(),
+            patches: Vec::new(),
+            labels: Vec::new(),
+            section: None,
+            shading: Shading::PLAIN,
             ground: None,
             backdrop: Self::BACKDROP,
         }
@@ -129,6 +163,16 @@ impl DrawList {
         });
         let lines = self.lines.iter().flat_map(|l| [l.from, l.to]);
         bodies.chain(lines).chain(self.points.iter().map(|p| p.position))
+    }
+
+    /// The same with widths, radii and letters so many times as large: for a larger picture.
+    #[must_use]
+    pub fn enlarged(&self, times: f32) -> Self {
+        let mut list = self.clone();
+        list.lines.iter_mut().for_each(|line| line.width = line.width.map(|w| times * w));
+        list.points.iter_mut().for_each(|point| point.radius *= times);
+        list.labels.iter_mut().for_each(|label| label.size *= times);
+        list
     }
 
     /// Adds a line of even width, hidden by what is in front of it.
@@ -201,7 +245,7 @@ impl Ground {
 }
 
 /// The number nearest to `length > 0`, by ratio, among 1, 2 and 5 times the powers of ten.
-fn round_length(length: f64) -> f64 {
+pub(crate) fn round_length(length: f64) -> f64 {
     let decade = 10f64.powf(length.log10().floor());
     let ratio = |candidate: f64| (candidate / length).ln().abs();
     [1.0, 2.0, 5.0, 10.0]
@@ -225,7 +269,7 @@ mod tests {
         let mut list = DrawList::new();
         assert!(list.bounds().is_empty());
         let pose = Pose::at(DVec3::new(10.0, 0.0, 0.0));
-        list.instances.push(Instance { mesh: Arc::new(mesh), pose, color: Color::WHITE });
+        list.instances.push(Instance::solid(Arc::new(mesh), pose, Color::WHITE));
         assert_eq!(list.bounds().min, DVec3::new(10.0, 0.0, 0.0));
         list.push_line(DVec3::NEG_Z, DVec3::ZERO, Color::BLACK, 1.0);
         list.push_contact(DVec3::new(0.0, 7.0, 0.0), DVec3::Y, 2.0, Color::BLACK);

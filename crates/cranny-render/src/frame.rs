@@ -14,6 +14,9 @@ use crate::draw_list::{DrawList, Ground, Instance, box_corners};
 use crate::error::RenderError;
 use crate::image::ImageSize;
 use crate::mesh::DrawMesh;
+use crate::outlines::{EdgeLine, edge_lines, section_lines};
+use crate::section::Section;
+use crate::style::Style;
 
 /// The uniform block; `scene.wgsl` has its twin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -25,15 +28,20 @@ pub(crate) struct Globals {
     key_near: [f32; 4],
     /// Unit vector towards the fill light.
     fill: [f32; 4],
-    /// Width and height of the picture in pixels.
+    /// Width and height of the picture in pixels, and the tangents of half the view's angles.
     viewport: [f32; 4],
     /// Linear colours of the background.
     backdrop_top: [f32; 4],
     backdrop_bottom: [f32; 4],
     /// Centre of the ground, and its radius.
     ground_center: [f32; 4],
-    /// A point (x, y) where two strong grid lines cross, the spacing, and 0.
+    /// A point (x, y) where two strong grid lines cross, the spacing, and how far what stands
+    /// nearby holds off light.
     ground_grid: [f32; 4],
+    /// Normal and offset of the section's plane; a positive value is before it.
+    section: [f32; 4],
+    /// Linear.
+    overlap: [f32; 4],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -43,6 +51,28 @@ pub(crate) struct InstanceData {
     pub(crate) rows: [[f32; 4]; 3],
     /// Linear.
     pub(crate) color: [f32; 4],
+    /// 1 where the section cuts the instance, else 0.
+    pub(crate) cut: f32,
+}
+
+/// A square in the section's plane that holds all of a body's cut face.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct CapData {
+    center: [f32; 3],
+    /// Direction of the hatching, radians.
+    hatching: f32,
+    u: [f32; 4],
+    v: [f32; 4],
+    color: [f32; 4],
+}
+
+/// A corner of a patch's triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct PatchVertex {
+    position: [f32; 3],
+    color: [f32; 4],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -53,6 +83,8 @@ pub(crate) struct LineData {
     to: [f32; 3],
     to_width: f32,
     color: [f32; 4],
+    /// 1 where the section takes away what is before its plane.
+    cut: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -70,6 +102,23 @@ pub(crate) struct Batch<'a> {
     pub(crate) instances: Range<u32>,
 }
 
+/// A closed body that the section's plane passes through.
+#[derive(Clone, Debug)]
+pub(crate) struct CutBody<'a> {
+    pub(crate) body: Batch<'a>,
+    /// Its place in [`Frame::caps`].
+    pub(crate) cap: u32,
+    /// Where its cut face may be in the picture: left, top, width, height.
+    pub(crate) pixels: [u32; 4],
+}
+
+/// A patch: a range of [`Frame::patch_vertices`].
+#[derive(Clone, Debug)]
+pub(crate) struct PatchRange {
+    pub(crate) vertices: Range<u32>,
+    pub(crate) on_top: bool,
+}
+
 /// A draw list, seen from a camera, ready to be uploaded.
 #[derive(Clone, Debug)]
 pub(crate) struct Frame<'a> {
@@ -77,8 +126,16 @@ pub(crate) struct Frame<'a> {
     pub(crate) instances: Vec<InstanceData>,
     /// By mesh, in the order in which the list first names each.
     pub(crate) opaque: Vec<Batch<'a>>,
+    /// Those of which the section takes a part away, in the same way.
+    pub(crate) opened: Vec<Batch<'a>>,
+    /// Those of them that have a cut face, one instance each.
+    pub(crate) cut: Vec<CutBody<'a>>,
+    pub(crate) caps: Vec<CapData>,
     /// One instance each, far to near.
     pub(crate) translucent: Vec<Batch<'a>>,
+    pub(crate) xrays: Vec<Batch<'a>>,
+    pub(crate) patches: Vec<PatchRange>,
+    pub(crate) patch_vertices: Vec<PatchVertex>,
     /// Those that may be hidden first.
     pub(crate) lines: Vec<LineData>,
     pub(crate) lines_hidden: u32,
@@ -87,6 +144,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) points_hidden: u32,
     pub(crate) ground: bool,
     pub(crate) shadows: bool,
+    pub(crate) occlusion: bool,
 }
 
 /// The near plane lies at half the distance to the nearest thing, but within these bounds (in units
@@ -119,49 +177,150 @@ impl<'a> Frame<'a> {
             globals,
             instances: Vec::with_capacity(list.instances.len()),
             opaque: Vec::new(),
+            opened: Vec::new(),
+            cut: Vec::new(),
+            caps: Vec::new(),
             translucent: Vec::new(),
+            xrays: Vec::new(),
+            patches: Vec::new(),
+            patch_vertices: Vec::new(),
             lines: Vec::with_capacity(list.lines.len()),
             lines_hidden: 0,
             points: Vec::with_capacity(list.points.len()),
             points_hidden: 0,
             ground: list.ground.is_some(),
             shadows: list.ground.is_some_and(|g| g.shadows && g.height < camera.eye().z),
+            occlusion: list.shading.occlusion,
         };
         if bytemuck::cast_slice::<_, f32>(&[globals]).iter().any(|x| !x.is_finite()) {
             return Err(RenderError::NotFinite { what: "ground", index: 0 });
         }
         frame.add_instances(&list.instances, &space)?;
+        let section = list.section.filter(|section| section.faces(camera));
+        if let Some(section) = &section {
+            frame.add_caps(&list.instances, section, (camera, size), &space)?;
+        }
+        frame.add_patches(list, &space)?;
+        frame.add_edges(list, section.as_ref(), camera.eye(), &space)?;
         frame.add_lines(list, &space)?;
         frame.add_points(list, &space)?;
         Ok(frame)
     }
 
+    /// All batches, so that their meshes are there.
+    pub(crate) fn batches(&self) -> impl Iterator<Item = &Batch<'a>> {
+        self.opaque.iter().chain(&self.opened).chain(&self.translucent).chain(&self.xrays)
+    }
+
     fn add_instances(&mut self, all: &'a [Instance], space: &Space) -> Result<(), RenderError> {
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        let mut group_of: HashMap<*const DrawMesh, usize> = HashMap::new();
-        let mut translucent: Vec<(f64, usize)> = Vec::new();
-        for (i, instance) in all.iter().enumerate() {
-            if instance.mesh.triangle_count() == 0 {
-                continue;
-            }
-            if instance.color.is_opaque() {
-                let group = *group_of.entry(Arc::as_ptr(&instance.mesh)).or_insert(groups.len());
-                groups.resize_with(groups.len().max(group + 1), Vec::new);
-                groups[group].push(i);
-            } else {
-                let center = instance.pose.world_from_body().apply(instance.mesh.center());
-                translucent.push(((center - space.eye).length_squared(), i));
-            }
-        }
-        for group in groups {
-            let batch = self.add_batch(all, &group, space)?;
-            self.opaque.push(batch);
-        }
-        translucent.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (_, i) in translucent {
+        let drawn = |i: &&usize| all[**i].mesh.triangle_count() > 0;
+        let numbers: Vec<usize> = (0..all.len()).collect();
+        let of = |wanted: &dyn Fn(&Instance) -> bool| -> Vec<usize> {
+            numbers.iter().filter(drawn).copied().filter(|&i| wanted(&all[i])).collect()
+        };
+        self.opaque = self.add_batches(all, &of(&|i| i.is_opaque() && !i.cut), space)?;
+        self.opened = self.add_batches(all, &of(&|i| i.is_opaque() && i.cut), space)?;
+        self.xrays = self.add_batches(all, &of(&|i| i.style == Style::XRay), space)?;
+        let mut translucent = of(&|i| i.style == Style::Solid && !i.is_opaque());
+        let distance = |i: &usize| {
+            let center = all[*i].pose.world_from_body().apply(all[*i].mesh.center());
+            (center - space.eye).length_squared()
+        };
+        translucent.sort_by(|a, b| distance(b).total_cmp(&distance(a)).then(a.cmp(b)));
+        for i in translucent {
             let batch = self.add_batch(all, &[i], space)?;
             self.translucent.push(batch);
         }
+        Ok(())
+    }
+
+    /// By mesh, in the order in which `chosen` first names each.
+    fn add_batches(
+        &mut self,
+        all: &'a [Instance],
+        chosen: &[usize],
+        space: &Space,
+    ) -> Result<Vec<Batch<'a>>, RenderError> {
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        let mut group_of: HashMap<*const DrawMesh, usize> = HashMap::new();
+        for &i in chosen {
+            let group = *group_of.entry(Arc::as_ptr(&all[i].mesh)).or_insert(groups.len());
+            groups.resize_with(groups.len().max(group + 1), Vec::new);
+            groups[group].push(i);
+        }
+        groups.iter().map(|group| self.add_batch(all, group, space)).collect()
+    }
+
+    fn add_caps(
+        &mut self,
+        all: &'a [Instance],
+        section: &Section,
+        view: (&Camera, ImageSize),
+        space: &Space,
+    ) -> Result<(), RenderError> {
+        let opened = |i: &Instance| i.cut && i.is_opaque() && i.mesh.triangle_count() > 0;
+        let discs =
+            all.iter().enumerate().filter(|(_, i)| opened(i)).filter_map(|(i, instance)| {
+                let disc = section.disc(&instance.mesh, &instance.pose)?;
+                instance.mesh.is_closed().then_some((i, disc))
+            });
+        let discs: Vec<(usize, (DVec3, f64))> = discs.collect();
+        let reach = |&(_, (center, radius)): &(usize, (DVec3, f64))| {
+            (center - view.0.target()).length() + radius
+        };
+        let square = section.square(view.0, discs.iter().map(reach).fold(0.0, f64::max));
+        for (i, disc) in discs {
+            let cap = cap_data(square, &all[i], self.caps.len(), space);
+            self.caps.push(finite(cap, "instance", i)?);
+            let body = self.add_batch(all, &[i], space)?;
+            let pixels = pixels_of(disc, section, view);
+            self.cut.push(CutBody { body, cap: self.caps.len() as u32 - 1, pixels });
+        }
+        Ok(())
+    }
+
+    fn add_patches(&mut self, list: &DrawList, space: &Space) -> Result<(), RenderError> {
+        for (i, patch) in list.patches.iter().enumerate() {
+            let start = self.patch_vertices.len() as u32;
+            let color = patch.color.to_linear();
+            for position in patch.fan().flatten() {
+                let vertex = PatchVertex { position: space.place(position), color };
+                self.patch_vertices.push(finite(vertex, "patch", i)?);
+            }
+            let vertices = start..self.patch_vertices.len() as u32;
+            self.patches.push(PatchRange { vertices, on_top: patch.on_top });
+        }
+        Ok(())
+    }
+
+    /// Wireframes, outlines, and the rims of cut faces: ahead of the list's own lines.
+    fn add_edges(
+        &mut self,
+        list: &DrawList,
+        section: Option<&Section>,
+        eye: DVec3,
+        space: &Space,
+    ) -> Result<(), RenderError> {
+        for (i, instance) in list.instances.iter().enumerate() {
+            for line in edge_lines(instance, list.shading, eye) {
+                self.add_edge(line, i, space)?;
+            }
+            if let Some(section) = section.filter(|_| instance.cut) {
+                for line in section_lines(instance, section) {
+                    self.add_edge(line, i, space)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_edge(&mut self, line: EdgeLine, i: usize, space: &Space) -> Result<(), RenderError> {
+        let [from, to] = line.ends.map(|p| space.place(p));
+        let (from_width, to_width) = (line.width, line.width);
+        let cut = f32::from(u8::from(line.cut));
+        let data = LineData { from, from_width, to, to_width, color: line.color.to_linear(), cut };
+        self.lines.push(finite(data, "instance", i)?);
+        self.lines_hidden += 1;
         Ok(())
     }
 
@@ -189,6 +348,7 @@ impl<'a> Frame<'a> {
                     to: space.place(line.to),
                     to_width: line.width[1],
                     color: line.color.to_linear(),
+                    cut: 0.0,
                 };
                 self.lines.push(finite(data, "line", i)?);
                 self.lines_hidden += u32::from(!on_top);
@@ -242,7 +402,59 @@ fn instance_data(instance: &Instance, space: &Space) -> InstanceData {
         let [x, y, z] = linear.row(i).as_vec3().to_array();
         [x, y, z, at[i]]
     };
-    InstanceData { rows: [row(0), row(1), row(2)], color: instance.color.to_linear() }
+    let cut = f32::from(u8::from(instance.cut));
+    InstanceData { rows: [row(0), row(1), row(2)], color: instance.color.to_linear(), cut }
+}
+
+/// The pixels of a disc in the section's plane; all, where a part of it is not before the camera.
+fn pixels_of(
+    (center, radius): (DVec3, f64),
+    section: &Section,
+    (camera, size): (&Camera, ImageSize),
+) -> [u32; 4] {
+    let u = radius * section.normal.any_orthonormal_vector();
+    let v = section.normal.cross(u);
+    let corners = [u + v, u - v, -u + v, -u - v].map(|side| camera.project(center + side, size));
+    let all = [0, 0, size.width(), size.height()];
+    let [Some(a), Some(b), Some(c), Some(d)] = corners else { return all };
+    let range = |axis: usize, end: u32| {
+        let along = [a, b, c, d].map(|corner| corner[axis]);
+        let least = along.into_iter().fold(f64::INFINITY, f64::min) - 2.0;
+        let most = along.into_iter().fold(f64::NEG_INFINITY, f64::max) + 2.0;
+        [least, most].map(|x| x.clamp(0.0, f64::from(end)) as u32)
+    };
+    let ([left, right], [top, bottom]) = (range(0, size.width()), range(1, size.height()));
+    [left, top, right - left, bottom - top]
+}
+
+/// How much the hatching turns from one body to the next: the golden angle, so that many differ.
+const HATCHING: f32 = 2.399_963;
+
+fn cap_data(
+    [center, u, v]: [DVec3; 3],
+    instance: &Instance,
+    number: usize,
+    space: &Space,
+) -> CapData {
+    let along = |side: DVec3| (side / space.unit).as_vec3().extend(0.0).to_array();
+    CapData {
+        center: space.place(center),
+        hatching: std::f32::consts::FRAC_PI_4 + number as f32 * HATCHING,
+        u: along(u),
+        v: along(v),
+        color: instance.color.to_linear(),
+    }
+}
+
+/// How far what stands nearby holds off light, in parts of the distance between eye and target.
+/// Smaller: narrow gaps alone are dark; larger: bodies darken each other from afar.
+const OCCLUSION_REACH: f32 = 0.035;
+
+/// In the shaders' frame. Without a section everything lies behind.
+fn section_plane(section: Option<Section>, space: &Space) -> [f32; 4] {
+    let Some(section) = section else { return [0.0, 0.0, 0.0, -1.0] };
+    let offset = section.before(space.eye) / space.unit;
+    section.normal.as_vec3().extend(offset as f32).to_array()
 }
 
 fn globals(list: &DrawList, camera: &Camera, size: ImageSize, space: &Space) -> Globals {
@@ -252,16 +464,22 @@ fn globals(list: &DrawList, camera: &Camera, size: ImageSize, space: &Space) -> 
     let nearest = box_corners(&list.bounds()).map(depth).fold(1.0, f64::min);
     let near = (0.5 * nearest).clamp(NEAR[0], NEAR[1]) as f32;
     let [top, bottom] = list.backdrop.map(|c| c.to_linear());
-    let (center, grid) = list.ground.map_or_else(Default::default, |g| ground(&g, space));
+    let (center, mut grid) = list.ground.map_or_else(Default::default, |g| ground(&g, space));
+    grid[3] = OCCLUSION_REACH;
+    let tangent = (0.5 * camera.field_of_view()).tan();
+    let [across, upright] = [tangent * size.aspect(), tangent].map(|x| x as f32);
+    let section = list.section.filter(|section| section.faces(camera));
     Globals {
         clip_from_scene: clip_from_scene(camera, size, near),
         key_near: in_world(KEY_LIGHT).extend(near).to_array(),
         fill: in_world(FILL_LIGHT).extend(0.0).to_array(),
-        viewport: [size.width() as f32, size.height() as f32, 0.0, 0.0],
+        viewport: [size.width() as f32, size.height() as f32, across, upright],
         backdrop_top: top,
         backdrop_bottom: bottom,
         ground_center: center,
         ground_grid: grid,
+        section: section_plane(section, space),
+        overlap: section.map_or([0.0; 4], |section| section.overlap.to_linear()),
     }
 }
 
@@ -297,7 +515,7 @@ mod tests {
     }
 
     fn at(mesh: &Arc<DrawMesh>, x: f64, color: Color) -> Instance {
-        Instance { mesh: mesh.clone(), pose: Pose::at(DVec3::new(x, 0.0, 0.0)), color }
+        Instance::solid(mesh.clone(), Pose::at(DVec3::new(x, 0.0, 0.0)), color)
     }
 
     fn prepare(list: &DrawList) -> Result<Frame<'_>, RenderError> {

@@ -156,6 +156,21 @@ impl Image {
         Some(Color { r, g, b, a })
     }
 
+    /// Lays a colour over a pixel, as much of it as `share` (0 to 1) says beside its alpha; nothing
+    /// outside the picture.
+    pub(crate) fn blend(&mut self, [x, y]: [i32; 2], color: Color, share: f32) {
+        let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return };
+        if x >= self.size.width || y >= self.size.height || share <= 0.0 {
+            return;
+        }
+        let at = 4 * (y as usize * self.size.width as usize + x as usize);
+        let share = (share * f32::from(color.a) / 255.0).min(1.0);
+        for (below, above) in self.pixels[at..at + 3].iter_mut().zip([color.r, color.g, color.b]) {
+            let mixed = f32::from(*below) + share * (f32::from(above) - f32::from(*below));
+            *below = mixed.round() as u8;
+        }
+    }
+
     /// How far `other` differs; pixels count as differing where a channel is more than `threshold`
     /// apart. Graphics drivers round and sample differently, so the same draw list gives pictures
     /// that are close, not equal.
@@ -215,8 +230,22 @@ impl Image {
         Self { size: ImageSize { width, height }, pixels }
     }
 
+    /// The picture in the upper left corner of one of another size, cut off or filled up.
+    #[must_use]
+    pub fn on_canvas(&self, size: ImageSize, background: Color) -> Self {
+        if size == self.size {
+            return self.clone();
+        }
+        let mut canvas = Self::filled(size, background);
+        let bytes = 4 * size.width.min(self.size.width) as usize;
+        let rows = self.pixels.chunks_exact(4 * self.size.width as usize);
+        let places = canvas.pixels.chunks_exact_mut(4 * size.width as usize);
+        places.zip(rows).for_each(|(to, from)| to[..bytes].copy_from_slice(&from[..bytes]));
+        canvas
+    }
+
     /// Copies `tile` to column `x`, row `y`; it must fit.
-    fn place(&mut self, tile: &Self, x: u32, y: u32) {
+    pub(crate) fn place(&mut self, tile: &Self, x: u32, y: u32) {
         let bytes = 4 * tile.size.width as usize;
         for (row, source) in tile.pixels.chunks_exact(bytes).enumerate() {
             let at = (y as usize + row) * self.size.width as usize + x as usize;
@@ -294,6 +323,17 @@ mod tests {
         assert_eq!(a.difference(&b, 9).unwrap().differing, 0.0);
         let other = Image::filled(size(1, 2), Color::BLACK);
         assert!(matches!(a.difference(&other, 0), Err(ImageError::Mismatch { .. })));
+    }
+
+    #[test]
+    fn a_canvas_cuts_off_and_fills_up() {
+        let red = Color::rgb(200, 0, 0);
+        let image = Image::filled(size(3, 2), red);
+        let wide = image.on_canvas(size(5, 1), Color::WHITE);
+        let row: Vec<Color> = (0..5).filter_map(|x| wide.pixel(x, 0)).collect();
+        assert_eq!(row, [red, red, red, Color::WHITE, Color::WHITE]);
+        let high = image.on_canvas(size(2, 3), Color::WHITE);
+        assert_eq!((high.pixel(1, 1), high.pixel(1, 2)), (Some(red), Some(Color::WHITE)));
     }
 
     #[test]

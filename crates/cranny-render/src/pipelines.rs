@@ -2,12 +2,14 @@
 
 use std::mem::size_of;
 
-use crate::frame::{InstanceData, LineData, PointData};
+use crate::frame::{CapData, InstanceData, LineData, PatchVertex, PointData};
 use crate::mesh::Vertex;
 
 /// Colours are blended and averaged in linear light, and stored as sRGB.
 pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Where the adapter has it. The other one, which all have, tells depths apart less finely.
+pub(crate) const DEPTH_FORMATS: [wgpu::TextureFormat; 2] =
+    [wgpu::TextureFormat::Depth32FloatStencil8, wgpu::TextureFormat::Depth24PlusStencil8];
 /// Samples a pixel: the one count above 1 that every adapter has.
 pub(crate) const SAMPLES: u32 = 4;
 
@@ -15,16 +17,39 @@ pub(crate) const SAMPLES: u32 = 4;
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) globals_layout: wgpu::BindGroupLayout,
+    pub(crate) depths_layout: wgpu::BindGroupLayout,
     pub(crate) backdrop: wgpu::RenderPipeline,
-    pub(crate) shadow: wgpu::RenderPipeline,
+    /// Where shadows fall, into the stencil; then their shade.
+    pub(crate) shadow: [wgpu::RenderPipeline; 2],
     pub(crate) opaque: wgpu::RenderPipeline,
+    /// Without what the section takes away.
+    pub(crate) opened: wgpu::RenderPipeline,
+    pub(crate) cap: CapPipelines,
+    pub(crate) occlusion: wgpu::RenderPipeline,
     pub(crate) grid: wgpu::RenderPipeline,
     /// Far side, then near side.
     pub(crate) overlay: [wgpu::RenderPipeline; 2],
+    pub(crate) xray: wgpu::RenderPipeline,
+    pub(crate) patch_count: wgpu::RenderPipeline,
+    /// Hidden by what is in front, then on top.
+    pub(crate) patch_paint: [wgpu::RenderPipeline; 2],
     /// Hidden by what is in front, then on top.
     pub(crate) lines: [wgpu::RenderPipeline; 2],
     /// Hidden by what is in front, then on top.
     pub(crate) points: [wgpu::RenderPipeline; 2],
+}
+
+/// The steps in which a cut face is drawn, in their order.
+#[derive(Debug)]
+pub(crate) struct CapPipelines {
+    /// How often the plane lies in the body, into the stencil.
+    pub(crate) winding: wgpu::RenderPipeline,
+    /// The face, where it does.
+    pub(crate) face: wgpu::RenderPipeline,
+    /// Over it, what an earlier body has too.
+    pub(crate) overlap: wgpu::RenderPipeline,
+    /// Notes the face for later bodies, and clears the count.
+    pub(crate) mark: wgpu::RenderPipeline,
 }
 
 /// What distinguishes one pipeline from another.
@@ -32,10 +57,12 @@ struct Recipe<'a> {
     vertex: &'a str,
     fragment: &'a str,
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
-    blend: Option<wgpu::BlendState>,
+    /// `None` leaves the picture as it is.
+    color: Option<wgpu::ColorTargetState>,
     cull: Option<wgpu::Face>,
     /// Whether nearer things hide it, and whether it hides farther ones.
     depth: Depth,
+    stencil: wgpu::StencilState,
     strip: bool,
 }
 
@@ -46,21 +73,34 @@ enum Depth {
     Ignore,
 }
 
+/// The stencil's bit that says that a cut face of an earlier body is here; the other bits count.
+pub(crate) const COVERED: u32 = 0x80;
+const COUNT: u32 = 0x7f;
+/// The bit of shadows, and of patches; whoever uses it leaves it clear.
+const ODD: u32 = 0x01;
+
 const SHADERS: &str = concat!(
     include_str!("shaders/scene.wgsl"),
     include_str!("shaders/ground.wgsl"),
     include_str!("shaders/mesh.wgsl"),
     include_str!("shaders/marks.wgsl"),
+    include_str!("shaders/section.wgsl"),
+    include_str!("shaders/patch.wgsl"),
+    include_str!("shaders/occlusion.wgsl"),
 );
 
-/// The result is the darker of the two, channel by channel.
-const DARKEST: wgpu::BlendState = {
-    let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
+/// The result is the product: the fragment says how much light is left.
+const LEFT: wgpu::BlendState = wgpu::BlendState {
+    color: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
+        dst_factor: wgpu::BlendFactor::Src,
+        operation: wgpu::BlendOperation::Add,
+    },
+    alpha: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
         dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Min,
-    };
-    wgpu::BlendState { color: component, alpha: component }
+        operation: wgpu::BlendOperation::Add,
+    },
 };
 
 /// Straight alpha over a picture that stays opaque.
@@ -74,80 +114,291 @@ const OVER: wgpu::BlendState = wgpu::BlendState {
 };
 
 impl Pipelines {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, depth_format: wgpu::TextureFormat) -> Self {
         let shaders = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("cranny-render"),
             source: wgpu::ShaderSource::Wgsl(SHADERS.into()),
         });
-        let globals_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("globals"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            }],
-        });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("cranny-render"),
-            bind_group_layouts: &[Some(&globals_layout)],
-            immediate_size: 0,
-        });
-
-        let vertex = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Unorm8x4];
-        let instance = wgpu::vertex_attr_array![3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Float32x4];
-        let line = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4, 2 => Float32x4];
-        let point = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4];
-        let each = wgpu::VertexStepMode::Instance;
-        let mesh = [
-            Some(buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &vertex)),
-            Some(buffer::<InstanceData>(each, &instance)),
-        ];
-        let line = [Some(buffer::<LineData>(each, &line))];
-        let point = [Some(buffer::<PointData>(each, &point))];
-
-        let make = |recipe| pipeline(device, &layout, &shaders, &recipe);
-        let of_mesh = |vertex, fragment, blend, cull, depth| {
-            make(Recipe { vertex, fragment, buffers: &mesh, blend, cull, depth, strip: false })
+        let globals_layout = bind_layout(
+            device,
+            "globals",
+            wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+        );
+        let depths_layout = bind_layout(
+            device,
+            "depths",
+            wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: true,
+            },
+        );
+        let layout_of = |groups: &[Option<&wgpu::BindGroupLayout>]| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("cranny-render"),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
         };
-        let overlay =
-            |cull| of_mesh("mesh_vertex", "overlay_fragment", Some(OVER), Some(cull), Depth::Test);
-        let quad = |vertex, fragment, buffers, depth| {
-            make(Recipe {
-                vertex,
+        let layout = layout_of(&[Some(&globals_layout)]);
+        let with_depths = layout_of(&[Some(&globals_layout), Some(&depths_layout)]);
+        let maker = Maker { device, layout: &layout, shaders: &shaders, depth: Some(depth_format) };
+        let over_all = Maker { layout: &with_depths, depth: None, ..maker };
+        Self {
+            backdrop: maker.whole("backdrop_vertex", "backdrop_fragment", None),
+            shadow: maker.shadow(),
+            opaque: maker.mesh("mesh_vertex", "opaque_fragment", None, Depth::TestAndWrite),
+            opened: maker.mesh("mesh_vertex", "cut_fragment", None, Depth::TestAndWrite),
+            cap: maker.cap(),
+            occlusion: over_all.whole("occlusion_vertex", "occlusion_fragment", Some(LEFT)),
+            grid: maker.quad("grid_vertex", "grid_fragment", &[], Depth::Test),
+            overlay: [wgpu::Face::Front, wgpu::Face::Back].map(|cull| maker.overlay(cull)),
+            xray: maker.mesh("mesh_vertex", "xray_fragment", Some(LEFT), Depth::Test),
+            patch_count: maker.patch(None, Depth::Ignore),
+            patch_paint: [Depth::Test, Depth::Ignore]
+                .map(|depth| maker.patch(drawn(Some(OVER)), depth)),
+            lines: [Depth::TestAndWrite, Depth::Ignore].map(|depth| maker.lines(depth)),
+            points: [Depth::Test, Depth::Ignore].map(|depth| maker.points(depth)),
+            globals_layout,
+            depths_layout,
+        }
+    }
+}
+
+fn bind_layout(device: &wgpu::Device, label: &str, ty: wgpu::BindingType) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+            ty,
+            count: None,
+        }],
+    })
+}
+
+/// A picture's pixels, written or blended.
+fn drawn(blend: Option<wgpu::BlendState>) -> Option<wgpu::ColorTargetState> {
+    Some(wgpu::ColorTargetState { format: COLOR_FORMAT, blend, write_mask: wgpu::ColorWrites::ALL })
+}
+
+/// What all pipelines of a pass share.
+#[derive(Clone, Copy)]
+struct Maker<'a> {
+    device: &'a wgpu::Device,
+    layout: &'a wgpu::PipelineLayout,
+    shaders: &'a wgpu::ShaderModule,
+    /// `None` for a pass that reads the depths, and so has none of its own.
+    depth: Option<wgpu::TextureFormat>,
+}
+
+const EACH: wgpu::VertexStepMode = wgpu::VertexStepMode::Instance;
+
+impl Maker<'_> {
+    /// Covers the picture.
+    fn whole(
+        &self,
+        vertex: &str,
+        fragment: &str,
+        blend: Option<wgpu::BlendState>,
+    ) -> wgpu::RenderPipeline {
+        self.make(&Recipe {
+            vertex,
+            fragment,
+            buffers: &[],
+            color: drawn(blend),
+            cull: None,
+            depth: Depth::Ignore,
+            stencil: Default::default(),
+            strip: false,
+        })
+    }
+
+    fn mesh(
+        &self,
+        vertex: &str,
+        fragment: &str,
+        blend: Option<wgpu::BlendState>,
+        depth: Depth,
+    ) -> wgpu::RenderPipeline {
+        let (color, stencil) = (drawn(blend), Default::default());
+        self.mesh_recipe(vertex, fragment, color, None, depth, stencil)
+    }
+
+    fn shadow(&self) -> [wgpu::RenderPipeline; 2] {
+        use wgpu::{CompareFunction as Compare, StencilOperation as Op};
+        let falls = both_sides(Compare::Equal, Op::Invert, ODD, ODD);
+        let fallen = both_sides(Compare::NotEqual, Op::Zero, ODD, ODD);
+        let fragment = "shadow_fragment";
+        [
+            self.mesh_recipe("shadow_vertex", fragment, None, None, Depth::Ignore, falls),
+            self.make(&Recipe {
+                vertex: "grid_vertex",
+                fragment: "shade_fragment",
+                buffers: &[],
+                color: drawn(Some(LEFT)),
+                cull: None,
+                depth: Depth::Ignore,
+                stencil: fallen,
+                strip: true,
+            }),
+        ]
+    }
+
+    fn overlay(&self, cull: wgpu::Face) -> wgpu::RenderPipeline {
+        let (color, stencil) = (drawn(Some(OVER)), Default::default());
+        let fragment = "overlay_fragment";
+        self.mesh_recipe("mesh_vertex", fragment, color, Some(cull), Depth::Test, stencil)
+    }
+
+    fn mesh_recipe(
+        &self,
+        vertex: &str,
+        fragment: &str,
+        color: Option<wgpu::ColorTargetState>,
+        cull: Option<wgpu::Face>,
+        depth: Depth,
+        stencil: wgpu::StencilState,
+    ) -> wgpu::RenderPipeline {
+        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm16x4, 2 => Unorm16x4];
+        let instance = wgpu::vertex_attr_array![
+            3 => Float32x4, 4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32
+        ];
+        let buffers = [
+            Some(buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &corner)),
+            Some(buffer::<InstanceData>(EACH, &instance)),
+        ];
+        let strip = false;
+        self.make(&Recipe {
+            vertex,
+            fragment,
+            buffers: &buffers,
+            color,
+            cull,
+            depth,
+            stencil,
+            strip,
+        })
+    }
+
+    fn quad(
+        &self,
+        vertex: &str,
+        fragment: &str,
+        buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
+        depth: Depth,
+    ) -> wgpu::RenderPipeline {
+        let (color, stencil) = (drawn(Some(OVER)), Default::default());
+        let (cull, strip) = (None, true);
+        self.make(&Recipe { vertex, fragment, buffers, color, cull, depth, stencil, strip })
+    }
+
+    fn lines(&self, depth: Depth) -> wgpu::RenderPipeline {
+        let line = wgpu::vertex_attr_array![
+            0 => Float32x4, 1 => Float32x4, 2 => Float32x4, 3 => Float32
+        ];
+        let buffers = [Some(buffer::<LineData>(EACH, &line))];
+        self.quad("line_vertex", "line_fragment", &buffers, depth)
+    }
+
+    fn points(&self, depth: Depth) -> wgpu::RenderPipeline {
+        let point = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32x4];
+        let buffers = [Some(buffer::<PointData>(EACH, &point))];
+        self.quad("point_vertex", "point_fragment", &buffers, depth)
+    }
+
+    /// Counts where it has no colour, else paints where the count is odd, and clears it.
+    fn patch(&self, color: Option<wgpu::ColorTargetState>, depth: Depth) -> wgpu::RenderPipeline {
+        let corner = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4];
+        let stencil = match color {
+            None => {
+                both_sides(wgpu::CompareFunction::Always, wgpu::StencilOperation::Invert, ODD, ODD)
+            }
+            Some(_) => {
+                both_sides(wgpu::CompareFunction::NotEqual, wgpu::StencilOperation::Zero, ODD, ODD)
+            }
+        };
+        self.make(&Recipe {
+            vertex: "patch_vertex",
+            fragment: "patch_fragment",
+            buffers: &[Some(buffer::<PatchVertex>(wgpu::VertexStepMode::Vertex, &corner))],
+            color,
+            cull: None,
+            depth,
+            stencil,
+            strip: false,
+        })
+    }
+
+    fn cap(&self) -> CapPipelines {
+        use wgpu::{CompareFunction as Compare, StencilOperation as Op};
+        let side = |op| wgpu::StencilFaceState {
+            compare: Compare::Always,
+            fail_op: Op::Keep,
+            depth_fail_op: op,
+            pass_op: op,
+        };
+        let winding = wgpu::StencilState {
+            front: side(Op::DecrementWrap),
+            back: side(Op::IncrementWrap),
+            read_mask: COUNT,
+            write_mask: COUNT,
+        };
+        let square = |fragment, color, depth, stencil| {
+            let cap = wgpu::vertex_attr_array![
+                0 => Float32x4, 1 => Float32x4, 2 => Float32x4, 3 => Float32x4
+            ];
+            self.make(&Recipe {
+                vertex: "cap_vertex",
                 fragment,
-                buffers,
-                blend: Some(OVER),
+                buffers: &[Some(buffer::<CapData>(EACH, &cap))],
+                color,
                 cull: None,
                 depth,
+                stencil,
                 strip: true,
             })
         };
-        Self {
-            backdrop: make(Recipe {
-                vertex: "backdrop_vertex",
-                fragment: "backdrop_fragment",
-                buffers: &[],
-                blend: None,
-                cull: None,
-                depth: Depth::Ignore,
-                strip: false,
-            }),
-            shadow: of_mesh("shadow_vertex", "shadow_fragment", Some(DARKEST), None, Depth::Ignore),
-            opaque: of_mesh("mesh_vertex", "opaque_fragment", None, None, Depth::TestAndWrite),
-            grid: quad("grid_vertex", "grid_fragment", &[], Depth::Test),
-            overlay: [wgpu::Face::Front, wgpu::Face::Back].map(overlay),
-            lines: [Depth::TestAndWrite, Depth::Ignore]
-                .map(|depth| quad("line_vertex", "line_fragment", &line, depth)),
-            points: [Depth::Test, Depth::Ignore]
-                .map(|depth| quad("point_vertex", "point_fragment", &point, depth)),
-            globals_layout,
+        // The reference is `COVERED`: below it, masked, is nothing; above it, whole, is what is
+        // covered and counted.
+        let counted = both_sides(Compare::NotEqual, Op::Keep, COUNT, 0);
+        let covered = both_sides(Compare::Less, Op::Keep, COVERED | COUNT, 0);
+        let marked = both_sides(Compare::NotEqual, Op::Replace, COUNT, COVERED | COUNT);
+        let (face, near) = (drawn(None), Depth::TestAndWrite);
+        CapPipelines {
+            winding: self.mesh_recipe(
+                "mesh_vertex",
+                "winding_fragment",
+                None,
+                None,
+                Depth::Ignore,
+                winding,
+            ),
+            face: square("cap_fragment", face.clone(), near, counted),
+            overlap: square("overlap_fragment", face, near, covered),
+            mark: square("mark_fragment", None, Depth::Ignore, marked),
         }
     }
+
+    fn make(&self, recipe: &Recipe<'_>) -> wgpu::RenderPipeline {
+        pipeline(self, recipe)
+    }
+}
+
+/// Of triangles that are seen from either side; where the test passes, whatever the depth says.
+fn both_sides(
+    compare: wgpu::CompareFunction,
+    op: wgpu::StencilOperation,
+    read_mask: u32,
+    write_mask: u32,
+) -> wgpu::StencilState {
+    let keep = wgpu::StencilOperation::Keep;
+    let face = wgpu::StencilFaceState { compare, fail_op: keep, depth_fail_op: op, pass_op: op };
+    wgpu::StencilState { front: face, back: face, read_mask, write_mask }
 }
 
 fn buffer<T>(
@@ -157,12 +408,7 @@ fn buffer<T>(
     wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
 }
 
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::PipelineLayout,
-    shaders: &wgpu::ShaderModule,
-    recipe: &Recipe<'_>,
-) -> wgpu::RenderPipeline {
+fn pipeline(maker: &Maker<'_>, recipe: &Recipe<'_>) -> wgpu::RenderPipeline {
     let (depth_write, compare) = match recipe.depth {
         // Depth is reversed: greater is nearer.
         Depth::TestAndWrite => (true, wgpu::CompareFunction::GreaterEqual),
@@ -173,33 +419,36 @@ fn pipeline(
         true => wgpu::PrimitiveTopology::TriangleStrip,
         false => wgpu::PrimitiveTopology::TriangleList,
     };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    // Every pass has the picture attached; who leaves it alone writes no channel.
+    let untouched = wgpu::ColorTargetState {
+        format: COLOR_FORMAT,
+        blend: None,
+        write_mask: wgpu::ColorWrites::empty(),
+    };
+    let target = Some(recipe.color.clone().unwrap_or(untouched));
+    maker.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(recipe.fragment),
-        layout: Some(layout),
+        layout: Some(maker.layout),
         vertex: wgpu::VertexState {
-            module: shaders,
+            module: maker.shaders,
             entry_point: Some(recipe.vertex),
             compilation_options: Default::default(),
             buffers: recipe.buffers,
         },
         primitive: wgpu::PrimitiveState { topology, cull_mode: recipe.cull, ..Default::default() },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
+        depth_stencil: maker.depth.map(|format| wgpu::DepthStencilState {
+            format,
             depth_write_enabled: Some(depth_write),
             depth_compare: Some(compare),
-            stencil: Default::default(),
+            stencil: recipe.stencil.clone(),
             bias: Default::default(),
         }),
         multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
-            module: shaders,
+            module: maker.shaders,
             entry_point: Some(recipe.fragment),
             compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: COLOR_FORMAT,
-                blend: recipe.blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
+            targets: &[target],
         }),
         multiview_mask: None,
         cache: None,

@@ -10,11 +10,11 @@ use crate::camera::Camera;
 use crate::device::{Gpu, RendererOptions};
 use crate::draw_list::DrawList;
 use crate::error::RenderError;
-use crate::frame::{Batch, Frame, Globals};
+use crate::frame::{Batch, CutBody, Frame, Globals, PatchRange};
 use crate::image::{Image, ImageSize};
 use crate::mesh::DrawMesh;
-use crate::pipelines::Pipelines;
-use crate::target::Target;
+use crate::pipelines::{COVERED, Pipelines};
+use crate::target::{Pass, Target};
 
 /// Draws pictures on a graphics adapter, without a window.
 ///
@@ -29,6 +29,8 @@ pub struct Renderer {
     instances: Stream,
     lines: Stream,
     points: Stream,
+    caps: Stream,
+    patches: Stream,
     /// By the address of the mesh.
     meshes: HashMap<usize, Uploaded>,
     target: Option<Target>,
@@ -39,6 +41,7 @@ pub struct Renderer {
 struct Uploaded {
     handle: Weak<DrawMesh>,
     vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
 }
 
 /// A buffer that is filled anew for each picture, and grows when it must.
@@ -62,7 +65,7 @@ impl Renderer {
     /// [`RenderError::Device`] where it cannot do what is needed.
     pub fn new(options: &RendererOptions) -> Result<Self, RenderError> {
         let gpu = Gpu::open(options)?;
-        let pipelines = Pipelines::new(&gpu.device);
+        let pipelines = Pipelines::new(&gpu.device, gpu.depth_format);
         let globals = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("globals"),
             size: size_of::<Globals>() as u64,
@@ -85,6 +88,8 @@ impl Renderer {
             instances: Stream { what: "the instances", buffer: None },
             lines: Stream { what: "the lines", buffer: None },
             points: Stream { what: "the points", buffer: None },
+            caps: Stream { what: "the cut faces", buffer: None },
+            patches: Stream { what: "the patches", buffer: None },
             meshes: HashMap::new(),
             target: None,
         })
@@ -125,45 +130,87 @@ impl Renderer {
         self.upload(&frame)?;
         let target = match self.target.take() {
             Some(target) if target.size == size => target,
-            _ => Target::new(&self.gpu, size)?,
+            _ => Target::new(&self.gpu, &self.pipelines.depths_layout, size)?,
         };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        self.draw(&frame, &mut target.begin(&mut encoder));
-        let image = target.finish(&self.gpu, encoder);
-        if image.is_ok() {
-            self.target = Some(target);
+        if let Some(depths) = target.depths.as_ref().filter(|_| frame.occlusion) {
+            self.draw_bodies(&frame, size, &mut target.begin(&mut encoder, Pass::First));
+            self.draw_occlusion(depths, &mut target.begin(&mut encoder, Pass::OverDepths));
+            self.draw_marks(&frame, &mut target.begin(&mut encoder, Pass::Last));
+        } else {
+            let mut pass = target.begin(&mut encoder, Pass::Only);
+            self.draw_bodies(&frame, size, &mut pass);
+            self.draw_marks(&frame, &mut pass);
         }
-        image
+        let mut image = target.finish(&self.gpu, encoder)?;
+        self.target = Some(target);
+        for label in &list.labels {
+            label.write(&mut image, camera);
+        }
+        Ok(image)
     }
 
     fn upload(&mut self, frame: &Frame<'_>) -> Result<(), RenderError> {
         self.meshes.retain(|_, uploaded| uploaded.handle.strong_count() > 0);
-        for batch in frame.opaque.iter().chain(&frame.translucent) {
+        for batch in frame.batches() {
             let key = address(batch.mesh);
             if !self.meshes.contains_key(&key) {
-                let usage = wgpu::BufferUsages::VERTEX;
-                let bytes: &[u8] = bytemuck::cast_slice(batch.mesh.vertices());
-                let vertices = new_buffer(&self.gpu, "a mesh's triangles", bytes.len(), usage)?;
-                self.gpu.queue.write_buffer(&vertices, 0, bytes);
-                let handle = Arc::downgrade(batch.mesh);
-                self.meshes.insert(key, Uploaded { handle, vertices });
+                let uploaded = Uploaded::new(&self.gpu, batch.mesh)?;
+                self.meshes.insert(key, uploaded);
             }
         }
         self.gpu.queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&frame.globals));
         self.instances.fill(&self.gpu, &frame.instances)?;
         self.lines.fill(&self.gpu, &frame.lines)?;
+        self.caps.fill(&self.gpu, &frame.caps)?;
+        self.patches.fill(&self.gpu, &frame.patch_vertices)?;
         self.points.fill(&self.gpu, &frame.points)
     }
 
-    /// In the order that [`DrawList`] promises.
-    fn draw(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+    /// What hides, in the order that [`DrawList`] promises.
+    fn draw_bodies(&self, frame: &Frame<'_>, size: ImageSize, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(0, &self.globals_group, &[]);
         pass.set_pipeline(&self.pipelines.backdrop);
         pass.draw(0..3, 0..1);
         if frame.shadows {
-            self.draw_batches(pass, &self.pipelines.shadow, &frame.opaque);
+            let [falls, shade] = &self.pipelines.shadow;
+            self.draw_batches(pass, falls, &frame.opaque);
+            self.draw_batches(pass, falls, &frame.opened);
+            pass.set_pipeline(shade);
+            pass.draw(0..4, 0..1);
         }
         self.draw_batches(pass, &self.pipelines.opaque, &frame.opaque);
+        self.draw_batches(pass, &self.pipelines.opened, &frame.opened);
+        self.draw_caps(frame, size, pass);
+    }
+
+    fn draw_caps(&self, frame: &Frame<'_>, size: ImageSize, pass: &mut wgpu::RenderPass<'_>) {
+        let cap = &self.pipelines.cap;
+        let seen = |cut: &&CutBody<'_>| cut.pixels[2] > 0 && cut.pixels[3] > 0;
+        for cut in frame.cut.iter().filter(seen) {
+            let [left, top, width, height] = cut.pixels;
+            pass.set_scissor_rect(left, top, width, height);
+            pass.set_stencil_reference(0);
+            self.draw_batches(pass, &cap.winding, std::slice::from_ref(&cut.body));
+            pass.set_stencil_reference(COVERED);
+            for step in [&cap.face, &cap.overlap, &cap.mark] {
+                draw_quads(pass, step, &self.caps, cut.cap..cut.cap + 1);
+            }
+        }
+        pass.set_stencil_reference(0);
+        pass.set_scissor_rect(0, 0, size.width(), size.height());
+    }
+
+    fn draw_occlusion(&self, depths: &wgpu::BindGroup, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.globals_group, &[]);
+        pass.set_bind_group(1, depths, &[]);
+        pass.set_pipeline(&self.pipelines.occlusion);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// What lets through what is behind it, and marks.
+    fn draw_marks(&self, frame: &Frame<'_>, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.globals_group, &[]);
         if frame.ground {
             pass.set_pipeline(&self.pipelines.grid);
             pass.draw(0..4, 0..1);
@@ -173,14 +220,28 @@ impl Renderer {
                 self.draw_batches(pass, side, batch);
             }
         }
+        self.draw_batches(pass, &self.pipelines.xray, &frame.xrays);
         let (lines, points) = (frame.lines.len() as u32, frame.points.len() as u32);
         let layers = [
             (0..frame.lines_hidden, 0..frame.points_hidden),
             (frame.lines_hidden..lines, frame.points_hidden..points),
         ];
         for (layer, (lines, points)) in layers.into_iter().enumerate() {
+            self.draw_patches(frame, layer, pass);
             draw_quads(pass, &self.pipelines.lines[layer], &self.lines, lines);
             draw_quads(pass, &self.pipelines.points[layer], &self.points, points);
+        }
+    }
+
+    fn draw_patches(&self, frame: &Frame<'_>, layer: usize, pass: &mut wgpu::RenderPass<'_>) {
+        let Some(vertices) = &self.patches.buffer else { return };
+        let in_layer = |patch: &&PatchRange| usize::from(patch.on_top) == layer;
+        for patch in frame.patches.iter().filter(in_layer).filter(|p| !p.vertices.is_empty()) {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+            for step in [&self.pipelines.patch_count, &self.pipelines.patch_paint[layer]] {
+                pass.set_pipeline(step);
+                pass.draw(patch.vertices.clone(), 0..1);
+            }
         }
     }
 
@@ -196,8 +257,9 @@ impl Renderer {
         for batch in batches {
             if let Some(uploaded) = self.meshes.get(&address(batch.mesh)) {
                 pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
-                let vertices = batch.mesh.vertices().len() as u32;
-                pass.draw(0..vertices, batch.instances.clone());
+                pass.set_index_buffer(uploaded.indices.slice(..), wgpu::IndexFormat::Uint32);
+                let corners = batch.mesh.indices().len() as u32;
+                pass.draw_indexed(0..corners, 0, batch.instances.clone());
             }
         }
     }
@@ -219,6 +281,27 @@ fn draw_quads(
         pass.set_pipeline(pipeline);
         pass.set_vertex_buffer(0, buffer.slice(..));
         pass.draw(0..4, range);
+    }
+}
+
+impl Uploaded {
+    fn new(gpu: &Gpu, mesh: &Arc<DrawMesh>) -> Result<Self, RenderError> {
+        let upload = |bytes: &[u8], usage| {
+            let buffer = new_buffer(gpu, "a mesh's triangles", bytes.len(), usage)?;
+            gpu.queue.write_buffer(&buffer, 0, bytes);
+            Ok(buffer)
+        };
+        let vertices = bytemuck::cast_slice(mesh.vertices());
+        let mut indices = mesh.indices().to_vec();
+        if gpu.last_provokes {
+            indices.chunks_exact_mut(3).for_each(|face| face.rotate_left(1));
+        }
+        let indices = bytemuck::cast_slice(&indices);
+        Ok(Self {
+            handle: Arc::downgrade(mesh),
+            vertices: upload(vertices, wgpu::BufferUsages::VERTEX)?,
+            indices: upload(indices, wgpu::BufferUsages::INDEX)?,
+        })
     }
 }
 

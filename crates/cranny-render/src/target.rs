@@ -3,7 +3,7 @@
 use crate::device::Gpu;
 use crate::error::RenderError;
 use crate::image::{Image, ImageSize};
-use crate::pipelines::{COLOR_FORMAT, DEPTH_FORMAT, SAMPLES};
+use crate::pipelines::{COLOR_FORMAT, SAMPLES};
 
 /// Everything that depends on the size of the picture; kept while the size stays.
 #[derive(Debug)]
@@ -11,6 +11,8 @@ pub(crate) struct Target {
     pub(crate) size: ImageSize,
     samples: wgpu::TextureView,
     depth: wgpu::TextureView,
+    /// To read the depths, where the adapter can.
+    pub(crate) depths: Option<wgpu::BindGroup>,
     resolved: wgpu::Texture,
     resolved_view: wgpu::TextureView,
     readback: wgpu::Buffer,
@@ -18,12 +20,29 @@ pub(crate) struct Target {
     stride: u32,
 }
 
+/// What a pass does with what was drawn before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Covers it, and averages the samples into the picture.
+    Only,
+    /// Covers it.
+    First,
+    /// Draws over it, and reads the depths.
+    OverDepths,
+    /// Draws over it, and averages the samples into the picture.
+    Last,
+}
+
 impl Target {
     /// # Errors
     ///
     /// [`RenderError::ImageTooLarge`] or [`RenderError::TooMuch`] where the adapter has not the
     /// room.
-    pub(crate) fn new(gpu: &Gpu, size: ImageSize) -> Result<Self, RenderError> {
+    pub(crate) fn new(
+        gpu: &Gpu,
+        depths_layout: &wgpu::BindGroupLayout,
+        size: ImageSize,
+    ) -> Result<Self, RenderError> {
         let limits = gpu.device.limits();
         let (width, height) = (size.width(), size.height());
         let limit = limits.max_texture_dimension_2d;
@@ -50,12 +69,16 @@ impl Target {
         };
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+        let read = wgpu::TextureUsages::TEXTURE_BINDING;
+        let depth_usage = if gpu.reads_depths { attachment | read } else { attachment };
+        let depth = texture("depth", gpu.depth_format, SAMPLES, depth_usage);
         let resolved =
             texture("picture", COLOR_FORMAT, 1, attachment | wgpu::TextureUsages::COPY_SRC);
         Ok(Self {
             size,
             samples: view(&texture("samples", COLOR_FORMAT, SAMPLES, attachment)),
-            depth: view(&texture("depth", DEPTH_FORMAT, SAMPLES, attachment)),
+            depth: view(&depth),
+            depths: gpu.reads_depths.then(|| readable(gpu, depths_layout, &depth)),
             resolved_view: view(&resolved),
             resolved,
             readback: gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -68,28 +91,40 @@ impl Target {
         })
     }
 
-    /// Starts the only pass there is. What it begins with is covered by the backdrop.
-    pub(crate) fn begin<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
+    /// Starts a pass: the first and the only one begin with nothing, which the backdrop covers.
+    pub(crate) fn begin<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        pass: Pass,
+    ) -> wgpu::RenderPass<'e> {
+        let begins = matches!(pass, Pass::Only | Pass::First);
+        let ends = matches!(pass, Pass::Only | Pass::Last);
+        let store = if ends { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+        let black = wgpu::LoadOp::Clear(wgpu::Color::BLACK);
+        let depth_stencil = wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth,
+            depth_ops: Some(wgpu::Operations {
+                // Depth is reversed: 0 is infinitely far.
+                load: if begins { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load },
+                store,
+            }),
+            stencil_ops: Some(wgpu::Operations {
+                load: if begins { wgpu::LoadOp::Clear(0) } else { wgpu::LoadOp::Load },
+                store,
+            }),
+        };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.samples,
                 depth_slice: None,
-                resolve_target: Some(&self.resolved_view),
+                resolve_target: ends.then_some(&self.resolved_view),
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Discard,
+                    load: if begins { black } else { wgpu::LoadOp::Load },
+                    store,
                 },
             })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    // Depth is reversed: 0 is infinitely far.
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: (pass != Pass::OverDepths).then_some(depth_stencil),
             timestamp_writes: None,
             occlusion_query_set: None,
             multiview_mask: None,
@@ -145,4 +180,19 @@ impl Target {
             .copied()
             .collect())
     }
+}
+
+fn readable(gpu: &Gpu, layout: &wgpu::BindGroupLayout, depth: &wgpu::Texture) -> wgpu::BindGroup {
+    let view = depth.create_view(&wgpu::TextureViewDescriptor {
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..Default::default()
+    });
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("depths"),
+        layout,
+        entries: &[wgpu::BindGroupEntry {
+            binding: 0,
+            resource: wgpu::BindingResource::TextureView(&view),
+        }],
+    })
 }

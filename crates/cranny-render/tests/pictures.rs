@@ -40,7 +40,7 @@ fn cube(half: f64) -> Arc<DrawMesh> {
 }
 
 fn at(mesh: &Arc<DrawMesh>, position: DVec3, color: Color) -> Instance {
-    Instance { mesh: mesh.clone(), pose: Pose::at(position), color }
+    Instance::solid(mesh.clone(), Pose::at(position), color)
 }
 
 /// White all over, so that whatever is not white was drawn.
@@ -218,7 +218,7 @@ fn fitted_cameras_show_everything_and_fill_the_frame() {
     let tilted = DQuat::from_xyzw(0.3, -0.2, 0.5, 0.8).normalize();
     let pose = Pose { rotation: tilted, translation: DVec3::new(30.0, -7.0, 2.0) };
     let mut list = blank();
-    list.instances.push(Instance { mesh: cube(2.0), pose, color: Color::BLACK });
+    list.instances.push(Instance::solid(cube(2.0), pose, Color::BLACK));
     for preset in Preset::ALL {
         let by_box = Camera::fitted(preset, &list.bounds(), size()).unwrap();
         let by_vertices = Camera::fitted_to(preset, &list, size()).unwrap();

@@ -1,6 +1,7 @@
 //! The arguments of each command.
 
 mod accuracy;
+mod replay;
 mod robot;
 mod scene;
 mod show;
@@ -13,6 +14,7 @@ use cranny_estimate::Accuracy;
 use cranny_geometry::Repair;
 
 pub(crate) use accuracy::AccuracyArgs;
+pub(crate) use replay::{ReplayArgs, ViewArg};
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
     CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs, SubstepsArg,
@@ -49,6 +51,8 @@ Exit codes: 0 done; 1 reading, writing or the work itself failed; 2 wrong argume
 pub(crate) enum Command {
     /// Simulate a scene; record it, draw it, and sum up
     Run(RunArgs),
+    /// Compute a recording anew and compare to the bit; draw any moment of it
+    Replay(ReplayArgs),
     /// The same scene under each detector, side by side: times, overlaps, energy, what tore
     Compare(CompareArgs),
     /// What a scene asks for, what will run for it, and what will not

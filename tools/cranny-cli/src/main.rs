@@ -20,6 +20,8 @@ mod paths;
 mod pose_file;
 mod progress;
 mod query;
+mod quiet_driver;
+mod replay;
 mod robot;
 mod run;
 mod scene_file;
@@ -33,9 +35,11 @@ use args::{Cli, Command};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    quiet_driver::restart_without_noise(&cli.command);
     logging::start(cli.verbose);
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),
+        Command::Replay(args) => replay::replay(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
         Command::Compare(args) => compare::compare(args, cli.format),

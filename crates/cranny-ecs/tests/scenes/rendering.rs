@@ -18,7 +18,7 @@ fn pictures_are_written_or_said_to_be_skipped() {
         pictures: PictureOptions {
             frames: Some(frames.clone()),
             preview: Some(preview.clone()),
-            record: false,
+            ..PictureOptions::default()
         },
         ..RunOptions::default()
     };

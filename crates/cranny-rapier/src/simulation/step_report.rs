@@ -22,6 +22,10 @@ pub struct PairContacts {
     /// Of a and b, from which the answer was computed: those at the beginning of the step, or of
     /// its last part.
     pub poses: [Pose; 2],
+    /// Where the second shape was in the frame of the first: what the query was given, to the bit.
+    pub first_from_second: Pose,
+    /// Whether the first shape is that of `a`.
+    pub first_is_a: bool,
     /// Computed in the last step; otherwise rapier recycled older contacts.
     pub fresh: bool,
 }
@@ -30,9 +34,9 @@ impl PairContacts {
     /// The same with the bodies exchanged.
     #[must_use]
     pub fn swapped(self) -> Self {
-        let Self { a, b, answer, poses: [of_a, of_b], fresh } = self;
-        let answer = Arc::new(Arc::unwrap_or_clone(answer).swapped());
-        Self { a: b, b: a, answer, poses: [of_b, of_a], fresh }
+        let Self { a, b, poses: [of_a, of_b], first_is_a, .. } = self;
+        let answer = Arc::new(Arc::unwrap_or_clone(self.answer).swapped());
+        Self { a: b, b: a, answer, poses: [of_b, of_a], first_is_a: !first_is_a, ..self }
     }
 }
 
@@ -126,7 +130,10 @@ impl Simulation {
                 let other = before.compose(&logged.first_from_second);
                 let (a, b) = (BodyIndex(first), BodyIndex(second));
                 let (answer, poses) = (Arc::new(answer), [before, other]);
-                let pair = PairContacts { a, b, answer, poses, fresh };
+                let first_from_second = logged.first_from_second;
+                let first_is_a = true;
+                let pair =
+                    PairContacts { a, b, answer, poses, first_from_second, first_is_a, fresh };
                 Some(if a < b { pair } else { pair.swapped() })
             })
             .collect();

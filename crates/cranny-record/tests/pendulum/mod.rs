@@ -79,7 +79,7 @@ impl Pendulum {
         let bodies: Vec<RecordedBody> = BODIES
             .iter()
             .zip(&self.meshes)
-            .map(|(name, mesh)| RecordedBody { name, mesh, color })
+            .map(|(name, mesh)| RecordedBody { name, mesh, color, model: None, kind: None })
             .collect();
         recorder.bodies(&bodies)
     }

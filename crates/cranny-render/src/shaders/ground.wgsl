@@ -41,3 +41,9 @@ fn grid_fragment(f: GridFragment) -> @location(0) vec4<f32> {
     let strong = 0.38 * coverage(at / 10.0, per_pixel / 10.0, 1.4);
     return vec4(0.10, 0.13, 0.18, max(weak, strong) * ground_fade(f.position));
 }
+
+// Darkens the bare backdrop where the stencil says that a shadow falls.
+@fragment
+fn shade_fragment(f: GridFragment) -> @location(0) vec4<f32> {
+    return vec4(vec3(1.0 - 0.24 * ground_fade(f.position)), 1.0);
+}

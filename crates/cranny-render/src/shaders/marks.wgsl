@@ -4,11 +4,13 @@ struct Line {
     @location(0) start: vec4<f32>,      // and width in pixels
     @location(1) end: vec4<f32>,        // and width in pixels
     @location(2) color: vec4<f32>,
+    @location(3) cut: f32,              // 1 where a section takes away what is before its plane
 }
 
 struct LineFragment {
     @builtin(position) clip: vec4<f32>,
     @location(0) @interpolate(flat) color: vec4<f32>,
+    @location(1) before: f32,
 }
 
 @vertex
@@ -16,20 +18,23 @@ fn line_vertex(line: Line, @builtin(vertex_index) i: u32) -> LineFragment {
     var a = to_clip(line.start.xyz);
     var b = to_clip(line.end.xyz);
     var widths = vec2(line.start.w, line.end.w);
+    var before = mix(vec2(-1.0), vec2(before_section(line.start.xyz), before_section(line.end.xyz)), line.cut);
     let near = globals.key_near.w;
     if max(a.w, b.w) < near {
         // All of it is behind the near plane: outside the clip volume.
-        return LineFragment(vec4(2.0, 2.0, 2.0, 1.0), line.color);
+        return LineFragment(vec4(2.0, 2.0, 2.0, 1.0), line.color, -1.0);
     }
     // The part before the near plane; clip.w is the depth.
     if a.w < near {
         let t = (near - a.w) / (b.w - a.w);
         a = mix(a, b, t);
         widths.x = mix(widths.x, widths.y, t);
+        before.x = mix(before.x, before.y, t);
     } else if b.w < near {
         let t = (near - b.w) / (a.w - b.w);
         b = mix(b, a, t);
         widths.y = mix(widths.y, widths.x, t);
+        before.y = mix(before.y, before.x, t);
     }
     let span = (b.xy / b.w - a.xy / a.w) * 0.5 * globals.viewport.xy;
     let extent = length(span);
@@ -40,13 +45,18 @@ fn line_vertex(line: Line, @builtin(vertex_index) i: u32) -> LineFragment {
     let across = vec2(-along.y, along.x) * (f32(i & 1u) - 0.5);
     let beyond = along * 0.5 * min(widths.x, widths.y);
     if (i >> 1u) == 0u {
-        return LineFragment(nearer(offset_pixels(a, across * widths.x - beyond), 0.001), line.color);
+        let clip = nearer(offset_pixels(a, across * widths.x - beyond), 0.001);
+        return LineFragment(clip, line.color, before.x);
     }
-    return LineFragment(nearer(offset_pixels(b, across * widths.y + beyond), 0.001), line.color);
+    let clip = nearer(offset_pixels(b, across * widths.y + beyond), 0.001);
+    return LineFragment(clip, line.color, before.y);
 }
 
 @fragment
 fn line_fragment(f: LineFragment) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
     return f.color;
 }
 

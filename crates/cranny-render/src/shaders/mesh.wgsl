@@ -3,11 +3,12 @@
 struct MeshVertex {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec4<f32>,
-    @location(2) color: vec4<f32>,      // sRGB
+    @location(2) color: vec4<f32>,      // linear
     @location(3) row_x: vec4<f32>,
     @location(4) row_y: vec4<f32>,
     @location(5) row_z: vec4<f32>,
     @location(6) tint: vec4<f32>,
+    @location(7) cut: f32,              // 1 for what a section cuts, 0 for what it leaves whole
 }
 
 struct MeshFragment {
@@ -15,6 +16,7 @@ struct MeshFragment {
     @location(0) position: vec3<f32>,
     @location(1) @interpolate(flat) normal: vec3<f32>,
     @location(2) @interpolate(flat) color: vec4<f32>,
+    @location(3) before: f32,           // of the section's plane, where the body is cut
 }
 
 fn placed(v: MeshVertex) -> vec3<f32> {
@@ -22,17 +24,13 @@ fn placed(v: MeshVertex) -> vec3<f32> {
     return vec3(dot(v.row_x, p), dot(v.row_y, p), dot(v.row_z, p));
 }
 
-fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
-    return select(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, c <= vec3(0.04045));
-}
-
 @vertex
 fn mesh_vertex(v: MeshVertex) -> MeshFragment {
     let position = placed(v);
     let n = v.normal.xyz;
     let normal = vec3(dot(v.row_x.xyz, n), dot(v.row_y.xyz, n), dot(v.row_z.xyz, n));
-    let color = vec4(linear_from_srgb(v.color.rgb) * v.tint.rgb, v.color.a * v.tint.a);
-    return MeshFragment(to_clip(position), position, normalize(normal), color);
+        let before = mix(-1.0, before_section(position), v.cut);
+    return MeshFragment(to_clip(position), position, normalize(normal), v.color * v.tint, before);
 }
 
 // Light from the sky and the ground, a key light, a fill light, a highlight and a rim.
@@ -43,8 +41,12 @@ fn lit(albedo: vec3<f32>, normal: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
     let diffuse = mix(earth, sky, 0.5 + 0.5 * normal.z)
         + vec3(0.62, 0.60, 0.57) * max(dot(normal, key), 0.0)
         + vec3(0.10, 0.11, 0.13) * max(dot(normal, globals.fill.xyz), 0.0);
-    let highlight = 0.10 * pow(max(dot(normal, normalize(key + to_eye)), 0.0), 40.0);
-    let rim = 0.12 * pow(1.0 - max(dot(normal, to_eye), 0.0), 3.0);
+    // Powers by multiplication: software adapters spend half their time in here.
+    let glance = max(dot(normal, normalize(key + to_eye)), 0.0);
+    let glance_8 = glance * glance * glance * glance * glance * glance * glance * glance;
+    let highlight = 0.10 * glance_8 * glance_8 * glance_8 * glance_8 * glance_8;
+    let edge_on = 1.0 - max(dot(normal, to_eye), 0.0);
+    let rim = 0.12 * edge_on * edge_on * edge_on;
     return albedo * diffuse + vec3(highlight) + rim * sky;
 }
 
@@ -62,31 +64,45 @@ fn opaque_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @loca
     return vec4(shaded(f, front), 1.0);
 }
 
+@fragment
+fn cut_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
+    return vec4(shaded(f, front), 1.0);
+}
+
 // Denser where it is seen at a grazing angle, as glass is, so that outlines can be read.
 @fragment
 fn overlay_fragment(f: MeshFragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
     let facing = abs(dot(f.normal, normalize(-f.position)));
     let density = mix(1.0, 1.8, pow(1.0 - facing, 3.0)) * select(0.6, 1.0, front);
     return vec4(shaded(f, front), min(f.color.a * density, 1.0));
 }
 
-struct ShadowFragment {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) position: vec3<f32>,
+// Each layer takes away its share of the light behind it, so layers need no order.
+@fragment
+fn xray_fragment(f: MeshFragment) -> @location(0) vec4<f32> {
+    if f.before > 0.0 {
+        discard;
+    }
+    let facing = abs(dot(f.normal, normalize(-f.position)));
+    let density = f.color.a * mix(0.14, 0.75, pow(1.0 - facing, 2.0));
+    return vec4(mix(vec3(1.0), f.color.rgb, density), 1.0);
 }
 
-// Flattens the body onto the ground along the light. What is below the ground casts none.
+// Flattens the body onto the ground along the light. What is below the ground casts none. Only the
+// stencil is written: where shadows overlap, the result is that of one.
 @vertex
-fn shadow_vertex(v: MeshVertex) -> ShadowFragment {
+fn shadow_vertex(v: MeshVertex) -> @builtin(position) vec4<f32> {
     let p = placed(v);
     let height = max(p.z - globals.ground_center.z, 0.0);
-    let position = vec3(p.xy + vec2(0.22, 0.12) * height, globals.ground_center.z);
-    return ShadowFragment(to_clip(position), position);
+    return to_clip(vec3(p.xy + vec2(0.22, 0.12) * height, globals.ground_center.z));
 }
 
-// Drawn with the blend operation 'minimum' on the bare backdrop: where shadows overlap, the result
-// is that of one.
 @fragment
-fn shadow_fragment(f: ShadowFragment) -> @location(0) vec4<f32> {
-    return vec4(backdrop_at(f.clip.xy) * (1.0 - 0.24 * ground_fade(f.position)), 1.0);
+fn shadow_fragment() {
 }

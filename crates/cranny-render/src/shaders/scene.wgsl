@@ -5,17 +5,24 @@ struct Globals {
     clip_from_scene: mat4x4<f32>,
     key_near: vec4<f32>,        // towards the key light; distance of the near plane
     fill: vec4<f32>,            // towards the fill light
-    viewport: vec4<f32>,        // width and height in pixels
+    viewport: vec4<f32>,        // width and height in pixels; tangents of half the view's angles
     backdrop_top: vec4<f32>,
     backdrop_bottom: vec4<f32>,
     ground_center: vec4<f32>,   // and radius
-    ground_grid: vec4<f32>,     // crossing of two strong lines (x, y), spacing
+    ground_grid: vec4<f32>,     // crossing of two strong lines (x, y), spacing, reach of occlusion
+    section: vec4<f32>,         // plane of the cut: normal and offset; nothing is in front without
+    overlap: vec4<f32>,         // colour of what two cut bodies share
 }
 
 @group(0) @binding(0) var<uniform> globals: Globals;
 
 fn to_clip(position: vec3<f32>) -> vec4<f32> {
     return globals.clip_from_scene * vec4(position, 1.0);
+}
+
+// Above 0 in front of the section's plane, where whatever is cut is taken away.
+fn before_section(position: vec3<f32>) -> f32 {
+    return dot(globals.section.xyz, position) + globals.section.w;
 }
 
 // Brought nearer by a fraction of its distance, so that a mark on a surface wins against it.

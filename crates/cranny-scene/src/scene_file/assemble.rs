@@ -10,7 +10,7 @@ use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
-    PairDescription, RecordDescription, Resistance, SceneDescription,
+    PairDescription, Resistance, SceneDescription,
 };
 
 use super::problem::{SceneError, SceneProblem, located};
@@ -43,7 +43,7 @@ pub(super) fn assemble(
         effects: effects(&scene.effects),
         pairs: Vec::new(),
         cameras: Vec::new(),
-        record: RecordDescription { every: scene.record.every.0 },
+        record: scene.record.description(scene.step.0),
     };
     let source = Source { text, path };
     let mut assembly = Assembly {

@@ -491,15 +491,21 @@ fn field_of_view() -> Positive {
     Positive(0.8)
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, rename = "Record")]
 pub(super) struct RecordFile {
-    pub(super) every: Every,
+    /// `None`: as many as make [`FRAMES_PER_SECOND`].
+    pub(super) every: Option<Every>,
 }
 
-impl Default for RecordFile {
-    fn default() -> Self {
-        Self { every: Every(RecordDescription::default().every) }
+/// Frames a second of a scene that does not say how many steps apart they are: what screens show.
+const FRAMES_PER_SECOND: f64 = 60.0;
+
+impl RecordFile {
+    /// For steps of so many seconds.
+    pub(super) fn description(self, step: f64) -> RecordDescription {
+        let by_rate = (1.0 / (FRAMES_PER_SECOND * step)).round().max(1.0) as u32;
+        RecordDescription { every: self.every.map_or(by_rate, |every| every.0) }
     }
 }
 

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use cranny_ecs::PictureQuality;
 
 use super::{AccuracyArg, accuracy};
 
@@ -79,14 +80,74 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) frames: Option<PathBuf>,
 
-    /// Write an animated picture of the run
+    /// Write an animated picture of the run: the scene beside a section through what touches
     #[arg(long, value_name = "OUT.png")]
     pub(crate) preview: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) pictures: PictureArgs,
+}
+
+/// How pictures look.
+#[derive(Debug, Args)]
+pub(crate) struct PictureArgs {
+    /// Width and height of each picture in pixels; of a preview, its width and the height of the
+    /// pictures in it [default: 1280x720; 1180x360 for a preview]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<[u32; 2]>,
+
+    /// The only camera: one of the scene's, or isometric, front, side or top [default: all of the
+    /// scene's; for a preview, its first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+
+    /// How much is done for the eye: draft has no outlines and no shade, fine is drawn at twice the
+    /// size and scaled down
+    #[arg(long, value_enum, value_name = "QUALITY", default_value = "normal")]
+    pub(crate) quality: QualityArg,
+}
+
+/// How much is done for the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum QualityArg {
+    /// Light on the faces alone.
+    Draft,
+    /// Outlines, and shade where bodies stand close.
+    Normal,
+    /// The same at twice the size, scaled down.
+    Fine,
+}
+
+impl From<QualityArg> for PictureQuality {
+    fn from(argument: QualityArg) -> Self {
+        match argument {
+            QualityArg::Draft => Self::Draft,
+            QualityArg::Normal => Self::Normal,
+            QualityArg::Fine => Self::Fine,
+        }
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(w, h)| [w, h].map(|side| side.parse::<u32>()));
+    match sides {
+        Some([Ok(width), Ok(height)])
+            if (16..=8192).contains(&width) && (16..=8192).contains(&height) =>
+        {
+            Ok([width, height])
+        }
+        Some([Ok(_), Ok(_)]) => Err("each side must have 16 to 8192 pixels".to_owned()),
+        _ => Err("a size is width x height in pixels, such as 1280x720".to_owned()),
+    }
 }
 
 const RUN_NOTES: &str = "\
 Ctrl-C ends the run after the step at hand: the recording is finished and the summary printed.
 Without a graphics adapter the run goes on without pictures, and the summary says so.
+
+A preview is a page a moment: the first camera's picture, the bodies that meet deepest cut open through their
+contact, and that contact magnified. Bodies that move are coloured, bodies that stand still grey, and those of
+them that hide what moves are drawn as x-rays. Pictures change nothing in the run: the state hash is the same.
 
 Examples:
   cranny run assets/scenes/ring_of_tori.ron --preview tori.png
@@ -192,7 +253,7 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
 }
 
 /// A length of time above 0.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         Ok(_) => Err("a time must be finite and above 0 seconds, such as 0.0041667".to_owned()),

@@ -165,7 +165,7 @@ impl<'m> Canvas<'m> {
             self.legend.push(format!("{axis} points up"));
         }
         let mut add = |mesh: DrawMesh, color: Color| {
-            let instance = Instance { mesh: Arc::new(mesh), pose: Pose::IDENTITY, color };
+            let instance = Instance::solid(Arc::new(mesh), Pose::IDENTITY, color);
             self.list.instances.push(instance);
         };
         add(body, Color::WHITE);

@@ -1,0 +1,149 @@
+//! The mesh and colour of each body: moving ones in colours, stationary ones grey.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use cranny_exact::{Aabb, Pose};
+use cranny_geometry::{Mesh, Model};
+use cranny_render::{Color, DrawMesh, Instance, palette};
+use cranny_world::BodyId;
+use cranny_world::description::{BodyKind, SceneDescription};
+
+use crate::body::BodyRecord;
+use crate::error::SceneAppError;
+
+/// How bodies are drawn, by id.
+#[derive(Default)]
+pub(crate) struct Coats {
+    coats: BTreeMap<BodyId, Coat>,
+}
+
+/// How a body is drawn.
+pub(crate) struct Coat {
+    pub(crate) name: String,
+    pub(crate) mesh: Arc<DrawMesh>,
+    pub(crate) color: Color,
+    pub(crate) kind: BodyKind,
+    /// What collides, where it is prepared.
+    pub(crate) model: Option<Model>,
+    /// For others of the same geometry.
+    pub(crate) of: Geometry,
+}
+
+/// What a mesh is drawn of.
+#[derive(Clone)]
+pub(crate) enum Geometry {
+    Described(Arc<Mesh>),
+    Prepared(Model),
+}
+
+impl Geometry {
+    pub(crate) fn mesh(&self) -> &Mesh {
+        match self {
+            Self::Described(mesh) => mesh,
+            Self::Prepared(model) => model.mesh(),
+        }
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Described(a), Self::Described(b)) => Arc::ptr_eq(a, b),
+            (Self::Prepared(a), Self::Prepared(b)) => a.is_same(b),
+            _ => false,
+        }
+    }
+}
+
+impl Coat {
+    pub(crate) fn moves(&self) -> bool {
+        self.kind != BodyKind::Fixed
+    }
+
+    /// Where the body is at a pose; larger than needed where it is turned.
+    pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
+        let bounds = self.mesh.bounds();
+        let map = pose.world_from_body();
+        let pick = |bit: usize, i: usize, lo: f64, hi: f64| if i & bit == 0 { lo } else { hi };
+        let corner = |i: usize| {
+            let (lo, hi) = (bounds.min, bounds.max);
+            let (x, y) = (pick(1, i, lo.x, hi.x), pick(2, i, lo.y, hi.y));
+            map.apply(cranny_exact::DVec3::new(x, y, pick(4, i, lo.z, hi.z)))
+        };
+        if bounds.is_empty() { Aabb::EMPTY } else { Aabb::of_points((0..8).map(corner)) }
+    }
+}
+
+impl Coats {
+    /// Of a scene, with its bodies where they start.
+    pub(crate) fn of_scene(
+        scene: &SceneDescription,
+    ) -> Result<(Self, Vec<Instance>), SceneAppError> {
+        let mut coats = Self::default();
+        let mut instances = Vec::new();
+        for (id, body) in (0u32..).map(BodyId).zip(&scene.bodies) {
+            let of = Geometry::Described(body.visual.as_ref().unwrap_or(&body.collision).clone());
+            let mut coat = coats.coat(id, &body.name, of, body.kind)?;
+            coat.model = body.model.clone();
+            instances.push(Instance::solid(coat.mesh.clone(), body.pose, coat.color));
+            coats.coats.insert(id, coat);
+        }
+        Ok((coats, instances))
+    }
+
+    pub(crate) fn get(&self, id: BodyId) -> Option<&Coat> {
+        self.coats.get(&id)
+    }
+
+    pub(crate) fn name(&self, id: BodyId) -> &str {
+        self.get(id).map_or("a body that left", |coat| &coat.name)
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (BodyId, &Coat)> {
+        self.coats.iter().map(|(&id, coat)| (id, coat))
+    }
+
+    pub(crate) fn put(&mut self, id: BodyId, record: &BodyRecord) -> Result<(), SceneAppError> {
+        let of = match &record.visual {
+            Some(visual) => Geometry::Described(visual.clone()),
+            None => Geometry::Prepared(record.model.clone()),
+        };
+        let mut coat = self.coat(id, &record.name, of, record.kind)?;
+        coat.model = Some(record.model.clone());
+        self.coats.insert(id, coat);
+        Ok(())
+    }
+
+    pub(crate) fn remove(&mut self, id: BodyId) {
+        self.coats.remove(&id);
+    }
+
+    fn coat(
+        &self,
+        id: BodyId,
+        name: &str,
+        of: Geometry,
+        kind: BodyKind,
+    ) -> Result<Coat, SceneAppError> {
+        let (mesh, color) = (self.drawn(&of, name)?, color(id, kind));
+        Ok(Coat { name: name.to_owned(), mesh, color, kind, model: None, of })
+    }
+
+    /// The mesh to draw of a geometry, shared with a body that has the same.
+    fn drawn(&self, of: &Geometry, name: &str) -> Result<Arc<DrawMesh>, SceneAppError> {
+        if let Some(coat) = self.coats.values().find(|coat| coat.of.is_same(of)) {
+            return Ok(coat.mesh.clone());
+        }
+        let mesh = of.mesh();
+        let drawn = DrawMesh::new(mesh.vertices(), mesh.faces()).map_err(|error| {
+            SceneAppError::Undrawable { body: name.to_owned(), why: error.to_string() }
+        })?;
+        Ok(Arc::new(drawn))
+    }
+}
+
+fn color(id: BodyId, kind: BodyKind) -> Color {
+    match kind {
+        BodyKind::Fixed => palette::STATIONARY,
+        BodyKind::Kinematic | BodyKind::Dynamic => palette(id.0 as usize),
+    }
+}

@@ -1,0 +1,222 @@
+//! How contacts look: patches with their curves, points by depth, one arrow a pair.
+
+use cranny_exact::DVec3;
+use cranny_narrow_phase::{Contact, Region};
+use cranny_render::{Camera, Color, DrawList, Key, Label, Mark, Patch, Point, Ramp, palette};
+
+use super::coats::Coats;
+use super::focus::{Focus, contacts, depth, middle, mover_of};
+use super::{MeetingPair, Moment};
+
+/// Contacts beyond these many are not marked: a picture of more shows nothing but marks.
+pub const MARKS_MAX: usize = 2_000;
+
+/// Length of the longest arrow, in parts of the picture's height.
+const ARROW: f64 = 0.16;
+
+/// An arrow is at least this part of the longest: shorter ones are heads without a shaft.
+const SHORTEST: f64 = 0.25;
+
+/// Pixels.
+const POINT: f32 = 3.4;
+/// Of more than [`CROWD`] contacts: they bury what they mark.
+const CROWDED: f32 = 2.2;
+const CROWD: usize = 60;
+/// Of more contacts than this, those across a gap are left out.
+const THRONG: usize = 250;
+const CURVE: f32 = 2.2;
+const SHAFT: f32 = 2.4;
+
+/// What colours and lengths are measured by.
+pub(super) struct Scales<'a> {
+    pub(super) impulse: f64,
+    pub(super) depth: f64,
+    pub(super) coats: &'a Coats,
+}
+
+impl Scales<'_> {
+    fn point_color(&self, contact: &Contact) -> Color {
+        match contact.separation > 0.0 {
+            true => palette::GAP,
+            false if self.depth > 0.0 => Ramp::Depth.color(-contact.separation / self.depth),
+            false => Ramp::Depth.color(0.0),
+        }
+    }
+
+    /// Of the longest arrow, how much a pair's is.
+    fn share(&self, pair: &MeetingPair) -> f64 {
+        let share = match self.impulse > 0.0 {
+            true => pair.impulse / self.impulse,
+            false if self.depth > 0.0 => depth(&pair.answer) / self.depth,
+            false => 0.0,
+        };
+        if share > 0.0 { share.clamp(SHORTEST, 1.0) } else { 0.0 }
+    }
+
+    /// What the marks of these pictures mean.
+    pub(super) fn keys(&self, moment: &Moment) -> Vec<Key> {
+        let all = || moment.pairs.iter().flat_map(|pair| contacts(&pair.answer));
+        let mut keys = Vec::new();
+        if all().any(|c| c.separation <= 0.0) {
+            let text = format!("contact, by depth: 0 to {}", number(self.depth));
+            keys.push(Key::new(Mark::Ramp(Ramp::Depth), text));
+        }
+        if all().count() <= THRONG && all().any(|c| c.separation > 0.0) {
+            keys.push(Key::new(Mark::Body(palette::GAP), "contact across a gap"));
+        }
+        if moment.pairs.iter().any(|pair| self.share(pair) > 0.0) {
+            let text = match self.impulse > 0.0 {
+                true => format!("impulse of a step, longest: {}", number(self.impulse)),
+                false => format!("depth of a pair, longest: {}", number(self.depth)),
+            };
+            keys.push(Key::new(Mark::Arrow(palette::INK), text));
+        }
+        keys
+    }
+}
+
+/// A number as people write it.
+pub(super) fn number(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        a if (1e-3..1e4).contains(&a) => {
+            let digits = (2 - a.log10().floor() as i32).clamp(0, 6) as usize;
+            let text = format!("{x:.digits$}");
+            let tail = if text.contains('.') { text.trim_end_matches('0') } else { &text };
+            tail.trim_end_matches('.').to_owned()
+        }
+        _ => format!("{x:.1e}"),
+    }
+}
+
+/// Marks all contacts of a moment.
+pub(super) fn push_contacts(
+    list: &mut DrawList,
+    moment: &Moment,
+    scales: &Scales<'_>,
+    camera: &Camera,
+) {
+    let height = 2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan();
+    for region in moment.pairs.iter().flat_map(|pair| &pair.answer.regions) {
+        push_region(list, region);
+    }
+    let count: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
+    let radius = if count > CROWD { CROWDED } else { POINT };
+    let points = moment.pairs.iter().flat_map(|pair| contacts(&pair.answer)).take(MARKS_MAX);
+    for contact in points.filter(|contact| count <= THRONG || contact.separation <= 0.0) {
+        let color = scales.point_color(&contact);
+        list.points.push(Point { position: middle(&contact), color, radius, on_top: true });
+    }
+    for pair in &moment.pairs {
+        push_arrow(list, pair, scales, ARROW * height);
+    }
+}
+
+/// The area that a region's curves enclose; of a region across a gap, what its points surround.
+fn push_region(list: &mut DrawList, region: &Region) {
+    let closed = region.curves.iter().filter(|curve| curve.closed && curve.points.len() > 2);
+    let loops: Vec<Vec<DVec3>> = closed.map(|curve| curve.points.clone()).collect();
+    if !loops.is_empty() {
+        let color = palette::OVERLAP.with_alpha(120);
+        list.patches.push(Patch { loops, color, on_top: true });
+    } else if region.points.len() > 2 {
+        let color = palette::GAP.with_alpha(90);
+        list.patches.push(Patch { loops: vec![surrounding(region)], color, on_top: true });
+    }
+    for curve in &region.curves {
+        let ends = curve.points.windows(2).map(|ends| [ends[0], ends[1]]);
+        let last = curve.closed.then(|| [curve.points.last(), curve.points.first()]);
+        let last = last.and_then(|[a, b]| Some([*a?, *b?]));
+        for [from, to] in ends.chain(last) {
+            let line = cranny_render::Line {
+                from,
+                to,
+                color: palette::OVERLAP,
+                width: [CURVE; 2],
+                on_top: true,
+            };
+            list.lines.push(line);
+        }
+    }
+}
+
+/// The points of a region around their middle, by their angle about its normal.
+fn surrounding(region: &Region) -> Vec<DVec3> {
+    let points: Vec<DVec3> = region.points.iter().map(middle).collect();
+    let center = points.iter().sum::<DVec3>() / points.len() as f64;
+    let u = region.normal.normalize_or(DVec3::Z).any_orthonormal_vector();
+    let v = region.normal.normalize_or(DVec3::Z).cross(u);
+    let angle = |p: &DVec3| (*p - center).dot(v).atan2((*p - center).dot(u));
+    let mut around = points;
+    around.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    around
+}
+
+/// The way the moving body is pushed, from where the pair meets deepest.
+fn push_arrow(list: &mut DrawList, pair: &MeetingPair, scales: &Scales<'_>, longest: f64) {
+    let share = scales.share(pair);
+    let least = contacts(&pair.answer).min_by(|a, b| a.separation.total_cmp(&b.separation));
+    let Some(contact) = least.filter(|_| share > 0.0) else { return };
+    let towards = if mover_of(scales.coats, pair) == pair.a { -1.0 } else { 1.0 };
+    let from = middle(&contact);
+    let to = from + towards * share * longest * contact.normal;
+    list.push_arrow(from, to, palette::INK, SHAFT, true);
+}
+
+/// Marks the contact that a close-up looks at: where, which way, how deep or how far apart.
+pub(super) fn contact_of_focus(list: &mut DrawList, focus: &Focus, radius: f64) {
+    let Some(contact) = &focus.contact else { return };
+    let (point, normal) = (focus.point, contact.normal);
+    let color = if contact.separation > 0.0 { palette::GAP } else { palette::OVERLAP };
+    list.push_line(contact.point_a, contact.point_b, color, 2.5);
+    if let Some(line) = list.lines.last_mut() {
+        line.on_top = true;
+    }
+    // From outside, as a dimension is drawn: from within the bodies across a gap, else from beyond.
+    let outward = if contact.separation > 0.0 { 1.0 } else { -1.0 };
+    for (side, to) in [(-outward, contact.point_a), (outward, contact.point_b)] {
+        let from = to + side * 0.3 * radius * normal;
+        list.push_arrow(from, to + side * 0.03 * radius * normal, palette::INK, 1.6, true);
+    }
+    list.points.push(Point { position: point, color, radius: POINT, on_top: true });
+    let beside = point + 0.12 * radius * normal.cross(focus.plane);
+    list.labels.push(Label::new(beside, how_deep(contact)));
+}
+
+/// In words.
+pub(super) fn how_deep(contact: &Contact) -> String {
+    match contact.separation {
+        s if s < 0.0 => format!("{} deep", number(-s)),
+        0.0 => "touching".to_owned(),
+        s => format!("{} apart", number(s)),
+    }
+}
+
+/// A ring around what a close-up shows.
+pub(super) fn ring(list: &mut DrawList, focus: &Focus, camera: &Camera) {
+    let [right, up, _] = camera.axes();
+    let at = |i: i32| {
+        let angle = f64::from(i) / 48.0 * std::f64::consts::TAU;
+        focus.point + focus.radius * (angle.cos() * right + angle.sin() * up)
+    };
+    for i in 0..48 {
+        let (from, to) = (at(i), at(i + 1));
+        let color = palette::INK.with_alpha(190);
+        list.lines.push(cranny_render::Line { from, to, color, width: [1.4; 2], on_top: true });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_are_short_and_keep_three_digits() {
+        let pairs = [(0.0, "0"), (0.012_34, "0.0123"), (5.0, "5"), (1234.5, "1234"), (0.5, "0.5")];
+        for (x, text) in pairs {
+            assert_eq!(number(x), text);
+        }
+        assert_eq!((number(1.5e-7), number(3e9)), ("1.5e-7".to_owned(), "3.0e9".to_owned()));
+        assert_eq!(number(100.0), "100");
+    }
+}

@@ -1,0 +1,187 @@
+//! A page of a moment: all of it beside a section through what touches, and that magnified.
+
+use cranny_render::{
+    Camera, DrawList, Image, ImageSize, Key, Mark, Panel, Renderer, Sheet, palette,
+};
+
+use super::coats::Coats;
+use super::focus::{Focus, contacts, depth, look_into, nearest};
+use super::marks::number;
+use super::{MeetingPair, Moment, ScenePainter, marks};
+use crate::error::SceneAppError;
+
+/// What of a page's width each of its pictures takes: all, the section, and that magnified.
+const SHARES: [f64; 3] = [0.46, 0.31, 0.23];
+
+/// Pixels between pictures.
+const GAPS: u32 = 12;
+
+/// Sizes of the pictures of a page that is so wide and whose pictures are so high.
+pub(crate) fn panel_sizes(width: u32, height: u32) -> Option<[ImageSize; 3]> {
+    let room = f64::from(width.saturating_sub(GAPS));
+    let sizes = SHARES.map(|share| ImageSize::new((share * room).round() as u32, height));
+    let [Ok(all), Ok(section), Ok(magnified)] = sizes else { return None };
+    Some([all, section, magnified])
+}
+
+impl ScenePainter {
+    /// A moment that explains itself: the scene, what touches cut open, how deep, and in words.
+    ///
+    /// # Errors
+    ///
+    /// Where a picture cannot be drawn.
+    pub fn page(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        width: u32,
+        height: u32,
+    ) -> Result<Image, SceneAppError> {
+        let (name, camera) = self.cameras[0].clone();
+        let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
+        let sizes = panel_sizes(width, height)
+            .ok_or_else(|| failed(format!("a page of {width} x {height} pixels is no picture")))?;
+        let mut moment = moment.clone();
+        let first = Focus::of(&self.coats, &moment, self.focus.as_ref(), &camera);
+        let surely = first.map_or(Vec::new(), |focus| focus.bodies);
+        look_into(&self.coats, &mut moment, &surely);
+        let lonely = moment.pairs.is_empty();
+        let nearest = if lonely { nearest(&self.coats, &moment) } else { None };
+        let mut looked_at = moment.clone();
+        looked_at.pairs.extend(nearest.clone());
+        let focus = Focus::of(&self.coats, &looked_at, self.focus.as_ref(), &camera);
+        let mut list = self.view(&moment, &camera);
+        if let Some(focus) = &focus {
+            marks::ring(&mut list, focus, &camera);
+        }
+        let mut panels = Vec::new();
+        let image = self.render(renderer, &list, &camera, sizes[0]);
+        let image = image.map_err(|error| failed(error.to_string()))?;
+        panels.push(Panel { image, title: String::new(), scale: Some(scale(&camera, sizes[0])) });
+        let close_ups = self.close_ups(&moment, focus.as_ref(), [sizes[1], sizes[2]]);
+        for (list, camera, size, title) in close_ups.map_err(failed)? {
+            let image = self.render(renderer, &list, &camera, size);
+            let image = image.map_err(|error| failed(error.to_string()))?;
+            panels.push(Panel { image, title, scale: Some(scale(&camera, size)) });
+        }
+        let keys = self.keys(&moment, focus.as_ref());
+        let caption = vec![caption(&self.coats, &moment, nearest.as_ref())];
+        self.focus = focus;
+        let sheet = Sheet { title: self.title.clone(), panels, keys, caption };
+        sheet.compose().map_err(|error| failed(error.to_string()))
+    }
+
+    /// The section through what touches, alone.
+    pub(super) fn section(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: &Moment,
+        size: ImageSize,
+    ) -> Result<Image, SceneAppError> {
+        let (name, camera) = self.cameras[0].clone();
+        let failed = |why: String| SceneAppError::Picture { camera: name.clone(), why };
+        let mut looked_at = moment.clone();
+        if looked_at.pairs.is_empty() {
+            looked_at.pairs.extend(nearest(&self.coats, moment));
+        }
+        let focus = Focus::of(&self.coats, &looked_at, self.focus.as_ref(), &camera);
+        let views = self.close_ups(moment, focus.as_ref(), [size, size]).map_err(failed)?;
+        let (list, camera, size, title) =
+            views.into_iter().next().ok_or_else(|| failed("there is no body".to_owned()))?;
+        let mut image = self.render(renderer, &list, &camera, size);
+        self.focus = focus;
+        if let Ok(image) = &mut image {
+            image.write([8, 8], &title, 15.0, palette::INK, Some(palette::PAPER));
+        }
+        image.map_err(|error| failed(error.to_string()))
+    }
+
+    /// The section, and what it shows magnified.
+    fn close_ups(
+        &self,
+        moment: &Moment,
+        focus: Option<&Focus>,
+        sizes: [ImageSize; 2],
+    ) -> Result<Vec<(DrawList, Camera, ImageSize, String)>, String> {
+        let mut views = Vec::new();
+        let whole = focus.map(|focus| (focus, focus.radius));
+        let magnified = focus.and_then(|focus| Some((focus, focus.magnified()?)));
+        for (view, size) in [whole, magnified].into_iter().zip(sizes) {
+            let Some((focus, radius)) = view else { continue };
+            let mut list = self.bodies(moment);
+            list.section = focus.section();
+            list.ground = None;
+            marks::contact_of_focus(&mut list, focus, radius);
+            let camera = focus.camera(radius).map_err(|error| error.to_string())?;
+            views.push((list, camera, size, self.close_up_title(focus, radius)));
+        }
+        // A page keeps its size: where nothing is to be magnified, an empty picture.
+        while views.len() < sizes.len() {
+            let camera = focus.map(|focus| focus.camera(focus.radius));
+            let camera = camera.unwrap_or_else(|| Ok(self.cameras[0].1));
+            let camera = camera.map_err(|error| error.to_string())?;
+            views.push((DrawList::new(), camera, sizes[views.len()], String::new()));
+        }
+        Ok(views)
+    }
+
+    fn close_up_title(&self, focus: &Focus, radius: f64) -> String {
+        let name = |id| self.coats.name(id);
+        match (&focus.bodies[..], &focus.contact) {
+            (&[a, b], Some(_)) if radius == focus.radius => {
+                format!("{} and {} cut open", name(a), name(b))
+            }
+            (_, Some(_)) => format!("magnified {} x", number((focus.radius / radius).round())),
+            (bodies, None) => {
+                let names: Vec<&str> = bodies.iter().map(|&id| name(id)).collect();
+                format!("{} cut open; nothing is near", names.join(" and "))
+            }
+        }
+    }
+
+    fn keys(&self, moment: &Moment, focus: Option<&Focus>) -> Vec<Key> {
+        let mut keys = Vec::new();
+        for id in focus.iter().flat_map(|focus| &focus.bodies) {
+            if let Some(coat) = self.coats.get(*id) {
+                let still = if coat.moves() { "" } else { " (stands still)" };
+                keys.push(Key::new(Mark::Hatched(coat.color), format!("{}{still}", coat.name)));
+            }
+        }
+        if moment.pairs.iter().any(|pair| depth(&pair.answer) > 0.0) {
+            keys.push(Key::new(Mark::Body(palette::OVERLAP), "overlap"));
+        }
+        keys.extend(self.scales().keys(moment));
+        keys
+    }
+}
+
+/// Units a pixel, where a camera looks.
+fn scale(camera: &Camera, size: ImageSize) -> f64 {
+    2.0 * camera.distance() * (0.5 * camera.field_of_view()).tan() / f64::from(size.height())
+}
+
+/// When, how many contacts, how deep; how near where nothing overlaps.
+fn caption(coats: &Coats, moment: &Moment, nearest: Option<&MeetingPair>) -> String {
+    let points: usize = moment.pairs.iter().map(|pair| contacts(&pair.answer).count()).sum();
+    let plural = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let count = match moment.pairs.len() {
+        0 => "no contacts".to_owned(),
+        pairs => format!("{} of {}", plural(points, "contact"), plural(pairs, "pair")),
+    };
+    let names = |pair: &MeetingPair| format!("{} and {}", coats.name(pair.a), coats.name(pair.b));
+    let all = || moment.pairs.iter().chain(nearest);
+    let by_depth = all().max_by(|a, b| depth(&a.answer).total_cmp(&depth(&b.answer)));
+    let extreme = match by_depth.filter(|pair| depth(&pair.answer) > 0.0) {
+        Some(pair) => {
+            format!("; deepest: {}, {}", names(pair), number(depth(&pair.answer)))
+        }
+        None => all().min_by(|a, b| gap(a).total_cmp(&gap(b))).map_or(String::new(), |pair| {
+            format!("; no overlap; nearest: {}, {} apart", names(pair), number(gap(pair).max(0.0)))
+        }),
+    };
+    format!("t = {:.3} s; {count}{extreme}", moment.time)
+}
+
+fn gap(pair: &MeetingPair) -> f64 {
+    contacts(&pair.answer).map(|contact| contact.separation).fold(f64::INFINITY, f64::min)
+}

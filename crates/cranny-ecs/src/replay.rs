@@ -1,0 +1,331 @@
+//! A recording computed anew: every pair from the poses that its answer came from, compared to the
+//! bit; and its moments, to be drawn.
+//!
+//! Verdicts, containment and regions (with depth, area, points and curves) are functions of models,
+//! poses and margin, so they must come out the same on every machine. Contacts for a solver, and
+//! names of regions, carry history, and are not compared.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::{BuildOptions, Model};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
+use cranny_record::{
+    DrawnBody, ExactPose, PairMessage, PosesByName, ReadError, Recording, answer_digest, topic,
+};
+use cranny_world::description::{
+    BodyDescription, BodyKind, Material, Normals, RecordDescription, SceneDescription,
+};
+use thiserror::Error;
+
+/// A recording that cannot be replayed.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// What collides of a body cannot be had from the recording.
+    #[error("recording '{}': the model of body '{body}' cannot be prepared anew: {why}", path.display())]
+    Model {
+        /// The recording.
+        path: PathBuf,
+        /// The body's name.
+        body: String,
+        /// Why.
+        why: String,
+    },
+    /// It holds nothing of what is asked for.
+    #[error("recording '{}' {why}", path.display())]
+    Empty {
+        /// The recording.
+        path: PathBuf,
+        /// What is missing, and what to do.
+        why: String,
+    },
+}
+
+/// An opened recording with its bodies.
+pub struct Replay {
+    recording: Recording,
+    path: PathBuf,
+    bodies: BTreeMap<String, ReplayBody>,
+    frames: Vec<ReplayFrame>,
+}
+
+/// A body of a recording.
+#[derive(Clone, Debug)]
+struct ReplayBody {
+    drawn: DrawnBody,
+    /// `None` where the recording does not say what collides.
+    model: Option<Model>,
+}
+
+/// A recorded moment.
+#[derive(Clone, Debug)]
+pub struct ReplayFrame {
+    /// Seconds simulated.
+    pub time: f64,
+    /// `world_from_body` by name.
+    pub poses: PosesByName,
+    /// What was found about pairs.
+    pub pairs: Vec<PairMessage>,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReplayReport {
+    /// Frames computed anew.
+    pub frames: u64,
+    /// Pairs that came out the same, to the bit.
+    pub same: u64,
+    /// Pairs that did not; the first of them by name.
+    pub different: Vec<ReplayDifference>,
+    /// Pairs that hold too little to be computed anew.
+    pub unknown: u64,
+}
+
+/// A pair that came out otherwise than it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplayDifference {
+    /// Seconds simulated.
+    pub time: f64,
+    /// The pair.
+    pub a: String,
+    /// The pair.
+    pub b: String,
+    /// Verdict and depth as recorded.
+    pub recorded: String,
+    /// The same as computed anew.
+    pub computed: String,
+}
+
+const NANOSECONDS: f64 = 1e9;
+
+impl Replay {
+    /// Reads a recording, whole or cut short, and prepares its models.
+    ///
+    /// # Errors
+    ///
+    /// [`ReplayError`].
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, ReplayError> {
+        let path = path.as_ref().to_owned();
+        let recording = Recording::open(&path)?;
+        let mut bodies = BTreeMap::new();
+        let mut models = BTreeMap::new();
+        for drawn in recording.bodies()? {
+            let model = model_of(&recording, &path, &drawn, &mut models)?;
+            bodies.insert(drawn.name.clone(), ReplayBody { drawn, model });
+        }
+        let mut pairs: BTreeMap<u64, Vec<PairMessage>> =
+            recording.contacts()?.into_iter().map(|(at, found)| (at, found.pairs)).collect();
+        let frames = recording.transforms()?.into_iter().map(|(at, poses)| {
+            let (time, pairs) = (at as f64 / NANOSECONDS, pairs.remove(&at).unwrap_or_default());
+            ReplayFrame { time, poses, pairs }
+        });
+        let frames: Vec<ReplayFrame> = frames.collect();
+        if frames.is_empty() || bodies.is_empty() {
+            let why = "holds no whole frame: it was cut off before the first was written out";
+            return Err(ReplayError::Empty { path, why: why.to_owned() });
+        }
+        Ok(Self { recording, path, bodies, frames })
+    }
+
+    /// The file's own listing.
+    #[must_use]
+    pub fn recording(&self) -> &Recording {
+        &self.recording
+    }
+
+    /// Frames in order of time; never empty.
+    #[must_use]
+    pub fn frames(&self) -> &[ReplayFrame] {
+        &self.frames
+    }
+
+    /// The frame nearest to a time in seconds.
+    #[must_use]
+    pub fn nearest(&self, time: f64) -> &ReplayFrame {
+        let away = |frame: &ReplayFrame| (frame.time - time).abs();
+        let nearest = self.frames.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        nearest.unwrap_or(&self.frames[0])
+    }
+
+    /// Computes the pairs of frames anew and compares.
+    #[must_use]
+    pub fn compare<'a>(&self, frames: impl Iterator<Item = &'a ReplayFrame>) -> ReplayReport {
+        let mut report = ReplayReport::default();
+        for frame in frames {
+            report.frames += 1;
+            for pair in &frame.pairs {
+                match self.compute(pair) {
+                    None => report.unknown += 1,
+                    Some(answer) if answer_digest(&answer) == pair.digest => report.same += 1,
+                    Some(answer) => report.different.push(ReplayDifference {
+                        time: frame.time,
+                        a: pair.a.clone(),
+                        b: pair.b.clone(),
+                        recorded: recorded_words(pair),
+                        computed: computed_words(&answer),
+                    }),
+                }
+            }
+        }
+        report
+    }
+
+    /// The answer about a pair, in the frame and from the poses in which it was computed; `None`
+    /// where the recording does not hold all that it depends on.
+    fn compute(&self, pair: &PairMessage) -> Option<Answer> {
+        let model = |name: &str| self.bodies.get(name)?.model.as_ref();
+        let (a, b) = (model(&pair.a)?, model(&pair.b)?);
+        let margin = pair.margin?;
+        let question = Query::of(Demand::Regions { margin });
+        let ask = |models: [&Model; 2], poses: [Pose; 2]| {
+            let [first, second] = [0, 1].map(|i| Placed { model: models[i], pose: poses[i] });
+            query(first, second, &question, &mut PairMemory::default()).ok()
+        };
+        let ExactPose(pose_a) = pair.pose_a;
+        let ExactPose(pose_b) = pair.pose_b;
+        let mut answer = match pair.frame {
+            None => ask([a, b], [pose_a, pose_b])?,
+            Some(frame) => {
+                let ExactPose(second) = frame.first_from_second;
+                let poses = [Pose::IDENTITY, second];
+                match frame.first_is_a {
+                    true => ask([a, b], poses)?.moved(&pose_a.world_from_body()),
+                    false => ask([b, a], poses)?.moved(&pose_b.world_from_body()).swapped(),
+                }
+            }
+        };
+        answer.regions.retain(|region| region.deepest.separation <= margin);
+        Some(answer)
+    }
+}
+
+/// Loaded where it is attached, else prepared of what is drawn; one for all bodies that share it.
+fn model_of(
+    recording: &Recording,
+    path: &Path,
+    body: &DrawnBody,
+    known: &mut BTreeMap<String, Model>,
+) -> Result<Option<Model>, ReplayError> {
+    let Some(digest) = &body.model else { return Ok(None) };
+    if let Some(model) = known.get(digest) {
+        return Ok(Some(model.clone()));
+    }
+    let failed =
+        |why: String| ReplayError::Model { path: path.to_owned(), body: body.name.clone(), why };
+    let name = topic::model(digest);
+    let attached = recording.attachments().iter().find(|attached| attached.name == name);
+    let model = match attached {
+        Some(attached) => Model::decode(&attached.data).map_err(|e| failed(e.to_string()))?,
+        None => {
+            let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+            Model::build(body.mesh.clone(), &options).map_err(|e| failed(e.to_string()))?.0
+        }
+    };
+    let found: String = model.digest().iter().map(|byte| format!("{byte:02x}")).collect();
+    if found != *digest {
+        return Err(failed(format!(
+            "its digest is {found}, and was {digest} when it was recorded: another version of the \
+             program prepared it, or the file is damaged"
+        )));
+    }
+    known.insert(digest.clone(), model.clone());
+    Ok(Some(model))
+}
+
+fn recorded_words(pair: &PairMessage) -> String {
+    let depth = pair.regions.iter().filter_map(|r| r.depth).reduce(f64::max);
+    words(&pair.surface, pair.solid, pair.regions.len(), depth)
+}
+
+fn computed_words(answer: &Answer) -> String {
+    let surface = match answer.surface {
+        cranny_narrow_phase::Surface::None => "none",
+        cranny_narrow_phase::Surface::Touch => "touch",
+        cranny_narrow_phase::Surface::Cross => "cross",
+    };
+    let depth = answer.regions.iter().filter_map(|r| r.depth).reduce(f64::max);
+    words(surface, answer.solid, answer.regions.len(), depth)
+}
+
+fn words(surface: &str, solid: bool, regions: usize, depth: Option<f64>) -> String {
+    let depth = depth.map_or("no depth".to_owned(), |depth| format!("depth {depth}"));
+    let solid = if solid { ", solids meet" } else { "" };
+    format!("surfaces {surface}{solid}, {regions} regions, {depth}")
+}
+
+/// What is drawn of a replay.
+impl Replay {
+    /// The recorded bodies as a scene that stands at a frame: for cameras and colours.
+    #[must_use]
+    pub fn scene(&self, frame: &ReplayFrame) -> SceneDescription {
+        let metadata = self.recording.metadata(topic::METADATA);
+        let entry = |key: &str| metadata.and_then(|entries| entries.get(key)).cloned();
+        let name = entry("scene").filter(|name| !name.is_empty());
+        let stem = || self.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        SceneDescription {
+            name: name.or_else(stem).unwrap_or_default(),
+            gravity: DVec3::ZERO,
+            step: entry("dt").and_then(|dt| dt.parse().ok()).unwrap_or(1.0),
+            duration: 0.0,
+            seed: 0,
+            bodies: self.bodies.values().map(|body| described(body, frame)).collect(),
+            joints: Vec::new(),
+            excluded_pairs: Vec::new(),
+            effects: Vec::new(),
+            pairs: Vec::new(),
+            cameras: Vec::new(),
+            record: RecordDescription::default(),
+        }
+    }
+
+    /// A frame as it is drawn: pairs are computed anew.
+    #[cfg(feature = "render")]
+    #[must_use]
+    pub fn moment(&self, frame: &ReplayFrame) -> crate::painting::Moment {
+        let names: Vec<&String> = self.bodies.keys().collect();
+        let id = |name: &String| {
+            let at = names.binary_search(&name).ok()?;
+            Some(cranny_world::BodyId(at as u32))
+        };
+        let poses = frame.poses.iter().filter_map(|(name, pose)| Some((id(name)?, *pose)));
+        let pairs = frame.pairs.iter().filter_map(|pair| {
+            let (a, b) = (id(&pair.a)?, id(&pair.b)?);
+            let answer = self.compute(pair)?;
+            let met = !answer.regions.is_empty();
+            met.then_some(crate::painting::MeetingPair { a, b, answer, impulse: 0.0 })
+        });
+        crate::painting::Moment { time: frame.time, poses: poses.collect(), pairs: pairs.collect() }
+    }
+}
+
+fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
+    let kind = match body.drawn.kind.as_deref() {
+        Some("fixed") => BodyKind::Fixed,
+        Some("kinematic") => BodyKind::Kinematic,
+        _ => BodyKind::Dynamic,
+    };
+    let mesh = Arc::new(body.drawn.mesh.clone());
+    let collision = body.model.as_ref().map(|model| Arc::new(model.mesh().clone()));
+    BodyDescription {
+        name: body.drawn.name.clone(),
+        collision: collision.unwrap_or_else(|| mesh.clone()),
+        model: body.model.clone(),
+        visual: Some(mesh),
+        kind,
+        pose: frame.poses.get(&body.drawn.name).copied().unwrap_or(Pose::IDENTITY),
+        linear_velocity: DVec3::ZERO,
+        angular_velocity: DVec3::ZERO,
+        material: Material::default(),
+        mass: None,
+        normals: Normals::default(),
+        sensor: false,
+        layers: Vec::new(),
+        effects: Vec::new(),
+    }
+}

@@ -1,0 +1,70 @@
+//! Arguments of `cranny replay`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::scene::{PictureArgs, seconds};
+
+/// Arguments of `cranny replay`.
+#[derive(Debug, Args)]
+#[command(after_help = REPLAY_NOTES)]
+pub(crate) struct ReplayArgs {
+    /// Recording of `cranny run --record`; that of a killed run ends in .partial
+    #[arg(value_name = "REC.mcap")]
+    pub(crate) recording: PathBuf,
+
+    /// Only the frame nearest to this time in seconds
+    #[arg(long, value_name = "S", value_parser = seconds, conflicts_with_all = ["from", "to", "every"])]
+    pub(crate) at: Option<f64>,
+
+    /// From this time on
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) from: Option<f64>,
+
+    /// Up to this time
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub(crate) to: Option<f64>,
+
+    /// Every so many frames
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+
+    /// Draw the frame, or an animation of several
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) render: Option<PathBuf>,
+
+    /// What is drawn
+    #[arg(long, value_enum, value_name = "VIEW", default_value = "page", requires = "render")]
+    pub(crate) view: ViewArg,
+
+    #[command(flatten)]
+    pub(crate) pictures: PictureArgs,
+}
+
+/// What is drawn of a recorded moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ViewArg {
+    /// The scene beside a section through what touches, and that magnified.
+    Page,
+    /// The scene with its contacts.
+    Scene,
+    /// The section through what touches, alone.
+    Section,
+    /// The scene, bodies as x-rays.
+    Xray,
+    /// The scene, bodies as wireframes.
+    Wireframe,
+}
+
+const REPLAY_NOTES: &str = "\
+Every pair of every frame is computed anew from the poses that its answer came from, to the bit, and compared:
+verdicts, containment, and regions with depth, area, points and curves. A pair that differs is named, and the
+exit code is 1. Contacts for a solver depend on earlier steps and are not compared.
+
+A recording that was cut off is read as far as it is whole.
+
+Examples:
+  cranny replay run.mcap
+  cranny replay run.mcap --at 0.35 --render moment.png
+  cranny replay run.mcap --from 1 --to 2 --every 3 --render second.png --view section --size 640x480";

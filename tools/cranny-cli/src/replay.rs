@@ -1,0 +1,185 @@
+//! `cranny replay`: computes a recording anew, compares, and draws any moment of it.
+
+use std::path::Path;
+
+use cranny_ecs::{
+    PREVIEW_SIZE, Replay, ReplayError, ReplayFrame, ReplayReport, ScenePainter, ScenePainterView,
+};
+use cranny_render::{Animation, Image, ImageSize, Renderer, RendererOptions, palette};
+use serde_json::json;
+
+use crate::args::{Format, ReplayArgs, ViewArg};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::paths::check_output;
+
+/// Pairs that differ of which the text tells.
+const DIFFERENCES_TOLD: usize = 8;
+
+/// Width and height of pictures other than pages.
+const PICTURE_SIZE: [u32; 2] = [1280, 720];
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// A recording that cannot be read, a picture that cannot be drawn or written, a pair that differs.
+pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Failure> {
+    if let Some(path) = &args.render {
+        check_output("--render", path, &["png", "apng"])?;
+    }
+    let replay = Replay::open(&args.recording).map_err(failure)?;
+    let frames = chosen(&replay, args)?;
+    let report = replay.compare(frames.iter().copied());
+    if let Some(path) = &args.render {
+        draw(&replay, &frames, args, path)?;
+    }
+    let mut output = Output::new();
+    match format.unwrap_or(Format::Text) {
+        Format::Json => output.json(&as_json(&replay, &report, args)),
+        Format::Text => output.line(&as_text(&replay, &report, args)),
+    }?;
+    match report.different.len() {
+        0 => Ok(()),
+        n => Err(Failure::run(Differs(n))),
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+#[error("{0} pairs came out otherwise than they were recorded")]
+struct Differs(usize);
+
+fn failure(error: ReplayError) -> Failure {
+    Failure::input(error)
+}
+
+fn chosen<'a>(replay: &'a Replay, args: &ReplayArgs) -> Result<Vec<&'a ReplayFrame>, Failure> {
+    if let Some(at) = args.at {
+        return Ok(vec![replay.nearest(at)]);
+    }
+    let (from, to) = (args.from.unwrap_or(0.0), args.to.unwrap_or(f64::INFINITY));
+    let within = replay.frames().iter().filter(|frame| (from..=to).contains(&frame.time));
+    let frames: Vec<&ReplayFrame> = within.step_by(args.every as usize).collect();
+    let last = replay.frames().last().map_or(0.0, |frame| frame.time);
+    match frames.is_empty() {
+        false => Ok(frames),
+        true => Err(Failure::input(NoFrame { from, to, last })),
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+#[error("no frame lies between --from {from} and --to {to}: the recording runs from 0 to {last} s")]
+struct NoFrame {
+    from: f64,
+    to: f64,
+    last: f64,
+}
+
+fn draw(
+    replay: &Replay,
+    frames: &[&ReplayFrame],
+    args: &ReplayArgs,
+    path: &Path,
+) -> Result<(), Failure> {
+    let mut renderer = Renderer::new(&RendererOptions::default()).map_err(Failure::run)?;
+    let is_page = args.view == ViewArg::Page;
+    let usual = if is_page { PREVIEW_SIZE } else { PICTURE_SIZE };
+    let size = args.pictures.size.unwrap_or(usual);
+    let scene = replay.scene(frames[0]);
+    let view = match args.view {
+        ViewArg::Page => ScenePainterView::Page,
+        ViewArg::Scene => ScenePainterView::Scene,
+        ViewArg::Section => ScenePainterView::Section,
+        ViewArg::Xray => ScenePainterView::XRay,
+        ViewArg::Wireframe => ScenePainterView::Wireframe,
+    };
+    let quality = args.pictures.quality.into();
+    let camera_size = ScenePainter::camera_size(view, size).map_err(crate::run::failure)?;
+    let mut painter =
+        ScenePainter::new(&scene, camera_size, quality).map_err(crate::run::failure)?;
+    if let Some(name) = &args.pictures.camera {
+        painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
+    }
+    let mut images = Vec::new();
+    for frame in frames {
+        let moment = replay.moment(frame);
+        let image = painter.draw(&mut renderer, &moment, view, size);
+        images.push(image.map_err(crate::run::failure)?);
+    }
+    save(&images, path)
+}
+
+/// One picture, or an animation.
+fn save(images: &[Image], path: &Path) -> Result<(), Failure> {
+    let Some(first) = images.first() else { return Ok(()) };
+    if images.len() == 1 {
+        return first.save_png(path).map_err(Failure::run);
+    }
+    let size: ImageSize = first.size();
+    let mut animation = Animation::new(MILLISECONDS);
+    for image in images {
+        animation.push(image.on_canvas(size, palette::PAPER)).map_err(Failure::run)?;
+    }
+    animation.save(path).map_err(Failure::run)
+}
+
+/// Of a picture of an animation.
+const MILLISECONDS: u16 = 50;
+
+fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String {
+    let whole = replay.recording().is_complete();
+    let last = replay.frames().last().map_or(0.0, |frame| frame.time);
+    let mut lines = vec![
+        format!("recording  {}", args.recording.display()),
+        format!("holds      {} frames, up to {last:.3} s", replay.frames().len()),
+    ];
+    if !whole {
+        lines.push(
+            "cut off    the file has no end: the run was killed, or the disk was full; what was not \
+             yet written out (32 frames at most) is lost"
+                .to_owned(),
+        );
+    } else if replay.recording().was_interrupted() {
+        lines.push("broken off the run was interrupted; the file is whole".to_owned());
+    }
+    lines.push(format!(
+        "computed   {} frames anew: {} pairs the same to the bit, {} different",
+        report.frames,
+        report.same,
+        report.different.len()
+    ));
+    if report.unknown > 0 {
+        lines.push(format!(
+            "unknown    {} pairs hold too little to be computed anew (recorded by an older version)",
+            report.unknown
+        ));
+    }
+    for pair in report.different.iter().take(DIFFERENCES_TOLD) {
+        lines.push(format!("differs    {} and {} at {:.6} s", pair.a, pair.b, pair.time));
+        lines.push(format!("           recorded {}", pair.recorded));
+        lines.push(format!("           computed {}", pair.computed));
+    }
+    if let Some(path) = &args.render {
+        lines.push(format!("written    {}", path.display()));
+    }
+    lines.join("\n")
+}
+
+fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_json::Value {
+    let different: Vec<_> = report
+        .different
+        .iter()
+        .map(|d| json!({"time": d.time, "a": d.a, "b": d.b, "recorded": d.recorded, "computed": d.computed}))
+        .collect();
+    json!({
+        "version": 1,
+        "recording": args.recording.display().to_string(),
+        "complete": replay.recording().is_complete(),
+        "interrupted": replay.recording().was_interrupted(),
+        "held_frames": replay.frames().len(),
+        "frames": report.frames,
+        "same": report.same,
+        "different": different,
+        "unknown": report.unknown,
+    })
+}
