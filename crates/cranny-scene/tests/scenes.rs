@@ -76,7 +76,7 @@ fn everything_in_a_scene_arrives() {
 #[test]
 fn an_empty_scene_has_defaults_and_the_seed_can_be_replaced() {
     let scene = parse("()").unwrap().description;
-    assert_eq!((scene.bodies.len(), scene.record.every), (0, 1));
+    assert_eq!((scene.bodies.len(), scene.record.every), (0, 4));
     assert_eq!(
         (scene.gravity, scene.step, scene.duration),
         (DVec3::new(0.0, 0.0, -9.81), 1.0 / 240.0, 5.0)

@@ -24,8 +24,8 @@ pub(crate) struct Focus {
     pub(crate) radius: f64,
 }
 
-/// A contact that is at least this share as deep as the deepest may be shown in its place, where the
-/// last close-up looked nearly there. Smaller: the deepest is missed; larger: close-ups jump.
+/// A contact that is at least this share as deep as the deepest may be shown in its place, where
+/// the last close-up looked nearly there. Smaller: the deepest is missed; larger: close-ups jump.
 const AS_DEEP: f64 = 0.6;
 
 /// What a close-up shows around its point, in parts of the smaller body's diagonal.
@@ -35,8 +35,8 @@ const AROUND: f64 = 0.3;
 /// than this sine. Smaller: rounding chooses the plane; larger: cuts miss the axis of round bodies.
 const ASIDE: f64 = 0.15;
 
-/// Off the contact's own plane, in parts of what the magnified view reaches: a plane that runs along
-/// faces or through a tip shows neither side.
+/// Off the contact's own plane, in parts of what the magnified view reaches: a plane that runs
+/// along faces or through a tip shows neither side.
 const NUDGE: f64 = 0.04;
 
 impl Focus {
@@ -150,8 +150,8 @@ fn bounds_of(coats: &Coats, moment: &Moment, id: BodyId) -> Aabb {
     coat.map_or(Aabb::EMPTY, |(coat, pose)| coat.bounds(pose))
 }
 
-/// Of contacts that share a line (the tooth of a gear along a tooth), the solver's are its ends, where
-/// a plane across it cuts nothing: a contact at an end is moved to the middle of its line.
+/// Of contacts that share a line (the tooth of a gear along a tooth), the solver's are its ends,
+/// where a plane across it cuts nothing: a contact at an end is moved to the middle of its line.
 fn moved_inside(contact: Contact, pair: &MeetingPair, plane: DVec3, radius: f64) -> Contact {
     let along = |c: &Contact| (middle(c) - middle(&contact)).dot(plane);
     let beside = exact_contacts(&pair.answer).filter(|c| {
@@ -302,8 +302,8 @@ fn with_witnesses(mut pair: MeetingPair) -> Option<MeetingPair> {
     Some(pair)
 }
 
-/// Regions of pairs of which only contacts are known, of at most this many pairs: more are too small
-/// to be seen.
+/// Regions of pairs of which only contacts are known, of at most this many pairs: more are too
+/// small to be seen.
 const PAIRS_LOOKED_INTO: usize = 24;
 
 /// Finds what regions a few pairs meet in, so that they can be painted. It is the painter's own
