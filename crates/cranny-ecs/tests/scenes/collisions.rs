@@ -178,7 +178,7 @@ fn in_order(app: &mut App, order: usize, first: impl Bundle, second: impl Bundle
     run(app, 1);
     let world = app.world_mut();
     world.despawn(gone[usize::from(order > 1)]);
-    let mut second_comes = |world: &mut World| {
+    let second_comes = |world: &mut World| {
         run_step(world);
         world.despawn(gone[usize::from(order < 2)]);
     };

@@ -1,7 +1,7 @@
 //! How near bodies are.
 
 use bevy_ecs::prelude::*;
-use bevy_math::Vec3;
+use bevy_math::{Quat, Vec3};
 use bevy_transform::components::Transform;
 use cranny_ecs::*;
 use cranny_exact::DVec3;
@@ -62,27 +62,37 @@ fn the_nearest_is_seen_from_the_body_that_asks() {
     assert_eq!(report(&app).nearest(far), None);
 }
 
-/// With a solver, whose answers hold no distance, and with triggers and contacts beside it; apart by
-/// more than the solver looks ahead, and by less.
+/// With a solver, whose answers need hold no distance, and with triggers and contacts beside it: all
+/// the way of a body that falls, lands and rests.
 #[cfg(feature = "rapier")]
 #[test]
 fn other_effects_of_a_pair_change_no_distance() {
     let others = [Effect::Trigger, Effect::Contacts { margin: 0.1 }, Effect::Response];
-    let run = |effects: &[Effect], gap: f32| {
+    let run = |effects: &[Effect]| {
         let mut app = empty(&[&[NEAR], effects].concat());
-        let weightless = GravityScale(0.0);
         world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0)));
-        world(&mut app).spawn((RigidBody::Dynamic, unit(), up(1.0 + gap), weightless));
-        steps(&mut app, 3);
-        report(&app).pairs.first().map(|pair| (pair.distance, pair.points))
-    };
-    for gap in [0.375, 0.00390625] {
-        let with_all = run(&others, gap).expect("they are near");
-        assert_eq!(with_all.0, f64::from(gap));
-        let answered = [Effect::Trigger, Effect::Response]; // nobody else reads a distance
-        for effects in [&others[..0], &others[..1], &others[..2], &others[2..], &answered] {
-            assert_eq!(run(effects, gap), Some(with_all), "{effects:?} {gap}");
+        let falls = LinearVelocity(Vec3::new(0.5, 0.0, -1.0));
+        let tilted = Transform { rotation: Quat::from_rotation_x(0.3), ..up(1.7) };
+        world(&mut app).spawn((RigidBody::Dynamic, unit(), tilted, falls));
+        let mut found = Vec::new();
+        for _ in 0..60 {
+            steps(&mut app, 1);
+            found.push(report(&app).pairs.first().map(|pair| (pair.distance, pair.points)));
         }
+        found
+    };
+    let alone = run(&others[2..]);
+    let lengths: Vec<f64> = alone.iter().flatten().map(|(distance, _)| *distance).collect();
+    assert!(lengths.len() > 50 && lengths.contains(&0.0) && lengths[0] > 0.3, "{lengths:?}");
+    let answered = [Effect::Trigger, Effect::Response];
+    for effects in [&others[..], &others[1..], &answered] {
+        assert_eq!(run(effects), alone, "{effects:?}");
+    }
+    // Without a solver it stands still.
+    let still = run(&[]);
+    assert!(still[0].is_some_and(|(distance, _)| distance > 0.0));
+    for effects in [&others[..1], &others[..2], &others[1..2]] {
+        assert_eq!(run(effects), still, "{effects:?}");
     }
 }
 
