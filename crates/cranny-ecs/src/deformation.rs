@@ -202,12 +202,12 @@ fn thickness(model: &Model, at: DVec3, inward: DVec3, radius: f64) -> f64 {
     let from = at + BENEATH * radius * inward;
     let out = cast_ray(model, from, inward, f64::INFINITY).ok().flatten();
     match out {
-        Some(hit) if hit.from_behind => hit.distance,
+        Some(hit) if hit.from_behind => hit.distance + BENEATH * radius,
         // The place lies above the surface: through it.
         Some(hit) => {
             let beneath = hit.point + BENEATH * radius * inward;
             let out = cast_ray(model, beneath, inward, f64::INFINITY).ok().flatten();
-            out.map_or(f64::INFINITY, |out| out.distance)
+            out.map_or(f64::INFINITY, |out| out.distance + BENEATH * radius)
         }
         None => f64::INFINITY,
     }

@@ -214,7 +214,9 @@ impl Heard {
             (false, true) => Some(SoundKind::Roll),
             (false, false) => None,
         };
-        Self { hits: found.closing > above, going, silent: 0 }
+        // What rolls hits with each facet, more slowly than it rolls.
+        let rolling = if self.going == Some(SoundKind::Roll) { found.roll } else { 0.0 };
+        Self { hits: found.closing > above.max(rolling), going, silent: 0 }
     }
 }
 

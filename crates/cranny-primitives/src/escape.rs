@@ -10,9 +10,7 @@
 //! is taken. It is *a* way out: the shortest of all would be a search of its own.
 
 use cranny_exact::DVec3;
-use cranny_narrow_phase::{
-    Answer, Containment, Demand, PairMemory, Placed, Query, QueryError, Region, query,
-};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, Region, query};
 
 /// How often a body is led on along one direction. More: a screw in its thread takes longer to be
 /// given up; fewer: bodies with many regions are led as far as their hulls reach.
@@ -83,7 +81,7 @@ fn directions(a: Placed<'_>, b: Placed<'_>, answer: &Answer) -> Result<Vec<DVec3
     let depth = |region: &&Region| region.depth.unwrap_or(0.0);
     regions.sort_by(|x, y| depth(y).total_cmp(&depth(x)));
     let mut found: Vec<DVec3> = Vec::new();
-    let from_inside = answer.contained.map(|inner| out_of(a, b, inner)).transpose()?.flatten();
+    let from_inside = if answer.contained.is_some() { out_of(a, b)? } else { None };
     let normals = regions.iter().map(|region| region.normal);
     for direction in from_inside.into_iter().chain(normals) {
         // Directions that hardly differ lead to the same place.
@@ -101,17 +99,13 @@ fn directions(a: Placed<'_>, b: Placed<'_>, answer: &Answer) -> Result<Vec<DVec3
     Ok(found)
 }
 
-/// From within, the nearest surface is out.
-fn out_of(
-    a: Placed<'_>,
-    b: Placed<'_>,
-    contained: Containment,
-) -> Result<Option<DVec3>, QueryError> {
+/// From within, the nearest surface is out: the second body leaves by way of its nearest point
+/// towards the first one's, whichever of the two is inside.
+fn out_of(a: Placed<'_>, b: Placed<'_>) -> Result<Option<DVec3>, QueryError> {
     let nearest = Query::of(Demand::Distance { below: None });
     let answer = query(a, b, &nearest, &mut PairMemory::default())?;
     let Some([of_a, of_b]) = answer.witnesses else { return Ok(None) };
-    let way = (of_a.point - of_b.point).try_normalize();
-    Ok(way.map(|way| if contained == Containment::BInA { way } else { -way }))
+    Ok((of_a.point - of_b.point).try_normalize())
 }
 
 /// How far the second model moves along a direction until it is out.

@@ -2,7 +2,7 @@
 
 /// How often the constraints are gone through. More: a tick takes longer; fewer: in a narrow wedge
 /// the motion found still enters both flanks, and is then shortened.
-const SWEEPS: usize = 64;
+const SWEEPS: usize = 128;
 
 /// A motion: a translation, and a rotation vector times a length.
 pub(super) type Twist = [f64; 6];

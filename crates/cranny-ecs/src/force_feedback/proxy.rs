@@ -36,7 +36,11 @@ const REACH: f64 = 0.02;
 /// How often a tick looks at most. More: a fast hand costs more; fewer: the proxy falls behind.
 const LOOKS: usize = 8;
 
-/// How often a move that ends in an overlap is halved before it is given up.
+/// How often a move that ends in an overlap is looked for anew. More: a tick in a tight place takes
+/// longer; fewer: the proxy sticks where it could go on.
+const ATTEMPTS: usize = 6;
+
+/// How often a move that still ends in an overlap is halved before it is given up.
 const HALVINGS: usize = 6;
 
 /// The share of [`REACH`] below which a move is none.
@@ -186,30 +190,50 @@ impl Proxy {
     }
 
     /// One move towards the body; returns what was moved.
+    ///
+    /// Contacts for a solver are few, and a body may tip about two of them onto a corner that has
+    /// none: what a move meets is a constraint of the next attempt.
     fn step(
         &mut self,
         tick: &Tick<'_>,
         before: &Twist,
         allowed: f64,
     ) -> Result<Twist, (BodyId, QueryError)> {
-        let constraints = self.constraints(tick)?;
-        let wanted = tick.twist(self.pose, tick.body.pose);
-        let way = nearest_allowed(&wanted, &constraints);
-        let length = dot(&way, &way).sqrt();
-        let way = scaled(&way, (tick.reach / length).min(1.0));
-        let way = scaled(&way, self.share_without_jump(tick, &way, before, allowed));
+        let mut constraints = self.constraints(tick, &[0.0; 6])?;
         let overlaps = constraints.iter().any(|constraint| constraint.least > tick.skin);
-        let mut share = 1.0;
-        for _ in 0..HALVINGS {
-            let way = scaled(&way, share);
-            let pose = tick.moved(self.pose, &way);
-            if overlaps || self.is_free(tick, pose)? {
-                self.pose = pose;
+        let wanted = tick.twist(self.pose, tick.body.pose);
+        let mut way = [0.0; 6];
+        for _ in 0..ATTEMPTS {
+            way = nearest_allowed(&wanted, &constraints);
+            let length = dot(&way, &way).sqrt();
+            way = scaled(&way, (tick.reach / length).min(1.0));
+            way = scaled(&way, self.share_without_jump(tick, &way, before, allowed));
+            if overlaps {
+                self.pose = tick.moved(self.pose, &way);
                 return Ok(way);
             }
-            share *= 0.5;
+            if self.moves_freely(tick, &way)? {
+                return Ok(way);
+            }
+            constraints.extend(self.constraints(tick, &way)?);
+        }
+        for _ in 0..HALVINGS {
+            way = scaled(&way, 0.5);
+            if self.moves_freely(tick, &way)? {
+                return Ok(way);
+            }
         }
         Ok([0.0; 6])
+    }
+
+    /// Moves, unless that ends in an overlap.
+    fn moves_freely(&mut self, tick: &Tick<'_>, way: &Twist) -> Result<bool, (BodyId, QueryError)> {
+        let pose = tick.moved(self.pose, way);
+        let free = self.is_free(tick, pose)?;
+        if free {
+            self.pose = pose;
+        }
+        Ok(free)
     }
 
     /// The greatest share of a move up to which the spring has changed by no more than is allowed.
@@ -237,10 +261,14 @@ impl Proxy {
         low
     }
 
-    /// What the contacts around the proxy allow.
-    fn constraints(&mut self, tick: &Tick<'_>) -> Result<Vec<Constraint>, (BodyId, QueryError)> {
-        let proxy = Placed { pose: self.pose, ..tick.body };
-        let center = self.pose.world_from_body().apply(tick.center);
+    /// What the contacts around the proxy allow, as they are after a twist.
+    fn constraints(
+        &mut self,
+        tick: &Tick<'_>,
+        after: &Twist,
+    ) -> Result<Vec<Constraint>, (BodyId, QueryError)> {
+        let proxy = Placed { pose: tick.moved(self.pose, after), ..tick.body };
+        let center = proxy.pose.world_from_body().apply(tick.center);
         // A point of the body moves by at most so much: radius / arm is 2.
         let ask = Query::of(Demand::contacts(3.0 * tick.reach + tick.skin));
         let mut found = Vec::new();
@@ -251,7 +279,8 @@ impl Proxy {
             found.extend(answer.contacts.iter().map(|contact| {
                 let turning = (contact.point_b - center).cross(contact.normal) / tick.arm;
                 let along = joined(contact.normal, turning);
-                Constraint { along, least: tick.skin - contact.separation }
+                let least = tick.skin - contact.separation + dot(&along, after);
+                Constraint { along, least }
             }));
         }
         Ok(found)
