@@ -74,6 +74,15 @@ pub(crate) fn deepest(answer: &Answer) -> Option<CollisionPoint> {
         .map(CollisionPoint::of)
 }
 
+/// The point of the greatest impulse; of equals the deepest.
+#[cfg(feature = "rapier")]
+pub(crate) fn hardest(points: &[(CollisionPoint, f64)]) -> Option<CollisionPoint> {
+    let harder = |(p, i): &&(CollisionPoint, f64), (q, j): &&(CollisionPoint, f64)| {
+        i.total_cmp(j).then(p.depth.total_cmp(&q.depth))
+    };
+    points.iter().max_by(harder).map(|(point, _)| *point)
+}
+
 /// How fast points of bodies move at the beginning of a step.
 #[derive(SystemParam)]
 pub(crate) struct Velocities<'w, 's> {

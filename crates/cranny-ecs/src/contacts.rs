@@ -11,7 +11,8 @@ use cranny_world::{BodyId, PairAnswer};
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::detection::{Detected, DetectionSystems, Detector};
-use crate::effects::EffectTable;
+use crate::diagnostics::Stopwatch;
+use crate::effects::{EffectKind, EffectTable};
 use crate::penetration::{PenetrationPlugin, PenetrationSystems};
 use crate::proximity::{ProximityPlugin, ProximitySystems};
 use crate::trigger::{TriggerPlugin, TriggerSystems};
@@ -107,7 +108,9 @@ fn take_contacts(
     effects: Res<EffectTable>,
     time: Res<SimulatedTime>,
     mut contacts: ResMut<ContactReport>,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Contacts);
     contacts.step = time.steps();
     contacts.pairs.clear();
     let Some(report) = &mut detected.report else { return };

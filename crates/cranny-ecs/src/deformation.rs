@@ -22,8 +22,9 @@ use cranny_world::BodyId;
 use crate::body::{Bodies, pose_of};
 use crate::clock::{CrannyStep, StepSystems};
 use crate::collider::Collider;
-use crate::collision::{Velocities, deepest};
-use crate::effects::{Deformation, EffectTable, Pair};
+use crate::collision::{Velocities, hardest};
+use crate::diagnostics::Stopwatch;
+use crate::effects::{Deformation, EffectKind, EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
 use crate::properties::{Density, Mass};
 use crate::response::ResponseSystems;
@@ -117,8 +118,7 @@ impl Hits<'_, '_> {
         if yields.iter().all(Option::is_none) {
             return Vec::new();
         }
-        let contacts = self.solver.contacts_of((a, b));
-        let Some(at) = contacts.and_then(|pair| deepest(&pair.answer)) else { return Vec::new() };
+        let Some(at) = hardest(&self.solver.presses((a, b))) else { return Vec::new() };
         let speed = self.velocities.closing(&self.bodies, [a, b], &at);
         let energy = 0.5 * impulse * speed.max(0.0);
         // Pressed by one force, each yields by its softness.
@@ -139,7 +139,9 @@ fn dent_bodies(
     mut dented: MessageWriter<Dented>,
     mut failure: ResMut<Failure>,
     mut commands: Commands,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Deformation);
     let mut pressing: Vec<(Pair, f64)> = hits.solver.impulses().collect();
     pressing.sort_by_key(|(pair, _)| *pair);
     let mut changed: BTreeMap<BodyId, Model> = BTreeMap::new();

@@ -25,7 +25,8 @@ use cranny_world::{BodyId, WorldError};
 pub use self::proxy::{Obstacle, Proxy, Wrench};
 use crate::body::{Bodies, Body, BodyRecord, pose_of};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
-use crate::effects::EffectTable;
+use crate::diagnostics::Stopwatch;
+use crate::effects::{EffectKind, EffectTable};
 use crate::error::Failure;
 
 /// Ticks a second; of a step as many as come nearest to it, and one at least.
@@ -150,7 +151,9 @@ fn feel(
     mut followed: ResMut<Followed>,
     mut report: ResMut<ForceFeedbackReport>,
     mut failure: ResMut<Failure>,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::ForceFeedback);
     let now: BTreeMap<BodyId, Pose> =
         scene.transforms.iter().map(|(body, transform)| (body.id, pose_of(transform))).collect();
     let Proxies { proxies, before } = followed.proxies();

@@ -45,6 +45,7 @@ mod continuous;
 #[cfg(feature = "rapier")]
 mod deformation;
 mod detection;
+mod diagnostics;
 mod effects;
 #[cfg(feature = "rapier")]
 mod energy;
@@ -98,6 +99,7 @@ pub use cranny_world::{BodyId, ContactFields};
 #[cfg(feature = "rapier")]
 pub use deformation::{DeformationPlugin, DeformationSystems, Dented};
 pub use detection::{Detected, DetectionSystems, Detector};
+pub use diagnostics::{DiagnosticsPlugin, StepCosts, StepDiagnostics};
 pub use effects::{
     AskedBy, Contacts, Continuous, Deformation, EffectKind, EffectTable, ForceFeedback,
     Penetration, Proximity, Response, Sound, Trigger,

@@ -12,6 +12,7 @@ use crate::body::Bodies;
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::collision::deepest;
 use crate::detection::{Detected, DetectionSystems, Detector};
+use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::Failure;
 
@@ -98,7 +99,9 @@ fn report_overlaps(
     time: Res<SimulatedTime>,
     mut report: ResMut<PenetrationReport>,
     mut failure: ResMut<Failure>,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Penetration);
     report.step = time.steps();
     report.pairs.clear();
     for pair in detected.report.iter().flat_map(|report| &report.answers) {

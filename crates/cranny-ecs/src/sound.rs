@@ -12,29 +12,24 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::Remove;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
-use cranny_narrow_phase::Contact;
 use cranny_world::BodyId;
 
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyStep, SimulatedTime, StepSystems};
-use crate::collision::{CollisionPoint, Velocities, deepest};
-use crate::effects::{EffectTable, Pair};
+use crate::collision::{CollisionPoint, Velocities, hardest};
+use crate::diagnostics::Stopwatch;
+use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::response::ResponseSystems;
 use crate::solved::RigidBodies;
 
 /// Seconds for which a pair may not press before its sound ends. Longer: a second touch is no new
 /// sound; shorter: a rolling polyhedron is heard anew at each edge.
-const SILENCE: f64 = 0.05;
+const SILENCE: f64 = 0.1;
 
 /// The share of the speed at which a sliding or rolling sound begins below which it ends. Larger:
 /// what slides at about that speed begins again and again; smaller: a sound goes on that nobody
 /// hears.
 const HELD: f64 = 0.5;
-
-/// Contacts count for the area whose depth differs from the deepest one's by this share of the
-/// distance between them. Larger: what is a little apart counts; smaller: a box that leans by
-/// rounding has no area.
-const FLAT: f64 = 0.01;
 
 /// The systems of `Sound`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,7 +60,7 @@ pub struct SoundEvent {
     pub other: Entity,
     /// Their stable ids, in the same order.
     pub ids: [BodyId; 2],
-    /// The deepest point at which they meet, seen from `body`.
+    /// Where they press hardest, seen from `body`.
     pub at: CollisionPoint,
     /// What the contacts gave each body along their normals in the step, summed as numbers: mass x
     /// length / second.
@@ -74,8 +69,8 @@ pub struct SoundEvent {
     /// which the bodies approach each other, of sliding that at which the surfaces slip, of rolling
     /// that at which the faster turning body's centre of mass would pass the point.
     pub speed: f64,
-    /// Of the contact: that of the convex hull of the points at which the bodies meet, seen along
-    /// the normal. 0 for a point or a line.
+    /// Of the contact: that of the convex hull of the points at which the bodies press on each other,
+    /// seen along the normal. 0 for a point or a line.
     pub area: f64,
 }
 
@@ -89,7 +84,7 @@ pub struct OngoingSounds {
 /// What is remembered of a pair that may be heard.
 #[derive(Clone, Copy, Debug, Default)]
 struct Heard {
-    /// Whether it met fast in the last step.
+    /// Whether it met fast when it last pressed.
     hits: bool,
     /// What goes on.
     going: Option<SoundKind>,
@@ -148,13 +143,13 @@ struct Ears<'w, 's> {
 
 impl Ears<'_, '_> {
     fn pressing(&self, (a, b): Pair, impulse: f64) -> Option<Pressing> {
-        let answer = &self.solver.contacts_of((a, b))?.answer;
-        let at = deepest(answer)?;
+        let points = self.solver.presses((a, b));
+        let at = hardest(&points)?;
         let [of_a, of_b] = [a, b].map(|body| self.velocities.at(&self.bodies, body, at.point));
         let passing = of_a - of_b;
         let closing = passing.dot(at.normal);
         let slip = (passing - closing * at.normal).length();
-        let area = area(&answer.contacts, &at);
+        let area = area(&points, &at);
         let roll = self.velocities.rolling(&self.bodies, [a, b], &at);
         Some(Pressing { at, impulse, area, closing, slip, roll })
     }
@@ -178,7 +173,9 @@ fn report_sounds(
     mut heard: ResMut<HeardPairs>,
     mut ongoing: ResMut<OngoingSounds>,
     mut events: MessageWriter<SoundEvent>,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Sound);
     ongoing.sounds.clear();
     let limit = (SILENCE / time.step()).ceil() as u64;
     heard.0.retain(|_, pair| {
@@ -193,7 +190,9 @@ fn report_sounds(
         let Some(found) = ears.pressing(pair, impulse) else { continue };
         let known = heard.0.entry(pair).or_default();
         let before = std::mem::replace(known, known.next(&found, above));
-        let hit = (known.hits && !before.hits).then_some(SoundKind::Impact);
+        // In two steps one after the other it is one hit.
+        let goes_on = before.hits && before.silent == 1;
+        let hit = (known.hits && !goes_on).then_some(SoundKind::Impact);
         let began = known.going.filter(|_| known.going != before.going);
         for kind in hit.into_iter().chain(began) {
             events.write_batch(ears.event(kind, [a, b], &found));
@@ -220,18 +219,11 @@ impl Heard {
     }
 }
 
-/// The area of the convex hull of the contacts at the deepest one's level, along its normal.
-fn area(contacts: &[Contact], at: &CollisionPoint) -> f64 {
+/// The area of the convex hull of points, along the normal of one of them.
+fn area(points: &[(CollisionPoint, f64)], at: &CollisionPoint) -> f64 {
     let (u, v) = at.normal.any_orthonormal_pair();
-    let flat = |contact: &&Contact| {
-        let from = contact.point_a - at.point;
-        at.depth + contact.separation <= FLAT * from.length()
-    };
-    let points = contacts.iter().filter(flat).map(|contact| {
-        let from = contact.point_a - at.point;
-        [from.dot(u), from.dot(v)]
-    });
-    hull_area(points.collect())
+    let seen = points.iter().map(|(point, _)| [point.point.dot(u), point.point.dot(v)]);
+    hull_area(seen.collect())
 }
 
 /// Of points in a plane (Andrew's chain, 1979).

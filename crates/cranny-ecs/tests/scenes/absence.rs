@@ -190,6 +190,34 @@ fn rendering_exists_where_it_is_asked_for_and_only_there() {
     }
 }
 
+#[test]
+fn diagnostics_exist_where_they_are_added_and_tell_phases_and_effects() {
+    let built = |diagnosed: bool| {
+        let mut app = App::new();
+        app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(&[PROXIMITY]).unwrap());
+        if diagnosed {
+            app.add_plugins(DiagnosticsPlugin);
+        }
+        app
+    };
+    let systems = |app: &mut App| Plan::of(app.world_mut()).unwrap().schedules[0].systems.len();
+    let mut app = built(false);
+    assert!(!app.world().contains_resource::<StepDiagnostics>());
+    let before = systems(&mut app);
+    let mut app = built(true);
+    assert_eq!(systems(&mut app), before + StepSystems::ALL.len() + 1);
+    for _ in 0..12 {
+        app.world_mut().run_schedule(CrannyStep);
+    }
+    let costs = app.world().resource::<StepDiagnostics>();
+    assert_eq!(costs.steps, 12);
+    assert!(StepSystems::ALL.iter().all(|&phase| !costs.total.phase(phase).is_zero()));
+    assert!(costs.last.step() < costs.total.step());
+    let own = costs.total.effect(EffectKind::Proximity).expect("it reports");
+    assert!(own <= costs.total.phase(StepSystems::Report), "{costs:?}");
+    assert_eq!(costs.total.effect(EffectKind::Contacts), None);
+}
+
 /// Every system that stands in only one of two plans, by schedule and name.
 fn difference(one: &Plan, other: &Plan) -> Vec<PlannedSystem> {
     let only_in = |one: &Plan, other: &Plan| -> Vec<PlannedSystem> {

@@ -102,6 +102,23 @@ fn contacts_without_a_solver_tell_the_speed_and_no_impulse() {
     assert!(close(contact.speed, 6.0, 1e-6) && contact.impulse == 0.0, "{contact:?}");
 }
 
+/// Contacts that are read within a margin hold none where a body comes from beyond it.
+#[test]
+fn a_start_has_its_contact_whoever_reads_contacts() {
+    for margin in [0.0, 0.5] {
+        let mut app = empty(&[Effect::Response, Effect::Trigger, Effect::Contacts { margin }]);
+        let bouncy = Restitution::new(1.0);
+        world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0), bouncy));
+        let fast = LinearVelocity(Vec3::new(0.0, 0.0, -12.0));
+        let ball = (RigidBody::Dynamic, unit(), up(4.03), bouncy, fast);
+        let ball = world(&mut app).spawn(ball).id();
+        let (start, speed) = first_start(&mut app, ball, 40);
+        let contact = start.contact.expect("the solver knows it");
+        assert!((contact.deepest.normal - DVec3::Z).length() < 1e-6, "{margin}: {contact:?}");
+        assert!(close(contact.speed, speed, 1e-5) && contact.impulse > 0.0, "{contact:?}");
+    }
+}
+
 /// An app with hooks.
 fn hooked<H>(effects: &[Effect]) -> App
 where

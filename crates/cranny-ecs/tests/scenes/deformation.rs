@@ -108,6 +108,24 @@ fn a_ball_dents_what_it_falls_on_by_its_energy() {
     assert_eq!(after.hull().triangle_count(), rebuilt.hull().triangle_count());
 }
 
+/// Contacts that somebody reads within a margin hold less than the solver had, where a body comes
+/// from beyond it.
+#[test]
+fn readers_change_no_dent() {
+    let run = |effects: &[Effect]| {
+        let mut app = App::new();
+        let plugins = CrannyPlugins::new(STEP).unwrap().effects(effects).unwrap();
+        app.add_plugins(plugins.available(&[EffectKind::Deformation]).unwrap());
+        app.world_mut().spawn((RigidBody::Fixed, plate(), SOFT));
+        app.world_mut().spawn(falling(1.0, 8.0));
+        run(&mut app, 60)
+    };
+    let alone = run(&[Effect::Response]);
+    assert!(!alone.is_empty());
+    let read = [Effect::Response, Effect::Trigger, Effect::Contacts { margin: 0.0 }];
+    assert_eq!(run(&read), alone);
+}
+
 #[test]
 fn what_comes_later_lies_in_the_dent() {
     let mut app = app();

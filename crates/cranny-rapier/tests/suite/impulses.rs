@@ -69,3 +69,24 @@ fn the_first_step_of_a_bounce_has_its_impulse() {
     let impulse = simulation.contact_impulse(ball, floor);
     assert!((impulse / given - 1.0).abs() < 0.02, "{impulse} for {given}");
 }
+
+#[test]
+fn the_points_that_press_give_the_impulse_together() {
+    let (mut simulation, [lower, upper]) = stack();
+    simulation.set_material(upper, 0.5, 0.0);
+    simulation.step();
+    let points = simulation.solved_points(upper, lower);
+    assert_eq!(points, simulation.solved_points(lower, upper));
+    assert_eq!(points.len(), 4);
+    let sum: f64 = points.iter().map(|point| point.impulse).sum();
+    assert!((sum / simulation.contact_impulse(lower, upper) - 1.0).abs() < 1e-6, "{points:?}");
+    for solved in points {
+        assert!((solved.normal - DVec3::Z).length() < 1e-6, "from the lower number to the higher");
+        let at = solved.point;
+        assert!(at.x.abs() > 0.49 && at.y.abs() > 0.49 && (at.z - 0.5).abs() < 0.01, "{at}");
+        assert!(solved.separation.abs() < 0.01, "{solved:?}");
+    }
+    simulation.remove(upper);
+    let far = simulation.insert(&spec(&cuboid(1.0, 1.0, 1.0), BodyKind::Dynamic, up(9.0))).unwrap();
+    assert!(simulation.solved_points(lower, far).is_empty());
+}
