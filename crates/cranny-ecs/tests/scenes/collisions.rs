@@ -199,7 +199,7 @@ fn in_order(app: &mut App, order: usize, first: impl Bundle, second: impl Bundle
         run_step(world);
         world.despawn(gone[usize::from(order < 2)]);
     };
-    let pair = if order % 2 == 0 {
+    let pair = if order.is_multiple_of(2) {
         let first = world.spawn(first).id();
         second_comes(world);
         [first, world.spawn(second).id()]
@@ -211,7 +211,7 @@ fn in_order(app: &mut App, order: usize, first: impl Bundle, second: impl Bundle
     run_step(world);
     let ids = pair.map(|entity| world.get::<Body>(entity).unwrap().id);
     let numbers = ids.map(|id| world.resource::<RigidBodies>().index(id).unwrap());
-    assert_eq!(ids[0] < ids[1], order % 2 == 0, "{ids:?}");
+    assert_eq!(ids[0] < ids[1], order.is_multiple_of(2), "{ids:?}");
     assert_eq!(numbers[0] < numbers[1], order == 0 || order == 3, "{numbers:?}");
     pair
 }
