@@ -60,6 +60,7 @@ pub struct RunOptions {
 ///     material: Material::default(),
 ///     mass: None,
 ///     normals: Normals::default(),
+///     sensor: false,
 ///     layers: vec!["all".into()],
 ///     effects: vec![],
 /// };

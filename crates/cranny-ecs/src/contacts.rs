@@ -139,9 +139,7 @@ fn share_contacts(
     }
     for pair in &contacts.pairs {
         let points = pair.answer.contacts.len();
-        let depths = pair.answer.regions.iter().filter_map(|r| r.depth);
-        let depths = depths.chain(pair.answer.contacts.iter().map(|c| -c.separation));
-        let depth = depths.fold(0.0, f64::max);
+        let depth = pair.answer.depth();
         for id in [pair.a, pair.b] {
             let Some(record) = bodies.get(id) else { continue };
             if let Ok(mut share) = shares.get_mut(record.entity) {

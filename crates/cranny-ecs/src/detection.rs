@@ -122,11 +122,12 @@ impl Plugin for DetectionPlugin {
         if self.contacts {
             app.world_mut().resource_mut::<Tally>().depths_known = true;
             let counted = !self.beside_solver;
-            let summary = ContactFields { depth: true, points: counted, regions: false };
+            let summary = ContactFields { depth: Some(0.0), points: counted, regions: false };
             let mut readers = ContactReaders::default();
             readers.set(ContactReaders::PROGRAM, self.program);
             readers.set(ContactReaders::SUMMARY, summary);
             app.insert_resource(readers);
+            app.add_systems(CrannyStep, read_deeper.in_set(DetectionSystems::Poses));
         }
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             app.configure_sets(
@@ -226,6 +227,14 @@ fn detect_pairs(
 fn tally_depths(detected: Res<Detected>, time: Res<SimulatedTime>, mut tally: ResMut<Tally>) {
     for pair in detected.report.iter().flat_map(|report| &report.answers) {
         tally.note_depth(pair.a, pair.b, &pair.answer, time.steps());
+    }
+}
+
+/// The summary reads no depth that is less than one that it has seen.
+fn read_deeper(tally: Res<Tally>, mut readers: ResMut<ContactReaders>) {
+    let (deepest, reads) = (tally.deepest.map(|d| d.depth), readers.of(ContactReaders::SUMMARY));
+    if deepest.is_some() && reads.depth != deepest {
+        readers.set(ContactReaders::SUMMARY, ContactFields { depth: deepest, ..reads });
     }
 }
 

@@ -12,7 +12,7 @@ use cranny_world::ContactFields;
 /// [`PluginOptions::contact_fields`](crate::PluginOptions::contact_fields) says, or only now and
 /// then, says so here before the step. Everybody is told the same answers: a reader may find fields
 /// that only others read.
-#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct ContactReaders(BTreeMap<&'static str, ContactFields>);
 
 impl ContactReaders {

@@ -265,7 +265,7 @@ fn paint_no_more(removed: On<Remove<Body>>, query: Query<&Body>, mut painter: Re
 }
 
 /// What pictures mark.
-const MARKED: ContactFields = ContactFields { depth: false, points: true, regions: false };
+const MARKED: ContactFields = ContactFields { depth: None, points: true, regions: false };
 
 fn read_for_step(
     painter: Res<Painter>,

@@ -250,7 +250,8 @@ fn unless_it_panics(work: impl FnOnce()) -> Result<(), String> {
     })
 }
 
-/// Hands the solver's answers to the world, which then does not detect those pairs again.
+/// Hands the solver's answers to the world, which then does not detect those pairs again, and how
+/// deep the others can overlap.
 fn supply_answers(
     bodies: Res<RigidBodies>,
     effects: Res<EffectTable>,
@@ -267,6 +268,9 @@ fn supply_answers(
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             detector.supplied_poses.insert((a, b), pair.poses);
         }
+    }
+    for ((a, b), at_most) in bodies.depth_bounds() {
+        failure.note(detector.world().bound_depth(a, b, at_most));
     }
 }
 

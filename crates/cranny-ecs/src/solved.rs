@@ -235,6 +235,14 @@ impl RigidBodies {
         self.hooked = true;
     }
 
+    /// How deep pairs can overlap at the poses at the beginning of the step.
+    pub(crate) fn depth_bounds(&self) -> impl Iterator<Item = (Pair, f64)> {
+        self.simulation.depth_bounds().filter_map(|((a, b), at_most)| {
+            let [a, b] = [self.id(a)?, self.id(b)?];
+            Some((ordered(a, b), at_most))
+        })
+    }
+
     /// The impulses along the normals that pairs of bodies gave each other in the last step, where
     /// they did.
     pub(crate) fn impulses(&self) -> impl Iterator<Item = (Pair, f64)> {

@@ -17,7 +17,7 @@ use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
 use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
-    RigidBody, SmoothNormals,
+    RigidBody, Sensor, SmoothNormals,
 };
 
 /// The bits of layers that scenes name. "all" is the first; others get theirs as they are first
@@ -146,6 +146,9 @@ impl SpawnScene {
         }
         if let Normals::Smooth { crease_angle } = body.normals {
             entity.insert(SmoothNormals { crease_angle });
+        }
+        if body.sensor {
+            entity.insert(Sensor);
         }
         if responds {
             entity.insert((

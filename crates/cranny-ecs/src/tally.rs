@@ -97,8 +97,7 @@ impl Tally {
                 (known.last, known.steps) = (step, known.steps + 1);
             }
         }
-        let depths = answer.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));
-        let depth = depths.chain(answer.contacts.iter().map(|c| -c.separation)).fold(0.0, f64::max);
+        let depth = answer.depth();
         if depth > self.deepest.map_or(0.0, |d| d.depth) {
             self.deepest = Some(DeepestSoFar { depth, a, b, step });
         }

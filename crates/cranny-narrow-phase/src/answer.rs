@@ -310,6 +310,16 @@ impl Answer {
         self.solid || self.surface.meets()
     }
 
+    /// How deep the bodies overlap, >= 0, as far as the demand says: the depth of regions where
+    /// there are any, otherwise minus the separation of the deepest contact, which is at most that.
+    /// 0 where nothing overlaps, and for a body wholly within another's material.
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        let of_regions = self.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));
+        let of_contacts = self.contacts.iter().map(|contact| -contact.separation);
+        of_regions.chain(of_contacts).fold(0.0, f64::max)
+    }
+
     /// The same answer with the bodies' names exchanged.
     #[must_use]
     pub fn swapped(mut self) -> Self {

@@ -13,9 +13,9 @@ pub struct Fields {
     pub verdict: bool,
     /// Distance and witness points of what is nearer than this, > 0; infinite for any distance.
     pub distance: Option<f64>,
-    /// How deep the bodies overlap: the depth of regions where there are any, otherwise minus the
-    /// separation of the deepest contact, which is at most that.
-    pub depth: bool,
+    /// How deep the bodies overlap, where that is deeper than this, >= 0:
+    /// [`Answer::depth`](crate::Answer::depth).
+    pub depth: Option<f64>,
     /// Contacts up to this far apart, >= 0: those for a solver, or the points of regions where
     /// regions are read too.
     pub contacts: Option<f64>,
@@ -26,7 +26,7 @@ pub struct Fields {
 impl Fields {
     /// Nobody reads anything.
     pub const NONE: Self =
-        Self { verdict: false, distance: None, depth: false, contacts: None, regions: None };
+        Self { verdict: false, distance: None, depth: None, contacts: None, regions: None };
 
     /// Contacts up to this far apart.
     #[must_use]
@@ -43,23 +43,32 @@ impl Fields {
     /// What either reader reads, at the larger margin.
     #[must_use]
     pub fn join(self, other: Self) -> Self {
-        let farther = |a: Option<f64>, b: Option<f64>| match (a, b) {
-            (Some(a), Some(b)) => Some(a.max(b)),
+        let either = |a: Option<f64>, b: Option<f64>, of_both: fn(f64, f64) -> f64| match (a, b) {
+            (Some(a), Some(b)) => Some(of_both(a, b)),
             (a, b) => a.or(b),
         };
+        let farther = |a, b| either(a, b, f64::max);
         Self {
             verdict: self.verdict || other.verdict,
             distance: farther(self.distance, other.distance),
-            depth: self.depth || other.depth,
+            depth: either(self.depth, other.depth, f64::min),
             contacts: farther(self.contacts, other.contacts),
             regions: farther(self.regions, other.regions),
         }
     }
 
+    /// What is left to compute where the overlap is known to be this deep at most (below 0: where
+    /// there is a gap): no depth, if only deeper ones are read.
+    #[must_use]
+    pub fn knowing_depth(self, at_most: f64) -> Self {
+        Self { depth: self.depth.filter(|&deeper_than| at_most > deeper_than), ..self }
+    }
+
     /// The least demand whose answer holds these fields.
     #[must_use]
     pub fn demand(&self) -> Demand {
-        let of_flags = [(self.verdict, Demand::Intersects), (self.depth, Demand::contacts(0.0))];
+        let of_flags =
+            [(self.verdict, Demand::Intersects), (self.depth.is_some(), Demand::contacts(0.0))];
         let of_flags = of_flags.into_iter().filter(|(read, _)| *read).map(|(_, demand)| demand);
         let distance = self.distance.map(nearer_than);
         let contacts = self.contacts.map(Demand::contacts);
@@ -80,7 +89,7 @@ impl Fields {
         };
         (!self.verdict || demand.covers(Demand::Intersects))
             && self.distance.is_none_or(|within| demand.covers(nearer_than(within)))
-            && (!self.depth || demand.margin().is_some())
+            && (self.depth.is_none() || demand.margin().is_some())
             && reaches(demand.margin(), self.contacts)
             && reaches(regions, self.regions)
     }
@@ -96,7 +105,7 @@ mod tests {
 
     const DISTANCE: Fields = Fields { distance: Some(f64::INFINITY), ..Fields::NONE };
     const NEAR: Fields = Fields { distance: Some(0.5), ..Fields::NONE };
-    const DEPTH: Fields = Fields { depth: true, ..Fields::NONE };
+    const DEPTH: Fields = Fields { depth: Some(0.0), ..Fields::NONE };
     const VERDICT: Fields = Fields { verdict: true, ..Fields::NONE };
 
     #[test]
@@ -118,6 +127,16 @@ mod tests {
             assert!(fields.held_by(demand));
         }
         assert_eq!(Fields::contacts(0.1).join(Fields::contacts(0.2)), Fields::contacts(0.2));
+    }
+
+    #[test]
+    fn a_depth_is_left_out_where_it_is_known_to_be_no_deeper() {
+        let deeper = Fields { depth: Some(0.5), verdict: true, ..Fields::NONE };
+        assert_eq!(deeper.knowing_depth(0.5), VERDICT);
+        assert_eq!(deeper.knowing_depth(-1.0), VERDICT);
+        assert_eq!(deeper.knowing_depth(0.6), deeper);
+        assert_eq!(DEPTH.knowing_depth(0.0), Fields::NONE);
+        assert_eq!(deeper.join(DEPTH).depth, Some(0.0), "the lesser depth is read too");
     }
 
     #[test]

@@ -184,6 +184,9 @@ impl Dispatcher {
             return Duration::ZERO;
         };
         let fields = log.fields(tags.0, tags.1);
+        let known = log.get(tags.0, tags.1).filter(|_| answer.is_none());
+        let depth = known.and_then(|known| known.depth_at_most(models, &request.pose));
+        let fields = depth.map_or(fields, |at_most| fields.knowing_depth(at_most));
         let have = answer.as_ref().map_or(Demand::None, |(_, question)| question.demand);
         let (begin, question) = (Instant::now(), Query::of(fields.demand()));
         let (logged, read) = if fields.held_by(have) {

@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use cranny_exact::Pose;
-use cranny_narrow_phase::{Answer, Fields, Query};
+use cranny_geometry::Model;
+use cranny_narrow_phase::{Answer, Demand, Fields, Query, drift};
 
 /// The latest answer about a pair of tagged shapes.
 #[derive(Clone, Debug)]
@@ -20,6 +21,25 @@ pub struct LoggedAnswer {
     pub step: u64,
     /// The question. Beyond its demand's margin there are contacts that bodies approached.
     pub question: Query,
+}
+
+impl LoggedAnswer {
+    /// How deep the bodies can overlap at another relative pose, below 0 where a gap is left;
+    /// `None` where the answer does not say: it holds no contacts for a solver (depths of regions
+    /// are others), or a body lay within the other's material.
+    ///
+    /// A contact has come nearer by the [drift](drift()) at most, and one that was not listed was
+    /// farther than what stood for its patches by as much.
+    pub(crate) fn depth_at_most(&self, models: [&Model; 2], pose: &Pose) -> Option<f64> {
+        let Demand::Contacts { margin, .. } = self.question.demand else { return None };
+        let [before, now] = [&self.first_from_second, pose].map(Pose::world_from_body);
+        let depth = self.answer.depth();
+        if self.answer.solid && depth == 0.0 {
+            return None;
+        }
+        let nearest = self.answer.contacts.iter().map(|c| c.separation).fold(margin, f64::min);
+        Some(depth.max(-nearest) + 2.0 * drift(models, &before, &now))
+    }
 }
 
 /// Answers by pairs of tags, and the time spent. Shared by a dispatcher and its owner.

@@ -299,3 +299,94 @@ fn normals_are_smooth_where_a_scene_says_so() {
         assert!(parse(&body(&format!(", normals: {wrong}"))).is_err(), "{wrong}");
     }
 }
+
+fn cup(pose: &str) -> String {
+    format!("(bodies: [(name: \"a\", shape: Generator(Cup()), pose: ({pose}))])")
+}
+
+#[test]
+fn an_orientation_is_written_in_one_of_three_ways() {
+    let pose = |pose: &str| parse(&cup(pose)).unwrap().description.bodies[0].pose;
+    let quarter = pose("rotation: (0.7071067811865476, 0, 0, 0.7071067811865476)").rotation;
+    for written in [
+        "euler_degrees: (90, 0, 0)",
+        "turn: (axis: (7, 0, 0), degrees: 90)",
+        "turn: (axis: (-1, 0, 0), degrees: -90)",
+    ] {
+        let turned = pose(&format!("at: (1, 2, 3), {written}"));
+        assert_eq!(turned.translation, DVec3::new(1.0, 2.0, 3.0));
+        assert!((turned.rotation - quarter).length() < 1e-15, "{written}: {turned:?}");
+    }
+    // About x first, then y, then z, all fixed: z stays up until y lays it along x, and z turns
+    // that.
+    let turned = pose("euler_degrees: (30, 90, 90)").rotation * DVec3::X;
+    assert!((turned + DVec3::Z).length() < 1e-15, "{turned}");
+    let up = pose("euler_degrees: (0, 90, 90)").rotation * DVec3::Z;
+    assert!((up - DVec3::Y).length() < 1e-15, "{up}");
+    let both = parse(&cup("euler_degrees: (0, 0, 1), turn: (axis: (0, 0, 1), degrees: 1)"));
+    let both = both.unwrap_err().to_string();
+    assert!(both.contains("line 1") && both.contains("keep one"), "{both}");
+}
+
+#[test]
+fn a_quaternion_of_few_digits_is_normalised_and_named() {
+    let loaded = parse(&cup("rotation: (0.706, 0, 0, 0.706)")).unwrap();
+    let rotation = loaded.description.bodies[0].pose.rotation;
+    assert!((rotation.length() - 1.0).abs() < 1e-15 && rotation.x == rotation.w);
+    let [warning] = loaded.warnings.as_slice() else { panic!("{:?}", loaded.warnings) };
+    assert!(warning.contains("body \"a\"") && warning.contains("0.998"), "{warning}");
+    assert!(parse(&cup("rotation: (0.6, 0, 0, 0.8)")).unwrap().warnings.is_empty());
+    for none in ["(0.69, 0, 0, 0.7)", "(0, 0, 0, 0)", "(1, 1, 0, 0)"] {
+        let refused = parse(&cup(&format!("rotation: {none}"))).unwrap_err().to_string();
+        assert!(refused.contains("line 1") && refused.contains("quaternion"), "{refused}");
+    }
+}
+
+#[test]
+fn one_factor_stands_for_three_and_a_mesh_is_recentred() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = "v 2 0 0\nv 4 0 0\nv 2 2 0\nv 2 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    std::fs::write(folder.path().join("m.obj"), mesh).unwrap();
+    let bounds = |fields: &str| {
+        let shape = format!("Mesh(path: \"m.obj\"{fields})");
+        let text = format!("(bodies: [(name: \"a\", shape: {shape})])");
+        let path = folder.path().join("s.ron");
+        let parsed = parse_scene(text, &path, &LoadOptions::default());
+        parsed.map(|loaded| loaded.description.bodies[0].collision.bounds())
+    };
+    let [half, three] = [", scale: 0.5", ", scale: (0.5, 0.5, 0.5)"].map(|s| bounds(s).unwrap());
+    assert_eq!(half, three);
+    assert_eq!((half.min.x, half.max), (1.0, DVec3::new(2.0, 1.0, 1.0)));
+    assert_eq!(bounds(", scale: 2").unwrap().max.x, 8.0);
+    let centred = bounds(", scale: (1, -1, 2), recenter: true").unwrap();
+    assert_eq!(
+        (centred.min, centred.max),
+        (DVec3::new(-1.0, -1.0, -2.0), DVec3::new(1.0, 1.0, 2.0))
+    );
+    for (scale, says) in [
+        ("\"big\"", "a factor, or three of them"),
+        ("(1, 2)", "line 1"),
+        ("0", "flattens"),
+        ("1e300", "line 1"),
+    ] {
+        let refused = bounds(&format!(", scale: {scale}")).unwrap_err().to_string();
+        assert!(refused.contains(says), "{scale}: {refused}");
+    }
+}
+
+#[test]
+fn a_pair_may_be_kept_apart_and_a_body_only_noticed() {
+    let scene = |pair: &str| {
+        let body = |name: &str| {
+            format!("(name: \"{name}\", shape: Generator(Cup()), sensor: {})", name == "b")
+        };
+        format!("(bodies: [{}, {}], pairs: [(a: \"b\", b: \"a\"{pair})])", body("a"), body("b"))
+    };
+    let apart = parse(&scene(", collide: false")).unwrap().description;
+    assert_eq!((apart.excluded_pairs.as_slice(), apart.pairs.len()), (&[(0, 1)][..], 0));
+    assert_eq!((apart.bodies[0].sensor, apart.bodies[1].sensor), (false, true));
+    let together = parse(&scene(", effects: [Trigger()]")).unwrap().description;
+    assert_eq!((together.excluded_pairs.len(), together.pairs.len()), (0, 1));
+    let both = parse(&scene(", collide: false, effects: [Trigger()]")).unwrap_err().to_string();
+    assert!(both.contains("collide: false") && both.contains("Keep one"), "{both}");
+}

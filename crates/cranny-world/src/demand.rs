@@ -10,11 +10,11 @@ use crate::error::WorldError;
 ///
 /// Each field costs its own: a depth is read off contacts where bodies overlap, points are contacts
 /// up to the margin, and only regions bring curves and areas. The default is all of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactFields {
-    /// How deep the bodies overlap: that of the deepest contact, or of regions where they are read
-    /// too.
-    pub depth: bool,
+    /// How deep the bodies overlap, where that is deeper than this, >= 0: by the deepest contact,
+    /// or by regions where they are read too.
+    pub depth: Option<f64>,
     /// Contact points with their normals, up to the margin.
     pub points: bool,
     /// Regions with curves, depths and areas, up to the margin.
@@ -29,15 +29,16 @@ impl Default for ContactFields {
 
 impl ContactFields {
     /// Everything.
-    pub const ALL: Self = Self { depth: true, points: true, regions: true };
+    pub const ALL: Self = Self { depth: Some(0.0), points: true, regions: true };
     /// Nothing.
-    pub const NONE: Self = Self { depth: false, points: false, regions: false };
+    pub const NONE: Self = Self { depth: None, points: false, regions: false };
 
     /// What either reader reads.
     #[must_use]
     pub fn join(self, other: Self) -> Self {
+        let both = self.depth.zip(other.depth).map(|(a, b)| a.min(b));
         Self {
-            depth: self.depth || other.depth,
+            depth: both.or(self.depth).or(other.depth),
             points: self.points || other.points,
             regions: self.regions || other.regions,
         }
@@ -56,7 +57,8 @@ impl ContactFields {
 
     /// Their names: "depth", "points", "regions".
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        let named = [("depth", self.depth), ("points", self.points), ("regions", self.regions)];
+        let named =
+            [("depth", self.depth.is_some()), ("points", self.points), ("regions", self.regions)];
         named.into_iter().filter(|(_, read)| *read).map(|(name, _)| name)
     }
 }
@@ -191,7 +193,7 @@ mod tests {
     fn contacts_ask_for_what_is_read() {
         let effects = [Effect::Contacts { margin: 0.25 }];
         let [depth, points, regions] = [
-            ContactFields { depth: true, ..ContactFields::NONE },
+            ContactFields { depth: Some(0.0), ..ContactFields::NONE },
             ContactFields { points: true, ..ContactFields::NONE },
             ContactFields { regions: true, ..ContactFields::NONE },
         ];

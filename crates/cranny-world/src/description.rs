@@ -75,6 +75,8 @@ pub struct BodyDescription {
     /// Whose normals its contacts have for a solver: its facets' or those of the curved surface
     /// that they stand for.
     pub normals: Normals,
+    /// Whether it is noticed and never pushes.
+    pub sensor: bool,
     /// Bodies meet only where they share a layer.
     pub layers: Vec<String>,
     /// Effects of this body beyond the scene's.

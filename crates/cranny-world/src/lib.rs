@@ -52,6 +52,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod arrangement;
 mod body;
 mod bounds;
 mod crew;
@@ -62,6 +63,7 @@ mod layers;
 mod report;
 mod world;
 
+pub use arrangement::{Arranged, Arrangement, ArrangementError, NearestPair, Wanted};
 pub use body::{Body, BodyId, BodySpec};
 pub use bounds::world_box;
 pub use demand::ContactFields;

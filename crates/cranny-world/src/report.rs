@@ -144,7 +144,7 @@ impl StepStats {
         self.contacts += if in_regions > 0 { in_regions } else { answer.contacts.len() };
         self.regions += answer.regions.len();
         self.counters += answer.counters;
-        let depth = depth(answer);
+        let depth = answer.depth();
         if depth > self.deepest.map_or(0.0, |d| d.depth) {
             self.deepest = Some(Deepest { depth, a: pair.a, b: pair.b });
         }
@@ -167,11 +167,4 @@ pub(crate) fn region_events(answer: &Answer) -> impl Iterator<Item = PairEventKi
             .into_iter()
             .chain(gone.map(move |gone| PairEventKind::RegionMerged { region: id, gone }))
     })
-}
-
-/// The greatest depth that an answer tells; 0 where it tells none.
-fn depth(answer: &Answer) -> f64 {
-    let of_regions = answer.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));
-    let of_contacts = answer.contacts.iter().map(|c| -c.separation);
-    of_regions.chain(of_contacts).fold(0.0, f64::max)
 }

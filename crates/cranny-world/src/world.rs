@@ -9,7 +9,7 @@ use std::num::NonZeroUsize;
 use cranny_broad_phase::{AdaptiveBroadPhase, BroadPhase, Motion, OverlapEvent, ProxyId};
 use cranny_exact::Pose;
 use cranny_geometry::Model;
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Query};
+use cranny_narrow_phase::{Answer, Demand, Fields, PairMemory, Query};
 
 use crate::body::{Body, BodyId, BodySpec};
 use crate::bounds::world_box;
@@ -46,6 +46,8 @@ pub struct World {
     /// Whether pairs are answered without memory as well.
     verify: bool,
     supplied: BTreeMap<Pair, Answer>,
+    /// How deep pairs overlap at most in the coming step, as somebody else knows.
+    depths_at_most: BTreeMap<Pair, f64>,
     /// Pairs that met within the coming step, whatever their answers.
     pressed: BTreeSet<Pair>,
     /// Pairs with a demand that touched at the last step.
@@ -124,6 +126,7 @@ impl World {
         let others = |pair: &Pair| pair.0 != body && pair.1 != body;
         self.excluded.retain(others);
         self.supplied.retain(|pair, _| others(pair));
+        self.depths_at_most.retain(|pair, _| others(pair));
         self.pressed.retain(others);
         let freed: Vec<Pair> = self.pair_wishes.keys().copied().filter(|p| !others(p)).collect();
         for (a, b) in freed {
@@ -183,6 +186,7 @@ impl World {
         known.model = model;
         self.memories.retain(|pair, _| pair.0 != body && pair.1 != body);
         self.supplied.retain(|pair, _| pair.0 != body && pair.1 != body);
+        self.depths_at_most.retain(|pair, _| pair.0 != body && pair.1 != body);
         self.pressed.retain(|pair| pair.0 != body && pair.1 != body);
         self.refresh_box(body)
     }
@@ -247,6 +251,20 @@ impl World {
         Ok(())
     }
 
+    /// Says how deep two bodies overlap at most at the present poses, below 0 where a gap is left.
+    /// The next step does not query the pair for a depth that is [read](ContactFields::depth) only
+    /// where it is deeper; if nothing else is read of it, the pair has no answer in that step, and
+    /// touches if it touched before.
+    ///
+    /// # Errors
+    ///
+    /// [`WorldError::UnknownBody`], [`WorldError::SameBody`].
+    pub fn bound_depth(&mut self, a: BodyId, b: BodyId, at_most: f64) -> Result<(), WorldError> {
+        let pair = self.known_pair(a, b)?;
+        self.depths_at_most.insert(pair, at_most);
+        Ok(())
+    }
+
     /// Says that two bodies press on each other in the coming step: a solver kept them apart by an
     /// impulse. They then count as touching, however far apart their surfaces are at its poses.
     ///
@@ -283,6 +301,7 @@ impl World {
         answers.sort_by_key(|pair| (pair.a, pair.b));
         answers.iter().for_each(|pair| stats.add(pair));
         let events = self.update_touching(&answers);
+        self.depths_at_most.clear();
         self.left = std::mem::take(&mut self.leaving);
         let step = self.steps;
         self.steps += 1;
@@ -342,6 +361,23 @@ impl World {
         answers
     }
 
+    /// What the narrow phase is asked about a pair of which these fields are read, beside what
+    /// somebody else knows of it.
+    fn left_to_ask(&self, pair: &Pair, fields: Fields) -> Demand {
+        if self.supplied.contains_key(pair) {
+            return Demand::None;
+        }
+        let at_most = self.depths_at_most.get(pair);
+        at_most.map_or(fields, |&at_most| fields.knowing_depth(at_most)).demand()
+    }
+
+    /// Whether a pair of which there is no answer may touch: its boxes meet, and no gap is known.
+    fn may_touch(&self, pair: &Pair) -> bool {
+        let boxes = (ProxyId(pair.0.0), ProxyId(pair.1.0));
+        self.depths_at_most.get(pair).is_some_and(|&at_most| at_most >= 0.0)
+            && self.broad_phase.pairs().binary_search(&boxes).is_ok()
+    }
+
     fn query_with(
         &self,
         memories: &mut BTreeMap<Pair, PairMemory>,
@@ -350,12 +386,13 @@ impl World {
         for &(ProxyId(a), ProxyId(b)) in self.broad_phase.pairs() {
             let pair @ (a, b) = (BodyId(a), BodyId(b));
             let bodies @ [body_a, body_b] = [self.known(a)?, self.known(b)?];
-            let demand = self.demand(pair, body_a, body_b);
-            if demand == Demand::None {
+            let fields = self.fields(pair, body_a, body_b);
+            if fields.demand() == Demand::None {
                 memories.remove(&pair);
                 continue;
             }
-            if self.supplied.contains_key(&pair) {
+            let demand = self.left_to_ask(&pair, fields);
+            if demand == Demand::None {
                 continue;
             }
             pairs.push(pair);
@@ -392,7 +429,11 @@ impl World {
         };
         let met = answers.iter().filter(|pair| pair.answer.touches());
         let met = met.map(|pair| (pair.a, pair.b)).chain(pressed);
-        let touching: BTreeSet<Pair> = met.filter(|(a, b)| asked(a, b)).collect();
+        let answered =
+            |pair: &Pair| answers.binary_search_by_key(pair, |answer| (answer.a, answer.b)).is_ok();
+        let go_on = self.touching.iter().filter(|pair| !answered(pair) && self.may_touch(pair));
+        let touching: BTreeSet<Pair> =
+            met.chain(go_on.copied()).filter(|(a, b)| asked(a, b)).collect();
         let changed = self.touching.symmetric_difference(&touching).map(|&(a, b)| {
             let began = touching.contains(&(a, b));
             let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };

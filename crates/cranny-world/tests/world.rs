@@ -276,7 +276,7 @@ fn margins_reach_across_gaps_whoever_asks() {
 
 #[test]
 fn of_contacts_only_what_is_read_is_answered() {
-    let depth = ContactFields { depth: true, ..ContactFields::NONE };
+    let depth = ContactFields { depth: Some(0.0), ..ContactFields::NONE };
     let points = ContactFields { points: true, ..depth };
     // The gap is within the margin; then a corner of one cube is in the other.
     let (mut world, ids) = row(&[Effect::Contacts { margin: 0.5 }], &[0.0, 1.25]);
@@ -299,6 +299,47 @@ fn of_contacts_only_what_is_read_is_answered() {
     world.set_contact_fields(ContactFields::NONE);
     assert_eq!(world.demand_of(ids[0], ids[1]).unwrap(), Demand::None);
     assert_eq!(found(&mut world), (vec![], false, vec![ended(ids[0], ids[1])]));
+}
+
+#[test]
+fn a_pair_is_not_queried_for_a_depth_that_is_known_to_be_no_deeper() {
+    let deeper_than = |depth| ContactFields { depth: Some(depth), ..ContactFields::NONE };
+    let (mut world, ids) = row(&[Effect::Contacts { margin: 0.5 }], &[0.0, 10.0]);
+    world.set_contact_fields(deeper_than(0.25));
+    // A corner of one cube is in the other by an eighth.
+    world.set_pose(ids[1], Pose::at(DVec3::new(0.875, 0.5, 0.5))).unwrap();
+    let mut found = |bound: Option<f64>, read: ContactFields| {
+        world.set_contact_fields(read);
+        if let Some(at_most) = bound {
+            world.bound_depth(ids[1], ids[0], at_most).unwrap();
+        }
+        let report = step(&mut world);
+        (report.stats.queried_pairs, report.events, report.touching.len())
+    };
+    let (begun, over) = (vec![began(ids[0], ids[1])], vec![ended(ids[0], ids[1])]);
+    assert_eq!(found(None, deeper_than(0.25)), (1, begun.clone(), 1));
+    // Nobody was asked, so it goes on; the bound is of one step.
+    assert_eq!(found(Some(0.2), deeper_than(0.25)), (0, vec![], 1));
+    assert_eq!(found(None, deeper_than(0.25)), (1, vec![], 1));
+    assert_eq!(found(Some(0.3), deeper_than(0.25)), (1, vec![], 1));
+    // Who reads more than that is answered.
+    assert_eq!(found(Some(0.2), deeper_than(0.0)), (1, vec![], 1));
+    assert_eq!(found(Some(0.2), ContactFields::ALL), (1, vec![], 1));
+    // A gap that is known ends a contact.
+    assert_eq!(found(Some(-0.1), deeper_than(0.25)), (0, over, 0));
+    assert_eq!(found(Some(0.2), deeper_than(0.25)), (0, vec![], 0), "nothing began");
+    assert_eq!(found(None, deeper_than(0.25)), (1, begun, 1));
+    assert!(matches!(world.bound_depth(ids[0], ids[0], 0.0), Err(WorldError::SameBody { .. })));
+}
+
+#[test]
+fn boxes_that_part_end_a_contact_whatever_depth_is_known() {
+    let (mut world, ids) = row(&[Effect::Contacts { margin: 0.0 }], &[0.0, 0.875]);
+    world.set_contact_fields(ContactFields { depth: Some(0.5), ..ContactFields::NONE });
+    assert_eq!(step(&mut world).touching.len(), 1);
+    world.set_pose(ids[1], Pose::at(DVec3::X * 5.0)).unwrap();
+    world.bound_depth(ids[0], ids[1], 0.25).unwrap();
+    assert_eq!(step(&mut world).events, vec![ended(ids[0], ids[1])]);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The arguments of each command.
 
 mod accuracy;
+mod robot;
 mod scene;
 mod show;
 mod stability;
@@ -12,6 +13,7 @@ use cranny_estimate::Accuracy;
 use cranny_geometry::Repair;
 
 pub(crate) use accuracy::AccuracyArgs;
+pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
     CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs, SubstepsArg,
 };
@@ -60,6 +62,8 @@ pub(crate) enum Command {
     Stability(StabilityArgs),
     /// What is known of a mesh: defects and repairs, hull, concavities, sizes and times
     Inspect(InspectArgs),
+    /// A robot's links, joints and masses; which links meet at each of a list of configurations
+    Robot(RobotArgs),
     /// Read a scene file and all that it names, and say whether it is right
     Check(CheckArgs),
 }

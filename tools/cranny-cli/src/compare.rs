@@ -74,7 +74,7 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
                 helices: helices.clone(),
                 rings: rings.clone(),
                 // The judge reads depths of regions, which tell how deep a failed peer is.
-                contact_fields: ContactFields { depth: true, regions: true, points: false },
+                contact_fields: ContactFields { depth: Some(0.0), regions: true, points: false },
                 ..PluginOptions::default()
             },
             step: args.instead.dt,

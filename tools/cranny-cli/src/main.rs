@@ -20,6 +20,7 @@ mod paths;
 mod pose_file;
 mod progress;
 mod query;
+mod robot;
 mod run;
 mod scene_file;
 mod stability;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Command::Accuracy(args) => accuracy::accuracy(args, cli.format),
         Command::Stability(args) => stability::stability(args, cli.format),
         Command::Inspect(args) => inspect::inspect(args, cli.format),
+        Command::Robot(args) => robot::robot(args, cli.format),
         Command::Check(args) => check::check(args, cli.format),
     };
     match outcome {

@@ -283,7 +283,10 @@ fn a_second_effect_shares_detection_with_the_first() {
     let one = app(&[Effect::Trigger]).plan().unwrap();
     let both = app(&[Effect::Trigger, CONTACTS]).plan().unwrap();
     let more: Vec<String> = names(&both).difference(&names(&one)).cloned().collect();
-    assert_eq!(more, ["contacts::share_contacts", "contacts::take_contacts"]);
+    assert_eq!(
+        more,
+        ["contacts::share_contacts", "contacts::take_contacts", "detection::read_deeper",]
+    );
 }
 
 #[test]

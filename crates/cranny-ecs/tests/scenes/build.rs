@@ -26,6 +26,7 @@ pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> Bo
         material: Material::default(),
         mass: None,
         normals: Normals::Flat,
+        sensor: false,
         layers: vec!["all".into()],
         effects: Vec::new(),
     }

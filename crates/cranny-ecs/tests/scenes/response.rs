@@ -10,7 +10,7 @@ use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 use cranny_rapier::{BodySpec, Detector as Detection, MassSource};
-use cranny_shapes::{Cuboid, Torus};
+use cranny_shapes::{Cuboid, Cup, Torus};
 use cranny_world::description::{BodyKind, Effect, Normals, PairDescription};
 
 use crate::build::{cube, drop, scene};
@@ -140,6 +140,25 @@ fn bodies_without_the_effect_pass_through_each_other() {
     run(&mut app);
     // The ghost is in the solver's world because it would meet the solid body, but not the floor.
     assert!(height(&app, "ghost") < -2.0);
+}
+
+#[test]
+fn a_sensor_of_a_scene_is_noticed_and_stops_nothing() {
+    let fallen = |sensor: bool| {
+        let mut floor = cube("floor", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+        floor.sensor = sensor;
+        let falling = cube("box", BodyKind::Dynamic, DVec3::Z * 1.25, DVec3::ZERO);
+        let effects = [Effect::Response, Effect::Trigger];
+        let options = RunOptions::default();
+        let mut app = SceneApp::new(&scene(vec![floor, falling], &effects), &options).unwrap();
+        let mut starts = 0;
+        while app.step().unwrap() {
+            starts += app.app().world().resource::<Messages<CollisionStart>>().len();
+        }
+        (height(&app, "box") < -1.0, starts > 0)
+    };
+    assert_eq!(fallen(true), (true, true));
+    assert_eq!(fallen(false), (false, true));
 }
 
 #[test]
@@ -284,6 +303,34 @@ fn only_what_is_read_is_computed_and_the_summary_reads_the_solvers_contacts() {
     }
     assert!(deepest > 0.0);
     assert_eq!(app.finish().unwrap().deepest.unwrap().depth, deepest);
+}
+
+/// The deepest overlap of a run is the same whether or not somebody reads the depth of each step;
+/// who reads it for the run alone has most pairs not searched for it.
+#[test]
+fn the_summary_has_pairs_searched_for_depths_beyond_the_deepest_alone() {
+    let ended = |reads: ContactFields| {
+        let mut outer = cube("outer", BodyKind::Fixed, DVec3::ZERO, DVec3::ZERO);
+        let mut inner = cube("inner", BodyKind::Dynamic, DVec3::Z * 1.01, DVec3::ZERO);
+        for cup in [&mut outer, &mut inner] {
+            cup.collision = Arc::new(Cup { segments: 24, ..Cup::default() }.build().unwrap());
+        }
+        let effects = [Effect::Response, Effect::Contacts { margin: 0.02 }];
+        let plugins = PluginOptions { contact_fields: reads, ..PluginOptions::default() };
+        let options = RunOptions { plugins, duration: Some(3.0), ..RunOptions::default() };
+        let mut app = SceneApp::new(&scene(vec![outer, inner], &effects), &options).unwrap();
+        let mut answers = 0;
+        for _ in 0..480 {
+            app.step().unwrap();
+            answers += app.app().world().resource::<RigidBodies>().answers().count();
+        }
+        (app.finish().unwrap(), answers)
+    };
+    let (each, of_each) = ended(ContactFields { depth: Some(0.0), ..ContactFields::NONE });
+    let (run, of_run) = ended(ContactFields::NONE);
+    assert!(run.deepest.as_ref().is_some_and(|deepest| deepest.depth > 0.0));
+    assert_eq!((run.deepest, run.state_hash), (each.deepest, each.state_hash));
+    assert!(2 * of_run < of_each, "{of_run} answers of {of_each}");
 }
 
 #[test]

@@ -193,7 +193,7 @@ impl Simulation {
         self.body(body).is_dynamic() && !is_link()
     }
 
-    fn model_of(&self, body: BodyIndex) -> Option<&Model> {
+    pub(super) fn model_of(&self, body: BodyIndex) -> Option<&Model> {
         let collider = self.colliders.get(self.tagged[body.0 as usize].collider)?;
         Some(ours(collider.shape())?.model())
     }

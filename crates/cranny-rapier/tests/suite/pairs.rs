@@ -161,10 +161,78 @@ fn moves_the_same(recycling: bool) {
     };
     let unread = poses(Fields::NONE, false);
     // The solver's own answers tell how deep bodies overlap, and whether they meet.
-    let found = Fields { depth: true, verdict: true, ..Fields::contacts(0.0) };
+    let found = Fields { depth: Some(0.0), verdict: true, ..Fields::contacts(0.0) };
     assert_eq!(unread, poses(found, recycling));
     assert_eq!(unread, poses(Fields::contacts(0.5), true));
     assert_eq!(unread, poses(Fields::regions(0.05), true));
+}
+
+/// Cups that fall onto each other, the lowest fixed, and a ring that falls onto the rim of the
+/// highest.
+fn cups(options: SimulationOptions) -> (Simulation, Vec<cranny_geometry::Model>) {
+    let cup = model(Cup { segments: 24, ..Cup::default() });
+    let ring = model(Torus { major_radius: 0.45, minor_radius: 0.1, ..Torus::default() });
+    let models = vec![cup.clone(), cup.clone(), cup.clone(), cup, ring];
+    let mut simulation = Simulation::new(options);
+    for (k, body) in models.iter().enumerate() {
+        let up = k as f64;
+        let kind = if k == 0 { BodyKind::Fixed } else { BodyKind::Dynamic };
+        let at = DVec3::new(0.01 * up, -0.005 * up, 1.01 * up);
+        let at = if k == 4 { at + DVec3::Z * 0.15 } else { at };
+        simulation.insert(&spec(body, kind, at)).expect("a body");
+    }
+    (simulation, models)
+}
+
+/// No pair overlaps deeper than its bound says, searched or carried on.
+#[test]
+fn depths_stay_within_their_bounds() {
+    let options = SimulationOptions { most_parts: 1, ..SimulationOptions::default() };
+    let (mut simulation, models) = cups(options);
+    let (mut carried, mut deepest, mut loosest) = (0, 0.0f64, 0.0f64);
+    for step in 0..360 {
+        let before: Vec<Pose> =
+            (0..models.len()).map(|k| simulation.pose(BodyIndex(k as u32))).collect();
+        simulation.step();
+        let unsearched = simulation.contact_pairs().into_iter().filter(|pair| !pair.fresh);
+        let unsearched: Vec<_> = unsearched.map(|pair| (pair.a, pair.b)).collect();
+        for ((a, b), bound) in simulation.depth_bounds() {
+            let [of_a, of_b] = [a, b].map(|index| {
+                let at = index.0 as usize;
+                Placed { model: &models[at], pose: before[at] }
+            });
+            let ask = Query::of(Demand::contacts(0.0));
+            let found = query(of_a, of_b, &ask, &mut PairMemory::default()).expect("valid poses");
+            let depth = found.depth();
+            assert!(depth <= bound.max(0.0) + 1e-9, "step {step}, {a:?} {b:?}: {depth} > {bound}");
+            assert!(bound >= 0.0 || !found.touches(), "step {step}, {a:?} {b:?}: no gap");
+            if unsearched.contains(&(a, b)) {
+                carried += 1;
+                (deepest, loosest) = (deepest.max(depth), loosest.max(bound - depth));
+            }
+        }
+    }
+    assert!(carried > 300 && deepest > 1e-4, "{carried} carried on, at most {deepest} deep");
+    assert!(loosest < 0.01, "{loosest}");
+}
+
+/// Who reads depths beyond a length alone has no pair searched that cannot be so deep.
+#[test]
+fn a_pair_is_searched_for_its_depth_where_it_may_be_deeper() {
+    let unsearched = |fields: Fields| {
+        let (mut simulation, _) = cups(SimulationOptions::default());
+        simulation.read_by(move |_, _| fields);
+        let mut count = 0;
+        for _ in 0..240 {
+            simulation.step();
+            count += simulation.contact_pairs().iter().filter(|pair| !pair.fresh).count();
+        }
+        count
+    };
+    let deeper_than = |depth| Fields { depth: Some(depth), ..Fields::NONE };
+    let [unread, deep, any] = [Fields::NONE, deeper_than(0.1), deeper_than(0.0)].map(unsearched);
+    assert_eq!(deep, unread);
+    assert!(any < unread, "{any} of {unread}");
 }
 
 #[test]

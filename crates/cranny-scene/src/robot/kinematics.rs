@@ -97,6 +97,21 @@ impl Robot {
         Ok(values)
     }
 
+    /// Gives joints that have no position the one within their limits that is nearest to 0, where
+    /// that is not 0; returns the names of those.
+    pub fn clamp_to_limits(&self, positions: &mut JointPositions) -> Vec<String> {
+        let mut clamped = Vec::new();
+        for joint in self.joints.iter().filter(|joint| joint.mimic.is_none()) {
+            let Some([low, high]) = joint.limits() else { continue };
+            let start = 0f64.clamp(low, high);
+            if start != 0.0 && !positions.contains_key(&joint.name) {
+                positions.insert(joint.name.clone(), start);
+                clamped.push(joint.name.clone());
+            }
+        }
+        clamped
+    }
+
     fn movable_joints(&self) -> String {
         let free = |joint: &&RobotJoint| joint.has_position() && joint.mimic.is_none();
         let names: Vec<_> = self.joints.iter().filter(free).map(|j| j.name.as_str()).collect();
@@ -134,7 +149,7 @@ impl RobotJoint {
 }
 
 /// A rotation about a unit axis by an angle in radians.
-fn about(axis: DVec3, angle: f64) -> DQuat {
+pub(crate) fn about(axis: DVec3, angle: f64) -> DQuat {
     let (sin, cos) = (0.5 * angle).sin_cos();
     let v = axis * sin;
     let rotation = DQuat::from_xyzw(v.x, v.y, v.z, cos);

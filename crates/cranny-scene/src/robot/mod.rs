@@ -6,6 +6,7 @@
 
 mod cylinder;
 mod kinematics;
+mod models;
 mod package;
 mod problem;
 mod sift;
@@ -20,6 +21,9 @@ use cranny_geometry::Mesh;
 use cranny_world::description::{JointKind, Mimic, Resistance, StatedMass};
 
 pub use kinematics::PositionError;
+pub(crate) use kinematics::about;
+pub use models::LinkModelError;
+pub(crate) use models::LinkModels;
 pub use problem::RobotError;
 pub use srdf::disabled_pairs;
 pub use urdf::read_robot;
@@ -103,6 +107,18 @@ impl Robot {
         let mut pairs: Vec<_> = self.joints.iter().map(ordered).collect();
         pairs.sort_unstable();
         pairs
+    }
+
+    /// Has the visual meshes stand for collision geometry where no link has any; returns whether
+    /// they do.
+    pub fn collide_as_drawn(&mut self) -> bool {
+        if self.links.iter().any(|link| link.collision.is_some()) {
+            return false;
+        }
+        for link in &mut self.links {
+            link.collision.clone_from(&link.visual);
+        }
+        self.links.iter().any(|link| link.collision.is_some())
     }
 
     /// Indices of [`joints`](Self::joints) such that every link is reached as a child before it is

@@ -61,9 +61,9 @@ pub enum RobotError {
         /// What is wrong and what to do.
         problem: String,
     },
-    /// A collision mesh cannot be found.
+    /// A mesh cannot be found.
     #[error(
-        "robot file {}{}, link {link:?}: the collision mesh {uri:?} was not found. Looked for {}. Put the mesh there, correct the path, or name the folder above the package in ROS_PACKAGE_PATH.",
+        "robot file {}{}, link {link:?}: the mesh {uri:?} was not found. Looked for {}. Put the mesh there, correct the path, or name the folder above the package in ROS_PACKAGE_PATH.",
         path.display(), at(*line), list(tried)
     )]
     MeshNotFound {

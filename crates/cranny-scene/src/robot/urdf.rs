@@ -129,6 +129,11 @@ impl Reader {
                 .and_then(|mesh| self.placed(link, &element.origin, mesh, visual.clone()));
             match drawn {
                 Ok(mesh) => visual = Some(mesh),
+                // Where it was looked for matters for what collides.
+                Err(RobotError::MeshNotFound { uri, .. }) => {
+                    let what = format!("is drawn without the mesh {uri:?}, which was not found");
+                    self.note("link", &link.name, &what);
+                }
                 Err(error) => self.notes.push(format!("a visual element was left out: {error}")),
             }
         }

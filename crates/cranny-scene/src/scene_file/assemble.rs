@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use cranny_exact::{Aabb, DVec3};
+use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
@@ -15,8 +15,8 @@ use cranny_world::description::{
 
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
-    BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PresetFile,
-    SceneFile, ShapeFile, effects,
+    BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PoseFile,
+    PresetFile, SceneFile, ShapeFile, effects,
 };
 use super::values::Finite;
 use super::{LoadOptions, locate, pile, place_robot};
@@ -136,12 +136,13 @@ impl Assembly<'_> {
                 .map(|visual| self.shape(&body.name, visual))
                 .transpose()?,
             kind,
-            pose: body.pose.into(),
+            pose: self.pose(&format!("body {:?}", body.name), body.pose),
             linear_velocity: velocity[0],
             angular_velocity: velocity[1],
             material: body.material.into(),
             mass: None,
             normals: body.normals.into(),
+            sensor: body.sensor,
             layers: body.layers.clone(),
             effects: effects(&body.effects),
         };
@@ -183,11 +184,22 @@ impl Assembly<'_> {
             material: group.material.into(),
             mass: None,
             normals: group.normals.into(),
+            sensor: false,
             layers: group.layers.clone(),
             effects: effects(&group.effects),
         };
         self.description.bodies.extend(pieces.into_iter().enumerate().map(body));
         Ok(())
+    }
+
+    /// A pose as it was meant.
+    pub(super) fn pose(&mut self, whose: &str, file: PoseFile) -> Pose {
+        if let Some(length) = file.length {
+            self.warnings.push(format!(
+                "{whose}: its rotation is a quaternion of length {length} and counts as of length 1"
+            ));
+        }
+        file.pose
     }
 
     /// The mesh of a shape, built once.
@@ -196,7 +208,10 @@ impl Assembly<'_> {
             return Ok(Arc::clone(mesh));
         }
         let mesh = Arc::new(match shape {
-            ShapeFile::Mesh { path, scale } => self.mesh_file(body, path, scale.0)?,
+            ShapeFile::Mesh { path, scale, recenter } => {
+                let mesh = self.mesh_file(body, path, scale.0)?;
+                if *recenter { self.recentered(body, &mesh)? } else { mesh }
+            }
             ShapeFile::Generator(shape) => shape.build().map_err(|source| {
                 let place = self.source.find("name", body);
                 self.source.error(place, SceneProblem::Shape { body: body.to_owned(), source })
@@ -231,6 +246,16 @@ impl Assembly<'_> {
         self.notes.extend(read.notes.into_iter().map(|note| format!("{}: {note}", path.display())));
         self.add_file(path);
         Ok(mesh)
+    }
+
+    /// A mesh with the middle of its box at the origin.
+    fn recentered(&self, body: &str, mesh: &Mesh) -> Result<Mesh, SceneError> {
+        let center = mesh.bounds().center();
+        let vertices = mesh.vertices().iter().map(|&vertex| vertex - center).collect();
+        Mesh::new(vertices, mesh.faces().to_vec()).map_err(|error| {
+            let what = format!("body {body:?}, recentred: {error}");
+            self.source.error(self.source.find("name", body), SceneProblem::Contradiction(what))
+        })
     }
 
     pub(super) fn add_file(&mut self, path: PathBuf) {
@@ -319,6 +344,9 @@ impl Assembly<'_> {
                 JointKind::Prismatic { axis: axis.0, limits: ordered(limits)? }
             }
         };
+        let whose = format!("joint {:?}", joint.name);
+        let [parent_anchor, child_anchor] =
+            [joint.parent_anchor, joint.child_anchor].map(|anchor| self.pose(&whose, anchor));
         if !joint.collide {
             self.description.excluded_pairs.push((parent.min(child), parent.max(child)));
         }
@@ -326,8 +354,8 @@ impl Assembly<'_> {
             name: joint.name.clone(),
             parent,
             child,
-            parent_anchor: joint.parent_anchor.into(),
-            child_anchor: joint.child_anchor.into(),
+            parent_anchor,
+            child_anchor,
             kind,
             mimic: None,
             motor: place_robot::motor_of(joint.motor.as_ref(), joint.target.map(|t| t.0)),
@@ -345,6 +373,18 @@ impl Assembly<'_> {
             let what = format!("a pair names {:?} twice: a body does not meet itself", pair.a);
             let place = self.source.find("b", &pair.b);
             return Err(self.source.error(place, SceneProblem::Contradiction(what)));
+        }
+        if !pair.collide {
+            if !pair.effects.is_empty() {
+                let what = format!(
+                    "the pair {:?} and {:?} has effects, but `collide: false` keeps it from meeting. Keep one of the two",
+                    pair.a, pair.b
+                );
+                let place = self.source.find("b", &pair.b);
+                return Err(self.source.error(place, SceneProblem::Contradiction(what)));
+            }
+            self.description.excluded_pairs.push((a.min(b), a.max(b)));
+            return Ok(());
         }
         self.description.pairs.push(PairDescription {
             a: pair.a.clone(),

@@ -14,7 +14,7 @@ use std::fs;
 use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
-use cranny_geometry::{BuildOptions, Mesh, Model};
+use cranny_geometry::{Mesh, Model};
 use cranny_world::description::{
     BodyDescription, BodyKind, JointDescription, JointKind, JointPositions, Material, Mimic, Motor,
     StatedMass,
@@ -25,7 +25,7 @@ use self::masses::{FRAME_SIZE, box_of, cube_of, inertia_box, moved, summed};
 use super::assemble::{Assembly, is_mesh};
 use super::problem::{SceneError, SceneProblem};
 use super::syntax::{MotorFile, RobotFile, effects};
-use crate::robot::{Robot, disabled_pairs, read_robot};
+use crate::robot::{LinkModels, Robot, disabled_pairs, read_robot};
 
 /// Mass of a frame that moves and has neither mass nor geometry, kilograms. Smaller: what hangs on
 /// it has no weight beside the last digits in single precision; larger: an arm feels it.
@@ -73,7 +73,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     robot.all_positions(&targets).map_err(position_error)?;
     let motors = file.motors.keys().map(|joint| (joint.clone(), 0.0)).collect();
     robot.all_positions(&motors).map_err(position_error)?;
-    let moved = clamp_to_limits(&robot, &mut positions);
+    let moved = robot.clamp_to_limits(&mut positions);
     if !moved.is_empty() {
         warnings.push(format!(
             "0 is outside the limits of {}: they start at the nearer limit. `positions` says otherwise",
@@ -82,13 +82,8 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
     }
     let root_from_links = robot.forward_kinematics(&positions).map_err(position_error)?;
     let starts = robot.all_positions(&positions).map_err(position_error)?;
-    if robot.links.iter().all(|link| link.collision.is_none()) {
-        let drawn = robot.links.iter_mut().filter(|link| link.visual.is_some());
-        drawn.for_each(|link| link.collision = link.visual.clone());
-        if robot.links.iter().any(|link| link.collision.is_some()) {
-            warnings
-                .push("no link has collision geometry: the visual meshes stand for it".to_owned());
-        }
+    if robot.collide_as_drawn() {
+        warnings.push("no link has collision geometry: the visual meshes stand for it".to_owned());
     }
     let disabled = match &file.srdf {
         None => Vec::new(),
@@ -102,7 +97,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
             pairs
         }
     };
-    let world_from_root = Pose::from(file.pose);
+    let world_from_root = assembly.pose(&format!("robot {name:?}"), file.pose);
     let mut placing = Placing {
         robot: &robot,
         file,
@@ -115,7 +110,7 @@ pub(super) fn place(assembly: &mut Assembly<'_>, file: &RobotFile) -> Result<(),
         carriers: vec![None; robot.links.len()],
         group_of_body: Vec::new(),
         link_of_body: Vec::new(),
-        models: Vec::new(),
+        models: LinkModels::default(),
         warnings,
     };
     let world_from_links: Vec<Pose> =
@@ -147,21 +142,6 @@ fn check_limits(robot: &Robot, what: &str, positions: &JointPositions) -> Result
     Ok(())
 }
 
-/// Joints whose position is not given start at 0, or at the limit that is nearer to it; returns
-/// those.
-fn clamp_to_limits(robot: &Robot, positions: &mut JointPositions) -> Vec<String> {
-    let mut moved = Vec::new();
-    for joint in robot.joints.iter().filter(|joint| joint.mimic.is_none()) {
-        let Some([low, high]) = joint.limits() else { continue };
-        let start = 0f64.clamp(low, high);
-        if start != 0.0 && !positions.contains_key(&joint.name) {
-            positions.insert(joint.name.clone(), start);
-            moved.push(joint.name.clone());
-        }
-    }
-    moved
-}
-
 /// Names as a sentence has them.
 fn listed(names: &[String]) -> String {
     let mut shown: Vec<String> = names.iter().take(NAMED).map(|name| format!("{name:?}")).collect();
@@ -187,7 +167,7 @@ struct Placing<'a> {
     /// By body of the robot.
     group_of_body: Vec<usize>,
     link_of_body: Vec<usize>,
-    models: Vec<(Arc<Mesh>, Model)>,
+    models: LinkModels,
     warnings: Vec<String>,
 }
 
@@ -255,6 +235,7 @@ impl Placing<'_> {
             material: Material::from(self.file.material),
             mass: None,
             normals: self.file.normals.into(),
+            sensor: false,
             layers,
             effects: effects(&self.file.effects),
         });
@@ -301,15 +282,7 @@ impl Placing<'_> {
 
     /// The prepared model of a mesh.
     fn model(&mut self, mesh: &Arc<Mesh>, link: &str) -> Result<Model, String> {
-        if let Some((_, model)) = self.models.iter().find(|(known, _)| Arc::ptr_eq(known, mesh)) {
-            return Ok(model.clone());
-        }
-        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-        let (model, _) = Model::build(Mesh::clone(mesh), &options).map_err(|error| {
-            format!("the collision geometry of link {link:?} cannot be prepared: {error}")
-        })?;
-        self.models.push((Arc::clone(mesh), model.clone()));
-        Ok(model)
+        self.models.of(mesh, link).map_err(|error| error.to_string())
     }
 
     /// Adds a link's mass, and what it looks like, to the body that carries it.

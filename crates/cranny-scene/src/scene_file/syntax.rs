@@ -12,7 +12,10 @@ use serde::Deserialize;
 use super::effect::EffectFile;
 use super::locate::byte_at;
 use super::problem::{SceneError, SceneProblem, located};
-use super::values::{Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Vector};
+use super::values::{
+    Axis, FaceAngle, Finite, Fraction, NotNegative, Positive, Rotation, Scale, Vector,
+};
+use crate::robot::about;
 
 /// A whole file.
 #[derive(Debug, Deserialize)]
@@ -94,6 +97,9 @@ pub(super) struct BodyFile {
     pub(super) material: MaterialFile,
     #[serde(default)]
     pub(super) normals: NormalsFile,
+    /// Whether it is noticed and never pushes.
+    #[serde(default)]
+    pub(super) sensor: bool,
     #[serde(default = "all_layers")]
     pub(super) layers: Vec<String>,
     #[serde(default)]
@@ -111,13 +117,16 @@ pub(super) enum ShapeFile {
     Mesh {
         path: String,
         #[serde(default = "unscaled")]
-        scale: Vector,
+        scale: Scale,
+        /// Whether the middle of its box, after scaling, is moved to the body's origin.
+        #[serde(default)]
+        recenter: bool,
     },
     Generator(Shape),
 }
 
-fn unscaled() -> Vector {
-    Vector(DVec3::ONE)
+fn unscaled() -> Scale {
+    Scale(DVec3::ONE)
 }
 
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
@@ -139,22 +148,59 @@ impl From<KindFile> for BodyKind {
     }
 }
 
+/// A place and an orientation, the latter written in one of three ways.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields, default, rename = "Pose")]
+#[serde(try_from = "PoseParts")]
 pub(super) struct PoseFile {
-    at: Vector,
-    rotation: Rotation,
+    pub(super) pose: Pose,
+    /// The length of its quaternion, where that was normalised.
+    pub(super) length: Option<f64>,
 }
 
 impl Default for PoseFile {
     fn default() -> Self {
-        Self { at: Vector(DVec3::ZERO), rotation: Rotation(DQuat::IDENTITY) }
+        Self { pose: Pose::IDENTITY, length: None }
     }
 }
 
-impl From<PoseFile> for Pose {
-    fn from(pose: PoseFile) -> Self {
-        Self { rotation: pose.rotation.0, translation: pose.at.0 }
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default, rename = "Pose")]
+struct PoseParts {
+    at: Option<Vector>,
+    /// A quaternion.
+    rotation: Option<Rotation>,
+    /// About the fixed axes x, then y, then z.
+    euler_degrees: Option<Vector>,
+    turn: Option<TurnFile>,
+}
+
+/// A rotation about an axis.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Turn")]
+struct TurnFile {
+    axis: Axis,
+    degrees: Finite,
+}
+
+impl TryFrom<PoseParts> for PoseFile {
+    type Error = &'static str;
+
+    fn try_from(parts: PoseParts) -> Result<Self, Self::Error> {
+        let PoseParts { at, rotation, euler_degrees, turn } = parts;
+        let ways = [rotation.is_some(), euler_degrees.is_some(), turn.is_some()];
+        if ways.into_iter().filter(|given| *given).count() > 1 {
+            return Err("a pose has one of `rotation`, `euler_degrees` and `turn`; keep one");
+        }
+        let of_euler = euler_degrees.map(|Vector(degrees)| {
+            let [x, y, z] = degrees.to_array().map(f64::to_radians);
+            about(DVec3::Z, z) * about(DVec3::Y, y) * about(DVec3::X, x)
+        });
+        let of_turn = turn.map(|TurnFile { axis, degrees }| about(axis.0, degrees.0.to_radians()));
+        let unit = rotation.map(|rotation| rotation.unit).or(of_euler).or(of_turn);
+        let rotation_of_pose = unit.unwrap_or(DQuat::IDENTITY);
+        let translation = at.map_or(DVec3::ZERO, |at| at.0);
+        let pose = Pose { rotation: rotation_of_pose, translation };
+        Ok(Self { pose, length: rotation.and_then(|rotation| rotation.length) })
     }
 }
 
@@ -405,6 +451,10 @@ pub(super) enum JointKindFile {
 pub(super) struct PairFile {
     pub(super) a: String,
     pub(super) b: String,
+    /// Whether the two may meet.
+    #[serde(default = "yes")]
+    pub(super) collide: bool,
+    #[serde(default)]
     pub(super) effects: Vec<EffectFile>,
 }
 

@@ -1,7 +1,11 @@
 //! Numbers of a scene file, checked while their place is known.
 
-use cranny_exact::{DQuat, DVec3, check_point};
+use std::fmt::{self, Formatter};
+
+use cranny_exact::{DQuat, DVec3, Pose, check_point};
 use serde::Deserialize;
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{self, Deserializer, SeqAccess, Visitor};
 
 /// Three numbers inside the coordinate domain.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -18,18 +22,71 @@ impl TryFrom<[f64; 3]> for Vector {
     }
 }
 
-/// A unit quaternion (x, y, z, w).
+/// A quaternion (x, y, z, w) of unit length, or nearly.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(try_from = "[f64; 4]")]
-pub(super) struct Rotation(pub(super) DQuat);
+pub(super) struct Rotation {
+    pub(super) unit: DQuat,
+    /// Its length as filed, where that is off 1 by more than digits that were left out.
+    pub(super) length: Option<f64>,
+}
+
+/// By how much a quaternion's length may be off 1 and still be meant as a rotation. Larger: four
+/// numbers that are none pass for one; smaller: what was written with two digits is refused.
+const NEARLY_UNIT: f64 = 0.01;
 
 impl TryFrom<[f64; 4]> for Rotation {
     type Error = String;
 
     fn try_from(numbers: [f64; 4]) -> Result<Self, String> {
         let quaternion = DQuat::from_array(numbers);
-        let pose = cranny_exact::Pose::checked(quaternion, DVec3::ZERO);
-        pose.map(|pose| Self(pose.rotation)).map_err(|error| error.to_string())
+        match Pose::checked(quaternion, DVec3::ZERO) {
+            Ok(pose) => Ok(Self { unit: pose.rotation, length: None }),
+            Err(error) => {
+                let length = quaternion.length();
+                let is_near = (length - 1.0).abs() <= NEARLY_UNIT;
+                let unit = quaternion * (1.0 / length);
+                let found = Self { unit, length: Some(length) };
+                is_near.then_some(found).ok_or_else(|| error.to_string())
+            }
+        }
+    }
+}
+
+/// Factors along the axes: one number stands for all three.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale(pub(super) DVec3);
+
+impl<'de> Deserialize<'de> for Scale {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ScaleVisitor)
+    }
+}
+
+struct ScaleVisitor;
+
+impl<'de> Visitor<'de> for ScaleVisitor {
+    type Value = Scale;
+
+    fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("a factor, or three of them (x, y, z)")
+    }
+
+    fn visit_f64<E: de::Error>(self, factor: f64) -> Result<Scale, E> {
+        Vector::try_from([factor; 3]).map(|factors| Scale(factors.0)).map_err(E::custom)
+    }
+
+    fn visit_i64<E: de::Error>(self, factor: i64) -> Result<Scale, E> {
+        self.visit_f64(factor as f64)
+    }
+
+    fn visit_u64<E: de::Error>(self, factor: u64) -> Result<Scale, E> {
+        self.visit_f64(factor as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, factors: A) -> Result<Scale, A::Error> {
+        let factors = Vector::deserialize(SeqAccessDeserializer::new(factors))?;
+        Ok(Scale(factors.0))
     }
 }
 

@@ -2,7 +2,7 @@
 //! says how to add one.
 
 use cranny_broad_phase::{BroadPhase, ProxyId};
-use cranny_narrow_phase::Demand;
+use cranny_narrow_phase::{Demand, Fields};
 
 use super::{Pair, World};
 use crate::body::{Body, BodyId};
@@ -117,11 +117,15 @@ impl World {
     }
 
     pub(super) fn demand(&self, pair: Pair, a: &Body, b: &Body) -> Demand {
+        self.fields(pair, a, b).demand()
+    }
+
+    pub(super) fn fields(&self, pair: Pair, a: &Body, b: &Body) -> Fields {
         if self.excluded.contains(&pair) || !a.may_meet(b) {
-            return Demand::None;
+            return Fields::NONE;
         }
         let of_pair = self.pair_wishes.get(&pair).copied().unwrap_or_default();
-        self.scene.join(a.wish).join(b.wish).join(of_pair).fields(self.read).demand()
+        self.scene.join(a.wish).join(b.wish).join(of_pair).fields(self.read)
     }
 
     /// By how much a body's box is grown, so that boxes overlap wherever surfaces are no farther

@@ -7,7 +7,7 @@ use cranny_exact::DVec3;
 use cranny_scene::read_mesh;
 use serde_json::{Value, json};
 
-use crate::harness::{Folder, argument, run};
+use crate::harness::{Folder, argument, corpus, run};
 
 /// Largest accepted difference of distances, as a share of the sum of the two meshes' diagonals.
 /// The recorded distances come from `f64` libraries; ours and theirs agree to about 1e-15.
@@ -148,10 +148,7 @@ fn exchanged(contained: &Value) -> Value {
 
 #[test]
 fn six_pairs_agree_on_all_poses_either_way_round() {
-    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
-        println!("skipped: CRANNY_CORPUS not set");
-        return;
-    };
+    let Some(corpus) = corpus() else { return };
     let pairs = pairs(&corpus);
     assert_eq!(pairs.len(), 6);
     let mut poses = 0;
@@ -188,10 +185,7 @@ fn six_pairs_agree_on_all_poses_either_way_round() {
 /// With memory, earlier queries change nothing: to the bit, in sorted and in shuffled order.
 #[test]
 fn answers_do_not_depend_on_the_order_of_poses() {
-    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
-        println!("skipped: CRANNY_CORPUS not set");
-        return;
-    };
+    let Some(corpus) = corpus() else { return };
     let mut poses = 0;
     for pair in &pairs(&corpus) {
         let lines = pair.query(["a", "b"]);
@@ -222,10 +216,7 @@ fn the_nut_of_twelve_millimetres_follows_its_bolt() {
     const PITCH: f64 = 0.001_75;
     /// Where the nut's thread stands in the bolt's: by trial, in the middle between the flanks.
     const START: f64 = 0.012 + PITCH * 1.5 / 16.0;
-    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
-        println!("skipped: CRANNY_CORPUS not set");
-        return;
-    };
+    let Some(corpus) = corpus() else { return };
     let pairs = pairs(&corpus);
     let pair = pairs.iter().find(|pair| pair.file.ends_with("p01_bolt_nut_m12.json")).unwrap();
     let pose = |k: u32, shift: f64| {
@@ -259,10 +250,7 @@ fn the_nut_of_twelve_millimetres_follows_its_bolt() {
 /// and the intervals hold the distances that they measured.
 #[test]
 fn levels_and_budgets_contradict_no_answer_of_others() {
-    let Some(corpus) = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from) else {
-        println!("skipped: CRANNY_CORPUS not set");
-        return;
-    };
+    let Some(corpus) = corpus() else { return };
     let mut reported = BTreeMap::from([("apart", 0), ("meets", 0), ("open", 0)]);
     for pair in &pairs(&corpus) {
         let tolerance = DISTANCE_TOLERANCE * (pair.diagonal("a") + pair.diagonal("b"));
@@ -282,4 +270,30 @@ fn levels_and_budgets_contradict_no_answer_of_others() {
         }
     }
     assert!(reported.values().all(|&times| times > 300), "{reported:?}");
+}
+
+/// The links that meet at recorded configurations of two robots, as two libraries found them.
+#[test]
+fn links_meet_where_others_say_they_do() {
+    let Some(corpus) = corpus() else { return };
+    for name in ["panda", "go2"] {
+        let file = corpus.join(format!("robots/{name}.expected.json"));
+        let expected: Value =
+            serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+        let expected = expected["configs"].as_array().unwrap();
+        let folder = Folder::new();
+        let configurations: Value = expected.iter().map(|config| config["q"].clone()).collect();
+        let configurations = folder.write("q.json", configurations.to_string());
+        let urdf = format!("example-robot-data/robots/{name}_description/urdf/{name}.urdf");
+        let urdf = argument(&corpus.join("robots").join(urdf));
+        let found = run(&["robot", &urdf, "--configurations", &configurations, "--distance"]);
+        assert_eq!(found.code, Some(0), "{found:?}");
+        assert_eq!(found.stdout.lines().count(), expected.len());
+        for (line, expected) in found.stdout.lines().zip(expected) {
+            let line: Value = serde_json::from_str(line).unwrap();
+            assert_eq!(line["hits"], expected["hits"], "{name}, {}", line["configuration"]);
+            let meets = expected["hits"].as_array().is_some_and(|hits| !hits.is_empty());
+            assert_eq!(line["distance"].as_f64() == Some(0.0), meets, "{name}");
+        }
+    }
 }

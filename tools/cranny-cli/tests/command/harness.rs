@@ -91,3 +91,12 @@ impl Folder {
 pub(crate) fn argument(path: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
+
+/// The folder of real meshes and robots, where there is one.
+pub(crate) fn corpus() -> Option<PathBuf> {
+    let corpus = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from);
+    if corpus.is_none() {
+        println!("skipped: CRANNY_CORPUS not set");
+    }
+    corpus
+}

@@ -8,7 +8,7 @@ use cranny_shapes::{Cuboid, Cup};
 use cranny_testkit::Rng;
 use serde_json::Value;
 
-use crate::harness::{Folder, argument, run};
+use crate::harness::{Folder, argument, corpus, run};
 
 fn inspected(mesh: &str, more: &[&str]) -> Value {
     run(&[&["inspect", mesh, "--format", "json"], more].concat()).json_lines().remove(0)
@@ -110,15 +110,6 @@ fn distances_and_policies_that_make_no_sense_are_refused() {
         assert!(refused.stderr.contains(word) && refused.stdout.is_empty(), "{refused:?}");
     }
 }
-
-fn corpus() -> Option<PathBuf> {
-    let corpus = std::env::var_os("CRANNY_CORPUS").map(PathBuf::from);
-    if corpus.is_none() {
-        println!("skipped: CRANNY_CORPUS not set");
-    }
-    corpus
-}
-
 #[test]
 fn the_nut_and_the_hole_close_and_the_newt_is_turned() {
     let Some(corpus) = corpus() else { return };

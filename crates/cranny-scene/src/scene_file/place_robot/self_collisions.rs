@@ -1,9 +1,9 @@
 //! Which pairs of a robot's bodies never meet.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
-use cranny_world::description::Effect;
-use cranny_world::{BodyId, BodySpec, World, WorldError};
+use cranny_exact::Pose;
+use cranny_world::{Arrangement, ArrangementError, Wanted};
 
 use super::{Placing, listed};
 use crate::scene_file::syntax::SelfCollisionsFile;
@@ -53,26 +53,17 @@ impl Placing<'_> {
     }
 
     /// Pairs of bodies that touch or overlap where the robot starts, beside those excluded.
-    fn meeting(&self, excluded: &[(usize, usize)]) -> Result<Vec<(usize, usize)>, WorldError> {
-        let mut world = World::new();
-        world.set_scene_effects(&[Effect::Trigger])?;
-        let mut ids: BTreeMap<BodyId, usize> = BTreeMap::new();
-        for (index, body) in self.bodies.iter().enumerate() {
-            let Some(model) = body.model.clone().filter(|_| !body.layers.is_empty()) else {
-                continue;
-            };
-            let spec = BodySpec { pose: body.pose, ..BodySpec::new(&body.name, model) };
-            ids.insert(world.insert(spec)?, index);
-        }
-        let id_of: BTreeMap<usize, BodyId> = ids.iter().map(|(&id, &index)| (index, id)).collect();
-        for &(a, b) in excluded {
-            if let (Some(&a), Some(&b)) =
-                (id_of.get(&(a - self.first)), id_of.get(&(b - self.first)))
-            {
-                world.exclude_pair(a, b)?;
-            }
-        }
-        let touching = world.step()?.touching;
-        Ok(touching.iter().map(|(a, b)| (ids[a], ids[b])).collect())
+    fn meeting(
+        &self,
+        excluded: &[(usize, usize)],
+    ) -> Result<Vec<(usize, usize)>, ArrangementError> {
+        let in_robot = |&(a, b): &(usize, usize)| (a - self.first, b - self.first);
+        let excluded: BTreeSet<_> = excluded.iter().map(in_robot).collect();
+        let models =
+            self.bodies.iter().map(|body| body.model.clone().filter(|_| !body.layers.is_empty()));
+        let pairs = (0..self.bodies.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let pairs = pairs.filter(|pair| !excluded.contains(pair));
+        let poses: Vec<Pose> = self.bodies.iter().map(|body| body.pose).collect();
+        Ok(Arrangement::new(models.collect(), pairs).at(&poses, Wanted::Meeting)?.meeting)
     }
 }

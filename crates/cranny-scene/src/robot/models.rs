@@ -1,0 +1,60 @@
+//! Prepared models of links.
+
+use std::sync::Arc;
+
+use cranny_geometry::{BuildError, BuildOptions, Mesh, Model};
+use cranny_world::Arrangement;
+use thiserror::Error;
+
+use super::Robot;
+
+/// Collision geometry of a link of which no model can be made.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("the collision geometry of link {link:?} cannot be prepared: {source}")]
+pub struct LinkModelError {
+    /// The link.
+    pub link: String,
+    /// Why.
+    pub source: BuildError,
+}
+
+/// Models of meshes; links of one mesh share its model.
+#[derive(Debug, Default)]
+pub(crate) struct LinkModels(Vec<(Arc<Mesh>, Model)>);
+
+impl LinkModels {
+    /// The prepared model of a link's mesh.
+    pub(crate) fn of(&mut self, mesh: &Arc<Mesh>, link: &str) -> Result<Model, LinkModelError> {
+        if let Some((_, model)) = self.0.iter().find(|(known, _)| Arc::ptr_eq(known, mesh)) {
+            return Ok(model.clone());
+        }
+        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        let (model, _) = Model::build(Mesh::clone(mesh), &options)
+            .map_err(|source| LinkModelError { link: link.to_owned(), source })?;
+        self.0.push((Arc::clone(mesh), model.clone()));
+        Ok(model)
+    }
+}
+
+impl Robot {
+    /// The links with their collision geometry, and the pairs of them that are checked: all but
+    /// [adjacent](Self::adjacent_links) ones and those whose names are `disabled`, in either order.
+    /// Poses are those of [`forward_kinematics`](Self::forward_kinematics).
+    ///
+    /// # Errors
+    ///
+    /// [`LinkModelError`].
+    pub fn self_collisions(&self, disabled: &[[String; 2]]) -> Result<Arrangement, LinkModelError> {
+        let mut models = LinkModels::default();
+        let of_links = self.links.iter().map(|link| {
+            link.collision.as_ref().map(|mesh| models.of(mesh, &link.name)).transpose()
+        });
+        let of_links = of_links.collect::<Result<Vec<_>, _>>()?;
+        let mut left_out = self.adjacent_links();
+        let links = disabled.iter().filter_map(|[a, b]| Some((self.link(a)?, self.link(b)?)));
+        left_out.extend(links.map(|(a, b)| (a.min(b), a.max(b))));
+        let pairs = (0..self.links.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        let pairs: Vec<_> = pairs.filter(|pair| !left_out.contains(pair)).collect();
+        Ok(Arrangement::new(of_links, pairs))
+    }
+}

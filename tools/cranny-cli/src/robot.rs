@@ -1,0 +1,178 @@
+//! `cranny robot`: a robot file described, or its links checked against each other.
+
+mod configuration_file;
+mod description;
+
+use std::fmt::Display;
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use cranny_scene::robot::{disabled_pairs, read_robot};
+use cranny_scene::{Robot, RobotError};
+use cranny_world::description::JointPositions;
+use cranny_world::{Arranged, Arrangement, Wanted};
+use serde::Serialize;
+
+use crate::args::{Format, RobotArgs};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::paths::check_input;
+use crate::progress;
+use configuration_file::read_configurations;
+use description::Description;
+
+/// What is found at a configuration.
+#[derive(Debug, Serialize)]
+struct ConfigurationLine<'a> {
+    configuration: usize,
+    hits: Vec<[&'a str; 2]>,
+    distance: Option<f64>,
+    pair: Option<[&'a str; 2]>,
+    micros: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// Wrong files or options; standard output that cannot be written.
+pub(crate) fn robot(args: &RobotArgs, format: Option<Format>) -> Result<(), Failure> {
+    check_input("robot file", &args.urdf)?;
+    // Short files first: a mistake in them is reported before meshes are read.
+    let configurations = args.configurations.as_deref().map(read_configurations).transpose()?;
+    let disabled = args.srdf.as_deref().map(read_srdf).transpose()?.unwrap_or_default();
+    let mut robot = read_robot(&args.urdf).map_err(|error| refused(&error))?;
+    let drawn = robot.collide_as_drawn();
+    let unknown = unknown_links(&robot, &disabled);
+    let checked = robot
+        .self_collisions(&disabled)
+        .map_err(|error| Failure::input(format!("robot file {}: {error}", args.urdf.display())))?;
+    let Some(configurations) = configurations else {
+        let mut description = Description::of(&args.urdf, &robot, &checked);
+        if drawn {
+            let note = "no link has collision geometry: the visual meshes stand for it";
+            description.notes.push(note.to_owned());
+        }
+        description.notes.extend(unknown);
+        let mut output = Output::new();
+        return match format.unwrap_or(Format::Text) {
+            Format::Json => output.json(&description),
+            Format::Text => output.line(&description.text()),
+        };
+    };
+    for note in unknown {
+        tracing::warn!("{note}");
+    }
+    check(args, &robot, checked, &configurations, format.unwrap_or(Format::Json))
+}
+
+/// Prints a line for each configuration.
+fn check(
+    args: &RobotArgs,
+    robot: &Robot,
+    mut links: Arrangement,
+    configurations: &[JointPositions],
+    format: Format,
+) -> Result<(), Failure> {
+    let wanted = if args.distance { Wanted::Nearest } else { Wanted::Meeting };
+    let wrong = |index: usize, what: &dyn Display| {
+        let file = args.configurations.as_deref().unwrap_or(Path::new("")).display();
+        Failure::input(format!("configuration file {file}: configuration {index}: {what}"))
+    };
+    // All of them first: nothing is printed of a file that is wrong farther down.
+    let poses = configurations.iter().enumerate().map(|(index, positions)| {
+        let mut positions = positions.clone();
+        robot.clamp_to_limits(&mut positions);
+        robot.forward_kinematics(&positions).map_err(|error| wrong(index, &error))
+    });
+    let poses = poses.collect::<Result<Vec<_>, _>>()?;
+    let mut output = Output::new();
+    let bar = progress::bar(poses.len() as u64, "checking");
+    for (index, poses) in poses.iter().enumerate() {
+        let start = Instant::now();
+        let found = links.at(poses, wanted).map_err(|error| wrong(index, &error))?;
+        let line =
+            ConfigurationLine::of(index, robot, &found, start.elapsed().as_nanos() as f64 / 1e3);
+        match format {
+            Format::Json => output.json(&line),
+            Format::Text => output.line(&line.text()),
+        }?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+impl<'a> ConfigurationLine<'a> {
+    fn of(configuration: usize, robot: &'a Robot, found: &Arranged, micros: f64) -> Self {
+        let named = |(a, b): (usize, usize)| {
+            let mut names = [a, b].map(|link| robot.links[link].name.as_str());
+            names.sort_unstable();
+            names
+        };
+        let mut hits: Vec<_> = found.meeting.iter().map(|&pair| named(pair)).collect();
+        hits.sort_unstable();
+        let nearest = found.nearest;
+        Self {
+            configuration,
+            hits,
+            distance: nearest.map(|nearest| nearest.distance),
+            pair: nearest.map(|nearest| named(nearest.pair)),
+            micros,
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { configuration, hits, distance, pair, micros } = self;
+        let mut parts = vec![format!("{configuration:5}")];
+        parts.push(match hits.as_slice() {
+            [] => "no links meet".to_owned(),
+            hits => {
+                let names: Vec<_> = hits.iter().map(|[a, b]| format!("{a} - {b}")).collect();
+                names.join(", ")
+            }
+        });
+        if let (Some(distance), Some([a, b])) = (distance, pair) {
+            parts.push(format!("nearest {distance:.6} ({a} - {b})"));
+        }
+        parts.push(format!("{micros:.1} us"));
+        parts.join("  ")
+    }
+}
+
+/// Pairs of an SRDF file.
+fn read_srdf(path: &Path) -> Result<Vec<[String; 2]>, Failure> {
+    check_input("SRDF file", path)?;
+    let name = path.display();
+    let text = fs::read_to_string(path).map_err(|source| {
+        let message = format!(
+            "SRDF file {name}: cannot be read ({source}). Check the path and its permissions."
+        );
+        Failure::unreadable(message, source.kind())
+    })?;
+    disabled_pairs(&text).map_err(|problem| {
+        Failure::input(format!("SRDF file {name}: {problem}. Correct it or leave --srdf out."))
+    })
+}
+
+/// Sentences about links that an SRDF file names and the robot does not have.
+fn unknown_links(robot: &Robot, disabled: &[[String; 2]]) -> Vec<String> {
+    let mut unknown: Vec<&str> = disabled
+        .iter()
+        .flatten()
+        .map(String::as_str)
+        .filter(|name| robot.link(name).is_none())
+        .collect();
+    unknown.sort_unstable();
+    unknown.dedup();
+    let sentence = |name: &&str| format!("the SRDF names the link {name:?}, which the robot lacks");
+    unknown.iter().map(sentence).collect()
+}
+
+fn refused(error: &RobotError) -> Failure {
+    match error {
+        RobotError::Unreadable { source, .. } => Failure::unreadable(error, source.kind()),
+        _ => Failure::input(error),
+    }
+}

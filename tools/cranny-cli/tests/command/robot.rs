@@ -1,0 +1,111 @@
+//! `cranny robot`.
+
+use serde_json::Value;
+
+use crate::harness::{Folder, run};
+
+/// A sledge on a rail (0.2 to 3 from the left post), which a second one follows at half the way on
+/// a rail of its own; a post at the end.
+const ROBOT: &str = r#"<robot name="rails">
+  <link name="post">
+    <inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><box size="1 1 1"/></geometry></collision>
+  </link>
+  <link name="rail"/>
+  <link name="sledge"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="follower"><collision><origin xyz="0 0 5"/><geometry><box size="1 1 1"/></geometry></collision></link>
+  <joint name="base" type="fixed"><parent link="post"/><child link="rail"/></joint>
+  <joint name="slide" type="prismatic"><parent link="rail"/><child link="sledge"/><axis xyz="1 0 0"/>
+    <limit lower="0.2" upper="3" effort="5" velocity="1"/></joint>
+  <joint name="follow" type="prismatic"><parent link="rail"/><child link="follower"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="3" effort="5" velocity="1"/><mimic joint="slide" multiplier="0.5"/></joint>
+</robot>"#;
+
+fn robot(folder: &Folder) -> String {
+    folder.write("rails.urdf", ROBOT)
+}
+
+fn lines(stdout: &str) -> Vec<Value> {
+    stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn a_line_a_configuration_names_the_links_that_meet_and_the_nearest() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let q = folder.write("q.json", r#"[{}, {"slide": 2.5}, {"slide": 1}]"#);
+    let found = run(&["robot", &urdf, "--configurations", &q, "--distance"]);
+    assert_eq!((found.code, found.stderr.as_str()), (Some(0), ""));
+    let found = lines(&found.stdout);
+    assert_eq!(found.len(), 3);
+    // 0 is below the limit: the sledge is at 0.2, in the post. Its rail has no geometry.
+    let hit = serde_json::json!(["post", "sledge"]);
+    assert_eq!((&found[0]["configuration"], &found[0]["hits"][0]), (&0.into(), &hit));
+    assert_eq!((&found[0]["distance"], &found[0]["pair"]), (&0.0.into(), &hit));
+    assert!(found[1]["hits"].as_array().unwrap().is_empty());
+    assert_eq!((&found[1]["distance"], &found[1]["pair"]), (&1.5.into(), &hit));
+    assert_eq!(found[2]["hits"][0], hit, "faces that touch");
+}
+
+#[test]
+fn disabled_pairs_are_not_checked_and_distances_are_of_who_asks() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let q = folder.write("q.json", "[{}]");
+    let srdf = "<robot name='rails'><disable_collisions link1='sledge' link2='post'/>\
+                <disable_collisions link1='sledge' link2='crane'/></robot>";
+    let srdf = folder.write("rails.srdf", srdf);
+    let args = ["robot", &urdf, "--configurations", &q, "--srdf", &srdf];
+    let found = lines(&run(&args).stdout);
+    assert!(found[0]["hits"].as_array().unwrap().is_empty());
+    assert!(found[0]["distance"].is_null() && found[0]["pair"].is_null());
+    let text = run(&[&args[..], &["--distance", "--format", "text"]].concat()).stdout;
+    // The follower is at 0.1 and 5 above.
+    assert!(text.contains("no links meet  nearest 4.000"), "{text}");
+    let described = run(&["robot", &urdf, "--srdf", &srdf]).stdout;
+    assert!(described.contains("2 pairs of links are checked"), "{described}");
+    assert!(described.contains("\"crane\", which the robot lacks"), "{described}");
+}
+
+#[test]
+fn a_robot_is_described() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let described = run(&["robot", &urdf, "--format", "json"]);
+    assert_eq!(described.code, Some(0), "{described:?}");
+    let described = &lines(&described.stdout)[0];
+    assert_eq!((&described["robot"], &described["root"]), (&"rails".into(), &"post".into()));
+    assert_eq!((&described["checked_pairs"], &described["mass"]), (&3.into(), &2.0.into()));
+    let [post, rail] = [0, 1].map(|link| &described["links"][link]);
+    assert_eq!((&post["faces"], &post["inertia"]), (&12.into(), &true.into()));
+    assert!(rail["faces"].is_null() && rail["mass"].is_null());
+    let slide = &described["joints"][1];
+    assert_eq!((&slide["kind"], &slide["max_effort"]), (&"prismatic".into(), &5.0.into()));
+    assert_eq!(slide["limits"], serde_json::json!([0.2, 3.0]));
+    assert_eq!(described["joints"][2]["follows"], "slide x 0.5 + 0");
+    let text = run(&["robot", &urdf]).stdout;
+    assert!(text.contains("rail -> sledge") && text.contains("0.2000 to 3.0000"), "{text}");
+}
+
+#[test]
+fn what_is_no_robot_and_no_configuration_is_refused() {
+    let folder = Folder::new();
+    let urdf = robot(&folder);
+    let refused = |text: &str, words: &[&str]| {
+        let q = folder.write("q.json", text);
+        run(&["robot", &urdf, "--configurations", &q]).assert_refused(2, words);
+    };
+    refused("{}", &["q.json", "line 1", "list of"]);
+    refused("[]", &["at least one"]);
+    refused(r#"[{}, {"elbow": 1}]"#, &["configuration 1", "\"elbow\"", "movable joints are slide"]);
+    refused(r#"[{"follow": 1}]"#, &["configuration 0", "follows joint \"slide\""]);
+    refused(r#"[{"base": 1}]"#, &["is fixed"]);
+    let missing = folder.path("missing.urdf").display().to_string();
+    run(&["robot", &missing]).assert_refused(2, &["missing.urdf", "no such file"]);
+    let half = folder.write("half.urdf", "<robot name='r'>\n<link name='a'>\n");
+    run(&["robot", &half]).assert_refused(2, &["half.urdf", "line"]);
+    let srdf = folder.write("r.srdf", "<robot>\n<disable_collisions link1='a'/></robot>");
+    run(&["robot", &urdf, "--srdf", &srdf]).assert_refused(2, &["r.srdf", "line 2", "link2"]);
+    let alone = run(&["robot", &urdf, "--distance"]);
+    assert!(alone.code == Some(2) && alone.stderr.contains("--configurations"), "{alone:?}");
+}
