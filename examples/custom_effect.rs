@@ -24,9 +24,7 @@ struct Fragile {
 
 #[derive(Message)]
 struct Broke(String, CollisionContact);
-
 struct FragilePlugin;
-
 impl Plugin for FragilePlugin {
     fn build(&self, app: &mut App) {
         app.add_message::<Broke>();
@@ -44,8 +42,8 @@ fn break_up(
     for start in starts.read() {
         let Some(contact) = start.contact else { continue };
         for body in [start.body, start.other] {
-            let Ok((Fragile { impulse }, name)) = fragile.get(body) else { continue };
-            if contact.impulse > *impulse {
+            let of_body = fragile.get(body).ok();
+            if let Some((_, name)) = of_body.filter(|(f, _)| contact.impulse > f.impulse) {
                 broke.write(Broke(name.to_string(), contact));
                 commands.entity(body).despawn();
             }
@@ -56,7 +54,6 @@ fn break_up(
 fn main() -> Result<(), Box<dyn Error>> {
     let cup = Collider::from_mesh(Cup::default().build()?)?;
     let floor = Collider::from_mesh(Cuboid { size: [20.0, 20.0, 1.0] }.build()?)?;
-
     let mut app = App::new();
     let cranny = CrannyPlugins::new(1.0 / 120.0)?.effects(&[Effect::Response])?;
     app.add_plugins((cranny.available(&[EffectKind::Trigger])?, FragilePlugin));
@@ -66,14 +63,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let place = (Name::new(name), Transform::from_xyz(x, 0.0, z));
         world.spawn((place, RigidBody::Dynamic, Fragile { impulse: 2.0 }, cup.clone()));
     }
-    let mut broken = Vec::new();
+    let mut broken = vec![];
     for _ in 0..240 {
         world.run_schedule(CrannyStep);
         if let Some(failure) = world.resource_mut::<Failure>().take() {
             return Err(failure.into());
         }
         for Broke(name, hit) in world.resource_mut::<Messages<Broke>>().drain() {
-            println!("{name} broke: {:.1} of impulse at {:.1} of speed", hit.impulse, hit.speed);
+            println!("{name} broke: impulse {:.1} at {:.1} of speed", hit.impulse, hit.speed);
             broken.push(name);
         }
     }

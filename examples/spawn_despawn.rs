@@ -5,8 +5,7 @@
 
 #![expect(clippy::print_stdout, reason = "an example talks to a person")]
 
-use std::error::Error;
-use std::time::Duration;
+use std::{error::Error, time::Duration};
 
 use bevy_app::{App, FixedUpdate};
 use bevy_ecs::prelude::*;

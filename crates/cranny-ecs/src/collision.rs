@@ -74,6 +74,15 @@ pub(crate) fn deepest(answer: &Answer) -> Option<CollisionPoint> {
         .map(CollisionPoint::of)
 }
 
+/// The point of the greatest impulse; of equals the deepest.
+#[cfg(feature = "rapier")]
+pub(crate) fn hardest(points: &[(CollisionPoint, f64)]) -> Option<CollisionPoint> {
+    let harder = |(p, i): &&(CollisionPoint, f64), (q, j): &&(CollisionPoint, f64)| {
+        i.total_cmp(j).then(p.depth.total_cmp(&q.depth))
+    };
+    points.iter().max_by(harder).map(|(point, _)| *point)
+}
+
 /// How fast points of bodies move at the beginning of a step.
 #[derive(SystemParam)]
 pub(crate) struct Velocities<'w, 's> {
@@ -88,13 +97,30 @@ pub(crate) struct Velocities<'w, 's> {
 impl Velocities<'_, '_> {
     /// Of the point of a body that is at `place` in the world. Zero for a body that is gone.
     pub(crate) fn at(&self, records: &Bodies, body: BodyId, place: DVec3) -> DVec3 {
-        let Some(record) = records.get(body) else { return DVec3::ZERO };
-        let Ok((transform, linear, angular)) = self.bodies.get(record.entity) else {
-            return DVec3::ZERO;
-        };
+        self.about(records, body, place)
+            .map_or(DVec3::ZERO, |(linear, angular, arm)| linear + angular.cross(arm))
+    }
+
+    /// A body's velocities, and where `place` is from its centre of mass.
+    fn about(&self, records: &Bodies, body: BodyId, place: DVec3) -> Option<(DVec3, DVec3, DVec3)> {
+        let record = records.get(body)?;
+        let (transform, linear, angular) = self.bodies.get(record.entity).ok()?;
         let center = crate::kinematics::center_of_mass(&record.model);
         let arm = place - pose_of(transform).world_from_body().apply(center);
-        widened(linear.0) + widened(angular.0).cross(arm)
+        Some((widened(linear.0), widened(angular.0), arm))
+    }
+
+    /// How fast one of two bodies rolls on the other at a point: how fast the centre of mass of the
+    /// one that turns faster passes the point by turning about it, as the other one sees it.
+    /// Turning about the normal is no rolling.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn rolling(&self, records: &Bodies, pair: [BodyId; 2], at: &CollisionPoint) -> f64 {
+        let about = pair.map(|body| self.about(records, body, at.point));
+        let [Some((_, of_a, arm_a)), Some((_, of_b, arm_b))] = about else { return 0.0 };
+        let turning = of_a - of_b;
+        let tipping = turning - turning.dot(at.normal) * at.normal;
+        let faster = of_a.length_squared() >= of_b.length_squared();
+        tipping.cross(if faster { arm_a } else { arm_b }).length()
     }
 
     /// How fast two bodies approach each other at a point that is seen from the first.

@@ -11,7 +11,9 @@ use cranny_world::{BodyId, PairAnswer};
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::detection::{Detected, DetectionSystems, Detector};
-use crate::effects::EffectTable;
+use crate::diagnostics::Stopwatch;
+use crate::effects::{EffectKind, EffectTable};
+use crate::penetration::{PenetrationPlugin, PenetrationSystems};
 use crate::proximity::{ProximityPlugin, ProximitySystems};
 use crate::trigger::{TriggerPlugin, TriggerSystems};
 
@@ -86,12 +88,17 @@ impl Plugin for ContactsPlugin {
         // Order among effects that are there: naming a set would put it into the schedule.
         let beside_trigger = app.is_plugin_added::<TriggerPlugin>();
         let beside_proximity = app.is_plugin_added::<ProximityPlugin>();
+        let beside_penetration = app.is_plugin_added::<PenetrationPlugin>();
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             if beside_trigger {
                 app.configure_sets(label, ContactsSystems::Report.after(TriggerSystems::Report));
             }
             if beside_proximity {
                 app.configure_sets(label, ContactsSystems::Report.after(ProximitySystems::Report));
+            }
+            if beside_penetration {
+                let after = ContactsSystems::Report.after(PenetrationSystems::Report);
+                app.configure_sets(label, after);
             }
             app.add_systems(
                 label,
@@ -113,7 +120,9 @@ fn take_contacts(
     effects: Res<EffectTable>,
     time: Res<SimulatedTime>,
     mut contacts: ResMut<ContactReport>,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Contacts);
     contacts.step = time.steps();
     contacts.pairs.clear();
     let Some(report) = &mut detected.report else { return };

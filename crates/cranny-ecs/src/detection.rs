@@ -1,5 +1,5 @@
-//! Detection by the world: what `Trigger`, `Proximity` and `Contacts` need of pairs that no solver
-//! detects.
+//! Detection by the world: what `Trigger`, `Proximity`, `Contacts` and `Penetration` need of pairs
+//! that no solver detects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::num::NonZeroUsize;
@@ -22,6 +22,7 @@ use crate::contacts::ContactsSystems;
 use crate::contacts::QueryFrame;
 use crate::effects::{EffectKind, EffectTable, Pair};
 use crate::error::{Failure, SceneAppError};
+use crate::penetration::PenetrationSystems;
 use crate::plugins::PluginOptions;
 use crate::proximity::ProximitySystems;
 use crate::readers::ContactReaders;
@@ -80,6 +81,7 @@ pub(crate) struct DetectionPlugin {
     trigger: bool,
     proximity: bool,
     contacts: bool,
+    penetration: bool,
     /// What of contacts the program reads.
     program: ContactFields,
     /// Whether a solver detects too: its pairs and contacts are then the ones counted.
@@ -95,6 +97,7 @@ impl DetectionPlugin {
             trigger: effects.names(EffectKind::Trigger),
             proximity: effects.names(EffectKind::Proximity),
             contacts: effects.names(EffectKind::Contacts),
+            penetration: effects.names(EffectKind::Penetration),
             program: options.contact_fields,
             beside_solver: effects.names(EffectKind::Response),
         }
@@ -149,6 +152,9 @@ impl Plugin for DetectionPlugin {
             }
             if self.contacts {
                 app.configure_sets(label, all().in_set(ContactsSystems::Detect));
+            }
+            if self.penetration {
+                app.configure_sets(label, all().in_set(PenetrationSystems::Detect));
             }
             app.add_systems(
                 label,

@@ -22,12 +22,29 @@ pub enum EffectKind {
     Response,
     /// Bodies that pass through nothing.
     Continuous,
+    /// Depth and way out.
+    Penetration,
+    /// Impacts, sliding, rolling.
+    Sound,
+    /// Dents.
+    Deformation,
+    /// Force and torque on bodies that somebody moves.
+    ForceFeedback,
 }
 
 impl EffectKind {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Trigger, Self::Proximity, Self::Contacts, Self::Response, Self::Continuous];
+    pub const ALL: [Self; 9] = [
+        Self::Trigger,
+        Self::Proximity,
+        Self::Contacts,
+        Self::Penetration,
+        Self::Response,
+        Self::Continuous,
+        Self::Sound,
+        Self::Deformation,
+        Self::ForceFeedback,
+    ];
 
     /// Its name in scene files.
     #[must_use]
@@ -38,6 +55,10 @@ impl EffectKind {
             Self::Contacts => "Contacts",
             Self::Response => "Response",
             Self::Continuous => "Continuous",
+            Self::Penetration => "Penetration",
+            Self::Sound => "Sound",
+            Self::Deformation => "Deformation",
+            Self::ForceFeedback => "ForceFeedback",
         }
     }
 
@@ -50,6 +71,10 @@ impl EffectKind {
             Effect::Contacts { .. } => Some(Self::Contacts),
             Effect::Response => Some(Self::Response),
             Effect::Continuous => Some(Self::Continuous),
+            Effect::Penetration => Some(Self::Penetration),
+            Effect::Sound { .. } => Some(Self::Sound),
+            Effect::Deformation { .. } => Some(Self::Deformation),
+            Effect::ForceFeedback { .. } => Some(Self::ForceFeedback),
             _ => None,
         }
     }
@@ -98,6 +123,41 @@ pub struct Response;
 #[component(immutable, on_insert = note_change, on_remove = note_removal)]
 pub struct Continuous;
 
+/// `Penetration` for all pairs of a body, or for the pair whose entity has it.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Penetration;
+
+/// `Sound` for all pairs of a body, or for the pair whose entity has it. It needs
+/// [`Response`](crate::Response).
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Sound {
+    /// Speed above which a collision, sliding or rolling is heard, > 0, units of length a second.
+    pub above: f64,
+}
+
+/// A body with it is dented where it is hit; beside a pair it holds for both bodies, where they hit
+/// each other. It needs [`Response`](crate::Response).
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct Deformation {
+    /// Energy that it takes to displace a unit of volume, > 0: the pressure at which the material
+    /// yields.
+    pub hardness: f64,
+    /// How far from where it is hit the body yields, > 0. Vertices of its mesh move, so its
+    /// triangles have to be smaller.
+    pub radius: f64,
+}
+
+/// A kinematic body with it feels what it meets; beside a pair it holds for the pair.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(immutable, on_insert = note_change, on_remove = note_removal)]
+pub struct ForceFeedback {
+    /// Force a unit of length by which the body is moved into another one, > 0.
+    pub stiffness: f64,
+}
+
 /// What the components of an entity ask for.
 pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let trigger = entity.get::<Trigger>().map(|_| Effect::Trigger);
@@ -107,10 +167,20 @@ pub(crate) fn effects_of(entity: EntityRef<'_>) -> Vec<Effect> {
     let contacts = contacts.map(|contacts| Effect::Contacts { margin: contacts.margin });
     let response = entity.get::<Response>().map(|_| Effect::Response);
     let continuous = entity.get::<Continuous>().map(|_| Effect::Continuous);
-    [trigger, proximity, contacts, response, continuous].into_iter().flatten().collect()
+    let penetration = entity.get::<Penetration>().map(|_| Effect::Penetration);
+    let sound = entity.get::<Sound>().map(|&Sound { above }| Effect::Sound { above });
+    let deformation = entity.get::<Deformation>();
+    let deformation = deformation
+        .map(|&Deformation { hardness, radius }| Effect::Deformation { hardness, radius });
+    let feedback = entity.get::<ForceFeedback>();
+    let feedback = feedback.map(|&ForceFeedback { stiffness }| Effect::ForceFeedback { stiffness });
+    let of_detection = [trigger, proximity, contacts, penetration, feedback];
+    let of_response = [response, continuous, sound, deformation];
+    of_detection.into_iter().chain(of_response).flatten().collect()
 }
 
-/// Makes an entity ask for some effects more; of two lengths the larger counts.
+/// Makes an entity ask for some effects more. Of two lengths and of two stiffnesses the larger
+/// counts, of two thresholds and two hardnesses the smaller.
 pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
     for effect in effects {
         match *effect {
@@ -125,9 +195,28 @@ pub(crate) fn add_effects(entity: &mut EntityWorldMut<'_>, effects: &[Effect]) {
             }
             Effect::Response => drop(entity.insert(Response)),
             Effect::Continuous => drop(entity.insert(Continuous)),
+            Effect::Penetration => drop(entity.insert(Penetration)),
+            Effect::Sound { above } => {
+                let before = entity.get::<Sound>().map_or(above, |sound| sound.above);
+                entity.insert(Sound { above: above.min(before) });
+            }
+            Effect::Deformation { hardness, radius } => {
+                let asked = Deformation { hardness, radius };
+                let before = entity.get::<Deformation>().copied().unwrap_or(asked);
+                entity.insert(softer(before, asked));
+            }
+            Effect::ForceFeedback { stiffness } => {
+                let before = entity.get::<ForceFeedback>().map_or(stiffness, |f| f.stiffness);
+                entity.insert(ForceFeedback { stiffness: stiffness.max(before) });
+            }
             _ => {}
         }
     }
+}
+
+/// What yields more.
+fn softer(one: Deformation, other: Deformation) -> Deformation {
+    if other.hardness < one.hardness { other } else { one }
 }
 
 /// Two bodies, the lower id first.
@@ -355,6 +444,40 @@ impl EffectTable {
             _ => None,
         });
         margins.reduce(f64::max)
+    }
+
+    /// The speed above which a pair is heard; `None` where nobody asks for it.
+    #[must_use]
+    pub fn heard_above(&self, a: BodyId, b: BodyId) -> Option<f64> {
+        let speeds = self.of_pair(a, b).filter_map(|(effect, _)| match *effect {
+            Effect::Sound { above } => Some(above),
+            _ => None,
+        });
+        speeds.reduce(f64::min)
+    }
+
+    /// How a body yields to another one; `None` where nobody asks that it does.
+    #[must_use]
+    pub fn yielding(&self, body: BodyId, to: BodyId) -> Option<Deformation> {
+        let asked = self.of_pair(body, to).filter_map(|(effect, by)| match *effect {
+            Effect::Deformation { hardness, radius } if by != AskedBy::Body(to) => {
+                Some(Deformation { hardness, radius })
+            }
+            _ => None,
+        });
+        asked.reduce(softer)
+    }
+
+    /// How stiff a body that somebody moves feels another one; `None` where nobody asks for it, or
+    /// the body is not kinematic.
+    #[must_use]
+    pub fn felt_stiffness(&self, body: BodyId, other: BodyId) -> Option<f64> {
+        let kinematic = self.bodies.get(&body).is_some_and(|b| b.kind == BodyKind::Kinematic);
+        let stiffnesses = self.of_pair(body, other).filter_map(|(effect, _)| match *effect {
+            Effect::ForceFeedback { stiffness } => Some(stiffness),
+            _ => None,
+        });
+        stiffnesses.reduce(f64::max).filter(|_| kinematic)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use bevy_ecs::prelude::Resource;
-use cranny_geometry::BuildError;
+use cranny_geometry::{BuildError, DeformError};
 use cranny_world::WorldError;
 use thiserror::Error;
 
@@ -64,6 +64,22 @@ pub enum SceneAppError {
         body: String,
         /// What is wrong.
         why: String,
+    },
+    /// A body of several colliders that is to be dented.
+    #[error(
+        "body '{body}' is to be dented, but consists of several colliders: put its meshes into one collider, or leave Deformation out for it"
+    )]
+    DentedParts {
+        /// Which body.
+        body: String,
+    },
+    /// A dent that the body's mesh cannot take.
+    #[error("body '{body}' cannot be dented: {source}. A smaller `radius` of Deformation may help")]
+    Dent {
+        /// Which body.
+        body: String,
+        /// Why.
+        source: DeformError,
     },
     /// A body that is the child of another entity.
     #[error(

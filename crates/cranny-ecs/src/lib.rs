@@ -42,13 +42,17 @@ mod collision;
 mod contacts;
 #[cfg(feature = "rapier")]
 mod continuous;
+#[cfg(feature = "rapier")]
+mod deformation;
 mod detection;
+mod diagnostics;
 mod effects;
 #[cfg(feature = "rapier")]
 mod energy;
 mod error;
 #[cfg(feature = "scene")]
 mod excerpt;
+mod force_feedback;
 #[cfg(feature = "rapier")]
 mod hooks;
 mod joints;
@@ -60,6 +64,7 @@ mod outputs;
 mod painting;
 mod pair;
 mod parts;
+mod penetration;
 mod plan;
 mod plugins;
 mod properties;
@@ -76,6 +81,8 @@ mod report;
 mod response;
 #[cfg(feature = "rapier")]
 mod solved;
+#[cfg(feature = "rapier")]
+mod sound;
 mod spatial;
 mod spawn;
 mod summary;
@@ -93,15 +100,23 @@ pub use contacts::{
 #[cfg(feature = "rapier")]
 pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
 pub use cranny_world::{BodyId, ContactFields};
+#[cfg(feature = "rapier")]
+pub use deformation::{DeformationPlugin, DeformationSystems, Dented};
 pub use detection::{Detected, DetectionSystems, Detector};
+pub use diagnostics::{DiagnosticsPlugin, StepCosts, StepDiagnostics};
 pub use effects::{
-    AskedBy, Contacts, Continuous, EffectKind, EffectTable, Proximity, Response, Trigger,
+    AskedBy, Contacts, Continuous, Deformation, EffectKind, EffectTable, ForceFeedback,
+    Penetration, Proximity, Response, Sound, Trigger,
 };
 #[cfg(feature = "rapier")]
 pub use energy::EnergyRange;
 pub use error::{Failure, SceneAppError};
 #[cfg(feature = "scene")]
 pub use excerpt::{helices, rings};
+pub use force_feedback::{
+    FeltForces, ForceFeedbackPlugin, ForceFeedbackReport, ForceFeedbackSystems, Obstacle, Proxy,
+    Wrench,
+};
 #[cfg(feature = "rapier")]
 pub use hooks::{CollisionHooks, SolverContacts};
 pub use joints::{Follows, Joint};
@@ -116,6 +131,7 @@ pub use painting::{
 };
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
+pub use penetration::{PenetrationPair, PenetrationPlugin, PenetrationReport, PenetrationSystems};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions, check_effects};
 pub use properties::{
@@ -138,6 +154,8 @@ pub use report::state_hash;
 pub use response::{Gravity, ResponseSystems};
 #[cfg(feature = "rapier")]
 pub use solved::{HeldJoint, RigidBodies, SolverBody};
+#[cfg(feature = "rapier")]
+pub use sound::{OngoingSounds, SoundEvent, SoundKind, SoundPlugin, SoundSystems};
 pub use spatial::{
     ClosestPoints, PointProjection, RayHitData, ShapeHitData, SpatialQuery, SpatialQueryError,
     SpatialQueryFilter, TimeOfImpact,
@@ -155,15 +173,19 @@ pub mod prelude {
     pub use crate::{
         AngularVelocity, Bodies, Body, BodyContacts, BodyId, BodyPair, Collider, Collision,
         CollisionContact, CollisionEnd, CollisionLayers, CollisionPoint, CollisionStart,
-        Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep, Density,
-        EffectKind, ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin, Friction,
-        GravityScale, Joint, LinearVelocity, LockedAxes, NeverMeet, PluginOptions, Proximity,
+        Collisions, ContactReport, Contacts, Continuous, CrannyPlugins, CrannyStep, Deformation,
+        Density, EffectKind, ExternalForce, ExternalImpulse, Failure, FixedUpdatePlugin,
+        ForceFeedback, ForceFeedbackReport, Friction, GravityScale, Joint, LinearVelocity,
+        LockedAxes, NeverMeet, Penetration, PenetrationReport, PluginOptions, Proximity,
         ProximityReport, ProximitySystems, Response, Restitution, RigidBody, Sensor, SimulatedTime,
-        SmoothNormals, SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems, TouchingBodies,
-        Trigger, TriggerSystems,
+        SmoothNormals, Sound, SpatialQuery, SpatialQueryFilter, SpawnScene, StepSystems,
+        TouchingBodies, Trigger, TriggerSystems,
     };
     #[cfg(feature = "rapier")]
-    pub use crate::{CollisionHooks, Gravity, RigidBodies, SolverContacts};
+    pub use crate::{
+        CollisionHooks, Dented, Gravity, OngoingSounds, RigidBodies, SolverContacts, SoundEvent,
+        SoundKind,
+    };
 }
 
 // The example of the README must compile and run as well.

@@ -16,7 +16,9 @@ use crate::body::Bodies;
 use crate::clock::{CoreSystems, CrannyEnd, CrannyStep};
 use crate::contacts::ContactsSystems;
 use crate::effects::{AskedBy, EffectKind, EffectTable};
+use crate::force_feedback::ForceFeedbackSystems;
 use crate::kinematics::KinematicsSystems;
+use crate::penetration::PenetrationSystems;
 use crate::proximity::ProximitySystems;
 use crate::readers::ContactReaders;
 use crate::trigger::TriggerSystems;
@@ -124,15 +126,21 @@ fn known_sets() -> Vec<KnownSet> {
         "Trigger": TriggerSystems::Detect, TriggerSystems::Report;
         "Proximity": ProximitySystems::Detect, ProximitySystems::Report;
         "Contacts": ContactsSystems::Detect, ContactsSystems::Report;
+        "Penetration": PenetrationSystems::Detect, PenetrationSystems::Report;
+        "ForceFeedback": ForceFeedbackSystems::Feel;
     };
     #[cfg(feature = "rapier")]
     {
         use crate::continuous::ContinuousSystems;
+        use crate::deformation::DeformationSystems;
         use crate::response::ResponseSystems;
+        use crate::sound::SoundSystems;
         sets.extend(known! {
             "Response": ResponseSystems::Sync, ResponseSystems::Solve, ResponseSystems::Supply,
                 ResponseSystems::Tally, ResponseSystems::Advance;
             "Continuous": ContinuousSystems::Sync, ContinuousSystems::Report;
+            "Sound": SoundSystems::Report;
+            "Deformation": DeformationSystems::Dent;
         });
     }
     #[cfg(feature = "record")]
@@ -149,12 +157,16 @@ fn known_sets() -> Vec<KnownSet> {
 }
 
 /// All effects, with what asks for them.
-const EFFECTS: [(&str, &str); 7] = [
+const EFFECTS: [(&str, &str); 11] = [
     ("Trigger", "the scene, its bodies and pairs name no Trigger"),
     ("Proximity", "the scene, its bodies and pairs name no Proximity"),
     ("Contacts", "the scene, its bodies and pairs name no Contacts"),
+    ("Penetration", "the scene, its bodies and pairs name no Penetration"),
     ("Response", "the scene, its bodies and pairs name no Response"),
     ("Continuous", "the scene, its bodies and pairs name no Continuous"),
+    ("Sound", "the scene, its bodies and pairs name no Sound"),
+    ("Deformation", "the scene, its bodies and pairs name no Deformation"),
+    ("ForceFeedback", "the scene, its bodies and pairs name no ForceFeedback"),
     ("Recording", "no recording is asked for (--record)"),
     ("Rendering", "no pictures are asked for (--frames, --preview)"),
 ];
@@ -333,6 +345,32 @@ fn is_smooth(bodies: &Bodies, pair: [BodyId; 2]) -> bool {
     records.any(|record| record.normals != Normals::Flat)
 }
 
+/// An effect of a pair as a scene would name it.
+fn with_parameters(
+    kind: EffectKind,
+    table: &EffectTable,
+    [a, b]: [BodyId; 2],
+    smooth: bool,
+) -> String {
+    let one = |name: &str, value: Option<f64>| value.map(|value| format!("{name}: {value}"));
+    let parameters = match kind {
+        EffectKind::Proximity => one("within", table.proximity(a, b)),
+        EffectKind::Contacts => one("margin", table.contact_margin(a, b)),
+        EffectKind::Response => smooth.then(|| "normals: smooth".to_owned()),
+        EffectKind::Sound => one("above", table.heard_above(a, b)),
+        EffectKind::ForceFeedback => {
+            let felt = [(a, b), (b, a)].map(|(body, other)| table.felt_stiffness(body, other));
+            one("stiffness", felt.into_iter().flatten().reduce(f64::max))
+        }
+        EffectKind::Deformation => {
+            let yields = [(a, b), (b, a)].into_iter().find_map(|(x, y)| table.yielding(x, y));
+            yields.map(|d| format!("hardness: {}, radius: {}", d.hardness, d.radius))
+        }
+        EffectKind::Trigger | EffectKind::Penetration | EffectKind::Continuous => None,
+    };
+    parameters.map_or(kind.name().to_owned(), |all| format!("{}({all})", kind.name()))
+}
+
 fn group_of(
     table: &EffectTable,
     bodies: &Bodies,
@@ -360,14 +398,13 @@ fn group_of(
             EffectKind::Contacts => fields.extend(read.names()),
             EffectKind::Response => fields.push("solver contacts"),
             EffectKind::Continuous => fields.push("time of impact"),
+            EffectKind::Penetration => fields.push("depth and way out"),
+            EffectKind::Sound => fields.push("impulse and slip"),
+            EffectKind::Deformation => fields.push("impulse and dent"),
+            EffectKind::ForceFeedback => fields.push("force and torque"),
         }
         let smooth = exact_solver && is_smooth(bodies, [a, b]);
-        effects.push(match (kind, table.proximity(a, b), table.contact_margin(a, b)) {
-            (EffectKind::Proximity, Some(within), _) => format!("Proximity(within: {within})"),
-            (EffectKind::Contacts, _, Some(margin)) => format!("Contacts(margin: {margin})"),
-            (EffectKind::Response, ..) if smooth => "Response(normals: smooth)".to_owned(),
-            _ => kind.name().to_owned(),
-        });
+        effects.push(with_parameters(kind, table, [a, b], smooth));
         let by = asked.iter().map(|by| match by {
             AskedBy::Scene => "the scene".to_owned(),
             AskedBy::Body(id) => format!("body '{}'", bodies.name(*id)),
@@ -380,11 +417,13 @@ fn group_of(
             }
         }
     }
-    let solver = table.asks(EffectKind::Response, a, b);
-    let held = table.asks(EffectKind::Continuous, a, b);
-    let reported = effects.len() > usize::from(solver) + usize::from(held);
+    let asks = |kind: EffectKind| table.asks(kind, a, b);
+    let solver = asks(EffectKind::Response);
+    // The world answers these, unless the solver's answer holds what they read.
+    let [near, overlap] = [EffectKind::Proximity, EffectKind::Penetration].map(asks);
+    let reported = near || overlap || asks(EffectKind::Trigger) || asks(EffectKind::Contacts);
     let detected_by = match (solver, reported) {
-        (true, true) if !exact_solver || table.proximity(a, b).is_some() => "solver and world",
+        (true, true) if !exact_solver || near || overlap => "solver and world",
         (true, _) => "solver",
         (false, true) => "world",
         (false, false) => "nobody",

@@ -17,9 +17,11 @@ use crate::contacts::ContactsPlugin;
 use crate::detection::DetectionPlugin;
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
+use crate::force_feedback::ForceFeedbackPlugin;
 use crate::kinematics::KinematicsPlugin;
 use crate::links::{LinkPlugin, Ring};
 use crate::motion::{Helix, MotionPlugin};
+use crate::penetration::PenetrationPlugin;
 use crate::proximity::ProximityPlugin;
 use crate::spawn::SpawnScene;
 use crate::tally::Tally;
@@ -253,9 +255,14 @@ impl PluginGroup for CrannyPlugins {
     fn build(self) -> PluginGroupBuilder {
         let effects = self.table();
         let named = |kind| effects.names(kind);
-        let [trigger, proximity, contacts] =
-            [EffectKind::Trigger, EffectKind::Proximity, EffectKind::Contacts].map(named);
-        let detects = trigger || proximity || contacts;
+        let [trigger, proximity, contacts, penetration] = [
+            EffectKind::Trigger,
+            EffectKind::Proximity,
+            EffectKind::Contacts,
+            EffectKind::Penetration,
+        ]
+        .map(named);
+        let detects = trigger || proximity || contacts || penetration;
         let clock = ClockPlugin { step: self.step };
         let core = CorePlugin { effects: effects.clone() };
         // Those that keep bodies of their own come before the scene, whose bodies they take in.
@@ -270,8 +277,14 @@ impl PluginGroup for CrannyPlugins {
         if proximity {
             group = group.add(ProximityPlugin);
         }
+        if penetration {
+            group = group.add(PenetrationPlugin);
+        }
         if contacts {
             group = group.add(ContactsPlugin);
+        }
+        if named(EffectKind::ForceFeedback) {
+            group = group.add(ForceFeedbackPlugin);
         }
         #[cfg(feature = "rapier")]
         if effects.names(EffectKind::Response) {
@@ -287,6 +300,14 @@ impl PluginGroup for CrannyPlugins {
         #[cfg(feature = "rapier")]
         if effects.names(EffectKind::Continuous) {
             group = group.add(crate::continuous::ContinuousPlugin);
+        }
+        #[cfg(feature = "rapier")]
+        if effects.names(EffectKind::Sound) {
+            group = group.add(crate::sound::SoundPlugin);
+        }
+        #[cfg(feature = "rapier")]
+        if effects.names(EffectKind::Deformation) {
+            group = group.add(crate::deformation::DeformationPlugin);
         }
         if let Some(scene) = self.scene {
             group = group.add(ScenePlugin { scene });
@@ -308,10 +329,11 @@ impl PluginGroup for CrannyPlugins {
 
 /// Fails if an effect is named and another one is not on which it works.
 fn go_together(named: impl Fn(EffectKind) -> bool) -> Result<(), SceneAppError> {
-    if named(EffectKind::Continuous) && !named(EffectKind::Response) {
-        return Err(SceneAppError::NeedsEffect { effect: "Continuous", needs: "Response" });
+    let needing = [EffectKind::Continuous, EffectKind::Sound, EffectKind::Deformation];
+    match needing.into_iter().find(|&kind| named(kind) && !named(EffectKind::Response)) {
+        Some(kind) => Err(SceneAppError::NeedsEffect { effect: kind.name(), needs: "Response" }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Whether the effects that a scene, its bodies and its pairs name go together.

@@ -10,7 +10,8 @@ use crate::body::Bodies;
 use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::collision::Velocities;
 use crate::detection::{Detected, DetectionSystems};
-use crate::effects::EffectTable;
+use crate::diagnostics::Stopwatch;
+use crate::effects::{EffectKind, EffectTable};
 
 /// The systems of `Proximity`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,7 +99,9 @@ fn report_distances(
     velocities: Velocities,
     time: Res<SimulatedTime>,
     mut report: ResMut<ProximityReport>,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Proximity);
     report.step = time.steps();
     report.pairs.clear();
     for pair in detected.report.iter().flat_map(|report| &report.answers) {

@@ -263,8 +263,9 @@ fn supply_answers(
     for (a, b, pair) in bodies.answers() {
         let read =
             effects.asks(EffectKind::Trigger, a, b) || effects.contact_margin(a, b).is_some();
-        // A solver's answer holds no distance.
-        if read && effects.proximity(a, b).is_none() {
+        // A solver's answer need hold neither a distance nor regions.
+        if read && effects.proximity(a, b).is_none() && !effects.asks(EffectKind::Penetration, a, b)
+        {
             failure.note(detector.world().supply(a, b, Answer::clone(&pair.answer)));
             let cranny_rapier::PairContacts { poses, first_is_a, first_from_second, .. } = *pair;
             let frame = QueryFrame { first_is_a, first_from_second };

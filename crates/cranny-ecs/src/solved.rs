@@ -28,6 +28,7 @@ pub(crate) use self::upkeep::{
     join, observe, push_changes, push_gravity, push_impulses, refresh_reading, relate, set_hooks,
 };
 use crate::body::{BodyRecord, pose_of, widened};
+use crate::collision::CollisionPoint;
 use crate::effects::{BodyEffects, EffectKind, EffectTable, Pair, ordered};
 use crate::energy::EnergyRange;
 use crate::hooks::{CollisionHooks, Deciding};
@@ -255,6 +256,20 @@ impl RigidBodies {
     pub(crate) fn impulse(&self, a: BodyId, b: BodyId) -> f64 {
         let pair = self.index(a).zip(self.index(b));
         pair.map_or(0.0, |(a, b)| self.simulation.contact_impulse(a, b))
+    }
+
+    /// The points at which the solver had two bodies press on each other in the last step, seen from
+    /// the one with the lower id, each with what it gave them; whatever readers there are.
+    pub(crate) fn presses(&self, (a, b): Pair) -> Vec<(CollisionPoint, f64)> {
+        let Some((i, j)) = self.index(a).zip(self.index(b)) else { return Vec::new() };
+        let points = self.simulation.solved_points(i, j).into_iter();
+        let points = points.filter(|solved| solved.impulse > 0.0).map(|solved| {
+            let (normal, depth) = (solved.normal, -solved.separation);
+            let seen = CollisionPoint { point: solved.point, normal, depth };
+            // Numbers are given again, ids are not: either may be the lower one.
+            (if i < j { seen } else { seen.flipped() }, solved.impulse)
+        });
+        points.collect()
     }
 
     pub(crate) fn reading(&self) -> MutexGuard<'_, Reading> {

@@ -13,8 +13,11 @@ use cranny_world::{PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body};
 use crate::clock::{CrannyEnd, CrannyStep, StepSystems};
+#[cfg(feature = "rapier")]
+use crate::collision::hardest;
 use crate::collision::{CollisionContact, Velocities, deepest};
 use crate::detection::{Detected, DetectionSystems};
+use crate::diagnostics::Stopwatch;
 use crate::effects::{EffectKind, EffectTable, Pair};
 
 /// The systems of `Trigger`.
@@ -154,6 +157,9 @@ impl Beginnings<'_, '_> {
             let carried = self.solver.as_ref()?.contacts_of((a, b))?;
             deepest(&carried.answer)
         });
+        // What others read may hold fewer contacts than the solver had.
+        #[cfg(feature = "rapier")]
+        let point = point.or_else(|| hardest(&self.solver.as_ref()?.presses((a, b))));
         let deepest = point?;
         let speed = self.velocities.closing(bodies, [a, b], &deepest);
         #[cfg(feature = "rapier")]
@@ -174,7 +180,9 @@ fn report_collisions(
     mut ends: MessageWriter<CollisionEnd>,
     mut triggered: ResMut<TriggeredPairs>,
     mut commands: Commands,
+    mut stopwatch: Stopwatch,
 ) {
+    let _running = stopwatch.start(EffectKind::Trigger);
     let Some(report) = &detected.report else { return };
     // By what is asked now: an effect that comes or goes begins and ends what touches.
     let touches = report.touching.iter().copied();

@@ -83,7 +83,7 @@ pub use cranny_exact::{Aabb, DVec3, Tolerance};
 
 pub use angle::between as radians_between;
 pub use clusters::ClusterTree;
-pub use deform::{ChangeSet, DeformError, Trail, Work};
+pub use deform::{Blow, ChangeSet, DeformError, Dent, Trail, Work};
 pub use flatness::Flatness;
 pub use hull::ConvexHull;
 pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, OptionalIndex, PatchId, VertexId};

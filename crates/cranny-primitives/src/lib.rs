@@ -57,11 +57,13 @@
 //! where the signed distance from one is least on a segment, a triangle, a model. `contacts` finds
 //! where a mesh is locally nearest to a primitive, by the `normal_cone` of each feature and by what
 //! is `inside`; `separation` says how far the two are apart. `rounded` does the same for polyhedra
-//! with rounded edges. `ray` casts rays. `deep` finds the way out of a deep overlap of two models,
-//! and `percussion` the places at which to lead a body without turning it.
+//! with rounded edges. `ray` casts rays. `deep` finds contacts that lead a solver's bodies out of a
+//! deep overlap, and `percussion` the places at which to lead a body without turning it; `escape`
+//! finds a translation that ends an overlap, for whoever has no solver.
 
 mod contacts;
 pub mod deep;
+mod escape;
 mod inside;
 mod normal_cone;
 mod percussion;
@@ -72,6 +74,7 @@ mod rounded;
 mod separation;
 
 pub use contacts::contacts;
+pub use escape::way_apart;
 pub use inside::contains_point;
 pub use percussion::percussion_centers;
 pub use primitive::{Ball, Capsule, Cone, Cylinder, HalfSpace, Primitive, PrimitiveError, Segment};

@@ -90,7 +90,7 @@ pub use mass::{MassError, MassSource, StatedMass, mass_properties};
 pub use shape::{MeshShape, ShapeError};
 pub use simulation::{
     BodyIndex, BodyKind, BodySpec, Energy, PairContacts, Resistance, Simulation, SimulationError,
-    SimulationOptions, SolvedContacts, StepHooks, Timings,
+    SimulationOptions, SolvedContacts, SolvedPoint, StepHooks, Timings,
 };
 #[cfg(feature = "snapshot")]
 pub use snapshot::{RestoreError, Sets, SnapshotError, restore, snapshot};

@@ -29,7 +29,7 @@ pub use self::hooks::{SolvedContacts, StepHooks};
 pub use self::options::{SOLVER_SUBSTEP, SimulationOptions};
 pub(crate) use self::reduced::ReducedJoints;
 pub use self::reduced::Resistance;
-pub use self::step_report::{Energy, PairContacts, Timings};
+pub use self::step_report::{Energy, PairContacts, SolvedPoint, Timings};
 use crate::ahead::{Motions, Tagged};
 use crate::carried::{PairCounts, Searches};
 use crate::convert::{narrow, pose_from_rapier, pose_to_rapier, wide};

@@ -185,11 +185,21 @@ fn errors_name_line_column_and_what_was_expected() {
 }
 
 #[test]
-fn unknown_and_unavailable_effects_are_told_apart() {
-    for name in ["Penetration", "Deformation", "ForceFeedback", "Sound"] {
-        let text = refused("[Trigger()]", &format!("[{name}(depth: 3)]")).to_string();
-        let says = format!("effect {name} is known but not available in this version");
-        assert!(text.contains(&says) && text.contains("line 4"), "{text}");
+fn effects_that_are_unknown_or_not_listed_or_miss_a_parameter_are_refused() {
+    let cases = [
+        ("Penetration(depth: 3)", "unexpected parameter depth: this effect has none"),
+        ("Sound()", "above"),
+        ("Sound(above: 0)", "0"),
+        ("Sound(above: 1, below: 2)", "below"),
+        ("Deformation(hardness: 5)", "radius"),
+        ("Deformation(hardness: -5, radius: 1)", "-5"),
+        ("ForceFeedback()", "stiffness"),
+        ("Proximity()", "within"),
+        ("Contacts(margin: -1)", "-1"),
+    ];
+    for (effect, says) in cases {
+        let text = refused("[Trigger()]", &format!("[{effect}]")).to_string();
+        assert!(text.contains(says) && text.contains("line 4"), "{effect}: {text}");
     }
     let recording = refused("[Trigger()]", "[Recording()]").to_string();
     assert!(recording.contains("`record`") && recording.contains("--record"), "{recording}");
@@ -198,7 +208,8 @@ fn unknown_and_unavailable_effects_are_told_apart() {
     let unknown = refused("[Trigger()]", "[Triger()]").to_string();
     assert!(
         unknown.contains("unknown effect Triger")
-            && unknown.contains("Trigger, Proximity, Contacts, Response, Continuous")
+            && unknown
+                .contains("Trigger, Proximity, Contacts, Penetration, Response, Continuous, Sound")
     );
 }
 

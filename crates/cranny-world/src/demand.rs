@@ -67,6 +67,8 @@ impl ContactFields {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wish {
     verdict: bool,
+    /// Depth and way out.
+    overlap: bool,
     /// The distance of `Proximity`.
     within: Option<f64>,
     /// The margin of `Contacts`.
@@ -98,10 +100,20 @@ impl Wish {
                 Effect::Contacts { margin } => {
                     return Err(WorldError::Margin { owner: owner(), margin });
                 }
-                Effect::Response | Effect::Continuous => Self::default(),
+                Effect::Penetration => Self { overlap: true, ..Self::default() },
+                Effect::Response
+                | Effect::Continuous
+                | Effect::Sound { .. }
+                | Effect::Deformation { .. }
+                | Effect::ForceFeedback { .. } => Self::default(),
             });
         }
-        Ok(wish)
+        match effects.iter().find_map(refused_parameter) {
+            Some((effect, parameter, value)) => {
+                Err(WorldError::Parameter { effect, parameter, owner: owner(), value })
+            }
+            None => Ok(wish),
+        }
     }
 
     /// What either asks for.
@@ -112,6 +124,7 @@ impl Wish {
         };
         Self {
             verdict: self.verdict || other.verdict,
+            overlap: self.overlap || other.overlap,
             within: larger(self.within, other.within),
             contacts: larger(self.contacts, other.contacts),
         }
@@ -119,7 +132,9 @@ impl Wish {
 
     /// The fields that this takes, if so much of `Contacts` is read.
     pub(crate) fn fields(self, read: ContactFields) -> Fields {
-        let own = Fields { verdict: self.verdict, distance: self.within, ..Fields::NONE };
+        let regions = self.overlap.then_some(0.0);
+        let verdict = self.verdict || self.overlap;
+        let own = Fields { verdict, distance: self.within, regions, ..Fields::NONE };
         self.contacts.map_or(own, |margin| own.join(read.within(margin)))
     }
 
@@ -127,6 +142,18 @@ impl Wish {
     pub(crate) fn margin(&self) -> f64 {
         self.contacts.unwrap_or(0.0).max(self.within.unwrap_or(0.0))
     }
+}
+
+/// The first parameter that must be a finite number above zero and is none: effect, name, value.
+fn refused_parameter(effect: &Effect) -> Option<(&'static str, &'static str, f64)> {
+    let parameters: &[(&str, f64)] = match *effect {
+        Effect::Sound { above } => &[("above", above)],
+        Effect::Deformation { hardness, radius } => &[("hardness", hardness), ("radius", radius)],
+        Effect::ForceFeedback { stiffness } => &[("stiffness", stiffness)],
+        _ => &[],
+    };
+    let mut refused = parameters.iter().filter(|(_, value)| !(*value > 0.0 && value.is_finite()));
+    refused.next().map(|&(parameter, value)| (effect.name(), parameter, value))
 }
 
 #[cfg(test)]
@@ -151,6 +178,15 @@ mod tests {
         let distance = |within| Effect::Proximity { within };
         let of_both = demand(&[Effect::Trigger, distance(3.0), distance(0.5)]);
         assert_eq!(of_both, Demand::Distance { below: Some(3.0) });
+        let overlap = demand(&[Effect::Penetration]);
+        assert_eq!(overlap, Demand::Regions { margin: 0.0 });
+        assert_eq!(demand(&[Effect::Penetration, near]), Demand::Regions { margin: 0.25 });
+        let of_others = [
+            Effect::Sound { above: 1.0 },
+            Effect::Deformation { hardness: 1.0, radius: 1.0 },
+            Effect::ForceFeedback { stiffness: 1.0 },
+        ];
+        assert_eq!(demand(&of_others), Demand::None);
     }
 
     #[test]
@@ -168,6 +204,22 @@ mod tests {
         assert_eq!(demand(&[Effect::Trigger], ContactFields::NONE), Demand::Intersects);
         assert_eq!(points.join(regions).names().collect::<Vec<_>>(), ["points", "regions"]);
         assert_eq!(depth.join(points).join(regions), ContactFields::ALL);
+    }
+
+    #[test]
+    fn a_parameter_that_is_none_is_refused_by_name() {
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let cases = [
+                (Effect::Sound { above: value }, "`above` of Sound"),
+                (Effect::Deformation { hardness: value, radius: 1.0 }, "`hardness` of Deformation"),
+                (Effect::Deformation { hardness: 1.0, radius: value }, "`radius` of Deformation"),
+                (Effect::ForceFeedback { stiffness: value }, "`stiffness` of ForceFeedback"),
+            ];
+            for (effect, says) in cases {
+                let error = Wish::of(&[effect], || "body 'hook'".into()).unwrap_err().to_string();
+                assert!(error.starts_with(&format!("{says} of body 'hook' is {value}")), "{error}");
+            }
+        }
     }
 
     #[test]

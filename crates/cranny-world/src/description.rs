@@ -136,6 +136,27 @@ pub enum Effect {
     Response,
     /// A body passes through no other one, nor any through it, however fast. It needs `Response`.
     Continuous,
+    /// How deep bodies overlap, and a way out, for whoever has no solver.
+    Penetration,
+    /// What is to be heard: impacts, sliding, rolling. It needs `Response`.
+    Sound {
+        /// Speed above which a collision, sliding or rolling is heard, > 0, units of length a
+        /// second.
+        above: f64,
+    },
+    /// Dents that stay where bodies are hit. It needs `Response`.
+    Deformation {
+        /// Energy that it takes to displace a unit of volume, > 0: the pressure at which the
+        /// material yields.
+        hardness: f64,
+        /// How far from where it is hit a body yields, > 0.
+        radius: f64,
+    },
+    /// Force and torque on kinematic bodies that somebody moves, at 1 kHz.
+    ForceFeedback {
+        /// Force a unit of length by which a body is moved into another one, > 0.
+        stiffness: f64,
+    },
 }
 
 impl Effect {
@@ -148,6 +169,10 @@ impl Effect {
             Self::Contacts { .. } => "Contacts",
             Self::Response => "Response",
             Self::Continuous => "Continuous",
+            Self::Penetration => "Penetration",
+            Self::Sound { .. } => "Sound",
+            Self::Deformation { .. } => "Deformation",
+            Self::ForceFeedback { .. } => "ForceFeedback",
         }
     }
 }

@@ -67,6 +67,20 @@ pub enum WorldError {
         /// The value found.
         margin: f64,
     },
+    /// A parameter of an effect that must be a finite number above zero.
+    #[error(
+        "`{parameter}` of {effect} of {owner} is {value}: it must be a finite number above zero"
+    )]
+    Parameter {
+        /// Name of the effect.
+        effect: &'static str,
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// Whose effect it is.
+        owner: String,
+        /// The value found.
+        value: f64,
+    },
     /// A pose outside the domain, or a rotation that is none.
     #[error("the pose of body '{name}' is refused: {source}")]
     Pose {

@@ -55,6 +55,30 @@ fn ended(a: BodyId, b: BodyId) -> PairEvent {
     PairEvent { a, b, kind: PairEventKind::Ended }
 }
 
+/// What a solver kept apart by an impulse touches, although the surfaces are apart; it says so
+/// before each step anew.
+#[test]
+fn pairs_that_press_touch_for_a_step() {
+    let (mut world, ids) = row(&[Effect::Trigger], &[0.0, 1.25, 4.0]);
+    assert_eq!((step(&mut world).events, world.remembered_pairs()), (vec![], 0));
+    world.press(ids[1], ids[0]).unwrap();
+    let report = step(&mut world);
+    assert_eq!(report.events, [began(ids[0], ids[1])]);
+    assert_eq!(report.touching, [(ids[0], ids[1])]);
+    world.press(ids[0], ids[1]).unwrap();
+    assert!(step(&mut world).events.is_empty(), "it goes on");
+    let report = step(&mut world);
+    assert_eq!(report.events, [ended(ids[0], ids[1])]);
+    assert!(report.touching.is_empty());
+    // Nobody asks about the pair, or one of both is gone.
+    world.exclude_pair(ids[0], ids[1]).unwrap();
+    world.press(ids[0], ids[1]).unwrap();
+    world.press(ids[1], ids[2]).unwrap();
+    world.remove(ids[2]).unwrap();
+    assert!(step(&mut world).events.is_empty());
+    assert!(world.press(ids[0], ids[0]).is_err() && world.press(ids[0], ids[2]).is_err());
+}
+
 /// A bar with two legs under a plate that comes down on them, until the bar is reached, and goes up
 /// again.
 #[test]

@@ -12,6 +12,7 @@ mod broad;
 mod cloud;
 mod count;
 mod deform;
+mod effects;
 mod entangled;
 mod export;
 mod hulls;
@@ -92,6 +93,9 @@ enum Command {
     Prepare,
     /// Moved vertices and all that follows them, against building the moved mesh
     Deform,
+    /// What each effect costs in a scene of 500 bodies, beside the solver: the table of
+    /// docs/effects.md
+    Effects(effects::EffectsArgs),
     /// Kinds of box trees by what they open; patches; envelopes beside a box tree
     Trees,
 }
@@ -119,6 +123,7 @@ fn main() -> ExitCode {
         Command::Export { folder } => export::write(folder, cli.quick),
         Command::Prepare => Ok(prepare::measure(cli.quick)),
         Command::Deform => Ok(deform::measure(cli.quick)),
+        Command::Effects(args) => return exit(effects::tabulate(args)),
         Command::Trees => Ok(trees::measure(cli.quick)),
     };
     exit(report.and_then(|report| print(&report, cli.format)))

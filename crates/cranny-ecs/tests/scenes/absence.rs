@@ -17,6 +17,9 @@ use crate::build::gate;
 
 const CONTACTS: Effect = Effect::Contacts { margin: 0.1 };
 const PROXIMITY: Effect = Effect::Proximity { within: 0.5 };
+const FEEDBACK: Effect = Effect::ForceFeedback { stiffness: 100.0 };
+const SOUND: Effect = Effect::Sound { above: 0.1 };
+const DENTS: Effect = Effect::Deformation { hardness: 100.0, radius: 0.1 };
 
 fn app(effects: &[Effect]) -> SceneApp {
     SceneApp::new(&gate(effects), &RunOptions::default()).unwrap()
@@ -107,6 +110,53 @@ fn continuous_exists_where_it_is_named_and_only_there() {
     assert_eq!(refused, "Continuous needs Response: name Response too, or leave Continuous out");
 }
 
+#[test]
+fn penetration_exists_where_it_is_named_and_only_there() {
+    for effects in [&[Effect::Penetration][..], &[Effect::Trigger], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&Effect::Penetration));
+        assert_eq!(scheduled(app, PenetrationSystems::Report.intern()), named);
+        assert_eq!(scheduled(app, PenetrationSystems::Detect.intern()), named);
+        assert_eq!(app.world().contains_resource::<PenetrationReport>(), named);
+    }
+}
+
+#[test]
+fn force_feedback_exists_where_it_is_named_and_only_there() {
+    for effects in [&[FEEDBACK][..], &[Effect::Trigger], &[]] {
+        let app = app(effects);
+        let (app, named) = (app.app(), effects.contains(&FEEDBACK));
+        assert_eq!(scheduled(app, ForceFeedbackSystems::Feel.intern()), named);
+        assert_eq!(app.world().contains_resource::<ForceFeedbackReport>(), named);
+        // It detects by itself.
+        assert_eq!(app.world().contains_resource::<Detector>(), effects.contains(&Effect::Trigger));
+    }
+}
+
+#[cfg(feature = "rapier")]
+#[test]
+fn sound_and_dents_exist_where_they_are_named_and_only_there() {
+    let sound = [Effect::Response, SOUND];
+    let dents = [Effect::Response, DENTS];
+    for effects in [&sound[..], &dents, &[Effect::Response], &[]] {
+        let app = app(effects);
+        let app = app.app();
+        let (heard, dented) = (effects.contains(&SOUND), effects.contains(&DENTS));
+        assert_eq!(scheduled(app, SoundSystems::Report.intern()), heard);
+        assert_eq!(app.world().contains_resource::<OngoingSounds>(), heard);
+        assert_eq!(app.world().contains_resource::<Messages<SoundEvent>>(), heard);
+        assert_eq!(scheduled(app, DeformationSystems::Dent.intern()), dented);
+        assert_eq!(app.world().contains_resource::<Messages<Dented>>(), dented);
+        assert!(!app.world().contains_resource::<Detector>());
+    }
+    for alone in [SOUND, DENTS] {
+        let refused = SceneApp::new(&gate(&[alone]), &RunOptions::default());
+        let (refused, name) = (refused.err().expect("nobody moves bodies"), alone.name());
+        let says = format!("{name} needs Response: name Response too, or leave {name} out");
+        assert_eq!(refused.to_string(), says);
+    }
+}
+
 #[cfg(feature = "record")]
 #[test]
 fn recording_exists_where_it_is_asked_for_and_only_there() {
@@ -140,6 +190,34 @@ fn rendering_exists_where_it_is_asked_for_and_only_there() {
     }
 }
 
+#[test]
+fn diagnostics_exist_where_they_are_added_and_tell_phases_and_effects() {
+    let built = |diagnosed: bool| {
+        let mut app = App::new();
+        app.add_plugins(CrannyPlugins::new(0.25).unwrap().effects(&[PROXIMITY]).unwrap());
+        if diagnosed {
+            app.add_plugins(DiagnosticsPlugin);
+        }
+        app
+    };
+    let systems = |app: &mut App| Plan::of(app.world_mut()).unwrap().schedules[0].systems.len();
+    let mut app = built(false);
+    assert!(!app.world().contains_resource::<StepDiagnostics>());
+    let before = systems(&mut app);
+    let mut app = built(true);
+    assert_eq!(systems(&mut app), before + StepSystems::ALL.len() + 1);
+    for _ in 0..12 {
+        app.world_mut().run_schedule(CrannyStep);
+    }
+    let costs = app.world().resource::<StepDiagnostics>();
+    assert_eq!(costs.steps, 12);
+    assert!(StepSystems::ALL.iter().all(|&phase| !costs.total.phase(phase).is_zero()));
+    assert!(costs.last.step() < costs.total.step());
+    let own = costs.total.effect(EffectKind::Proximity).expect("it reports");
+    assert!(own <= costs.total.phase(StepSystems::Report), "{costs:?}");
+    assert_eq!(costs.total.effect(EffectKind::Contacts), None);
+}
+
 /// Every system that stands in only one of two plans, by schedule and name.
 fn difference(one: &Plan, other: &Plan) -> Vec<PlannedSystem> {
     let only_in = |one: &Plan, other: &Plan| -> Vec<PlannedSystem> {
@@ -159,18 +237,26 @@ fn names(plan: &Plan) -> BTreeSet<String> {
 
 #[test]
 fn one_effect_more_is_exactly_its_systems_more() {
-    let all = [Effect::Trigger, PROXIMITY, CONTACTS, Effect::Response, Effect::Continuous];
-    let all = if cfg!(feature = "rapier") { &all[..] } else { &all[..3] };
+    let of_detection = [Effect::Trigger, PROXIMITY, CONTACTS, Effect::Penetration, FEEDBACK];
+    let of_response = [Effect::Response, Effect::Continuous, SOUND, DENTS];
+    let count = if cfg!(feature = "rapier") { 9 } else { 5 };
+    let all = [&of_detection[..], &of_response].concat();
+    let all = &all[..count];
     // What works on what another effect does cannot be without it.
     let works = |effects: &[Effect]| {
-        effects.contains(&Effect::Response) || !effects.contains(&Effect::Continuous)
+        let needs = |effect: &Effect| of_response[1..].contains(effect);
+        effects.contains(&Effect::Response) || !effects.iter().any(needs)
     };
-    // Every subset that lacks the effect.
-    let subsets = 0..1u32 << all.len();
-    let cases = subsets.flat_map(|subset| {
-        let holds = move |i: usize| subset & (1 << i) != 0;
-        let without: Vec<Effect> = (0..all.len()).filter(|&i| holds(i)).map(|i| all[i]).collect();
-        (0..all.len()).filter(move |&i| !holds(i)).map(move |i| (without.clone(), all[i]))
+    // Beside none, each other one, each other one with a solver, and all others.
+    let cases = all.iter().flat_map(|&effect| {
+        let others = move || all.iter().copied().filter(move |other| *other != effect);
+        let with_solver = others().map(|other| vec![other, Effect::Response]);
+        let beside = others().map(|other| vec![other]).chain(with_solver);
+        let beside = beside.chain([vec![], others().collect()]);
+        beside.map(move |without| (without, effect))
+    });
+    let cases = cases.filter(|(without, effect)| {
+        !without.contains(effect) && (count > 5 || !without.contains(&Effect::Response))
     });
     for (without, effect) in cases {
         let without = &without[..];
@@ -180,7 +266,7 @@ fn one_effect_more_is_exactly_its_systems_more() {
         }
         let (less, more) = (app(without).plan().unwrap(), app(&with).plan().unwrap());
         let systems = difference(&less, &more);
-        assert!(systems.len() >= 2, "{systems:?}");
+        assert!(!systems.is_empty(), "{}", effect.name());
         for system in &systems {
             assert!(!names(&less).contains(&system.name), "{} takes {system:?}", effect.name());
             assert!(system.effects.contains(&effect.name()), "{system:?} for {}", effect.name());

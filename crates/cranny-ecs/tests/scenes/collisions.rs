@@ -102,6 +102,23 @@ fn contacts_without_a_solver_tell_the_speed_and_no_impulse() {
     assert!(close(contact.speed, 6.0, 1e-6) && contact.impulse == 0.0, "{contact:?}");
 }
 
+/// Contacts that are read within a margin hold none where a body comes from beyond it.
+#[test]
+fn a_start_has_its_contact_whoever_reads_contacts() {
+    for margin in [0.0, 0.5] {
+        let mut app = empty(&[Effect::Response, Effect::Trigger, Effect::Contacts { margin }]);
+        let bouncy = Restitution::new(1.0);
+        world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0), bouncy));
+        let fast = LinearVelocity(Vec3::new(0.0, 0.0, -12.0));
+        let ball = (RigidBody::Dynamic, unit(), up(4.03), bouncy, fast);
+        let ball = world(&mut app).spawn(ball).id();
+        let (start, speed) = first_start(&mut app, ball, 40);
+        let contact = start.contact.expect("the solver knows it");
+        assert!((contact.deepest.normal - DVec3::Z).length() < 1e-6, "{margin}: {contact:?}");
+        assert!(close(contact.speed, speed, 1e-5) && contact.impulse > 0.0, "{contact:?}");
+    }
+}
+
 /// An app with hooks.
 fn hooked<H>(effects: &[Effect]) -> App
 where
@@ -115,8 +132,12 @@ where
     app
 }
 
+fn run_step(world: &mut World) {
+    world.run_schedule(CrannyStep);
+}
+
 fn run(app: &mut App, steps: usize) {
-    (0..steps).for_each(|_| app.world_mut().run_schedule(CrannyStep));
+    (0..steps).for_each(|_| run_step(app.world_mut()));
     assert!(!app.world().resource::<Failure>().is_set());
 }
 
@@ -166,45 +187,43 @@ impl CollisionHooks for Belts<'_, '_> {
     }
 }
 
-/// The belt has the lower id, or the higher, and the lower number in the solver, or the higher.
+/// Spawns two bodies. In even orders the first has the lower id, in orders 0 and 3 the lower number
+/// in the solver.
+fn in_order(app: &mut App, order: usize, first: impl Bundle, second: impl Bundle) -> [Entity; 2] {
+    // Of numbers that bodies left, the lowest is given again first.
+    let gone = [0, 1].map(|_| app.world_mut().spawn((RigidBody::Fixed, unit(), up(50.0))).id());
+    run(app, 1);
+    let world = app.world_mut();
+    world.despawn(gone[usize::from(order > 1)]);
+    let second_comes = |world: &mut World| {
+        run_step(world);
+        world.despawn(gone[usize::from(order < 2)]);
+    };
+    let pair = if order.is_multiple_of(2) {
+        let first = world.spawn(first).id();
+        second_comes(world);
+        [first, world.spawn(second).id()]
+    } else {
+        let second = world.spawn(second).id();
+        second_comes(world);
+        [world.spawn(first).id(), second]
+    };
+    run_step(world);
+    let ids = pair.map(|entity| world.get::<Body>(entity).unwrap().id);
+    let numbers = ids.map(|id| world.resource::<RigidBodies>().index(id).unwrap());
+    assert_eq!(ids[0] < ids[1], order.is_multiple_of(2), "{ids:?}");
+    assert_eq!(numbers[0] < numbers[1], order == 0 || order == 3, "{numbers:?}");
+    pair
+}
+
 #[test]
 fn a_belt_carries_what_lies_on_it() {
     for order in 0..4 {
         let mut app = hooked::<Belts>(&[Effect::Response]);
-        // Of two bodies that left, the first number is given again first.
-        let gone = [0, 1].map(|_| app.world_mut().spawn((RigidBody::Fixed, unit(), up(50.0))).id());
-        run(&mut app, 1);
-        let world = app.world_mut();
         let belt = (RigidBody::Fixed, cuboid([40.0, 4.0, 1.0]), up(0.0));
         let belt = (belt, Belt(Vec3::new(2.0, 0.0, 0.0)));
         let load = (RigidBody::Dynamic, unit(), up(1.0), Friction::new(0.9));
-        let load = match order {
-            0 => {
-                world.spawn(belt);
-                world.spawn(load).id()
-            }
-            1 => {
-                let load = world.spawn(load).id();
-                world.spawn(belt);
-                load
-            }
-            2 => {
-                // The later one gets the lower number.
-                world.despawn(gone[1]);
-                world.spawn(belt);
-                world.run_schedule(CrannyStep);
-                world.despawn(gone[0]);
-                world.spawn(load).id()
-            }
-            _ => {
-                world.despawn(gone[1]);
-                let load = world.spawn(load).id();
-                world.run_schedule(CrannyStep);
-                world.despawn(gone[0]);
-                world.spawn(belt);
-                load
-            }
-        };
+        let [_, load] = in_order(&mut app, order, belt, load);
         run(&mut app, 90);
         let velocity = app.world().get::<LinearVelocity>(load).unwrap().0;
         assert!((velocity.x - 2.0).abs() < 0.05, "order {order}: {velocity}");
@@ -228,13 +247,47 @@ impl CollisionHooks for Platforms<'_, '_> {
 
 #[test]
 fn a_platform_lets_pass_from_below_and_holds_from_above() {
-    let mut app = hooked::<Platforms>(&[Effect::Response]);
-    let world = app.world_mut();
-    world.spawn((RigidBody::Fixed, cuboid([9.0, 9.0, 0.25]), up(0.0), OneWay));
-    let jump = LinearVelocity(Vec3::new(0.0, 0.0, 9.0));
-    let jumper = world.spawn((RigidBody::Dynamic, unit(), up(-1.5), jump)).id();
-    run(&mut app, 40);
-    assert!(place(&app, jumper).z > 1.0, "{}", place(&app, jumper));
-    run(&mut app, 120);
-    assert!((place(&app, jumper).z - 0.625).abs() < 0.01, "{}", place(&app, jumper));
+    for order in 0..4 {
+        let mut app = hooked::<Platforms>(&[Effect::Response]);
+        let platform = (RigidBody::Fixed, cuboid([9.0, 9.0, 0.25]), up(0.0), OneWay);
+        let jump = LinearVelocity(Vec3::new(0.0, 0.0, 9.0));
+        let jumper = (RigidBody::Dynamic, unit(), up(-1.5), jump);
+        let [_, jumper] = in_order(&mut app, order, platform, jumper);
+        run(&mut app, 40);
+        assert!(place(&app, jumper).z > 1.0, "order {order}: {}", place(&app, jumper));
+        run(&mut app, 120);
+        let height = place(&app, jumper).z;
+        assert!((height - 0.625).abs() < 0.01, "order {order}: {height}");
+    }
+}
+
+/// A bar turns about its middle, and meets a ball by its end.
+#[test]
+fn the_speed_of_a_contact_counts_turning() {
+    let mut app = empty(&[Effect::Trigger, Effect::Contacts { margin: 0.0 }]);
+    let turning = AngularVelocity(Vec3::new(0.0, 0.0, 2.0));
+    let turning = (LinearVelocity(Vec3::ZERO), turning);
+    let bar = (RigidBody::Kinematic, cuboid([4.0, 0.25, 0.25]), up(0.0), turning);
+    let bar = world(&mut app).spawn(bar).id();
+    let fixed = (RigidBody::Fixed, cuboid([0.25; 3]), Transform::from_xyz(1.5, 1.0, 0.0));
+    world(&mut app).spawn(fixed);
+    let contact = first_start(&mut app, bar, 60).0.contact.unwrap();
+    let arm = contact.deepest.point; // from the bar's middle
+    let by_hand = (2.0 * DVec3::Z).cross(arm).dot(contact.deepest.normal);
+    assert!(by_hand > 2.0 && close(contact.speed, by_hand, 1e-6), "{contact:?} {by_hand}");
+}
+
+/// It comes so slowly that its contacts were searched before it touched, and carried on since.
+#[test]
+fn a_slow_landing_tells_its_contact() {
+    let mut app = empty(&[Effect::Response, Effect::Trigger]);
+    world(&mut app).insert_resource(Gravity(DVec3::ZERO));
+    let floor = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+    let slow = LinearVelocity(Vec3::new(0.0, 0.0, -0.01));
+    let body = world(&mut app).spawn((RigidBody::Dynamic, unit(), up(1.0003), slow)).id();
+    let (start, speed) = first_start(&mut app, body, 30);
+    let contact = start.contact.expect("the solver carries it on");
+    assert!((contact.deepest.point.z - 0.5).abs() < 1e-3, "{contact:?}");
+    assert!((contact.deepest.normal - DVec3::Z).length() < 1e-6 && start.body == floor);
+    assert!(close(contact.speed, speed, 1e-5) && contact.impulse > 0.0, "{contact:?}");
 }

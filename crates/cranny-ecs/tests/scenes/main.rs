@@ -5,11 +5,15 @@ mod build;
 #[cfg(feature = "rapier")]
 mod collisions;
 mod comings;
+#[cfg(feature = "rapier")]
+mod deformation;
 mod detection;
 mod entities;
 mod fixed_update;
+mod force_feedback;
 mod links;
 mod parts;
+mod penetration;
 mod proximity;
 #[cfg(feature = "record")]
 mod recording;
@@ -17,4 +21,6 @@ mod recording;
 mod rendering;
 #[cfg(feature = "rapier")]
 mod response;
+#[cfg(feature = "rapier")]
+mod sound;
 mod spatial;

@@ -15,6 +15,7 @@
 //! own. Cost: see [`Model::deform`].
 
 mod change;
+mod dent;
 mod follow;
 mod renew;
 mod totals;
@@ -22,6 +23,7 @@ mod totals;
 use cranny_exact::{DVec3, check_point};
 
 pub use self::change::{ChangeSet, DeformError, Trail, Work};
+pub use self::dent::{Blow, Dent};
 use self::follow::Deformation;
 use self::renew::Renewal;
 use self::totals::Totals;

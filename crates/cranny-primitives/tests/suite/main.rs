@@ -2,6 +2,7 @@
 //! hand.
 
 mod by_hand;
+mod escape;
 mod rays;
 mod revolved;
 mod rounded;

@@ -2,13 +2,18 @@
 
 use std::sync::Arc;
 
-use cranny_exact::Pose;
+use cranny_exact::{DVec3, Pose};
 use cranny_narrow_phase::{Answer, Fields};
-use rapier3d::geometry::{ContactPair, NEW_CONTACT_BIT};
+use rapier3d::geometry::{ContactData, ContactManifold, ContactPair, NEW_CONTACT_BIT};
+use rapier3d::math::Vector;
+use rapier3d::parry::query::TrackedContact;
 
 use super::{BodyIndex, Simulation};
 use crate::carried::PairCounts;
 use crate::convert::wide;
+
+/// A point of a manifold, with what the solver did there.
+type TrackedPoint = TrackedContact<ContactData>;
 
 /// What the detector said of a pair in rapier's last step.
 #[derive(Clone, Debug)]
@@ -38,6 +43,19 @@ impl PairContacts {
         let answer = Arc::new(Arc::unwrap_or_clone(self.answer).swapped());
         Self { a: b, b: a, answer, poses: [of_b, of_a], first_is_a: !first_is_a, ..self }
     }
+}
+
+/// A point at which two bodies press on each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolvedPoint {
+    /// Half-way between the surfaces, in the world.
+    pub point: DVec3,
+    /// Unit, from the lower body to the higher.
+    pub normal: DVec3,
+    /// Along the normal: < 0 where the bodies overlap.
+    pub separation: f64,
+    /// What it gave each body along the normal: mass x length / second, >= 0.
+    pub impulse: f64,
 }
 
 /// Mechanical energy of all dynamic bodies.
@@ -181,6 +199,34 @@ impl Simulation {
         })
     }
 
+    /// The points that rapier's solver had of two bodies in the last step, or in its last part, with
+    /// their impulses in it; in the world, where the bodies were at its beginning. With any
+    /// detector, whoever else [reads](Self::read_by).
+    #[must_use]
+    pub fn solved_points(&self, a: BodyIndex, b: BodyIndex) -> Vec<SolvedPoint> {
+        let [first, second] = [a, b].map(|body| self.tagged[body.0 as usize].collider);
+        let Some(pair) = self.narrow_phase.contact_pair(first, second) else { return Vec::new() };
+        let Some((first, second)) = self.tags(pair) else { return Vec::new() };
+        let poses = [first, second].map(|index| self.poses_before[index as usize]);
+        let turned = first > second;
+        let points = solved(pair).map(|(manifold, point)| {
+            let shapes = [manifold.subshape_pos1(), manifold.subshape_pos2()];
+            let place = |k: usize, local: Vector| {
+                let in_body = shapes[k].map_or(local, |shape| shape.transform_point(local));
+                poses[k].world_from_body().apply(wide(in_body))
+            };
+            let [p, q] = [place(0, point.local_p1), place(1, point.local_p2)];
+            let normal = wide(manifold.data.normal);
+            SolvedPoint {
+                point: 0.5 * (p + q),
+                normal: if turned { -normal } else { normal },
+                separation: (q - p).dot(normal),
+                impulse: point.data.impulse.into(),
+            }
+        });
+        points.collect()
+    }
+
     /// Keeps what a part of the step did: the next one begins anew. What sleeps keeps what it had.
     pub(super) fn keep_impulses(&mut self) {
         for pair in self.narrow_phase.contact_pairs() {
@@ -248,13 +294,16 @@ impl Simulation {
 /// The impulses at the points that the solver had. A point that it did not have may still hold that
 /// of a step before.
 fn impulse_of(pair: &ContactPair) -> f64 {
-    let solved = pair.solver_manifolds().iter().flat_map(|manifold| {
+    solved(pair).map(|(_, point)| f64::from(point.data.impulse)).sum()
+}
+
+/// The points that the solver had.
+fn solved(pair: &ContactPair) -> impl Iterator<Item = (&ContactManifold, &TrackedPoint)> {
+    pair.solver_manifolds().iter().flat_map(|manifold| {
         let contacts = manifold.data.solver_contacts.iter();
-        contacts.map(|contact| {
+        contacts.filter_map(move |contact| {
             let id = contact.contact_id[0] & !NEW_CONTACT_BIT;
-            let point = manifold.points.get(id as usize);
-            point.map_or(0.0, |point| f64::from(point.data.impulse))
+            Some((manifold, manifold.points.get(id as usize)?))
         })
-    });
-    solved.sum()
+    })
 }

@@ -10,6 +10,7 @@ mod concave;
 mod continuous;
 mod fallback;
 mod falling;
+mod impulses;
 mod manifolds;
 mod mass;
 mod motion;
@@ -25,4 +26,5 @@ mod round_scenes;
 mod smooth;
 #[cfg(feature = "snapshot")]
 mod snapshots;
+mod stalled;
 mod world;

@@ -259,3 +259,17 @@ fn a_slow_motor_does_not_fall_asleep() {
     let at = position(&simulation, joint);
     assert!((at - 1.0).abs() < 0.01, "turned by {at}");
 }
+
+#[test]
+fn what_followed_a_joint_that_is_gone_has_its_own_motor_again() {
+    let (mut simulation, joints, _) =
+        arm(true, |i| Some(Motor::at(if i == 2 { 0.4 } else { 0.0 })));
+    assert!(simulation.couple(joints[2], joints[5], 1.0, 0.1));
+    steps(&mut simulation, 480);
+    let following = position(&simulation, joints[2]);
+    assert!((following - 0.1).abs() < 2e-3, "it follows, at {following}");
+    simulation.part(joints[5]);
+    steps(&mut simulation, 480);
+    let own = position(&simulation, joints[2]);
+    assert!((own - 0.4).abs() < 2e-3, "its own motor holds it, at {own}");
+}

@@ -1,10 +1,10 @@
-//! Effects by name. A known effect that this version does not have gets another error than a
-//! misspelt one.
+//! Effects by name. What a scene has by other means gets another error than a misspelt name.
 //!
 //! How to add an effect: CONTRIBUTING.md, 'An effect'. This file is its third step, the first is
 //! `Effect` in `cranny_world::description`.
 
 use std::fmt;
+use std::marker::PhantomData;
 
 use cranny_world::description::Effect;
 use serde::de::{self, EnumAccess, VariantAccess, Visitor};
@@ -13,10 +13,17 @@ use serde::{Deserialize, Deserializer};
 use super::values::{NotNegative, Positive};
 
 /// What this version computes.
-const AVAILABLE: [&str; 5] = ["Trigger", "Proximity", "Contacts", "Response", "Continuous"];
-
-/// What later versions will.
-const LATER: [&str; 4] = ["Penetration", "Deformation", "ForceFeedback", "Sound"];
+const AVAILABLE: [&str; 9] = [
+    "Trigger",
+    "Proximity",
+    "Contacts",
+    "Penetration",
+    "Response",
+    "Continuous",
+    "Sound",
+    "Deformation",
+    "ForceFeedback",
+];
 
 /// What a scene gets by other means: the effect and how.
 const ELSEWHERE: [(&str, &str); 5] = [
@@ -53,11 +60,38 @@ impl<'de> Visitor<'de> for EffectVisitor {
             Name::Response => content.struct_variant(&[], Nothing).map(|()| Effect::Response),
             Name::Continuous => content.struct_variant(&[], Nothing).map(|()| Effect::Continuous),
             Name::Proximity => content
-                .struct_variant(&["within"], Proximity)
-                .map(|within| Effect::Proximity { within }),
+                .struct_variant(
+                    &["within"],
+                    Parameters::<ProximityFile>::new("the parameter within"),
+                )
+                .map(|ProximityFile { within }| Effect::Proximity { within: within.0 }),
             Name::Contacts => content
-                .struct_variant(&["margin"], Contacts)
-                .map(|margin| Effect::Contacts { margin }),
+                .struct_variant(
+                    &["margin"],
+                    Parameters::<ContactsFile>::new("the parameter margin"),
+                )
+                .map(|ContactsFile { margin }| Effect::Contacts { margin: margin.0 }),
+            Name::Penetration => content.struct_variant(&[], Nothing).map(|()| Effect::Penetration),
+            Name::Sound => content
+                .struct_variant(&["above"], Parameters::<SoundFile>::new("the parameter above"))
+                .map(|SoundFile { above }| Effect::Sound { above: above.0 }),
+            Name::Deformation => content
+                .struct_variant(
+                    &["hardness", "radius"],
+                    Parameters::<DeformationFile>::new("the parameters hardness and radius"),
+                )
+                .map(|DeformationFile { hardness, radius }| Effect::Deformation {
+                    hardness: hardness.0,
+                    radius: radius.0,
+                }),
+            Name::ForceFeedback => content
+                .struct_variant(
+                    &["stiffness"],
+                    Parameters::<ForceFeedbackFile>::new("the parameter stiffness"),
+                )
+                .map(|ForceFeedbackFile { stiffness }| Effect::ForceFeedback {
+                    stiffness: stiffness.0,
+                }),
         };
         effect.map(EffectFile)
     }
@@ -68,8 +102,12 @@ enum Name {
     Trigger,
     Proximity,
     Contacts,
+    Penetration,
     Response,
     Continuous,
+    Sound,
+    Deformation,
+    ForceFeedback,
 }
 
 impl<'de> Deserialize<'de> for Name {
@@ -94,22 +132,16 @@ impl Visitor<'_> for NameVisitor {
             "Contacts" => return Ok(Name::Contacts),
             "Response" => return Ok(Name::Response),
             "Continuous" => return Ok(Name::Continuous),
+            "Penetration" => return Ok(Name::Penetration),
+            "Sound" => return Ok(Name::Sound),
+            "Deformation" => return Ok(Name::Deformation),
+            "ForceFeedback" => return Ok(Name::ForceFeedback),
             _ => {}
-        }
-        if LATER.contains(&name) {
-            return Err(E::custom(format!(
-                "effect {name} is known but not available in this version; available are {}",
-                AVAILABLE.join(", ")
-            )));
         }
         if let Some((_, how)) = ELSEWHERE.iter().find(|(known, _)| *known == name) {
             return Err(E::custom(format!("effect {name} is not listed: a scene has it {how}")));
         }
-        Err(E::custom(format!(
-            "unknown effect {name}; available are {}, and known but not available in this version are {}",
-            AVAILABLE.join(", "),
-            LATER.join(", ")
-        )))
+        Err(E::custom(format!("unknown effect {name}; available are {}", AVAILABLE.join(", "))))
     }
 }
 
@@ -133,46 +165,62 @@ impl<'de> Visitor<'de> for Nothing {
     }
 }
 
-struct Proximity;
+/// Parameters by name, as a structure has them.
+struct Parameters<T> {
+    expected: &'static str,
+    of: PhantomData<T>,
+}
 
-impl<'de> Visitor<'de> for Proximity {
-    type Value = f64;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the parameter within")
-    }
-
-    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<f64, A::Error> {
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Parameters {
-            within: Positive,
-        }
-        Parameters::deserialize(de::value::MapAccessDeserializer::new(map))
-            .map(|parameters| parameters.within.0)
+impl<T> Parameters<T> {
+    fn new(expected: &'static str) -> Self {
+        Self { expected, of: PhantomData }
     }
 }
 
-struct Contacts;
-
-impl<'de> Visitor<'de> for Contacts {
-    type Value = f64;
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Parameters<T> {
+    type Value = T;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the parameter margin")
+        f.write_str(self.expected)
     }
 
-    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<f64, A::Error> {
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Fields {
-            #[serde(default = "no_margin")]
-            margin: NotNegative,
-        }
-        fn no_margin() -> NotNegative {
-            NotNegative(0.0)
-        }
-        Fields::deserialize(de::value::MapAccessDeserializer::new(map))
-            .map(|fields| fields.margin.0)
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::deserialize(de::value::MapAccessDeserializer::new(map))
     }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProximityFile {
+    within: Positive,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ContactsFile {
+    #[serde(default = "no_margin")]
+    margin: NotNegative,
+}
+
+fn no_margin() -> NotNegative {
+    NotNegative(0.0)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SoundFile {
+    above: Positive,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DeformationFile {
+    hardness: Positive,
+    radius: Positive,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ForceFeedbackFile {
+    stiffness: Positive,
 }
