@@ -111,7 +111,7 @@ fn report_overlaps(
             continue;
         }
         let [Some(a), Some(b)] = ids.map(|id| bodies.get(id)) else { continue };
-        let poses = detector.poses(pair.a, pair.b);
+        let (poses, _) = detector.poses(pair.a, pair.b);
         let placed = |k: usize| Placed { model: &[a, b][k].model, pose: poses[k] };
         let way = way_apart(placed(0), placed(1), &pair.answer)
             .map_err(|source| WorldError::Query { a: a.name.clone(), b: b.name.clone(), source });
