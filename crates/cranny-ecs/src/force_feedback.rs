@@ -115,7 +115,7 @@ fn forget(removed: On<Remove<Body>>, bodies: Query<&Body>, mut followed: ResMut<
 
 /// Where bodies are and what they feel.
 #[derive(SystemParam)]
-struct Scene<'w, 's> {
+struct Surroundings<'w, 's> {
     bodies: Res<'w, Bodies>,
     effects: Res<'w, EffectTable>,
     transforms: Query<'w, 's, (&'static Body, &'static Transform)>,
@@ -146,7 +146,7 @@ impl Moving<'_> {
 }
 
 fn feel(
-    scene: Scene,
+    scene: Surroundings,
     time: Res<SimulatedTime>,
     mut followed: ResMut<Followed>,
     mut report: ResMut<ForceFeedbackReport>,

@@ -24,13 +24,13 @@ use crate::kinematics::center_of_mass;
 /// Larger: edges are kicks; less than 1: what the hand presses on seems to yield.
 const JUMP: f64 = 1.5;
 
-/// The gap that the proxy keeps, as a share of the body's radius. Smaller: rounding of a slide along
-/// a face ends within it; larger: the hand feels a face before it is there.
+/// The gap that the proxy keeps, as a share of the body's radius. Smaller: rounding of a slide
+/// along a face ends within it; larger: the hand feels a face before it is there.
 const SKIN: f64 = 1e-3;
 
 /// How far the proxy goes between two looks at the contacts around it, as a share of the body's
-/// radius. Larger: contacts of a whole neighbourhood are looked at; smaller: a fast hand is followed
-/// by more queries.
+/// radius. Larger: contacts of a whole neighbourhood are looked at; smaller: a fast hand is
+/// followed by more queries.
 const REACH: f64 = 0.02;
 
 /// How often a tick looks at most. More: a fast hand costs more; fewer: the proxy falls behind.
