@@ -136,7 +136,8 @@ impl Proxy {
     /// Lets the proxy follow the body, once a tick, among obstacles near both; returns what the
     /// body feels. From tick to tick its force changes by at most `stiffness` x 1.5 x what the body
     /// moves, and obstacles near it do (a rotation counts by half the body's radius); force and
-    /// torque over that length change by no more together.
+    /// torque over that length change by no more together. That holds as long as proxy and body are
+    /// turned against each other by less than 2 radians: at half a turn the torque changes sides.
     ///
     /// # Errors
     ///
