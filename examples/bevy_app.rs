@@ -1,6 +1,6 @@
-//! An app that runs on bevy, with a world and a clock of its own: two plugins are added, and systems
-//! do the rest. One drops a crate into a cup while the app runs, one hears what begins to touch,
-//! one says how things are. z is up.
+//! An app that runs on bevy, with a world and a clock of its own: plugins are added, and systems do
+//! the rest. One drops a crate into a cup while the app runs, one hears what begins to touch, one
+//! says how things are. z is up.
 //!
 //! `cargo run --example bevy_app --features ecs,rapier`
 

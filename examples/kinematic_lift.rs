@@ -18,7 +18,7 @@ use cranny::world::description::Effect;
 #[derive(Component)]
 struct Lift;
 
-/// Up and down once in two seconds. A `Transform` that is set would teleport it from under its load.
+/// Up and down once in two seconds. A `Transform` that is set would teleport it from its load.
 fn drive(time: Res<SimulatedTime>, mut lift: Single<&mut LinearVelocity, With<Lift>>) {
     lift.0.z = 0.6 * (TAU * time.seconds() as f32 / 2.0).sin();
 }

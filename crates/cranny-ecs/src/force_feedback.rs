@@ -20,6 +20,7 @@ use bevy_transform::components::Transform;
 use cranny_exact::{Aabb, Pose};
 use cranny_impact::Motion;
 use cranny_narrow_phase::Placed;
+use cranny_world::description::BodyKind;
 use cranny_world::{BodyId, WorldError};
 
 pub use self::proxy::{Obstacle, Proxy, Wrench};
@@ -115,7 +116,7 @@ fn forget(removed: On<Remove<Body>>, bodies: Query<&Body>, mut followed: ResMut<
 
 /// Where bodies are and what they feel.
 #[derive(SystemParam)]
-struct Scene<'w, 's> {
+struct Surroundings<'w, 's> {
     bodies: Res<'w, Bodies>,
     effects: Res<'w, EffectTable>,
     transforms: Query<'w, 's, (&'static Body, &'static Transform)>,
@@ -146,7 +147,7 @@ impl Moving<'_> {
 }
 
 fn feel(
-    scene: Scene,
+    scene: Surroundings,
     time: Res<SimulatedTime>,
     mut followed: ResMut<Followed>,
     mut report: ResMut<ForceFeedbackReport>,
@@ -170,7 +171,7 @@ fn feel(
     report.step = time.steps();
     report.bodies.clear();
     let ticks = (RATE * time.step()).round().max(1.0) as u32;
-    for body in &ways {
+    for body in ways.iter().filter(|way| way.record.kind == BodyKind::Kinematic) {
         let others: Vec<(&Moving<'_>, f64)> = ways
             .iter()
             .filter_map(|other| Some((other, scene.effects.felt_stiffness(body.id, other.id)?)))

@@ -258,8 +258,8 @@ impl RigidBodies {
         pair.map_or(0.0, |(a, b)| self.simulation.contact_impulse(a, b))
     }
 
-    /// The points at which the solver had two bodies press on each other in the last step, seen from
-    /// the one with the lower id, each with what it gave them; whatever readers there are.
+    /// The points at which the solver had two bodies press on each other in the last step, seen
+    /// from the one with the lower id, each with what it gave them; whatever readers there are.
     pub(crate) fn presses(&self, (a, b): Pair) -> Vec<(CollisionPoint, f64)> {
         let Some((i, j)) = self.index(a).zip(self.index(b)) else { return Vec::new() };
         let points = self.simulation.solved_points(i, j).into_iter();

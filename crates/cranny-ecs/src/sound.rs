@@ -69,8 +69,8 @@ pub struct SoundEvent {
     /// which the bodies approach each other, of sliding that at which the surfaces slip, of rolling
     /// that at which the faster turning body's centre of mass would pass the point.
     pub speed: f64,
-    /// Of the contact: that of the convex hull of the points at which the bodies press on each other,
-    /// seen along the normal. 0 for a point or a line.
+    /// Of the contact: that of the convex hull of the points at which the bodies press on each
+    /// other, seen along the normal. 0 for a point or a line.
     pub area: f64,
 }
 

@@ -24,13 +24,13 @@ use crate::kinematics::center_of_mass;
 /// Larger: edges are kicks; less than 1: what the hand presses on seems to yield.
 const JUMP: f64 = 1.5;
 
-/// The gap that the proxy keeps, as a share of the body's radius. Smaller: rounding of a slide along
-/// a face ends within it; larger: the hand feels a face before it is there.
+/// The gap that the proxy keeps, as a share of the body's radius. Smaller: rounding of a slide
+/// along a face ends within it; larger: the hand feels a face before it is there.
 const SKIN: f64 = 1e-3;
 
 /// How far the proxy goes between two looks at the contacts around it, as a share of the body's
-/// radius. Larger: contacts of a whole neighbourhood are looked at; smaller: a fast hand is followed
-/// by more queries.
+/// radius. Larger: contacts of a whole neighbourhood are looked at; smaller: a fast hand is
+/// followed by more queries.
 const REACH: f64 = 0.02;
 
 /// How often a tick looks at most. More: a fast hand costs more; fewer: the proxy falls behind.
@@ -136,7 +136,8 @@ impl Proxy {
     /// Lets the proxy follow the body, once a tick, among obstacles near both; returns what the
     /// body feels. From tick to tick its force changes by at most `stiffness` x 1.5 x what the body
     /// moves, and obstacles near it do (a rotation counts by half the body's radius); force and
-    /// torque over that length change by no more together.
+    /// torque over that length change by no more together. That holds as long as proxy and body are
+    /// turned against each other by less than 2 radians: at half a turn the torque changes sides.
     ///
     /// # Errors
     ///

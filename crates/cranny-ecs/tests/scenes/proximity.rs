@@ -62,8 +62,8 @@ fn the_nearest_is_seen_from_the_body_that_asks() {
     assert_eq!(report(&app).nearest(far), None);
 }
 
-/// With a solver, whose answers need hold no distance, and with triggers and contacts beside it: all
-/// the way of a body that falls, lands and rests.
+/// With a solver, whose answers need hold no distance, and with triggers and contacts beside it:
+/// all the way of a body that falls, lands and rests.
 #[cfg(feature = "rapier")]
 #[test]
 fn other_effects_of_a_pair_change_no_distance() {

@@ -199,8 +199,8 @@ impl Simulation {
         })
     }
 
-    /// The points that rapier's solver had of two bodies in the last step, or in its last part, with
-    /// their impulses in it; in the world, where the bodies were at its beginning. With any
+    /// The points that rapier's solver had of two bodies in the last step, or in its last part,
+    /// with their impulses in it; in the world, where the bodies were at its beginning. With any
     /// detector, whoever else [reads](Self::read_by).
     #[must_use]
     pub fn solved_points(&self, a: BodyIndex, b: BodyIndex) -> Vec<SolvedPoint> {
