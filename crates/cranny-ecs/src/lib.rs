@@ -87,7 +87,9 @@ pub use body::{Bodies, Body, BodyRecord, pose_of, transform_of};
 pub use clock::{CoreSystems, CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
 pub use collider::{Collider, VisualMesh};
 pub use collision::{Collision, CollisionContact, CollisionPoint, Collisions};
-pub use contacts::{BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems, QueryFrame};
+pub use contacts::{
+    BodyContacts, ContactPair, ContactReport, ContactsPlugin, ContactsSystems, QueryFrame,
+};
 #[cfg(feature = "rapier")]
 pub use continuous::{ContinuousPlugin, ContinuousSystems, HeldBack};
 pub use cranny_world::{BodyId, ContactFields};

@@ -195,10 +195,8 @@ impl ScenePainter {
     ) -> Result<Image, SceneAppError> {
         let size = Self::camera_size(view, [width, height])?;
         let (name, camera) = self.cameras[0].clone();
-        let failed = |error: RenderError| SceneAppError::Picture {
-            camera: name,
-            why: error.to_string(),
-        };
+        let failed =
+            |error: RenderError| SceneAppError::Picture { camera: name, why: error.to_string() };
         let style = match view {
             ScenePainterView::Page => return self.page(renderer, moment, width, height),
             ScenePainterView::Section => return self.section(renderer, moment, size),

@@ -11,8 +11,8 @@ use bevy_ecs::system::SystemParam;
 use bevy_transform::components::Transform;
 use cranny_geometry::{Mesh, Model};
 use cranny_record::{
-    Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth, RecordedEvent,
-    Recorder, Summary,
+    Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth,
+    RecordedEvent, Recorder, Summary,
 };
 use cranny_world::{BodyId, ContactFields, PairEvent, PairEventKind};
 

@@ -216,11 +216,8 @@ fn model_of(
     if let Some(model) = known.get(digest) {
         return Ok(Some(model.clone()));
     }
-    let failed = |why: String| ReplayError::Model {
-        path: path.to_owned(),
-        body: body.name.clone(),
-        why,
-    };
+    let failed =
+        |why: String| ReplayError::Model { path: path.to_owned(), body: body.name.clone(), why };
     let name = topic::model(digest);
     let attached = recording.attachments().iter().find(|attached| attached.name == name);
     let model = match attached {
@@ -303,11 +300,7 @@ impl Replay {
             let met = !answer.regions.is_empty();
             met.then_some(crate::painting::MeetingPair { a, b, answer, impulse: 0.0 })
         });
-        crate::painting::Moment {
-            time: frame.time,
-            poses: poses.collect(),
-            pairs: pairs.collect(),
-        }
+        crate::painting::Moment { time: frame.time, poses: poses.collect(), pairs: pairs.collect() }
     }
 }
 

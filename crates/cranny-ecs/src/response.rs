@@ -21,8 +21,8 @@ use cranny_world::{BodyId, ContactFields};
 
 use crate::body::{Bodies, Body, narrowed, transform_of};
 use crate::clock::{CrannyEnd, CrannyStep, PhaseTimes, SimulatedTime, StepSystems};
-use crate::detection::{DetectionSystems, Detector};
 use crate::contacts::QueryFrame;
+use crate::detection::{DetectionSystems, Detector};
 use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::hooks::CollisionHooks;

@@ -6,8 +6,8 @@ use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_narrow_phase::{Answer, Contact, Curve};
 use foxglove::bytes::Bytes;
 use foxglove::messages::{
-    ArrowPrimitive, KeyValuePair, LinePrimitive, PackedElementField, PointCloud, PosesInFrame, SceneEntity,
-    SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp, line_primitive,
+    ArrowPrimitive, KeyValuePair, LinePrimitive, PackedElementField, PointCloud, PosesInFrame,
+    SceneEntity, SceneEntityDeletion, SceneUpdate, SpherePrimitive, Timestamp, line_primitive,
     packed_element_field::NumericType, scene_entity_deletion,
 };
 

@@ -57,8 +57,8 @@ pub use frame::{
     RecordingInfo,
 };
 pub use message::{
-    ContactMessage, ContactsMessage, DeepestMessage, EventMessage, EventsMessage,
-    FrameMessage, IntervalMessage, MeasureMessage, PairMessage, RegionMessage, StatsMessage, VectorMessage,
+    ContactMessage, ContactsMessage, DeepestMessage, EventMessage, EventsMessage, FrameMessage,
+    IntervalMessage, MeasureMessage, PairMessage, RegionMessage, StatsMessage, VectorMessage,
     WitnessMessage,
 };
 pub use output::FRAMES_PER_CHUNK;

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use foxglove::bytes::Bytes;
 use foxglove::messages::{
-    CompressedImage, FrameTransform, FrameTransforms, KeyValuePair, Log, SceneEntity, SceneEntityDeletion,
-    SceneUpdate, Timestamp, TriangleListPrimitive, log::Level, scene_entity_deletion,
+    CompressedImage, FrameTransform, FrameTransforms, KeyValuePair, Log, SceneEntity,
+    SceneEntityDeletion, SceneUpdate, Timestamp, TriangleListPrimitive, log::Level,
+    scene_entity_deletion,
 };
 
 use crate::contact_marks::{ContactMarks, normal_poses, point_cloud};

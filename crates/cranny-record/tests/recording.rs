@@ -7,7 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use cranny_record::{
-    Frame, LogLevel, ReadError, RecordError, Recorder, Recording, RecordingInfo, answer_digest, topic,
+    Frame, LogLevel, ReadError, RecordError, Recorder, Recording, RecordingInfo, answer_digest,
+    topic,
 };
 use foxglove::Decode;
 use foxglove::messages::{PointCloud, PosesInFrame, SceneUpdate};

@@ -20,9 +20,9 @@ mod paths;
 mod pose_file;
 mod progress;
 mod query;
-mod run;
 mod quiet_driver;
 mod replay;
+mod run;
 mod scene_file;
 mod stability;
 

@@ -86,9 +86,8 @@ impl ScenePainter {
         }
         let focus = Focus::of(&self.coats, &looked_at, self.focus.as_ref(), &camera);
         let views = self.close_ups(moment, focus.as_ref(), [size, size]).map_err(failed)?;
-        let (list, camera, size, title) = views.into_iter().next().ok_or_else(|| {
-            failed("there is no body".to_owned())
-        })?;
+        let (list, camera, size, title) =
+            views.into_iter().next().ok_or_else(|| failed("there is no body".to_owned()))?;
         let mut image = self.render(renderer, &list, &camera, size);
         self.focus = focus;
         if let Ok(image) = &mut image {
