@@ -157,7 +157,8 @@ fn moved_inside(contact: Contact, pair: &MeetingPair, plane: DVec3, radius: f64)
     let beside = exact_contacts(&pair.answer).filter(|c| {
         let away = middle(c) - middle(&contact);
         let aside = away - away.dot(plane) * plane;
-        c.normal.dot(contact.normal) > ALIKE && aside.length() < ASIDE * radius
+        let like = c.normal.dot(contact.normal) > ALIKE && is_as_deep(c, &contact);
+        like && aside.length() < ASIDE * radius
     });
     let ends = beside.map(|c| along(&c)).fold([0.0f64; 2], |[a, b], at| [a.min(at), b.max(at)]);
     let shift = 0.5 * (ends[0] + ends[1]) * plane;
