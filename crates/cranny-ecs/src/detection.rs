@@ -189,8 +189,8 @@ impl Detector {
         self.world.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The poses from which the pair's latest answer was computed, to the bit, and the frame in which
-    /// a solver did.
+    /// The poses from which the pair's latest answer was computed, to the bit, and the frame in
+    /// which a solver did.
     pub(crate) fn poses(&mut self, a: BodyId, b: BodyId) -> ([Pose; 2], Option<QueryFrame>) {
         if let Some(&(poses, frame)) = self.supplied_poses.get(&(a, b)) {
             return (poses, Some(frame));

@@ -1,9 +1,9 @@
 //! What is drawn of a run: bodies, what hides them, where they meet, and a page that explains it.
 //!
-//! Nothing here changes the run. A [`ScenePainter`] is given a [`Moment`] (poses, and what was found
-//! of pairs) and draws it: [`coats`] has meshes and colours, [`hiding`] says which stationary bodies
-//! stand before moving ones, [`cameras`] where from, [`focus`] which contact tells most and the plane
-//! that shows it, [`marks`] how contacts look, [`page`] puts views beside each other.
+//! Nothing here changes the run. A [`ScenePainter`] is given a [`Moment`] (poses, and what was
+//! found of pairs) and draws it: [`coats`] has meshes and colours, [`hiding`] says which stationary
+//! bodies stand before moving ones, [`cameras`] where from, [`focus`] which contact tells most and
+//! the plane that shows it, [`marks`] how contacts look, [`page`] puts views beside each other.
 
 mod cameras;
 mod coats;

@@ -1,12 +1,14 @@
-//! What was found about a pair, in 128 bits: two answers have one digest where they agree to the bit.
+//! What was found about a pair, in 128 bits: two answers have one digest where they agree to the
+//! bit.
 
 use cranny_exact::DVec3;
 use cranny_narrow_phase::{Answer, Contact, Containment, Feature, Region, Surface};
 
 /// Hash of the fields of an answer that are a function of models, poses and margin alone: verdicts,
 /// containment, and regions with their points and curves. Names of regions, counters, distances and
-/// contacts for a solver are left out: history and other readers decide what they are. So are normals
-/// across a gap, whose last bit depends on what a pair remembers; the points on both sides are in.
+/// contacts for a solver are left out: history and other readers decide what they are. So are
+/// normals across a gap, whose last bit depends on what a pair remembers; the points on both sides
+/// are in.
 #[must_use]
 pub fn answer_digest(answer: &Answer) -> String {
     let mut hash = Hash(blake3::Hasher::new());

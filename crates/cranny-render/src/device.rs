@@ -23,8 +23,8 @@ pub(crate) struct Gpu {
     pub(crate) name: String,
     pub(crate) software: bool,
     pub(crate) depth_format: wgpu::TextureFormat,
-    /// Whether shaders can read depths of several samples. wgpu 30 makes such a texture of the wrong
-    /// kind under OpenGL, and all that is drawn to it fails.
+    /// Whether shaders can read depths of several samples. wgpu 30 makes such a texture of the
+    /// wrong kind under OpenGL, and all that is drawn to it fails.
     pub(crate) reads_depths: bool,
     /// Whether a face takes its flat values from its last corner: wgpu leaves OpenGL at that, where
     /// all others take the first.

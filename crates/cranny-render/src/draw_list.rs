@@ -13,9 +13,10 @@ use crate::style::{Shading, Style};
 
 /// Everything that one picture shows. World coordinates are right-handed with z up.
 ///
-/// Drawn in this order: backdrop, shadows on the ground, opaque instances, cut faces of the section,
-/// ground grid, translucent instances (far to near), x-rays, patches, lines, points; then what is
-/// marked `on_top`, which nothing hides; then labels. Within a kind the later entry is drawn later.
+/// Drawn in this order: backdrop, shadows on the ground, opaque instances, cut faces of the
+/// section, ground grid, translucent instances (far to near), x-rays, patches, lines, points; then
+/// what is marked `on_top`, which nothing hides; then labels. Within a kind the later entry is
+/// drawn later.
 #[derive(Clone, Debug)]
 pub struct DrawList {
     /// Bodies.

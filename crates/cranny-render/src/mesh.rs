@@ -156,8 +156,8 @@ impl DrawMesh {
         self.indices.len() / 3
     }
 
-    /// Whether every edge is passed as often one way as the other, so that the mesh bounds a solid: a
-    /// section fills what it cuts of such a mesh.
+    /// Whether every edge is passed as often one way as the other, so that the mesh bounds a solid:
+    /// a section fills what it cuts of such a mesh.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.edges().closed

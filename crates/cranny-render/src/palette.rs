@@ -1,9 +1,10 @@
 //! The one palette of pictures, safe for colour-blind readers.
 //!
-//! Bodies that move are light, bodies that stand still grey, and marks of contact dark and strong, so
-//! that what matters differs in lightness too. The body colours are the 'light' scheme of Paul Tol
-//! (*Colour schemes*, SRON/EPS/TN/09-002, 2021). `colours_are_apart_for_every_eye` holds all of this
-//! to simulated protanopia, deuteranopia and tritanopia (Machado, Oliveira and Fernandes 2009).
+//! Bodies that move are light, bodies that stand still grey, and marks of contact dark and strong,
+//! so that what matters differs in lightness too. The body colours are the 'light' scheme of Paul
+//! Tol (*Colour schemes*, SRON/EPS/TN/09-002, 2021). `colours_are_apart_for_every_eye` holds all of
+//! this to simulated protanopia, deuteranopia and tritanopia (Machado, Oliveira and Fernandes
+//! 2009).
 
 use crate::color::Color;
 

@@ -6,17 +6,17 @@ use crate::camera::Camera;
 use crate::draw_list::Instance;
 use crate::mesh::DrawMesh;
 
-/// How much of a plane is seen, in distances from the eye to where it looks. Smaller: planes that are
-/// seen at a slant end within the picture; larger: depths on the plane round.
+/// How much of a plane is seen, in distances from the eye to where it looks. Smaller: planes that
+/// are seen at a slant end within the picture; larger: depths on the plane round.
 const SEEN: f64 = 12.0;
 
 /// A plane that takes away all in front of it of those instances that are [cut](Instance::cut).
 ///
-/// Cut faces of closed bodies are filled and hatched, each body in a direction of its own; where two
-/// cut bodies share space, the face has [the colour of overlaps](Self::overlap). Of a mesh that is
-/// not closed the inside shows. The faces are counted out by the adapter, pixel by pixel, from the
-/// triangles as they are drawn: no hole appears, however many loops a cut face has. A camera behind the
-/// plane sees bodies whole.
+/// Cut faces of closed bodies are filled and hatched, each body in a direction of its own; where
+/// two cut bodies share space, the face has [the colour of overlaps](Self::overlap). Of a mesh that
+/// is not closed the inside shows. The faces are counted out by the adapter, pixel by pixel, from
+/// the triangles as they are drawn: no hole appears, however many loops a cut face has. A camera
+/// behind the plane sees bodies whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
     /// A point of the plane.
@@ -28,7 +28,8 @@ pub struct Section {
 }
 
 impl Section {
-    /// A plane through a point, seen from where `normal` points; `None` where that has no direction.
+    /// A plane through a point, seen from where `normal` points; `None` where that has no
+    /// direction.
     #[must_use]
     pub fn through(point: DVec3, normal: DVec3, overlap: crate::Color) -> Option<Self> {
         let normal = normal.try_normalize()?;

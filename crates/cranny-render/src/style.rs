@@ -6,9 +6,9 @@ pub enum Style {
     /// Its faces; translucent where its colour has an alpha below 255.
     #[default]
     Solid,
-    /// Its faces as layers that take away light, densest where they are seen edge on: what is inside
-    /// and behind shows through. Opaque bodies in front hide it, it hides nothing, and the order of
-    /// layers changes nothing.
+    /// Its faces as layers that take away light, densest where they are seen edge on: what is
+    /// inside and behind shows through. Opaque bodies in front hide it, it hides nothing, and the
+    /// order of layers changes nothing.
     XRay,
     /// Its edges.
     Wireframe,
@@ -32,6 +32,6 @@ impl Shading {
     pub const FULL: Self = Self { outlines: true, occlusion: true };
 }
 
-/// Smaller: facets of curved surfaces get lines, and the form drowns in them. Larger: bevels and the
-/// flanks of threads have none. `outlines_are_creases_and_silhouettes` looks at both.
+/// Smaller: facets of curved surfaces get lines, and the form drowns in them. Larger: bevels and
+/// the flanks of threads have none. `outlines_are_creases_and_silhouettes` looks at both.
 pub const CREASE_DEGREES: f64 = 35.0;

@@ -2,8 +2,9 @@
 //! at.
 //!
 //! A picture may differ from the kept one by [`MEAN`] in the mean over all channels, and by more
-//! than [`STEP`] of 255 in at most [`SHARE`] of its pixels: drivers round, and sample edges, in ways
-//! of their own. `CRANNY_KEEP_VIEWS=1 cargo test -p cranny-render --test views` writes new ones.
+//! than [`STEP`] of 255 in at most [`SHARE`] of its pixels: drivers round, and sample edges, in
+//! ways of their own. `CRANNY_KEEP_VIEWS=1 cargo test -p cranny-render --test views` writes new
+//! ones.
 #![allow(clippy::print_stderr, reason = "a skipped test says so")]
 
 use std::path::PathBuf;
