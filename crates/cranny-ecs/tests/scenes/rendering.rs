@@ -116,8 +116,7 @@ fn moment(poses: &[f64]) -> Moment {
 fn what_stands_still_before_what_moves_lets_it_be_seen() {
     let Some(mut renderer) = renderer() else { return };
     let mut scene = gate(&[]);
-    scene.cameras =
-        vec![CameraDescription { name: "side".into(), view: CameraView::Side }];
+    scene.cameras = vec![CameraDescription { name: "side".into(), view: CameraView::Side }];
     // The camera looks along −x: the gate stands before the guest, or behind it.
     for (gate_at, hidden) in [(2.0, true), (-2.0, false)] {
         let size = ScenePainter::camera_size(ScenePainterView::Scene, SIZE).unwrap();
@@ -127,7 +126,9 @@ fn what_stands_still_before_what_moves_lets_it_be_seen() {
             let both = painter.draw(&mut renderer, &moment, ScenePainterView::Scene, SIZE).unwrap();
             if !with_guest {
                 moment.poses.pop_last();
-                return painter.draw(&mut renderer, &moment, ScenePainterView::Scene, SIZE).unwrap();
+                return painter
+                    .draw(&mut renderer, &moment, ScenePainterView::Scene, SIZE)
+                    .unwrap();
             }
             both
         };
@@ -168,7 +169,8 @@ fn a_section_shows_what_two_bodies_share() {
         let mut painter = ScenePainter::new(&scene, size, PictureQuality::Draft).unwrap();
         let image = painter.draw(&mut renderer, &moment, ScenePainterView::Section, SIZE).unwrap();
         counts.push(red(&image));
-        let page = painter.draw(&mut renderer, &moment, ScenePainterView::Page, [480, 160]).unwrap();
+        let page =
+            painter.draw(&mut renderer, &moment, ScenePainterView::Page, [480, 160]).unwrap();
         assert!(page.size().height() > 200, "words stand below the pictures");
     }
     assert!(counts[0] > 1000, "0.3 of a body is shared: {counts:?}");
