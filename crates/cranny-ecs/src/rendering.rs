@@ -41,7 +41,7 @@ pub const PREVIEW_FRAMES: usize = 32;
 pub const PREVIEW_SIZE: [u32; 2] = [1180, 360];
 
 /// Width and height of the pictures in a recording.
-pub const RECORDED_SIZE: [u32; 2] = [640, 360];
+pub const RECORDED_SIZE: [u32; 2] = [480, 270];
 
 /// Width and height of [`PictureOptions::frames`].
 pub const FRAME_SIZE: [u32; 2] = [1280, 720];

@@ -232,7 +232,7 @@ impl Corners {
     /// Takes a face in, and returns it with the corner first that is its own.
     fn add(&mut self, face: [u32; 3], normal: [i16; 4], color: [u16; 4]) -> [u32; 3] {
         let is_free = |i: &u32| self.places[*i as usize].is_none_or(|(_, taken)| !taken);
-        let k = face.iter().position(|i| is_free(i));
+        let k = face.iter().position(is_free);
         let turn = k.unwrap_or(0);
         let face = [0, 1, 2].map(|i| face[(i + turn) % 3]);
         let own = match k {

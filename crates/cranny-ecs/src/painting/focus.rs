@@ -83,7 +83,6 @@ impl Focus {
         let turns = [pair.a, pair.b].map(|id| moment.poses.get(&id).map(|pose| pose.rotation));
         let plane = along_an_axis(plane, turns.into_iter().flatten());
         let radius = AROUND * positive_or_one(a.min(b));
-        let contact = moved_inside(contact, pair, plane, radius);
         let (point, bodies) = (middle(&contact), vec![pair.a, pair.b]);
         let inwards = if (center - point).dot(plane) < 0.0 { -1.0 } else { 1.0 };
         Some(Self { bodies, contact: Some(contact), point, plane, inwards, radius })
@@ -149,24 +148,6 @@ fn bounds_of(coats: &Coats, moment: &Moment, id: BodyId) -> Aabb {
     let coat = coats.get(id).zip(moment.poses.get(&id));
     coat.map_or(Aabb::EMPTY, |(coat, pose)| coat.bounds(pose))
 }
-
-/// Of contacts that share a line (the tooth of a gear along a tooth), the solver's are its ends,
-/// where a plane across it cuts nothing: a contact at an end is moved to the middle of its line.
-fn moved_inside(contact: Contact, pair: &MeetingPair, plane: DVec3, radius: f64) -> Contact {
-    let along = |c: &Contact| (middle(c) - middle(&contact)).dot(plane);
-    let beside = exact_contacts(&pair.answer).filter(|c| {
-        let away = middle(c) - middle(&contact);
-        let aside = away - away.dot(plane) * plane;
-        c.normal.dot(contact.normal) > ALIKE && aside.length() < ASIDE * radius
-    });
-    let ends = beside.map(|c| along(&c)).fold([0.0f64; 2], |[a, b], at| [a.min(at), b.max(at)]);
-    let shift = 0.5 * (ends[0] + ends[1]) * plane;
-    let [point_a, point_b] = [contact.point_a, contact.point_b].map(|p| p + shift);
-    Contact { point_a, point_b, ..contact }
-}
-
-/// Cosine of normals that count as one.
-const ALIKE: f64 = 0.99;
 
 /// Of two bodies that which moves; of two that do, the one which is pushed up.
 pub(super) fn mover_of(coats: &Coats, pair: &MeetingPair) -> BodyId {

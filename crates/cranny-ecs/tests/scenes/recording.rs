@@ -98,3 +98,53 @@ fn an_unwritable_recording_is_refused_before_anything_runs() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// A pair at poses of which one is recorded a bit off.
+#[test]
+fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
+    use cranny_exact::{DVec3, Pose};
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+    use cranny_record::{Frame, PairContacts, RecordedBody, Recorder, RecordingInfo};
+    use cranny_world::description::BodyKind;
+
+    let mesh = cranny_shapes::Cuboid { size: [1.0, 1.0, 1.0] }.build().unwrap();
+    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+    let (model, _) = Model::build(mesh, &options).unwrap();
+    let at = |x: f64| Pose::at(DVec3::new(x, 0.25, 0.125));
+    let placed = |pose| Placed { model: &model, pose };
+    let margin = 0.01;
+    let question = Query::of(Demand::Regions { margin });
+    let memory = &mut PairMemory::default();
+    let answer = query(placed(Pose::IDENTITY), placed(at(0.75)), &question, memory).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (recorded, different) in [(0.75, 0), (f64::from_bits(0.75f64.to_bits() + 1), 1)] {
+        let path = folder.path().join("pair.mcap");
+        let mut recorder = Recorder::create(&path, &RecordingInfo::new(0.5)).unwrap();
+        let body = |name| RecordedBody {
+            name,
+            mesh: model.mesh(),
+            color: [1.0; 4],
+            model: Some(&model),
+            kind: Some(BodyKind::Dynamic),
+        };
+        recorder.bodies(&[body("a"), body("b")]).unwrap();
+        let mut frame = Frame::at_step(0);
+        frame.poses = vec![("a", Pose::IDENTITY), ("b", at(recorded))];
+        frame.contacts = vec![PairContacts {
+            a: "a",
+            b: "b",
+            pose_a: Pose::IDENTITY,
+            pose_b: at(recorded),
+            frame: None,
+            margin: Some(margin),
+            answer: &answer,
+        }];
+        recorder.frame(&frame).unwrap();
+        recorder.finish().unwrap();
+        let replay = Replay::open(&path).unwrap();
+        let report = replay.compare(replay.frames().iter());
+        assert_eq!((report.frames, report.different.len()), (1, different), "{report:?}");
+        assert_eq!(report.same, 1 - different as u64);
+    }
+}

@@ -86,3 +86,107 @@ fn an_unwritable_picture_is_refused_before_anything_runs() {
         assert!(error.contains(&path.display().to_string()), "{error}");
     }
 }
+
+/// A software adapter; `None` where the machine has none.
+fn renderer() -> Option<cranny_render::Renderer> {
+    use cranny_render::{RenderError, Renderer, RendererOptions};
+    match Renderer::new(&RendererOptions { software: true, ..RendererOptions::default() }) {
+        Ok(renderer) => Some(renderer),
+        Err(RenderError::NoAdapter { .. }) => {
+            #[expect(clippy::print_stderr, reason = "a skipped test says so")]
+            {
+                eprintln!("skipped: no software graphics adapter (install mesa-vulkan-drivers)");
+            }
+            None
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+const SIZE: [u32; 2] = [240, 160];
+
+fn moment(poses: &[f64]) -> Moment {
+    let place = |(i, x): (u32, &f64)| {
+        (BodyId(i), cranny_exact::Pose::at(cranny_exact::DVec3::new(*x, 0.0, 0.0)))
+    };
+    Moment { poses: (0..).zip(poses).map(place).collect(), ..Moment::default() }
+}
+
+#[test]
+fn what_stands_still_before_what_moves_lets_it_be_seen() {
+    let Some(mut renderer) = renderer() else { return };
+    let mut scene = gate(&[]);
+    scene.cameras = vec![CameraDescription { name: "side".into(), view: CameraView::Side }];
+    // The camera looks along −x: the gate stands before the guest, or behind it.
+    for (gate_at, hidden) in [(2.0, true), (-2.0, false)] {
+        let size = ScenePainter::camera_size(ScenePainterView::Scene, SIZE).unwrap();
+        let mut picture = |with_guest: bool, quality| {
+            let mut painter = ScenePainter::new(&scene, size, quality).unwrap();
+            let mut moment = moment(&[gate_at, 0.0]);
+            let both = painter.draw(&mut renderer, &moment, ScenePainterView::Scene, SIZE).unwrap();
+            if !with_guest {
+                moment.poses.pop_last();
+                return painter
+                    .draw(&mut renderer, &moment, ScenePainterView::Scene, SIZE)
+                    .unwrap();
+            }
+            both
+        };
+        let (with, without) =
+            (picture(true, PictureQuality::Draft), picture(false, PictureQuality::Draft));
+        let change = with.difference(&without, 12).unwrap().differing;
+        assert!(change > 0.03, "seen, hidden: {hidden}: {change}");
+    }
+}
+
+#[test]
+fn a_section_shows_what_two_bodies_share() {
+    use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
+    let Some(mut renderer) = renderer() else { return };
+    let mut scene = gate(&[]);
+    let (model, _) = cranny_geometry::Model::build(
+        (*scene.bodies[0].collision).clone(),
+        &cranny_geometry::BuildOptions::default(),
+    )
+    .unwrap();
+    for body in &mut scene.bodies {
+        body.model = Some(model.clone());
+    }
+    let red = |image: &cranny_render::Image| {
+        let is = |p: &&[u8]| p[0] > 150 && p[1] < 40 && p[2] < 100;
+        image.pixels().chunks_exact(4).filter(is).count()
+    };
+    let mut counts = Vec::new();
+    for x in [0.7, 1.2] {
+        let mut moment = moment(&[0.0, x]);
+        let [a, b] = [0, 1].map(|i| moment.poses[&BodyId(i)]);
+        let placed = |pose| Placed { model: &model, pose };
+        let question = Query::of(Demand::Regions { margin: 0.5 });
+        let answer = query(placed(a), placed(b), &question, &mut PairMemory::default()).unwrap();
+        let [a, b] = [0, 1].map(BodyId);
+        moment.pairs = vec![MeetingPair { a, b, answer, impulse: 0.0 }];
+        let size = ScenePainter::camera_size(ScenePainterView::Section, SIZE).unwrap();
+        let mut painter = ScenePainter::new(&scene, size, PictureQuality::Draft).unwrap();
+        let image = painter.draw(&mut renderer, &moment, ScenePainterView::Section, SIZE).unwrap();
+        counts.push(red(&image));
+        let page =
+            painter.draw(&mut renderer, &moment, ScenePainterView::Page, [480, 160]).unwrap();
+        assert!(page.size().height() > 200, "words stand below the pictures");
+    }
+    assert!(counts[0] > 1000, "0.3 of a body is shared: {counts:?}");
+    assert!(counts[1] < 200, "nothing is, but for the mark's own point: {counts:?}");
+}
+
+#[test]
+fn pictures_change_nothing_in_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = gate(&[Effect::Contacts { margin: 0.1 }]);
+    let hash = |preview| {
+        let pictures = PictureOptions { preview, ..PictureOptions::default() };
+        let options = RunOptions { pictures, ..RunOptions::default() };
+        let mut app = SceneApp::new(&scene, &options).unwrap();
+        while app.step().unwrap() {}
+        app.finish().unwrap().state_hash
+    };
+    assert_eq!(hash(None), hash(Some(folder.path().join("preview.png"))));
+}

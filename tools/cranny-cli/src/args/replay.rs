@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::scene::{PictureArgs, seconds};
+use super::scene::PictureArgs;
 
 /// Arguments of `cranny replay`.
 #[derive(Debug, Args)]
@@ -15,15 +15,15 @@ pub(crate) struct ReplayArgs {
     pub(crate) recording: PathBuf,
 
     /// Only the frame nearest to this time in seconds
-    #[arg(long, value_name = "S", value_parser = seconds, conflicts_with_all = ["from", "to", "every"])]
+    #[arg(long, value_name = "S", value_parser = moment, conflicts_with_all = ["from", "to", "every"])]
     pub(crate) at: Option<f64>,
 
     /// From this time on
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = moment)]
     pub(crate) from: Option<f64>,
 
     /// Up to this time
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    #[arg(long, value_name = "S", value_parser = moment)]
     pub(crate) to: Option<f64>,
 
     /// Every so many frames
@@ -40,6 +40,13 @@ pub(crate) struct ReplayArgs {
 
     #[command(flatten)]
     pub(crate) pictures: PictureArgs,
+}
+
+fn moment(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err("a time is a number of seconds of at least 0, such as 0.35".to_owned()),
+    }
 }
 
 /// What is drawn of a recorded moment.

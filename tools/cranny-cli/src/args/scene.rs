@@ -253,7 +253,7 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
 }
 
 /// A length of time above 0.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
+fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         Ok(_) => Err("a time must be finite and above 0 seconds, such as 0.0041667".to_owned()),

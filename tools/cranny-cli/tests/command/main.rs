@@ -11,6 +11,7 @@ mod inspect_and_check;
 mod inspect_concavities;
 mod query;
 mod repair;
+mod replay;
 mod robot;
 mod saved_models;
 mod stability;

@@ -1,0 +1,109 @@
+//! `cranny replay`: the same to the bit, whole or cut off; pictures of any moment; clear refusals.
+
+use crate::harness::{Folder, argument, run};
+
+/// A box that falls onto another one, askew, and keeps turning.
+const DROP: &str = r#"(
+    step: 0.015625, duration: 1, seed: 3,
+    bodies: [
+        (name: "floor", shape: Generator(Cuboid(size: (4, 4, 1))), kind: Fixed),
+        (name: "box", shape: Generator(Cuboid(size: (1, 1, 1))), pose: (at: (0.125, 0, 1.05)),
+         velocity: (angular: (0.3, 0.2, 0.5))),
+    ],
+    effects: [Response(), Contacts(margin: 0.01)],
+)"#;
+
+/// A recording of the scene, without pictures.
+fn recorded(folder: &Folder) -> String {
+    let (scene, path) = (folder.write("drop.ron", DROP), argument(&folder.path("drop.mcap")));
+    let outcome = run(&["run", &scene, "--record", &path]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    path
+}
+
+#[test]
+fn a_recording_comes_out_the_same_to_the_bit() {
+    let folder = Folder::new();
+    let path = recorded(&folder);
+    let line = run(&["replay", &path, "--format", "json"]).json_lines().remove(0);
+    assert_eq!((&line["complete"], &line["frames"]), (&true.into(), &65.into()), "{line}");
+    assert!(line["same"].as_u64().unwrap() > 40 && line["unknown"] == 0, "{line}");
+    assert_eq!(line["different"].as_array().unwrap().len(), 0, "{line}");
+    let some = run(&["replay", &path, "--from", "0.5", "--every", "8", "--format", "json"]);
+    assert_eq!(some.json_lines()[0]["frames"], 5);
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_read_as_far_as_it_is_whole() {
+    let folder = Folder::new();
+    let bytes = std::fs::read(recorded(&folder)).unwrap();
+    let mut whole_frames = 0;
+    for part in 1..16 {
+        let path = folder.write("cut.mcap.partial", &bytes[..bytes.len() * part / 16]);
+        let outcome = run(&["replay", &path]);
+        match outcome.code {
+            Some(0) => {
+                assert!(outcome.stdout.contains("cut off"), "{outcome:?}");
+                assert!(outcome.stdout.contains(" 0 different"), "{outcome:?}");
+                whole_frames += 1;
+            }
+            _ => outcome.assert_refused(2, &["cut.mcap.partial"]),
+        }
+    }
+    assert!(whole_frames > 3, "{whole_frames}");
+}
+
+#[test]
+fn a_damaged_recording_is_refused_or_read_up_to_the_damage() {
+    let folder = Folder::new();
+    let bytes = std::fs::read(recorded(&folder)).unwrap();
+    for part in 1..24 {
+        let mut damaged = bytes.clone();
+        damaged[bytes.len() * part / 24] ^= 0x10;
+        let path = folder.write("damaged.mcap", &damaged);
+        let outcome = run(&["replay", &path]);
+        match outcome.code {
+            // Damage in the index or in a picture costs no contact.
+            Some(0) => assert!(outcome.stdout.contains(" 0 different"), "{outcome:?}"),
+            _ => outcome.assert_refused(2, &["damaged.mcap"]),
+        }
+    }
+}
+
+#[test]
+fn any_moment_is_drawn_in_any_view() {
+    let folder = Folder::new();
+    let path = recorded(&folder);
+    for view in ["page", "scene", "section", "xray", "wireframe"] {
+        let picture = argument(&folder.path(&format!("{view}.png")));
+        let outcome = run(&[
+            "replay", &path, "--at", "0.3", "--render", &picture, "--view", view, "--size",
+            "640x200",
+        ]);
+        if outcome.stderr.contains("no graphics adapter") {
+            outcome.assert_refused(1, &["mesa-vulkan-drivers"]);
+            continue;
+        }
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        assert_eq!(outcome.stderr, "", "nobody else's noise");
+        assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
+    }
+}
+
+#[test]
+fn wrong_input_is_refused() {
+    let folder = Folder::new();
+    let text = folder.write("text.mcap", "no recording");
+    run(&["replay", &text]).assert_refused(2, &["text.mcap", "no MCAP recording"]);
+    let missing = argument(&folder.path("missing.mcap"));
+    run(&["replay", &missing]).assert_refused(2, &["missing.mcap"]);
+    let path = recorded(&folder);
+    run(&["replay", &path, "--from", "7"]).assert_refused(2, &["--from 7", "from 0 to 1 s"]);
+    let picture = argument(&folder.path("a.png"));
+    let wrong = ["replay", &path, "--at", "0", "--render", &picture, "--camera", "aside"];
+    let outcome = run(&wrong);
+    if !outcome.stderr.contains("no graphics adapter") {
+        outcome.assert_refused(2, &["aside", "isometric"]);
+    }
+    assert_eq!(run(&["replay", &path, "--size", "0x5"]).code, Some(2));
+}
