@@ -405,8 +405,7 @@ impl EffectTable {
     }
 
     /// The effects of a pair, each with who asks; the scene's first. Empty if it may not meet;
-    /// without
-    /// `Response` if one of the two is a sensor.
+    /// without `Response` and `ForceFeedback` if one of the two is a sensor.
     pub fn of_pair(&self, a: BodyId, b: BodyId) -> impl Iterator<Item = (&Effect, AskedBy)> {
         let own: &[Effect] = self.pairs.get(&ordered(a, b)).map_or(&[], |effects| effects);
         let scene = self.scene.iter().map(|e| (e, AskedBy::Scene));
@@ -417,7 +416,9 @@ impl EffectTable {
         let meets = self.may_meet(a, b);
         let sensor = [a, b].into_iter().any(|id| self.bodies.get(&id).is_some_and(|b| b.sensor));
         let all = scene.chain(bodies).chain(own);
-        all.filter(move |(effect, _)| meets && !(sensor && matches!(effect, Effect::Response)))
+        let pushes =
+            |effect: &Effect| matches!(effect, Effect::Response | Effect::ForceFeedback { .. });
+        all.filter(move |(effect, _)| meets && !(sensor && pushes(effect)))
     }
 
     /// Whether a pair is asked for an effect.

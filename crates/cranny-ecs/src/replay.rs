@@ -37,6 +37,14 @@ pub enum ReplayError {
         /// Why.
         why: String,
     },
+    /// A body's shape changed in the course of it, as by a dent, or another took its name.
+    #[error("recording '{}': the shape of body '{body}' changes in it, which a replay does not follow yet. Open it in a viewer, or record the scene without what changes shapes.", path.display())]
+    Reshaped {
+        /// The recording.
+        path: PathBuf,
+        /// The body's name.
+        body: String,
+    },
     /// It holds nothing of what is asked for.
     #[error("recording '{}' {why}", path.display())]
     Empty {
@@ -117,7 +125,10 @@ impl Replay {
         let mut models = BTreeMap::new();
         for drawn in recording.bodies()? {
             let model = model_of(&recording, &path, &drawn, &mut models)?;
-            bodies.insert(drawn.name.clone(), ReplayBody { drawn, model });
+            let name = drawn.name.clone();
+            if bodies.insert(name.clone(), ReplayBody { drawn, model }).is_some() {
+                return Err(ReplayError::Reshaped { path, body: name });
+            }
         }
         let mut pairs: BTreeMap<u64, Vec<PairMessage>> =
             recording.contacts()?.into_iter().map(|(at, found)| (at, found.pairs)).collect();

@@ -61,7 +61,10 @@ impl Fields {
     /// there is a gap): no depth, if only deeper ones are read.
     #[must_use]
     pub fn knowing_depth(self, at_most: f64) -> Self {
-        Self { depth: self.depth.filter(|&deeper_than| at_most > deeper_than), ..self }
+        Self {
+            depth: self.depth.filter(|&deeper_than| at_most.is_nan() || at_most > deeper_than),
+            ..self
+        }
     }
 
     /// The least demand whose answer holds these fields.

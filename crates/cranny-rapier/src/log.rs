@@ -25,20 +25,20 @@ pub struct LoggedAnswer {
 
 impl LoggedAnswer {
     /// How deep the bodies can overlap at another relative pose, below 0 where a gap is left;
-    /// `None` where the answer does not say: it holds no contacts for a solver (depths of regions
-    /// are others), or a body lay within the other's material.
+    /// `None` where the answer does not bound it: it holds no contacts for a solver, it holds
+    /// regions, or a body lay within the other's material.
     ///
-    /// A contact has come nearer by the [drift](drift()) at most, and one that was not listed was
-    /// farther than what stood for its patches by as much.
+    /// A listed contact has come nearer by the [drift](drift()) at most. One that was not listed
+    /// was farther than the contact that stood for its patches, but for as much again.
     pub(crate) fn depth_at_most(&self, models: [&Model; 2], pose: &Pose) -> Option<f64> {
         let Demand::Contacts { margin, .. } = self.question.demand else { return None };
         let [before, now] = [&self.first_from_second, pose].map(Pose::world_from_body);
         let depth = self.answer.depth();
-        if self.answer.solid && depth == 0.0 {
+        if !self.answer.regions.is_empty() || self.answer.solid && depth == 0.0 {
             return None;
         }
         let nearest = self.answer.contacts.iter().map(|c| c.separation).fold(margin, f64::min);
-        Some(depth.max(-nearest) + 2.0 * drift(models, &before, &now))
+        Some(-nearest + 2.0 * drift(models, &before, &now))
     }
 }
 

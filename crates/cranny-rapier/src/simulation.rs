@@ -70,9 +70,9 @@ pub struct Simulation {
     /// Bodies that were held back in the last step and got nowhere.
     pub(crate) stalled: BTreeSet<u32>,
     pub(crate) poses_before: Vec<Pose>,
-    /// Impulses of the parts of the last step but its last one, by pairs of numbers, the lower
-    /// first.
-    earlier_impulses: BTreeMap<(u32, u32), f64>,
+    /// What the solver's points did in the parts of the last step but its last one, by pairs of
+    /// numbers, the lower first.
+    earlier_points: BTreeMap<(u32, u32), Vec<SolvedPoint>>,
     pub(crate) log: AnswerLog,
     pub(crate) searches: Searches,
     /// How the contacts of the last step were found.
@@ -150,7 +150,7 @@ impl Simulation {
             held_back: 0,
             stalled: BTreeSet::new(),
             poses_before: Vec::new(),
-            earlier_impulses: BTreeMap::new(),
+            earlier_points: BTreeMap::new(),
             log,
             searches,
             pair_counts: PairCounts::default(),

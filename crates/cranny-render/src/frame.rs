@@ -58,7 +58,7 @@ pub(crate) struct InstanceData {
 /// A square in the section's plane that holds all of a body's cut face.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct CapData {
+pub(crate) struct CutFaceData {
     center: [f32; 3],
     /// Direction of the hatching, radians.
     hatching: f32,
@@ -106,8 +106,8 @@ pub(crate) struct Batch<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct CutBody<'a> {
     pub(crate) body: Batch<'a>,
-    /// Its place in [`Frame::caps`].
-    pub(crate) cap: u32,
+    /// Its place in [`Frame::cut_faces`].
+    pub(crate) cut_face: u32,
     /// Where its cut face may be in the picture: left, top, width, height.
     pub(crate) pixels: [u32; 4],
 }
@@ -130,7 +130,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) opened: Vec<Batch<'a>>,
     /// Those of them that have a cut face, one instance each.
     pub(crate) cut: Vec<CutBody<'a>>,
-    pub(crate) caps: Vec<CapData>,
+    pub(crate) cut_faces: Vec<CutFaceData>,
     /// One instance each, far to near.
     pub(crate) translucent: Vec<Batch<'a>>,
     pub(crate) xrays: Vec<Batch<'a>>,
@@ -179,7 +179,7 @@ impl<'a> Frame<'a> {
             opaque: Vec::new(),
             opened: Vec::new(),
             cut: Vec::new(),
-            caps: Vec::new(),
+            cut_faces: Vec::new(),
             translucent: Vec::new(),
             xrays: Vec::new(),
             patches: Vec::new(),
@@ -270,11 +270,11 @@ impl<'a> Frame<'a> {
         };
         let square = section.square(view.0, discs.iter().map(reach).fold(0.0, f64::max));
         for (i, disc) in discs {
-            let cap = cap_data(square, &all[i], self.caps.len(), space);
-            self.caps.push(finite(cap, "instance", i)?);
+            let cut_face = cut_face_data(square, &all[i], self.cut_faces.len(), space);
+            self.cut_faces.push(finite(cut_face, "instance", i)?);
             let body = self.add_batch(all, &[i], space)?;
             let pixels = pixels_of(disc, section, view);
-            self.cut.push(CutBody { body, cap: self.caps.len() as u32 - 1, pixels });
+            self.cut.push(CutBody { body, cut_face: self.cut_faces.len() as u32 - 1, pixels });
         }
         Ok(())
     }
@@ -430,14 +430,14 @@ fn pixels_of(
 /// How much the hatching turns from one body to the next: the golden angle, so that many differ.
 const HATCHING: f32 = 2.399_963;
 
-fn cap_data(
+fn cut_face_data(
     [center, u, v]: [DVec3; 3],
     instance: &Instance,
     number: usize,
     space: &Space,
-) -> CapData {
+) -> CutFaceData {
     let along = |side: DVec3| (side / space.unit).as_vec3().extend(0.0).to_array();
-    CapData {
+    CutFaceData {
         center: space.place(center),
         hatching: std::f32::consts::FRAC_PI_4 + number as f32 * HATCHING,
         u: along(u),

@@ -2,7 +2,7 @@
 
 use std::mem::size_of;
 
-use crate::frame::{CapData, InstanceData, LineData, PatchVertex, PointData};
+use crate::frame::{CutFaceData, InstanceData, LineData, PatchVertex, PointData};
 use crate::mesh::Vertex;
 
 /// Colours are blended and averaged in linear light, and stored as sRGB.
@@ -24,7 +24,7 @@ pub(crate) struct Pipelines {
     pub(crate) opaque: wgpu::RenderPipeline,
     /// Without what the section takes away.
     pub(crate) opened: wgpu::RenderPipeline,
-    pub(crate) cap: CapPipelines,
+    pub(crate) cut_face: CutFacePipelines,
     pub(crate) occlusion: wgpu::RenderPipeline,
     pub(crate) grid: wgpu::RenderPipeline,
     /// Far side, then near side.
@@ -41,7 +41,7 @@ pub(crate) struct Pipelines {
 
 /// The steps in which a cut face is drawn, in their order.
 #[derive(Debug)]
-pub(crate) struct CapPipelines {
+pub(crate) struct CutFacePipelines {
     /// How often the plane lies in the body, into the stencil.
     pub(crate) winding: wgpu::RenderPipeline,
     /// The face, where it does.
@@ -153,7 +153,7 @@ impl Pipelines {
             shadow: maker.shadow(),
             opaque: maker.mesh("mesh_vertex", "opaque_fragment", None, Depth::TestAndWrite),
             opened: maker.mesh("mesh_vertex", "cut_fragment", None, Depth::TestAndWrite),
-            cap: maker.cap(),
+            cut_face: maker.cut_face(),
             occlusion: over_all.whole("occlusion_vertex", "occlusion_fragment", Some(LEFT)),
             grid: maker.quad("grid_vertex", "grid_fragment", &[], Depth::Test),
             overlay: [wgpu::Face::Front, wgpu::Face::Back].map(|cull| maker.overlay(cull)),
@@ -334,7 +334,7 @@ impl Maker<'_> {
         })
     }
 
-    fn cap(&self) -> CapPipelines {
+    fn cut_face(&self) -> CutFacePipelines {
         use wgpu::{CompareFunction as Compare, StencilOperation as Op};
         let side = |op| wgpu::StencilFaceState {
             compare: Compare::Always,
@@ -349,13 +349,13 @@ impl Maker<'_> {
             write_mask: COUNT,
         };
         let square = |fragment, color, depth, stencil| {
-            let cap = wgpu::vertex_attr_array![
+            let cut_face = wgpu::vertex_attr_array![
                 0 => Float32x4, 1 => Float32x4, 2 => Float32x4, 3 => Float32x4
             ];
             self.make(&Recipe {
-                vertex: "cap_vertex",
+                vertex: "cut_face_vertex",
                 fragment,
-                buffers: &[Some(buffer::<CapData>(EACH, &cap))],
+                buffers: &[Some(buffer::<CutFaceData>(EACH, &cut_face))],
                 color,
                 cull: None,
                 depth,
@@ -369,7 +369,7 @@ impl Maker<'_> {
         let covered = both_sides(Compare::Less, Op::Keep, COVERED | COUNT, 0);
         let marked = both_sides(Compare::NotEqual, Op::Replace, COUNT, COVERED | COUNT);
         let (face, near) = (drawn(None), Depth::TestAndWrite);
-        CapPipelines {
+        CutFacePipelines {
             winding: self.mesh_recipe(
                 "mesh_vertex",
                 "winding_fragment",
@@ -378,7 +378,7 @@ impl Maker<'_> {
                 Depth::Ignore,
                 winding,
             ),
-            face: square("cap_fragment", face.clone(), near, counted),
+            face: square("cut_face_fragment", face.clone(), near, counted),
             overlap: square("overlap_fragment", face, near, covered),
             mark: square("mark_fragment", None, Depth::Ignore, marked),
         }

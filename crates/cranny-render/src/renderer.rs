@@ -29,7 +29,7 @@ pub struct Renderer {
     instances: Stream,
     lines: Stream,
     points: Stream,
-    caps: Stream,
+    cut_faces: Stream,
     patches: Stream,
     /// By the address of the mesh.
     meshes: HashMap<usize, Uploaded>,
@@ -88,7 +88,7 @@ impl Renderer {
             instances: Stream { what: "the instances", buffer: None },
             lines: Stream { what: "the lines", buffer: None },
             points: Stream { what: "the points", buffer: None },
-            caps: Stream { what: "the cut faces", buffer: None },
+            cut_faces: Stream { what: "the cut faces", buffer: None },
             patches: Stream { what: "the patches", buffer: None },
             meshes: HashMap::new(),
             target: None,
@@ -162,7 +162,7 @@ impl Renderer {
         self.gpu.queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&frame.globals));
         self.instances.fill(&self.gpu, &frame.instances)?;
         self.lines.fill(&self.gpu, &frame.lines)?;
-        self.caps.fill(&self.gpu, &frame.caps)?;
+        self.cut_faces.fill(&self.gpu, &frame.cut_faces)?;
         self.patches.fill(&self.gpu, &frame.patch_vertices)?;
         self.points.fill(&self.gpu, &frame.points)
     }
@@ -181,20 +181,20 @@ impl Renderer {
         }
         self.draw_batches(pass, &self.pipelines.opaque, &frame.opaque);
         self.draw_batches(pass, &self.pipelines.opened, &frame.opened);
-        self.draw_caps(frame, size, pass);
+        self.draw_cut_faces(frame, size, pass);
     }
 
-    fn draw_caps(&self, frame: &Frame<'_>, size: ImageSize, pass: &mut wgpu::RenderPass<'_>) {
-        let cap = &self.pipelines.cap;
+    fn draw_cut_faces(&self, frame: &Frame<'_>, size: ImageSize, pass: &mut wgpu::RenderPass<'_>) {
+        let cut_face = &self.pipelines.cut_face;
         let seen = |cut: &&CutBody<'_>| cut.pixels[2] > 0 && cut.pixels[3] > 0;
         for cut in frame.cut.iter().filter(seen) {
             let [left, top, width, height] = cut.pixels;
             pass.set_scissor_rect(left, top, width, height);
             pass.set_stencil_reference(0);
-            self.draw_batches(pass, &cap.winding, std::slice::from_ref(&cut.body));
+            self.draw_batches(pass, &cut_face.winding, std::slice::from_ref(&cut.body));
             pass.set_stencil_reference(COVERED);
-            for step in [&cap.face, &cap.overlap, &cap.mark] {
-                draw_quads(pass, step, &self.caps, cut.cap..cut.cap + 1);
+            for step in [&cut_face.face, &cut_face.overlap, &cut_face.mark] {
+                draw_quads(pass, step, &self.cut_faces, cut.cut_face..cut.cut_face + 1);
             }
         }
         pass.set_stencil_reference(0);

@@ -1,4 +1,6 @@
 //! A plane that cuts bodies open, and what of a mesh lies in it.
+//!
+//! `Renderer::draw_cut_faces` draws the faces, by `shaders/section.wgsl`.
 
 use cranny_exact::{DVec3, Pose};
 
@@ -14,9 +16,9 @@ const SEEN: f64 = 12.0;
 ///
 /// Cut faces of closed bodies are filled and hatched, each body in a direction of its own; where
 /// two cut bodies share space, the face has [the colour of overlaps](Self::overlap). Of a mesh that
-/// is not closed the inside shows. The faces are counted out by the adapter, pixel by pixel, from
-/// the triangles as they are drawn: no hole appears, however many loops a cut face has. A camera
-/// behind the plane sees bodies whole.
+/// is not closed the inside shows. The faces are counted out by the graphics adapter, pixel by
+/// pixel, from the triangles as they are drawn: no hole appears, however many loops a cut face has.
+/// A camera behind the plane sees bodies whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
     /// A point of the plane.

@@ -4,7 +4,7 @@
 //! of configurations instead, as a planner has of a robot, asks here: no ids, no events, the pairs
 //! once for all.
 
-use cranny_exact::{Aabb, Pose};
+use cranny_exact::{Aabb, Pose, PoseError};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, query};
 use thiserror::Error;
@@ -70,7 +70,15 @@ pub enum ArrangementError {
         /// Number of poses given.
         poses: usize,
     },
-    /// A pose that the narrow phase refuses.
+    /// A pose that is none.
+    #[error("model {model}: {source}")]
+    Pose {
+        /// Index of the model.
+        model: usize,
+        /// What is wrong with it.
+        source: PoseError,
+    },
+    /// A pair that the narrow phase refuses.
     #[error("models {a} and {b}: {source}")]
     Query {
         /// Index of the one.
@@ -116,6 +124,11 @@ impl Arrangement {
             let (models, poses) = (self.models.len(), poses.len());
             return Err(ArrangementError::Poses { models, poses });
         }
+        let accepted = self.models.iter().zip(poses).enumerate().map(|(model, (has, pose))| {
+            let read = if has.is_some() { *pose } else { Pose::IDENTITY };
+            read.accepted().map_err(|source| ArrangementError::Pose { model, source })
+        });
+        let poses = &accepted.collect::<Result<Vec<Pose>, _>>()?;
         let placed = self.models.iter().zip(poses);
         let boxes: Vec<Aabb> = placed
             .map(|(model, pose)| model.as_ref().map_or(Aabb::EMPTY, |m| world_box(m, pose, 0.0)))

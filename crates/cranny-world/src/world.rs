@@ -252,9 +252,8 @@ impl World {
     }
 
     /// Says how deep two bodies overlap at most at the present poses, below 0 where a gap is left.
-    /// The next step does not query the pair for a depth that is [read](ContactFields::depth) only
-    /// where it is deeper; if nothing else is read of it, the pair has no answer in that step, and
-    /// touches if it touched before.
+    /// The next step does not search the pair for a depth that is [read](ContactFields::depth) only
+    /// where it is deeper; of what may touch it still computes the verdict.
     ///
     /// # Errors
     ///
@@ -293,7 +292,9 @@ impl World {
             broad_phase: self.broad_phase.counters(),
             ..StepStats::default()
         };
-        let (mut answers, mismatches) = self.query_candidates()?;
+        let queried = self.query_candidates();
+        self.depths_at_most.clear();
+        let (mut answers, mismatches) = queried?;
         stats.queried_pairs = answers.len();
         stats.verified_pairs = if self.verify { answers.len() } else { 0 };
         let supplied = std::mem::take(&mut self.supplied);
@@ -301,7 +302,6 @@ impl World {
         answers.sort_by_key(|pair| (pair.a, pair.b));
         answers.iter().for_each(|pair| stats.add(pair));
         let events = self.update_touching(&answers);
-        self.depths_at_most.clear();
         self.left = std::mem::take(&mut self.leaving);
         let step = self.steps;
         self.steps += 1;
@@ -367,15 +367,12 @@ impl World {
         if self.supplied.contains_key(pair) {
             return Demand::None;
         }
-        let at_most = self.depths_at_most.get(pair);
-        at_most.map_or(fields, |&at_most| fields.knowing_depth(at_most)).demand()
-    }
-
-    /// Whether a pair of which there is no answer may touch: its boxes meet, and no gap is known.
-    fn may_touch(&self, pair: &Pair) -> bool {
-        let boxes = (ProxyId(pair.0.0), ProxyId(pair.1.0));
-        self.depths_at_most.get(pair).is_some_and(|&at_most| at_most >= 0.0)
-            && self.broad_phase.pairs().binary_search(&boxes).is_ok()
+        match self.depths_at_most.get(pair) {
+            None => fields.demand(),
+            // A gap that is known is a verdict too.
+            Some(&at_most) if at_most < 0.0 => fields.knowing_depth(at_most).demand(),
+            Some(&at_most) => fields.knowing_depth(at_most).demand().join(Demand::Intersects),
+        }
     }
 
     fn query_with(
@@ -429,11 +426,7 @@ impl World {
         };
         let met = answers.iter().filter(|pair| pair.answer.touches());
         let met = met.map(|pair| (pair.a, pair.b)).chain(pressed);
-        let answered =
-            |pair: &Pair| answers.binary_search_by_key(pair, |answer| (answer.a, answer.b)).is_ok();
-        let go_on = self.touching.iter().filter(|pair| !answered(pair) && self.may_touch(pair));
-        let touching: BTreeSet<Pair> =
-            met.chain(go_on.copied()).filter(|(a, b)| asked(a, b)).collect();
+        let touching: BTreeSet<Pair> = met.filter(|(a, b)| asked(a, b)).collect();
         let changed = self.touching.symmetric_difference(&touching).map(|&(a, b)| {
             let began = touching.contains(&(a, b));
             let kind = if began { PairEventKind::Began } else { PairEventKind::Ended };
@@ -475,6 +468,7 @@ impl World {
         unless(self.pair_wishes.keys().all(present), "pair effects are of bodies present")?;
         unless(self.excluded.iter().all(present), "excluded pairs are of bodies present")?;
         unless(self.pressed.iter().all(present), "pressing pairs are of bodies present")?;
+        unless(self.depths_at_most.keys().all(present), "bounds are of bodies present")?;
         unless(self.supplied.keys().all(present), "supplied answers are of bodies present")
     }
 }

@@ -39,7 +39,7 @@ impl Simulation {
         self.forget_parted_joints();
         self.tagged[body.0 as usize].leave();
         self.free.insert(body.0);
-        self.earlier_impulses.retain(|&(a, b), _| a != body.0 && b != body.0);
+        self.earlier_points.retain(|&(a, b), _| a != body.0 && b != body.0);
         self.stalled.remove(&body.0);
         self.forget(body);
     }

@@ -160,12 +160,14 @@ impl Simulation {
     }
 
     /// How deep pairs of bodies can have overlapped at the poses at the beginning of the last step,
-    /// or of its last part, the lower number first; below 0 where a gap was left. It follows from
-    /// the pair's latest answer and how far the bodies have moved since, and is right to what a
-    /// search would cost where they have moved little. A pair of which the detector knows nothing
-    /// is left out. In no order.
+    /// the lower number first; below 0 where a gap was left. It follows from the pair's latest
+    /// answer and how far the bodies have moved since, and is tight where they have moved little.
+    /// Pairs of which the detector knows nothing are left out, and so are all of a step of several
+    /// [parts](Self::parts), whose answers are of other poses. In no order.
     pub fn depth_bounds(&self) -> impl Iterator<Item = ((BodyIndex, BodyIndex), f64)> {
-        self.narrow_phase.contact_pairs().filter_map(|pair| {
+        let whole = self.parts() == 1;
+        let pairs = self.narrow_phase.contact_pairs().filter(move |_| whole);
+        pairs.filter_map(|pair| {
             let (first, second) = self.tags(pair)?;
             let [before, of_second] = [first, second].map(|tag| self.poses_before[tag as usize]);
             let models = [self.model_of(BodyIndex(first))?, self.model_of(BodyIndex(second))?];
@@ -183,8 +185,7 @@ impl Simulation {
     pub fn contact_impulse(&self, a: BodyIndex, b: BodyIndex) -> f64 {
         let [first, second] = [a, b].map(|body| self.tagged[body.0 as usize].collider);
         let pair = self.narrow_phase.contact_pair(first, second);
-        let earlier = self.earlier_impulses.get(&(a.0.min(b.0), a.0.max(b.0)));
-        pair.map_or(0.0, impulse_of) + earlier.copied().unwrap_or(0.0)
+        pair.map_or(0.0, impulse_of) + self.earlier_impulse((a.0.min(b.0), a.0.max(b.0)))
     }
 
     /// [`contact_impulse`](Self::contact_impulse) of all pairs in which it is above 0, the lower
@@ -193,19 +194,33 @@ impl Simulation {
         self.narrow_phase.contact_pairs().filter_map(|pair| {
             let (a, b) = self.tags(pair)?;
             let (a, b) = (a.min(b), a.max(b));
-            let earlier = self.earlier_impulses.get(&(a, b)).copied().unwrap_or(0.0);
-            let impulse = impulse_of(pair) + earlier;
+            let impulse = impulse_of(pair) + self.earlier_impulse((a, b));
             (impulse > 0.0).then_some(((BodyIndex(a), BodyIndex(b)), impulse))
         })
     }
 
-    /// The points that rapier's solver had of two bodies in the last step, or in its last part,
-    /// with their impulses in it; in the world, where the bodies were at its beginning. With any
+    /// The points that rapier's solver had of two bodies in the last step, with their impulses in
+    /// it; in the world, where the bodies were at its beginning. Of a step of several
+    /// [parts](Self::parts), those of each part that pressed, and all of the last one. With any
     /// detector, whoever else [reads](Self::read_by).
     #[must_use]
     pub fn solved_points(&self, a: BodyIndex, b: BodyIndex) -> Vec<SolvedPoint> {
         let [first, second] = [a, b].map(|body| self.tagged[body.0 as usize].collider);
-        let Some(pair) = self.narrow_phase.contact_pair(first, second) else { return Vec::new() };
+        let earlier = self.earlier_points.get(&(a.0.min(b.0), a.0.max(b.0)));
+        let mut points = earlier.cloned().unwrap_or_default();
+        if let Some(pair) = self.narrow_phase.contact_pair(first, second) {
+            points.extend(self.points_of(pair));
+        }
+        points
+    }
+
+    /// What the contacts of two bodies gave each in the parts of the last step but its last one.
+    fn earlier_impulse(&self, pair: (u32, u32)) -> f64 {
+        self.earlier_points.get(&pair).map_or(0.0, |points| points.iter().map(|p| p.impulse).sum())
+    }
+
+    /// The points of the last part.
+    fn points_of(&self, pair: &ContactPair) -> Vec<SolvedPoint> {
         let Some((first, second)) = self.tags(pair) else { return Vec::new() };
         let poses = [first, second].map(|index| self.poses_before[index as usize]);
         let turned = first > second;
@@ -228,18 +243,19 @@ impl Simulation {
     }
 
     /// Keeps what a part of the step did: the next one begins anew. What sleeps keeps what it had.
-    pub(super) fn keep_impulses(&mut self) {
+    pub(super) fn keep_points(&mut self) {
+        let mut kept = std::mem::take(&mut self.earlier_points);
         for pair in self.narrow_phase.contact_pairs() {
             let awake = [pair.collider1, pair.collider2].into_iter().any(|collider| {
                 let parent = self.colliders.get(collider).and_then(|c| c.parent());
                 let body = parent.and_then(|parent| self.bodies.get(parent));
                 body.is_some_and(|body| body.is_dynamic() && !body.is_sleeping())
             });
-            let impulse = impulse_of(pair);
-            if let Some((a, b)) = self.tags(pair).filter(|_| awake && impulse > 0.0) {
-                *self.earlier_impulses.entry((a.min(b), a.max(b))).or_insert(0.0) += impulse;
+            if let Some((a, b)) = self.tags(pair).filter(|_| awake && impulse_of(pair) > 0.0) {
+                kept.entry((a.min(b), a.max(b))).or_default().extend(self.points_of(pair));
             }
         }
+        self.earlier_points = kept;
     }
 
     /// Points in the manifolds that rapier's solver saw in the last step.

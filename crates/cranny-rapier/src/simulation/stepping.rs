@@ -24,11 +24,11 @@ impl Simulation {
         let whole = self.parameters;
         self.parts = self.parts_needed();
         self.timings = Timings::default();
-        self.earlier_impulses.clear();
+        self.earlier_points.clear();
         self.held_back = 0;
         for part in 0..self.parts {
             if part > 0 {
-                self.keep_impulses();
+                self.keep_points();
             }
             self.parameters.dt = whole.dt / self.parts as Real;
             let iterations = whole.num_solver_iterations.div_ceil(self.parts);

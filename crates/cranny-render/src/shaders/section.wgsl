@@ -8,24 +8,24 @@ fn winding_fragment(f: MeshFragment) {
     }
 }
 
-struct Cap {
+struct CutFace {
     @location(0) center: vec4<f32>,     // and the direction of the hatching, in radians
     @location(1) u: vec4<f32>,          // half a side of a square that holds the cut face
     @location(2) v: vec4<f32>,
     @location(3) color: vec4<f32>,
 }
 
-struct CapFragment {
+struct CutFaceFragment {
     @builtin(position) clip: vec4<f32>,
     @location(0) @interpolate(flat) color: vec4<f32>,
     @location(1) @interpolate(flat) hatching: f32,
 }
 
 @vertex
-fn cap_vertex(cap: Cap, @builtin(vertex_index) i: u32) -> CapFragment {
+fn cut_face_vertex(face: CutFace, @builtin(vertex_index) i: u32) -> CutFaceFragment {
     let corner = vec2(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
-    let position = cap.center.xyz + corner.x * cap.u.xyz + corner.y * cap.v.xyz;
-    return CapFragment(to_clip(position), cap.color, cap.center.w);
+    let position = face.center.xyz + corner.x * face.u.xyz + corner.y * face.v.xyz;
+    return CutFaceFragment(to_clip(position), face.color, face.center.w);
 }
 
 // Thin lines, as in a technical drawing; each body has its own direction.
@@ -36,16 +36,16 @@ fn hatched(pixel: vec2<f32>, hatching: f32, spacing: f32) -> f32 {
 }
 
 @fragment
-fn cap_fragment(f: CapFragment) -> @location(0) vec4<f32> {
+fn cut_face_fragment(f: CutFaceFragment) -> @location(0) vec4<f32> {
     let line = hatched(f.clip.xy, f.hatching, 7.0);
     return vec4(f.color.rgb * mix(0.92, 0.52, line), 1.0);
 }
 
 @fragment
-fn overlap_fragment(f: CapFragment) -> @location(0) vec4<f32> {
+fn overlap_fragment(f: CutFaceFragment) -> @location(0) vec4<f32> {
     return vec4(globals.overlap.rgb, 1.0);
 }
 
 @fragment
-fn mark_fragment(f: CapFragment) {
+fn mark_fragment(f: CutFaceFragment) {
 }
