@@ -142,8 +142,7 @@ fn dent_bodies(
     mut stopwatch: Stopwatch,
 ) {
     let _running = stopwatch.start(EffectKind::Deformation);
-    let mut pressing: Vec<(Pair, f64)> = hits.solver.impulses().collect();
-    pressing.sort_by_key(|(pair, _)| *pair);
+    let pressing = hits.solver.impulses_in_order();
     let mut changed: BTreeMap<BodyId, Model> = BTreeMap::new();
     for hit in pressing.into_iter().flat_map(|(pair, impulse)| hits.of(pair, impulse)) {
         let Some(record) = hits.bodies.get(hit.on) else { continue };

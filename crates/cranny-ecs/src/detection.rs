@@ -234,7 +234,7 @@ fn tally_depths(detected: Res<Detected>, time: Res<SimulatedTime>, mut tally: Re
     }
 }
 
-/// The summary reads no depth that is less than one that it has seen.
+/// The summary reads no depth below the deepest that it has seen.
 fn read_deeper(tally: Res<Tally>, mut readers: ResMut<ContactReaders>) {
     let (deepest, reads) = (tally.deepest.map(|d| d.depth), readers.of(ContactReaders::SUMMARY));
     if deepest.is_some() && reads.depth != deepest {

@@ -134,15 +134,13 @@ impl Moving<'_> {
         Placed { model: &self.record.model, pose: self.motion.pose_at(time) }
     }
 
-    /// A box that holds it at both ends of its way, grown by its own size: its way bends by less.
+    /// A box that holds it at both ends of its way, grown by its diagonal: its way bends by less.
     fn around(&self) -> Aabb {
         let [start, end] = [0.0, 1.0].map(|time| {
             let bounds = self.record.model.bounds();
             self.motion.pose_at(time).world_from_body().bounds(&bounds)
         });
-        let both = Aabb { min: start.min.min(end.min), max: start.max.max(end.max) };
-        let size = start.max - start.min;
-        Aabb { min: both.min - size, max: both.max + size }
+        start.union(&end).grown(start.diagonal())
     }
 }
 
@@ -182,7 +180,7 @@ fn feel(
             continue;
         };
         let proxy = proxies.entry(body.id).or_insert_with(|| Proxy::at(body.motion.start));
-        let reach = grown(body.around(), proxy.lag(body.motion.start));
+        let reach = body.around().grown(proxy.lag(body.motion.start));
         let near: Vec<&Moving<'_>> = others
             .iter()
             .map(|(other, _)| *other)
@@ -194,11 +192,6 @@ fn feel(
             report.bodies.push(FeltForces { body, id, proxy: proxy.pose(), wrenches });
         }
     }
-}
-
-fn grown(around: Aabb, by: f64) -> Aabb {
-    let by = cranny_exact::DVec3::splat(by);
-    Aabb { min: around.min - by, max: around.max + by }
 }
 
 /// What a body feels on its way, tick by tick.

@@ -2,7 +2,7 @@
 //!
 //! Nothing here changes the run. A [`ScenePainter`] is given a [`Moment`] (poses, and what was
 //! found of pairs) and draws it: [`coats`] has meshes and colours, [`hiding`] says which stationary
-//! bodies stand before moving ones, [`cameras`] where from, [`focus`] which contact tells most and
+//! bodies stand before moving ones, [`cameras`] where from, [`focus`] which contact shows most and
 //! the plane that shows it, [`marks`] how contacts look, [`page`] puts views beside each other.
 
 mod cameras;
@@ -245,7 +245,7 @@ impl ScenePainter {
     fn note_scales(&mut self, moment: &Moment) {
         for pair in &moment.pairs {
             self.impulse_max = self.impulse_max.max(pair.impulse);
-            self.depth_max = self.depth_max.max(focus::depth(&pair.answer));
+            self.depth_max = self.depth_max.max(pair.answer.depth());
         }
     }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use cranny_exact::{DVec3, Pose};
 use cranny_geometry::{BuildOptions, Model};
-use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, query};
+use cranny_narrow_phase::{Answer, Demand, PairMemory, Placed, Query, QueryError, query};
 use cranny_record::{
     DrawnBody, ExactPose, PairMessage, PosesByName, ReadError, Recording, answer_digest, topic,
 };
@@ -45,7 +45,7 @@ pub enum ReplayError {
         /// The body's name.
         body: String,
     },
-    /// It holds nothing of what is asked for.
+    /// It holds no frame that can be replayed.
     #[error("recording '{}' {why}", path.display())]
     Empty {
         /// The recording.
@@ -91,11 +91,11 @@ pub struct ReplayReport {
     pub same: u64,
     /// Pairs that did not; the first of them by name.
     pub different: Vec<ReplayDifference>,
-    /// Pairs that hold too little to be computed anew.
+    /// Pairs of which the recording does not say how far regions were asked for, or what collides.
     pub unknown: u64,
 }
 
-/// A pair that came out otherwise than it was recorded.
+/// A pair that differs from what was recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplayDifference {
     /// Seconds simulated.
@@ -106,7 +106,7 @@ pub struct ReplayDifference {
     pub b: String,
     /// Verdict and depth as recorded.
     pub recorded: String,
-    /// The same as computed anew.
+    /// The same as computed anew, or why it cannot be.
     pub computed: String,
 }
 
@@ -125,8 +125,9 @@ impl Replay {
         let mut models = BTreeMap::new();
         for drawn in recording.bodies()? {
             let model = model_of(&recording, &path, &drawn, &mut models)?;
-            let name = drawn.name.clone();
-            if bodies.insert(name.clone(), ReplayBody { drawn, model }).is_some() {
+            let (name, shape) = (drawn.name.clone(), drawn.model.clone());
+            let before = bodies.insert(name.clone(), ReplayBody { drawn, model });
+            if before.is_some_and(|before: ReplayBody| before.drawn.model != shape) {
                 return Err(ReplayError::Reshaped { path, body: name });
             }
         }
@@ -171,48 +172,55 @@ impl Replay {
         for frame in frames {
             report.frames += 1;
             for pair in &frame.pairs {
-                match self.compute(pair) {
-                    None => report.unknown += 1,
-                    Some(answer) if answer_digest(&answer) == pair.digest => report.same += 1,
-                    Some(answer) => report.different.push(ReplayDifference {
-                        time: frame.time,
-                        a: pair.a.clone(),
-                        b: pair.b.clone(),
-                        recorded: recorded_words(pair),
-                        computed: computed_words(&answer),
-                    }),
-                }
+                let computed = match self.compute(pair) {
+                    None => {
+                        report.unknown += 1;
+                        continue;
+                    }
+                    Some(Ok(answer)) if answer_digest(&answer) == pair.digest => {
+                        report.same += 1;
+                        continue;
+                    }
+                    Some(Ok(answer)) => computed_words(&answer),
+                    Some(Err(error)) => error.to_string(),
+                };
+                let (a, b, recorded) = (pair.a.clone(), pair.b.clone(), recorded_words(pair));
+                let time = frame.time;
+                report.different.push(ReplayDifference { time, a, b, recorded, computed });
             }
         }
         report
     }
 
     /// The answer about a pair, in the frame and from the poses in which it was computed; `None`
-    /// where the recording does not hold all that it depends on.
-    fn compute(&self, pair: &PairMessage) -> Option<Answer> {
+    /// where the recording does not say how far regions were asked for, or what collides.
+    fn compute(&self, pair: &PairMessage) -> Option<Result<Answer, QueryError>> {
         let model = |name: &str| self.bodies.get(name)?.model.as_ref();
         let (a, b) = (model(&pair.a)?, model(&pair.b)?);
         let margin = pair.margin?;
         let question = Query::of(Demand::Regions { margin });
         let ask = |models: [&Model; 2], poses: [Pose; 2]| {
             let [first, second] = [0, 1].map(|i| Placed { model: models[i], pose: poses[i] });
-            query(first, second, &question, &mut PairMemory::default()).ok()
+            query(first, second, &question, &mut PairMemory::default())
         };
         let ExactPose(pose_a) = pair.pose_a;
         let ExactPose(pose_b) = pair.pose_b;
-        let mut answer = match pair.frame {
-            None => ask([a, b], [pose_a, pose_b])?,
+        let answer = match pair.frame {
+            None => ask([a, b], [pose_a, pose_b]),
             Some(frame) => {
                 let ExactPose(second) = frame.first_from_second;
                 let poses = [Pose::IDENTITY, second];
+                let [to_a, to_b] = [pose_a, pose_b].map(|pose| pose.world_from_body());
                 match frame.first_is_a {
-                    true => ask([a, b], poses)?.moved(&pose_a.world_from_body()),
-                    false => ask([b, a], poses)?.moved(&pose_b.world_from_body()).swapped(),
+                    true => ask([a, b], poses).map(|answer| answer.moved(&to_a)),
+                    false => ask([b, a], poses).map(|answer| answer.moved(&to_b).swapped()),
                 }
             }
         };
-        answer.regions.retain(|region| region.deepest.separation <= margin);
-        Some(answer)
+        Some(answer.map(|mut answer| {
+            answer.regions.retain(|region| region.deepest.separation <= margin);
+            answer
+        }))
     }
 }
 
@@ -238,7 +246,7 @@ fn model_of(
             Model::build(body.mesh.clone(), &options).map_err(|e| failed(e.to_string()))?.0
         }
     };
-    let found: String = model.digest().iter().map(|byte| format!("{byte:02x}")).collect();
+    let found = model.digest_text();
     if found != *digest {
         return Err(failed(format!(
             "its digest is {found}, and was {digest} when it was recorded: another version of the \
@@ -307,7 +315,7 @@ impl Replay {
         let poses = frame.poses.iter().filter_map(|(name, pose)| Some((id(name)?, *pose)));
         let pairs = frame.pairs.iter().filter_map(|pair| {
             let (a, b) = (id(&pair.a)?, id(&pair.b)?);
-            let answer = self.compute(pair)?;
+            let answer = self.compute(pair)?.ok()?;
             let met = !answer.regions.is_empty();
             met.then_some(crate::painting::MeetingPair { a, b, answer, impulse: 0.0 })
         });

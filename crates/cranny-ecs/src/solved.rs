@@ -252,6 +252,13 @@ impl RigidBodies {
         })
     }
 
+    /// The same by ascending ids: the solver lists pairs in no order.
+    pub(crate) fn impulses_in_order(&self) -> Vec<(Pair, f64)> {
+        let mut impulses: Vec<(Pair, f64)> = self.impulses().collect();
+        impulses.sort_by_key(|(pair, _)| *pair);
+        impulses
+    }
+
     /// The same of one pair; 0 for bodies that the solver does not have.
     pub(crate) fn impulse(&self, a: BodyId, b: BodyId) -> f64 {
         let pair = self.index(a).zip(self.index(b));
@@ -259,7 +266,7 @@ impl RigidBodies {
     }
 
     /// The points at which the solver had two bodies press on each other in the last step, seen
-    /// from the one with the lower id, each with what it gave them; whatever readers there are.
+    /// from the one with the lower id, each with its impulse. Readers make no difference.
     pub(crate) fn presses(&self, (a, b): Pair) -> Vec<(CollisionPoint, f64)> {
         let Some((i, j)) = self.index(a).zip(self.index(b)) else { return Vec::new() };
         let points = self.simulation.solved_points(i, j).into_iter();

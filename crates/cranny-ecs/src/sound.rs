@@ -182,10 +182,7 @@ fn report_sounds(
         pair.silent += 1;
         pair.silent <= limit
     });
-    // The solver lists pairs in no order.
-    let mut pressing: Vec<(Pair, f64)> = ears.solver.impulses().collect();
-    pressing.sort_by_key(|(pair, _)| *pair);
-    for (pair @ (a, b), impulse) in pressing {
+    for (pair @ (a, b), impulse) in ears.solver.impulses_in_order() {
         let Some(above) = effects.heard_above(a, b) else { continue };
         let Some(found) = ears.pressing(pair, impulse) else { continue };
         let known = heard.0.entry(pair).or_default();

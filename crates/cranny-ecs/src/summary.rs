@@ -41,11 +41,10 @@ pub struct RunSummary {
     /// Contact points of a step: those that the solver got, or those reported where there is none.
     pub contacts: CountSummary,
     /// The deepest overlap of the polyhedra, from exact answers at the poses at the beginning of
-    /// each step, and at the end where `Contacts` are asked for: the depth of regions where
-    /// somebody
-    /// [reads](crate::ContactReaders) them, otherwise of the deepest contact, which is at most
-    /// that. Depth 0 and no names where nothing overlapped; `None` where no exact answer tells
-    /// depths.
+    /// each step, and at the end where a scene has `Contacts`: of regions where somebody
+    /// [reads](crate::ContactReaders) them, otherwise of contacts. A pair that cannot be deeper
+    /// than the deepest so far is not searched for it. Depth 0 and no names where nothing
+    /// overlapped; `None` where no exact answer has depths.
     pub deepest: Option<DeepestSummary>,
     /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,
     /// or where no exact answer tells.

@@ -252,6 +252,12 @@ impl Model {
         self.0.digest
     }
 
+    /// The [digest](Self::digest) in hexadecimal digits.
+    #[must_use]
+    pub fn digest_text(&self) -> String {
+        self.0.digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
     pub(crate) fn parts(&self) -> &Parts {
         &self.0
     }

@@ -310,9 +310,9 @@ impl Answer {
         self.solid || self.surface.meets()
     }
 
-    /// How deep the bodies overlap, >= 0, as far as the demand says: the depth of regions where
-    /// there are any, otherwise minus the separation of the deepest contact, which is at most that.
-    /// 0 where nothing overlaps, and for a body wholly within another's material.
+    /// How deep the bodies overlap, >= 0, as far as the demand says: the greatest depth of a region
+    /// or a contact. The two may differ: a region is measured along its own normal, a contact along
+    /// that of its point. 0 where nothing overlaps, and for a body wholly within another.
     #[must_use]
     pub fn depth(&self) -> f64 {
         let of_regions = self.regions.iter().map(|r| r.depth.unwrap_or(-r.deepest.separation));

@@ -142,16 +142,14 @@ fn along(
     Ok(hulls)
 }
 
-/// How far the second model moves until a plane across the direction parts the two.
+/// How far the second model moves until a plane across the direction parts the hulls.
 fn until_hulls_part(a: Placed<'_>, b: Placed<'_>, direction: DVec3) -> f64 {
-    let heights = |placed: Placed<'_>| {
-        let map = placed.pose.world_from_body();
-        let vertices = placed.model.mesh().vertices().iter();
-        vertices.map(move |&vertex| map.apply(vertex).dot(direction)).collect::<Vec<_>>()
+    let height = |placed: Placed<'_>, along: DVec3| {
+        let (map, hull) = (placed.pose.world_from_body(), placed.model.hull());
+        let top = hull.support(map.inverse().apply_vector(along), None);
+        top.map_or(0.0, |top| map.apply(hull.position(top)).dot(direction))
     };
-    let (of_a, of_b) = (heights(a), heights(b));
-    let highest = of_a.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let lowest = of_b.iter().copied().fold(f64::INFINITY, f64::min);
-    let size = of_a.iter().chain(&of_b).fold(0.0, |size: f64, height| size.max(height.abs()));
-    highest - lowest + ROOM * size
+    let (highest, lowest) = (height(a, direction), height(b, -direction));
+    let size = [a, b].map(|placed| placed.pose.translation.length() + placed.model.radius());
+    highest - lowest + ROOM * size[0].max(size[1])
 }

@@ -142,7 +142,7 @@ impl Recorder {
         let Some(model) = body.model.filter(|model| model.mesh() != body.mesh) else {
             return Ok(());
         };
-        let digest = hexadecimal(&model.digest());
+        let digest = model.digest_text();
         if self.attached.insert(digest.clone()) {
             let name = topic::model(&digest);
             self.output.attach(&name, "application/octet-stream", &model.encode())?;
@@ -293,17 +293,13 @@ fn entity(body: &RecordedBody, timestamp: Timestamp) -> SceneEntity {
 
 fn facts(body: &RecordedBody) -> Vec<KeyValuePair> {
     let entry = |key: &str, value: String| KeyValuePair { key: key.to_owned(), value };
-    let model = body.model.map(|model| entry(topic::MODEL_KEY, hexadecimal(&model.digest())));
+    let model = body.model.map(|model| entry(topic::MODEL_KEY, model.digest_text()));
     let kind = body.kind.map(|kind| match kind {
         BodyKind::Fixed => "fixed",
         BodyKind::Kinematic => "kinematic",
         BodyKind::Dynamic => "dynamic",
     });
     model.into_iter().chain(kind.map(|kind| entry(topic::KIND_KEY, kind.to_owned()))).collect()
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn transform(name: &str, pose: &Pose, timestamp: Timestamp) -> FrameTransform {

@@ -82,7 +82,7 @@ pub struct Line {
     /// Width in pixels at the start and at the end. The ends are squared off half the lesser
     /// width beyond the points, so that chained segments leave no gap; a tip of width 0 is sharp.
     pub width: [f32; 2],
-    /// Whether the line shows through whatever hides it.
+    /// Whether the line shows through what hides it.
     pub on_top: bool,
 }
 

@@ -126,7 +126,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) instances: Vec<InstanceData>,
     /// By mesh, in the order in which the list first names each.
     pub(crate) opaque: Vec<Batch<'a>>,
-    /// Those of which the section takes a part away, in the same way.
+    /// Those that the section cuts, likewise.
     pub(crate) opened: Vec<Batch<'a>>,
     /// Those of them that have a cut face, one instance each.
     pub(crate) cut: Vec<CutBody<'a>>,

@@ -7,7 +7,7 @@ use crate::mesh::Vertex;
 
 /// Colours are blended and averaged in linear light, and stored as sRGB.
 pub(crate) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// Where the adapter has it. The other one, which all have, tells depths apart less finely.
+/// The first where the adapter has it. The second, which all have, resolves depths less finely.
 pub(crate) const DEPTH_FORMATS: [wgpu::TextureFormat; 2] =
     [wgpu::TextureFormat::Depth32FloatStencil8, wgpu::TextureFormat::Depth24PlusStencil8];
 /// Samples a pixel: the one count above 1 that every adapter has.

@@ -42,7 +42,7 @@ pub enum Wanted {
 /// Models at one list of poses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arranged {
-    /// Pairs that touch or overlap, or one of which lies inside the other; in the order given.
+    /// Pairs that touch or overlap; one model may lie inside the other. In the order given.
     pub meeting: Vec<(usize, usize)>,
     /// The nearest pair, where it is [wanted](Wanted::Nearest) and there is any; of pairs that are
     /// equally near the first.
@@ -91,8 +91,8 @@ pub enum ArrangementError {
 }
 
 impl Arrangement {
-    /// Models by index, `None` for places without geometry, and the pairs that are looked at; those
-    /// of which one has no geometry are left out.
+    /// Models by index, `None` for places without geometry, and the pairs that are looked at. Pairs
+    /// with a place without geometry are left out.
     #[must_use]
     pub fn new(
         models: Vec<Option<Model>>,

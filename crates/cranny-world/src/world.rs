@@ -361,8 +361,8 @@ impl World {
         answers
     }
 
-    /// What the narrow phase is asked about a pair of which these fields are read, beside what
-    /// somebody else knows of it.
+    /// The demand that a pair's fields leave to the narrow phase, beside what somebody else knows
+    /// of the pair.
     fn left_to_ask(&self, pair: &Pair, fields: Fields) -> Demand {
         if self.supplied.contains_key(pair) {
             return Demand::None;

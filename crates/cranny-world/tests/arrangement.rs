@@ -10,8 +10,7 @@ fn model(shape: impl Into<Shape>) -> Model {
     Model::build(shape.into().build().unwrap(), &BuildOptions::default()).unwrap().0
 }
 
-/// A chain of a cube, three rings and a cube inside of which the last one may be; one place without
-/// geometry.
+/// Three rings, a small cube, and a large cube that may hold them; one place has no geometry.
 fn parts() -> Vec<Option<Model>> {
     let ring = model(Torus { major_radius: 0.5, minor_radius: 0.1, ..Torus::default() });
     let [small, large] = [0.2, 1.5].map(|size| model(Cuboid { size: [size; 3] }));

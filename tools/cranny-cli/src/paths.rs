@@ -26,6 +26,22 @@ pub(crate) fn check_input(what: &str, path: &Path) -> Result<(), Failure> {
     }
 }
 
+/// The text of a file that is to be read. `what` says what it is: "pose file".
+///
+/// # Errors
+///
+/// As [`check_input`], and where it cannot be read or is no text.
+pub(crate) fn read_text(what: &str, path: &Path) -> Result<String, Failure> {
+    check_input(what, path)?;
+    fs::read_to_string(path).map_err(|source| {
+        let message = format!(
+            "{what} {}: cannot be read ({source}). Check the path and its permissions.",
+            path.display()
+        );
+        Failure::unreadable(message, source.kind())
+    })
+}
+
 /// A file that is to be written by `option`, and must have one of the extensions by which its
 /// format is known.
 ///

@@ -1,6 +1,5 @@
 //! Pose files: a list of `{"a": M|null, "b": M|null}`.
 
-use std::fs;
 use std::path::Path;
 
 use cranny_exact::Pose;
@@ -9,7 +8,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::failure::Failure;
-use crate::paths::check_input;
+use crate::paths::read_text;
 
 /// Poses of A and B, world-from-mesh.
 pub(crate) type PosePair = [Pose; 2];
@@ -24,14 +23,7 @@ const SHAPE: &str = "a pose file is a list of {\"a\": M|null, \"b\": M|null}, M 
 /// A missing file, text that is no JSON (with line and column), another shape, or a matrix that is
 /// no rigid motion (with the index of the pose).
 pub(crate) fn read_poses(path: &Path) -> Result<Vec<PosePair>, Failure> {
-    check_input("pose file", path)?;
-    let name = path.display();
-    let text = fs::read_to_string(path).map_err(|source| {
-        let message = format!(
-            "pose file {name}: cannot be read ({source}). Check the path and its permissions."
-        );
-        Failure::unreadable(message, source.kind())
-    })?;
+    let (name, text) = (path.display(), read_text("pose file", path)?);
     let poses = parse_poses(&text)
         .map_err(|error| Failure::input(format!("pose file {name}: {error}.")))?;
     tracing::info!("{name}: {} poses", poses.len());

@@ -5,7 +5,7 @@ use std::path::Path;
 use cranny_ecs::{
     PREVIEW_SIZE, Replay, ReplayError, ReplayFrame, ReplayReport, ScenePainter, ScenePainterView,
 };
-use cranny_render::{Animation, Image, ImageSize, Renderer, RendererOptions, palette};
+use cranny_render::{Animation, Image, Renderer, RendererOptions, palette};
 use serde_json::json;
 
 use crate::args::{Format, ReplayArgs, ViewArg};
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::check_output;
 
-/// Pairs that differ of which the text tells.
+/// Pairs that differ and that the text lists.
 const DIFFERENCES_TOLD: usize = 8;
 
 /// Width and height of pictures other than pages.
@@ -46,7 +46,7 @@ pub(crate) fn replay(args: &ReplayArgs, format: Option<Format>) -> Result<(), Fa
 }
 
 #[derive(Debug, thiserror::Error)]
-#[error("{0} pairs came out otherwise than they were recorded")]
+#[error("{0} pairs differ from what was recorded")]
 struct Differs(usize);
 
 fn failure(error: ReplayError) -> Failure {
@@ -100,31 +100,30 @@ fn draw(
     if let Some(name) = &args.pictures.camera {
         painter.choose_camera(&scene, name, camera_size).map_err(crate::run::failure)?;
     }
-    let mut images = Vec::new();
+    let delay = milliseconds(frames);
+    let mut animation = Animation::new(delay);
+    let mut first: Option<Image> = None;
     for frame in frames {
         let moment = replay.moment(frame);
-        let image = painter.draw(&mut renderer, &moment, view, size);
-        images.push(image.map_err(crate::run::failure)?);
-    }
-    save(&images, path)
-}
-
-/// One picture, or an animation.
-fn save(images: &[Image], path: &Path) -> Result<(), Failure> {
-    let Some(first) = images.first() else { return Ok(()) };
-    if images.len() == 1 {
-        return first.save_png(path).map_err(Failure::run);
-    }
-    let size: ImageSize = first.size();
-    let mut animation = Animation::new(MILLISECONDS);
-    for image in images {
+        let image =
+            painter.draw(&mut renderer, &moment, view, size).map_err(crate::run::failure)?;
+        // One at a time: an animation keeps what changes.
+        let size = first.as_ref().map_or(image.size(), Image::size);
         animation.push(image.on_canvas(size, palette::PAPER)).map_err(Failure::run)?;
+        first.get_or_insert(image);
     }
-    animation.save(path).map_err(Failure::run)
+    match first.filter(|_| frames.len() == 1) {
+        Some(image) => image.save_png(path).map_err(Failure::run),
+        None => animation.save(path).map_err(Failure::run),
+    }
 }
 
-/// Of a picture of an animation.
-const MILLISECONDS: u16 = 50;
+/// How long each picture of an animation is shown: as long as its frame lasted.
+fn milliseconds(frames: &[&ReplayFrame]) -> u16 {
+    let (Some(first), Some(last)) = (frames.first(), frames.last()) else { return 0 };
+    let gaps = frames.len().saturating_sub(1).max(1) as f64;
+    (1e3 * (last.time - first.time) / gaps).round().clamp(1.0, f64::from(u16::MAX)) as u16
+}
 
 fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String {
     let whole = replay.recording().is_complete();
@@ -150,7 +149,7 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     ));
     if report.unknown > 0 {
         lines.push(format!(
-            "unknown    {} pairs hold too little to be computed anew (recorded by an older version)",
+            "unknown    {} pairs cannot be computed anew: the recording does not say what collides",
             report.unknown
         ));
     }

@@ -4,7 +4,6 @@ mod configuration_file;
 mod description;
 
 use std::fmt::Display;
-use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
@@ -17,7 +16,7 @@ use serde::Serialize;
 use crate::args::{Format, RobotArgs};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::paths::check_input;
+use crate::paths::{check_input, read_text};
 use crate::progress;
 use configuration_file::read_configurations;
 use description::Description;
@@ -143,14 +142,7 @@ impl<'a> ConfigurationLine<'a> {
 
 /// Pairs of an SRDF file.
 fn read_srdf(path: &Path) -> Result<Vec<[String; 2]>, Failure> {
-    check_input("SRDF file", path)?;
-    let name = path.display();
-    let text = fs::read_to_string(path).map_err(|source| {
-        let message = format!(
-            "SRDF file {name}: cannot be read ({source}). Check the path and its permissions."
-        );
-        Failure::unreadable(message, source.kind())
-    })?;
+    let (name, text) = (path.display(), read_text("SRDF file", path)?);
     disabled_pairs(&text).map_err(|problem| {
         Failure::input(format!("SRDF file {name}: {problem}. Correct it or leave --srdf out."))
     })

@@ -1,10 +1,10 @@
 //! The mesh and colour of each body: moving ones in colours, stationary ones grey.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use cranny_exact::{Aabb, Pose};
-use cranny_geometry::{Mesh, Model};
+use cranny_geometry::{BuildOptions, Mesh, Model};
 use cranny_render::{Color, DrawMesh, Instance, palette};
 use cranny_world::BodyId;
 use cranny_world::description::{BodyKind, SceneDescription};
@@ -28,6 +28,8 @@ pub(crate) struct Coat {
     pub(crate) model: Option<Model>,
     /// For others of the same geometry.
     pub(crate) of: Geometry,
+    /// Of what is drawn, where nobody has prepared what collides; made when first needed.
+    drawn: OnceLock<Option<Model>>,
 }
 
 /// What a mesh is drawn of.
@@ -59,17 +61,20 @@ impl Coat {
         self.kind != BodyKind::Fixed
     }
 
+    /// What lines of sight meet: what collides, or what is drawn where that is not prepared; `None`
+    /// where no model can be made of it.
+    pub(crate) fn seen(&self) -> Option<&Model> {
+        self.model.as_ref().or_else(|| {
+            let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+            let prepared = || Some(Model::build(self.of.mesh().clone(), &options).ok()?.0);
+            self.drawn.get_or_init(prepared).as_ref()
+        })
+    }
+
     /// Where the body is at a pose; larger than needed where it is turned.
     pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
         let bounds = self.mesh.bounds();
-        let map = pose.world_from_body();
-        let pick = |bit: usize, i: usize, lo: f64, hi: f64| if i & bit == 0 { lo } else { hi };
-        let corner = |i: usize| {
-            let (lo, hi) = (bounds.min, bounds.max);
-            let (x, y) = (pick(1, i, lo.x, hi.x), pick(2, i, lo.y, hi.y));
-            map.apply(cranny_exact::DVec3::new(x, y, pick(4, i, lo.z, hi.z)))
-        };
-        if bounds.is_empty() { Aabb::EMPTY } else { Aabb::of_points((0..8).map(corner)) }
+        if bounds.is_empty() { Aabb::EMPTY } else { pose.world_from_body().bounds(&bounds) }
     }
 }
 
@@ -125,7 +130,15 @@ impl Coats {
         kind: BodyKind,
     ) -> Result<Coat, SceneAppError> {
         let (mesh, color) = (self.drawn(&of, name)?, color(id, kind));
-        Ok(Coat { name: name.to_owned(), mesh, color, kind, model: None, of })
+        Ok(Coat {
+            name: name.to_owned(),
+            mesh,
+            color,
+            kind,
+            model: None,
+            of,
+            drawn: OnceLock::new(),
+        })
     }
 
     /// The mesh to draw of a geometry, shared with a body that has the same.

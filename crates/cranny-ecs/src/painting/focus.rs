@@ -232,14 +232,8 @@ fn is_as_deep(contact: &Contact, least: &Contact) -> bool {
     }
 }
 
-/// How deep two bodies overlap, >= 0: by regions where they are known, else by contacts.
-pub(super) fn depth(answer: &Answer) -> f64 {
-    let regions = answer.regions.iter().filter_map(|region| region.depth).reduce(f64::max);
-    regions.unwrap_or_else(|| contacts(answer).map(|c| -c.separation).fold(0.0, f64::max))
-}
-
-/// Pairs of bodies of which neither is farther from the other than this part of the smaller one's
-/// size are looked at where nothing meets.
+/// Where nothing meets, pairs are looked at that are no farther apart than this part of the smaller
+/// body's size.
 const NEARLY: f64 = 0.5;
 
 /// Where nothing meets: the pair that is nearest, with its distance as a contact across a gap. A
@@ -283,8 +277,8 @@ fn with_witnesses(mut pair: MeetingPair) -> Option<MeetingPair> {
     Some(pair)
 }
 
-/// Regions of pairs of which only contacts are known, of at most this many pairs: more are too
-/// small to be seen.
+/// Pairs at most whose regions are computed for a picture, where only contacts are known: more are
+/// too small to be seen.
 const PAIRS_LOOKED_INTO: usize = 24;
 
 /// Finds what regions a few pairs meet in, so that they can be painted. It is the painter's own

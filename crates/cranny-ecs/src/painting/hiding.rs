@@ -1,10 +1,12 @@
 //! Which stationary bodies stand between the eye and what moves.
 
-use cranny_exact::{Aabb, DVec3, Pose};
+use cranny_exact::{DVec3, Pose};
+use cranny_geometry::Model;
+use cranny_primitives::cast_ray;
 use cranny_world::BodyId;
 
 use super::Moment;
-use super::coats::{Coat, Coats};
+use super::coats::Coats;
 
 /// Points of a moving body that are looked for. Fewer: a corner decides; more: nothing changes but
 /// the time.
@@ -14,32 +16,30 @@ const LOOKED_FOR: usize = 16;
 /// fades because it hides its nut's far side; larger: walls stay in the way.
 const HIDDEN: f64 = 0.55;
 
-/// Stationary bodies of which one alone hides most of some moving body from `eye`.
+/// Stationary bodies that alone hide most of some moving body from `eye`. What collides of a body
+/// stands for what is drawn of it.
 pub(super) fn of(coats: &Coats, moment: &Moment, eye: DVec3) -> Vec<BodyId> {
     let posed = |moves: bool| {
         let all = coats.iter().filter(move |(_, coat)| coat.moves() == moves);
-        all.filter_map(|(id, coat)| Some((id, coat, moment.poses.get(&id)?)))
+        all.filter_map(|(id, coat)| Some((id, coat.seen()?, moment.poses.get(&id)?)))
     };
-    let sought: Vec<Vec<DVec3>> = posed(true).map(|(_, coat, pose)| points(coat, pose)).collect();
-    let stands_before = |coat: &Coat, pose: &Pose| {
-        let bounds = coat.bounds(pose);
-        let blind = Blind { coat, pose, bounds, eye };
+    let sought: Vec<Vec<DVec3>> = posed(true).map(|(_, model, pose)| points(model, pose)).collect();
+    let stands_before = |model: &Model, pose: &Pose| {
         sought.iter().any(|points| {
-            let hidden = points.iter().filter(|&&p| blind.hides(p)).count();
+            let hidden = points.iter().filter(|&&p| hides(model, pose, eye, p)).count();
             hidden as f64 > HIDDEN * points.len() as f64
         })
     };
-    posed(false).filter(|(_, coat, pose)| stands_before(coat, pose)).map(|(id, ..)| id).collect()
+    posed(false).filter(|(_, model, pose)| stands_before(model, pose)).map(|(id, ..)| id).collect()
 }
 
-/// The farthest vertices in directions all around: what of a body is seen from outside.
-fn points(coat: &Coat, pose: &Pose) -> Vec<DVec3> {
+/// The farthest vertices of what collides in directions all around: what of a body is seen from
+/// outside.
+fn points(model: &Model, pose: &Pose) -> Vec<DVec3> {
     let map = pose.world_from_body();
-    let vertices = coat.of.mesh().vertices();
     let farthest = |i: usize| {
-        let direction = direction(i);
-        let along = |p: &DVec3| p.dot(direction);
-        vertices.iter().max_by(|a, b| along(a).total_cmp(&along(b))).map(|&p| map.apply(p))
+        let top = model.hull().support(direction(i), None)?;
+        Some(map.apply(model.hull().position(top)))
     };
     (0..LOOKED_FOR).filter_map(farthest).collect()
 }
@@ -52,89 +52,45 @@ fn direction(i: usize) -> DVec3 {
     DVec3::new(r * angle.cos(), r * angle.sin(), z)
 }
 
-/// A stationary body, and who looks.
-struct Blind<'a> {
-    coat: &'a Coat,
-    pose: &'a Pose,
-    bounds: Aabb,
-    eye: DVec3,
-}
-
-impl Blind<'_> {
-    fn hides(&self, point: DVec3) -> bool {
-        if !passes_box(&self.bounds, self.eye, point) {
-            return false;
-        }
-        let map = self.pose.world_from_body().inverse();
-        let (eye, point) = (map.apply(self.eye), map.apply(point));
-        let mesh = self.coat.of.mesh();
-        let corner = |i: u32| mesh.vertices()[i as usize];
-        mesh.faces().iter().any(|face| meets(face.map(corner), eye, point))
-    }
-}
-
-/// Whether a segment passes through a box.
-fn passes_box(bounds: &Aabb, from: DVec3, to: DVec3) -> bool {
-    let (mut enters, mut leaves) = (0.0f64, 1.0f64);
-    for axis in 0..3 {
-        let (start, along) = (from[axis], to[axis] - from[axis]);
-        let [a, b] = [bounds.min[axis], bounds.max[axis]].map(|side| (side - start) / along);
-        if along == 0.0 {
-            if start < bounds.min[axis] || start > bounds.max[axis] {
-                return false;
-            }
-            continue;
-        }
-        enters = enters.max(a.min(b));
-        leaves = leaves.min(a.max(b));
-    }
-    enters <= leaves
-}
-
-/// How near its end a segment may meet a face without being hidden by it, in parts of its length:
-/// what rests on a floor is seen.
+/// How near its end a line of sight may meet a face without being hidden by it, in parts of its
+/// length: what rests on a floor is seen.
 const BEFORE_THE_END: f64 = 0.999;
 
-/// Whether a segment meets a triangle before its end (Möller and Trumbore 1997). For the eye: what
-/// rounds does not matter.
-fn meets([a, b, c]: [DVec3; 3], from: DVec3, to: DVec3) -> bool {
-    let along = to - from;
-    let (u, v) = (b - a, c - a);
-    let p = along.cross(v);
-    let determinant = u.dot(p);
-    if determinant == 0.0 {
-        return false;
-    }
-    let t = from - a;
-    let first = t.dot(p) / determinant;
-    let q = t.cross(u);
-    let second = along.dot(q) / determinant;
-    let at = v.dot(q) / determinant;
-    first >= 0.0 && second >= 0.0 && first + second <= 1.0 && at > 0.0 && at < BEFORE_THE_END
+/// Whether a body stands between an eye and a point.
+fn hides(model: &Model, pose: &Pose, eye: DVec3, point: DVec3) -> bool {
+    let map = pose.world_from_body().inverse();
+    let (eye, point) = (map.apply(eye), map.apply(point));
+    let way = point - eye;
+    // No line of sight is no ray.
+    cast_ray(model, eye, way, BEFORE_THE_END * way.length()).is_ok_and(|hit| hit.is_some())
 }
 
 #[cfg(test)]
 mod tests {
+    use cranny_geometry::BuildOptions;
+    use cranny_shapes::Cuboid;
+
     use super::*;
 
     #[test]
-    fn a_segment_meets_a_triangle_between_its_ends_only() {
-        let face = [DVec3::ZERO, DVec3::X, DVec3::Y];
-        let inside = DVec3::new(0.2, 0.2, 0.0);
-        assert!(meets(face, inside + DVec3::Z, inside - DVec3::Z));
-        assert!(!meets(face, inside + DVec3::Z, inside + 0.1 * DVec3::Z));
-        assert!(!meets(face, inside + DVec3::Z, inside), "it ends on it");
-        let beside = DVec3::new(0.7, 0.7, 0.0);
-        assert!(!meets(face, beside + DVec3::Z, beside - DVec3::Z));
+    fn a_body_hides_what_is_behind_it_and_not_what_lies_on_it() {
+        let cube = Cuboid { size: [2.0; 3] }.build().unwrap();
+        let (cube, _) = Model::build(cube, &BuildOptions::default()).unwrap();
+        let pose = Pose::at(DVec3::X * 10.0);
+        let eye = DVec3::new(10.0, 0.0, 9.0);
+        let hides = |x: f64, z: f64| hides(&cube, &pose, eye, DVec3::new(x, 0.0, z));
+        assert!(hides(10.0, -9.0) && hides(10.0, 0.0), "behind it, and inside");
+        assert!(!hides(10.0, 1.0) && !hides(10.0, 2.0), "on it, and before it");
+        assert!(!hides(14.0, -9.0), "beside it");
     }
 
     #[test]
-    fn a_segment_passes_a_box_or_does_not() {
-        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::ONE };
-        let high = DVec3::new(0.5, 0.5, 3.0);
-        assert!(passes_box(&bounds, high, DVec3::new(0.5, 0.5, -1.0)));
-        assert!(!passes_box(&bounds, high, DVec3::new(0.5, 0.5, 2.0)));
-        assert!(!passes_box(&bounds, high, DVec3::new(3.0, 0.5, 0.9)));
-        assert!(!passes_box(&bounds, DVec3::new(2.0, 0.5, 0.5), DVec3::new(2.0, 0.6, 0.5)));
+    fn a_body_is_sought_by_its_farthest_points() {
+        let cube = Cuboid { size: [2.0; 3] }.build().unwrap();
+        let (cube, _) = Model::build(cube, &BuildOptions::default()).unwrap();
+        let found = points(&cube, &Pose::at(DVec3::Y * 5.0));
+        assert_eq!(found.len(), LOOKED_FOR);
+        let corners = |p: &DVec3| (*p - DVec3::Y * 5.0).abs() == DVec3::ONE;
+        assert!(found.iter().all(corners) && found.iter().any(|p| p.y > 5.0 && p.z < 0.0));
     }
 }

@@ -5,7 +5,7 @@ use cranny_narrow_phase::{Contact, Region};
 use cranny_render::{Camera, Color, DrawList, Key, Label, Mark, Patch, Point, Ramp, palette};
 
 use super::coats::Coats;
-use super::focus::{Focus, contacts, depth, middle, mover_of};
+use super::focus::{Focus, contacts, middle, mover_of};
 use super::{MeetingPair, Moment};
 
 /// Contacts beyond these many are not marked: a picture of more shows nothing but marks.
@@ -47,7 +47,7 @@ impl Scales<'_> {
     fn share(&self, pair: &MeetingPair) -> f64 {
         let share = match self.impulse > 0.0 {
             true => pair.impulse / self.impulse,
-            false if self.depth > 0.0 => depth(&pair.answer) / self.depth,
+            false if self.depth > 0.0 => pair.answer.depth() / self.depth,
             false => 0.0,
         };
         if share > 0.0 { share.clamp(SHORTEST, 1.0) } else { 0.0 }

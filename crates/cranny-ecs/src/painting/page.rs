@@ -5,7 +5,7 @@ use cranny_render::{
 };
 
 use super::coats::Coats;
-use super::focus::{Focus, contacts, depth, look_into, nearest};
+use super::focus::{Focus, contacts, look_into, nearest};
 use super::marks::number;
 use super::{MeetingPair, Moment, ScenePainter, marks};
 use crate::error::SceneAppError;
@@ -16,7 +16,7 @@ const SHARES: [f64; 3] = [0.46, 0.31, 0.23];
 /// Pixels between pictures.
 const GAPS: u32 = 12;
 
-/// Sizes of the pictures of a page that is so wide and whose pictures are so high.
+/// Sizes of a page's pictures, from the page's width and their height.
 pub(crate) fn panel_sizes(width: u32, height: u32) -> Option<[ImageSize; 3]> {
     let room = f64::from(width.saturating_sub(GAPS));
     let sizes = SHARES.map(|share| ImageSize::new((share * room).round() as u32, height));
@@ -147,7 +147,7 @@ impl ScenePainter {
                 keys.push(Key::new(Mark::Hatched(coat.color), format!("{}{still}", coat.name)));
             }
         }
-        if moment.pairs.iter().any(|pair| depth(&pair.answer) > 0.0) {
+        if moment.pairs.iter().any(|pair| pair.answer.depth() > 0.0) {
             keys.push(Key::new(Mark::Body(palette::OVERLAP), "overlap"));
         }
         keys.extend(self.scales().keys(moment));
@@ -170,10 +170,10 @@ fn caption(coats: &Coats, moment: &Moment, nearest: Option<&MeetingPair>) -> Str
     };
     let names = |pair: &MeetingPair| format!("{} and {}", coats.name(pair.a), coats.name(pair.b));
     let all = || moment.pairs.iter().chain(nearest);
-    let by_depth = all().max_by(|a, b| depth(&a.answer).total_cmp(&depth(&b.answer)));
-    let extreme = match by_depth.filter(|pair| depth(&pair.answer) > 0.0) {
+    let by_depth = all().max_by(|a, b| a.answer.depth().total_cmp(&b.answer.depth()));
+    let extreme = match by_depth.filter(|pair| pair.answer.depth() > 0.0) {
         Some(pair) => {
-            format!("; deepest: {}, {}", names(pair), number(depth(&pair.answer)))
+            format!("; deepest: {}, {}", names(pair), number(pair.answer.depth()))
         }
         None => all().min_by(|a, b| gap(a).total_cmp(&gap(b))).map_or(String::new(), |pair| {
             format!("; no overlap; nearest: {}, {} apart", names(pair), number(gap(pair).max(0.0)))

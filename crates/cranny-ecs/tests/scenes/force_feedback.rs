@@ -198,6 +198,25 @@ fn a_scene_of_few_steps_is_felt_at_a_kilohertz() {
     assert!(app.app().world().resource::<ForceFeedbackReport>().bodies.is_empty());
 }
 
+/// A sensor pushes nobody, and so no hand.
+#[test]
+fn a_hand_feels_no_sensor() {
+    let felt = |sensor: bool| {
+        let mut app = empty(&[Effect::ForceFeedback { stiffness: STIFFNESS }]);
+        let floor = world(&mut app).spawn((RigidBody::Fixed, unit(), up(0.0))).id();
+        if sensor {
+            world(&mut app).entity_mut(floor).insert(Sensor);
+        }
+        let down = LinearVelocity(Vec3::new(0.0, 0.0, -0.64));
+        let hand = world(&mut app).spawn((RigidBody::Kinematic, unit(), up(1.1), down)).id();
+        steps(&mut app, 20);
+        let report = app.app().world().resource::<ForceFeedbackReport>();
+        report.of(hand).and_then(|felt| felt.wrenches.last().copied()).unwrap_or_default().force.z
+    };
+    assert!(felt(false) > 50.0);
+    assert_eq!(felt(true), 0.0);
+}
+
 /// What comes to the hand pushes it, although the hand keeps still.
 #[test]
 fn an_obstacle_that_moves_is_felt() {

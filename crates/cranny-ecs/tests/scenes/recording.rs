@@ -99,7 +99,47 @@ fn an_unwritable_recording_is_refused_before_anything_runs() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// A pair at poses of which one is recorded a bit off.
+/// A replay has one shape a body.
+#[test]
+fn a_body_that_changes_its_shape_is_refused_in_a_replay() {
+    use cranny_exact::Pose;
+    use cranny_geometry::{BuildOptions, Model};
+    use cranny_record::{Frame, RecordedBody, Recorder, RecordingInfo};
+
+    let model = |size| {
+        let mesh = cranny_shapes::Cuboid { size: [1.0, 1.0, size] }.build().unwrap();
+        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        Model::build(mesh, &options).unwrap().0
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("dent.mcap");
+    let replayed = |sizes: [f64; 2]| {
+        let mut recorder = Recorder::create(&path, &RecordingInfo::new(0.5)).unwrap();
+        for (step, model) in sizes.map(model).iter().enumerate() {
+            let body = RecordedBody {
+                name: "can",
+                mesh: model.mesh(),
+                color: [1.0; 4],
+                model: Some(model),
+                kind: None,
+            };
+            if step > 0 {
+                recorder.remove_body("can").unwrap();
+            }
+            recorder.bodies(&[body]).unwrap();
+            let mut frame = Frame::at_step(step as u64);
+            frame.poses = vec![("can", Pose::IDENTITY)];
+            recorder.frame(&frame).unwrap();
+        }
+        recorder.finish().unwrap();
+        Replay::open(&path).err().map(|error| error.to_string())
+    };
+    let refused = replayed([1.0, 0.9]).unwrap();
+    assert!(refused.contains("dent.mcap") && refused.contains("'can' changes"), "{refused}");
+    assert_eq!(replayed([1.0, 1.0]), None, "another one like it");
+}
+
+/// A pair; one of its poses is recorded a bit off.
 #[test]
 fn a_pose_that_is_a_bit_off_is_noticed_in_a_replay() {
     use cranny_exact::{DVec3, Pose};

@@ -51,7 +51,7 @@ fn three_rings_stay_linked() {
             simulation.insert(&body).expect("a ring")
         })
         .collect();
-    // Depth of whole regions: a contact's is at most that.
+    // Depth of whole regions.
     simulation.read_by(|_, _| Fields::regions(0.0));
     let linked = |simulation: &Simulation| {
         [0, 1].map(|k| linking(&simulation.pose(rings[k]), &simulation.pose(rings[k + 1])).abs())

@@ -1,4 +1,4 @@
-//! What contacts gave bodies in a step, whatever the step was made of.
+//! What contacts gave bodies in a step of one part or several.
 
 use cranny_exact::DVec3;
 use cranny_rapier::{BodyIndex, BodyKind, BodySpec, Simulation, SimulationOptions};
@@ -43,6 +43,9 @@ fn what_rests_gets_its_weight_in_a_step_of_two_parts_too() {
         assert_eq!(listed, Some(((lower, upper), impulse)));
         let parts = simulation.parts();
         assert!((impulse / (G * STEP) - 1.0).abs() < 0.05, "step {step}, {parts}: {impulse}");
+        let points = simulation.solved_points(upper, lower);
+        let of_points: f64 = points.iter().map(|point| point.impulse).sum();
+        assert!((of_points / impulse - 1.0).abs() < 1e-6, "step {step}, {parts}: {of_points}");
     }
     assert!(in_parts > 0);
 }

@@ -187,13 +187,29 @@ fn cups(options: SimulationOptions) -> (Simulation, Vec<cranny_geometry::Model>)
 /// No pair overlaps deeper than its bound says, searched or carried on.
 #[test]
 fn depths_stay_within_their_bounds() {
-    let options = SimulationOptions { most_parts: 1, ..SimulationOptions::default() };
+    bounds_of_depths(1);
+    bounds_of_depths(4);
+}
+
+fn bounds_of_depths(most_parts: usize) {
+    let options = SimulationOptions { most_parts, ..SimulationOptions::default() };
     let (mut simulation, models) = cups(options);
+    if most_parts > 1 {
+        // Far away a plate flies at a wall, which divides the steps in which it arrives.
+        let far = DVec3::new(0.0, 50.0, 10.0);
+        let [wall, plate] = [cuboid(1.0, 4.0, 4.0), cuboid(0.1, 1.0, 1.0)];
+        let wall = spec(&wall, BodyKind::Fixed, far + 8.0 * DVec3::X);
+        let plate = spec(&plate, BodyKind::Dynamic, far);
+        simulation.insert(&wall).expect("a body");
+        simulation.insert(&BodySpec { linear_velocity: 40.0 * DVec3::X, ..plate }).expect("a body");
+    }
+    let mut divided = 0;
     let (mut carried, mut gaps, mut deepest, mut loosest) = (0, 0, 0.0f64, 0.0f64);
     for step in 0..360 {
         let before: Vec<Pose> =
             (0..models.len()).map(|k| simulation.pose(BodyIndex(k as u32))).collect();
         simulation.step();
+        divided += usize::from(simulation.parts() > 1);
         let unsearched = simulation.contact_pairs().into_iter().filter(|pair| !pair.fresh);
         let unsearched: Vec<_> = unsearched.map(|pair| (pair.a, pair.b)).collect();
         for ((a, b), bound) in simulation.depth_bounds() {
@@ -215,6 +231,7 @@ fn depths_stay_within_their_bounds() {
     }
     assert!(carried > 300 && deepest > 1e-4, "{carried} carried on, at most {deepest} deep");
     assert!(loosest < 0.01 && gaps > 5, "{loosest}, {gaps} with a gap");
+    assert_eq!(divided > 0, most_parts > 1);
 }
 
 /// Who reads depths beyond a length alone has no pair searched that cannot be so deep.

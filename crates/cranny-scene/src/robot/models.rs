@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::Robot;
 
-/// Collision geometry of a link of which no model can be made.
+/// No model can be made of a link's collision geometry.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("the collision geometry of link {link:?} cannot be prepared: {source}")]
 pub struct LinkModelError {

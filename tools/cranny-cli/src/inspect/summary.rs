@@ -176,7 +176,7 @@ impl Summary {
             version: 1,
             file: path.display().to_string(),
             format,
-            digest: model.digest().iter().map(|byte| format!("{byte:02x}")).collect(),
+            digest: model.digest_text(),
             vertices: report.vertices,
             filed_vertices: filed.map(|filed| filed.vertices),
             faces: report.faces,

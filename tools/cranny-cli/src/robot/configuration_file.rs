@@ -1,13 +1,12 @@
 //! Configuration files: a list of `{"joint": position}`.
 
-use std::fs;
 use std::path::Path;
 
 use cranny_scene::without_mark;
 use cranny_world::description::JointPositions;
 
 use crate::failure::Failure;
-use crate::paths::check_input;
+use crate::paths::read_text;
 
 /// What a configuration file must look like, for messages.
 const SHAPE: &str = "a configuration file is a list of {\"joint\": position, ...}, positions being radians, or metres for prismatic joints";
@@ -18,14 +17,7 @@ const SHAPE: &str = "a configuration file is a list of {\"joint\": position, ...
 ///
 /// A missing file, or text of another shape, with line and column.
 pub(super) fn read_configurations(path: &Path) -> Result<Vec<JointPositions>, Failure> {
-    check_input("configuration file", path)?;
-    let name = path.display();
-    let text = fs::read_to_string(path).map_err(|source| {
-        let message = format!(
-            "configuration file {name}: cannot be read ({source}). Check the path and its permissions."
-        );
-        Failure::unreadable(message, source.kind())
-    })?;
+    let (name, text) = (path.display(), read_text("configuration file", path)?);
     parse(&text)
         .map_err(|what| Failure::input(format!("configuration file {name}: {what}; {SHAPE}.")))
 }

@@ -20,7 +20,7 @@ pub(super) struct Description {
     /// Pairs of links that are checked against each other.
     checked_pairs: usize,
     mass: f64,
-    /// What was mended or left out, and what stands in for what.
+    /// What was mended, left out or replaced.
     pub(super) notes: Vec<String>,
 }
 
