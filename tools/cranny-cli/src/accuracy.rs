@@ -1,16 +1,22 @@
 //! `cranny accuracy`: what certainty costs in time, and what haste costs in certainty.
 //!
-//! Every method answers at the same poses, in this process and on this thread, in rounds (a spell
-//! in which the machine is busy slows one run of each), and judged by exact answers: `truth` has
-//! those; `ours` and `peer` are the methods; a `contestant` is one of them with a `series` of
-//! replies to each question, at poses that `visits` chooses; `figures` judges these, and `table`
-//! and `pose_table` tell them. `refinement` asks bodies at rest again and again. `chart` draws.
+//! Every method answers at the poses of one `motion`, in this process and on this thread, in rounds
+//! (a spell in which the machine is busy slows one run of each), and judged by exact answers:
+//! `truth` has those; `ours` and `peer` are the methods; a `contestant` is one of them with a
+//! `series` of replies to each question, at poses that `visits` chooses; `figures` judges these,
+//! each `panel` those of one kind, and `table` and `pose_table` list them. `refinement` looks again
+//! and again at bodies at rest. `chart` draws, `conclusion` says it in words, and `page` has it all
+//! for somebody who never saw the project.
 
 mod chart;
+mod conclusion;
 mod contestant;
 mod figures;
 mod method;
+mod motion;
 mod ours;
+mod page;
+mod panel;
 mod peer;
 mod pose_table;
 mod refinement;
@@ -19,42 +25,44 @@ mod table;
 mod truth;
 mod visits;
 
+use std::path::Path;
 use std::time::Duration;
 
 use cranny_estimate::Accuracy;
-use cranny_geometry::{BuildOptions, Model};
+use cranny_geometry::BuildOptions;
+use cranny_scene::LoadedScene;
 
 use crate::args::{AccuracyArgs, Format};
 use crate::failure::Failure;
-use crate::model_file::load;
 use crate::output::Output;
 use crate::paths::{check_writable, make_folder, write};
-use crate::pose_file::{PosePair, read_poses};
+use crate::pose_file::read_poses;
 use crate::progress;
+use crate::{model_file, scene_file};
 use contestant::MethodContestant;
 use figures::MethodFigures;
+use motion::{Judged, Motion};
 use ours::{Allowance, Ours};
+use page::Shown;
 use peer::Peer;
 use pose_table::PoseTable;
 use refinement::{Rested, rested};
-use truth::Truth;
-
-/// Two bodies and the poses at which they are queried.
-struct Scene<'a> {
-    models: [&'a Model; 2],
-    poses: &'a [PosePair],
-    truths: Vec<Truth>,
-}
 
 /// What is written; the last two only where a budget is given.
-const FILES: [&str; 5] =
-    ["accuracy.csv", "poses.csv", "accuracy.svg", "refinement.csv", "refinement.svg"];
+const FILES: [&str; 6] = [
+    "accuracy.csv",
+    "poses.csv",
+    "accuracy.svg",
+    "accuracy.html",
+    "refinement.csv",
+    "refinement.svg",
+];
 
 /// Runs the command.
 ///
 /// # Errors
 ///
-/// Wrong meshes, poses or options; files or standard output that cannot be written.
+/// Wrong scenes, meshes, poses or options; files or standard output that cannot be written.
 pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<(), Failure> {
     let ours = ours(args);
     if ours.is_empty() && args.no_peers {
@@ -62,35 +70,75 @@ pub(crate) fn accuracy(args: &AccuracyArgs, format: Option<Format>) -> Result<()
             "nothing is left to measure: name a level in --levels, a budget in --budgets or a time in --deadlines",
         ));
     }
-    let poses = read_poses(&args.poses)?;
-    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
-    let a = load(&args.pair.mesh_a, args.pair.scale_a, &options)?;
-    let b = load(&args.pair.mesh_b, args.pair.scale_b, &options)?;
+    let subject = Subject::read(args)?;
     // What cannot be written is reported before the long work.
     make_folder(&args.out)?;
     FILES.iter().try_for_each(|name| check_writable(&args.out.join(name)))?;
-    let truths = truth::truths([&a, &b], &poses)
-        .map_err(|error| Failure::input(format!("pose file {}: {error}", args.poses.display())))?;
-    let scene = Scene { models: [&a, &b], poses: &poses, truths };
+    let judged = subject.judged(args)?;
 
-    let contestants = measured(&scene, ours, args);
-    let all: Vec<MethodFigures> = contestants.iter().map(|one| one.figures(&scene)).collect();
+    let contestants = measured(&judged, ours, args);
+    let all: Vec<MethodFigures> = contestants.iter().map(|one| one.figures(&judged)).collect();
     print_rows(&all, format.unwrap_or(Format::Text))?;
 
     let mut pose_table = PoseTable::new();
     for (name, replies) in contestants.iter().map(MethodContestant::replies) {
-        pose_table.add(name, replies, &scene.truths);
+        pose_table.add(name, replies, &judged.truths);
     }
     let patience = Duration::from_secs_f64(args.patience);
-    let rest: Vec<Rested> =
-        args.budgets.0.iter().flat_map(|&budget| rested(&scene, budget, patience)).collect();
-    let size = smaller_size(scene.models);
-    let mut texts =
-        vec![table::csv(&all), pose_table.csv().to_owned(), chart::of_methods(&all, size)?];
+    let rest: Vec<Rested> = args
+        .budgets
+        .0
+        .iter()
+        .flat_map(|&budget| rested(&judged.motion, budget, patience))
+        .collect();
+    let chart = chart::of_methods(&all)?;
+    let page = page::page(&subject.shown(args)?, &judged, &all, &chart)?;
+    let mut texts = vec![table::csv(&all), pose_table.csv().to_owned(), chart, page];
     if !rest.is_empty() {
-        texts.extend([refinement::csv(&rest), chart::of_rest(&rest, size)?]);
+        texts.extend([refinement::csv(&rest), chart::of_rest(&rest)?]);
     }
     FILES.iter().zip(texts).try_for_each(|(name, text)| write(&args.out.join(name), &text))
+}
+
+/// What is measured.
+enum Subject {
+    Scene(Box<LoadedScene>),
+    /// Two meshes, at poses.
+    Pair(Motion),
+}
+
+impl Subject {
+    fn read(args: &AccuracyArgs) -> Result<Self, Failure> {
+        let Some((mesh_b, poses)) = args.mesh_b.as_ref().zip(args.poses.as_ref()) else {
+            return Ok(Self::Scene(Box::new(scene_file::load(&args.subject, None)?)));
+        };
+        let poses = read_poses(poses)?;
+        let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+        let a = model_file::load(&args.subject, args.scale_a, &options)?;
+        let b = model_file::load(mesh_b, args.scale_b, &options)?;
+        Ok(Self::Pair(Motion::of_pair([a, b], &poses)))
+    }
+
+    fn judged(&self, args: &AccuracyArgs) -> Result<Judged, Failure> {
+        let (motion, source) = match self {
+            Self::Scene(scene) => {
+                (Motion::of_scene(scene, args.duration)?, format!("scene {}", scene.path.display()))
+            }
+            Self::Pair(motion) => {
+                let poses = args.poses.as_deref().unwrap_or(Path::new(""));
+                (motion.clone(), format!("pose file {}", poses.display()))
+            }
+        };
+        motion.judged().map_err(|error| Failure::input(format!("{source}: {error}")))
+    }
+
+    /// What the page says of it, and its picture.
+    fn shown(&self, args: &AccuracyArgs) -> Result<Shown, Failure> {
+        match self {
+            Self::Scene(scene) => Shown::of_scene(scene, args),
+            Self::Pair(_) => Ok(Shown::of_pair(args)),
+        }
+    }
 }
 
 /// All levels, then all budgets, then all deadlines; each cold, then warm.
@@ -107,26 +155,26 @@ fn ours(args: &AccuracyArgs) -> Vec<Ours> {
     all.flat_map(|(accuracy, allowance)| Ours::both(accuracy, allowance)).collect()
 }
 
-/// Asks all in rounds.
-fn measured(scene: &Scene, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<MethodContestant> {
+/// Runs all in rounds.
+fn measured(judged: &Judged, ours: Vec<Ours>, args: &AccuracyArgs) -> Vec<MethodContestant> {
     let patience = Duration::from_secs_f64(args.patience);
     let bar = progress::bar(ours.len() as u64, "trying");
     let mut all: Vec<MethodContestant> = Vec::new();
     for method in ours {
-        all.push(MethodContestant::ours(scene, method, patience));
+        all.push(MethodContestant::ours(judged, method, patience));
         bar.inc(1);
     }
     bar.finish_and_clear();
     for kind in if args.no_peers { &[][..] } else { &Peer::KINDS[..] } {
         let spinner = progress::spinner(format!("preparing {}", kind.name()));
-        all.push(MethodContestant::peer(scene, *kind, patience));
+        all.push(MethodContestant::peer(judged, *kind, patience));
         spinner.finish_and_clear();
     }
     let runs = args.runs.get();
     let bar = progress::bar(u64::from(runs) * all.len() as u64, "measuring");
     for _ in 0..runs {
         for one in &mut all {
-            one.run(scene);
+            one.run(&judged.motion);
             bar.inc(1);
         }
     }
@@ -143,9 +191,4 @@ fn print_rows(all: &[MethodFigures], format: Format) -> Result<(), Failure> {
         Format::Json => output.json(figures),
         Format::Text => output.line(&figures.text()),
     })
-}
-
-/// From corner to corner of the smaller body's box: what errors are compared with.
-fn smaller_size([a, b]: [&Model; 2]) -> f64 {
-    a.bounds().diagonal().min(b.bounds().diagonal())
 }

@@ -17,7 +17,8 @@ pub(crate) use accuracy::AccuracyArgs;
 pub(crate) use replay::{ReplayArgs, ViewArg};
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
-    CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs, SubstepsArg,
+    CheckArgs, CompareArgs, DetectorArg, ExplainArgs, InsteadArgs, RecyclingArg, RunArgs,
+    SubstepsArg,
 };
 use show::show;
 pub(crate) use show::{Show, Up};

@@ -3,9 +3,9 @@
 //! All take their steps in turn, so that what else the machine does meets all alike. `contestant`
 //! is one of them, `figures` what is reported of it, `chart` the drawing.
 
-mod chart;
+pub(crate) mod chart;
 mod contestant;
-mod figures;
+pub(crate) mod figures;
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -14,9 +14,10 @@ use cranny_ecs::{
     ContactFields, PluginOptions, RunOptions, SceneAppError, check_outputs, helices, rings,
 };
 use cranny_rapier::{Detector, SimulationOptions};
+use cranny_scene::LoadedScene;
 use cranny_world::description::Effect;
 
-use crate::args::{CompareArgs, Format, RecyclingArg, SubstepsArg};
+use crate::args::{CompareArgs, Format, InsteadArgs, RecyclingArg, SubstepsArg};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::{make_folder, write};
@@ -24,10 +25,10 @@ use crate::progress;
 use crate::run::{detector, failure, stop_flag};
 use crate::scene_file::load;
 use contestant::DetectorRun;
-use figures::RunFigures;
+pub(crate) use figures::RunFigures;
 
-/// What is written into the folder.
-const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
+/// What is written into the folder; the last only where bodies overlapped.
+const FILES: [&str; 4] = ["compare.csv", "steps.csv", "steps.svg", "compare.svg"];
 
 /// Runs the command.
 ///
@@ -36,8 +37,7 @@ const FILES: [&str; 3] = ["compare.csv", "steps.csv", "compare.svg"];
 /// Wrong arguments or a wrong scene; a step of ours that failed; files that cannot be written. What
 /// a peer cannot do stands in its row.
 pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), Failure> {
-    let mut scene = load(&args.scene, args.instead.seed)?;
-    let (helices, rings) = (helices(&scene), rings(&scene));
+    let scene = load(&args.scene, args.instead.seed)?;
     let inputs: Vec<&Path> =
         std::iter::once(&*scene.path).chain(scene.files.iter().map(|file| &**file)).collect();
     if let Some(folder) = &args.out {
@@ -45,26 +45,51 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         let outputs = FILES.map(|name| folder.join(name));
         check_outputs(&outputs.each_ref().map(|path| &**path), &inputs).map_err(failure)?;
     }
-    // Depths are exact answers at the poses that each detector led to, whatever the scene asks to
-    // be reported.
-    let description = &mut scene.description;
-    if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
-        description.effects.push(Effect::Contacts { margin: 0.0 });
-    }
-
     let wanted = if args.detector.is_empty() {
         Detector::ALL.to_vec()
     } else {
         each_once(args.detector.iter().map(|&argument| detector(argument)))
     };
-    let step = args.instead.dt.unwrap_or(description.step);
-    let substeps = match args.substeps {
-        SubstepsArg::Same => Some(SimulationOptions::substeps_for(step)),
-        SubstepsArg::Own => None,
-    };
-    let mut contestants = Vec::new();
     let ways = ways(args.recycling);
-    for (kind, recycling) in wanted.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way))) {
+    let contests = wanted.iter().flat_map(|kind| ways.iter().map(|way| (*kind, *way)));
+    let contests: Vec<(Detector, bool)> = contests.collect();
+    let own_substeps = matches!(args.substeps, SubstepsArg::Own);
+    let rows = simulated(&scene, &contests, &args.instead, own_substeps)?;
+    print_rows(&rows, format.unwrap_or(Format::Text))?;
+    if let Some(folder) = &args.out {
+        write(&folder.join(FILES[0]), &figures::csv(&rows))?;
+        write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
+        let chart = chart::drawn(&scene.description.name, &rows)?;
+        write(&folder.join(FILES[2]), &chart)?;
+        if let Some(chart) = chart::outcome(&rows)? {
+            write(&folder.join(FILES[3]), &chart)?;
+        }
+    }
+    Ok(())
+}
+
+/// Runs a scene under detectors, each with or without recycling of contacts, in turns.
+///
+/// # Errors
+///
+/// A wrong scene; a step of ours that failed. What a peer cannot do stands in its row.
+pub(crate) fn simulated(
+    scene: &LoadedScene,
+    contests: &[(Detector, bool)],
+    instead: &InsteadArgs,
+    own_substeps: bool,
+) -> Result<Vec<RunFigures>, Failure> {
+    let mut description = scene.description.clone();
+    // Depths are exact answers at the poses that each detector led to, whatever the scene asks to
+    // be reported.
+    if !description.effects.iter().any(|effect| matches!(effect, Effect::Contacts { .. })) {
+        description.effects.push(Effect::Contacts { margin: 0.0 });
+    }
+    let step = instead.dt.unwrap_or(description.step);
+    let substeps = (!own_substeps).then(|| SimulationOptions::substeps_for(step));
+    let (helices, rings) = (helices(scene), rings(scene));
+    let mut contestants = Vec::new();
+    for &(kind, recycling) in contests {
         let spinner = progress::spinner(format!("preparing {kind}"));
         let options = RunOptions {
             plugins: PluginOptions {
@@ -77,22 +102,27 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
                 contact_fields: ContactFields { depth: Some(0.0), regions: true, points: false },
                 ..PluginOptions::default()
             },
-            step: args.instead.dt,
-            duration: args.instead.duration,
+            step: instead.dt,
+            duration: instead.duration,
             source: Some(scene.source_text.clone()),
             ..RunOptions::default()
         };
-        let contestant = DetectorRun::new(description, &options);
+        let contestant = DetectorRun::new(&description, &options);
         spinner.finish_and_clear();
         let contestant = contestant.map_err(failure)?;
         if !contestant.has_solver() {
             return Err(Failure::input(format!(
                 "scene file {}: nothing in it responds to anything, so all detectors would give the same. Ask for the effect Response().",
-                args.scene.display()
+                scene.path.display()
             )));
         }
         contestants.push(contestant);
     }
+    in_turns(contestants)
+}
+
+/// Steps all to their ends.
+fn in_turns(mut contestants: Vec<DetectorRun>) -> Result<Vec<RunFigures>, Failure> {
     // Until here Ctrl-C ends the command at once: nothing is lost.
     let stop = stop_flag();
     let steps = contestants.iter().map(DetectorRun::steps_total).max().unwrap_or(0);
@@ -108,19 +138,11 @@ pub(crate) fn compare(args: &CompareArgs, format: Option<Format>) -> Result<(), 
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let rows = contestants
+    contestants
         .into_iter()
         .map(DetectorRun::finish)
         .collect::<Result<Vec<RunFigures>, SceneAppError>>()
-        .map_err(failure)?;
-    print_rows(&rows, format.unwrap_or(Format::Text))?;
-    if let Some(folder) = &args.out {
-        write(&folder.join(FILES[0]), &figures::csv(&rows))?;
-        write(&folder.join(FILES[1]), &figures::steps_csv(&rows))?;
-        let chart = chart::drawn(&description.name, &rows)?;
-        write(&folder.join(FILES[2]), &chart)?;
-    }
-    Ok(())
+        .map_err(failure)
 }
 
 /// Whoever is named twice runs once, where it was named first.

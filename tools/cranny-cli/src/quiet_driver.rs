@@ -36,6 +36,7 @@ fn draws(command: &Command) -> bool {
         }
         Command::Replay(args) => args.render.is_some(),
         Command::Inspect(args) => args.render.is_some(),
+        Command::Accuracy(args) => args.mesh_b.is_none(),
         _ => false,
     }
 }

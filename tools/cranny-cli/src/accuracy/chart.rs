@@ -1,4 +1,4 @@
-//! The drawings: what stays unknown, by the time spent on it, and by the frames at rest.
+//! The drawings: the error by the time spent on it, and by the frames at rest.
 
 mod methods;
 mod rest;
@@ -13,16 +13,15 @@ use crate::chart::{Area, CAPTION, Failed, LABEL};
 pub(super) use methods::of_methods;
 pub(super) use rest::of_rest;
 
-const SIZE: (u32, u32) = (1100, 640);
+const SIZE: (u32, u32) = (1180, 480);
 
 /// Pixels on the right for the names of the lines.
-const NAMES: u32 = 230;
+const NAMES: u32 = 210;
 
-/// Where the names begin.
-const CORNER: (i32, i32) = ((SIZE.0 - NAMES + 12) as i32, 60);
-
-/// What is known to rounding is drawn here at the lowest: there is no zero on a logarithmic axis.
-const FLOOR: f64 = 1e-17;
+/// Errors up to this share of a body's size are drawn here, as exact: there is no zero on a
+/// logarithmic axis. Smaller: rounding spreads over half the chart; larger: single precision
+/// (1e-7) counts as exact.
+const FLOOR: f64 = 1e-8;
 
 type LogCoordinates = Cartesian2d<LogCoord<f64>, LogCoord<f64>>;
 
@@ -33,43 +32,60 @@ struct Words {
     y: &'static str,
 }
 
-/// Axes around all points.
+/// Axes around all values of the one, and all errors.
 fn axes<'a, 'b>(
     area: &'a Area<'b>,
-    points: impl Iterator<Item = (f64, f64)>,
+    xs: impl Iterator<Item = f64>,
     words: &Words,
 ) -> Result<ChartContext<'a, SVGBackend<'b>, LogCoordinates>, Failed> {
-    let (xs, ys): (Vec<f64>, Vec<f64>) = points.unzip();
+    let xs: Vec<f64> = xs.collect();
     let mut chart = ChartBuilder::on(area)
-        .margin(16)
-        .margin_right(NAMES)
+        .margin(14)
         .caption(words.caption, CAPTION)
         .x_label_area_size(48)
-        .y_label_area_size(80)
-        .build_cartesian_2d(span(&xs).log_scale(), span(&ys).log_scale())?;
+        .y_label_area_size(76)
+        .build_cartesian_2d(span(&xs).log_scale(), (0.15 * FLOOR..2.0).log_scale())?;
     chart
         .configure_mesh()
-        .light_line_style(BLACK.mix(0.05))
+        .light_line_style(BLACK.mix(0.03))
         .bold_line_style(BLACK.mix(0.15))
         .x_desc(words.x)
         .y_desc(words.y)
         .label_style(LABEL)
         .x_label_formatter(&|x| format!("{x}"))
-        .y_label_formatter(&|y| format!("{y:.0e}"))
+        .y_label_formatter(&|error| percent(*error))
         .draw()?;
     Ok(chart)
+}
+
+/// A share in words, to two digits.
+pub(super) fn percent(share: f64) -> String {
+    match share {
+        share if share <= 1.5 * FLOOR => "exact".to_owned(),
+        share if share < 1e-6 => format!("{:.0e} %", 100.0 * share),
+        share => format!("{} %", rounded(100.0 * share)),
+    }
+}
+
+/// Two significant digits.
+pub(super) fn rounded(x: f64) -> f64 {
+    if x == 0.0 {
+        return 0.0;
+    }
+    let digits = (1.0 - x.abs().log10().floor()) as i32;
+    (x * 10f64.powi(digits)).round() / 10f64.powi(digits)
 }
 
 /// A little beyond all values.
 fn span(values: &[f64]) -> Range<f64> {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = values.iter().copied().fold(0.0, f64::max);
-    if least <= most { 0.5 * least..2.0 * most } else { 1.0..10.0 }
+    if least <= most { 0.5 * least..3.0 * most } else { 1.0..10.0 }
 }
 
-/// As a share of the smaller body's size; `None` where nothing is known.
-fn share(unknown: Option<f64>, size: f64) -> Option<f64> {
-    unknown.map(|unknown| (unknown / size).max(FLOOR)).filter(|share| share.is_finite())
+/// An error as it is drawn.
+fn floored(error: f64) -> f64 {
+    error.max(FLOOR)
 }
 
 #[cfg(test)]
@@ -78,13 +94,15 @@ mod tests {
 
     #[test]
     fn axes_reach_beyond_all_values_and_stand_without_any() {
-        assert_eq!(span(&[2.0, 8.0, 4.0]), 1.0..16.0);
+        assert_eq!(span(&[2.0, 8.0, 4.0]), 1.0..24.0);
         assert_eq!(span(&[]), 1.0..10.0);
     }
 
     #[test]
-    fn what_is_exact_lies_on_the_floor() {
-        assert_eq!((share(Some(0.0), 2.0), share(Some(1.0), 2.0)), (Some(FLOOR), Some(0.5)));
-        assert_eq!((share(None, 2.0), share(Some(f64::INFINITY), 2.0)), (None, None));
+    fn what_is_exact_lies_on_the_floor_and_is_called_so() {
+        assert_eq!((floored(0.0), floored(0.5)), (FLOOR, 0.5));
+        let said = [1.0, 0.52356, 0.1, 1.234e-3, 1e-6, 1e-7, FLOOR].map(percent);
+        let words = ["100 %", "52 %", "10 %", "0.12 %", "0.0001 %", "1e-5 %", "exact"];
+        assert_eq!(said, words);
     }
 }

@@ -2,12 +2,11 @@
 
 use std::time::Duration;
 
-use cranny_exact::DVec3;
 use cranny_rapier::Detector;
 
-use super::Scene;
 use super::figures::MethodFigures;
-use super::method::{Method, Name, PoseAnswer};
+use super::method::{ContactAnswer, Method, Name, PoseAnswer};
+use super::motion::{Judged, Motion};
 use super::ours::Ours;
 use super::peer::Peer;
 use super::series::{Reply, Series};
@@ -22,30 +21,30 @@ pub(super) struct MethodContestant {
 struct Measured {
     method: Box<dyn Method>,
     distances: Series<PoseAnswer>,
-    contacts: Series<Vec<DVec3>>,
+    contacts: Series<ContactAnswer>,
 }
 
 impl MethodContestant {
     /// Ours: a panic of it is a bug, and ends the command.
-    pub(super) fn ours(scene: &Scene, method: Ours, patience: Duration) -> Self {
-        Self { name: method.name(), state: Ok(Measured::planned(scene, method, patience)) }
+    pub(super) fn ours(judged: &Judged, method: Ours, patience: Duration) -> Self {
+        Self { name: method.name(), state: Ok(Measured::planned(judged, method, patience)) }
     }
 
     /// A peer, prepared. Where it refuses a mesh, or panics, its row will say so.
-    pub(super) fn peer(scene: &Scene, kind: Detector, patience: Duration) -> Self {
+    pub(super) fn peer(judged: &Judged, kind: Detector, patience: Duration) -> Self {
         let state = quietly(|| {
-            Peer::new(kind, scene.models).map(|peer| Measured::planned(scene, peer, patience))
+            Peer::new(kind, &judged.motion).map(|peer| Measured::planned(judged, peer, patience))
         });
         Self { name: Peer::name_of(kind), state }
     }
 
-    /// Asks everything once more.
-    pub(super) fn run(&mut self, scene: &Scene) {
+    /// Answers everything once more.
+    pub(super) fn run(&mut self, motion: &Motion) {
         let Ok(measured) = &mut self.state else { return };
         if self.name.is_ours() {
-            measured.run(scene);
+            measured.run(motion);
         } else if let Err(note) = quietly(|| {
-            measured.run(scene);
+            measured.run(motion);
             Ok(())
         }) {
             self.state = Err(note);
@@ -53,12 +52,12 @@ impl MethodContestant {
     }
 
     /// Its answers, judged.
-    pub(super) fn figures(&self, scene: &Scene) -> MethodFigures {
+    pub(super) fn figures(&self, judged: &Judged) -> MethodFigures {
         let name = self.name.clone();
         match &self.state {
             Err(note) => MethodFigures::none(name, note.clone()),
             Ok(Measured { distances, contacts, .. }) => {
-                MethodFigures::judged(&scene.truths, name, &distances.replies, &contacts.replies)
+                MethodFigures::judged(judged, name, &distances.replies, &contacts.replies)
             }
         }
     }
@@ -70,25 +69,32 @@ impl MethodContestant {
 }
 
 impl Measured {
-    fn planned(scene: &Scene, mut method: impl Method + 'static, patience: Duration) -> Self {
-        let all: Vec<usize> = (0..scene.poses.len()).collect();
+    fn planned(judged: &Judged, mut method: impl Method + 'static, patience: Duration) -> Self {
+        let motion = &judged.motion;
+        let all: Vec<usize> = (0..motion.len()).collect();
         let in_contact: Vec<usize> =
-            all.iter().copied().filter(|&pose| !scene.truths[pose].contacts.is_empty()).collect();
-        let distance = |method: &mut dyn Method, scene: &Scene, pose: usize| {
-            method.ask(scene.models, scene.poses[pose])
-        };
-        let contacts = |method: &mut dyn Method, scene: &Scene, pose: usize| {
-            method.contacts(scene.models, scene.poses[pose])
-        };
+            all.iter().copied().filter(|&pose| !judged.truths[pose].contacts.is_empty()).collect();
         Self {
-            distances: Series::planned(scene, &mut method, distance, &all, patience),
-            contacts: Series::planned(scene, &mut method, contacts, &in_contact, patience),
+            distances: Series::planned(
+                motion,
+                &mut method,
+                |method, posed| method.distance(posed),
+                &all,
+                patience,
+            ),
+            contacts: Series::planned(
+                motion,
+                &mut method,
+                |method, posed| method.contacts(posed),
+                &in_contact,
+                patience,
+            ),
             method: Box::new(method),
         }
     }
 
-    fn run(&mut self, scene: &Scene) {
-        self.distances.run(scene, &mut *self.method);
-        self.contacts.run(scene, &mut *self.method);
+    fn run(&mut self, motion: &Motion) {
+        self.distances.run(motion, &mut *self.method);
+        self.contacts.run(motion, &mut *self.method);
     }
 }

@@ -3,7 +3,9 @@
 use cranny_exact::DVec3;
 use serde::Serialize;
 
-use super::method::{Name, PoseAnswer};
+use super::method::{ContactAnswer, Name, PoseAnswer};
+use super::motion::Judged;
+use super::panel::Panel;
 use super::series::Reply;
 use super::truth::Truth;
 
@@ -38,6 +40,10 @@ pub(super) struct MethodFigures {
     pub(super) contacts_missed: usize,
     pub(super) contact_error_mean: Option<f64>,
     pub(super) contact_error_max: Option<f64>,
+    /// Distances, where bodies are apart.
+    pub(super) apart: Panel,
+    /// Depths, where they overlap.
+    pub(super) overlapping: Panel,
     /// Why there are no figures.
     pub(super) note: Option<String>,
 }
@@ -50,19 +56,24 @@ impl MethodFigures {
 
     /// Judges answers about distances, and about contacts.
     pub(super) fn judged(
-        truths: &[Truth],
+        judged: &Judged,
         name: Name,
         distances: &[Reply<PoseAnswer>],
-        contacts: &[Reply<Vec<DVec3>>],
+        contacts: &[Reply<ContactAnswer>],
     ) -> Self {
-        let row = Self::of(name, distances, contacts);
+        let truths = &judged.truths;
+        let row = Self {
+            apart: Panel::of_distances(judged, distances),
+            overlapping: Panel::of_depths(judged, contacts),
+            ..Self::of(name, distances, contacts)
+        };
         row.with_verdicts(truths, distances)
             .with_lengths(truths, distances)
             .with_contacts(truths, contacts)
     }
 
     /// With times only.
-    fn of(name: Name, distances: &[Reply<PoseAnswer>], contacts: &[Reply<Vec<DVec3>>]) -> Self {
+    fn of(name: Name, distances: &[Reply<PoseAnswer>], contacts: &[Reply<ContactAnswer>]) -> Self {
         let (times, contact_times) = (micros(distances), micros(contacts));
         Self {
             name,
@@ -83,10 +94,12 @@ impl MethodFigures {
             contact_poses: contacts.len(),
             contact_median_us: quantile(&contact_times, 50),
             contact_p99_us: quantile(&contact_times, 99),
-            contacts_mean: mean(contacts.iter().map(|reply| reply.found.len() as f64)),
+            contacts_mean: mean(contacts.iter().map(|reply| reply.found.points.len() as f64)),
             contacts_missed: 0,
             contact_error_mean: None,
             contact_error_max: None,
+            apart: Panel::default(),
+            overlapping: Panel::default(),
             note: None,
         }
     }
@@ -123,16 +136,16 @@ impl MethodFigures {
     }
 
     /// How far each region's deepest contact is from the nearest place reported.
-    fn with_contacts(mut self, truths: &[Truth], replies: &[Reply<Vec<DVec3>>]) -> Self {
+    fn with_contacts(mut self, truths: &[Truth], replies: &[Reply<ContactAnswer>]) -> Self {
         let mut errors = Vec::new();
         for reply in replies {
             let regions = &truths[reply.pose].contacts;
-            if reply.found.is_empty() {
+            if reply.found.points.is_empty() {
                 self.contacts_missed += regions.len();
                 continue;
             }
             let nearest = |p: &DVec3| {
-                reply.found.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min)
+                reply.found.points.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min)
             };
             errors.extend(regions.iter().map(nearest));
         }
@@ -189,9 +202,11 @@ pub(super) fn most(values: &[f64]) -> Option<f64> {
 mod tests {
     use std::time::Duration;
 
-    use cranny_exact::Interval;
+    use cranny_exact::{Interval, Pose};
+    use cranny_geometry::{BuildOptions, Mesh, Model};
 
     use super::*;
+    use crate::accuracy::motion::Motion;
 
     #[test]
     fn quantiles_means_and_greatest() {
@@ -203,6 +218,17 @@ mod tests {
     }
 
     /// Apart by 2; meeting; one in the other, 0.5 from its wall.
+    pub(in crate::accuracy) fn judged_three() -> Judged {
+        let tetrahedron = || {
+            let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+            let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+            let mesh = Mesh::new(corners, faces).unwrap();
+            Model::build(mesh, &BuildOptions::default()).unwrap().0
+        };
+        let motion = Motion::of_pair([tetrahedron(), tetrahedron()], &[[Pose::IDENTITY; 2]; 3]);
+        Judged { motion, truths: truths() }
+    }
+
     fn truths() -> Vec<Truth> {
         let apart = Truth {
             meets: false,
@@ -211,6 +237,7 @@ mod tests {
             held: Interval::around(2.0, 1e-15),
             witnesses: Some([DVec3::ZERO, 2.0 * DVec3::X]),
             contacts: Vec::new(),
+            depth: 0.0,
         };
         let meeting = Truth {
             meets: true,
@@ -218,6 +245,7 @@ mod tests {
             held: Interval::point(0.0),
             witnesses: None,
             contacts: vec![DVec3::ZERO, DVec3::Y],
+            depth: 0.25,
             ..apart.clone()
         };
         let within = Truth {
@@ -225,6 +253,7 @@ mod tests {
             distance: 0.5,
             held: Interval::point(0.5),
             contacts: Vec::new(),
+            depth: 0.0,
             ..meeting.clone()
         };
         vec![apart, meeting, within]
@@ -235,9 +264,14 @@ mod tests {
         let replies: Vec<_> =
             found.into_iter().enumerate().map(|(pose, found)| reply(pose, found)).collect();
         let time = Duration::from_micros(9);
-        let contacts: Vec<_> =
-            contacts.into_iter().map(|found| Reply { pose: 1, time, found }).collect();
-        MethodFigures::judged(&truths(), Name::of_peer("it"), &replies, &contacts)
+        let contacts: Vec<_> = contacts
+            .into_iter()
+            .map(|points| {
+                let depth = Some(Interval::point(0.25 * points.len() as f64));
+                Reply { pose: 1, time, found: ContactAnswer { points, depth } }
+            })
+            .collect();
+        MethodFigures::judged(&judged_three(), Name::of_peer("it"), &replies, &contacts)
     }
 
     fn found(meets: Option<bool>, distance: f64) -> PoseAnswer {
@@ -284,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn regions_near_which_nothing_was_told_are_missed_not_passed_over() {
+    fn regions_near_which_nothing_was_found_are_missed_not_passed_over() {
         let nothing = [found(None, 0.0), found(None, 0.0), found(None, 0.0)];
         let row = judged(nothing, vec![vec![DVec3::ZERO, 0.5 * DVec3::Y], Vec::new()]);
         assert_eq!((row.contact_poses, row.contacts_missed), (2, 2));

@@ -1,11 +1,10 @@
 //! A method that answers about pairs, and its answers.
 
 use cranny_exact::{DVec3, Interval};
-use cranny_geometry::Model;
 use serde::Serialize;
 
+use super::motion::Posed;
 use crate::csv::cell;
-use crate::pose_file::PosePair;
 
 /// Something that answers about pairs.
 pub(super) trait Method {
@@ -17,13 +16,22 @@ pub(super) trait Method {
     }
 
     /// Forgets what it knows of earlier poses.
-    fn begin(&mut self, _models: [&Model; 2]) {}
+    fn begin(&mut self, _posed: Posed) {}
 
     /// Whether the bodies meet, and how far they are apart.
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer;
+    fn distance(&mut self, posed: Posed) -> PoseAnswer;
 
-    /// Where it reports that bodies are in contact.
-    fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3>;
+    /// Where the bodies are in contact, and how deep.
+    fn contacts(&mut self, posed: Posed) -> ContactAnswer;
+}
+
+/// What a method answers about bodies that overlap.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ContactAnswer {
+    /// Where contact is, or may be.
+    pub(super) points: Vec<DVec3>,
+    /// Holds the depth of the deepest; a point where the method gives no bounds.
+    pub(super) depth: Option<Interval>,
 }
 
 /// What a method answered at one pose.
@@ -33,7 +41,7 @@ pub(super) struct PoseAnswer {
     pub(super) meets: Option<bool>,
     /// Its distance, or the upper end of where that lies.
     pub(super) distance: Option<f64>,
-    /// What certainly holds the distance, of those who tell it.
+    /// What certainly holds the distance, where a method gives bounds.
     pub(super) held: Option<Interval>,
     pub(super) witnesses: Option<[DVec3; 2]>,
     pub(super) tests: Option<u64>,
@@ -59,6 +67,10 @@ impl Name {
 
     pub(super) fn is_ours(&self) -> bool {
         self.level.is_some()
+    }
+
+    pub(super) fn is_warm(&self) -> bool {
+        self.memory == "warm"
     }
 
     /// A level of ours, by itself.

@@ -1,16 +1,16 @@
 //! Levels and budgets of ours, with memory and without.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use cranny_estimate::{
     Accuracy, Budget, Clock, Effort, Estimate, EstimateMemory, Verdict, estimate,
 };
-use cranny_exact::DVec3;
-use cranny_geometry::Model;
+use cranny_exact::Interval;
 use cranny_narrow_phase::{Demand, Placed, Query};
 
-use super::method::{Method, Name, PoseAnswer};
-use crate::pose_file::PosePair;
+use super::method::{ContactAnswer, Method, Name, PoseAnswer};
+use super::motion::Posed;
 
 /// How long one estimate may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,8 +30,8 @@ pub(super) struct Ours {
     warm: bool,
     clock: SinceStart,
     memory: EstimateMemory,
-    /// Memory in which only what the level prepares is there.
-    prepared: Option<EstimateMemory>,
+    /// Memory in which only what the level prepares is there, by pair.
+    prepared: BTreeMap<usize, EstimateMemory>,
 }
 
 /// Nanoseconds since it was made.
@@ -51,16 +51,12 @@ impl Ours {
 
     pub(super) fn new(accuracy: Accuracy, allowance: Allowance, warm: bool) -> Self {
         let clock = SinceStart(Instant::now());
-        Self { accuracy, allowance, warm, clock, memory: EstimateMemory::default(), prepared: None }
+        let (memory, prepared) = (EstimateMemory::default(), BTreeMap::new());
+        Self { accuracy, allowance, warm, clock, memory, prepared }
     }
 
-    fn estimate(
-        &mut self,
-        [a, b]: [&Model; 2],
-        poses: PosePair,
-        demand: Demand,
-    ) -> Option<Estimate> {
-        let [a, b] = [Placed { model: a, pose: poses[0] }, Placed { model: b, pose: poses[1] }];
+    fn estimate(&mut self, posed: Posed, demand: Demand) -> Option<Estimate> {
+        let [a, b] = [0, 1].map(|i| Placed { model: posed.models[i], pose: posed.poses[i] });
         let budget = match self.allowance {
             Allowance::Unlimited => Budget::Unlimited,
             Allowance::Tests(tests) => Budget::Tests(tests),
@@ -102,17 +98,17 @@ impl Method for Ours {
         self.warm
     }
 
-    fn begin(&mut self, [a, b]: [&Model; 2]) {
-        let prepared = self.prepared.get_or_insert_with(|| {
+    fn begin(&mut self, posed: Posed) {
+        let prepared = self.prepared.entry(posed.pair).or_insert_with(|| {
             let mut memory = EstimateMemory::default();
-            memory.prepare(a, b, self.accuracy);
+            memory.prepare(posed.models[0], posed.models[1], self.accuracy);
             memory
         });
         self.memory = prepared.clone();
     }
 
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer {
-        let found = self.estimate(models, poses, Demand::Distance { below: None });
+    fn distance(&mut self, posed: Posed) -> PoseAnswer {
+        let found = self.estimate(posed, Demand::Distance { below: None });
         let Some(found) = found else { return PoseAnswer::default() };
         PoseAnswer {
             meets: match found.verdict {
@@ -127,16 +123,18 @@ impl Method for Ours {
         }
     }
 
-    fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3> {
-        let found = self.estimate(models, poses, Demand::Regions { margin: 0.0 });
-        let Some(found) = found else { return Vec::new() };
-        match found.answer {
+    fn contacts(&mut self, posed: Posed) -> ContactAnswer {
+        let found = self.estimate(posed, Demand::Regions { margin: 0.0 });
+        let Some(found) = found else { return ContactAnswer::default() };
+        let Interval { lo, hi } = found.separation;
+        let points = match found.answer {
             Some(answer) => {
                 let contacts = answer.contacts.iter();
                 contacts.map(|c| 0.5 * (c.point_a + c.point_b)).collect()
             }
             None => found.places.iter().map(|place| place.bounds.center()).collect(),
-        }
+        };
+        ContactAnswer { points, depth: Some(Interval { lo: -hi, hi: -lo }) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! parry's triangle meshes and convex decompositions, as rapier users have them.
 
-use cranny_exact::DVec3;
+use cranny_exact::Interval;
 use cranny_geometry::Model;
 use cranny_rapier::Detector;
 use parry3d::math::{Pose as NarrowPose, Vector};
@@ -8,12 +8,11 @@ use parry3d::query::{
     ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher,
     closest_points,
 };
-use parry3d::shape::SharedShape;
+use parry3d::shape::{Shape, SharedShape};
 
-use super::method::{Method, Name, PoseAnswer};
-use super::smaller_size;
+use super::method::{ContactAnswer, Method, Name, PoseAnswer};
+use super::motion::{Motion, Posed};
 use crate::parry::{double, single};
-use crate::pose_file::PosePair;
 
 /// How far manifolds foresee, as a share of the smaller body's size: next to nothing, as
 /// our regions do. Smaller: single precision loses surfaces that touch; larger: gaps count as
@@ -23,7 +22,8 @@ const PREDICTION: f64 = 1e-4;
 /// A kind of shape of parry's.
 pub(super) struct Peer {
     kind: Detector,
-    shapes: [SharedShape; 2],
+    /// By pair.
+    shapes: Vec<[SharedShape; 2]>,
 }
 
 impl Peer {
@@ -39,16 +39,28 @@ impl Peer {
         })
     }
 
-    /// Prepares both shapes.
+    /// Prepares the shapes of all bodies.
     ///
     /// # Errors
     ///
     /// What the peer says, where it refuses a mesh.
-    pub(super) fn new(kind: Detector, [a, b]: [&Model; 2]) -> Result<Self, String> {
-        let shape = |model: &Model| kind.shape(model, 0).map_err(|error| error.to_string());
-        let first = shape(a)?;
-        let second = if a.is_same(b) { first.clone() } else { shape(b)? };
-        Ok(Self { kind, shapes: [first, second] })
+    pub(super) fn new<'m>(kind: Detector, motion: &'m Motion) -> Result<Self, String> {
+        let mut known: Vec<(&Model, SharedShape)> = Vec::new();
+        let mut shape = |model: &'m Model| -> Result<SharedShape, String> {
+            if let Some((_, shape)) = known.iter().find(|(other, _)| model.is_same(other)) {
+                return Ok(shape.clone());
+            }
+            let shape = kind.shape(model, 0).map_err(|error| error.to_string())?;
+            known.push((model, shape.clone()));
+            Ok(shape)
+        };
+        let pairs = motion.pairs().iter();
+        let shapes = pairs.map(|[a, b]| Ok([shape(a)?, shape(b)?])).collect::<Result<_, String>>();
+        Ok(Self { kind, shapes: shapes? })
+    }
+
+    fn shapes(&self, posed: Posed) -> [&dyn Shape; 2] {
+        self.shapes[posed.pair].each_ref().map(|shape| &**shape)
     }
 }
 
@@ -57,11 +69,12 @@ impl Method for Peer {
         Self::name_of(self.kind)
     }
 
-    fn ask(&mut self, models: [&Model; 2], poses: PosePair) -> PoseAnswer {
+    fn distance(&mut self, posed: Posed) -> PoseAnswer {
+        let Posed { models, poses, .. } = posed;
         let reach = 2.0 * (models[0].radius() + models[1].radius())
             + poses[0].translation.distance(poses[1].translation);
         let [p, q] = poses.map(single);
-        let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
+        let [a, b] = self.shapes(posed);
         // One call returns verdict, distance and points.
         match closest_points(&p, a, &q, b, reach as f32) {
             Ok(ClosestPoints::Intersecting) => {
@@ -84,12 +97,12 @@ impl Method for Peer {
         }
     }
 
-    fn contacts(&mut self, models: [&Model; 2], poses: PosePair) -> Vec<DVec3> {
-        let [p, q] = poses.map(single);
-        let [a, b] = self.shapes.each_ref().map(|shape| &**shape);
+    fn contacts(&mut self, posed: Posed) -> ContactAnswer {
+        let [p, q] = posed.poses.map(single);
+        let [a, b] = self.shapes(posed);
         let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
         let relative = p.inv_mul(&q);
-        let prediction = PREDICTION * smaller_size(models);
+        let prediction = PREDICTION * posed.size();
         let found = DefaultQueryDispatcher.contact_manifolds(
             &relative,
             a,
@@ -99,18 +112,20 @@ impl Method for Peer {
             &mut None,
         );
         if found.is_err() {
-            return Vec::new();
+            return ContactAnswer::default();
         }
         let at = |pose: &NarrowPose, part: Option<&NarrowPose>, point: Vector| {
             double(*pose * part.map_or(point, |part| *part * point))
         };
-        let middles = manifolds.iter().flat_map(|manifold| {
-            manifold.points.iter().map(|contact| {
+        let (mut points, mut depth) = (Vec::new(), 0.0f64);
+        for manifold in &manifolds {
+            for contact in &manifold.points {
                 let v = at(&p, manifold.subshape_pos1(), contact.local_p1);
                 let w = at(&q, manifold.subshape_pos2(), contact.local_p2);
-                0.5 * (v + w)
-            })
-        });
-        middles.collect()
+                points.push(0.5 * (v + w));
+                depth = depth.max(f64::from(-contact.dist));
+            }
+        }
+        ContactAnswer { points, depth: Some(Interval::point(depth)) }
     }
 }

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use cranny_estimate::Accuracy;
 use cranny_exact::Interval;
 
-use super::Scene;
 use super::figures::{mean, most, quantile};
 use super::method::Method;
+use super::motion::Motion;
 use super::ours::{Allowance, Ours};
 use super::visits::centers;
 use crate::csv::{cell, table};
@@ -26,18 +26,20 @@ pub(super) struct Rested {
     pub(super) frame: usize,
     pub(super) poses: usize,
     open: usize,
-    pub(super) width_mean: Option<f64>,
+    width_mean: Option<f64>,
+    /// As a share of the smaller body's size, at most 1.
+    pub(super) share_mean: Option<f64>,
     width_max: Option<f64>,
     median_us: Option<f64>,
 }
 
 /// Asks at each of some poses frame after frame, from no memory on. Ends early where that takes
 /// longer than `patience`.
-pub(super) fn rested(scene: &Scene, budget: u64, patience: Duration) -> Vec<Rested> {
-    let poses: Vec<usize> = centers(scene.poses.len(), POSES).collect();
-    let new = |_| {
+pub(super) fn rested(motion: &Motion, budget: u64, patience: Duration) -> Vec<Rested> {
+    let poses: Vec<usize> = centers(motion.len(), POSES).collect();
+    let new = |&pose: &usize| {
         let mut pair = Ours::new(Accuracy::Exact, Allowance::Tests(budget), true);
-        pair.begin(scene.models);
+        pair.begin(motion.posed(pose));
         pair
     };
     let mut pairs: Vec<Ours> = poses.iter().map(new).collect();
@@ -46,11 +48,12 @@ pub(super) fn rested(scene: &Scene, budget: u64, patience: Duration) -> Vec<Rest
     while rows.len() < FRAMES && (rows.is_empty() || begin.elapsed() < patience) {
         let found = poses.iter().zip(&mut pairs).map(|(&pose, pair)| {
             let start = Instant::now();
-            let found = pair.ask(scene.models, scene.poses[pose]);
+            let found = pair.distance(motion.posed(pose));
             (
                 start.elapsed().as_nanos() as f64 / 1e3,
                 found.meets,
-                found.held.unwrap_or(Interval::WHOLE),
+                found.held.unwrap_or(Interval::WHOLE).width(),
+                motion.posed(pose).size(),
             )
         });
         rows.push(Rested::of(budget, rows.len() + 1, found.collect()));
@@ -59,8 +62,8 @@ pub(super) fn rested(scene: &Scene, budget: u64, patience: Duration) -> Vec<Rest
 }
 
 impl Rested {
-    fn of(budget: u64, frame: usize, found: Vec<(f64, Option<bool>, Interval)>) -> Self {
-        let widths: Vec<f64> = found.iter().map(|(_, _, held)| held.width()).collect();
+    fn of(budget: u64, frame: usize, found: Vec<(f64, Option<bool>, f64, f64)>) -> Self {
+        let widths: Vec<f64> = found.iter().map(|found| found.2).collect();
         let mut micros: Vec<f64> = found.iter().map(|found| found.0).collect();
         micros.sort_unstable_by(f64::total_cmp);
         Self {
@@ -69,6 +72,7 @@ impl Rested {
             poses: found.len(),
             open: found.iter().filter(|found| found.1.is_none()).count(),
             width_mean: mean(widths.iter().copied()),
+            share_mean: mean(found.iter().map(|(_, _, width, size)| (width / size).min(1.0))),
             width_max: most(&widths),
             median_us: quantile(&micros, 50),
         }

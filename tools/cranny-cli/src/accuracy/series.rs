@@ -2,15 +2,15 @@
 
 use std::time::{Duration, Instant};
 
-use super::Scene;
 use super::method::Method;
+use super::motion::{Motion, Posed};
 use super::visits::{Visit, centers, visits};
 
 /// Poses at which it is tried how long a question takes.
 const TRIALS: usize = 5;
 
-/// Puts a question to a method, at the pose of an index.
-pub(super) type Ask<T> = fn(&mut dyn Method, &Scene, usize) -> T;
+/// Puts a question to a method.
+pub(super) type Ask<T> = fn(&mut dyn Method, Posed) -> T;
 
 /// The answer at a pose, in the shortest time of all runs.
 #[derive(Clone, Debug)]
@@ -37,13 +37,13 @@ pub(super) struct Series<T> {
 impl<T> Series<T> {
     /// Decides at which of the candidates to ask, so that a run takes no longer than `patience`.
     pub(super) fn planned(
-        scene: &Scene,
+        motion: &Motion,
         method: &mut dyn Method,
         ask: Ask<T>,
         candidates: &[usize],
         patience: Duration,
     ) -> Self {
-        let each = each(scene, method, ask, candidates, patience);
+        let each = each(motion, method, ask, candidates, patience);
         let affordable = patience.as_nanos() / each.as_nanos().max(1);
         let affordable = usize::try_from(affordable).unwrap_or(usize::MAX);
         let visits = visits(candidates, method.is_warm(), affordable);
@@ -51,14 +51,15 @@ impl<T> Series<T> {
     }
 
     /// Queries all poses; of the answers before, only that stays which took no longer.
-    pub(super) fn run(&mut self, scene: &Scene, method: &mut dyn Method) {
+    pub(super) fn run(&mut self, motion: &Motion, method: &mut dyn Method) {
         let mut index = 0;
         for (i, visit) in self.visits.iter().enumerate() {
-            if i == 0 || !method.is_warm() {
-                method.begin(scene.models);
+            let posed = motion.posed(visit.pose);
+            if i == 0 || !method.is_warm() || motion.begins(visit.pose) {
+                method.begin(posed);
             }
             let start = Instant::now();
-            let found = (self.ask)(method, scene, visit.pose);
+            let found = (self.ask)(method, posed);
             let time = start.elapsed();
             if !visit.counts {
                 continue;
@@ -76,7 +77,7 @@ impl<T> Series<T> {
 
 /// How long a question takes on average, tried at some poses. Memory may follow for one pose.
 fn each<T>(
-    scene: &Scene,
+    motion: &Motion,
     method: &mut dyn Method,
     ask: Ask<T>,
     candidates: &[usize],
@@ -84,12 +85,12 @@ fn each<T>(
 ) -> Duration {
     let (mut spent, mut wanted) = (Duration::ZERO, 0);
     for pose in centers(candidates.len(), TRIALS).filter_map(|i| candidates.get(i).copied()) {
-        method.begin(scene.models);
-        if method.is_warm() && pose > 0 {
-            ask(method, scene, pose - 1);
+        method.begin(motion.posed(pose));
+        if method.is_warm() && !motion.begins(pose) {
+            ask(method, motion.posed(pose - 1));
         }
         let start = Instant::now();
-        ask(method, scene, pose);
+        ask(method, motion.posed(pose));
         spent += start.elapsed();
         wanted += 1;
         if spent > patience {

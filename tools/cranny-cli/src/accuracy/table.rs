@@ -7,7 +7,9 @@ use crate::csv::{cell, quoted, table};
 const COLUMNS: &str = "poses,median_us,p99_us,tests_mean,false_negatives,false_positives,open,outside,\
 width_mean,width_max,distance_error_mean,distance_error_max,witness_error_mean,witness_error_max,\
 contact_poses,contact_median_us,contact_p99_us,contacts_mean,contacts_missed,contact_error_mean,\
-contact_error_max,note";
+contact_error_max,apart_poses,apart_mean_us,apart_error,apart_error_max,apart_wrong,apart_open,\
+overlapping_poses,overlapping_mean_us,overlapping_error,overlapping_error_max,overlapping_wrong,\
+note";
 
 /// All rows, below a line of names. Numbers are written so that they read back to the bit.
 pub(super) fn csv(all: &[MethodFigures]) -> String {
@@ -39,6 +41,17 @@ impl MethodFigures {
             self.contacts_missed.to_string(),
             cell(self.contact_error_mean),
             cell(self.contact_error_max),
+            self.apart.poses.to_string(),
+            cell(self.apart.mean_us),
+            cell(self.apart.error),
+            cell(self.apart.error_max),
+            self.apart.wrong.to_string(),
+            self.apart.open.to_string(),
+            self.overlapping.poses.to_string(),
+            cell(self.overlapping.mean_us),
+            cell(self.overlapping.error),
+            cell(self.overlapping.error_max),
+            self.overlapping.wrong.to_string(),
             cell(self.note.as_deref().map(quoted)),
         ]
         .join(",")

@@ -1,10 +1,9 @@
 //! Exact answers, by which all others are judged.
 
 use cranny_exact::{DVec3, Interval};
-use cranny_geometry::Model;
 use cranny_narrow_phase::{Demand, PairMemory, Placed, Query, query};
 
-use crate::pose_file::PosePair;
+use super::motion::Motion;
 
 /// What is so at a pose.
 #[derive(Clone, Debug)]
@@ -21,6 +20,8 @@ pub(super) struct Truth {
     pub(super) witnesses: Option<[DVec3; 2]>,
     /// Of each region that overlaps, half-way between the deepest contact's points.
     pub(super) contacts: Vec<DVec3>,
+    /// How deep the bodies overlap, >= 0.
+    pub(super) depth: f64,
 }
 
 /// The truth at each pose.
@@ -28,11 +29,15 @@ pub(super) struct Truth {
 /// # Errors
 ///
 /// A pose that cannot be queried, in words.
-pub(super) fn truths([a, b]: [&Model; 2], poses: &[PosePair]) -> Result<Vec<Truth>, String> {
+pub(super) fn truths(motion: &Motion) -> Result<Vec<Truth>, String> {
     let mut memory = PairMemory::default();
     let question = Query::of(Demand::Regions { margin: 0.0 });
-    let truth = |(index, &[pose_a, pose_b]): (usize, &PosePair)| -> Result<Truth, String> {
-        let (a, b) = (Placed { model: a, pose: pose_a }, Placed { model: b, pose: pose_b });
+    let mut truth = |index: usize| -> Result<Truth, String> {
+        if motion.begins(index) {
+            memory = PairMemory::default();
+        }
+        let posed = motion.posed(index);
+        let [a, b] = [0, 1].map(|i| Placed { model: posed.models[i], pose: posed.poses[i] });
         let answer =
             query(a, b, &question, &mut memory).map_err(|e| format!("pose {index}: {e}"))?;
         let surfaces_meet = answer.surface.meets();
@@ -51,7 +56,8 @@ pub(super) fn truths([a, b]: [&Model; 2], poses: &[PosePair]) -> Result<Vec<Trut
                 .iter()
                 .map(|r| 0.5 * (r.deepest.point_a + r.deepest.point_b))
                 .collect(),
+            depth: answer.depth(),
         })
     };
-    poses.iter().enumerate().map(truth).collect()
+    (0..motion.len()).map(&mut truth).collect()
 }

@@ -6,20 +6,38 @@ use std::path::PathBuf;
 use clap::Args;
 use cranny_estimate::Accuracy;
 
-use super::{PairArgs, budget, level};
+use super::scene::seconds;
+use super::{budget, level, scale};
 
 /// Arguments of `cranny accuracy`.
 #[derive(Debug, Args)]
 #[command(after_help = NOTES)]
 pub(crate) struct AccuracyArgs {
-    #[command(flatten)]
-    pub(crate) pair: PairArgs,
+    /// A scene, whose pairs are queried at the poses of its run; or mesh A or saved model A
+    #[arg(value_name = "SCENE.ron|A")]
+    pub(crate) subject: PathBuf,
 
-    /// List of poses, as for `query`: in the order of a motion, so that memory can help
-    #[arg(long, value_name = "POSES.json")]
-    pub(crate) poses: PathBuf,
+    /// Mesh or model B, to be queried with A; may be the same file
+    #[arg(value_name = "B", requires = "poses")]
+    pub(crate) mesh_b: Option<PathBuf>,
 
-    /// Folder for the tables and charts; made if it is not there
+    /// Scale of mesh A, applied to its vertices before anything else
+    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_hyphen_values = true, requires = "mesh_b")]
+    pub(crate) scale_a: f64,
+
+    /// Scale of mesh B
+    #[arg(long, value_name = "S", default_value = "1", value_parser = scale, allow_hyphen_values = true, requires = "mesh_b")]
+    pub(crate) scale_b: f64,
+
+    /// List of poses of A and B, as for `query`: in the order of a motion, so that memory can help
+    #[arg(long, value_name = "POSES.json", requires = "mesh_b")]
+    pub(crate) poses: Option<PathBuf>,
+
+    /// Simulated time of a scene in seconds [default: the scene's `duration`]
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true, conflicts_with = "mesh_b")]
+    pub(crate) duration: Option<f64>,
+
+    /// Folder for the page, the tables and the charts; made if it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 
@@ -104,6 +122,13 @@ contact. `warm` keeps memory from pose to pose, `cold` keeps none; what a level 
 A method that takes longer than --patience answers at some poses: evenly spread, or, if it keeps memory, at
 stretches of consecutive ones. So rows with different `poses` are not quite about the same.
 
+Of a SCENE.ron, the poses are those of every pair of bodies whose boxes overlap while the scene runs under our
+detector: of all steps, or of a long run in 20 stretches of 24 steps. Then the scene runs under each detector,
+as `cranny compare` does.
+
+accuracy.html is the report: a picture of the scene, the plot, what follows from it, the motion under each
+detector, the figures. It needs no other file.
+
 Columns of accuracy.csv (lengths in units of the meshes; empty: no answer):
   method, level, budget, deadline_us, memory
                                   the detector: cranny, parry-trimesh, parry-decomposition
@@ -121,15 +146,21 @@ Columns of accuracy.csv (lengths in units of the meshes; empty: no answer):
   contacts_missed                 regions at poses where no contact was reported
   contact_error_mean, _max        how far the nearest contact reported is from each region's deepest one; who
                                   reports many is near everything
+  apart_poses, _mean_us           poses at which bodies are apart, and the mean time there
+  apart_error, _error_max         of the distance, as a share of the size of the smaller body, at most 1: the
+                                  interval's width, or what a method without intervals is off by
+  apart_wrong, apart_open         wrong verdicts, and none
+  overlapping_...                 the same of the depth, where bodies overlap; wrong: no contact reported
   note                            why there are no figures: what parry says of a mesh, or that it panicked
 
 poses.csv: each method's answer at each pose, beside what is so.
-accuracy.svg: median time against mean width (for peers: mean error of the distance), divided by the
-size of the smaller body, both axes logarithmic. What is exact lies at the bottom.
+accuracy.svg: mean time against mean error, where bodies are apart and where they overlap, both axes
+logarithmic. A line goes through the methods of a kind that more time makes more exact.
 refinement.csv, refinement.svg: bodies at rest, at up to 32 of the poses: what is known after each of up to 64
 frames, of so many tests each.
 
 Examples:
+  cranny accuracy assets/scenes/nut_on_bolt.ron --duration 1 --out report
   cranny accuracy bolt.obj nut.obj --poses poses.json --out report
   cranny accuracy a.obj b.obj --poses poses.json --out report --levels hulls,exact --budgets 50,500 --no-peers";
 

@@ -177,7 +177,8 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) instead: InsteadArgs,
 
-    /// Folder for compare.csv, steps.csv and compare.svg; made if it is not there
+    /// Folder for compare.csv, steps.csv, steps.svg and compare.svg (time of a step against deepest
+    /// overlap); made if it is not there
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -253,7 +254,7 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
 }
 
 /// A length of time above 0.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         Ok(_) => Err("a time must be finite and above 0 seconds, such as 0.0041667".to_owned()),

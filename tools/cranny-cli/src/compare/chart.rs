@@ -1,4 +1,5 @@
-//! The drawing: what each step cost, over the steps.
+//! The drawings: what each step cost, over the steps; and what steps cost beside how deep bodies
+//! sank into each other.
 
 use plotters::prelude::*;
 
@@ -26,7 +27,64 @@ const MARKS: usize = 11;
 /// Pixels on the right for the names of the lines.
 const NAMES: u32 = 270;
 
-/// The chart of a scene as SVG.
+/// Depths up to this share of the greatest are drawn here: there is no zero on a logarithmic axis.
+const FLOOR_DEPTH: f64 = 1e-5;
+
+const OUTCOME_SIZE: (u32, u32) = (760, 380);
+
+/// Time of a step against the deepest overlap, a mark a detector, as SVG; `None` where nobody
+/// overlapped or no detector came to the end.
+///
+/// # Errors
+///
+/// What the drawing library says.
+pub(crate) fn outcome(rows: &[RunFigures]) -> Result<Option<String>, Failure> {
+    let place = |row: &RunFigures| Some((row.step_ms?.mean, row.deepest.as_ref()?.depth));
+    let marks: Vec<(String, (f64, f64))> = rows
+        .iter()
+        .filter(|row| row.failure.is_none())
+        .filter_map(|row| Some((row.name(), place(row)?)))
+        .collect();
+    let deepest = marks.iter().map(|(_, (_, depth))| *depth).fold(0.0, f64::max);
+    if deepest == 0.0 {
+        return Ok(None);
+    }
+    let floored = |(ms, depth): (f64, f64)| (ms.max(FLOOR_MS), depth.max(FLOOR_DEPTH * deepest));
+    let marks: Vec<_> = marks.into_iter().map(|(name, at)| (name, floored(at))).collect();
+    svg(OUTCOME_SIZE, |area| draw_outcome(area, &marks)).map(Some)
+}
+
+fn draw_outcome(area: &Area<'_>, marks: &[(String, (f64, f64))]) -> Result<(), Failed> {
+    let span = |of: fn(&(f64, f64)) -> f64, less: f64, more: f64| {
+        let values = || marks.iter().map(|(_, at)| of(at));
+        less * values().fold(f64::MAX, f64::min)..more * values().fold(0.0, f64::max)
+    };
+    let (xs, ys) = (span(|at| at.0, 0.5, 6.0), span(|at| at.1, 0.4, 3.0));
+    let mut chart = ChartBuilder::on(area)
+        .margin(16)
+        .caption("Deepest overlap by the time of a step", CAPTION)
+        .x_label_area_size(48)
+        .y_label_area_size(84)
+        .build_cartesian_2d(xs.log_scale(), ys.log_scale())?;
+    chart
+        .configure_mesh()
+        .light_line_style(BLACK.mix(0.03))
+        .bold_line_style(BLACK.mix(0.15))
+        .x_desc("mean time of a step, milliseconds")
+        .y_desc("deepest overlap, units of the scene")
+        .label_style(LABEL)
+        .x_label_formatter(&|x| format!("{x}"))
+        .y_label_formatter(&|y| format!("{y:.0e}"))
+        .draw()?;
+    for ((name, at), color) in marks.iter().zip(COLORS.into_iter().cycle()) {
+        let text = Text::new(name.clone(), (9, -7), ("sans-serif", 14).into_font().color(&color));
+        let mark = EmptyElement::at(*at) + Circle::new((0, 0), 5, color.filled()) + text;
+        chart.draw_series([mark])?;
+    }
+    Ok(())
+}
+
+/// The chart of a scene's steps as SVG.
 ///
 /// # Errors
 ///

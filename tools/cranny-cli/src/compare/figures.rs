@@ -12,7 +12,7 @@ use crate::csv::{cell, quoted};
 
 /// Milliseconds of a step, by phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct StepTimes {
+pub(crate) struct StepTimes {
     pub(super) broad: f64,
     pub(super) narrow: f64,
     pub(super) solver: f64,
@@ -26,7 +26,7 @@ impl StepTimes {
 
 /// With what a row was run.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Setting {
+pub(crate) struct Setting {
     pub(super) detector: &'static str,
     /// Whether rapier kept contacts while pairs drifted a little.
     pub(super) recycling: bool,
@@ -38,7 +38,7 @@ pub(super) struct Setting {
 
 /// A row.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct RunFigures {
+pub(crate) struct RunFigures {
     #[serde(flatten)]
     pub(super) setting: Setting,
     pub(super) steps: usize,
@@ -71,7 +71,7 @@ pub(super) struct RunFigures {
 
 /// How values spread.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Spread {
+pub(crate) struct Spread {
     pub(super) mean: f64,
     pub(super) median: f64,
     pub(super) p99: f64,
@@ -220,12 +220,23 @@ const HEADINGS: [[&str; 2]; 18] = [
     ["", "off helix"],
 ];
 
+/// Headings and rows of the columns of which somebody knows something.
+pub(crate) fn columns(rows: &[RunFigures]) -> (Vec<String>, Vec<Vec<String>>) {
+    let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
+    let shown = shown(&cells);
+    let heading = |&column: &usize| HEADINGS[column].join(" ").trim().replace("- ", "");
+    let of_row = |row: &Vec<String>| shown.iter().map(|&column| row[column].clone()).collect();
+    (shown.iter().map(heading).collect(), cells.iter().map(of_row).collect())
+}
+
+fn shown(cells: &[Vec<String>]) -> Vec<usize> {
+    (0..HEADINGS.len()).filter(|&column| cells.iter().any(|row| !row[column].is_empty())).collect()
+}
+
 /// The table for people. Columns of which nobody knows anything are left out.
 pub(super) fn text(rows: &[RunFigures]) -> String {
     let cells: Vec<Vec<String>> = rows.iter().map(RunFigures::cells).collect();
-    let shown: Vec<usize> = (0..HEADINGS.len())
-        .filter(|&column| cells.iter().any(|row| !row[column].is_empty()))
-        .collect();
+    let shown = shown(&cells);
     let width = |column: usize| {
         let texts = cells.iter().map(|row| row[column].len());
         texts.chain(HEADINGS[column].map(str::len)).max().unwrap_or(0)
@@ -249,7 +260,7 @@ pub(super) fn text(rows: &[RunFigures]) -> String {
 }
 
 /// What does not fit into a table.
-fn notes(rows: &[RunFigures]) -> Vec<String> {
+pub(crate) fn notes(rows: &[RunFigures]) -> Vec<String> {
     let mut notes = Vec::new();
     for row in rows {
         let name = row.name();

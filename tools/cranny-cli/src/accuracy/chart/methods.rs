@@ -1,66 +1,125 @@
-//! Time against what stays unknown, method by method.
+//! Time against error, method by method: where bodies are apart, and where they overlap.
 
 use plotters::prelude::*;
 
-use super::{CORNER, SIZE, Words, axes, share};
+use super::{NAMES, SIZE, Words, axes, floored};
 use crate::accuracy::figures::MethodFigures;
-use crate::chart::{Area, BLUE, Failed, GREEN, ORANGE, PURPLE, SKY, VERMILION, marks, svg};
+use crate::accuracy::panel::Panel;
+use crate::chart::{Area, BLUE, Failed, GREEN, ORANGE, PURPLE, VERMILION, marks, svg};
 use crate::failure::Failure;
-
-const WORDS: Words = Words {
-    caption: "What stays unknown, by the time spent on it",
-    x: "median time of a pose, microseconds",
-    y: "width of the interval (parry: error of the distance) / size of the smaller body",
-};
 
 /// Pixels of a name: of a letter, roughly, and of a line.
 const LETTER: i32 = 7;
 const LINE: i32 = 13;
 
-/// One line of the chart, or some dots.
-struct ChartSeries<'a> {
+/// A point that is no better than this share of the error of a quicker one is left out: a line
+/// shows what more time buys.
+const BETTER: f64 = 0.99;
+
+/// One kind of poses.
+struct Kind {
+    words: Words,
+    of: fn(&MethodFigures) -> &Panel,
+}
+
+const KINDS: [Kind; 2] = [
+    Kind {
+        words: Words {
+            caption: "Bodies apart: their distance",
+            x: "mean time of a pose, microseconds",
+            y: "error / size of the smaller body",
+        },
+        of: |row| &row.apart,
+    },
+    Kind {
+        words: Words {
+            caption: "Bodies that overlap: how deep",
+            x: "mean time of a pose, microseconds",
+            y: "error / size of the smaller body",
+        },
+        of: |row| &row.overlapping,
+    },
+];
+
+/// One line of the chart, or a dot.
+struct Line {
     name: &'static str,
     color: RGBColor,
+    /// With memory, or without choice: filled dots.
     filled: bool,
-    /// Whether a line through them means anything.
-    joined: bool,
-    points: Vec<(&'a MethodFigures, (f64, f64))>,
+    belongs: fn(&MethodFigures) -> bool,
 }
 
-/// Whether the level asks the walk over hulls.
-fn walks(row: &MethodFigures) -> bool {
-    matches!(row.name.level.as_deref(), Some("hulls" | "caps"))
-}
+const LINES: [Line; 8] = [
+    Line {
+        name: "levels, warm",
+        color: BLUE,
+        filled: true,
+        belongs: |row| row.name.is_level() && row.name.is_warm(),
+    },
+    Line {
+        name: "levels, cold",
+        color: BLUE,
+        filled: false,
+        belongs: |row| row.name.is_level() && !row.name.is_warm(),
+    },
+    Line {
+        name: "budgets of tests, warm",
+        color: VERMILION,
+        filled: true,
+        belongs: |row| row.name.budget.is_some() && row.name.is_warm(),
+    },
+    Line {
+        name: "budgets of tests, cold",
+        color: VERMILION,
+        filled: false,
+        belongs: |row| row.name.budget.is_some() && !row.name.is_warm(),
+    },
+    Line {
+        name: "budgets of time, warm",
+        color: ORANGE,
+        filled: true,
+        belongs: |row| row.name.deadline_us.is_some() && row.name.is_warm(),
+    },
+    Line {
+        name: "budgets of time, cold",
+        color: ORANGE,
+        filled: false,
+        belongs: |row| row.name.deadline_us.is_some() && !row.name.is_warm(),
+    },
+    Line {
+        name: "parry, triangle mesh",
+        color: GREEN,
+        filled: true,
+        belongs: |row| row.name.method == "parry-trimesh",
+    },
+    Line {
+        name: "parry, convex pieces",
+        color: PURPLE,
+        filled: true,
+        belongs: |row| row.name.method == "parry-decomposition",
+    },
+];
 
-fn series(all: &[MethodFigures], size: f64) -> Vec<ChartSeries<'_>> {
-    let of = |name, color, memory: &str, belongs: fn(&MethodFigures) -> bool| {
-        let rows = all.iter().filter(|row| row.name.memory == memory && belongs(row));
-        let points = rows.filter_map(|row| Some((row, place(row, size)?))).collect();
-        let filled = memory == "warm" || matches!(color, GREEN | PURPLE);
-        ChartSeries { name, color, filled, joined: color != SKY, points }
+/// A method's place in a panel.
+type Spot<'a> = (&'a MethodFigures, (f64, f64));
+
+/// The places of one line, by ascending time, each more exact than those before.
+fn front<'a>(all: &'a [MethodFigures], line: &Line, kind: &Kind) -> Vec<Spot<'a>> {
+    let place = |row: &MethodFigures| {
+        let panel = (kind.of)(row);
+        Some((panel.mean_us?, floored(panel.error?)))
     };
-    let tree: fn(&MethodFigures) -> bool = |row| row.name.is_level() && !walks(row);
-    let budget: fn(&MethodFigures) -> bool = |row| row.name.budget.is_some();
-    let deadline: fn(&MethodFigures) -> bool = |row| row.name.deadline_us.is_some();
-    let all = [
-        of("boxes, trees, exact, cold", BLUE, "cold", tree),
-        of("boxes, trees, exact, warm", BLUE, "warm", tree),
-        of("hulls, caps, cold", SKY, "cold", walks),
-        of("hulls, caps, warm", SKY, "warm", walks),
-        of("budgets of tests, cold", VERMILION, "cold", budget),
-        of("budgets of tests, warm", VERMILION, "warm", budget),
-        of("budgets of time, cold", ORANGE, "cold", deadline),
-        of("budgets of time, warm", ORANGE, "warm", deadline),
-        of("parry, triangle mesh", GREEN, "cold", |row| row.name.method == "parry-trimesh"),
-        of("parry, convex pieces", PURPLE, "cold", |row| row.name.method == "parry-decomposition"),
-    ];
-    all.into_iter().filter(|series| !series.points.is_empty()).collect()
-}
-
-/// Microseconds, and what stays unknown as a share of the smaller body's size; `None` where nothing
-/// is known.
-fn place(row: &MethodFigures, size: f64) -> Option<(f64, f64)> {
-    Some((row.median_us?, share(row.width_mean.or(row.distance_error_mean), size)?))
+    let rows = all.iter().filter(|row| (line.belongs)(row));
+    let mut spots: Vec<Spot> = rows.filter_map(|row| Some((row, place(row)?))).collect();
+    spots.sort_by(|(_, p), (_, q)| p.0.total_cmp(&q.0).then(p.1.total_cmp(&q.1)));
+    let mut least = f64::INFINITY;
+    spots.retain(|(_, (_, error))| {
+        let is_better = *error <= BETTER * least;
+        least = least.min(*error);
+        is_better
+    });
+    spots
 }
 
 /// A rectangle of pixels.
@@ -97,26 +156,38 @@ fn room((x, y): (i32, i32), name: &str, taken: &mut Vec<Room>) -> Option<Room> {
 /// # Errors
 ///
 /// What the drawing library says.
-pub(in crate::accuracy) fn of_methods(all: &[MethodFigures], size: f64) -> Result<String, Failure> {
-    svg(SIZE, |area| draw(area, all, size))
+pub(in crate::accuracy) fn of_methods(all: &[MethodFigures]) -> Result<String, Failure> {
+    svg(SIZE, |area| draw(area, all))
 }
 
-fn draw(area: &Area<'_>, all: &[MethodFigures], size: f64) -> Result<(), Failed> {
-    let series = series(all, size);
-    let places = series.iter().flat_map(|series| series.points.iter().map(|point| point.1));
-    let mut chart = axes(area, places, &WORDS)?;
+fn draw(area: &Area<'_>, all: &[MethodFigures]) -> Result<(), Failed> {
+    let (drawing, legend) = area.split_horizontally(SIZE.0 - NAMES);
+    let shown: Vec<&Kind> =
+        KINDS.iter().filter(|kind| all.iter().any(|row| (kind.of)(row).error.is_some())).collect();
+    let panels = drawing.split_evenly((1, shown.len().max(1)));
+    for (kind, panel) in shown.iter().zip(&panels) {
+        draw_kind(panel, all, kind)?;
+    }
+    let used = LINES.iter().filter(|line| all.iter().any(|row| (line.belongs)(row)));
+    let names = used.map(|line| (line.name.to_owned(), dot(line)));
+    marks(&legend, (12, 70), names)
+}
+
+fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &Kind) -> Result<(), Failed> {
+    let fronts: Vec<(&Line, Vec<Spot>)> =
+        LINES.iter().map(|line| (line, front(all, line, kind))).collect();
+    let times = fronts.iter().flat_map(|(_, spots)| spots.iter().map(|spot| spot.1.0));
+    let mut chart = axes(area, times, &kind.words)?;
     let mut taken: Vec<Room> = Vec::new();
-    for ChartSeries { color, filled, joined, points, .. } in &series {
-        let style = dot(*color, *filled);
+    for (line, spots) in &fronts {
         chart.draw_series(LineSeries::new(
-            points.iter().filter(|_| *joined).map(|(_, at)| *at),
-            color.mix(if *filled { 0.9 } else { 0.4 }).stroke_width(2),
+            spots.iter().map(|spot| spot.1),
+            line.color.mix(if line.filled { 0.9 } else { 0.4 }).stroke_width(2),
         ))?;
-        chart.draw_series(points.iter().map(|(_, at)| Circle::new(*at, 4, style)))?;
-        // Warm ones stand beside the cold ones of the same name; where there is no room a dot has
-        // none.
-        let text = ("sans-serif", 13).into_font().color(color);
-        for (row, at) in points.iter().filter(|(row, _)| names_dot(row)) {
+        chart.draw_series(spots.iter().map(|(_, at)| Circle::new(*at, 4, dot(line))))?;
+        // Where there is no room a dot has no name; those of cold lines are called as the warm are.
+        let text = ("sans-serif", 13).into_font().color(&line.color);
+        for (row, at) in spots.iter().filter(|(row, _)| line.filled && row.name.is_ours()) {
             let (name, pixel) = (row.name.label(), chart.backend_coord(at));
             if let Some(Room { left, top, .. }) = room(pixel, &name, &mut taken) {
                 let offset = (left - pixel.0, top - pixel.1);
@@ -125,21 +196,18 @@ fn draw(area: &Area<'_>, all: &[MethodFigures], size: f64) -> Result<(), Failed>
             }
         }
     }
-    marks(area, CORNER, series.iter().map(|s| (s.name.to_owned(), dot(s.color, s.filled))))
+    Ok(())
 }
 
-/// Of the peers there is one dot each, and the legend names it.
-fn names_dot(row: &MethodFigures) -> bool {
-    row.name.is_ours() && row.name.memory == "cold"
-}
-
-fn dot(color: RGBColor, filled: bool) -> ShapeStyle {
-    if filled { color.filled() } else { color.stroke_width(2) }
+fn dot(line: &Line) -> ShapeStyle {
+    if line.filled { line.color.filled() } else { line.color.stroke_width(2) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accuracy::chart::FLOOR;
+    use crate::accuracy::method::Name;
 
     #[test]
     fn names_keep_clear_of_each_other_or_are_left_out() {
@@ -153,5 +221,20 @@ mod tests {
         assert_eq!(taken.len(), 4);
         assert!(taken.iter().enumerate().all(|(i, a)| taken[..i].iter().all(|b| !a.overlaps(b))));
         assert!(room((300, 100), "tree:8", &mut taken).is_some());
+    }
+
+    #[test]
+    fn a_line_rises_in_time_and_falls_in_error() {
+        let row = |us: f64, error: f64| {
+            let name = Name { level: Some("tree:3".into()), ..Name::of_peer("cranny") };
+            let apart = Panel { mean_us: Some(us), error: Some(error), ..Panel::default() };
+            MethodFigures { apart, ..MethodFigures::none(name, String::new()) }
+        };
+        let all = [row(3.0, 0.5), row(1.0, 0.25), row(9.0, 0.0), row(2.0, 0.249), row(5.0, 0.125)];
+        let line = front(&all, &LINES[1], &KINDS[0]);
+        let places: Vec<(f64, f64)> = line.iter().map(|spot| spot.1).collect();
+        assert_eq!(places, [(1.0, 0.25), (5.0, 0.125), (9.0, FLOOR)]);
+        assert!(front(&all, &LINES[0], &KINDS[0]).is_empty(), "no warm ones");
+        assert!(front(&all, &LINES[1], &KINDS[1]).is_empty(), "none that overlap");
     }
 }
