@@ -87,7 +87,7 @@ pub use deform::{Blow, ChangeSet, DeformError, Dent, Trail, Work};
 pub use flatness::Flatness;
 pub use hull::ConvexHull;
 pub use ids::{ComponentId, EdgeId, FaceId, HalfEdgeId, OptionalIndex, PatchId, VertexId};
-pub use mass::MassProperties;
+pub use mass::{MassProperties, SurfaceProperties};
 pub use mesh::{Mesh, MeshError};
 pub use model::{BuildError, BuildOptions, DecodeError, Model, ModelTag, Stage};
 pub use patches::{NormalCone, Patch, PatchTree, Patches, Slab};

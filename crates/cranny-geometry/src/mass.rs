@@ -41,6 +41,41 @@ impl MassProperties {
     }
 }
 
+/// Of a surface of density 1 per area, in the body's frame: a shell that is thin for its size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceProperties {
+    /// Area. Unit: length^2.
+    pub area: f64,
+    /// Centre of mass; that of the box where there is no area.
+    pub center: DVec3,
+    /// Inertia tensor about the centre of mass. Unit: length^4.
+    pub inertia: DMat3,
+}
+
+impl SurfaceProperties {
+    /// Integrates over a mesh, open or closed; what lies twice in one place counts twice. O(n).
+    #[must_use]
+    pub fn of(mesh: &Mesh) -> Self {
+        let reference = mesh.bounds().center();
+        let (mut area, mut first, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
+        for corners in mesh.faces() {
+            let [a, b, c] = corners.map(|i| mesh.vertices()[i as usize] - reference);
+            let of_face = 0.5 * (b - a).cross(c - a).length();
+            let sum = a + b + c;
+            area += of_face;
+            first += sum * (of_face / 3.0);
+            // Integral of x xᵀ over the triangle.
+            second += (outer(a) + outer(b) + outer(c) + outer(sum)) * (of_face / 12.0);
+        }
+        if area == 0.0 {
+            return Self { area, center: reference, inertia: DMat3::ZERO };
+        }
+        let offset = first / area;
+        let inertia = about_center(second - outer(offset) * area);
+        Self { area, center: reference + offset, inertia }
+    }
+}
+
 /// What is added up over faces: integrals over the tetrahedra that these make with a reference
 /// point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -102,13 +137,8 @@ impl Sums {
             DVec3::new(mixed.z, mixed.y, squares.z),
         );
         let offset = first / volume;
-        let central = second - outer(offset) * volume;
-        let trace = central.x_axis.x + central.y_axis.y + central.z_axis.z;
-        MassProperties {
-            volume,
-            center: reference + offset,
-            inertia: DMat3::from_diagonal(DVec3::splat(trace)) - central,
-        }
+        let inertia = about_center(second - outer(offset) * volume);
+        MassProperties { volume, center: reference + offset, inertia }
     }
 }
 
@@ -148,6 +178,12 @@ impl MassSums {
         let all = self.of_chunks.iter().fold(Sums::default(), Sums::add);
         all.properties(self.reference, mesh.faces().len())
     }
+}
+
+/// The inertia tensor of the integral of x xᵀ about the centre of mass.
+fn about_center(central: DMat3) -> DMat3 {
+    let trace = central.x_axis.x + central.y_axis.y + central.z_axis.z;
+    DMat3::from_diagonal(DVec3::splat(trace)) - central
 }
 
 fn outer(v: DVec3) -> DMat3 {
@@ -203,6 +239,29 @@ mod tests {
         assert!(error.into_iter().all(|e| e < 1e-9), "{error:?}");
         let inside_out = MassProperties::of(&mesh.turned_inside_out());
         assert!((inside_out.volume + 6.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn a_shell_weighs_by_its_area() {
+        let (size, far) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(70.0, -30.0, 20.0));
+        let moved = brick(size, DMat3::IDENTITY).vertices().iter().map(|&p| far + p).collect();
+        let mesh = Mesh::new(moved, brick(size, DMat3::IDENTITY).faces().to_vec()).unwrap();
+        let shell = SurfaceProperties::of(&mesh);
+        assert!((shell.area - 22.0).abs() < 1e-10);
+        assert!((shell.center - far - 0.5 * size).length() < 1e-10);
+        // Of x²: two sides of area 6 at distance 1/2, and four of lengths 1: 16 of area / 12.
+        let [xx, yy, zz] =
+            [12.0 * 0.25 + 10.0 / 12.0, 6.0 + 16.0 * 4.0 / 12.0, 4.0 * 2.25 + 18.0 * 9.0 / 12.0];
+        let expected = DMat3::from_diagonal(DVec3::new(yy + zz, zz + xx, xx + yy));
+        let error = (shell.inertia - expected).to_cols_array().map(f64::abs);
+        assert!(error.into_iter().all(|e| e < 1e-9), "{error:?}");
+        // A single triangle is a shell too, and one without area has a place.
+        let sheet = Mesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2]]).unwrap();
+        let sheet = SurfaceProperties::of(&sheet);
+        assert_eq!((sheet.area, sheet.center), (0.5, DVec3::new(1.0, 1.0, 0.0) / 3.0));
+        assert!((sheet.inertia.x_axis.x - 1.0 / 36.0).abs() < 1e-15, "{sheet:?}");
+        let line = Mesh::new(vec![DVec3::ZERO, DVec3::X, 2.0 * DVec3::X], vec![[0, 1, 2]]).unwrap();
+        assert_eq!(SurfaceProperties::of(&line).inertia, DMat3::ZERO);
     }
 
     #[test]

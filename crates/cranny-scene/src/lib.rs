@@ -11,8 +11,8 @@
 //!
 //! # Non-promises
 //!
-//! - Meshes are not repaired and may be open, degenerate or inside out: that is
-//!   `cranny_geometry`'s to find and say.
+//! - [`read_mesh`] repairs nothing: meshes may be open, degenerate or inside out. Those of scenes
+//!   are mended by `cranny_geometry`.
 //! - Materials, textures, skins, animations, inertia tensors and joint friction are not read.
 //!
 //! ```

@@ -10,17 +10,18 @@ use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
-    PairDescription, Resistance, SceneDescription,
+    Material, PairDescription, Resistance, SceneDescription, StatedMass,
 };
 
+use super::geometry::Geometry;
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
-    BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, PairFile, PileFile, PoseFile,
-    PresetFile, SceneFile, ShapeFile, effects,
+    BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, MassFile, PairFile, PileFile,
+    PoseFile, PresetFile, SceneFile, ShapeFile, effects,
 };
 use super::values::Finite;
-use super::{LoadOptions, locate, pile, place_robot};
-use crate::mesh_file::{MeshFormat, read_mesh};
+use super::{LoadOptions, locate, mass, pile, place_robot};
+use crate::mesh_file::MeshFormat;
 
 type Assembled = (SceneDescription, Vec<PathBuf>, [Vec<String>; 2]);
 
@@ -106,8 +107,8 @@ impl Source<'_> {
 pub(super) struct Assembly<'a> {
     pub(super) source: Source<'a>,
     pub(super) description: SceneDescription,
-    /// Meshes built so far: bodies of one shape share one mesh.
-    shapes: Vec<(ShapeFile, Arc<Mesh>)>,
+    /// Geometry made so far: bodies of one shape share it.
+    pub(super) shapes: Vec<(ShapeFile, Geometry)>,
     files: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
     /// One sentence each: what somebody should know before the scene runs.
@@ -126,21 +127,20 @@ impl Assembly<'_> {
             let place = self.source.find("name", &body.name);
             return Err(self.source.error(place, SceneProblem::Contradiction(what)));
         }
+        let geometry = self.geometry(&body.name, &body.shape)?;
+        let mass = self.mass(&body.name, kind, &geometry, body.mass, body.material.into())?;
+        let visual = body.visual.as_ref().map(|visual| self.drawn(&body.name, visual));
         let description = BodyDescription {
             name: body.name.clone(),
-            collision: self.shape(&body.name, &body.shape)?,
-            model: None,
-            visual: body
-                .visual
-                .as_ref()
-                .map(|visual| self.shape(&body.name, visual))
-                .transpose()?,
+            collision: geometry.mesh,
+            model: geometry.model,
+            visual: visual.transpose()?,
             kind,
             pose: self.pose(&format!("body {:?}", body.name), body.pose),
             linear_velocity: velocity[0],
             angular_velocity: velocity[1],
             material: body.material.into(),
-            mass: None,
+            mass,
             normals: body.normals.into(),
             sensor: body.sensor,
             layers: body.layers.clone(),
@@ -167,22 +167,28 @@ impl Assembly<'_> {
         let shapes = group
             .shapes
             .iter()
-            .map(|shape| self.shape(&group.name, shape))
+            .map(|shape| self.geometry(&group.name, shape))
             .collect::<Result<Vec<_>, _>>()?;
+        let material = group.material.into();
+        let masses = shapes
+            .iter()
+            .map(|shape| self.mass(&group.name, group.kind.into(), shape, None, material))
+            .collect::<Result<Vec<_>, _>>()?;
+        let meshes: Vec<Arc<Mesh>> = shapes.iter().map(|shape| Arc::clone(&shape.mesh)).collect();
         let seed = group.seed.unwrap_or_else(|| self.description.seed.wrapping_add(index));
-        let pieces = pile::place(group.count as usize, seed, &region, group.gap.0, &shapes)
+        let pieces = pile::place(group.count as usize, seed, &region, group.gap.0, &meshes)
             .map_err(|problem| refuse(&self.source, problem))?;
         let body = |(i, piece): (usize, pile::Piece)| BodyDescription {
             name: format!("{}_{i}", group.name),
-            collision: Arc::clone(&shapes[piece.shape]),
-            model: None,
+            collision: Arc::clone(&meshes[piece.shape]),
+            model: shapes[piece.shape].model.clone(),
             visual: None,
             kind: group.kind.into(),
             pose: piece.pose,
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
-            material: group.material.into(),
-            mass: None,
+            material,
+            mass: masses[piece.shape],
             normals: group.normals.into(),
             sensor: false,
             layers: group.layers.clone(),
@@ -190,6 +196,31 @@ impl Assembly<'_> {
         };
         self.description.bodies.extend(pieces.into_iter().enumerate().map(body));
         Ok(())
+    }
+
+    /// The mass of a body, where it does not follow from its solid and density.
+    fn mass(
+        &mut self,
+        body: &str,
+        kind: BodyKind,
+        geometry: &Geometry,
+        said: Option<MassFile>,
+        material: Material,
+    ) -> Result<Option<StatedMass>, SceneError> {
+        let refuse = |error: &str| {
+            let place = self.source.find("name", body);
+            self.source.error(place, SceneProblem::Contradiction(format!("body {body:?}: {error}")))
+        };
+        if kind != BodyKind::Dynamic {
+            return match said {
+                None => Ok(None),
+                Some(_) => Err(refuse("only a Dynamic body has a mass. Leave `mass` out")),
+            };
+        }
+        let found = mass::of(geometry, said, material.density).map_err(|error| refuse(&error))?;
+        let (mass, why) = found.unzip();
+        self.warnings.extend(why.flatten().map(|why| format!("body {body:?}: {why}")));
+        Ok(mass)
     }
 
     /// A pose as it was meant.
@@ -200,62 +231,6 @@ impl Assembly<'_> {
             ));
         }
         file.pose
-    }
-
-    /// The mesh of a shape, built once.
-    fn shape(&mut self, body: &str, shape: &ShapeFile) -> Result<Arc<Mesh>, SceneError> {
-        if let Some((_, mesh)) = self.shapes.iter().find(|(known, _)| known == shape) {
-            return Ok(Arc::clone(mesh));
-        }
-        let mesh = Arc::new(match shape {
-            ShapeFile::Mesh { path, scale, recenter } => {
-                let mesh = self.mesh_file(body, path, scale.0)?;
-                if *recenter { self.recentered(body, &mesh)? } else { mesh }
-            }
-            ShapeFile::Generator(shape) => shape.build().map_err(|source| {
-                let place = self.source.find("name", body);
-                self.source.error(place, SceneProblem::Shape { body: body.to_owned(), source })
-            })?,
-        });
-        self.shapes.push((shape.clone(), Arc::clone(&mesh)));
-        Ok(mesh)
-    }
-
-    fn mesh_file(&mut self, body: &str, name: &str, scale: DVec3) -> Result<Mesh, SceneError> {
-        let path = self.source.resolve(name);
-        let read = read_mesh(&path).map_err(|source| {
-            let place = self.source.find("path", name);
-            self.source.error(place, SceneProblem::Mesh { body: body.to_owned(), source })
-        })?;
-        let contradiction = |what| {
-            let place = self.source.find("name", body);
-            self.source.error(place, SceneProblem::Contradiction(what))
-        };
-        if scale.x * scale.y * scale.z == 0.0 {
-            let what = format!(
-                "body {body:?}: the scale {scale} flattens its mesh. Use factors other than 0"
-            );
-            return Err(contradiction(what));
-        }
-        let mesh = if scale == DVec3::ONE {
-            read.mesh
-        } else {
-            let scaled = read.mesh.scaled(scale);
-            scaled.map_err(|error| contradiction(format!("body {body:?}: {error}")))?
-        };
-        self.notes.extend(read.notes.into_iter().map(|note| format!("{}: {note}", path.display())));
-        self.add_file(path);
-        Ok(mesh)
-    }
-
-    /// A mesh with the middle of its box at the origin.
-    fn recentered(&self, body: &str, mesh: &Mesh) -> Result<Mesh, SceneError> {
-        let center = mesh.bounds().center();
-        let vertices = mesh.vertices().iter().map(|&vertex| vertex - center).collect();
-        Mesh::new(vertices, mesh.faces().to_vec()).map_err(|error| {
-            let what = format!("body {body:?}, recentred: {error}");
-            self.source.error(self.source.find("name", body), SceneProblem::Contradiction(what))
-        })
     }
 
     pub(super) fn add_file(&mut self, path: PathBuf) {

@@ -25,7 +25,9 @@
 
 mod assemble;
 mod effect;
+mod geometry;
 mod locate;
+mod mass;
 mod pile;
 mod place_robot;
 mod problem;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use cranny_exact::{DQuat, DVec3, Pose};
+use cranny_geometry::Repair;
 use cranny_shapes::Shape;
 use cranny_world::description::{BodyKind, Effect, Material, Normals, RecordDescription};
 use ron::extensions::Extensions;
@@ -96,6 +97,8 @@ pub(super) struct BodyFile {
     #[serde(default)]
     pub(super) material: MaterialFile,
     #[serde(default)]
+    pub(super) mass: Option<MassFile>,
+    #[serde(default)]
     pub(super) normals: NormalsFile,
     /// Whether it is noticed and never pushes.
     #[serde(default)]
@@ -121,9 +124,56 @@ pub(super) enum ShapeFile {
         /// Whether the middle of its box, after scaling, is moved to the body's origin.
         #[serde(default)]
         recenter: bool,
+        /// What of it may be mended.
+        #[serde(default)]
+        repair: RepairFile,
     },
     Generator(Shape),
 }
+
+/// What of a mesh may be mended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename = "Repair")]
+pub(super) enum RepairFile {
+    None,
+    #[default]
+    Safe,
+    Full,
+}
+
+impl From<RepairFile> for Repair {
+    fn from(file: RepairFile) -> Self {
+        match file {
+            RepairFile::None => Self::None,
+            RepairFile::Safe => Self::Safe,
+            RepairFile::Full => Self::Full,
+        }
+    }
+}
+
+/// Where a body's mass comes from, if not from its solid and density.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Mass")]
+pub(super) enum MassFile {
+    /// So much, spread over the solid, or over the surface where that is open.
+    Total(Positive),
+    /// Of a shell along the surface, at the material's density.
+    Shell { thickness: Positive },
+    /// Of the convex hull, at the material's density.
+    Hull {},
+    /// As it stands here: moments about the centre, along the body's axes.
+    Stated {
+        mass: Positive,
+        #[serde(default)]
+        center: Option<Vector>,
+        inertia: MomentsFile,
+        #[serde(default)]
+        products: Option<Vector>,
+    },
+}
+
+/// Principal moments, all above 0.
+pub(super) type MomentsFile = [Positive; 3];
 
 fn unscaled() -> Scale {
     Scale(DVec3::ONE)

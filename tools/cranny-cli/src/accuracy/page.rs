@@ -138,7 +138,8 @@ pub(super) fn page(
         chart,
         "Lower is more exact, farther left is quicker. Blue, red and orange lines bound the answer: \
          the error is the width of the interval that certainly holds it. Parry gives no bounds: its \
-         error is how far it is off. Filled dots keep memory from pose to pose, or have none to keep.",
+         error is how far it is off. Where bodies overlap, ours answers with whole regions: curves, \
+         area, depth. Filled dots keep memory from pose to pose, or have none to keep.",
     );
     if !shown.runs.is_empty() {
         motion(&mut page, &shown.runs)?;

@@ -94,3 +94,31 @@ fn nothing_but_an_older_model_is_replaced() {
     let left = std::fs::read_dir(folder.path(".")).unwrap().count();
     assert_eq!(left, 2, "no partial file stays");
 }
+
+/// An open mesh falls onto a floor: `check` and `run` say what it weighs, and it comes to rest.
+#[test]
+fn an_open_mesh_simulates_and_both_commands_say_what_it_weighs() {
+    let folder = Folder::new();
+    let corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+    let sides = "f 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    folder.write("crate.obj", format!("{corners}{sides}"));
+    let scene = folder.write(
+        "open.ron",
+        r#"(version: 1, gravity: (0, 0, -9.81), step: 0.00416, duration: 0.6, bodies: [
+            (name: "floor", shape: Generator(Cuboid(size: (9, 9, 1))), kind: Fixed, pose: (at: (0, 0, -0.5))),
+            (name: "crate", shape: Mesh(path: "crate.obj", recenter: true), pose: (at: (0, 0, 0.6))),
+        ], effects: [Response(), Contacts(margin: 0)])"#,
+    );
+    // What is no terminal gets warnings if it asks for them.
+    for command in ["check", "run"] {
+        let outcome = run(&[command, &scene, "--verbose"]);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        for words in ["\"crate\"", "4 x open edge", "convex hull", "1.0000"] {
+            let said = format!("{}{}", outcome.stdout, outcome.stderr);
+            assert!(said.contains(words), "{command}, {words}: {outcome:?}");
+        }
+    }
+    let summary = run(&["run", &scene, "--format", "json"]).json_lines().remove(0);
+    let moved = summary["motion"][0]["displacement"][2].as_f64().unwrap();
+    assert!((moved + 0.1).abs() < 1e-3, "{summary}");
+}

@@ -1,0 +1,180 @@
+//! Geometry of bodies: generated, or read from files, scaled, mended and prepared, each once.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use cranny_exact::DVec3;
+use cranny_geometry::{BuildOptions, FindingKind, Mesh, Model, Repair, Report};
+
+use super::assemble::Assembly;
+use super::problem::{SceneError, SceneProblem};
+use super::syntax::{RepairFile, ShapeFile};
+use crate::mesh_file::read_mesh;
+
+/// How the names of saved models end.
+const MODEL_EXTENSION: &str = "cranny";
+
+/// What collides of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Geometry {
+    pub(super) mesh: Arc<Mesh>,
+    /// Prepared already: meshes of files are, since mending prepares them.
+    pub(super) model: Option<Model>,
+}
+
+impl Geometry {
+    fn of_model(model: Model) -> Self {
+        Self { mesh: Arc::new(model.mesh().clone()), model: Some(model) }
+    }
+}
+
+impl Assembly<'_> {
+    /// What collides, of a shape; made once.
+    pub(super) fn geometry(
+        &mut self,
+        body: &str,
+        shape: &ShapeFile,
+    ) -> Result<Geometry, SceneError> {
+        if let Some((_, known)) = self.shapes.iter().find(|(known, _)| known == shape) {
+            return Ok(known.clone());
+        }
+        let geometry = match shape {
+            ShapeFile::Generator(shape) => {
+                let mesh = shape.build().map_err(|source| {
+                    let place = self.source.find("name", body);
+                    let problem = SceneProblem::Shape { body: body.to_owned(), source };
+                    self.source.error(place, problem)
+                })?;
+                Geometry { mesh: Arc::new(mesh), model: None }
+            }
+            ShapeFile::Mesh { path, scale, recenter, repair } if is_model(path) => {
+                let is_as_saved =
+                    scale.0 == DVec3::ONE && !recenter && *repair == RepairFile::default();
+                if !is_as_saved {
+                    return Err(self.contradiction(
+                        body,
+                        format!(
+                            "body {body:?}: {path} is a saved model, which is as it was prepared. Leave out `scale`, `recenter` and `repair`, or name the mesh"
+                        ),
+                    ));
+                }
+                self.saved_model(body, path)?
+            }
+            ShapeFile::Mesh { path, scale, recenter, repair } => {
+                let mesh = self.mesh_file(body, path, scale.0, *recenter)?;
+                self.mended(body, path, mesh, (*repair).into())?
+            }
+        };
+        self.shapes.push((shape.clone(), geometry.clone()));
+        Ok(geometry)
+    }
+
+    /// What is drawn, of a shape: as filed.
+    pub(super) fn drawn(&mut self, body: &str, shape: &ShapeFile) -> Result<Arc<Mesh>, SceneError> {
+        match shape {
+            ShapeFile::Mesh { path, scale, recenter, .. } if !is_model(path) => {
+                Ok(Arc::new(self.mesh_file(body, path, scale.0, *recenter)?))
+            }
+            _ => Ok(self.geometry(body, shape)?.mesh),
+        }
+    }
+
+    fn contradiction(&self, body: &str, what: String) -> SceneError {
+        self.source.error(self.source.find("name", body), SceneProblem::Contradiction(what))
+    }
+
+    fn saved_model(&mut self, body: &str, name: &str) -> Result<Geometry, SceneError> {
+        let path = self.source.resolve(name);
+        let refuse = |what: String| {
+            let place = self.source.find("path", name);
+            let problem = format!("body {body:?}: model file {}: {what}", path.display());
+            self.source.error(place, SceneProblem::Contradiction(problem))
+        };
+        let bytes = fs::read(&path).map_err(|error| {
+            refuse(format!("cannot be read ({error}). Check the path and its permissions"))
+        })?;
+        let model = Model::decode(&bytes).map_err(|error| refuse(error.to_string()))?;
+        self.add_file(path);
+        Ok(Geometry::of_model(model))
+    }
+
+    /// The mesh of a file, scaled, and moved so that the middle of its box is the origin.
+    fn mesh_file(
+        &mut self,
+        body: &str,
+        name: &str,
+        scale: DVec3,
+        recenter: bool,
+    ) -> Result<Mesh, SceneError> {
+        let path = self.source.resolve(name);
+        let read = read_mesh(&path).map_err(|source| {
+            let place = self.source.find("path", name);
+            self.source.error(place, SceneProblem::Mesh { body: body.to_owned(), source })
+        })?;
+        if scale.x * scale.y * scale.z == 0.0 {
+            let what = format!(
+                "body {body:?}: the scale {scale} flattens its mesh. Use factors other than 0"
+            );
+            return Err(self.contradiction(body, what));
+        }
+        let mut mesh = read.mesh;
+        if scale != DVec3::ONE {
+            let scaled = mesh.scaled(scale);
+            mesh = scaled
+                .map_err(|error| self.contradiction(body, format!("body {body:?}: {error}")))?;
+        }
+        if recenter {
+            let center = mesh.bounds().center();
+            let vertices = mesh.vertices().iter().map(|&vertex| vertex - center).collect();
+            mesh = Mesh::new(vertices, mesh.faces().to_vec()).map_err(|error| {
+                self.contradiction(body, format!("body {body:?}, recentred: {error}"))
+            })?;
+        }
+        self.notes.extend(read.notes.into_iter().map(|note| format!("{}: {note}", path.display())));
+        self.add_file(path);
+        Ok(mesh)
+    }
+
+    /// The mesh of a file, mended and prepared; says what was mended and what remains.
+    fn mended(
+        &mut self,
+        body: &str,
+        name: &str,
+        mesh: Mesh,
+        repair: Repair,
+    ) -> Result<Geometry, SceneError> {
+        let options = BuildOptions { self_intersections: false, repair, ..BuildOptions::default() };
+        let (model, report) = Model::build(mesh, &options).map_err(|error| {
+            let advice = match repair {
+                Repair::None => "",
+                _ => ". `repair: None` takes the mesh as it is filed",
+            };
+            self.contradiction(body, format!("body {body:?}: {name}: {error}{advice}"))
+        })?;
+        let mended = report.repairs().iter().map(|repair| format!("{name}: mended: {repair}"));
+        self.notes.extend(mended);
+        self.warnings.extend(limits(&report).map(|limit| {
+            format!("body {body:?}: {name}: {limit} (`cranny inspect {name}` shows where)")
+        }));
+        Ok(Geometry::of_model(model))
+    }
+}
+
+/// What remains in a mesh and limits answers, a sentence a kind.
+fn limits(report: &Report) -> impl Iterator<Item = String> {
+    let mut kinds: Vec<FindingKind> = report.findings.iter().map(|finding| finding.kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    kinds.into_iter().filter(|kind| !kind.limits().is_empty()).map(|kind| {
+        let of_kind = report.findings.iter().filter(|finding| finding.kind == kind);
+        let count: usize = of_kind.map(|finding| finding.count).sum();
+        format!("{count} x {}: {}", kind.name().replace('_', " "), kind.limits().join("; "))
+    })
+}
+
+/// Whether a file is a saved model, by its name.
+pub(super) fn is_model(path: &str) -> bool {
+    let extension = Path::new(path).extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(MODEL_EXTENSION))
+}

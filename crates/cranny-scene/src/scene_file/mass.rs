@@ -1,0 +1,116 @@
+//! Masses of bodies that do not follow from a solid and its density.
+
+use cranny_exact::{DMat3, DVec3};
+use cranny_geometry::{BuildOptions, MassProperties, Mesh, MeshError, Model, SurfaceProperties};
+use cranny_world::description::StatedMass;
+
+use super::geometry::Geometry;
+use super::syntax::MassFile;
+
+/// The mass of a dynamic body: as the file says, or, where it says nothing and the mesh bounds no
+/// solid, that of its convex hull, with the reason. `None`: of the solid, at its density.
+///
+/// # Errors
+///
+/// A body that has no such mass, in words.
+pub(super) fn of(
+    geometry: &Geometry,
+    said: Option<MassFile>,
+    density: f64,
+) -> Result<Option<(StatedMass, Option<String>)>, String> {
+    let known = |mass: StatedMass| Ok(Some((mass, None)));
+    match said {
+        Some(MassFile::Stated { mass, center, inertia, products }) => {
+            known(stated(mass.0, center.map(|c| c.0), inertia.map(|m| m.0), products.map(|p| p.0))?)
+        }
+        Some(MassFile::Total(mass)) => known(total(geometry, mass.0)?),
+        Some(MassFile::Shell { thickness }) => known(shell(geometry, thickness.0 * density)?),
+        Some(MassFile::Hull {}) => known(hull(geometry, density)?),
+        None if solid(geometry)?.is_some() => Ok(None),
+        None => {
+            let mass = hull(geometry, density)?;
+            let why = format!(
+                "its mesh is not closed, so it has no solid: its mass ({:.4}) is that of its convex hull. Say `mass: Total(…)`, `Shell(thickness: …)` or `Hull()`, or close the mesh",
+                mass.mass
+            );
+            Ok(Some((mass, Some(why))))
+        }
+    }
+}
+
+fn model(geometry: &Geometry) -> Result<Model, String> {
+    if let Some(model) = &geometry.model {
+        return Ok(model.clone());
+    }
+    let options = BuildOptions { self_intersections: false, ..BuildOptions::default() };
+    let built = Model::build(Mesh::clone(&geometry.mesh), &options);
+    built.map(|(model, _)| model).map_err(|error| error.to_string())
+}
+
+/// The solid that the mesh bounds, if it bounds one. Generators make nothing else.
+fn solid(geometry: &Geometry) -> Result<Option<MassProperties>, String> {
+    Ok(match &geometry.model {
+        Some(model) => model.mass_properties().filter(|solid| solid.volume > 0.0).copied(),
+        None => Some(MassProperties::of(&geometry.mesh)),
+    })
+}
+
+fn total(geometry: &Geometry, mass: f64) -> Result<StatedMass, String> {
+    match solid(geometry)? {
+        Some(MassProperties { volume, center, inertia }) => {
+            Ok(StatedMass { mass, center, inertia: inertia * (mass / volume) })
+        }
+        None => {
+            let area = SurfaceProperties::of(&geometry.mesh).area;
+            shell(geometry, mass / area)
+        }
+    }
+}
+
+/// Of a surface that weighs so much per area.
+fn shell(geometry: &Geometry, weight: f64) -> Result<StatedMass, String> {
+    let SurfaceProperties { area, center, inertia } = SurfaceProperties::of(&geometry.mesh);
+    match area > 0.0 {
+        true => Ok(StatedMass { mass: weight * area, center, inertia: inertia * weight }),
+        false => Err("its mesh has no area, so no shell".to_owned()),
+    }
+}
+
+fn hull(geometry: &Geometry, density: f64) -> Result<StatedMass, String> {
+    let MassProperties { volume, center, inertia } =
+        hull_solid(&model(geometry)?).map_err(|error| error.to_string())?;
+    match volume > 0.0 {
+        true => Ok(StatedMass { mass: density * volume, center, inertia: inertia * density }),
+        false => Err(
+            "its mesh is flat, so its convex hull has no volume. Say `mass: Shell(thickness: …)` or `Total(…)`"
+                .to_owned(),
+        ),
+    }
+}
+
+fn hull_solid(model: &Model) -> Result<MassProperties, MeshError> {
+    let hull = model.hull();
+    let corners = |triangle| hull.triangle(triangle).map(|vertex| vertex.0);
+    let faces = (0..hull.triangle_count()).map(corners).collect();
+    Ok(MassProperties::of(&Mesh::new(hull.positions().to_vec(), faces)?))
+}
+
+fn stated(
+    mass: f64,
+    center: Option<DVec3>,
+    moments: [f64; 3],
+    products: Option<DVec3>,
+) -> Result<StatedMass, String> {
+    let [xx, yy, zz] = moments;
+    let DVec3 { x: xy, y: yz, z: zx } = products.unwrap_or(DVec3::ZERO);
+    let inertia =
+        DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
+    // Sylvester: all leading minors above 0.
+    if !(xx * yy - xy * xy > 0.0 && inertia.determinant() > 0.0) {
+        return Err(format!(
+            "no body has the inertia {moments:?} with the products {:?}: its principal moments must be above 0",
+            [xy, yz, zx]
+        ));
+    }
+    Ok(StatedMass { mass, center: center.unwrap_or(DVec3::ZERO), inertia })
+}
