@@ -16,6 +16,7 @@ use crate::plan::Plan;
 use crate::plugins::{CrannyPlugins, PluginOptions};
 use crate::report::{RunFacts, scene_hash, summarize};
 use crate::summary::{RunSummary, Skipped};
+use crate::trigger::TriggerLog;
 
 /// How a scene is run.
 #[derive(Clone, Debug, Default)]
@@ -131,6 +132,7 @@ impl SceneApp {
         let plugins = add_recording(plugins, &scene, options, &mut facts)?;
         let mut app = App::empty();
         app.add_plugins(plugins);
+        app.init_resource::<TriggerLog>();
         app.finish();
         app.cleanup();
         let mut scene_app = Self { app, total, wall: Duration::ZERO, facts };

@@ -163,10 +163,13 @@ pub use spatial::{
 pub use spawn::{LayerNames, SpawnScene};
 pub use summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
-    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    TriggerSummary,
 };
 pub use tally::{Contained, DeepestSoFar, Series, Tally};
-pub use trigger::{CollisionEnd, CollisionStart, TouchingBodies, TriggerPlugin, TriggerSystems};
+pub use trigger::{
+    CollisionEnd, CollisionStart, Fired, TouchingBodies, TriggerLog, TriggerPlugin, TriggerSystems,
+};
 
 /// What most bevy apps want.
 pub mod prelude {

@@ -8,13 +8,13 @@ use bevy_ecs::lifecycle::{Insert, Remove};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::components::Transform;
-use cranny_exact::{DVec3, Pose};
+use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_world::BodyId;
 use cranny_world::description::BodyKind;
 use glam::DQuat;
 
-use crate::body::{Bodies, Body, pose_of, widened};
-use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, StepSystems};
+use crate::body::{Bodies, Body, BodyRecord, pose_of, widened};
+use crate::clock::{CoreSystems, CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 use crate::properties::AngularVelocity;
 
 /// A screw motion that a pair of bodies is meant to make: a nut on a bolt.
@@ -40,6 +40,8 @@ pub struct BodyMotion {
     /// The axis of its spin at the start, and turns about it since then (a step turns by less than
     /// half a turn). `None` where it did not spin.
     pub spin: Option<(DVec3, f64)>,
+    /// Steps completed when it was first [outside the world](MotionLog::region).
+    pub left: Option<u64>,
 }
 
 /// Motion of a pair that is meant to follow a [`Helix`].
@@ -60,10 +62,11 @@ pub struct HelixMotion {
 }
 
 /// Follows bodies that can move.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug)]
 pub struct MotionLog {
     tracks: BTreeMap<BodyId, Track>,
     helices: Vec<HelixTrack>,
+    region: Aabb,
 }
 
 #[derive(Clone, Debug)]
@@ -72,6 +75,7 @@ struct Track {
     now: Pose,
     axis: Option<DVec3>,
     angle: f64,
+    left: Option<u64>,
 }
 
 #[derive(Clone, Debug)]
@@ -84,7 +88,8 @@ struct HelixTrack {
 
 impl Track {
     fn new(now: Pose, angular: DVec3) -> Self {
-        Self { start: now.translation, now, axis: angular.try_normalize(), angle: 0.0 }
+        let axis = angular.try_normalize();
+        Self { start: now.translation, now, axis, angle: 0.0, left: None }
     }
 }
 
@@ -95,7 +100,15 @@ impl MotionLog {
             body,
             displacement: track.now.translation - track.start,
             spin: track.axis.map(|axis| (axis, track.angle / TAU)),
+            left: track.left,
         })
+    }
+
+    /// What all bodies fill where they are put, grown by its own diagonal: the world. What leaves
+    /// it has fallen through something, or shot away.
+    #[must_use]
+    pub fn region(&self) -> Aabb {
+        self.region.grown(self.region.diagonal())
     }
 
     /// Of each pair on a helix, in the order in which they were asked for.
@@ -103,9 +116,13 @@ impl MotionLog {
         self.helices.iter().map(|helix| helix.motion)
     }
 
-    fn note(&mut self, poses: &BTreeMap<BodyId, Pose>) {
+    fn note(&mut self, poses: &BTreeMap<BodyId, Pose>, steps: u64) {
+        let region = self.region();
         for (id, track) in &mut self.tracks {
             let Some(pose) = poses.get(id) else { continue };
+            if track.left.is_none() && !region.contains_point(pose.translation) {
+                track.left = Some(steps);
+            }
             if let Some(axis) = track.axis {
                 track.angle += twist(pose.rotation * track.now.rotation.conjugate(), axis);
             }
@@ -176,7 +193,12 @@ impl Plugin for MotionPlugin {
             let angular = app.world().get::<AngularVelocity>(record.entity)?;
             Some((id, Track::new(pose(id)?, widened(angular.0))))
         });
-        let log = MotionLog { tracks: tracks.collect(), helices: helices.collect() };
+        let boxes = bodies.iter().filter_map(|(id, record)| Some(filled(record, &pose(id)?)));
+        let log = MotionLog {
+            tracks: tracks.collect(),
+            helices: helices.collect(),
+            region: boxes.fold(Aabb::EMPTY, |all, one| all.union(&one)),
+        };
         app.insert_resource(log);
         for label in [CrannyStep.intern(), CrannyEnd.intern()] {
             app.add_systems(
@@ -187,6 +209,11 @@ impl Plugin for MotionPlugin {
     }
 }
 
+/// Where a body is.
+fn filled(record: &BodyRecord, pose: &Pose) -> Aabb {
+    pose.world_from_body().bounds(&record.model.bounds())
+}
+
 fn begin_track(
     inserted: On<Insert<Body>>,
     placed: Query<(&Body, &Transform, &AngularVelocity)>,
@@ -194,9 +221,10 @@ fn begin_track(
     mut log: ResMut<MotionLog>,
 ) {
     let Ok((&Body { id }, transform, angular)) = placed.get(inserted.entity) else { return };
-    if bodies.get(id).is_some_and(|record| record.kind != BodyKind::Fixed) {
-        let track = || Track::new(pose_of(transform), widened(angular.0));
-        log.tracks.entry(id).or_insert_with(track);
+    let (Some(record), pose) = (bodies.get(id), pose_of(transform)) else { return };
+    log.region = log.region.union(&filled(record, &pose));
+    if record.kind != BodyKind::Fixed {
+        log.tracks.entry(id).or_insert_with(|| Track::new(pose, widened(angular.0)));
     }
 }
 
@@ -206,9 +234,13 @@ fn end_track(removed: On<Remove<Body>>, bodies: Query<&Body>, mut log: ResMut<Mo
     }
 }
 
-fn follow_motion(bodies: Query<(&Body, &Transform)>, mut log: ResMut<MotionLog>) {
+fn follow_motion(
+    bodies: Query<(&Body, &Transform)>,
+    time: Res<SimulatedTime>,
+    mut log: ResMut<MotionLog>,
+) {
     let poses = bodies.iter().map(|(body, transform)| (body.id, pose_of(transform))).collect();
-    log.note(&poses);
+    log.note(&poses, time.steps());
 }
 
 #[cfg(test)]

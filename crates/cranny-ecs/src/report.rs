@@ -9,13 +9,15 @@ use cranny_world::description::SceneDescription;
 use crate::body::Bodies;
 use crate::clock::{PhaseTimes, SimulatedTime};
 use crate::links::LinkLog;
-use crate::motion::MotionLog;
+use crate::motion::{BodyMotion, MotionLog};
 use crate::properties::{AngularVelocity, LinearVelocity};
 use crate::summary::{
     ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, JointSummary,
-    LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    LeftSummary, LinkSummary, MotionSummary, PairsFound, PartedSummary, RunSummary, Skipped,
+    TriggerSummary,
 };
-use crate::tally::{Series, Tally};
+use crate::tally::{DeepestSoFar, Series, Tally};
+use crate::trigger::{Fired, TriggerLog};
 
 /// What is known of a run before it begins, and whether it was broken off.
 #[derive(Clone, Debug)]
@@ -63,14 +65,13 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
     let times = world.get_resource::<PhaseTimes>().copied().unwrap_or_default();
     let bodies = world.get_resource::<Bodies>().cloned().unwrap_or_default();
     let name = |id| bodies.name(id).to_owned();
-    let deepest = tally.depths_known.then(|| {
-        tally.deepest.map_or_else(DeepestSummary::default, |d| DeepestSummary {
-            depth: d.depth,
-            a: name(d.a),
-            b: name(d.b),
-            step: d.step,
-        })
-    });
+    let overlap = |d: DeepestSoFar| DeepestSummary {
+        depth: d.depth,
+        a: name(d.a),
+        b: name(d.b),
+        step: d.step,
+    };
+    let deepest = tally.depths_known.then(|| tally.deepest.map(overlap).unwrap_or_default());
     let contained = tally.contained.map(|c| ContainedSummary {
         steps: c.steps,
         a: name(c.a),
@@ -100,6 +101,9 @@ pub(crate) fn summarize(world: &mut World, facts: RunFacts, wall: Duration) -> R
         pairs_found: pairs_found(world, &tally),
         contacts: count(&tally.contacts),
         deepest,
+        first_overlap: tally.first_overlap.map(overlap),
+        triggers: triggers(world, &bodies),
+        left: left(world, &bodies),
         contained,
         energy_drift,
         energy,
@@ -136,6 +140,26 @@ fn joints(world: &World) -> Vec<JointSummary> {
 #[cfg(not(feature = "rapier"))]
 fn joints(_: &World) -> Vec<JointSummary> {
     Vec::new()
+}
+
+fn triggers(world: &World, bodies: &Bodies) -> Vec<TriggerSummary> {
+    let name = |id| bodies.name(id).to_owned();
+    let log = world.get_resource::<TriggerLog>().into_iter().flat_map(TriggerLog::pairs);
+    log.map(|((a, b), Fired { times, step })| TriggerSummary {
+        a: name(a),
+        b: name(b),
+        times,
+        step,
+    })
+    .collect()
+}
+
+fn left(world: &World, bodies: &Bodies) -> Vec<LeftSummary> {
+    let log = world.get_resource::<MotionLog>().into_iter().flat_map(MotionLog::bodies);
+    let left = |motion: BodyMotion| {
+        Some(LeftSummary { body: bodies.name(motion.body).to_owned(), step: motion.left? })
+    };
+    log.filter_map(left).collect()
 }
 
 fn count(series: &Series) -> CountSummary {

@@ -46,6 +46,14 @@ pub struct RunSummary {
     /// than the deepest so far is not searched for it. Depth 0 and no names where nothing
     /// overlapped; `None` where no exact answer has depths.
     pub deepest: Option<DeepestSummary>,
+    /// The first overlap of all, deepest of its step or not; `None` where there was none, or no
+    /// exact answer has depths.
+    pub first_overlap: Option<DeepestSummary>,
+    /// Pairs that ask for `Trigger` and touched, by ids.
+    pub triggers: Vec<TriggerSummary>,
+    /// Bodies that left the world: a box about all bodies where they were put, grown by its own
+    /// diagonal.
+    pub left: Vec<LeftSummary>,
     /// Bodies that lay wholly within another's material, which no depth tells; `None` if none did,
     /// or where no exact answer tells.
     pub contained: Option<ContainedSummary>,
@@ -100,6 +108,28 @@ pub struct DeepestSummary {
     /// Name of another.
     pub b: String,
     /// Steps completed at that time.
+    pub step: u64,
+}
+
+/// A pair that asks for `Trigger` and touched.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct TriggerSummary {
+    /// Name of a body.
+    pub a: String,
+    /// Name of the other.
+    pub b: String,
+    /// How often the two began to touch.
+    pub times: u64,
+    /// Steps completed when they first did.
+    pub step: u64,
+}
+
+/// A body that left the world.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftSummary {
+    /// Its name.
+    pub body: String,
+    /// Steps completed when it was first outside.
     pub step: u64,
 }
 

@@ -75,6 +75,8 @@ pub struct Tally {
     pub contacts: Series,
     /// Among exact answers.
     pub deepest: Option<DeepestSoFar>,
+    /// Of the first exact answer with a depth.
+    pub first_overlap: Option<DeepestSoFar>,
     /// Among exact answers: overlaps whose depth no region tells, as the surfaces do not meet.
     pub contained: Option<Contained>,
     /// Whether exact answers told depths at all, so that no `deepest` means no overlap.
@@ -84,7 +86,8 @@ pub struct Tally {
 impl Tally {
     /// Whether a summary will name a body.
     pub(crate) fn mentions(&self, body: BodyId) -> bool {
-        let deepest = self.deepest.is_some_and(|d| d.a == body || d.b == body);
+        let deepest = [self.deepest, self.first_overlap];
+        let deepest = deepest.into_iter().flatten().any(|d| d.a == body || d.b == body);
         deepest || self.contained.is_some_and(|c| c.a == body || c.b == body)
     }
 
@@ -99,7 +102,9 @@ impl Tally {
         }
         let depth = answer.depth();
         if depth > self.deepest.map_or(0.0, |d| d.depth) {
-            self.deepest = Some(DeepestSoFar { depth, a, b, step });
+            let found = DeepestSoFar { depth, a, b, step };
+            self.deepest = Some(found);
+            self.first_overlap.get_or_insert(found);
         }
     }
 }

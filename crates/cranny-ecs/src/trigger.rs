@@ -1,6 +1,6 @@
 //! `Trigger`: touching began, touching ended.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Add, Remove};
@@ -12,7 +12,7 @@ use cranny_world::{BodyId, PairAnswer};
 use cranny_world::{PairEvent, PairEventKind};
 
 use crate::body::{Bodies, Body};
-use crate::clock::{CrannyEnd, CrannyStep, StepSystems};
+use crate::clock::{CrannyEnd, CrannyStep, SimulatedTime, StepSystems};
 #[cfg(feature = "rapier")]
 use crate::collision::hardest;
 use crate::collision::{CollisionContact, Velocities, deepest};
@@ -107,6 +107,31 @@ impl TriggeredPairs {
     }
 }
 
+/// How often pairs that ask for `Trigger` began to touch, for a run's summary. An app that puts
+/// none in has none kept.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct TriggerLog(BTreeMap<Pair, Fired>);
+
+/// How often, and when first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fired {
+    /// Beginnings, >= 1.
+    pub times: u64,
+    /// Steps completed at the first.
+    pub step: u64,
+}
+
+impl TriggerLog {
+    /// Pairs that touched, ascending, the lower id first.
+    pub fn pairs(&self) -> impl ExactSizeIterator<Item = ((BodyId, BodyId), Fired)> {
+        self.0.iter().map(|(&pair, &fired)| (pair, fired))
+    }
+
+    fn note(&mut self, pair: Pair, step: u64) {
+        self.0.entry(pair).or_insert(Fired { times: 0, step }).times += 1;
+    }
+}
+
 /// Reports [`CollisionStart`] and [`CollisionEnd`], and keeps [`TouchingBodies`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TriggerPlugin;
@@ -180,6 +205,7 @@ fn report_collisions(
     mut ends: MessageWriter<CollisionEnd>,
     mut triggered: ResMut<TriggeredPairs>,
     mut commands: Commands,
+    (time, mut log): (Res<SimulatedTime>, Option<ResMut<TriggerLog>>),
     mut stopwatch: Stopwatch,
 ) {
     let _running = stopwatch.start(EffectKind::Trigger);
@@ -193,6 +219,9 @@ fn report_collisions(
     for &pair @ (id_a, id_b) in &triggered.changed {
         let (Some(a), Some(b)) = (bodies.entity(id_a), bodies.entity(id_b)) else { continue };
         if triggered.touching.contains(&pair) {
+            if let Some(log) = &mut log {
+                log.note(pair, time.steps());
+            }
             let contact = beginnings.contact(&bodies, &report.answers, pair);
             let start = CollisionStart { body: a, other: b, ids: [id_a, id_b], contact };
             starts.write(start);

@@ -6,8 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cranny_ecs::{
-    ContactFields, JointSummary, PairsFound, PictureOptions, PluginOptions, RunOptions, RunSummary,
-    SceneApp, SceneAppError, check_outputs, helices, rings,
+    ContactFields, DeepestSummary, JointSummary, LeftSummary, PairsFound, PictureOptions,
+    PluginOptions, RunOptions, RunSummary, SceneApp, SceneAppError, TriggerSummary, check_outputs,
+    helices, rings,
 };
 use cranny_rapier::Detector;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,8 +19,8 @@ use crate::output::Output;
 use crate::paths::check_output;
 use crate::scene_file::load;
 
-/// Bodies whose motion the text summary lists; the JSON lists all.
-const MOTIONS_TOLD: usize = 8;
+/// Things of a kind that the text summary lists; the JSON lists all.
+const LISTED: usize = 8;
 
 /// A joint that is farther off at the end, while its motor was at its greatest effort, is named.
 /// Smaller: motors that reach it on their way are; larger: arms that sag are not.
@@ -173,6 +174,19 @@ fn text(summary: &RunSummary) -> String {
     let contacts = &summary.contacts;
     lines.add("contacts", format!("{:.1} a step, at most {}", contacts.mean, contacts.max));
     lines.add("deepest", deepest(summary));
+    if let Some(first) = &summary.first_overlap {
+        lines.add("- first", overlap(first));
+    }
+    for trigger in summary.triggers.iter().take(LISTED) {
+        let TriggerSummary { a, b, times, step } = trigger;
+        let times = if *times == 1 { "once".to_owned() } else { format!("{times} times") };
+        lines.add("triggers", format!("{a} and {b} began to touch {times}, after {step} steps"));
+    }
+    more(&mut lines, "triggers", "pairs", summary.triggers.len());
+    for LeftSummary { body, step } in summary.left.iter().take(LISTED) {
+        lines.add("left", format!("{body} left the world after {step} steps"));
+    }
+    more(&mut lines, "left", "bodies", summary.left.len());
     if let Some(c) = &summary.contained {
         let value = format!(
             "a body wholly within another in {} steps, first {} and {} after {} steps",
@@ -191,7 +205,7 @@ fn text(summary: &RunSummary) -> String {
         );
         lines.add("joints", value);
         let gave_way = |joint: &&JointSummary| joint.strained > 0 && joint.off > OFF;
-        for joint in summary.joints.iter().filter(gave_way).take(MOTIONS_TOLD) {
+        for joint in summary.joints.iter().filter(gave_way).take(LISTED) {
             let value = format!(
                 "the motor of {} was at its greatest effort in {} steps: it cannot hold more (`motors` gives it a larger max_effort)",
                 joint.joint, joint.strained
@@ -223,15 +237,12 @@ fn text(summary: &RunSummary) -> String {
         });
         lines.add("links", format!("{kept} of {} kept{torn}", links.at_start));
     }
-    for motion in summary.motion.iter().take(MOTIONS_TOLD) {
+    for motion in summary.motion.iter().take(LISTED) {
         let [x, y, z] = motion.displacement;
         let turns = motion.turns.map_or(String::new(), |t| format!(", {t:.3} turns"));
         lines.add("motion", format!("{} by ({x:.4}, {y:.4}, {z:.4}){turns}", motion.body));
     }
-    if summary.motion.len() > MOTIONS_TOLD {
-        let more = summary.motion.len() - MOTIONS_TOLD;
-        lines.add("motion", format!("and {more} more bodies (--format json lists all)"));
-    }
+    more(&mut lines, "motion", "bodies", summary.motion.len());
     lines.add("state", summary.state_hash.clone());
     summary.outputs.iter().for_each(|path| lines.add("written", path.clone()));
     for skipped in &summary.skipped {
@@ -243,10 +254,20 @@ fn text(summary: &RunSummary) -> String {
 fn deepest(summary: &RunSummary) -> String {
     match &summary.deepest {
         None => "not known: no exact answers (ask for Contacts in the scene)".to_owned(),
-        Some(d) if d.depth > 0.0 => {
-            format!("{:.6} between {} and {}, after {} steps", d.depth, d.a, d.b, d.step)
-        }
+        Some(d) if d.depth > 0.0 => overlap(d),
         Some(_) => "no overlap".to_owned(),
+    }
+}
+
+fn overlap(DeepestSummary { depth, a, b, step }: &DeepestSummary) -> String {
+    format!("{depth:.6} between {a} and {b}, after {step} steps")
+}
+
+/// How many of so many things are not listed.
+fn more(lines: &mut Lines, heading: &'static str, what: &str, all: usize) {
+    if all > LISTED {
+        let more = all - LISTED;
+        lines.add(heading, format!("and {more} more {what} (--format json lists all)"));
     }
 }
 

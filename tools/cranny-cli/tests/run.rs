@@ -54,6 +54,58 @@ fn assert_refused(output: &Output, code: i32, words: &[&str]) {
     }
 }
 
+/// A stone passes a gate that only notices it and falls out of the world; another one is stuck in
+/// a fixed one from the start.
+#[test]
+fn the_summary_says_what_happened() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fall.ron");
+    let text = r#"(gravity: (0, 0, -10), step: 0.015625, duration: 1.5, bodies: [
+        (name: "gate", shape: Generator(Cuboid(size: (2, 2, 0.5))), kind: Fixed, sensor: true),
+        (name: "stone", shape: Generator(Cuboid(size: (0.5, 0.5, 0.5))), pose: (at: (0, 0, 1))),
+        (name: "wall", shape: Generator(Cuboid(size: (1, 1, 1))), kind: Fixed, pose: (at: (4, 0, 0))),
+        (name: "stuck", shape: Generator(Cuboid(size: (1, 1, 1))), pose: (at: (4, 0, 0.875))),
+    ], effects: [Response(), Contacts(margin: 0)],
+       pairs: [(a: "gate", b: "stone", effects: [Trigger()])])"#;
+    fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let line = run_json(path, &[]);
+    let first = &line["first_overlap"];
+    assert_eq!(
+        (&first["a"], &first["b"], &first["step"]),
+        (&"wall".into(), &"stuck".into(), &0.into())
+    );
+    assert!((first["depth"].as_f64().unwrap() - 0.125).abs() < 1e-6, "{first}");
+    let [trigger] = line["triggers"].as_array().unwrap().as_slice() else { panic!("{line}") };
+    assert_eq!(
+        (&trigger["a"], &trigger["b"], &trigger["times"]),
+        (&"gate".into(), &"stone".into(), &1.into())
+    );
+    // 0.5 down: after sqrt(0.1) s.
+    let step = trigger["step"].as_u64().unwrap();
+    assert!((19..=21).contains(&step), "{trigger}");
+    let [left] = line["left"].as_array().unwrap().as_slice() else { panic!("{line}") };
+    assert_eq!(left["body"], "stone");
+    // The world: about 5.6 wide and 1.9 high; it ends its diagonal below the wall, at -6.4.
+    let fallen = left["step"].as_f64().unwrap() * 0.015625;
+    assert!((1.0 - 5.0 * fallen * fallen + 6.4).abs() < 0.5, "{fallen}");
+    let text = String::from_utf8(cranny(&["run", path]).stdout).unwrap();
+    for words in [
+        "- first    0.125000 between wall and stuck, after 0 steps",
+        "triggers   gate and stone began to touch once, after ",
+        "left       stone left the world after ",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    // Nothing of it in a scene where nothing of it happens.
+    let (_folder, calm) = scene();
+    let line = run_json(&calm, &[]);
+    assert_eq!(
+        (line["left"].as_array().unwrap().len(), line["triggers"][0]["times"].as_u64()),
+        (0, Some(1))
+    );
+}
+
 #[test]
 fn the_summary_has_every_field_of_the_contract() {
     let (_folder, scene) = scene();

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use cranny_ecs::{
-    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LinkSummary,
-    PairsFound, PartedSummary, RunSummary,
+    ContainedSummary, CountSummary, DeepestSummary, EnergySummary, HelixSummary, LeftSummary,
+    LinkSummary, PairsFound, PartedSummary, RunSummary,
 };
 use serde::Serialize;
 
@@ -59,6 +59,8 @@ pub(crate) struct RunFigures {
     pub(super) energy: Option<EnergySummary>,
     /// The greatest gain of energy over the start, relative to its scale.
     pub(super) energy_drift: Option<f64>,
+    /// Bodies that left the world.
+    pub(super) left: Vec<LeftSummary>,
     pub(super) links: Option<LinkSummary>,
     pub(super) helices: Vec<HelixSummary>,
     pub(super) state_hash: Option<String>,
@@ -127,6 +129,7 @@ impl RunFigures {
             contained: None,
             energy: None,
             energy_drift: None,
+            left: Vec::new(),
             links: None,
             helices: Vec::new(),
             state_hash: None,
@@ -142,6 +145,7 @@ impl RunFigures {
             row.contained = summary.contained;
             row.energy = summary.energy;
             row.energy_drift = summary.energy_drift;
+            row.left = summary.left;
             row.links = summary.links;
             row.helices = summary.helices;
             row.state_hash = Some(summary.state_hash);
@@ -159,6 +163,11 @@ impl RunFigures {
     /// The rings that parted first.
     fn parted(&self) -> Option<&PartedSummary> {
         self.links.iter().flat_map(|links| &links.parted).min_by_key(|parted| parted.step)
+    }
+
+    /// Whether there is a summary of its steps.
+    fn steps_counted(&self) -> bool {
+        self.state_hash.is_some()
     }
 
     fn links_kept(&self) -> Option<String> {
@@ -191,6 +200,10 @@ impl RunFigures {
             self.contained.as_ref().map_or(String::new(), |c| c.steps.to_string()),
             reported(gained, 2),
             reported(end, 2),
+            match self.left.len() {
+                0 => String::new(),
+                left => left.to_string(),
+            },
             self.links_kept().unwrap_or_default(),
             reported(helix.map(|h| h.turns), 3),
             reported(helix.map(|h| h.deviation_max), 4),
@@ -199,7 +212,7 @@ impl RunFigures {
 }
 
 /// Headings of the columns, in two lines; the first column is a name, the others are numbers.
-const HEADINGS: [[&str; 2]; 18] = [
+const HEADINGS: [[&str; 2]; 19] = [
     ["", "detector"],
     ["ready", "s"],
     ["", "steps"],
@@ -215,6 +228,7 @@ const HEADINGS: [[&str; 2]; 18] = [
     ["inside", "steps"],
     ["energy %", "gained"],
     ["", "at end"],
+    ["bodies", "left"],
     ["links", "kept"],
     ["screw", "turns"],
     ["", "off helix"],
@@ -282,6 +296,9 @@ pub(crate) fn notes(rows: &[RunFigures]) -> Vec<String> {
         if let Some(PartedSummary { a, b, step }) = row.parted() {
             notes.push(format!("{name}: {a} and {b} parted first, after {step} steps"));
         }
+        if let Some(LeftSummary { body, step }) = row.left.iter().min_by_key(|left| left.step) {
+            notes.push(format!("{name}: {body} left the world after {step} steps"));
+        }
         for helix in row.helices.iter().skip(1) {
             notes.push(format!(
                 "{name}: {} on {}: {:.3} turns, {:.4} off the helix",
@@ -297,7 +314,7 @@ pub(super) fn csv(rows: &[RunFigures]) -> String {
     let mut text = String::from(
         "detector,recycling,substeps,prepared_s,dt,steps,step_ms_mean,step_ms_median,step_ms_p99,\
          step_ms_max,broad_ms,narrow_ms,solver_ms,contacts_mean,contacts_max,carried_share,deepest,contained_steps,\
-         energy_drift,energy_loss,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
+         energy_drift,energy_loss,left,links,parted,turns,deviation_max,state_hash,interrupted,failure\n",
     );
     for row in rows {
         let Setting { detector, recycling, substeps, prepared_s } = &row.setting;
@@ -323,6 +340,7 @@ pub(super) fn csv(rows: &[RunFigures]) -> String {
             cell(row.contained.as_ref().map(|c| c.steps)),
             cell(row.energy_drift),
             cell(row.energy.as_ref().map(|e| e.loss)),
+            cell(row.steps_counted().then_some(row.left.len())),
             cell(links.map(|l| l.at_start)),
             cell(links.map(|l| l.parted.len())),
             cell(helix.map(|h| h.turns)),
