@@ -43,7 +43,7 @@ use contestant::MethodContestant;
 use figures::MethodFigures;
 use motion::{Judged, Motion};
 use ours::{Allowance, Ours};
-use page::Shown;
+use page::PageSubject;
 use peer::Peer;
 use pose_table::PoseTable;
 use refinement::{Rested, rested};
@@ -133,10 +133,10 @@ impl Subject {
     }
 
     /// What the page says of it, and its picture.
-    fn shown(&self, args: &AccuracyArgs) -> Result<Shown, Failure> {
+    fn shown(&self, args: &AccuracyArgs) -> Result<PageSubject, Failure> {
         match self {
-            Self::Scene(scene) => Shown::of_scene(scene, args),
-            Self::Pair(_) => Ok(Shown::of_pair(args)),
+            Self::Scene(scene) => PageSubject::of_scene(scene, args),
+            Self::Pair(_) => Ok(PageSubject::of_pair(args)),
         }
     }
 }

@@ -13,7 +13,7 @@ use cranny_world::description::{
     Material, PairDescription, Resistance, SceneDescription, StatedMass,
 };
 
-use super::geometry::Geometry;
+use super::geometry::CollisionGeometry;
 use super::problem::{SceneError, SceneProblem, located};
 use super::syntax::{
     BodyFile, CameraFile, GroupFile, JointFile, JointKindFile, MassFile, PairFile, PileFile,
@@ -107,8 +107,8 @@ impl Source<'_> {
 pub(super) struct Assembly<'a> {
     pub(super) source: Source<'a>,
     pub(super) description: SceneDescription,
-    /// Geometry made so far: bodies of one shape share it.
-    pub(super) shapes: Vec<(ShapeFile, Geometry)>,
+    /// CollisionGeometry made so far: bodies of one shape share it.
+    pub(super) shapes: Vec<(ShapeFile, CollisionGeometry)>,
     files: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
     /// One sentence each: what somebody should know before the scene runs.
@@ -203,7 +203,7 @@ impl Assembly<'_> {
         &mut self,
         body: &str,
         kind: BodyKind,
-        geometry: &Geometry,
+        geometry: &CollisionGeometry,
         said: Option<MassFile>,
         material: Material,
     ) -> Result<Option<StatedMass>, SceneError> {

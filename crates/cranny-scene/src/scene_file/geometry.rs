@@ -17,13 +17,13 @@ const MODEL_EXTENSION: &str = "cranny";
 
 /// What collides of a body.
 #[derive(Clone, Debug)]
-pub(super) struct Geometry {
+pub(super) struct CollisionGeometry {
     pub(super) mesh: Arc<Mesh>,
     /// Prepared already: meshes of files are, since mending prepares them.
     pub(super) model: Option<Model>,
 }
 
-impl Geometry {
+impl CollisionGeometry {
     fn of_model(model: Model) -> Self {
         Self { mesh: Arc::new(model.mesh().clone()), model: Some(model) }
     }
@@ -35,7 +35,7 @@ impl Assembly<'_> {
         &mut self,
         body: &str,
         shape: &ShapeFile,
-    ) -> Result<Geometry, SceneError> {
+    ) -> Result<CollisionGeometry, SceneError> {
         if let Some((_, known)) = self.shapes.iter().find(|(known, _)| known == shape) {
             return Ok(known.clone());
         }
@@ -46,7 +46,7 @@ impl Assembly<'_> {
                     let problem = SceneProblem::Shape { body: body.to_owned(), source };
                     self.source.error(place, problem)
                 })?;
-                Geometry { mesh: Arc::new(mesh), model: None }
+                CollisionGeometry { mesh: Arc::new(mesh), model: None }
             }
             ShapeFile::Mesh { path, scale, recenter, repair } if is_model(path) => {
                 let is_as_saved =
@@ -84,7 +84,7 @@ impl Assembly<'_> {
         self.source.error(self.source.find("name", body), SceneProblem::Contradiction(what))
     }
 
-    fn saved_model(&mut self, body: &str, name: &str) -> Result<Geometry, SceneError> {
+    fn saved_model(&mut self, body: &str, name: &str) -> Result<CollisionGeometry, SceneError> {
         let path = self.source.resolve(name);
         let refuse = |what: String| {
             let place = self.source.find("path", name);
@@ -96,7 +96,7 @@ impl Assembly<'_> {
         })?;
         let model = Model::decode(&bytes).map_err(|error| refuse(error.to_string()))?;
         self.add_file(path);
-        Ok(Geometry::of_model(model))
+        Ok(CollisionGeometry::of_model(model))
     }
 
     /// The mesh of a file, scaled, and moved so that the middle of its box is the origin.
@@ -143,7 +143,7 @@ impl Assembly<'_> {
         name: &str,
         mesh: Mesh,
         repair: Repair,
-    ) -> Result<Geometry, SceneError> {
+    ) -> Result<CollisionGeometry, SceneError> {
         let options = BuildOptions { self_intersections: false, repair, ..BuildOptions::default() };
         let (model, report) = Model::build(mesh, &options).map_err(|error| {
             let advice = match repair {
@@ -157,7 +157,7 @@ impl Assembly<'_> {
         self.warnings.extend(limits(&report).map(|limit| {
             format!("body {body:?}: {name}: {limit} (`cranny inspect {name}` shows where)")
         }));
-        Ok(Geometry::of_model(model))
+        Ok(CollisionGeometry::of_model(model))
     }
 }
 

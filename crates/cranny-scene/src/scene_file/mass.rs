@@ -4,7 +4,7 @@ use cranny_exact::{DMat3, DVec3};
 use cranny_geometry::{BuildOptions, MassProperties, Mesh, MeshError, Model, SurfaceProperties};
 use cranny_world::description::StatedMass;
 
-use super::geometry::Geometry;
+use super::geometry::CollisionGeometry;
 use super::syntax::MassFile;
 
 /// The mass of a dynamic body: as the file says, or, where it says nothing and the mesh bounds no
@@ -14,7 +14,7 @@ use super::syntax::MassFile;
 ///
 /// A body that has no such mass, in words.
 pub(super) fn of(
-    geometry: &Geometry,
+    geometry: &CollisionGeometry,
     said: Option<MassFile>,
     density: f64,
 ) -> Result<Option<(StatedMass, Option<String>)>, String> {
@@ -38,7 +38,7 @@ pub(super) fn of(
     }
 }
 
-fn model(geometry: &Geometry) -> Result<Model, String> {
+fn model(geometry: &CollisionGeometry) -> Result<Model, String> {
     if let Some(model) = &geometry.model {
         return Ok(model.clone());
     }
@@ -48,14 +48,14 @@ fn model(geometry: &Geometry) -> Result<Model, String> {
 }
 
 /// The solid that the mesh bounds, if it bounds one. Generators make nothing else.
-fn solid(geometry: &Geometry) -> Result<Option<MassProperties>, String> {
+fn solid(geometry: &CollisionGeometry) -> Result<Option<MassProperties>, String> {
     Ok(match &geometry.model {
         Some(model) => model.mass_properties().filter(|solid| solid.volume > 0.0).copied(),
         None => Some(MassProperties::of(&geometry.mesh)),
     })
 }
 
-fn total(geometry: &Geometry, mass: f64) -> Result<StatedMass, String> {
+fn total(geometry: &CollisionGeometry, mass: f64) -> Result<StatedMass, String> {
     match solid(geometry)? {
         Some(MassProperties { volume, center, inertia }) => {
             Ok(StatedMass { mass, center, inertia: inertia * (mass / volume) })
@@ -68,7 +68,7 @@ fn total(geometry: &Geometry, mass: f64) -> Result<StatedMass, String> {
 }
 
 /// Of a surface that weighs so much per area.
-fn shell(geometry: &Geometry, weight: f64) -> Result<StatedMass, String> {
+fn shell(geometry: &CollisionGeometry, weight: f64) -> Result<StatedMass, String> {
     let SurfaceProperties { area, center, inertia } = SurfaceProperties::of(&geometry.mesh);
     match area > 0.0 {
         true => Ok(StatedMass { mass: weight * area, center, inertia: inertia * weight }),
@@ -76,7 +76,7 @@ fn shell(geometry: &Geometry, weight: f64) -> Result<StatedMass, String> {
     }
 }
 
-fn hull(geometry: &Geometry, density: f64) -> Result<StatedMass, String> {
+fn hull(geometry: &CollisionGeometry, density: f64) -> Result<StatedMass, String> {
     let MassProperties { volume, center, inertia } =
         hull_solid(&model(geometry)?).map_err(|error| error.to_string())?;
     match volume > 0.0 {

@@ -58,11 +58,14 @@ fn axes<'a, 'b>(
     Ok(chart)
 }
 
+/// Smaller shares are written with an exponent.
+const SHORT: f64 = 1e-6;
+
 /// A share in words, to two digits.
 pub(super) fn percent(share: f64) -> String {
     match share {
         share if share <= 1.5 * FLOOR => "exact".to_owned(),
-        share if share < 1e-6 => format!("{:.0e} %", 100.0 * share),
+        share if share < SHORT => format!("{:.0e} %", 100.0 * share),
         share => format!("{} %", rounded(100.0 * share)),
     }
 }

@@ -12,17 +12,17 @@ const LADDER: [f64; 3] = [1e-1, 1e-2, 1e-3];
 const NONE: f64 = 1e-5;
 
 /// A kind of poses, in words, and its panel of a row.
-type Kind = (&'static str, fn(&MethodFigures) -> &Panel);
+type NamedPanel = (&'static str, fn(&MethodFigures) -> &Panel);
 
-const KINDS: [Kind; 2] =
+const PANELS: [NamedPanel; 2] =
     [("where bodies are apart", |row| &row.apart), ("where they overlap", |row| &row.overlapping)];
 
 /// A paragraph for each kind of poses that there are.
 pub(super) fn paragraphs(all: &[MethodFigures]) -> Vec<String> {
-    KINDS.iter().filter_map(|kind| paragraph(all, kind)).collect()
+    PANELS.iter().filter_map(|kind| paragraph(all, kind)).collect()
 }
 
-fn paragraph(all: &[MethodFigures], (place, of): &Kind) -> Option<String> {
+fn paragraph(all: &[MethodFigures], (place, of): &NamedPanel) -> Option<String> {
     let exact = quickest(all, *of, 0.0)?;
     let mut sentences = vec![format!(
         "{}, an exact answer takes {} us on average.",

@@ -25,7 +25,7 @@ use crate::run::failure;
 const PICTURE: &str = "scene.png";
 
 /// What is measured, as a page shows it.
-pub(super) struct Shown {
+pub(super) struct PageSubject {
     title: String,
     /// Where the poses come from.
     source: String,
@@ -36,7 +36,7 @@ pub(super) struct Shown {
     runs: Vec<RunFigures>,
 }
 
-impl Shown {
+impl PageSubject {
     /// Two meshes.
     pub(super) fn of_pair(args: &AccuracyArgs) -> Self {
         let name = |path: &Path| {
@@ -118,7 +118,7 @@ fn picture(scene: &LoadedScene, args: &AccuracyArgs) -> Result<Result<Vec<u8>, S
 ///
 /// What the drawing library says.
 pub(super) fn page(
-    shown: &Shown,
+    shown: &PageSubject,
     judged: &Judged,
     all: &[MethodFigures],
     chart: &str,
@@ -175,7 +175,7 @@ fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
     Ok(())
 }
 
-fn poses(shown: &Shown, judged: &Judged) -> String {
+fn poses(shown: &PageSubject, judged: &Judged) -> String {
     let (truths, pairs) = (&judged.truths, judged.motion.pairs().len());
     let overlapping = truths.iter().filter(|truth| !truth.contacts.is_empty()).count();
     let apart = truths.iter().filter(|truth| !truth.meets).count();

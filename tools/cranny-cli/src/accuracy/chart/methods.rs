@@ -17,13 +17,13 @@ const LINE: i32 = 13;
 const BETTER: f64 = 0.99;
 
 /// One kind of poses.
-struct Kind {
+struct PanelChart {
     words: Words,
     of: fn(&MethodFigures) -> &Panel,
 }
 
-const KINDS: [Kind; 2] = [
-    Kind {
+const CHARTS: [PanelChart; 2] = [
+    PanelChart {
         words: Words {
             caption: "Bodies apart: their distance",
             x: "mean time of a pose, microseconds",
@@ -31,7 +31,7 @@ const KINDS: [Kind; 2] = [
         },
         of: |row| &row.apart,
     },
-    Kind {
+    PanelChart {
         words: Words {
             caption: "Bodies that overlap: how deep",
             x: "mean time of a pose, microseconds",
@@ -42,7 +42,7 @@ const KINDS: [Kind; 2] = [
 ];
 
 /// One line of the chart, or a dot.
-struct Line {
+struct MethodLine {
     name: &'static str,
     color: RGBColor,
     /// With memory, or without choice: filled dots.
@@ -50,50 +50,50 @@ struct Line {
     belongs: fn(&MethodFigures) -> bool,
 }
 
-const LINES: [Line; 8] = [
-    Line {
+const LINES: [MethodLine; 8] = [
+    MethodLine {
         name: "levels, warm",
         color: BLUE,
         filled: true,
         belongs: |row| row.name.is_level() && row.name.is_warm(),
     },
-    Line {
+    MethodLine {
         name: "levels, cold",
         color: BLUE,
         filled: false,
         belongs: |row| row.name.is_level() && !row.name.is_warm(),
     },
-    Line {
+    MethodLine {
         name: "budgets of tests, warm",
         color: VERMILION,
         filled: true,
         belongs: |row| row.name.budget.is_some() && row.name.is_warm(),
     },
-    Line {
+    MethodLine {
         name: "budgets of tests, cold",
         color: VERMILION,
         filled: false,
         belongs: |row| row.name.budget.is_some() && !row.name.is_warm(),
     },
-    Line {
+    MethodLine {
         name: "budgets of time, warm",
         color: ORANGE,
         filled: true,
         belongs: |row| row.name.deadline_us.is_some() && row.name.is_warm(),
     },
-    Line {
+    MethodLine {
         name: "budgets of time, cold",
         color: ORANGE,
         filled: false,
         belongs: |row| row.name.deadline_us.is_some() && !row.name.is_warm(),
     },
-    Line {
+    MethodLine {
         name: "parry, triangle mesh",
         color: GREEN,
         filled: true,
         belongs: |row| row.name.method == "parry-trimesh",
     },
-    Line {
+    MethodLine {
         name: "parry, convex pieces",
         color: PURPLE,
         filled: true,
@@ -105,7 +105,7 @@ const LINES: [Line; 8] = [
 type Spot<'a> = (&'a MethodFigures, (f64, f64));
 
 /// The places of one line, by ascending time, each more exact than those before.
-fn front<'a>(all: &'a [MethodFigures], line: &Line, kind: &Kind) -> Vec<Spot<'a>> {
+fn front<'a>(all: &'a [MethodFigures], line: &MethodLine, kind: &PanelChart) -> Vec<Spot<'a>> {
     let place = |row: &MethodFigures| {
         let panel = (kind.of)(row);
         Some((panel.mean_us?, floored(panel.error?)))
@@ -162,8 +162,8 @@ pub(in crate::accuracy) fn of_methods(all: &[MethodFigures]) -> Result<String, F
 
 fn draw(area: &Area<'_>, all: &[MethodFigures]) -> Result<(), Failed> {
     let (drawing, legend) = area.split_horizontally(SIZE.0 - NAMES);
-    let shown: Vec<&Kind> =
-        KINDS.iter().filter(|kind| all.iter().any(|row| (kind.of)(row).error.is_some())).collect();
+    let shown: Vec<&PanelChart> =
+        CHARTS.iter().filter(|kind| all.iter().any(|row| (kind.of)(row).error.is_some())).collect();
     let panels = drawing.split_evenly((1, shown.len().max(1)));
     for (kind, panel) in shown.iter().zip(&panels) {
         draw_kind(panel, all, kind)?;
@@ -173,8 +173,8 @@ fn draw(area: &Area<'_>, all: &[MethodFigures]) -> Result<(), Failed> {
     marks(&legend, (12, 70), names)
 }
 
-fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &Kind) -> Result<(), Failed> {
-    let fronts: Vec<(&Line, Vec<Spot>)> =
+fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &PanelChart) -> Result<(), Failed> {
+    let fronts: Vec<(&MethodLine, Vec<Spot>)> =
         LINES.iter().map(|line| (line, front(all, line, kind))).collect();
     let times = fronts.iter().flat_map(|(_, spots)| spots.iter().map(|spot| spot.1.0));
     let mut chart = axes(area, times, &kind.words)?;
@@ -199,7 +199,7 @@ fn draw_kind(area: &Area<'_>, all: &[MethodFigures], kind: &Kind) -> Result<(), 
     Ok(())
 }
 
-fn dot(line: &Line) -> ShapeStyle {
+fn dot(line: &MethodLine) -> ShapeStyle {
     if line.filled { line.color.filled() } else { line.color.stroke_width(2) }
 }
 
@@ -231,10 +231,10 @@ mod tests {
             MethodFigures { apart, ..MethodFigures::none(name, String::new()) }
         };
         let all = [row(3.0, 0.5), row(1.0, 0.25), row(9.0, 0.0), row(2.0, 0.249), row(5.0, 0.125)];
-        let line = front(&all, &LINES[1], &KINDS[0]);
+        let line = front(&all, &LINES[1], &CHARTS[0]);
         let places: Vec<(f64, f64)> = line.iter().map(|spot| spot.1).collect();
         assert_eq!(places, [(1.0, 0.25), (5.0, 0.125), (9.0, FLOOR)]);
-        assert!(front(&all, &LINES[0], &KINDS[0]).is_empty(), "no warm ones");
-        assert!(front(&all, &LINES[1], &KINDS[1]).is_empty(), "none that overlap");
+        assert!(front(&all, &LINES[0], &CHARTS[0]).is_empty(), "no warm ones");
+        assert!(front(&all, &LINES[1], &CHARTS[1]).is_empty(), "none that overlap");
     }
 }
