@@ -107,7 +107,7 @@ impl Source<'_> {
 pub(super) struct Assembly<'a> {
     pub(super) source: Source<'a>,
     pub(super) description: SceneDescription,
-    /// CollisionGeometry made so far: bodies of one shape share it.
+    /// Geometry made so far: bodies of one shape share it.
     pub(super) shapes: Vec<(ShapeFile, CollisionGeometry)>,
     files: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
