@@ -6,6 +6,7 @@ mod robot;
 mod scene;
 mod show;
 mod stability;
+mod verify;
 
 use std::path::PathBuf;
 
@@ -22,6 +23,7 @@ pub(crate) use scene::{
 use show::show;
 pub(crate) use show::{Show, Up};
 pub(crate) use stability::StabilityArgs;
+pub(crate) use verify::VerifyArgs;
 
 /// Exact collision detection for bodies that are not convex.
 ///
@@ -59,6 +61,9 @@ pub(crate) enum Command {
     Explain(ExplainArgs),
     /// Do two meshes meet? Verdict, distance and contact regions at each of a list of poses
     Query(QueryArgs),
+    /// Do the certificates of `query --certificate` hold? Checked in exact arithmetic, without the
+    /// detector
+    Verify(VerifyArgs),
     /// What certainty costs: time and errors of each level and budget, beside parry's
     Accuracy(AccuracyArgs),
     /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's
@@ -154,8 +159,8 @@ pub(crate) struct QueryArgs {
     #[arg(long)]
     pub(crate) cold: bool,
 
-    /// Reserved for certificates, which come with a later version; refused until then
-    #[arg(long, hide = true)]
+    /// Add to each line what proves its verdict; `cranny verify` checks it
+    #[arg(long)]
     pub(crate) certificate: bool,
 }
 
@@ -189,6 +194,8 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   separation      [at least, at most]: what holds the distance, or minus the depth of regions; null:
                   without bound
   places          min, max, separation: where contact may be
+  certificate     with --certificate: the files, and what proves surface, solid and contained; sum, at the
+                  end, is of the whole line
 What --demand does not ask for is null.
 
 Levels. Each is certain of what it says, and says `unknown` or null for what it does not know:
@@ -207,7 +214,8 @@ normal is what comes of that: a cube of size 1 in itself is 1.732 deep, along it
 Examples:
   echo '[{"a": null, "b": [1,0,0,2.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]' > poses.json
   cranny query bolt.obj nut.obj --poses poses.json
-  cranny query house.glb car.glb --scale-b 0.12 --poses poses.json --demand distance --format text"#;
+  cranny query house.glb car.glb --scale-b 0.12 --poses poses.json --demand distance --format text
+  cranny query bolt.obj nut.obj --poses poses.json --certificate | cranny verify -"#;
 
 /// Arguments of `cranny inspect`.
 #[derive(Debug, Args)]

@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod args;
+mod certificate_line;
 mod chart;
 mod check;
 mod compare;
@@ -26,6 +27,7 @@ mod robot;
 mod run;
 mod scene_file;
 mod stability;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::replay(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
+        Command::Verify(args) => verify::verify(args, cli.format),
         Command::Compare(args) => compare::compare(args, cli.format),
         Command::Accuracy(args) => accuracy::accuracy(args, cli.format),
         Command::Stability(args) => stability::stability(args, cli.format),

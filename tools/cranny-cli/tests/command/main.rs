@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod bad_input;
+mod certificates;
 mod compare;
 mod corpus;
 mod dyadic;
