@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Insert, Remove};
@@ -25,6 +25,11 @@ use crate::error::{Failure, SceneAppError};
 use crate::readers::ContactReaders;
 use crate::trigger::TriggeredPairs;
 
+/// What was recorded is written out after this time of work at the latest, so that a kill loses no
+/// more. Smaller: chunks of slow scenes hold few frames and compress worse. Larger: a kill loses
+/// more.
+const FLUSH_AFTER: Duration = Duration::from_secs(1);
+
 /// The systems of `Recording`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RecordingSystems {
@@ -39,6 +44,8 @@ pub struct FrameRecorder {
     /// Its compressor may be used by one thread at a time only.
     recorder: Mutex<Option<Recorder>>,
     every: u32,
+    /// When what was recorded was last known to be written out.
+    flushed: Instant,
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
     events: Vec<(String, String, PairEventKind)>,
     /// What is shown of each body.
@@ -124,6 +131,7 @@ impl Plugin for RecordingPlugin {
         let mut recorder = FrameRecorder {
             recorder: Mutex::new(recorder),
             every: self.every,
+            flushed: Instant::now(),
             events: Vec::new(),
             shown: BTreeMap::new(),
         };
@@ -259,8 +267,12 @@ fn record(
 ) {
     let Sources { bodies, records, effects, detected, contacts, .. } = sources;
     let events = std::mem::take(&mut recorder.events);
-    let Some(recorder) = recorder.open() else { return };
     let start = Instant::now();
+    let is_due = start.duration_since(recorder.flushed) >= FLUSH_AFTER;
+    if is_due {
+        recorder.flushed = start;
+    }
+    let Some(recorder) = recorder.open() else { return };
     let mut placed: Vec<_> = bodies.iter().collect();
     placed.sort_by_key(|(body, _)| body.id);
     let mut frame = Frame::at_step(time.steps());
@@ -293,6 +305,10 @@ fn record(
             answer: &pair.answer,
         })
         .collect();
-    failure.note(recorder.frame(&frame));
+    let mut written = recorder.frame(&frame);
+    if is_due && written.is_ok() {
+        written = recorder.flush();
+    }
+    failure.note(written);
     times.record += 1e3 * start.elapsed().as_secs_f64();
 }

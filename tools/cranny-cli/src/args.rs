@@ -1,6 +1,7 @@
 //! The arguments of each command.
 
 mod accuracy;
+mod recover;
 mod replay;
 mod robot;
 mod scene;
@@ -15,6 +16,7 @@ use cranny_estimate::Accuracy;
 use cranny_geometry::Repair;
 
 pub(crate) use accuracy::AccuracyArgs;
+pub(crate) use recover::RecoverArgs;
 pub(crate) use replay::{ReplayArgs, ViewArg};
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
@@ -55,6 +57,8 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Compute a recording anew and compare to the bit; draw any moment of it
     Replay(ReplayArgs),
+    /// Make a whole recording of what a killed run left, or of a damaged file
+    Recover(RecoverArgs),
     /// The same scene under each detector, side by side: times, overlaps, energy, what tore
     Compare(CompareArgs),
     /// What a scene asks for, what will run for it, and what will not

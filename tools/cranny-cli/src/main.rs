@@ -22,6 +22,7 @@ mod pose_file;
 mod progress;
 mod query;
 mod quiet_driver;
+mod recover;
 mod replay;
 mod robot;
 mod run;
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),
         Command::Replay(args) => replay::replay(args, cli.format),
+        Command::Recover(args) => recover::recover(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
         Command::Verify(args) => verify::verify(args, cli.format),
