@@ -12,7 +12,7 @@ use bevy_transform::components::Transform;
 use cranny_geometry::{Mesh, Model};
 use cranny_record::{
     Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth,
-    RecordedEvent, Recorder, Summary,
+    RecordedEvent, Recorder, Summary, topic,
 };
 use cranny_world::{BodyId, ContactFields, PairEvent, PairEventKind};
 
@@ -46,6 +46,8 @@ pub struct FrameRecorder {
     every: u32,
     /// When what was recorded was last known to be written out.
     flushed: Instant,
+    /// Step and times at the latest frame.
+    measured: (u64, PhaseTimes),
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
     events: Vec<(String, String, PairEventKind)>,
     /// What is shown of each body.
@@ -132,6 +134,7 @@ impl Plugin for RecordingPlugin {
             recorder: Mutex::new(recorder),
             every: self.every,
             flushed: Instant::now(),
+            measured: (0, PhaseTimes::default()),
             events: Vec::new(),
             shown: BTreeMap::new(),
         };
@@ -230,6 +233,38 @@ struct Sources<'w, 's> {
     detected: Option<Res<'w, Detected>>,
     contacts: Option<Res<'w, ContactReport>>,
     triggered: Option<Res<'w, TriggeredPairs>>,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
+}
+
+impl Sources<'_, '_> {
+    /// Mechanical energy, where a solver moves bodies.
+    fn energy(&self) -> Option<f64> {
+        #[cfg(feature = "rapier")]
+        return self.solver.as_ref().map(|solver| solver.energy().now);
+        #[cfg(not(feature = "rapier"))]
+        None
+    }
+}
+
+impl FrameRecorder {
+    /// Milliseconds a step of each phase since the latest frame.
+    fn phases(&mut self, step: u64, now: &PhaseTimes) -> [(&'static str, f64); 6] {
+        let (before, then) = std::mem::replace(&mut self.measured, (step, *now));
+        let steps = step.saturating_sub(before).max(1) as f64;
+        topic::PHASES.map(|name| (name, (phase(now, name) - phase(&then, name)) / steps))
+    }
+}
+
+fn phase(times: &PhaseTimes, name: &str) -> f64 {
+    match name {
+        topic::MS_BROAD => times.broad,
+        topic::MS_NARROW => times.narrow,
+        topic::MS_SOLVER => times.solver,
+        topic::MS_REPORT => times.report,
+        topic::MS_RECORD => times.record,
+        _ => times.render,
+    }
 }
 
 fn record_step(
@@ -272,6 +307,7 @@ fn record(
     if is_due {
         recorder.flushed = start;
     }
+    let phases = recorder.phases(time.steps(), times);
     let Some(recorder) = recorder.open() else { return };
     let mut placed: Vec<_> = bodies.iter().collect();
     placed.sort_by_key(|(body, _)| body.id);
@@ -280,6 +316,8 @@ fn record(
         .iter()
         .map(|(body, transform)| (records.name(body.id), pose_of(transform)))
         .collect();
+    frame.measures =
+        phases.into_iter().chain(sources.energy().map(|e| (topic::ENERGY, e))).collect();
     if let Some(report) = detected.as_ref().and_then(|detected| detected.report.as_ref()) {
         frame.stats = report.stats;
         frame.deepest = report.stats.deepest.map(|d| RecordedDepth {

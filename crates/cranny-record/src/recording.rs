@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Mesh;
 use foxglove::Decode;
-use foxglove::messages::{FrameTransform, FrameTransforms, SceneEntity, SceneUpdate};
+use foxglove::messages::{
+    FrameTransform, FrameTransforms, Log, SceneEntity, SceneUpdate, log::Level,
+};
 use mcap::records::Record;
 use mcap::{MAGIC, McapError};
 use serde::de::DeserializeOwned;
@@ -15,6 +17,7 @@ use serde::de::DeserializeOwned;
 use crate::error::ReadError;
 use crate::frame::RecordedAttachment;
 use crate::message::{ContactsMessage, EventsMessage, StatsMessage};
+use crate::recorder::LogLevel;
 use crate::records::for_each_record;
 use crate::topic;
 
@@ -176,6 +179,24 @@ impl Recording {
     /// As [`contacts`](Self::contacts).
     pub fn stats(&self) -> Result<Vec<(u64, StatsMessage)>, ReadError> {
         self.messages(topic::STATS, from_json)
+    }
+
+    /// Log times (nanoseconds) and lines of the log: how urgent, and what.
+    ///
+    /// # Errors
+    ///
+    /// [`ReadError::Message`] for a message that cannot be decoded.
+    pub fn log(&self) -> Result<Vec<(u64, (LogLevel, String))>, ReadError> {
+        self.messages(topic::LOG, |data| {
+            let line = Log::decode(data).map_err(|e| e.to_string())?;
+            let level = match Level::try_from(line.level) {
+                Ok(Level::Debug) => LogLevel::Debug,
+                Ok(Level::Warning) => LogLevel::Warning,
+                Ok(Level::Error | Level::Fatal) => LogLevel::Error,
+                _ => LogLevel::Info,
+            };
+            Ok((level, line.message))
+        })
     }
 
     fn list(&mut self, bytes: &[u8]) {

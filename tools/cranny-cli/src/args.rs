@@ -3,6 +3,7 @@
 mod accuracy;
 mod recover;
 mod replay;
+mod report;
 mod robot;
 mod scene;
 mod show;
@@ -18,6 +19,7 @@ use cranny_geometry::Repair;
 pub(crate) use accuracy::AccuracyArgs;
 pub(crate) use recover::RecoverArgs;
 pub(crate) use replay::{ReplayArgs, ViewArg};
+pub(crate) use report::ReportArgs;
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
     CheckArgs, CompareArgs, DetectorArg, ExplainArgs, RecyclingArg, RunArgs, SubstepsArg,
@@ -42,6 +44,10 @@ pub(crate) struct Cli {
     #[arg(long, global = true, value_enum, value_name = "FORMAT")]
     pub(crate) format: Option<Format>,
 
+    /// Show no progress and no warnings on standard error: errors only
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+
     /// Say more on standard error; twice or three times for more still (RUST_LOG overrides it)
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub(crate) verbose: u8,
@@ -59,6 +65,8 @@ pub(crate) enum Command {
     Replay(ReplayArgs),
     /// Make a whole recording of what a killed run left, or of a damaged file
     Recover(RecoverArgs),
+    /// One page about a recorded run: pictures, plots, deepest overlaps
+    Report(ReportArgs),
     /// The same scene under each detector, side by side: times, overlaps, energy, what tore
     Compare(CompareArgs),
     /// What a scene asks for, what will run for it, and what will not

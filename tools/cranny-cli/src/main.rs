@@ -24,6 +24,7 @@ mod query;
 mod quiet_driver;
 mod recover;
 mod replay;
+mod report;
 mod robot;
 mod run;
 mod scene_file;
@@ -39,11 +40,13 @@ use args::{Cli, Command};
 fn main() -> ExitCode {
     let cli = Cli::parse();
     quiet_driver::restart_without_noise(&cli.command);
-    logging::start(cli.verbose);
+    logging::start(cli.verbose, cli.quiet);
+    progress::start(cli.quiet);
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),
         Command::Replay(args) => replay::replay(args, cli.format),
         Command::Recover(args) => recover::recover(args, cli.format),
+        Command::Report(args) => report::report(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
         Command::Verify(args) => verify::verify(args, cli.format),

@@ -14,6 +14,7 @@ mod query;
 mod recover;
 mod repair;
 mod replay;
+mod report;
 mod robot;
 mod saved_models;
 mod stability;
