@@ -375,11 +375,22 @@ fn add_recording(
         detector: facts.detector.clone(),
         seed: facts.seed,
         attachments: attachments.collect(),
+        further: [(cranny_record::topic::EFFECTS_KEY.to_owned(), effect_names(scene))].into(),
         ..RecordingInfo::new(scene.step)
     };
     let recorder = Recorder::create(path, &info)?;
     facts.outputs.push(path.display().to_string());
     Ok(plugins.with_recording(recorder, scene.record.every))
+}
+
+/// Effects that a scene asks for, anywhere, each once.
+#[cfg(feature = "record")]
+fn effect_names(scene: &SceneDescription) -> String {
+    let of_bodies = scene.bodies.iter().flat_map(|body| &body.effects);
+    let of_pairs = scene.pairs.iter().flat_map(|pair| &pair.effects);
+    let all = scene.effects.iter().chain(of_bodies).chain(of_pairs);
+    let kinds: std::collections::BTreeSet<_> = all.filter_map(EffectKind::of).collect();
+    kinds.into_iter().map(EffectKind::name).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(feature = "record")]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::{Insert, Remove};
@@ -12,7 +12,7 @@ use bevy_transform::components::Transform;
 use cranny_geometry::{Mesh, Model};
 use cranny_record::{
     Frame, LogLevel, PairContacts, PairFrame, RecordError, RecordedBody, RecordedDepth,
-    RecordedEvent, Recorder, Summary,
+    RecordedEvent, Recorder, Summary, topic,
 };
 use cranny_world::{BodyId, ContactFields, PairEvent, PairEventKind};
 
@@ -24,6 +24,11 @@ use crate::effects::{EffectKind, EffectTable};
 use crate::error::{Failure, SceneAppError};
 use crate::readers::ContactReaders;
 use crate::trigger::TriggeredPairs;
+
+/// What was recorded is written out after this time of work at the latest, so that a kill loses no
+/// more. Smaller: chunks of slow scenes hold few frames and compress worse. Larger: a kill loses
+/// more.
+const FLUSH_AFTER: Duration = Duration::from_secs(1);
 
 /// The systems of `Recording`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -39,6 +44,10 @@ pub struct FrameRecorder {
     /// Its compressor may be used by one thread at a time only.
     recorder: Mutex<Option<Recorder>>,
     every: u32,
+    /// When what was recorded was last known to be written out.
+    flushed: Instant,
+    /// Step and times at the latest frame.
+    measured: (u64, PhaseTimes),
     /// Since the latest frame: a frame tells all of them, so that none is lost between frames.
     events: Vec<(String, String, PairEventKind)>,
     /// What is shown of each body.
@@ -124,6 +133,8 @@ impl Plugin for RecordingPlugin {
         let mut recorder = FrameRecorder {
             recorder: Mutex::new(recorder),
             every: self.every,
+            flushed: Instant::now(),
+            measured: (0, PhaseTimes::default()),
             events: Vec::new(),
             shown: BTreeMap::new(),
         };
@@ -222,6 +233,38 @@ struct Sources<'w, 's> {
     detected: Option<Res<'w, Detected>>,
     contacts: Option<Res<'w, ContactReport>>,
     triggered: Option<Res<'w, TriggeredPairs>>,
+    #[cfg(feature = "rapier")]
+    solver: Option<Res<'w, crate::solved::RigidBodies>>,
+}
+
+impl Sources<'_, '_> {
+    /// Mechanical energy, where a solver moves bodies.
+    fn energy(&self) -> Option<f64> {
+        #[cfg(feature = "rapier")]
+        return self.solver.as_ref().map(|solver| solver.energy().now);
+        #[cfg(not(feature = "rapier"))]
+        None
+    }
+}
+
+impl FrameRecorder {
+    /// Milliseconds a step of each phase since the latest frame.
+    fn phases(&mut self, step: u64, now: &PhaseTimes) -> [(&'static str, f64); 6] {
+        let (before, then) = std::mem::replace(&mut self.measured, (step, *now));
+        let steps = step.saturating_sub(before).max(1) as f64;
+        topic::PHASES.map(|name| (name, (phase(now, name) - phase(&then, name)) / steps))
+    }
+}
+
+fn phase(times: &PhaseTimes, name: &str) -> f64 {
+    match name {
+        topic::MS_BROAD => times.broad,
+        topic::MS_NARROW => times.narrow,
+        topic::MS_SOLVER => times.solver,
+        topic::MS_REPORT => times.report,
+        topic::MS_RECORD => times.record,
+        _ => times.render,
+    }
 }
 
 fn record_step(
@@ -259,8 +302,13 @@ fn record(
 ) {
     let Sources { bodies, records, effects, detected, contacts, .. } = sources;
     let events = std::mem::take(&mut recorder.events);
-    let Some(recorder) = recorder.open() else { return };
     let start = Instant::now();
+    let is_due = start.duration_since(recorder.flushed) >= FLUSH_AFTER;
+    if is_due {
+        recorder.flushed = start;
+    }
+    let phases = recorder.phases(time.steps(), times);
+    let Some(recorder) = recorder.open() else { return };
     let mut placed: Vec<_> = bodies.iter().collect();
     placed.sort_by_key(|(body, _)| body.id);
     let mut frame = Frame::at_step(time.steps());
@@ -268,6 +316,8 @@ fn record(
         .iter()
         .map(|(body, transform)| (records.name(body.id), pose_of(transform)))
         .collect();
+    frame.measures =
+        phases.into_iter().chain(sources.energy().map(|e| (topic::ENERGY, e))).collect();
     if let Some(report) = detected.as_ref().and_then(|detected| detected.report.as_ref()) {
         frame.stats = report.stats;
         frame.deepest = report.stats.deepest.map(|d| RecordedDepth {
@@ -293,6 +343,10 @@ fn record(
             answer: &pair.answer,
         })
         .collect();
-    failure.note(recorder.frame(&frame));
+    let mut written = recorder.frame(&frame);
+    if is_due && written.is_ok() {
+        written = recorder.flush();
+    }
+    failure.note(written);
     times.record += 1e3 * start.elapsed().as_secs_f64();
 }

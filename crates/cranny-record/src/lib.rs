@@ -9,9 +9,10 @@
 //!   from; reading gives them back to the bit. `/tf` holds `f64` (a zero loses its sign).
 //! - **No half-written file under its final name.** A recording grows as `NAME.partial` and is
 //!   renamed when it is finished or interrupted. After a kill the partial file is readable up to
-//!   its last chunk, which is at most [`FRAMES_PER_CHUNK`] frames old.
-//! - **Deterministic**: the log time is the step times its duration. No clock is read; the same run
-//!   gives the same bytes (unless the caller records measured times).
+//!   its last chunk, which is at most [`FRAMES_PER_CHUNK`] frames old; [`recover`] makes a whole
+//!   recording of it.
+//! - **Deterministic**: the log time is the step times its duration. No clock is read; the same
+//!   calls give the same bytes (unless the caller records measured times).
 //!
 //! # Non-promises
 //!
@@ -47,6 +48,8 @@ mod message;
 mod output;
 mod recorder;
 mod recording;
+mod records;
+mod recover;
 pub mod topic;
 
 pub use digest::answer_digest;
@@ -64,3 +67,4 @@ pub use message::{
 pub use output::FRAMES_PER_CHUNK;
 pub use recorder::{LogLevel, Recorder, Summary};
 pub use recording::{DrawnBody, PosesByName, Recording, TopicSummary};
+pub use recover::{RecoverError, Recovered, recover};

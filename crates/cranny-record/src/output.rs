@@ -32,6 +32,18 @@ struct Channel {
     messages: u32,
 }
 
+/// A channel of another recording.
+#[derive(Clone, Debug)]
+pub(crate) struct RawChannel {
+    pub(crate) topic: String,
+    pub(crate) message_encoding: String,
+    /// Name, encoding, text.
+    pub(crate) schema: (String, String, Vec<u8>),
+}
+
+/// How the name of a recording ends while it grows.
+pub(crate) const PARTIAL: &str = ".partial";
+
 /// An MCAP file under its partial name.
 pub(crate) struct Output {
     writer: Writer<BufWriter<File>>,
@@ -43,7 +55,8 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    pub(crate) fn create(path: &Path) -> Result<Self, RecordError> {
+    /// The file bears the name with this ending until it is finished.
+    pub(crate) fn create(path: &Path, ending: &str) -> Result<Self, RecordError> {
         // Renaming onto a device or a pipe would replace it.
         let in_the_way = fs::metadata(path).is_ok_and(|found| !found.is_file());
         let (Some(name), false) = (path.file_name(), in_the_way) else {
@@ -55,7 +68,7 @@ impl Output {
             return Err(RecordError::MissingFolder { path: path.to_owned(), folder });
         }
         let mut partial_name = name.to_owned();
-        partial_name.push(".partial");
+        partial_name.push(ending);
         let partial = path.with_file_name(partial_name);
         let created = File::create(&partial)
             .map_err(|source| RecordError::Create { partial: partial.clone(), source })?;
@@ -112,6 +125,23 @@ impl Output {
             topic: topic.to_owned(),
             reason: error.to_string(),
         })?;
+        self.write(topic, time_ns, buffer)
+    }
+
+    /// Writes a message as another recording holds it.
+    pub(crate) fn raw(
+        &mut self,
+        channel: &RawChannel,
+        time_ns: u64,
+        data: &[u8],
+    ) -> Result<(), RecordError> {
+        let RawChannel { topic, message_encoding, schema: (name, encoding, schema) } = channel;
+        if !self.channels.contains_key(topic) {
+            self.add_channel(topic, name, encoding, schema, message_encoding)?;
+        }
+        let mut buffer = std::mem::take(&mut self.buffer);
+        buffer.clear();
+        buffer.extend_from_slice(data);
         self.write(topic, time_ns, buffer)
     }
 

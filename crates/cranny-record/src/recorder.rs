@@ -17,7 +17,7 @@ use crate::frame::{Frame, RecordedBody, RecordingInfo};
 use crate::message::{
     CONTACTS_SCHEMA, ContactsMessage, EVENTS_SCHEMA, EventsMessage, STATS_SCHEMA, StatsMessage,
 };
-use crate::output::Output;
+use crate::output::{Output, PARTIAL};
 use crate::topic;
 use cranny_exact::Pose;
 use cranny_world::description::BodyKind;
@@ -87,7 +87,7 @@ impl Recorder {
         if !(info.dt > 0.0 && info.dt.is_finite()) {
             return Err(RecordError::StepDuration { dt: info.dt });
         }
-        let mut output = Output::create(path.as_ref())?;
+        let mut output = Output::create(path.as_ref(), PARTIAL)?;
         output.metadata(topic::METADATA, info.metadata())?;
         for attachment in &info.attachments {
             output.attach(&attachment.name, &attachment.media_type, &attachment.data)?;
@@ -191,6 +191,17 @@ impl Recorder {
         self.frames += 1;
         self.last_step = Some(frame.step);
         output.end_frame()
+    }
+
+    /// Closes the chunk at hand and hands it to the operating system: a kill loses nothing that was
+    /// recorded before. Chunks are closed after [`FRAMES_PER_CHUNK`](crate::FRAMES_PER_CHUNK)
+    /// frames anyway; a caller whose frames take long calls this in between.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordError::Write`].
+    pub fn flush(&mut self) -> Result<(), RecordError> {
+        self.output.flush()
     }
 
     /// Writes a camera's picture of a step.

@@ -7,15 +7,18 @@ use std::path::{Path, PathBuf};
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Mesh;
 use foxglove::Decode;
-use foxglove::messages::{FrameTransform, FrameTransforms, SceneEntity, SceneUpdate};
-use mcap::McapError;
-use mcap::read::{ChunkFlattener, Options};
+use foxglove::messages::{
+    FrameTransform, FrameTransforms, Log, SceneEntity, SceneUpdate, log::Level,
+};
 use mcap::records::Record;
+use mcap::{MAGIC, McapError};
 use serde::de::DeserializeOwned;
 
 use crate::error::ReadError;
 use crate::frame::RecordedAttachment;
 use crate::message::{ContactsMessage, EventsMessage, StatsMessage};
+use crate::recorder::LogLevel;
+use crate::records::for_each_record;
 use crate::topic;
 
 /// `world_from_body` by the bodies' names.
@@ -46,7 +49,8 @@ pub struct DrawnBody {
 /// An opened recording. The file is held in memory as filed (compressed).
 ///
 /// A file that ends early (a kill, a full disk) is read up to where it can be: see
-/// [`is_complete`](Self::is_complete).
+/// [`is_complete`](Self::is_complete). Of a damaged one, whole chunks are read:
+/// [`damaged_chunks`](Self::damaged_chunks).
 #[derive(Clone, Debug)]
 pub struct Recording {
     path: PathBuf,
@@ -56,6 +60,7 @@ pub struct Recording {
     topics: BTreeMap<String, TopicSummary>,
     channels: BTreeMap<u16, String>,
     complete: bool,
+    damaged_chunks: u64,
 }
 
 impl Recording {
@@ -68,10 +73,8 @@ impl Recording {
         let path = path.as_ref().to_owned();
         let bytes =
             fs::read(&path).map_err(|source| ReadError::Open { path: path.clone(), source })?;
-        // The container's reader looks at nothing before the first record is read.
-        let first = records(&bytes).and_then(|mut r| r.next().unwrap_or(Err(McapError::BadMagic)));
-        if let Err(source) = first {
-            return Err(ReadError::NotMcap { path, source });
+        if !bytes.starts_with(MAGIC) {
+            return Err(ReadError::NotMcap { path, source: McapError::BadMagic });
         }
         let mut recording = Self {
             path,
@@ -81,6 +84,7 @@ impl Recording {
             topics: BTreeMap::new(),
             channels: BTreeMap::new(),
             complete: false,
+            damaged_chunks: 0,
         };
         recording.list(&bytes);
         recording.bytes = bytes;
@@ -91,6 +95,12 @@ impl Recording {
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.complete
+    }
+
+    /// How many chunks do not match their sums. What they held is missing.
+    #[must_use]
+    pub fn damaged_chunks(&self) -> u64 {
+        self.damaged_chunks
     }
 
     /// Whether the run was broken off: by a signal, as its end says, or by a kill, so that it has
@@ -171,39 +181,56 @@ impl Recording {
         self.messages(topic::STATS, from_json)
     }
 
+    /// Log times (nanoseconds) and lines of the log: how urgent, and what.
+    ///
+    /// # Errors
+    ///
+    /// [`ReadError::Message`] for a message that cannot be decoded.
+    pub fn log(&self) -> Result<Vec<(u64, (LogLevel, String))>, ReadError> {
+        self.messages(topic::LOG, |data| {
+            let line = Log::decode(data).map_err(|e| e.to_string())?;
+            let level = match Level::try_from(line.level) {
+                Ok(Level::Debug) => LogLevel::Debug,
+                Ok(Level::Warning) => LogLevel::Warning,
+                Ok(Level::Error | Level::Fatal) => LogLevel::Error,
+                _ => LogLevel::Info,
+            };
+            Ok((level, line.message))
+        })
+    }
+
     fn list(&mut self, bytes: &[u8]) {
         let mut schemas = BTreeMap::new();
-        for record in records(bytes).into_iter().flatten().map_while(Result::ok) {
-            match record {
-                Record::Schema { header, .. } => {
-                    schemas.insert(header.id, header.name);
-                }
-                Record::Channel(channel) => {
-                    let schema = schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                    let summary = TopicSummary { schema, messages: 0 };
-                    self.topics.entry(channel.topic.clone()).or_insert(summary);
-                    self.channels.insert(channel.id, channel.topic);
-                }
-                Record::Message { header, .. } => {
-                    let topic = self.channels.get(&header.channel_id);
-                    if let Some(summary) = topic.and_then(|t| self.topics.get_mut(t)) {
-                        summary.messages += 1;
-                    }
-                }
-                Record::Metadata(record) => {
-                    self.metadata.insert(record.name, record.metadata);
-                }
-                Record::Attachment { header, data, .. } => {
-                    self.attachments.push(RecordedAttachment {
-                        name: header.name,
-                        media_type: header.media_type,
-                        data: data.into_owned(),
-                    });
-                }
-                Record::Footer(_) => self.complete = true,
-                _ => {}
+        let extent = for_each_record(bytes, &mut |record| match record {
+            Record::Schema { header, .. } => {
+                schemas.insert(header.id, header.name);
             }
-        }
+            Record::Channel(channel) => {
+                let schema = schemas.get(&channel.schema_id).cloned().unwrap_or_default();
+                let summary = TopicSummary { schema, messages: 0 };
+                self.topics.entry(channel.topic.clone()).or_insert(summary);
+                self.channels.insert(channel.id, channel.topic);
+            }
+            Record::Message { header, .. } => {
+                let topic = self.channels.get(&header.channel_id);
+                if let Some(summary) = topic.and_then(|t| self.topics.get_mut(t)) {
+                    summary.messages += 1;
+                }
+            }
+            Record::Metadata(record) => {
+                self.metadata.insert(record.name, record.metadata);
+            }
+            Record::Attachment { header, data, .. } => {
+                self.attachments.push(RecordedAttachment {
+                    name: header.name,
+                    media_type: header.media_type,
+                    data: data.into_owned(),
+                });
+            }
+            Record::Footer(_) => self.complete = true,
+            _ => {}
+        });
+        self.damaged_chunks = extent.damaged;
     }
 
     /// Decodes all messages of a topic.
@@ -213,26 +240,28 @@ impl Recording {
         decode: impl Fn(&[u8]) -> Result<T, String>,
     ) -> Result<Vec<(u64, T)>, ReadError> {
         let mut decoded = Vec::new();
-        for record in records(&self.bytes).into_iter().flatten().map_while(Result::ok) {
-            let Record::Message { header, data } = record else { continue };
-            if self.channels.get(&header.channel_id).is_none_or(|name| name != topic) {
-                continue;
+        let mut failed = None;
+        for_each_record(&self.bytes, &mut |record| {
+            let Record::Message { header, data } = record else { return };
+            let is_other = self.channels.get(&header.channel_id).is_none_or(|name| name != topic);
+            if is_other || failed.is_some() {
+                return;
             }
-            let message = decode(&data).map_err(|reason| ReadError::Message {
+            match decode(&data) {
+                Ok(message) => decoded.push((header.log_time, message)),
+                Err(reason) => failed = Some(reason),
+            }
+        });
+        match failed {
+            None => Ok(decoded),
+            Some(reason) => Err(ReadError::Message {
                 path: self.path.clone(),
                 topic: topic.to_owned(),
                 number: decoded.len(),
                 reason,
-            })?;
-            decoded.push((header.log_time, message));
+            }),
         }
-        Ok(decoded)
     }
-}
-
-/// All records, chunks unpacked, up to the end or to the first that is damaged or cut.
-fn records(bytes: &[u8]) -> mcap::McapResult<ChunkFlattener<'_>> {
-    ChunkFlattener::new_with_options(bytes, Options::IgnoreEndMagic.into())
 }
 
 fn from_json<T: DeserializeOwned>(data: &[u8]) -> Result<T, String> {

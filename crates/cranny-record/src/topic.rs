@@ -43,3 +43,23 @@ pub const KIND_KEY: &str = "kind";
 pub fn model(digest: &str) -> String {
     format!("models/{digest}.cranny")
 }
+
+/// Key of the metadata record [`METADATA`]: names of the effects that the scene asks for.
+pub const EFFECTS_KEY: &str = "effects";
+
+/// Measure of `/stats`: milliseconds a step, mean since the frame before.
+pub const MS_BROAD: &str = "ms_broad";
+/// As [`MS_BROAD`], of the narrow phase.
+pub const MS_NARROW: &str = "ms_narrow";
+/// As [`MS_BROAD`], of the rest of the solver's step.
+pub const MS_SOLVER: &str = "ms_solver";
+/// As [`MS_BROAD`], of detection for reports only.
+pub const MS_REPORT: &str = "ms_report";
+/// As [`MS_BROAD`], of recording.
+pub const MS_RECORD: &str = "ms_record";
+/// As [`MS_BROAD`], of pictures.
+pub const MS_RENDER: &str = "ms_render";
+/// The phases of a step, in order.
+pub const PHASES: [&str; 6] = [MS_BROAD, MS_NARROW, MS_SOLVER, MS_REPORT, MS_RECORD, MS_RENDER];
+/// Measure of `/stats`: mechanical energy of all that moves, where a solver moves it.
+pub const ENERGY: &str = "energy";

@@ -4,11 +4,13 @@
 //! They are the same where posing rounds nothing: families use poses that turn axes to axes and
 //! move by numbers with room to spare, or put the pair's first body where its mesh has it.
 
+use cranny_certificate::verify;
 use cranny_exact::{Interval, Meeting, Pose};
 use cranny_geometry::Model;
 use cranny_narrow_phase::{
     Answer, Containment, Demand, PairMemory, Placed, Query, QueryError, query,
 };
+use cranny_prover::{claim, filed, prove};
 use cranny_testkit::{
     Contained, OracleVerdict, PosedMesh, Q, error_of_root, rational_gap_squared, rational_verdict,
 };
@@ -230,7 +232,23 @@ fn judge(
         }
         judge_lengths(case, &answer, demand, truth);
     }
+    judge_certificate(case, a, b, &cold(a, b, Demand::Intersects)?);
     Ok(())
+}
+
+/// The verdict has a certificate, and that holds for the verifier.
+fn judge_certificate(case: &mut Case, a: Placed, b: Placed, answer: &Answer) {
+    let bodies = [a, b].map(|body| filed(body.model.mesh()));
+    let bodies = bodies.each_ref();
+    let claim = claim(answer.surface, answer.solid, answer.contained);
+    match prove(&claim, [a, b], bodies) {
+        Err(error) => case.faults.push(format!("no certificate: {error}")),
+        Ok(certificate) => {
+            if let Err(refusal) = verify(&claim, &certificate, bodies) {
+                case.faults.push(format!("the certificate does not hold: {refusal}"));
+            }
+        }
+    }
 }
 
 /// Distance, and depth where it is known, against the truth and against what is claimed of them.

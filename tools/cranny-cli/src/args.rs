@@ -1,11 +1,14 @@
 //! The arguments of each command.
 
 mod accuracy;
+mod recover;
 mod replay;
+mod report;
 mod robot;
 mod scene;
 mod show;
 mod stability;
+mod verify;
 
 use std::path::PathBuf;
 
@@ -14,7 +17,9 @@ use cranny_estimate::Accuracy;
 use cranny_geometry::Repair;
 
 pub(crate) use accuracy::AccuracyArgs;
+pub(crate) use recover::RecoverArgs;
 pub(crate) use replay::{ReplayArgs, ViewArg};
+pub(crate) use report::ReportArgs;
 pub(crate) use robot::RobotArgs;
 pub(crate) use scene::{
     CheckArgs, CompareArgs, DetectorArg, ExplainArgs, InsteadArgs, RecyclingArg, RunArgs,
@@ -23,6 +28,7 @@ pub(crate) use scene::{
 use show::show;
 pub(crate) use show::{Show, Up};
 pub(crate) use stability::StabilityArgs;
+pub(crate) use verify::VerifyArgs;
 
 /// Exact collision detection for bodies that are not convex.
 ///
@@ -39,6 +45,10 @@ pub(crate) struct Cli {
     #[arg(long, global = true, value_enum, value_name = "FORMAT")]
     pub(crate) format: Option<Format>,
 
+    /// Show no progress and no warnings on standard error: errors only
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+
     /// Say more on standard error; twice or three times for more still (RUST_LOG overrides it)
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub(crate) verbose: u8,
@@ -54,12 +64,19 @@ pub(crate) enum Command {
     Run(RunArgs),
     /// Compute a recording anew and compare to the bit; draw any moment of it
     Replay(ReplayArgs),
+    /// Make a whole recording of what a killed run left, or of a damaged file
+    Recover(RecoverArgs),
+    /// One page about a recorded run: pictures, plots, deepest overlaps
+    Report(ReportArgs),
     /// The same scene under each detector, side by side: times, overlaps, energy, what tore
     Compare(CompareArgs),
     /// What a scene asks for, what will run for it, and what will not
     Explain(ExplainArgs),
     /// Do two meshes meet? Verdict, distance and contact regions at each of a list of poses
     Query(QueryArgs),
+    /// Do the certificates of `query --certificate` hold? Checked in exact arithmetic, without the
+    /// detector
+    Verify(VerifyArgs),
     /// What certainty costs: time and errors of each level and budget, beside parry's
     Accuracy(AccuracyArgs),
     /// Do hard cases come out right? Families of them, judged by exact rationals, beside parry's
@@ -155,8 +172,8 @@ pub(crate) struct QueryArgs {
     #[arg(long)]
     pub(crate) cold: bool,
 
-    /// Reserved for certificates, which come with a later version; refused until then
-    #[arg(long, hide = true)]
+    /// Add to each line what proves its verdict; `cranny verify` checks it
+    #[arg(long)]
     pub(crate) certificate: bool,
 }
 
@@ -190,6 +207,8 @@ Output: one JSON object a line for each pose, in order, in world coordinates:
   separation      [at least, at most]: what holds the distance, or minus the depth of regions; null:
                   without bound
   places          min, max, separation: where contact may be
+  certificate     with --certificate: the files, and what proves surface, solid and contained; sum, at the
+                  end, is of the whole line
 What --demand does not ask for is null.
 
 Levels. Each is certain of what it says, and says `unknown` or null for what it does not know:
@@ -208,7 +227,8 @@ normal is what comes of that: a cube of size 1 in itself is 1.732 deep, along it
 Examples:
   echo '[{"a": null, "b": [1,0,0,2.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]' > poses.json
   cranny query bolt.obj nut.obj --poses poses.json
-  cranny query house.glb car.glb --scale-b 0.12 --poses poses.json --demand distance --format text"#;
+  cranny query house.glb car.glb --scale-b 0.12 --poses poses.json --demand distance --format text
+  cranny query bolt.obj nut.obj --poses poses.json --certificate | cranny verify -"#;
 
 /// Arguments of `cranny inspect`.
 #[derive(Debug, Args)]

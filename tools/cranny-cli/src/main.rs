@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod args;
+mod certificate_line;
 mod chart;
 mod check;
 mod compare;
@@ -23,11 +24,14 @@ mod pose_file;
 mod progress;
 mod query;
 mod quiet_driver;
+mod recover;
 mod replay;
+mod report;
 mod robot;
 mod run;
 mod scene_file;
 mod stability;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -38,12 +42,16 @@ use args::{Cli, Command};
 fn main() -> ExitCode {
     let cli = Cli::parse();
     quiet_driver::restart_without_noise(&cli.command);
-    logging::start(cli.verbose);
+    logging::start(cli.verbose, cli.quiet);
+    progress::start(cli.quiet);
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args, cli.format),
         Command::Replay(args) => replay::replay(args, cli.format),
+        Command::Recover(args) => recover::recover(args, cli.format),
+        Command::Report(args) => report::report(args, cli.format),
         Command::Explain(args) => explain::explain(args, cli.format),
         Command::Query(args) => query::query(args, cli.format),
+        Command::Verify(args) => verify::verify(args, cli.format),
         Command::Compare(args) => compare::compare(args, cli.format),
         Command::Accuracy(args) => accuracy::accuracy(args, cli.format),
         Command::Stability(args) => stability::stability(args, cli.format),

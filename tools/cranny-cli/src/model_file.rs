@@ -5,10 +5,12 @@ mod saved;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use cranny_certificate::Triangles;
 use cranny_concavity::Concavities;
 use cranny_concavity::Stage as ConcavityStage;
 use cranny_exact::DVec3;
-use cranny_geometry::{BuildError, BuildOptions, Flatness, Model, Report, Stage};
+use cranny_geometry::{BuildError, BuildOptions, Flatness, Mesh, Model, Report, Stage};
+use cranny_prover::filed;
 use cranny_scene::{MeshFile, MeshFileError, read_mesh};
 
 use crate::failure::Failure;
@@ -64,6 +66,20 @@ pub(crate) fn load(path: &Path, scale: f64, options: &BuildOptions) -> Result<Mo
     }
 }
 
+/// The triangles of a mesh file, scaled about the origin, or of a saved model: what [`load`]
+/// prepares, for certificates.
+///
+/// # Errors
+///
+/// As [`load`].
+pub(crate) fn triangles(path: &Path, scale: f64) -> Result<Triangles, Failure> {
+    check_input("mesh file", path)?;
+    Ok(filed(&match is_model(path) {
+        true => saved::load(path, scale, &BuildOptions::default())?.mesh().clone(),
+        false => scaled(path, read_mesh(path).map_err(unreadable)?.mesh, scale)?,
+    }))
+}
+
 /// [`load`], and what was found: a saved model is scanned for it.
 ///
 /// # Errors
@@ -106,16 +122,7 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
         };
         Failure::input(format!("mesh file {}: {error}. {advice}", path.display()))
     };
-    let mesh = if scale == 1.0 {
-        mesh
-    } else {
-        mesh.scaled(DVec3::splat(scale)).map_err(|error| {
-            Failure::input(format!(
-                "mesh file {}, scaled by {scale}: {error}. Choose another scale.",
-                path.display()
-            ))
-        })?
-    };
+    let mesh = scaled(path, mesh, scale)?;
     let flatness = if options.flatness == Flatness::Auto { flatness } else { options.flatness };
     let options = &BuildOptions { flatness, ..options.clone() };
     let mut stopwatch = Stopwatch::default();
@@ -133,6 +140,18 @@ fn prepare(path: &Path, scale: f64, options: &BuildOptions) -> Result<LoadedMode
     );
     tracing::debug!("{name}: {times:?}");
     Ok(LoadedModel { model, report, format: format.name(), notes, times })
+}
+
+fn scaled(path: &Path, mesh: Mesh, scale: f64) -> Result<Mesh, Failure> {
+    if scale == 1.0 {
+        return Ok(mesh);
+    }
+    mesh.scaled(DVec3::splat(scale)).map_err(|error| {
+        Failure::input(format!(
+            "mesh file {}, scaled by {scale}: {error}. Choose another scale.",
+            path.display()
+        ))
+    })
 }
 
 fn unreadable(error: MeshFileError) -> Failure {

@@ -94,6 +94,23 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     fs::write(path, text).map_err(|error| cannot_write(path, &error))
 }
 
+/// Writes a file under another name, and gives it its own when it is whole.
+///
+/// # Errors
+///
+/// Where it cannot be written or renamed.
+pub(crate) fn write_whole(path: &Path, text: &str) -> Result<(), Failure> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = Path::new(&partial);
+    let written = fs::write(partial, text).and_then(|()| fs::rename(partial, path));
+    written.map_err(|error| {
+        // What is half-written helps nobody; that it cannot be removed is not what failed.
+        let _ = fs::remove_file(partial);
+        cannot_write(path, &error)
+    })
+}
+
 /// Checks that a file could be written into such a folder, and leaves everything as it is.
 ///
 /// # Errors

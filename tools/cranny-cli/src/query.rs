@@ -4,11 +4,12 @@ mod line;
 
 use std::time::Instant;
 
-use cranny_estimate::{Budget, Effort, EstimateMemory, estimate};
+use cranny_estimate::{Accuracy, Budget, Effort, EstimateMemory, estimate};
 use cranny_geometry::BuildOptions;
 use cranny_narrow_phase::{Demand, Method, Placed, Query};
 
 use crate::args::{DemandArg, Format, MethodArg, QueryArgs};
+use crate::certificate_line::{CertifiedLine, Certifier, sealed};
 use crate::failure::Failure;
 use crate::model_file::load;
 use crate::output::Output;
@@ -22,11 +23,7 @@ use line::{Line, ShownFields};
 ///
 /// Wrong meshes, poses or options; standard output that cannot be written.
 pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Failure> {
-    if args.certificate {
-        return Err(Failure::input(
-            "--certificate: certificates come with a later version; leave the option out",
-        ));
-    }
+    check_certificate_options(args, format)?;
     // Poses first: they are read in no time, and a mistake in them is reported before the long
     // work.
     let poses = read_poses(&args.poses)?;
@@ -37,6 +34,7 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
     // Preparation is no part of a query's time.
     a.clusters();
     b.clusters();
+    let certifier = args.certificate.then(|| Certifier::new(&args.pair)).transpose()?;
     let question = Query::of(demand_of(args.demand)).by(method_of(args.method));
 
     let format = format.unwrap_or(Format::Json);
@@ -62,14 +60,36 @@ pub(crate) fn query(args: &QueryArgs, format: Option<Format>) -> Result<(), Fail
         })?;
         let shown = ShownFields { demand: args.demand, closed: [a.is_closed(), b.is_closed()] };
         let line = Line::new(index, &found, micros, shown);
-        match format {
-            Format::Json => output.json(&line),
-            Format::Text => output.line(&line.text()),
+        match (format, &certifier) {
+            (Format::Text, _) => output.line(&line.text()),
+            (Format::Json, None) => output.json(&line),
+            (Format::Json, Some(certifier)) => {
+                let certificate = certifier.certify(placed, &found).map_err(|error| {
+                    Failure::run(format!("pose {index}: no certificate: {error}."))
+                })?;
+                output.line(&sealed(&CertifiedLine { line, certificate })?)
+            }
         }?;
         bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(())
+}
+
+/// Certificates are about exact verdicts, and go into JSON lines.
+fn check_certificate_options(args: &QueryArgs, format: Option<Format>) -> Result<(), Failure> {
+    let wrong = |option: &str| {
+        Err(Failure::input(format!(
+            "--certificate: it proves exact verdicts, in JSON lines; leave {option} out."
+        )))
+    };
+    match () {
+        () if !args.certificate => Ok(()),
+        () if args.accuracy != Accuracy::Exact => wrong("--accuracy"),
+        () if args.budget.is_some() => wrong("--budget"),
+        () if format == Some(Format::Text) => wrong("--format text"),
+        () => Ok(()),
+    }
 }
 
 fn method_of(method: MethodArg) -> Method {

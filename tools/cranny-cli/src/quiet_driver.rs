@@ -35,6 +35,7 @@ fn draws(command: &Command) -> bool {
             args.preview.is_some() || args.frames.is_some() || args.record.is_some()
         }
         Command::Replay(args) => args.render.is_some(),
+        Command::Report(_) => true,
         Command::Inspect(args) => args.render.is_some(),
         Command::Accuracy(args) => args.mesh_b.is_none(),
         _ => false,

@@ -134,12 +134,18 @@ fn as_text(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> String 
     ];
     if !whole {
         lines.push(
-            "cut off    the file has no end: the run was killed, or the disk was full; what was not \
-             yet written out (32 frames at most) is lost"
+            "cut off    the file has no end: the run was killed, or the disk was full; \
+             'cranny recover' makes a whole recording of it"
                 .to_owned(),
         );
     } else if replay.recording().was_interrupted() {
         lines.push("broken off the run was interrupted; the file is whole".to_owned());
+    }
+    if replay.recording().damaged_chunks() > 0 {
+        lines.push(format!(
+            "damaged    {} chunks do not match their sums, and were not read",
+            replay.recording().damaged_chunks()
+        ));
     }
     lines.push(format!(
         "computed   {} frames anew: {} pairs the same to the bit, {} different",
@@ -174,6 +180,7 @@ fn as_json(replay: &Replay, report: &ReplayReport, args: &ReplayArgs) -> serde_j
         "version": 1,
         "recording": args.recording.display().to_string(),
         "complete": replay.recording().is_complete(),
+        "damaged_chunks": replay.recording().damaged_chunks(),
         "interrupted": replay.recording().was_interrupted(),
         "held_frames": replay.frames().len(),
         "frames": report.frames,

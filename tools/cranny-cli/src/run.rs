@@ -11,12 +11,12 @@ use cranny_ecs::{
     helices, rings,
 };
 use cranny_rapier::Detector;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::args::{DetectorArg, Format, RunArgs};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::paths::check_output;
+use crate::progress::RunProgress;
 use crate::scene_file::load;
 
 /// Things of a kind that the text summary lists; the JSON lists all.
@@ -25,9 +25,6 @@ const LISTED: usize = 8;
 /// A joint that is farther off at the end, while its motor was at its greatest effort, is named.
 /// Smaller: motors that reach it on their way are; larger: arms that sag are not.
 const OFF: f64 = 1e-3;
-
-/// How often progress is drawn, at most.
-const REDRAWS_PER_SECOND: u8 = 5;
 
 /// Runs the command.
 ///
@@ -75,18 +72,19 @@ pub(crate) fn run(args: &RunArgs, format: Option<Format>) -> Result<(), Failure>
     // Before anything is written that a Ctrl-C would have to finish.
     let stop = stop_flag();
     let mut app = SceneApp::new(&scene.description, &options).map_err(failure)?;
-    let progress = progress_bar(app.steps_total());
+    let dt = options.step.unwrap_or(scene.description.step);
+    let progress = RunProgress::new(app.steps_total(), dt);
     let mut steps_left = app.steps_total() > 0;
     while steps_left {
         if stop.load(Ordering::Relaxed) {
             app.interrupt();
         }
         steps_left = app.step().map_err(failure)?;
-        progress.set_position(app.steps_done());
+        progress.set(app.steps_done());
     }
-    progress.set_message("finishing");
+    progress.finishing();
     let summary = app.finish().map_err(failure)?;
-    progress.finish_and_clear();
+    progress.clear();
     let mut output = Output::new();
     match format.unwrap_or(Format::Text) {
         Format::Json => output.json(&summary),
@@ -124,16 +122,6 @@ pub(crate) fn stop_flag() -> Arc<AtomicBool> {
         tracing::warn!("Ctrl-C will end the run at once, without a summary ({error})");
     }
     stop
-}
-
-/// Steps on standard error, where that is a terminal.
-fn progress_bar(steps: u64) -> ProgressBar {
-    let target = indicatif::ProgressDrawTarget::stderr_with_hz(REDRAWS_PER_SECOND);
-    let bar = ProgressBar::with_draw_target(Some(steps), target).with_message("simulating");
-    match ProgressStyle::with_template("{msg} [{bar:30}] step {pos}/{len} ({eta} left)") {
-        Ok(style) => bar.with_style(style.progress_chars("=> ")),
-        Err(_) => bar,
-    }
 }
 
 /// The summary for people.

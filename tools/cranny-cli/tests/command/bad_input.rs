@@ -123,7 +123,6 @@ fn options_that_are_wrong_or_come_later() {
         assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(2), ""), "{outcome:?}");
         outcome.stderr
     };
-    assert!(query(&["--certificate"]).contains("later version"));
     assert!(query(&["--accuracy", "perfect"]).contains("choose boxes, hulls"));
     assert!(query(&["--accuracy", "tree"]).contains("how deep"));
     assert!(query(&["--budget", "many"]).contains("--budget"));
@@ -186,19 +185,6 @@ fn an_output_that_fails_late_is_told_in_the_report_as_well() {
     assert!(skipped["what"].as_str().unwrap().ends_with("out.cranny"), "{report}");
     assert!(skipped["why"].as_str().unwrap().contains("Check the folder"), "{report}");
     assert_eq!(report["outputs"].as_array().unwrap().len(), 0);
-}
-
-#[test]
-fn commands_of_later_versions_are_neither_known_nor_shown() {
-    let help = run(&["--help"]);
-    assert_eq!(help.code, Some(0));
-    for command in ["verify", "report"] {
-        let listed = |line: &str| line.trim_start().starts_with(command);
-        assert!(!help.stdout.lines().any(listed), "{}", help.stdout);
-        let outcome = run(&[command, "x"]);
-        assert_eq!(outcome.code, Some(2));
-        assert!(outcome.stderr.contains("unrecognized subcommand"), "{outcome:?}");
-    }
 }
 
 #[test]

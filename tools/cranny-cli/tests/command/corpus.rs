@@ -182,6 +182,31 @@ fn six_pairs_agree_on_all_poses_either_way_round() {
     assert!(differences.is_empty(), "{} differ:\n{}", differences.len(), differences.join("\n"));
 }
 
+/// The certificate of each pose holds, A and B either way round.
+#[test]
+fn certificates_of_all_poses_hold() {
+    let Some(corpus) = corpus() else { return };
+    let mut certificates = 0;
+    for pair in &pairs(&corpus) {
+        for order in [["a", "b"], ["b", "a"]] {
+            let folder = Folder::new();
+            let arguments = pair.arguments(order, &folder);
+            let arguments: Vec<&str> = ["query", "--certificate", "--demand", "intersects"]
+                .into_iter()
+                .chain(arguments.iter().map(String::as_str))
+                .collect();
+            let lines = run(&arguments);
+            assert_eq!(lines.code, Some(0), "{lines:?}");
+            let file = folder.write("certificates.jsonl", &lines.stdout);
+            for line in run(&["verify", &file, "--format", "json"]).json_lines() {
+                assert_eq!(line["holds"], true, "{}: {line}", pair.file.display());
+                certificates += 1;
+            }
+        }
+    }
+    assert_eq!(certificates, 2 * 240);
+}
+
 /// With memory, earlier queries change nothing: to the bit, in sorted and in shuffled order.
 #[test]
 fn answers_do_not_depend_on_the_order_of_poses() {

@@ -3,6 +3,7 @@
 
 mod accuracy;
 mod bad_input;
+mod certificates;
 mod compare;
 mod corpus;
 mod dyadic;
@@ -10,8 +11,10 @@ mod harness;
 mod inspect_and_check;
 mod inspect_concavities;
 mod query;
+mod recover;
 mod repair;
 mod replay;
+mod report;
 mod robot;
 mod saved_models;
 mod stability;

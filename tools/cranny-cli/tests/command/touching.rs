@@ -250,8 +250,11 @@ fn command_lines<'a>(
     let entry = |case: &Case| json!({"a": case.a.row_major(), "b": case.b.row_major()});
     let poses: Vec<Value> = trial.cases.iter().map(entry).collect();
     let poses = folder.write("poses.json", Value::Array(poses).to_string());
-    let lines = run(&["query", &a, &b, "--poses", &poses]).json_lines();
+    let outcome = run(&["query", &a, &b, "--poses", &poses, "--certificate"]);
+    let lines = outcome.json_lines();
     assert_eq!(lines.len(), trial.cases.len());
+    let verified = run(&["verify", &folder.write("certificates.jsonl", &outcome.stdout)]);
+    assert_eq!(verified.code, Some(0), "{:?}: {verified:?}", trial.names);
     trial.cases.iter().zip(verdicts).zip(lines).map(|((c, v), line)| (c, v, line)).collect()
 }
 
