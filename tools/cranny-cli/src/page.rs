@@ -48,9 +48,9 @@ impl Page {
 
     /// A picture as PNG.
     pub(crate) fn picture(&mut self, png: &[u8], caption: &str) {
-        let (data, caption) = (STANDARD.encode(png), escaped(caption));
+        let (data, caption) = (picture_data(png), escaped(caption));
         self.add(format_args!(
-            "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{data}\">\
+            "<figure><img alt=\"{caption}\" src=\"{data}\">\
              <figcaption>{caption}</figcaption></figure>"
         ));
     }
@@ -85,9 +85,25 @@ impl Page {
     }
 }
 
-/// A text as HTML shows it.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+/// A PNG as the address of an image.
+pub(crate) fn picture_data(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
+}
+
+/// A text as it may stand in a page, also in quotes.
+pub(crate) fn escaped(text: &str) -> String {
+    let shown = |c: &char| !c.is_control() || *c == '\n' || *c == '\t';
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars().filter(shown) {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            _ => out.push(c),
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -103,5 +119,6 @@ mod tests {
         assert!(html.contains("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>"), "{html}");
         assert!(html.contains("<th>&lt;i&gt;</th>") && html.contains("<td>x&lt;y</td>"), "{html}");
         assert_eq!(html.matches("</main>").count(), 1);
+        assert_eq!(escaped("<a & \"b\">\u{7}"), "&lt;a &amp; &quot;b&quot;&gt;");
     }
 }

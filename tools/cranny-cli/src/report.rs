@@ -16,7 +16,7 @@ use crate::output::Output;
 use crate::paths::{check_input, check_output, write_whole};
 use crate::progress;
 use facts::Facts;
-use page::Page;
+use page::RunPage;
 use pictures::Artist;
 
 /// Runs the command.
@@ -38,7 +38,7 @@ pub(crate) fn report(args: &ReportArgs, format: Option<Format>) -> Result<(), Fa
         close_ups.push((overlap.clone(), artist.close_up(overlap)?));
     }
     let recording = args.recording.display().to_string();
-    let page = Page { facts: &facts, recording, ending: ending(&replay), strip, close_ups };
+    let page = RunPage { facts: &facts, recording, ending: ending(&replay), strip, close_ups };
     let html = page.html();
     write_whole(&args.out, &html)?;
     waiting.finish_and_clear();

@@ -9,9 +9,10 @@ use cranny_render::palette::{self, palette};
 use super::facts::{Facts, Overlap};
 use super::pictures::Picture;
 use super::plot::{Axis, Series, plot};
+use crate::page::{escaped, picture_data};
 
 /// What is put on a page.
-pub(super) struct Page<'a> {
+pub(super) struct RunPage<'a> {
     pub(super) facts: &'a Facts,
     /// The recording, as it was named.
     pub(super) recording: String,
@@ -24,7 +25,7 @@ pub(super) struct Page<'a> {
 /// Series that have a colour of their own.
 const COLORS: usize = 6;
 
-impl Page<'_> {
+impl RunPage<'_> {
     /// The page as text.
     pub(super) fn html(&self) -> String {
         let title = escaped(self.facts.fact("scene"));
@@ -178,9 +179,9 @@ impl Page<'_> {
 }
 
 fn figure(png: &[u8], alt: &str, caption: &str) -> String {
-    let data = base64(png);
     format!(
-        "<figure><img alt=\"{alt}\" src=\"data:image/png;base64,{data}\"/><figcaption>{caption}</figcaption></figure>"
+        "<figure><img alt=\"{alt}\" src=\"{}\"/><figcaption>{caption}</figcaption></figure>",
+        picture_data(png)
     )
 }
 
@@ -219,37 +220,6 @@ fn short(value: f64) -> String {
         }
         _ => format!("{value:.2e}"),
     }
-}
-
-/// Text as it may stand in a page, also in quotes.
-fn escaped(text: &str) -> String {
-    let shown = |c: char| !c.is_control() || c == '\n' || c == '\t';
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars().filter(|&c| shown(c)) {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            _ => out.push(c),
-        }
-    }
-    out
-}
-
-/// RFC 4648, with padding.
-fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut out = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let word =
-            chunk.iter().fold(0u32, |word, &b| word << 8 | u32::from(b)) << (8 * (3 - chunk.len()));
-        for i in 0..4 {
-            let letter = LETTERS[(word >> (18 - 6 * i) & 63) as usize];
-            out.push(if i <= chunk.len() { char::from(letter) } else { '=' });
-        }
-    }
-    out
 }
 
 fn hex(Color { r, g, b, .. }: Color) -> String {
@@ -294,15 +264,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_written_as_the_standard_says() {
-        for (bytes, text) in
-            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
-        {
-            assert_eq!(base64(bytes.as_bytes()), text);
-        }
-    }
-
-    #[test]
     fn numbers_have_three_digits() {
         let cases = [
             (0.0, "0.00000"),
@@ -314,6 +275,5 @@ mod tests {
         for (value, text) in cases {
             assert_eq!(short(value), text);
         }
-        assert_eq!(escaped("<a & \"b\">\u{7}"), "&lt;a &amp; &quot;b&quot;&gt;");
     }
 }
