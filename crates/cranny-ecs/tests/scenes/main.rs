@@ -13,6 +13,7 @@ mod fixed_update;
 mod force_feedback;
 mod links;
 mod parts;
+mod paths;
 mod penetration;
 mod proximity;
 #[cfg(feature = "record")]

@@ -4,8 +4,10 @@
 
 mod arm;
 mod generated;
+mod house;
 mod meeting;
 mod physical;
+mod worlds;
 
 use std::fs;
 use std::path::PathBuf;
