@@ -152,9 +152,9 @@ fn turned(turns: f64, radius: f64) -> DVec2 {
 pub struct Propeller {
     /// Radius of the blades' tips, scene units. Default: 0.5.
     pub radius: f64,
-    /// Number of blades, 2 to 12. Default: 5.
+    /// Number of blades, 2 to 8. Default: 5.
     pub blades: u32,
-    /// How far along z a blade reaches per unit of length around the axis, -2 to 2. Default: 0.6.
+    /// How far along z a blade reaches per unit of length around the axis, -1 to 1. Default: 0.6.
     pub pitch: f64,
     /// Segments around the axis, at least 4 a blade and at most 1,024. Default: 60.
     pub segments: u32,
@@ -176,8 +176,8 @@ impl Propeller {
         let checked = Checked { shape: "Propeller" };
         let Self { radius, blades, pitch, segments } = *self;
         checked.length("radius", radius)?;
-        checked.count("blades", blades, 2, 12)?;
-        checked.within("pitch", pitch, [-2.0, 2.0], "a slope")?;
+        checked.count("blades", blades, 2, 8)?;
+        checked.within("pitch", pitch, [-1.0, 1.0], "a slope")?;
         checked.count("segments", segments, 4 * blades, 1 << 10)?;
         let (hub, share) = (0.24, 1.0 / f64::from(blades));
         let mut propeller = Blocks::around(1.0).add([0.0, -0.2, 0.08], [1.0, 0.2, hub]);

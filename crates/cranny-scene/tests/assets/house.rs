@@ -29,7 +29,7 @@ pub(crate) fn house() -> String {
     world.file(
         "A furnished house, its roof left out. A visitor comes in by the front door, pushes a chair away, climbs the\n\
          stairs and goes through the gallery into the bathroom; both doors hang on hinges and are pushed open. Its path\n\
-         meets no wall: tests/scenes/house.rs proves it.",
+         meets no wall: a swept test proves it.",
         "    gravity: (0, 0, -9.81),\n    step: 0.008333333333333333, // 1/120 s\n    duration: 24,\n",
         "    effects: [Response()],\n    cameras: [\n        (name: \"above\", look_at: (eye: (3.2, -9, 13), target: (4.9, 3.6, 1), field_of_view: 0.62)),\n        (name: \"inside\", look_at: (eye: (9.4, 0.6, 2.4), target: (3, 3.4, 1.2), field_of_view: 1.05)),\n        (name: \"kitchen\", look_at: (eye: (9.3, 5.1, 2.1), target: (4, 6.8, 0.8), field_of_view: 1)),\n    ],\n    record: (every: 4),\n",
     )
@@ -53,17 +53,17 @@ fn wall(
     world.fixed(name, &shape, place);
 }
 
-fn cuboid(size: [f64; 3]) -> String {
+pub(crate) fn cuboid(size: [f64; 3]) -> String {
     format!("Cuboid(size: ({}))", list(&size))
 }
 
-fn boxes(all: &[[f64; 6]]) -> String {
+pub(crate) fn boxes(all: &[[f64; 6]]) -> String {
     let all: Vec<String> =
         all.iter().map(|b| format!("(({}), ({}))", list(&b[..3]), list(&b[3..]))).collect();
     format!("Boxes(add: [{}])", all.join(", "))
 }
 
-fn lathe(profile: &[[f64; 2]], segments: u32) -> String {
+pub(crate) fn lathe(profile: &[[f64; 2]], segments: u32) -> String {
     let points: Vec<String> = profile.iter().map(|p| format!("({})", list(p))).collect();
     format!("Lathe(profile: [{}], segments: {segments})", points.join(", "))
 }

@@ -97,6 +97,24 @@ impl World {
         );
     }
 
+    /// A joint about the z axis of the child, where it is: `anchor` and `turn` (fixed axes, degrees)
+    /// are those of its frame in the parent. A damper resists.
+    pub(crate) fn axle(
+        &mut self,
+        [parent, child]: [&str; 2],
+        anchor: [f64; 3],
+        turn: [f64; 3],
+        damping: f64,
+    ) {
+        let _ = writeln!(
+            self.joints,
+            "        (name: \"axle of {child}\", parent: \"{parent}\", child: \"{child}\", parent_anchor: (at: ({}), euler_degrees: ({})),\n         kind: Revolute(axis: (0, 0, 1)), motor: (stiffness: 0, damping: {})),",
+            list(&anchor),
+            list(&turn),
+            number(damping)
+        );
+    }
+
     /// The file: comment lines, settings, and what follows the bodies.
     pub(crate) fn file(&self, comment: &str, settings: &str, rest: &str) -> String {
         let comment: String = comment.lines().map(|line| format!("// {line}\n")).collect();

@@ -105,7 +105,7 @@ fn vehicles_are_solid_at_any_fineness() {
     for (spokes, segments) in [(2, 8), (8, 64), (13, 100)] {
         solid(SpokedWheel { spokes, segments, ..SpokedWheel::default() }, i64::from(spokes) + 1);
     }
-    for (blades, pitch) in [(2, -1.0), (5, 0.6), (12, 1.0)] {
+    for (blades, pitch) in [(2, -1.0), (5, 0.6), (8, 1.0)] {
         solid(Propeller { blades, pitch, ..Propeller::default() }, 1);
     }
     for segments in [24, 48] {
