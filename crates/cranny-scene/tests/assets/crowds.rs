@@ -106,7 +106,7 @@ fn dented_cans() -> String {
     for k in 0..8 {
         let (row, column) = (k / 4, k % 4);
         let at = [
-            -2.1 + 1.4 * f64::from(column),
+            -2.6 + 1.75 * f64::from(column),
             if row == 0 { -0.25 } else { 0.3 },
             2.0 + 1.6 * f64::from(row) + 0.3 * f64::from(column),
         ];

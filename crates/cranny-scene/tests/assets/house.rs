@@ -295,9 +295,9 @@ fn living_room(world: &mut World) {
     world.loose("lamp_sofa", "Lamp()", Place([8.8, 2.9, 0.001], 0.0), 800.0);
     world.loose("lamp_window", "Lamp(height: 1.4)", Place([9.3, 0.7, 0.001], 0.0), 800.0);
     for (k, [x, y]) in [[6.8, 1.6], [7.3, 1.75], [7.4, 1.45]].into_iter().enumerate() {
-        world.loose(&format!("mug_{k}"), MUG, Place([x, y, 0.421], 0.0), CERAMICS);
+        world.loose(&format!("mug_{k}"), MUG, Place([x, y, 0.4215], 0.0), CERAMICS);
     }
-    world.loose("bowl_low", &bowl(), Place([7.05, 1.65, 0.421], 0.0), CERAMICS);
+    world.loose("bowl_low", &bowl(), Place([7.05, 1.65, 0.4215], 0.0), CERAMICS);
 }
 
 const MUG: &str = "Cup(radius: 0.045, height: 0.1, wall: 0.008, floor: 0.01, segments: 24)";
@@ -345,20 +345,20 @@ fn kitchen(world: &mut World) {
         for (side, y, turn) in [("south", -0.72, 180.0), ("north", 0.72, 0.0)] {
             let name = format!("chair_{side}_{k}");
             world.loose(&name, "Chair()", Place([table[0] + x, table[1] + y, 0.001], turn), WOOD);
-            let at = |y: f64| [table[0] + x, table[1] + y, 0.751];
+            let at = |y: f64| [table[0] + x, table[1] + y, 0.7515];
             let near = 0.3 * y.signum();
             world.loose(&format!("plate_{side}_{k}"), PLATE, Place(at(near), 0.0), CERAMICS);
-            let mug = [table[0] + x + 0.2, table[1] + near, 0.751];
+            let mug = [table[0] + x + 0.2, table[1] + near, 0.7515];
             world.loose(&format!("cup_{side}_{k}"), MUG, Place(mug, 0.0), CERAMICS);
         }
         world.loose(
             &format!("bottle_{k}"),
             &bottle(),
-            Place([table[0] + x + 0.3, table[1], 0.751], 0.0),
+            Place([table[0] + x + 0.3, table[1], 0.7515], 0.0),
             1200.0,
         );
     }
-    world.loose("bowl_table", &bowl(), Place([table[0], table[1], 0.751], 0.0), CERAMICS);
+    world.loose("bowl_table", &bowl(), Place([table[0], table[1], 0.7515], 0.0), CERAMICS);
     // A worktop with a hole for the sink, along the north wall.
     let top = "Boxes(add: [((-1.5, -0.3, 0), (1.5, 0.3, 0.9))], cut: [((-0.4, -0.22, 0.6), (0.4, 0.22, 2)), ((-1.45, -0.4, 0.1), (-0.5, 0.25, 0.8)), ((0.5, -0.4, 0.1), (1.45, 0.25, 0.8))])";
     world.fixed("worktop", top, Place([7.4, 7.48, 0.0], 0.0));

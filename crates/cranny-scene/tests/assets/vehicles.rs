@@ -185,7 +185,7 @@ fn crew_room(world: &mut World) {
     );
     for k in 0..3 {
         let cup = "Cup(radius: 0.05, height: 0.1, wall: 0.01, floor: 0.01, segments: 24)";
-        let at = [-1.8 + 0.3 * f64::from(k), -0.9, DECK + 0.652];
+        let at = [-1.8 + 0.3 * f64::from(k), -0.9, DECK + 0.6515];
         world.loose(&format!("cup_{k}"), cup, Place(at, 0.0), STEEL);
     }
     world.loose("stool", "Chair()", Place([-0.6, -0.8, DECK + 0.001], -90.0), 500.0);
