@@ -111,8 +111,8 @@ fn has_arrived(from: &Pose, to: &Pose, reach: f64) -> bool {
     from.translation.distance(to.translation) <= bound * size && turn <= bound
 }
 
-/// The velocities of a centre of mass (given in the body's frame) that lead from one pose to another
-/// in `dt` seconds.
+/// The velocities that lead from one pose to another in `dt` seconds; the linear one is that of the
+/// centre of mass, given in the body's frame.
 fn velocities(from: &Pose, to: &Pose, center: DVec3, dt: f64) -> [DVec3; 2] {
     let at = |pose: &Pose| pose.world_from_body().apply(center);
     let turn = to.rotation * from.rotation.conjugate();

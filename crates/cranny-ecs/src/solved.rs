@@ -181,8 +181,8 @@ impl RigidBodies {
         Some(&self.answers[at].contacts)
     }
 
-    /// The point of a body, in its frame, that its linear velocity is of; `None` for bodies that the
-    /// solver does not have.
+    /// The point of a body, in its frame, that its linear velocity is of; `None` for bodies that
+    /// the solver does not have.
     #[must_use]
     pub fn center_of_mass(&self, body: BodyId) -> Option<DVec3> {
         self.index(body).map(|index| self.simulation.center_of_mass(index))

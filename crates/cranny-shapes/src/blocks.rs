@@ -74,7 +74,7 @@ impl Blocks {
         cells.boundary(map).finish(checked.shape)
     }
 
-    /// The coordinates of an axis, rising; those nearer to each other than the least detail are one.
+    /// The coordinates of an axis, rising; those nearer together than the least detail are one.
     fn axis(&self, axis: usize, longest: f64) -> Axis {
         let ends = self.blocks.iter().flat_map(|block| [block.min[axis], block.max[axis]]);
         let mut at: Axis = ends.collect();

@@ -1,4 +1,4 @@
-//! Solids that a scene file describes itself: boxes put together, and profiles turned about an axis.
+//! Solids that a scene file describes itself: boxes put together, profiles turned about an axis.
 
 use cranny_exact::{DVec2, Sign, orient2d};
 use cranny_geometry::Mesh;
@@ -62,8 +62,8 @@ impl Boxes {
 }
 
 /// A profile turned about z. The profile is a polygon of points (distance from the axis, z) that
-/// does not cross itself; where it begins and ends on the axis the solid is a lump, else a ring. The
-/// vertices lie on the turned profile.
+/// does not cross itself; where it begins and ends on the axis the solid is a lump, else a ring.
+/// The vertices lie on the turned profile.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Lathe {
@@ -85,8 +85,8 @@ impl Lathe {
     ///
     /// # Errors
     ///
-    /// [`ShapeError::Parameter`] outside the ranges above, [`ShapeError::Outline`] where the profile
-    /// crosses itself or touches the axis on its way, [`ShapeError::TooManyFaces`].
+    /// [`ShapeError::Parameter`] outside the ranges above, [`ShapeError::Outline`] where the
+    /// profile crosses itself or touches the axis on its way, [`ShapeError::TooManyFaces`].
     pub fn build(&self) -> Result<Mesh, ShapeError> {
         let checked = Checked { shape: "Lathe" };
         checked.count("segments", self.segments, 3, MAX_SEGMENTS)?;

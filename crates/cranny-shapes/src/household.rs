@@ -74,8 +74,8 @@ impl Wall {
     }
 }
 
-/// A chair that stands on `z = 0`, centred about z, its back at +y: four legs, a seat, and a back of
-/// two posts and three slats.
+/// A chair that stands on `z = 0`, centred about z, its back at +y: four legs, a seat, and a back
+/// of two posts and three slats.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Chair {

@@ -25,3 +25,5 @@ mod response;
 #[cfg(feature = "rapier")]
 mod sound;
 mod spatial;
+#[cfg(all(feature = "rapier", feature = "scene"))]
+mod worlds;

@@ -97,8 +97,8 @@ impl World {
         );
     }
 
-    /// A joint about the z axis of the child, where it is: `anchor` and `turn` (fixed axes, degrees)
-    /// are those of its frame in the parent. A damper resists.
+    /// A joint about the child's z axis, where it is: `anchor` and `turn` (degrees about the fixed
+    /// axes) are those of its frame in the parent. A damper resists.
     pub(crate) fn axle(
         &mut self,
         [parent, child]: [&str; 2],
