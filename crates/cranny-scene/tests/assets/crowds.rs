@@ -101,7 +101,7 @@ fn can() -> String {
 fn dented_cans() -> String {
     let mut world = World::default();
     world.fixed("floor", &cuboid([14.0, 14.0, 1.0]), Place([0.0, 0.0, -0.5], 0.0));
-    let anvil = "Boxes(add: [((-3, -0.15, 0), (3, 0.15, 0.8)), ((-0.15, -3, 0), (0.15, 3, 0.8))])";
+    let anvil = "Boxes(add: [((-3.5, -0.5, 0), (3.5, 0.5, 0.4)), ((-0.5, -3, 0), (0.5, 3, 0.4)), ((-3.5, -0.3, 0), (3.5, 0.3, 0.6))])";
     world.fixed("anvil", anvil, Place([0.0; 3], 0.0));
     for k in 0..8 {
         let (row, column) = (k / 4, k % 4);
@@ -111,7 +111,7 @@ fn dented_cans() -> String {
             2.0 + 1.6 * f64::from(row) + 0.3 * f64::from(column),
         ];
         let angles = [90.0 + 20.0 * f64::from(row), 15.0 * f64::from(column), 40.0 * f64::from(k)];
-        let rest = "velocity: (linear: (0, 0, -6)), material: (density: 1, friction: 0.4), effects: [Deformation(hardness: 600, radius: 0.35)]";
+        let rest = "velocity: (linear: (0, 0, -4)), material: (density: 1, friction: 0.4), effects: [Deformation(hardness: 600, radius: 0.35)]";
         world.posed(&format!("can_{k}"), &can(), at, angles, rest);
     }
     world.file(

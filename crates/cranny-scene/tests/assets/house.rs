@@ -31,7 +31,7 @@ pub(crate) fn house() -> String {
          stairs and goes through the gallery into the bathroom; both doors hang on hinges and are pushed open. Its path\n\
          meets no wall: a swept test proves it.",
         "    gravity: (0, 0, -9.81),\n    step: 0.008333333333333333, // 1/120 s\n    duration: 24,\n",
-        "    effects: [Response()],\n    cameras: [\n        (name: \"above\", look_at: (eye: (3.2, -9, 13), target: (4.9, 3.6, 1), field_of_view: 0.62)),\n        (name: \"inside\", look_at: (eye: (9.4, 0.6, 2.4), target: (3, 3.4, 1.2), field_of_view: 1.05)),\n        (name: \"kitchen\", look_at: (eye: (9.3, 5.1, 2.1), target: (4, 6.8, 0.8), field_of_view: 1)),\n    ],\n    record: (every: 4),\n",
+        "    effects: [Response()],\n    cameras: [\n        (name: \"above\", look_at: (eye: (3.4, -9.5, 13.5), target: (5, 3.5, 1), field_of_view: 0.66)),\n        (name: \"inside\", look_at: (eye: (9.4, 0.6, 2.4), target: (3, 3.4, 1.2), field_of_view: 1.05)),\n        (name: \"kitchen\", look_at: (eye: (9.3, 5.1, 2.1), target: (4, 6.8, 0.8), field_of_view: 1)),\n    ],\n    record: (every: 4),\n",
     )
 }
 

@@ -86,28 +86,27 @@ fn wheels(world: &mut World) {
     world.axle(["body", "steering_wheel"], [at[0], at[1], at[2] - RAISED], tilt, 0.01);
 }
 
-/// A hand at the origin, the arm along +y.
+/// A hand at the origin, the arm along +y, a finger that points forward.
 fn arm() -> String {
     boxes(&[
-        [-0.045, 0.0, -0.02, 0.045, 0.1, 0.02],
-        [-0.045, -0.08, -0.015, -0.025, 0.02, 0.01],
-        [-0.02, -0.1, -0.015, 0.0, 0.02, 0.01],
-        [0.005, -0.09, -0.015, 0.025, 0.02, 0.01],
+        [-0.05, -0.05, -0.02, 0.045, 0.1, 0.02],
+        [0.03, -0.02, -0.012, 0.14, 0.0, 0.012],
+        [-0.05, -0.03, -0.05, -0.02, 0.0, 0.01],
         [-0.035, 0.08, -0.035, 0.035, 0.9, 0.035],
     ])
 }
 
-/// In through the window, to and fro across the wheel's rim, and out again.
+/// In through the window, behind the wheel's rim; the finger goes in beside a spoke and pushes it.
 fn reach() -> Vec<Stop> {
-    let (x, z) = (0.21, 1.09);
+    let (behind, within, z) = (0.04, 0.12, 1.06);
     let stops = [
-        (0.0, [x, 1.5, z]),
-        (1.5, [x, 0.66, z]),
-        (2.2, [x + 0.03, 0.6, z]),
-        (3.4, [x + 0.03, 0.3, z]),
-        (4.6, [x + 0.03, 0.62, z]),
-        (5.2, [x, 0.7, z]),
-        (6.6, [x, 1.5, z]),
+        (0.0, [behind, 1.5, z]),
+        (1.6, [behind, 0.475, z]),
+        (2.0, [within, 0.475, z]),
+        (3.4, [within, 0.35, z]),
+        (4.4, [within, 0.45, z]),
+        (4.8, [behind, 0.45, z]),
+        (6.4, [behind, 1.5, z]),
     ];
     stops.into_iter().map(|(time, at)| Stop(time, Place(at, 0.0))).collect()
 }
