@@ -111,7 +111,7 @@ fn dented_cans() -> String {
             2.0 + 1.6 * f64::from(row) + 0.3 * f64::from(column),
         ];
         let angles = [90.0 + 20.0 * f64::from(row), 15.0 * f64::from(column), 40.0 * f64::from(k)];
-        let rest = "velocity: (linear: (0, 0, -4)), material: (density: 1, friction: 0.4), effects: [Deformation(hardness: 600, radius: 0.35)]";
+        let rest = "velocity: (linear: (0, 0, -6)), material: (density: 1, friction: 0.4), effects: [Deformation(hardness: 3000, radius: 0.35)]";
         world.posed(&format!("can_{k}"), &can(), at, angles, rest);
     }
     world.file(

@@ -147,8 +147,7 @@ fn decks(world: &mut World) {
 
 fn tubes(world: &mut World) {
     let tube = lathe(&[[0.27, -1.2], [0.32, -1.2], [0.32, 1.2], [0.27, 1.2]], 28);
-    let mut k = 0;
-    for y in [-0.75, 0.75] {
+    for (k, y) in [-0.75, 0.75].into_iter().enumerate() {
         let at = [4.2, y, DECK + 0.36];
         world.posed(&format!("tube_{k}"), &tube, at, [0.0, 90.0, 0.0], "kind: Fixed");
         let torpedo =
@@ -161,7 +160,6 @@ fn tubes(world: &mut World) {
             [0.0, 90.0, 0.0],
             &rest,
         );
-        k += 1;
     }
     let motor = boxes(&[
         [-0.9, -0.5, 0.0, 0.6, 0.5, 0.3],
