@@ -58,6 +58,7 @@ pub struct RunOptions {
 ///     pose: Pose::at(DVec3::new(x, 0.0, 0.0)),
 ///     linear_velocity: DVec3::new(velocity, 0.0, 0.0),
 ///     angular_velocity: DVec3::ZERO,
+///     path: None,
 ///     material: Material::default(),
 ///     mass: None,
 ///     normals: Normals::default(),

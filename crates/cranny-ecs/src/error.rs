@@ -57,6 +57,14 @@ pub enum SceneAppError {
         /// The one that is missing.
         needs: &'static str,
     },
+    /// A path on a body that is not kinematic.
+    #[error(
+        "body '{body}' has a path, but is not kinematic: make it kinematic, or leave the path out"
+    )]
+    PathOfOtherKind {
+        /// Which body.
+        body: String,
+    },
     /// Colliders of a body that are no mesh together.
     #[error("the colliders of body '{body}' cannot be put together: {why}")]
     Parts {

@@ -64,6 +64,7 @@ mod outputs;
 mod painting;
 mod pair;
 mod parts;
+mod paths;
 mod penetration;
 mod plan;
 mod plugins;
@@ -131,6 +132,7 @@ pub use painting::{
 };
 pub use pair::{BodyPair, NeverMeet};
 pub use parts::ColliderOf;
+pub use paths::{FollowsPath, PathPlugin, PathSystems};
 pub use penetration::{PenetrationPair, PenetrationPlugin, PenetrationReport, PenetrationSystems};
 pub use plan::{AbsentEffect, Plan, PlannedEffect, PlannedPairs, PlannedSchedule, PlannedSystem};
 pub use plugins::{CrannyPlugins, FixedUpdatePlugin, PluginOptions, check_effects};

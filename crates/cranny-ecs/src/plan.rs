@@ -18,6 +18,7 @@ use crate::contacts::ContactsSystems;
 use crate::effects::{AskedBy, EffectKind, EffectTable};
 use crate::force_feedback::ForceFeedbackSystems;
 use crate::kinematics::KinematicsSystems;
+use crate::paths::PathSystems;
 use crate::penetration::PenetrationSystems;
 use crate::proximity::ProximitySystems;
 use crate::readers::ContactReaders;
@@ -122,7 +123,8 @@ fn known_sets() -> Vec<KnownSet> {
         expect(unused_mut, reason = "other effects add theirs")
     )]
     let mut sets = known! {
-        "core": CoreSystems::Admit, CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move;
+        "core": CoreSystems::Admit, CoreSystems::Motion, CoreSystems::Clock, KinematicsSystems::Move,
+            PathSystems::Lead;
         "Trigger": TriggerSystems::Detect, TriggerSystems::Report;
         "Proximity": ProximitySystems::Detect, ProximitySystems::Report;
         "Contacts": ContactsSystems::Detect, ContactsSystems::Report;

@@ -21,6 +21,7 @@ use crate::force_feedback::ForceFeedbackPlugin;
 use crate::kinematics::KinematicsPlugin;
 use crate::links::{LinkPlugin, Ring};
 use crate::motion::{Helix, MotionPlugin};
+use crate::paths::PathPlugin;
 use crate::penetration::PenetrationPlugin;
 use crate::proximity::ProximityPlugin;
 use crate::spawn::SpawnScene;
@@ -267,7 +268,7 @@ impl PluginGroup for CrannyPlugins {
         let core = CorePlugin { effects: effects.clone() };
         // Those that keep bodies of their own come before the scene, whose bodies they take in.
         let mut group = PluginGroupBuilder::start::<Self>().add(clock).add(core);
-        group = group.add(AdmissionPlugin).add(KinematicsPlugin);
+        group = group.add(AdmissionPlugin).add(KinematicsPlugin).add(PathPlugin);
         if detects {
             group = group.add(DetectionPlugin::new(&self.scene_effects, &effects, &self.options));
         }

@@ -340,6 +340,7 @@ fn described(body: &ReplayBody, frame: &ReplayFrame) -> BodyDescription {
         pose: frame.poses.get(&body.drawn.name).copied().unwrap_or(Pose::IDENTITY),
         linear_velocity: DVec3::ZERO,
         angular_velocity: DVec3::ZERO,
+        path: None,
         material: Material::default(),
         mass: None,
         normals: Normals::default(),

@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bevy_ecs::prelude::*;
 use bevy_math::Vec3;
 use bevy_transform::components::Transform;
+use cranny_exact::DVec3;
 use cranny_geometry::Model;
 use cranny_rapier::{
     BodyIndex, Detector as Detection, Energy, JointIndex, MassSource, PairContacts, Simulation,
@@ -178,6 +179,13 @@ impl RigidBodies {
     pub(crate) fn contacts_of(&self, pair: Pair) -> Option<&PairContacts> {
         let at = self.answers.binary_search_by_key(&pair, |answer| answer.pair).ok()?;
         Some(&self.answers[at].contacts)
+    }
+
+    /// The point of a body, in its frame, that its linear velocity is of; `None` for bodies that
+    /// the solver does not have.
+    #[must_use]
+    pub fn center_of_mass(&self, body: BodyId) -> Option<DVec3> {
+        self.index(body).map(|index| self.simulation.center_of_mass(index))
     }
 
     /// Whether the solver's own detector gives exact answers.

@@ -7,14 +7,16 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use cranny_geometry::{Mesh, Model};
 use cranny_world::Layers;
-use cranny_world::description::{BodyDescription, Normals, SceneDescription};
+use cranny_world::description::{BodyDescription, BodyKind, Normals, SceneDescription};
 
 use crate::body::{narrowed, transform_of};
+use crate::clock::SimulatedTime;
 use crate::collider::{Collider, VisualMesh};
 use crate::effects::{EffectKind, EffectTable, add_effects};
 use crate::error::{Failure, SceneAppError};
 use crate::joints::{Follows, Joint};
 use crate::pair::{BodyPair, NeverMeet};
+use crate::paths::FollowsPath;
 use crate::properties::{
     AngularVelocity, CollisionLayers, Density, Friction, LinearVelocity, Mass, Restitution,
     RigidBody, Sensor, SmoothNormals,
@@ -132,6 +134,7 @@ impl SpawnScene {
     fn spawn_body(&self, world: &mut World, index: usize) -> Entity {
         let body = &self.scene.bodies[index];
         let layers = layers_of(world, body);
+        let since = world.resource::<SimulatedTime>().seconds();
         let responds = world.resource::<EffectTable>().names(EffectKind::Response);
         let mut entity = world.spawn((
             Name::new(body.name.clone()),
@@ -141,6 +144,12 @@ impl SpawnScene {
             AngularVelocity(narrowed(body.angular_velocity)),
             CollisionLayers(layers),
         ));
+        if let Some(path) = &body.path {
+            entity.insert((
+                FollowsPath { path: Arc::clone(path), since },
+                transform_of(&path.pose_at(0.0)),
+            ));
+        }
         if let Some(visual) = &body.visual {
             entity.insert(VisualMesh(visual.clone()));
         }
@@ -214,6 +223,10 @@ fn check(scene: &SceneDescription) -> Result<(), SceneAppError> {
         if EffectKind::of(effect).is_none() {
             return Err(SceneAppError::UnsupportedEffect { effect: effect.name() });
         }
+    }
+    let led = |body: &&BodyDescription| body.path.is_some() && body.kind != BodyKind::Kinematic;
+    if let Some(body) = scene.bodies.iter().find(led) {
+        return Err(SceneAppError::PathOfOtherKind { body: body.name.clone() });
     }
     let mut names = LayerNames::default();
     let mut layers: Vec<&String> = scene.bodies.iter().flat_map(|body| &body.layers).collect();

@@ -188,8 +188,11 @@ impl Simulation {
             .restitution(spec.restitution as Real)
             .collision_groups(InteractionGroups::new(groups, groups, InteractionTestMode::And))
             .user_data(u128::from(index));
-        if spec.kind == BodyKind::Dynamic {
-            collider = collider.mass_properties(spec.mass.properties(spec.model)?);
+        match (spec.kind, spec.mass.properties(spec.model)) {
+            (BodyKind::Dynamic, mass) => collider = collider.mass_properties(mass?),
+            // It turns about its centre of mass too; an open mesh has none.
+            (BodyKind::Kinematic, Ok(mass)) => collider = collider.mass_properties(mass),
+            _ => {}
         }
         // What rapier looks ahead by itself, it looks ahead by a pair's velocity at the beginning
         // of the step.
@@ -278,6 +281,13 @@ impl Simulation {
     pub fn velocity(&self, body: BodyIndex) -> (DVec3, DVec3) {
         let b = self.body(body);
         (wide(b.linvel()), wide(b.angvel()))
+    }
+
+    /// The point of a body, in its frame, that its linear velocity is of: the centre of mass of
+    /// dynamic bodies, and of kinematic ones whose mesh is closed; else the origin.
+    #[must_use]
+    pub fn center_of_mass(&self, body: BodyIndex) -> DVec3 {
+        wide(self.body(body).mass_properties().local_mprops.local_com)
     }
 
     /// Puts a body elsewhere.

@@ -8,7 +8,7 @@ use cranny_scene::{
     LoadOptions, LoadedScene, SceneError, load_scene, load_scene_with, parse_scene,
 };
 use cranny_world::description::{
-    BodyKind, CameraView, Effect, JointKind, Material, Motor, Normals,
+    BodyKind, CameraView, Effect, Interpolation, JointKind, Material, Motor, Normals, PathEnd,
 };
 use miette::Diagnostic;
 
@@ -389,4 +389,40 @@ fn a_pair_may_be_kept_apart_and_a_body_only_noticed() {
     assert_eq!((together.excluded_pairs.len(), together.pairs.len()), (0, 1));
     let both = parse(&scene(", collide: false, effects: [Trigger()]")).unwrap_err().to_string();
     assert!(both.contains("collide: false") && both.contains("Keep one"), "{both}");
+}
+
+#[test]
+fn a_path_is_read_with_its_poses_and_its_end() {
+    let text = "(bodies: [(name: \"lift\", shape: Generator(Cuboid()), kind: Kinematic, path: (
+        keyframes: [(time: 1, pose: (at: (1, 0, 0))), (time: 2, pose: (euler_degrees: (0, 0, 90)))],
+        interpolation: Eased, end: Loop,
+    ))])";
+    let loaded = parse(text).unwrap();
+    let body = &loaded.description.bodies[0];
+    let path = body.path.as_ref().unwrap();
+    assert_eq!(body.pose, path.keyframes()[0].pose);
+    assert_eq!((path.interpolation(), path.end()), (Interpolation::Eased, PathEnd::Loop));
+    assert_eq!(path.duration(), 2.0);
+    let turned = path.keyframes()[1].pose.rotation * DVec3::X;
+    assert!((turned - DVec3::Y).length() < 1e-12);
+}
+
+#[test]
+fn a_path_that_is_none_is_refused_at_its_body() {
+    let refused = |kind: &str, more: &str, keyframes: &str| {
+        let text = format!(
+            "(bodies: [\n  (name: \"lift\", shape: Generator(Cuboid()), kind: {kind}, {more}\n   path: (keyframes: [{keyframes}]))])"
+        );
+        let error = parse(&text).unwrap_err().to_string();
+        assert!(error.contains("test.ron, line 2, column"), "{error}");
+        assert!(error.contains("\"lift\" has a path"), "{error}");
+        error
+    };
+    let two = "(time: 0), (time: 1)";
+    assert!(refused("Fixed", "", two).contains("not Kinematic"));
+    assert!(refused("Kinematic", "pose: (at: (1, 0, 0)),", two).contains("and a pose"));
+    assert!(refused("Kinematic", "velocity: (linear: (1, 0, 0)),", two).contains("a velocity"));
+    assert!(refused("Kinematic", "", "").contains("at least one"));
+    let order = refused("Kinematic", "", "(time: 2), (time: 1)");
+    assert!(order.contains("keyframe 1 is at 1 s, not after 2 s"), "{order}");
 }

@@ -69,6 +69,17 @@ pub enum ShapeError {
         /// The generator.
         shape: &'static str,
     },
+    /// Parts of a solid touch along an edge or at a corner only.
+    #[error(
+        "{shape}: parts touch only along an edge or at a corner, near {}, {}, {}: let them overlap there, or keep them apart",
+        at[0], at[1], at[2]
+    )]
+    Pinched {
+        /// The generator.
+        shape: &'static str,
+        /// Where, before anything is bent or scaled.
+        at: [f64; 3],
+    },
     /// The mesh was refused.
     #[error("{shape}: {source}")]
     Mesh {

@@ -25,14 +25,17 @@
 //! # Ok::<(), cranny_shapes::ShapeError>(())
 //! ```
 
+mod blocks;
 mod builder;
 mod cylinder;
 mod error;
 mod fasteners;
 mod floor;
+mod freeform;
 mod furniture;
 mod gear;
 mod golf_ball;
+mod household;
 mod lathe;
 mod polyhedra;
 mod prism;
@@ -40,19 +43,23 @@ mod profiles;
 mod round;
 mod shape;
 mod thread;
+mod vehicles;
 mod vessels;
 
 pub use cylinder::Cylinder;
 pub use error::{MAX_FACES, MAX_LENGTH, MIN_DETAIL, MIN_LENGTH, ShapeError};
 pub use fasteners::{IsoBolt, IsoNut};
 pub use floor::Floor;
+pub use freeform::{Boxes, Corners, Lathe};
 pub use furniture::{Hook, LockPlug, Stairs};
 pub use gear::Gear;
 pub use golf_ball::GolfBall;
+pub use household::{Chair, Lamp, Shelf, Table, Tub, Wall};
 pub use polyhedra::{Cuboid, Pyramid, Tetrahedron};
 pub use profiles::{CPrism, Comb, LPrism, UPrism};
 pub use round::{ChainLink, Sphere, Torus};
 pub use shape::Shape;
+pub use vehicles::{CarBody, Propeller, SpokedWheel, SubmarineHull};
 pub use vessels::{Cup, NestedShells, PyramidInCavity};
 
 // The example of the README must compile and run as well.

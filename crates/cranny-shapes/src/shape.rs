@@ -4,9 +4,10 @@ use cranny_geometry::Mesh;
 use serde::Deserialize;
 
 use crate::{
-    CPrism, ChainLink, Comb, Cuboid, Cup, Cylinder, Floor, Gear, GolfBall, Hook, IsoBolt, IsoNut,
-    LPrism, LockPlug, NestedShells, Pyramid, PyramidInCavity, ShapeError, Sphere, Stairs,
-    Tetrahedron, Torus, UPrism,
+    Boxes, CPrism, CarBody, ChainLink, Chair, Comb, Cuboid, Cup, Cylinder, Floor, Gear, GolfBall,
+    Hook, IsoBolt, IsoNut, LPrism, Lamp, Lathe, LockPlug, NestedShells, Propeller, Pyramid,
+    PyramidInCavity, ShapeError, Shelf, Sphere, SpokedWheel, Stairs, SubmarineHull, Table,
+    Tetrahedron, Torus, Tub, UPrism, Wall,
 };
 
 macro_rules! shapes {
@@ -14,7 +15,7 @@ macro_rules! shapes {
         /// Any generator, as a scene file names it: `IsoNut(diameter: 16, pitch: 2)`. In RON this
         /// reads with the extension `unwrap_variant_newtypes`; without it, parentheses are doubled.
         /// Parameters that are left out take their defaults; unknown ones are refused.
-        #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+        #[derive(Clone, Debug, PartialEq, Deserialize)]
         #[non_exhaustive]
         pub enum Shape {
             $(#[doc = $what] $name($name),)*
@@ -78,4 +79,16 @@ shapes! {
     Hook: "A hook.",
     Stairs: "A flight of stairs.",
     LockPlug: "A lock's plug, with a keyway for an L.",
+    Boxes: "Boxes put together, less others.",
+    Lathe: "A profile turned about an axis.",
+    Wall: "A wall with doorways and windows.",
+    Chair: "A chair.",
+    Table: "A table.",
+    Shelf: "A shelf of compartments.",
+    Tub: "A bathtub, a sink or a tray.",
+    Lamp: "A standing lamp.",
+    CarBody: "The shell of an automobile.",
+    SpokedWheel: "A wheel with spokes.",
+    Propeller: "A ship's propeller.",
+    SubmarineHull: "A submarine's hull.",
 }

@@ -8,6 +8,10 @@ pub use cranny_narrow_phase::Normals;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+mod path;
+
+pub use path::{Interpolation, Keyframe, KeyframedPath, PathEnd, PathError};
+
 /// A whole scene.
 #[derive(Clone, Debug)]
 pub struct SceneDescription {
@@ -43,7 +47,7 @@ pub struct SceneDescription {
 pub enum BodyKind {
     /// Never moves.
     Fixed,
-    /// Moves as told (its velocity), pushed by nothing.
+    /// Moves by its velocity or along its path, pushed by nothing.
     Kinematic,
     /// Moves as physics says.
     Dynamic,
@@ -68,6 +72,9 @@ pub struct BodyDescription {
     pub linear_velocity: DVec3,
     /// Radians a second.
     pub angular_velocity: DVec3,
+    /// Where it goes, in place of its velocities: of kinematic bodies, whose `pose` is the path's
+    /// at time 0.
+    pub path: Option<Arc<KeyframedPath>>,
     /// What it is made of.
     pub material: Material,
     /// Its mass, where it does not follow from the material's density and the solid.

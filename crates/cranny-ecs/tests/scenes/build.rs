@@ -23,6 +23,7 @@ pub(crate) fn cube(name: &str, kind: BodyKind, at: DVec3, velocity: DVec3) -> Bo
         pose: Pose::at(at),
         linear_velocity: velocity,
         angular_velocity: DVec3::ZERO,
+        path: None,
         material: Material::default(),
         mass: None,
         normals: Normals::Flat,

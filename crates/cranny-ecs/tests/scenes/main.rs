@@ -13,6 +13,7 @@ mod fixed_update;
 mod force_feedback;
 mod links;
 mod parts;
+mod paths;
 mod penetration;
 mod proximity;
 #[cfg(feature = "record")]
@@ -24,3 +25,5 @@ mod response;
 #[cfg(feature = "rapier")]
 mod sound;
 mod spatial;
+#[cfg(all(feature = "rapier", feature = "scene"))]
+mod worlds;

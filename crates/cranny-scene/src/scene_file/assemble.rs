@@ -10,7 +10,7 @@ use cranny_exact::{Aabb, DVec3, Pose};
 use cranny_geometry::Mesh;
 use cranny_world::description::{
     BodyDescription, BodyKind, CameraDescription, CameraView, JointDescription, JointKind,
-    Material, PairDescription, Resistance, SceneDescription, StatedMass,
+    Keyframe, KeyframedPath, Material, PairDescription, Resistance, SceneDescription, StatedMass,
 };
 
 use super::geometry::CollisionGeometry;
@@ -120,25 +120,26 @@ impl Assembly<'_> {
         let kind = BodyKind::from(body.kind);
         let velocity = [body.velocity.linear.0, body.velocity.angular.0];
         if kind == BodyKind::Fixed && velocity != [DVec3::ZERO; 2] {
-            let what = format!(
-                "body {:?} is Fixed but has a velocity. Make it Kinematic, or leave the velocity out",
-                body.name
-            );
-            let place = self.source.find("name", &body.name);
-            return Err(self.source.error(place, SceneProblem::Contradiction(what)));
+            let what = "is Fixed but has a velocity. Make it Kinematic, or leave the velocity out";
+            return Err(self.contradicted(&body.name, what));
         }
         let geometry = self.geometry(&body.name, &body.shape)?;
         let mass = self.mass(&body.name, kind, &geometry, body.mass, body.material.into())?;
         let visual = body.visual.as_ref().map(|visual| self.drawn(&body.name, visual));
+        let path = self.path(body, kind)?;
+        let whose = format!("body {:?}", body.name);
+        let pose = path.as_ref().map(|path| path.pose_at(0.0));
+        let pose = pose.unwrap_or_else(|| self.pose(&whose, body.pose.unwrap_or_default()));
         let description = BodyDescription {
             name: body.name.clone(),
             collision: geometry.mesh,
             model: geometry.model,
             visual: visual.transpose()?,
             kind,
-            pose: self.pose(&format!("body {:?}", body.name), body.pose),
+            pose,
             linear_velocity: velocity[0],
             angular_velocity: velocity[1],
+            path: path.map(Arc::new),
             material: body.material.into(),
             mass,
             normals: body.normals.into(),
@@ -148,6 +149,41 @@ impl Assembly<'_> {
         };
         self.description.bodies.push(description);
         Ok(())
+    }
+
+    /// A body says two things that do not go together.
+    fn contradicted(&self, body: &str, what: &str) -> SceneError {
+        let problem = SceneProblem::Contradiction(format!("body {body:?} {what}"));
+        self.source.error(self.source.find("name", body), problem)
+    }
+
+    /// The path of a body, if it has one.
+    fn path(
+        &mut self,
+        body: &BodyFile,
+        kind: BodyKind,
+    ) -> Result<Option<KeyframedPath>, SceneError> {
+        let Some(path) = &body.path else { return Ok(None) };
+        let still = [body.velocity.linear.0, body.velocity.angular.0] == [DVec3::ZERO; 2];
+        let wrong = match (kind, &body.pose) {
+            (BodyKind::Kinematic, None) if still => None,
+            (BodyKind::Kinematic, None) => Some("a velocity. Leave the velocity out"),
+            (BodyKind::Kinematic, _) => Some("a pose. Leave the pose out: it starts on its path"),
+            _ => Some("is not Kinematic. Make it Kinematic, or leave the path out"),
+        };
+        if let Some(wrong) = wrong {
+            let and = if kind == BodyKind::Kinematic { "and " } else { "but " };
+            return Err(self.contradicted(&body.name, &format!("has a path {and}{wrong}")));
+        }
+        let whose = format!("body {:?}", body.name);
+        let keyframes = path.keyframes.iter().map(|keyframe| {
+            let (time, pose) = (keyframe.time.0, self.pose(&whose, keyframe.pose));
+            Keyframe { time, pose }
+        });
+        let keyframes = keyframes.collect();
+        let path = KeyframedPath::new(keyframes, path.interpolation.into(), path.end.into());
+        let path = path.map_err(|why| self.contradicted(&body.name, &format!("has a path: {why}")));
+        path.map(Some)
     }
 
     fn pile(&mut self, group: &PileFile, index: u64) -> Result<(), SceneError> {
@@ -187,6 +223,7 @@ impl Assembly<'_> {
             pose: piece.pose,
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
+            path: None,
             material,
             mass: masses[piece.shape],
             normals: group.normals.into(),

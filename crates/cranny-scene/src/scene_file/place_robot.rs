@@ -232,6 +232,7 @@ impl Placing<'_> {
             pose,
             linear_velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
+            path: None,
             material: Material::from(self.file.material),
             mass: None,
             normals: self.file.normals.into(),

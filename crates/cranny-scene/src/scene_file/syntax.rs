@@ -6,7 +6,9 @@ use std::path::Path;
 use cranny_exact::{DQuat, DVec3, Pose};
 use cranny_geometry::Repair;
 use cranny_shapes::Shape;
-use cranny_world::description::{BodyKind, Effect, Material, Normals, RecordDescription};
+use cranny_world::description::{
+    BodyKind, Effect, Interpolation, Material, Normals, PathEnd, RecordDescription,
+};
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
@@ -91,9 +93,12 @@ pub(super) struct BodyFile {
     #[serde(default)]
     pub(super) kind: KindFile,
     #[serde(default)]
-    pub(super) pose: PoseFile,
+    pub(super) pose: Option<PoseFile>,
     #[serde(default)]
     pub(super) velocity: VelocityFile,
+    /// Where a kinematic body goes, in place of pose and velocity.
+    #[serde(default)]
+    pub(super) path: Option<PathFile>,
     #[serde(default)]
     pub(super) material: MaterialFile,
     #[serde(default)]
@@ -264,6 +269,60 @@ pub(super) struct VelocityFile {
 impl Default for VelocityFile {
     fn default() -> Self {
         Self { linear: Vector(DVec3::ZERO), angular: Vector(DVec3::ZERO) }
+    }
+}
+
+/// Poses at times.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Path")]
+pub(super) struct PathFile {
+    pub(super) keyframes: Vec<KeyframeFile>,
+    #[serde(default)]
+    pub(super) interpolation: InterpolationFile,
+    #[serde(default)]
+    pub(super) end: PathEndFile,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename = "Keyframe")]
+pub(super) struct KeyframeFile {
+    /// Seconds.
+    pub(super) time: NotNegative,
+    #[serde(default)]
+    pub(super) pose: PoseFile,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "Interpolation")]
+pub(super) enum InterpolationFile {
+    #[default]
+    Linear,
+    Eased,
+}
+
+impl From<InterpolationFile> for Interpolation {
+    fn from(interpolation: InterpolationFile) -> Self {
+        match interpolation {
+            InterpolationFile::Linear => Self::Linear,
+            InterpolationFile::Eased => Self::Eased,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename = "PathEnd")]
+pub(super) enum PathEndFile {
+    #[default]
+    Hold,
+    Loop,
+}
+
+impl From<PathEndFile> for PathEnd {
+    fn from(end: PathEndFile) -> Self {
+        match end {
+            PathEndFile::Hold => Self::Hold,
+            PathEndFile::Loop => Self::Loop,
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use cranny_geometry::Mesh;
 use cranny_scene::encode_obj;
 use cranny_shapes::{LPrism, UPrism};
 
-use crate::{arm, physical};
+use crate::{arm, crowds, house, physical, vehicles};
 
 /// Path under `assets/` and content.
 pub(crate) fn files() -> Vec<(String, String)> {
@@ -19,9 +19,13 @@ pub(crate) fn files() -> Vec<(String, String)> {
         ("scenes/mixed_pile.ron".to_owned(), mixed_pile(500, 10.0, 23.0, 24.0)),
         ("scenes/mixed_pile_50.ron".to_owned(), mixed_pile(50, 5.0, 10.0, 11.0)),
         ("scenes/robot_arm.ron".to_owned(), arm::scene()),
+        ("scenes/house.ron".to_owned(), house::house()),
+        ("scenes/automobile.ron".to_owned(), vehicles::automobile()),
+        ("scenes/submarine.ron".to_owned(), vehicles::submarine()),
         ("meshes/l.obj".to_owned(), encode_obj(&cut(&LPrism::default().build().unwrap(), 5))),
         ("meshes/u.obj".to_owned(), encode_obj(&cut(&UPrism::default().build().unwrap(), 4))),
     ];
+    files.extend(crowds::files());
     files.extend(physical::files());
     files.extend(arm::files());
     files

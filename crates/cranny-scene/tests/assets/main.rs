@@ -3,9 +3,14 @@
 //! `CRANNY_BLESS=1 cargo test -p cranny-scene --test assets` writes them anew.
 
 mod arm;
+mod crowds;
 mod generated;
+mod house;
 mod meeting;
 mod physical;
+mod vehicles;
+mod walks;
+mod worlds;
 
 use std::fs;
 use std::path::PathBuf;

@@ -2,6 +2,7 @@
 
 mod any_parameters;
 mod closed_shell;
+mod household;
 mod mating;
 mod parameters;
 mod solids;

@@ -1,0 +1,121 @@
+//! Kinematic bodies that follow keyframed paths: each step gets the velocities that lead to where
+//! the path is at the step's end, so that a body pushes as fast as it goes.
+
+use std::sync::Arc;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_transform::components::Transform;
+use cranny_exact::{DVec3, Pose};
+use cranny_world::description::KeyframedPath;
+
+use crate::body::{Bodies, Body, narrowed, pose_of, transform_of};
+use crate::clock::{CoreSystems, CrannyStep, SimulatedTime, StepSystems};
+use crate::kinematics::Kinematic;
+use crate::properties::{AngularVelocity, LinearVelocity, RigidBody};
+
+/// The systems of paths.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PathSystems {
+    /// Path to velocities, at the beginning of the step.
+    Lead,
+}
+
+/// A path that a kinematic body follows: it writes the body's [`LinearVelocity`] and
+/// [`AngularVelocity`] in each step. On bodies of another kind it does nothing.
+///
+/// At the end of each step the body is where the path is, to the rounding of `Transform`s, wherever
+/// it was before. Where a looping path jumps, the body does: its `Transform` is set, and for that
+/// step it has no velocity.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct FollowsPath {
+    /// In world coordinates.
+    pub path: Arc<KeyframedPath>,
+    /// When the path begins, seconds of [`SimulatedTime`].
+    pub since: f64,
+}
+
+/// Leads kinematic bodies along their paths.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathPlugin;
+
+impl Plugin for PathPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(
+            CrannyStep,
+            lead.run_if(any_with_component::<FollowsPath>)
+                .in_set(PathSystems::Lead)
+                .in_set(StepSystems::Admit)
+                .after(CoreSystems::Admit),
+        );
+    }
+}
+
+/// Whom paths lead.
+type Led<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static Body,
+        &'static RigidBody,
+        &'static FollowsPath,
+        &'static mut Transform,
+        &'static mut LinearVelocity,
+        &'static mut AngularVelocity,
+        Option<&'static Kinematic>,
+    ),
+>;
+
+fn lead(
+    mut led: Led,
+    bodies: Res<Bodies>,
+    time: Res<SimulatedTime>,
+    #[cfg(feature = "rapier")] solver: Option<Res<crate::solved::RigidBodies>>,
+) {
+    for (body, kind, follows, mut transform, mut linear, mut angular, unsolved) in &mut led {
+        if *kind != RigidBody::Kinematic {
+            continue;
+        }
+        let center = unsolved.map(|kinematic| kinematic.center);
+        #[cfg(feature = "rapier")]
+        let center = center.or_else(|| solver.as_ref()?.center_of_mass(body.id));
+        let Some(center) = center else { continue };
+        let (now, dt) = (time.seconds() - follows.since, time.step());
+        let target = follows.path.pose_at(now + dt);
+        if !follows.path.is_continuous(now, now + dt) {
+            let scale = transform.scale;
+            transform.set_if_neq(Transform { scale, ..transform_of(&target) });
+        }
+        let reach = bodies.get(body.id).map_or(0.0, |record| record.model.radius());
+        let from = pose_of(&transform);
+        let [v, w] = if has_arrived(&from, &target, reach) {
+            [DVec3::ZERO; 2]
+        } else {
+            velocities(&from, &target, center, dt)
+        };
+        linear.set_if_neq(LinearVelocity(narrowed(v)));
+        angular.set_if_neq(AngularVelocity(narrowed(w)));
+    }
+}
+
+/// A body this near its path (in rounding errors of its coordinates) is where it should be.
+/// Smaller: a body that waits is moved to and fro by a rounding error, and wakes whatever it
+/// touches; larger: it lags behind a slow path.
+const ROUNDINGS: f64 = 4.0;
+
+fn has_arrived(from: &Pose, to: &Pose, reach: f64) -> bool {
+    let bound = ROUNDINGS * f64::from(f32::EPSILON);
+    let size = to.translation.abs().max_element() + reach;
+    // Half the sine of half the angle, nearly.
+    let turn = (from.rotation.conjugate() * to.rotation).xyz().length();
+    from.translation.distance(to.translation) <= bound * size && turn <= bound
+}
+
+/// The velocities that lead from one pose to another in `dt` seconds; the linear one is that of the
+/// centre of mass, given in the body's frame.
+fn velocities(from: &Pose, to: &Pose, center: DVec3, dt: f64) -> [DVec3; 2] {
+    let at = |pose: &Pose| pose.world_from_body().apply(center);
+    let turn = to.rotation * from.rotation.conjugate();
+    let turn = if turn.w < 0.0 { -turn } else { turn };
+    [(at(to) - at(from)) / dt, turn.to_scaled_axis() / dt]
+}

@@ -1,0 +1,271 @@
+//! Keyframed motion: poses at times, and what lies between them.
+
+use cranny_exact::{DQuat, Pose};
+use thiserror::Error;
+
+/// A pose at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keyframe {
+    /// Seconds since the path began, >= 0.
+    pub time: f64,
+    /// `world_from_body`.
+    pub pose: Pose,
+}
+
+/// How a path gets from one keyframe to the next. Both ways pass through the same poses: the body's
+/// origin moves along a straight line, and the rotation turns about one axis by at most half a
+/// turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interpolation {
+    /// At constant linear and angular velocity.
+    #[default]
+    Linear,
+    /// From rest to rest: the share `u` of the time is the share `3 u² - 2 u³` of the way.
+    Eased,
+}
+
+/// What a path does after its last keyframe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PathEnd {
+    /// It stays there.
+    #[default]
+    Hold,
+    /// It begins again with the first keyframe. Where the two poses differ, the body jumps.
+    Loop,
+}
+
+/// Why keyframes make no path.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PathError {
+    /// There are none.
+    #[error("it has no keyframes: give at least one")]
+    Empty,
+    /// A time that is negative or no number.
+    #[error("keyframe {index} is at {time} s: times are finite and at least 0")]
+    Time {
+        /// Which, from 0.
+        index: usize,
+        /// Its time.
+        time: f64,
+    },
+    /// A time that is not after the one before.
+    #[error("keyframe {index} is at {time} s, not after {before} s of the one before: times rise")]
+    Order {
+        /// Which, from 0.
+        index: usize,
+        /// Its time.
+        time: f64,
+        /// The time of the keyframe before.
+        before: f64,
+    },
+    /// A rotation that is no unit quaternion.
+    #[error("keyframe {index}: its rotation is no unit quaternion, or its place is not finite")]
+    Pose {
+        /// Which, from 0.
+        index: usize,
+    },
+    /// A loop that takes no time.
+    #[error("it loops, but its last keyframe is at 0 s: let it last longer, or hold")]
+    NoLoop,
+}
+
+/// A path in the world that a kinematic body follows, whatever it meets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyframedPath {
+    keyframes: Vec<Keyframe>,
+    interpolation: Interpolation,
+    end: PathEnd,
+}
+
+impl KeyframedPath {
+    /// A path through keyframes; before the first one it is there.
+    ///
+    /// # Errors
+    ///
+    /// [`PathError`]: no keyframe, times that do not rise, a pose that is none.
+    pub fn new(
+        keyframes: Vec<Keyframe>,
+        interpolation: Interpolation,
+        end: PathEnd,
+    ) -> Result<Self, PathError> {
+        let last = keyframes.last().ok_or(PathError::Empty)?.time;
+        for (index, &Keyframe { time, pose }) in keyframes.iter().enumerate() {
+            if !(time >= 0.0 && time.is_finite()) {
+                return Err(PathError::Time { index, time });
+            }
+            let before = index.checked_sub(1).map(|before| keyframes[before].time);
+            if let Some(before) = before.filter(|before| *before >= time) {
+                return Err(PathError::Order { index, time, before });
+            }
+            if Pose::checked(pose.rotation, pose.translation).is_err() {
+                return Err(PathError::Pose { index });
+            }
+        }
+        if end == PathEnd::Loop && last == 0.0 {
+            return Err(PathError::NoLoop);
+        }
+        Ok(Self { keyframes, interpolation, end })
+    }
+
+    /// The keyframes, times rising.
+    #[must_use]
+    pub fn keyframes(&self) -> &[Keyframe] {
+        &self.keyframes
+    }
+
+    /// How it gets from one to the next.
+    #[must_use]
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
+
+    /// What it does after the last one.
+    #[must_use]
+    pub fn end(&self) -> PathEnd {
+        self.end
+    }
+
+    /// Seconds to the last keyframe, or of one round.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.keyframes[self.keyframes.len() - 1].time
+    }
+
+    /// The pose at a time, seconds since the path began; a keyframe's own at the keyframe's time.
+    #[must_use]
+    pub fn pose_at(&self, seconds: f64) -> Pose {
+        let time = self.within(seconds);
+        let next = self.keyframes.partition_point(|keyframe| keyframe.time <= time);
+        let Some(before) = next.checked_sub(1) else { return self.keyframes[0].pose };
+        let (from, to) = (self.keyframes[before], self.keyframes.get(next));
+        let Some(to) = to.filter(|_| from.time < time) else { return from.pose };
+        let share = (time - from.time) / (to.time - from.time);
+        let share = match self.interpolation {
+            Interpolation::Linear => share,
+            Interpolation::Eased => share * share * (3.0 - 2.0 * share),
+        };
+        between(&from.pose, &to.pose, share)
+    }
+
+    /// Whether the path goes on from `before` to `after` (seconds) without a jump.
+    #[must_use]
+    pub fn is_continuous(&self, before: f64, after: f64) -> bool {
+        let round = |seconds: f64| (seconds / self.duration()).floor();
+        let closed = || self.keyframes[0].pose == self.keyframes[self.keyframes.len() - 1].pose;
+        self.end == PathEnd::Hold || round(before) == round(after) || closed()
+    }
+
+    /// The same time in the first round of a path that loops.
+    fn within(&self, seconds: f64) -> f64 {
+        match self.end {
+            PathEnd::Hold => seconds,
+            PathEnd::Loop => seconds.rem_euclid(self.duration()),
+        }
+    }
+}
+
+/// A share of the way from one pose to another.
+fn between(from: &Pose, to: &Pose, share: f64) -> Pose {
+    let rotation = turned(from.rotation, to.rotation, share);
+    Pose { rotation, translation: from.translation.lerp(to.translation, share) }
+}
+
+/// After so many halvings of at most half a turn, the chord is the arc to rounding. Fewer: the
+/// rotation does not turn evenly; more: nothing changes but the time.
+const HALVINGS: u32 = 20;
+
+/// A share of the shorter turn from one rotation to another, at constant rate, by halving the arc:
+/// without sines, so that all machines agree.
+fn turned(from: DQuat, to: DQuat, share: f64) -> DQuat {
+    let unit = |q: DQuat| q * (1.0 / q.length());
+    let to = if from.dot(to) < 0.0 { -to } else { to };
+    let (mut ends, mut share) = ([from, to], share);
+    for _ in 0..HALVINGS {
+        let middle = unit(ends[0] + ends[1]);
+        share *= 2.0;
+        if share < 1.0 {
+            ends[1] = middle;
+        } else {
+            ends[0] = middle;
+            share -= 1.0;
+        }
+    }
+    unit(ends[0] * (1.0 - share) + ends[1] * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use cranny_exact::DVec3;
+
+    use super::*;
+
+    fn key(time: f64, x: f64, degrees: f64) -> Keyframe {
+        let rotation = DQuat::from_rotation_z(degrees.to_radians());
+        Keyframe { time, pose: Pose { rotation, translation: DVec3::X * x } }
+    }
+
+    fn path(keys: &[Keyframe], interpolation: Interpolation, end: PathEnd) -> KeyframedPath {
+        KeyframedPath::new(keys.to_vec(), interpolation, end).unwrap()
+    }
+
+    fn turned(pose: &Pose) -> f64 {
+        2.0 * pose.rotation.z.atan2(pose.rotation.w).to_degrees()
+    }
+
+    #[test]
+    fn a_path_waits_goes_straight_and_holds() {
+        let keys = [key(1.0, 2.0, 0.0), key(3.0, 6.0, 90.0)];
+        let path = path(&keys, Interpolation::Linear, PathEnd::Hold);
+        let x = |time: f64| path.pose_at(time).translation.x;
+        assert_eq!([0.0, 1.0, 1.5, 2.0, 3.0, 99.0].map(x), [2.0, 2.0, 3.0, 4.0, 6.0, 6.0]);
+        assert!((turned(&path.pose_at(1.5)) - 22.5).abs() < 1e-12);
+        assert_eq!(path.pose_at(3.0), keys[1].pose);
+    }
+
+    #[test]
+    fn an_eased_path_starts_and_ends_at_rest_and_is_as_far_half_way() {
+        let keys = [key(0.0, 0.0, 0.0), key(2.0, 1.0, 0.0)];
+        let path = path(&keys, Interpolation::Eased, PathEnd::Hold);
+        let x = |time: f64| path.pose_at(time).translation.x;
+        assert_eq!([x(0.0), x(1.0), x(2.0)], [0.0, 0.5, 1.0]);
+        assert!(x(0.01) < 1e-4 && x(1.99) > 1.0 - 1e-4 && x(0.5) < 0.25);
+    }
+
+    #[test]
+    fn a_loop_begins_again_and_says_where_it_jumps() {
+        let keys = [key(0.0, 0.0, 0.0), key(1.0, 1.0, 0.0), key(2.0, 0.5, 0.0)];
+        let open = path(&keys, Interpolation::Linear, PathEnd::Loop);
+        assert_eq!(open.pose_at(2.5), open.pose_at(0.5));
+        assert!(open.is_continuous(0.1, 1.9) && !open.is_continuous(1.9, 2.1));
+        let keys = [key(0.0, 0.0, 0.0), key(1.0, 1.0, 0.0), key(2.0, 0.0, 0.0)];
+        assert!(path(&keys, Interpolation::Linear, PathEnd::Loop).is_continuous(1.9, 2.1));
+        assert!(path(&keys, Interpolation::Linear, PathEnd::Hold).is_continuous(1.9, 2.1));
+    }
+
+    #[test]
+    fn the_shorter_turn_is_taken() {
+        let mut keys = [key(0.0, 0.0, 170.0), key(1.0, 0.0, 190.0)];
+        keys[1].pose.rotation = -keys[1].pose.rotation;
+        let path = path(&keys, Interpolation::Linear, PathEnd::Hold);
+        assert!((turned(&path.pose_at(0.5)).abs() - 180.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn keyframes_that_make_no_path_are_refused() {
+        let new = |keys: &[Keyframe], end| {
+            KeyframedPath::new(keys.to_vec(), Interpolation::Linear, end).unwrap_err()
+        };
+        assert_eq!(new(&[], PathEnd::Hold), PathError::Empty);
+        assert_eq!(
+            new(&[key(1.0, 0.0, 0.0), key(1.0, 1.0, 0.0)], PathEnd::Hold),
+            PathError::Order { index: 1, time: 1.0, before: 1.0 }
+        );
+        assert_eq!(
+            new(&[key(-1.0, 0.0, 0.0)], PathEnd::Hold),
+            PathError::Time { index: 0, time: -1.0 }
+        );
+        assert_eq!(new(&[key(0.0, f64::NAN, 0.0)], PathEnd::Hold), PathError::Pose { index: 0 });
+        assert_eq!(new(&[key(0.0, 0.0, 0.0)], PathEnd::Loop), PathError::NoLoop);
+    }
+}
