@@ -66,5 +66,5 @@ pub use message::{
 };
 pub use output::FRAMES_PER_CHUNK;
 pub use recorder::{LogLevel, Recorder, Summary};
-pub use recording::{DrawnBody, PosesByName, Recording, TopicSummary};
+pub use recording::{DrawnBody, LogLine, PosesByName, Recording, TopicSummary};
 pub use recover::{RecoverError, Recovered, recover};

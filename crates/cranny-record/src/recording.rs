@@ -24,6 +24,9 @@ use crate::topic;
 /// `world_from_body` by the bodies' names.
 pub type PosesByName = BTreeMap<String, Pose>;
 
+/// A line of the log: how urgent, and what.
+pub type LogLine = (LogLevel, String);
+
 /// A topic of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TopicSummary {
@@ -186,7 +189,7 @@ impl Recording {
     /// # Errors
     ///
     /// [`ReadError::Message`] for a message that cannot be decoded.
-    pub fn log(&self) -> Result<Vec<(u64, (LogLevel, String))>, ReadError> {
+    pub fn log(&self) -> Result<Vec<(u64, LogLine)>, ReadError> {
         self.messages(topic::LOG, |data| {
             let line = Log::decode(data).map_err(|e| e.to_string())?;
             let level = match Level::try_from(line.level) {

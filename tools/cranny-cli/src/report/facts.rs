@@ -90,7 +90,7 @@ impl Facts {
         vec![self.series("energy", |stats| measure(stats, topic::ENERGY))]
     }
 
-    /// Milliseconds a step, phase by phase of the simulation; phases that cost nothing are left out.
+    /// Milliseconds a step, phase by phase of the simulation; those without cost are left out.
     pub(super) fn cost(&self) -> Vec<Series> {
         let simulated = topic::PHASES.iter().filter(|name| !BESIDE.contains(name));
         let phases = simulated.map(|name| {
