@@ -24,6 +24,9 @@ const STEPS: u64 = 480;
 /// the run are seen.
 const STRETCH: u64 = 24;
 
+/// Pairs that were near each other, and where.
+type NearPairs = BTreeMap<(BodyId, BodyId), ([Model; 2], Vec<PosePair>)>;
+
 /// Pairs of bodies, and the poses of each in the order of its motion.
 #[derive(Clone)]
 pub(super) struct Motion {
@@ -82,7 +85,7 @@ impl Motion {
         let mut app = SceneApp::new(&description, &options).map_err(failure)?;
         let total = app.steps_total();
         let bar = progress::bar(total, "simulating");
-        let mut near: BTreeMap<(BodyId, BodyId), ([Model; 2], Vec<PosePair>)> = BTreeMap::new();
+        let mut near: NearPairs = BTreeMap::new();
         for step in 0..total {
             app.step().map_err(failure)?;
             bar.inc(1);
@@ -145,7 +148,7 @@ fn is_taken(step: u64, total: u64) -> bool {
 }
 
 /// Adds the poses of the pairs that are near each other after a step.
-fn take(app: &mut SceneApp, near: &mut BTreeMap<(BodyId, BodyId), ([Model; 2], Vec<PosePair>)>) {
+fn take(app: &mut SceneApp, near: &mut NearPairs) {
     let Some(mut detector) = app.app_mut().world_mut().get_resource_mut::<Detector>() else {
         return;
     };

@@ -89,7 +89,7 @@ fn responds(scene: &LoadedScene) -> bool {
     let of_bodies = description.bodies.iter().flat_map(|body| &body.effects);
     let of_pairs = description.pairs.iter().flat_map(|pair| &pair.effects);
     let mut all = description.effects.iter().chain(of_bodies).chain(of_pairs);
-    all.any(|effect| matches!(effect, Effect::Response { .. }))
+    all.any(|effect| matches!(effect, Effect::Response))
 }
 
 /// The page of views of a run, or why nothing could be drawn.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use cranny_ecs::Replay;
 use cranny_record::{LogLevel, ReadError, Recording, StatsMessage, topic};
 
-use super::plot::Series;
+use super::plot::PlotSeries;
 
 /// What a page says.
 pub(super) struct Facts {
@@ -68,30 +68,30 @@ impl Facts {
     }
 
     /// A number of every frame; `None` of a frame that has none.
-    fn series(&self, name: &str, of: impl Fn(&StatsMessage) -> Option<f64>) -> Series {
+    fn series(&self, name: &str, of: impl Fn(&StatsMessage) -> Option<f64>) -> PlotSeries {
         let points = self.stats.iter().filter_map(|(time, stats)| Some((*time, of(stats)?)));
-        Series { name: name.to_owned(), points: points.collect() }
+        PlotSeries { name: name.to_owned(), points: points.collect() }
     }
 
-    pub(super) fn contacts(&self) -> Vec<Series> {
+    pub(super) fn contacts(&self) -> Vec<PlotSeries> {
         vec![
             self.series("contacts", |stats| Some(stats.contacts as f64)),
             self.series("pairs that touch", |stats| Some(stats.touching_pairs as f64)),
         ]
     }
 
-    pub(super) fn depth(&self) -> Vec<Series> {
+    pub(super) fn depth(&self) -> Vec<PlotSeries> {
         let depth = |stats: &StatsMessage| Some(stats.deepest.as_ref().map_or(0.0, |d| d.depth));
         vec![self.series("deepest overlap", depth)]
     }
 
     /// Empty where no solver was there to move anything.
-    pub(super) fn energy(&self) -> Vec<Series> {
+    pub(super) fn energy(&self) -> Vec<PlotSeries> {
         vec![self.series("energy", |stats| measure(stats, topic::ENERGY))]
     }
 
     /// Milliseconds a step, phase by phase of the simulation; those without cost are left out.
-    pub(super) fn cost(&self) -> Vec<Series> {
+    pub(super) fn cost(&self) -> Vec<PlotSeries> {
         let simulated = topic::PHASES.iter().filter(|name| !BESIDE.contains(name));
         let phases = simulated.map(|name| {
             let words = name.trim_start_matches("ms_");

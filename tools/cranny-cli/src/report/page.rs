@@ -8,7 +8,7 @@ use cranny_render::palette::{self, palette};
 
 use super::facts::{Facts, Overlap};
 use super::pictures::Picture;
-use super::plot::{Axis, Series, plot};
+use super::plot::{Axis, PlotSeries, plot};
 use crate::page::{escaped, picture_data};
 
 /// What is put on a page.
@@ -22,7 +22,7 @@ pub(super) struct RunPage<'a> {
     pub(super) close_ups: Vec<(Overlap, Vec<u8>)>,
 }
 
-/// Series that have a colour of their own.
+/// PlotSeries that have a colour of their own.
 const COLORS: usize = 6;
 
 impl RunPage<'_> {
@@ -186,11 +186,11 @@ fn figure(png: &[u8], alt: &str, caption: &str) -> String {
 }
 
 /// Names of the series, where there are several.
-fn legend(series: &[Series]) -> String {
+fn legend(series: &[PlotSeries]) -> String {
     if series.len() < 2 {
         return String::new();
     }
-    let name = |(i, series): (usize, &Series)| {
+    let name = |(i, series): (usize, &PlotSeries)| {
         format!("<span><i class=\"s{i}\"></i>{}</span>", escaped(&series.name))
     };
     format!(

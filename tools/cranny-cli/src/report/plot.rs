@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// A number over time.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Series {
+pub(super) struct PlotSeries {
     pub(super) name: String,
     /// Seconds, and the number.
     pub(super) points: Vec<(f64, f64)>,
@@ -35,7 +35,7 @@ pub(super) enum Axis {
 }
 
 /// The plot of some series; `None` where no series has a point.
-pub(super) fn plot(series: &[Series], axis: Axis, label: &str) -> Option<String> {
+pub(super) fn plot(series: &[PlotSeries], axis: Axis, label: &str) -> Option<String> {
     let all = || series.iter().flat_map(|series| &series.points);
     all().next()?;
     let last = all().fold(0.0f64, |last, point| last.max(point.0));
@@ -209,6 +209,9 @@ mod tests {
         let drawn = thinned(&points);
         assert!(drawn.len() <= MOST_POINTS && drawn.is_sorted_by(|p, q| p.0 <= q.0));
         assert!(drawn.contains(&(7_777.0, 9.0)));
-        assert_eq!(plot(&[Series { name: String::new(), points: vec![] }], Axis::Free, "x"), None);
+        assert_eq!(
+            plot(&[PlotSeries { name: String::new(), points: vec![] }], Axis::Free, "x"),
+            None
+        );
     }
 }
