@@ -11,6 +11,13 @@ const LADDER: [f64; 3] = [1e-1, 1e-2, 1e-3];
 /// parry computes in, counts as an error; larger: what misses a contact by a hair is called exact.
 const NONE: f64 = 1e-5;
 
+/// A method that is wrong about whether bodies meet at a larger part of the poses is no better
+/// choice, however quick.
+const MISJUDGED: f64 = 0.01;
+
+/// A method that is wrong about it at a larger part is none.
+const USELESS: f64 = 0.5;
+
 /// A kind of poses, in words, and its panel of a row.
 type NamedPanel = (&'static str, fn(&MethodFigures) -> &Panel);
 
@@ -61,9 +68,13 @@ fn cost(panel: &Panel) -> Option<Cost> {
 /// What ten times more error saves, step by step.
 fn ladder(all: &[MethodFigures], of: fn(&MethodFigures) -> &Panel, exact: Cost) -> Option<String> {
     let steps = LADDER.map(|error| quickest(all, of, error).map(|cost| (error, cost.us)));
+    let mut steps: Vec<(f64, f64)> = steps.into_iter().flatten().collect();
+    // Of errors that take the same time, the least.
+    steps.reverse();
+    steps.dedup_by_key(|(_, us)| *us);
+    steps.reverse();
     let cheaper: Vec<String> = steps
         .into_iter()
-        .flatten()
         .filter(|(_, us)| *us < 0.9 * exact.us)
         .map(|(error, us)| format!("{} us within {}", micros(us), percent(error)))
         .collect();
@@ -99,9 +110,11 @@ fn beside(
     }
     let matched = quickest(all, of, cost.error);
     let wins = cost.us < matched.map_or(f64::INFINITY, |ours| ours.us);
-    words += match (wins, cost.error <= NONE) {
+    let misjudged = peer.wrong as f64 / peer.poses.max(1) as f64;
+    words += match (wins && misjudged <= MISJUDGED, cost.error <= NONE) {
         (true, true) => ": the better choice here.",
         (true, false) => ": the better choice where that is good enough.",
+        (false, _) if misjudged > USELESS => ": no choice here.",
         (false, _) => ".",
     };
     Some(words)
@@ -131,7 +144,7 @@ mod tests {
         let level = (method == "cranny").then(|| "tree:4".to_owned());
         let name = Name { level, ..Name::of_peer(method) };
         let (mean_us, error) = (Some(us), Some(error));
-        let apart = Panel { poses: 7, mean_us, error, wrong: 2, ..Panel::default() };
+        let apart = Panel { poses: 700, mean_us, error, wrong: 2, ..Panel::default() };
         MethodFigures { apart, ..MethodFigures::none(name, String::new()) }
     }
 
@@ -144,6 +157,14 @@ mod tests {
             "Where bodies are apart, an exact answer takes 12 us on average. Coarser ones take \
              1.00 us within 10 %, 3.00 us within 1 % of the size of the smaller body."
         );
+        let same = [row("cranny", 1.0, 0.0005), row("cranny", 12.0, 0.0)];
+        let said = paragraphs(&same).remove(0);
+        assert!(
+            said.ends_with(
+                "Coarser ones take 1.00 us within 0.1 % of the size of the smaller body."
+            ),
+            "{said}"
+        );
         let said = paragraphs(&[row("cranny", 1.0, 0.0), row("cranny", 3.0, 0.5)]).remove(0);
         assert!(said.ends_with("comes within 10 % for less."), "{said}");
         assert!(paragraphs(&[]).is_empty());
@@ -155,12 +176,17 @@ mod tests {
         let beside = |peer| paragraphs(&[&ours[..], &[peer]].concat()).remove(0);
         let quick = beside(row("parry-decomposition", 3.0, 0.012));
         let said = "Its convex pieces are 4.0 times faster and off by 1.2 % of the size on \
-                    average, and wrong about whether they meet at 2 of 7: the better choice where \
+                    average, and wrong about whether they meet at 2 of 700: the better choice where \
                     that is good enough.";
         assert!(quick.ends_with(said), "{quick}");
         let slow = beside(row("parry-trimesh", 24.0, 1e-8));
         assert!(slow.contains("2.0 times slower and as exact, and wrong"), "{slow}");
         assert!(!slow.contains("better choice"), "{slow}");
+        let mut misjudging = row("parry-decomposition", 3.0, 0.012);
+        misjudging.apart.wrong = 8;
+        assert!(beside(misjudging.clone()).ends_with("at 8 of 700."));
+        misjudging.apart.wrong = 700;
+        assert!(beside(misjudging).ends_with("at 700 of 700: no choice here."));
         // Its error is one that ours reaches sooner.
         assert!(!beside(row("parry-trimesh", 2.0, 0.6)).contains("better choice"));
     }
