@@ -46,16 +46,21 @@ impl Parts {
             (Part::Face, _) => normal(a),
             (_, Part::Face) => normal(b),
             (Part::Side(i), Part::Side(j)) => cross(&side(a, i).1, &side(b, j).1),
-            (Part::Corner(i), Part::Corner(j)) => minus(&b[j as usize], &a[i as usize]),
-            (Part::Corner(i), Part::Side(j)) => away(&a[i as usize], side(b, j)),
-            (Part::Side(i), Part::Corner(j)) => away(&b[j as usize], side(a, i)),
+            (Part::Corner(i), Part::Corner(j)) => minus(corner(b, j), corner(a, i)),
+            (Part::Corner(i), Part::Side(j)) => away(corner(a, i), side(b, j)),
+            (Part::Side(i), Part::Corner(j)) => away(corner(b, j), side(a, i)),
         }
     }
 }
 
+/// Numbers beyond the third begin again: any direction may be tried.
+fn corner(triangle: &[Vector; 3], i: u8) -> &Vector {
+    &triangle[i as usize % 3]
+}
+
 /// Where a side starts, and where it leads.
 fn side(triangle: &[Vector; 3], i: u8) -> (&Vector, Vector) {
-    let (from, to) = (&triangle[i as usize], &triangle[(i as usize + 1) % 3]);
+    let (from, to) = (corner(triangle, i), &triangle[(i as usize + 1) % 3]);
     (from, minus(to, from))
 }
 

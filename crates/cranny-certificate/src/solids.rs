@@ -121,7 +121,7 @@ impl Sides {
             match other.locate(&sample) {
                 Location::Inside => self.inside = true,
                 Location::Outside => self.outside = true,
-                Location::On => match flush_partner(body, other, face, partners, &sample) {
+                Location::On => match flush_partner(body, other, face, partners, &sample)? {
                     None => continue,
                     // A face that bounds nothing has no inside behind it.
                     Some(_) if !body.bounds_space(face) => {}
@@ -135,20 +135,31 @@ impl Sides {
     }
 }
 
-/// Whether a face of the other body that lies in the plane of a face and holds a point of it looks
-/// the same way; `None` where there is none.
+/// Whether the faces of the other body that lie in the plane of a face and hold a point of it look
+/// the same way; `None` where there are none.
+///
+/// # Errors
+///
+/// Some look one way and some the other: what lies behind them does not follow from their normals.
 fn flush_partner(
     body: &Body,
     other: &Body,
     face: u32,
     partners: &[u32],
     sample: &Point,
-) -> Option<Ordering> {
+) -> Result<Option<Ordering>, String> {
     let own = body.outward(face);
     let is_flush = |&&g: &&u32| {
         other.bounds_space(g)
             && is_zero(&cross(&own, &other.outward(g)))
             && holds(&other.triangle(g), sample)
     };
-    partners.iter().find(is_flush).map(|&g| sign(&dot(&own, &other.outward(g))))
+    let mut looks = partners.iter().filter(is_flush).map(|&g| sign(&dot(&own, &other.outward(g))));
+    let first = looks.next();
+    match looks.all(|next| Some(next) == first) {
+        true => Ok(first),
+        false => Err(format!(
+            "face {face} cannot be judged: faces that lie flush with it contradict each other"
+        )),
+    }
 }

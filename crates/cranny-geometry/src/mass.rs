@@ -258,7 +258,8 @@ mod tests {
         // A single triangle is a shell too, and one without area has a place.
         let sheet = Mesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2]]).unwrap();
         let sheet = SurfaceProperties::of(&sheet);
-        assert_eq!((sheet.area, sheet.center), (0.5, DVec3::new(1.0, 1.0, 0.0) / 3.0));
+        assert_eq!(sheet.area, 0.5);
+        assert!((sheet.center - DVec3::new(1.0, 1.0, 0.0) / 3.0).length() < 1e-15, "{sheet:?}");
         assert!((sheet.inertia.x_axis.x - 1.0 / 36.0).abs() < 1e-15, "{sheet:?}");
         let line = Mesh::new(vec![DVec3::ZERO, DVec3::X, 2.0 * DVec3::X], vec![[0, 1, 2]]).unwrap();
         assert_eq!(SurfaceProperties::of(&line).inertia, DMat3::ZERO);

@@ -309,6 +309,7 @@ impl Simulation {
     /// Mass; 0 for bodies that are not dynamic.
     #[must_use]
     pub fn mass(&self, body: BodyIndex) -> f64 {
-        self.body(body).mass().into()
+        let body = self.body(body);
+        if body.is_dynamic() { body.mass().into() } else { 0.0 }
     }
 }

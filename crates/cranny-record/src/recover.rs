@@ -51,7 +51,7 @@ pub enum RecoverError {
     Read(#[from] ReadError),
     /// No frame of it is whole.
     #[error(
-        "'{}' holds no whole frame: the run ended before one was written out, and there is nothing to recover", path.display()
+        "'{}' holds no whole frame: the run ended before one was written out, or what it wrote is damaged. There is nothing to recover", path.display()
     )]
     NoFrame {
         /// The file.
@@ -79,7 +79,7 @@ pub fn recover(partial: &Path, out: &Path) -> Result<Recovered, RecoverError> {
         output: Output::create(out, RECOVERING)?,
         until: last.1,
         channels: Channels::default(),
-        has_end: false,
+        end: None,
         left_out: 0,
     };
     let mut written = Ok(());
@@ -89,10 +89,13 @@ pub fn recover(partial: &Path, out: &Path) -> Result<Recovered, RecoverError> {
         }
     });
     written?;
-    if !copy.has_end {
-        copy.output.metadata(topic::METADATA_END, end_of(found.frames, last.0))?;
-    }
     let left_out = copy.left_out;
+    // What the file says of its end is true if nothing of it is lost.
+    let end = match copy.end.take() {
+        Some(end) if found.damaged == 0 && left_out == 0 => end,
+        _ => end_of(found.frames, last.0, found.damaged),
+    };
+    copy.output.metadata(topic::METADATA_END, end)?;
     let (path, size) = copy.output.finish()?;
     Ok(Recovered {
         path,
@@ -107,13 +110,17 @@ pub fn recover(partial: &Path, out: &Path) -> Result<Recovered, RecoverError> {
     })
 }
 
-fn end_of(frames: u64, last_step: u64) -> BTreeMap<String, String> {
-    let why = "recovered: the run was killed, or could not write on";
+fn end_of(frames: u64, last_step: u64, damaged: u64) -> BTreeMap<String, String> {
+    let why = match damaged {
+        0 => "recovered: the run was killed, or could not write on".to_owned(),
+        1 => "recovered: 1 damaged chunk is left out".to_owned(),
+        n => format!("recovered: {n} damaged chunks are left out"),
+    };
     let entries = [
         ("interrupted", "true".to_owned()),
         ("frames", frames.to_string()),
         ("last_step", last_step.to_string()),
-        ("why", why.to_owned()),
+        ("why", why),
     ];
     entries.map(|(key, value)| (key.to_owned(), value)).into()
 }
@@ -192,7 +199,8 @@ struct Copy {
     /// Log time of the last whole frame.
     until: u64,
     channels: Channels,
-    has_end: bool,
+    /// What the file says of its end.
+    end: Option<BTreeMap<String, String>>,
     left_out: u64,
 }
 
@@ -200,10 +208,11 @@ impl Copy {
     fn take(&mut self, record: Record<'_>) -> Result<(), RecordError> {
         match record {
             Record::Message { header, data } => self.message(&header, &data),
-            Record::Metadata(record) => {
-                self.has_end |= record.name == topic::METADATA_END;
-                self.output.metadata(&record.name, record.metadata)
+            Record::Metadata(record) if record.name == topic::METADATA_END => {
+                self.end = Some(record.metadata);
+                Ok(())
             }
+            Record::Metadata(record) => self.output.metadata(&record.name, record.metadata),
             Record::Attachment { header, data, .. } => {
                 self.output.attach(&header.name, &header.media_type, &data)
             }

@@ -114,6 +114,7 @@ fn a_body_weighs_what_the_scene_says() {
     for (fields, words) in [
         (", mass: Total(0)", "greater than 0"),
         (", mass: Stated(mass: 1, inertia: (1, 1, 1), products: (2, 0, 0))", "principal moments"),
+        (", mass: Stated(mass: 1, inertia: (0.1, 0.1, 0.9))", "the sum of the other two"),
         (", mass: Stated(mass: 1)", "inertia"),
         (", mass: Total(1), kind: Fixed", "only a Dynamic body"),
         (", mass: Hull(), kind: Kinematic", "only a Dynamic body"),

@@ -99,15 +99,17 @@ fn meshes_are_found_beside_the_scene_and_shared() {
     )
     .unwrap();
     let path = folder.path().join("s.ron");
-    let text = r#"(bodies: [(name: "a", shape: Mesh(path: "meshes/t.OBJ")), (name: "b", shape: Mesh(path: "meshes/t.OBJ")),
-        (name: "c", shape: Mesh(path: "meshes/t.OBJ", scale: (1, 1, -2)))])"#;
+    let text = r#"(bodies: [(name: "a", shape: Mesh(path: "meshes/t.OBJ"), visual: Mesh(path: "meshes/t.OBJ")), (name: "b", shape: Mesh(path: "meshes/t.OBJ")),
+        (name: "c", shape: Mesh(path: "meshes/t.OBJ", scale: (1, 1, -2)), visual: Mesh(path: "meshes/t.OBJ", scale: (1, 1, -2)))])"#;
     std::fs::write(&path, text).unwrap();
     let loaded = load_scene(&path).unwrap();
     let bodies = &loaded.description.bodies;
     assert!(std::sync::Arc::ptr_eq(&bodies[0].collision, &bodies[1].collision));
     assert_eq!(bodies[2].collision.vertices()[3], DVec3::new(0.0, 0.0, -2.0));
-    let [a, b, c] = bodies[0].collision.faces()[0];
-    assert_eq!(bodies[2].collision.faces()[0], [a, c, b], "mirrored faces are turned");
+    // As filed; what collides looks outwards, mirrored or not.
+    let face = |body: usize| bodies[body].visual.as_ref().unwrap().faces()[0];
+    let [a, b, c] = face(0);
+    assert_eq!(face(2), [a, c, b], "mirrored faces are turned");
     assert_eq!(loaded.files, [folder.path().join("meshes/t.OBJ")]);
     assert!(loaded.notes[0].contains("1 polygon with"), "{:?}", loaded.notes);
     std::fs::write(&path, text.replace("1, 1, -2", "1, 0, 1")).unwrap();

@@ -75,8 +75,12 @@ impl Simulation {
     ) -> Result<(), SimulationError> {
         let source = mass.into();
         let shape = self.options.detector.shape_with(model, normals, body.0)?;
-        let dynamic = self.body(body).is_dynamic();
-        let mass = dynamic.then(|| source.properties(model)).transpose()?;
+        let mass = match self.body(body).body_type() {
+            RigidBodyType::Dynamic => Some(source.properties(model)?),
+            // It turns about its centre of mass, if it has one.
+            RigidBodyType::Fixed => None,
+            _ => Some(source.properties(model).unwrap_or_default()),
+        };
         let collider = self.tagged[body.0 as usize].collider;
         self.tagged[body.0 as usize] = Tagged::new(model, collider, source.center());
         self.collider_mut(body).set_shape(shape);
@@ -105,10 +109,18 @@ impl Simulation {
         model: &Model,
         mass: impl Into<MassSource>,
     ) -> Result<(), SimulationError> {
+        let source = mass.into();
+        // It turns about its centre of mass, if it has one.
+        let center = source.properties(model).ok();
         if kind == BodyKind::Dynamic {
-            self.set_mass(body, model, mass)?;
+            self.set_mass(body, model, source)?;
         } else {
             self.leave_coordinates(body);
+        }
+        if kind == BodyKind::Kinematic
+            && let Some(center) = center
+        {
+            self.put_mass(body, center);
         }
         let own = kind == BodyKind::Dynamic && self.options.detector != Detector::Cranny;
         let handle = self.handle(body);

@@ -51,6 +51,7 @@ pub(super) fn assemble(
         source,
         description,
         shapes: Vec::new(),
+        drawn: Vec::new(),
         files: Vec::new(),
         notes: Vec::new(),
         warnings: Vec::new(),
@@ -109,6 +110,8 @@ pub(super) struct Assembly<'a> {
     pub(super) description: SceneDescription,
     /// Geometry made so far: bodies of one shape share it.
     pub(super) shapes: Vec<(ShapeFile, CollisionGeometry)>,
+    /// The same of what is drawn.
+    pub(super) drawn: Vec<(ShapeFile, Arc<Mesh>)>,
     files: Vec<PathBuf>,
     pub(super) notes: Vec<String>,
     /// One sentence each: what somebody should know before the scene runs.

@@ -72,12 +72,18 @@ impl Assembly<'_> {
 
     /// What is drawn, of a shape: as filed.
     pub(super) fn drawn(&mut self, body: &str, shape: &ShapeFile) -> Result<Arc<Mesh>, SceneError> {
-        match shape {
-            ShapeFile::Mesh { path, scale, recenter, .. } if !is_model(path) => {
-                Ok(Arc::new(self.mesh_file(body, path, scale.0, *recenter)?))
-            }
-            _ => Ok(self.geometry(body, shape)?.mesh),
+        let ShapeFile::Mesh { path, scale, recenter, .. } = shape else {
+            return Ok(self.geometry(body, shape)?.mesh);
+        };
+        if is_model(path) {
+            return Ok(self.geometry(body, shape)?.mesh);
         }
+        if let Some((_, known)) = self.drawn.iter().find(|(known, _)| known == shape) {
+            return Ok(Arc::clone(known));
+        }
+        let mesh = Arc::new(self.mesh_file(body, path, scale.0, *recenter)?);
+        self.drawn.push((shape.clone(), Arc::clone(&mesh)));
+        Ok(mesh)
     }
 
     fn contradiction(&self, body: &str, what: String) -> SceneError {

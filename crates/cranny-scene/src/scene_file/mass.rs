@@ -29,8 +29,12 @@ pub(super) fn of(
         None if solid(geometry)?.is_some() => Ok(None),
         None => {
             let mass = hull(geometry, density)?;
+            let lacks = match &geometry.model {
+                Some(model) if model.is_closed() => "its mesh bounds no volume",
+                _ => "its mesh is not closed",
+            };
             let why = format!(
-                "its mesh is not closed, so it has no solid: its mass ({:.4}) is that of its convex hull. Say `mass: Total(…)`, `Shell(thickness: …)` or `Hull()`, or close the mesh",
+                "{lacks}, so it has no solid: its mass ({:.4}) is that of its convex hull. Say `mass: Total(…)`, `Shell(thickness: …)` or `Hull()`, or close the mesh",
                 mass.mass
             );
             Ok(Some((mass, Some(why))))
@@ -105,12 +109,29 @@ fn stated(
     let DVec3 { x: xy, y: yz, z: zx } = products.unwrap_or(DVec3::ZERO);
     let inertia =
         DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
+    // The integral of x xᵀ over the body: no principal moment exceeds the sum of the others.
+    let second = DMat3::from_diagonal(DVec3::splat(0.5 * (xx + yy + zz))) - inertia;
     // Sylvester: all leading minors above 0.
-    if !(xx * yy - xy * xy > 0.0 && inertia.determinant() > 0.0) {
+    let is_positive = xx * yy - xy * xy > 0.0 && inertia.determinant() > 0.0;
+    if !(is_positive && is_semidefinite(&second)) {
         return Err(format!(
-            "no body has the inertia {moments:?} with the products {:?}: its principal moments must be above 0",
+            "no body has the inertia {moments:?} with the products {:?}: its principal moments must be above 0, and none greater than the sum of the other two",
             [xy, yz, zx]
         ));
     }
     Ok(StatedMass { mass, center: center.unwrap_or(DVec3::ZERO), inertia })
+}
+
+/// Rounding of a minor, relative to the matrix. Smaller: flat bodies, whose greatest moment is the
+/// sum of the others, are refused; larger: bodies that cannot be pass.
+const MINOR_ROUNDING: f64 = 1e-9;
+
+/// Whether a symmetric matrix has no eigenvalue below 0: all principal minors are at least 0.
+fn is_semidefinite(m: &DMat3) -> bool {
+    let [[a, d, e], [_, b, f], [_, _, c]] = m.to_cols_array_2d();
+    let size = [a, b, c].map(f64::abs).into_iter().fold(0.0, f64::max);
+    let at_least = |minor: f64, power: i32| minor >= -MINOR_ROUNDING * size.powi(power);
+    [a, b, c].into_iter().all(|minor| at_least(minor, 1))
+        && [a * b - d * d, a * c - e * e, b * c - f * f].into_iter().all(|minor| at_least(minor, 2))
+        && at_least(m.determinant(), 3)
 }

@@ -177,7 +177,7 @@ pub(super) enum MassFile {
     },
 }
 
-/// Principal moments, all above 0.
+/// Moments xx, yy, zz, all above 0.
 pub(super) type MomentsFile = [Positive; 3];
 
 fn unscaled() -> Scale {

@@ -151,7 +151,7 @@ impl KeyframedPath {
     /// Whether the path goes on from `before` to `after` (seconds) without a jump.
     #[must_use]
     pub fn is_continuous(&self, before: f64, after: f64) -> bool {
-        let round = |seconds: f64| (seconds / self.duration()).floor();
+        let round = |seconds: f64| self.round_of(seconds).0;
         let closed = || self.keyframes[0].pose == self.keyframes[self.keyframes.len() - 1].pose;
         self.end == PathEnd::Hold || round(before) == round(after) || closed()
     }
@@ -160,8 +160,15 @@ impl KeyframedPath {
     fn within(&self, seconds: f64) -> f64 {
         match self.end {
             PathEnd::Hold => seconds,
-            PathEnd::Loop => seconds.rem_euclid(self.duration()),
+            PathEnd::Loop => self.round_of(seconds).1,
         }
+    }
+
+    /// The round that a time is in, and the time in it: of one division, so that the two agree.
+    fn round_of(&self, seconds: f64) -> (f64, f64) {
+        let duration = self.duration();
+        let rest = seconds.rem_euclid(duration);
+        (((seconds - rest) / duration).round(), rest)
     }
 }
 
@@ -230,6 +237,22 @@ mod tests {
         let x = |time: f64| path.pose_at(time).translation.x;
         assert_eq!([x(0.0), x(1.0), x(2.0)], [0.0, 0.5, 1.0]);
         assert!(x(0.01) < 1e-4 && x(1.99) > 1.0 - 1e-4 && x(0.5) < 0.25);
+    }
+
+    /// Multiples of 0.1 s are not whole numbers of steps of 0.01 s to the last bit.
+    #[test]
+    fn no_step_that_goes_on_crosses_the_jump() {
+        let keys = [key(0.0, 0.0, 0.0), key(0.1, 1.0, 0.0)];
+        let path = path(&keys, Interpolation::Linear, PathEnd::Loop);
+        let mut jumps = 0;
+        for step in 0..2_000u32 {
+            let [before, after] = [step, step + 1].map(|step| f64::from(step) * 0.01);
+            let [from, to] = [before, after].map(|time| path.pose_at(time).translation.x);
+            let goes_on = path.is_continuous(before, after);
+            assert_eq!(goes_on, to > from, "{before}: {from} to {to}");
+            jumps += usize::from(!goes_on);
+        }
+        assert!((199..=200).contains(&jumps), "{jumps}");
     }
 
     #[test]

@@ -268,7 +268,11 @@ mod tests {
             .into_iter()
             .map(|points| {
                 let depth = Some(Interval::point(0.25 * points.len() as f64));
-                Reply { pose: 1, time, found: ContactAnswer { points, depth } }
+                Reply {
+                    pose: 1,
+                    time,
+                    found: ContactAnswer { meets: Some(!points.is_empty()), points, depth },
+                }
             })
             .collect();
         MethodFigures::judged(&judged_three(), Name::of_peer("it"), &replies, &contacts)

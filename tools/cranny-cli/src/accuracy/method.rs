@@ -28,6 +28,8 @@ pub(super) trait Method {
 /// What a method answers about bodies that overlap.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactAnswer {
+    /// Whether the bodies share a point; `None`: it does not say.
+    pub(super) meets: Option<bool>,
     /// Where contact is, or may be.
     pub(super) points: Vec<DVec3>,
     /// Holds the depth of the deepest; a point where the method gives no bounds.

@@ -111,11 +111,7 @@ impl Method for Ours {
         let found = self.estimate(posed, Demand::Distance { below: None });
         let Some(found) = found else { return PoseAnswer::default() };
         PoseAnswer {
-            meets: match found.verdict {
-                Verdict::Certain => Some(true),
-                Verdict::Excluded => Some(false),
-                Verdict::Open => None,
-            },
+            meets: meets(&found),
             distance: Some(found.separation.hi),
             held: Some(found.separation),
             witnesses: found.witnesses.map(|w| w.map(|w| w.point)),
@@ -126,7 +122,7 @@ impl Method for Ours {
     fn contacts(&mut self, posed: Posed) -> ContactAnswer {
         let found = self.estimate(posed, Demand::Regions { margin: 0.0 });
         let Some(found) = found else { return ContactAnswer::default() };
-        let Interval { lo, hi } = found.separation;
+        let (Interval { lo, hi }, meets) = (found.separation, meets(&found));
         let points = match found.answer {
             Some(answer) => {
                 let contacts = answer.contacts.iter();
@@ -134,7 +130,15 @@ impl Method for Ours {
             }
             None => found.places.iter().map(|place| place.bounds.center()).collect(),
         };
-        ContactAnswer { points, depth: Some(Interval { lo: -hi, hi: -lo }) }
+        ContactAnswer { meets, points, depth: Some(Interval { lo: -hi, hi: -lo }) }
+    }
+}
+
+fn meets(found: &Estimate) -> Option<bool> {
+    match found.verdict {
+        Verdict::Certain => Some(true),
+        Verdict::Excluded => Some(false),
+        Verdict::Open => None,
     }
 }
 

@@ -139,7 +139,8 @@ pub(super) fn page(
         "Lower is more exact, farther left is quicker. Blue, red and orange lines bound the answer: \
          the error is the width of the interval that certainly holds it. Parry gives no bounds: its \
          error is how far it is off. Where bodies overlap, ours answers with whole regions: curves, \
-         area, depth. Filled dots keep memory from pose to pose, or have none to keep.",
+         area, depth. Filled dots keep memory from pose to pose; parry begins anew at each, \
+         without the manifolds that rapier would keep.",
     );
     if !shown.runs.is_empty() {
         motion(&mut page, &shown.runs)?;
@@ -167,7 +168,11 @@ fn motion(page: &mut Page, runs: &[RunFigures]) -> Result<(), Failure> {
          becomes of the bodies. Depths are exact answers at the poses that each detector led to.",
     );
     if let Some(svg) = compare::chart::outcome(runs)? {
-        page.drawing(&svg, "Lower is shallower, farther left is quicker.");
+        page.drawing(
+            &svg,
+            "Lower is shallower, farther left is quicker. A detector under which a body lay wholly \
+             within another, or left the world, has no mark.",
+        );
     }
     let (headings, rows) = figures::columns(runs);
     page.table(&headings, &rows);
@@ -199,22 +204,23 @@ fn table(all: &[MethodFigures]) -> (Vec<String>, Vec<Vec<String>>) {
         "overlap: us",
         "error",
         "wrong",
+        "open",
     ];
     let row = |row: &MethodFigures| {
         let [apart, overlap] = [&row.apart, &row.overlapping].map(figures_of);
-        let open = if row.apart.poses > 0 { row.apart.open.to_string() } else { String::new() };
         let memory = if row.name.is_ours() { row.name.memory } else { "" };
         let names = [row.name.label(), memory.to_owned()];
-        [&names[..], &apart[..], &[open], &overlap[..]].concat()
+        [&names[..], &apart[..], &overlap[..]].concat()
     };
     let measured = all.iter().filter(|row| row.note.is_none());
     (headings.map(str::to_owned).to_vec(), measured.map(row).collect())
 }
 
-/// Time, error and wrong verdicts.
-fn figures_of(panel: &Panel) -> [String; 3] {
+/// Time, error, wrong verdicts and open ones.
+fn figures_of(panel: &Panel) -> [String; 4] {
     let known = panel.mean_us.zip(panel.error);
     known.map_or_else(Default::default, |(us, error)| {
-        [format!("{us:.2}"), percent(error), panel.wrong.to_string()]
+        let [wrong, open] = [panel.wrong, panel.open].map(|count| count.to_string());
+        [format!("{us:.2}"), percent(error), wrong, open]
     })
 }

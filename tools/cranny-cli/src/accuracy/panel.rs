@@ -42,7 +42,7 @@ impl Panel {
         Self::of(judged, replies.iter(), |found, truth| Estimated {
             held: found.depth,
             truth: truth.depth,
-            meets: Some(!found.points.is_empty()),
+            meets: found.meets,
         })
     }
 

@@ -126,6 +126,7 @@ impl Method for Peer {
                 depth = depth.max(f64::from(-contact.dist));
             }
         }
-        ContactAnswer { points, depth: Some(Interval::point(depth)) }
+        let meets = Some(!points.is_empty());
+        ContactAnswer { meets, points, depth: Some(Interval::point(depth)) }
     }
 }

@@ -8,7 +8,7 @@ const COLUMNS: &str = "poses,median_us,p99_us,tests_mean,false_negatives,false_p
 width_mean,width_max,distance_error_mean,distance_error_max,witness_error_mean,witness_error_max,\
 contact_poses,contact_median_us,contact_p99_us,contacts_mean,contacts_missed,contact_error_mean,\
 contact_error_max,apart_poses,apart_mean_us,apart_error,apart_error_max,apart_wrong,apart_open,\
-overlapping_poses,overlapping_mean_us,overlapping_error,overlapping_error_max,overlapping_wrong,\
+overlapping_poses,overlapping_mean_us,overlapping_error,overlapping_error_max,overlapping_wrong,overlapping_open,\
 note";
 
 /// All rows, below a line of names. Numbers are written so that they read back to the bit.
@@ -52,6 +52,7 @@ impl MethodFigures {
             cell(self.overlapping.error),
             cell(self.overlapping.error_max),
             self.overlapping.wrong.to_string(),
+            self.overlapping.open.to_string(),
             cell(self.note.as_deref().map(quoted)),
         ]
         .join(",")

@@ -73,14 +73,27 @@ impl Facts {
         PlotSeries { name: name.to_owned(), points: points.collect() }
     }
 
+    /// Whether contacts were reported, so that none means none.
+    pub(super) fn reports_contacts(&self) -> bool {
+        self.fact("effects").contains("Contacts")
+    }
+
+    /// Empty where none were reported.
     pub(super) fn contacts(&self) -> Vec<PlotSeries> {
+        if !self.reports_contacts() {
+            return Vec::new();
+        }
         vec![
             self.series("contacts", |stats| Some(stats.contacts as f64)),
             self.series("pairs that touch", |stats| Some(stats.touching_pairs as f64)),
         ]
     }
 
+    /// Empty where no contacts were reported.
     pub(super) fn depth(&self) -> Vec<PlotSeries> {
+        if !self.reports_contacts() {
+            return Vec::new();
+        }
         let depth = |stats: &StatsMessage| Some(stats.deepest.as_ref().map_or(0.0, |d| d.depth));
         vec![self.series("deepest overlap", depth)]
     }

@@ -60,6 +60,10 @@ impl RunPage<'_> {
             counted(fixed, "fixed one", "fixed ones"),
             seconds(facts.last())
         );
+        if !facts.reports_contacts() {
+            text += "Contacts and depths are not recorded: the scene does not ask for Contacts.";
+            return text;
+        }
         let _ = write!(text, "At most {} at once. ", counted(contacts, "contact", "contacts"));
         text += &match facts.deepest.first() {
             None => "No overlap was found.".to_owned(),
@@ -265,13 +269,8 @@ mod tests {
 
     #[test]
     fn numbers_have_three_digits() {
-        let cases = [
-            (0.0, "0.00000"),
-            (0.0123, "0.0123"),
-            (1.5, "1.50"),
-            (1234.4, "1234"),
-            (3e-9, "3.00e-9"),
-        ];
+        let cases =
+            [(0.0, "0"), (0.0123, "0.0123"), (1.5, "1.50"), (1234.4, "1234"), (3e-9, "3.00e-9")];
         for (value, text) in cases {
             assert_eq!(short(value), text);
         }
