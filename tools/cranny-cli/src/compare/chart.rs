@@ -42,7 +42,7 @@ pub(crate) fn outcome(rows: &[RunFigures]) -> Result<Option<String>, Failure> {
     let place = |row: &RunFigures| Some((row.step_ms?.mean, row.deepest.as_ref()?.depth));
     let marks: Vec<(String, (f64, f64))> = rows
         .iter()
-        // A body that lies within another has no depth, and one that fell through has none any more.
+        // A body that lies within another has no depth, and one that fell through has none left.
         .filter(|row| row.failure.is_none() && row.contained.is_none() && row.left.is_empty())
         .filter_map(|row| Some((row.name(), place(row)?)))
         .collect();
